@@ -1,0 +1,42 @@
+//! Holding the last good value: what a stream of samples needs against bad ones.
+
+use super::Reaction;
+use crate::frame::Wrench;
+use crate::scalar::Scalar;
+use crate::status::Status;
+
+/// The last good wrench and how many samples were answered with it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct HeldWrench<T> {
+    last: Wrench<T>,
+    held: u32,
+}
+
+impl<T: Scalar> HeldWrench<T> {
+    /// Nothing seen yet: a bad first sample is answered with zero.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Samples answered with an older value so far (saturating).
+    #[must_use]
+    pub fn held(&self) -> u32 {
+        self.held
+    }
+
+    pub(super) fn take(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
+        let fresh = evaluate();
+        let result_ok = fresh.wrench.is_finite();
+        let status = Status::INPUT_NOT_FINITE
+            .when(!input_ok)
+            .and(Status::RESULT_NOT_FINITE.when(input_ok && !result_ok))
+            .and(Status::CONTACT_LOST.when(input_ok && fresh.load == T::ZERO));
+        if status.is_held() {
+            self.held = self.held.saturating_add(1);
+        } else {
+            self.last = fresh.wrench;
+        }
+        (self.last, status)
+    }
+}

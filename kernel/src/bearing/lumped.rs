@@ -1,0 +1,297 @@
+//! Rung `lumped`: Hajzman's separate radial and axial elements between a rigid inner ring and a rigid or
+//! flexible outer one.
+//!
+//! `F = K Delta^n` for `Delta > 0`, radial `Delta = t^T q - e^T q_S - gamma`, axial alike, with the play
+//! `gamma` (negative: preload) and the housing displacement `q_S` of each element's contact point
+//! (Hajzman, eq. 1 to 5). The exponent and the backend are types; the values are here.
+
+use super::geometry::{InvalidParameter, check};
+use super::ring::{Contact, ContactStiffness, Ring, StiffnessSum, WrenchSum, into_cage};
+use super::surface::{Smooth, Surface};
+use super::{Azimuths, Bearing, Reaction};
+use crate::contact::law::Law;
+use crate::frame::{Displacement, Stiffness, Wrench};
+use crate::math::Math;
+use crate::scalar::Scalar;
+use crate::turn::Turn;
+use core::marker::PhantomData;
+
+/// Radial elements only: a radial ball or roller bearing.
+#[derive(Debug, Clone, Copy)]
+pub struct Radial<T, M, L, const N: usize, S = Smooth> {
+    ring: Ring<T, N>,
+    law: L,
+    play: T,
+    surface: S,
+    math: PhantomData<M>,
+}
+
+/// Axial elements only: a thrust bearing, pushed when the inner ring moves towards +Z.
+#[derive(Debug, Clone, Copy)]
+pub struct Axial<T, M, L, const N: usize> {
+    ring: Ring<T, N>,
+    law: L,
+    play: T,
+    math: PhantomData<M>,
+}
+
+/// Both kinds of element side by side: a combined bearing, or any two bearings on one seat.
+#[derive(Debug, Clone, Copy)]
+pub struct Combined<A, B>(pub A, pub B);
+
+/// Displacement of the outer ring or housing at one element's contact point: along X, Y, Z, m.
+pub type HousingPoint<T> = [T; 3];
+
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Radial<T, M, L, N> {
+    /// From the elements' azimuths, the law and the radial play (m; half the diametral clearance).
+    ///
+    /// # Errors
+    /// A play that is not finite.
+    pub fn try_new(azimuths: Azimuths<N>, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
+        check(true, "radial_play", radial_play, "a finite length")?;
+        Ok(Self {
+            ring: Ring::new(azimuths, 0.0),
+            law,
+            play: T::from_f64(radial_play),
+            surface: Smooth,
+            math: PhantomData,
+        })
+    }
+
+    /// The same bearing with damage on its outer race.
+    pub fn with_surface<S: Surface<T>>(self, surface: S) -> Radial<T, M, L, N, S> {
+        Radial { ring: self.ring, law: self.law, play: self.play, surface, math: PhantomData }
+    }
+}
+
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Axial<T, M, L, N> {
+    /// From the elements' azimuths, the law, the axial play (m) and the radius at which they act (m).
+    ///
+    /// # Errors
+    /// A play or radius that is not finite, a radius below 0.
+    pub fn try_new(azimuths: Azimuths<N>, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
+        check(true, "axial play", axial_play, "a finite length")?;
+        check(radius >= 0.0, "axial radius", radius, "0 m or more")?;
+        Ok(Self { ring: Ring::new(azimuths, radius), law, play: T::from_f64(axial_play), math: PhantomData })
+    }
+}
+
+/// One family of elements: what is common to the radial and the axial ones.
+trait Elements<T: Scalar, M: Math<T>, const N: usize> {
+    type Law: Law<T, M>;
+    fn ring(&self) -> &Ring<T, N>;
+    fn law(&self) -> &Self::Law;
+    /// Deflection before the positive part, from radial and axial displacement at the element.
+    fn deflection(&self, radial: T, axial: T, azimuth: Turn) -> T;
+    /// The direction in which the element pushes the inner ring, times the load.
+    fn contact(load: T) -> Contact<T>;
+    fn contact_stiffness(slope: T) -> ContactStiffness<T>;
+
+    /// Load on one element whose housing point is displaced by (radial, axial).
+    #[inline(always)]
+    fn delta(&self, place: &super::ring::Place<T>, u: &Displacement<T>, cage: Turn, housing: (T, T)) -> T {
+        let (radial, axial) = self.ring().at(place, u);
+        let azimuth = place.azimuth.plus(cage);
+        self.deflection(radial - housing.0, axial - housing.1, azimuth).positive_part()
+    }
+
+    #[inline(always)]
+    fn sum(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+        let turn = M::sin_cos(cage);
+        let local = into_cage(u, turn);
+        let mut sum = WrenchSum::default();
+        for place in &self.ring().places {
+            let delta = self.delta(place, &local, cage, (T::ZERO, T::ZERO));
+            sum.add(place, &Self::contact(self.law().load(delta)));
+        }
+        Reaction { wrench: sum.finish(self.ring().arm, turn), load: sum.load }
+    }
+
+    fn sum_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
+        let turn = M::sin_cos(cage);
+        let local = into_cage(u, turn);
+        let (mut sum, mut k) = (WrenchSum::default(), StiffnessSum::new());
+        for place in &self.ring().places {
+            let delta = self.delta(place, &local, cage, (T::ZERO, T::ZERO));
+            let (load, slope) = self.law().load_and_slope(delta);
+            sum.add(place, &Self::contact(load));
+            k.add(place, self.ring().arm, &Self::contact_stiffness(slope));
+        }
+        (Reaction { wrench: sum.finish(self.ring().arm, turn), load: sum.load }, k.finish(turn))
+    }
+
+    fn loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+        let local = into_cage(u, M::sin_cos(cage));
+        for (place, load) in self.ring().places.iter().zip(loads) {
+            *load = self.law().load(self.delta(place, &local, cage, (T::ZERO, T::ZERO)));
+        }
+    }
+
+    /// As [`Elements::sum`] with a flexible outer ring; the reactions on its points are added to `on_housing`.
+    fn sum_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &[HousingPoint<T>; N],
+        on_housing: &mut [HousingPoint<T>; N],
+    ) -> Reaction<T> {
+        let (sin, cos) = M::sin_cos(cage);
+        let local = into_cage(u, (sin, cos));
+        let mut sum = WrenchSum::default();
+        for ((place, [hx, hy, hz]), [rx, ry, rz]) in self.ring().places.iter().zip(housing).zip(on_housing) {
+            // The element's direction in the fixed frame, in which the housing point is given.
+            let e = (cos * place.cos - sin * place.sin, cos * place.sin + sin * place.cos);
+            let delta = self.delta(place, &local, cage, (*hx * e.0 + *hy * e.1, *hz));
+            let contact = Self::contact(self.law().load(delta));
+            sum.add(place, &contact);
+            *rx -= contact.radial * e.0;
+            *ry -= contact.radial * e.1;
+            *rz -= contact.axial;
+        }
+        Reaction { wrench: sum.finish(self.ring().arm, (sin, cos)), load: sum.load }
+    }
+}
+
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, S: Surface<T>, const N: usize> Elements<T, M, N> for Radial<T, M, L, N, S> {
+    type Law = L;
+    fn ring(&self) -> &Ring<T, N> {
+        &self.ring
+    }
+    fn law(&self) -> &L {
+        &self.law
+    }
+    #[inline(always)]
+    fn deflection(&self, radial: T, _axial: T, azimuth: Turn) -> T {
+        radial - self.play - self.surface.drop_at(azimuth)
+    }
+    #[inline(always)]
+    fn contact(load: T) -> Contact<T> {
+        Contact { radial: -load, axial: T::ZERO, load }
+    }
+    fn contact_stiffness(slope: T) -> ContactStiffness<T> {
+        ContactStiffness { radial: slope, cross: T::ZERO, axial: T::ZERO }
+    }
+}
+
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Elements<T, M, N> for Axial<T, M, L, N> {
+    type Law = L;
+    fn ring(&self) -> &Ring<T, N> {
+        &self.ring
+    }
+    fn law(&self) -> &L {
+        &self.law
+    }
+    #[inline(always)]
+    fn deflection(&self, _radial: T, axial: T, _azimuth: Turn) -> T {
+        axial - self.play
+    }
+    #[inline(always)]
+    fn contact(load: T) -> Contact<T> {
+        Contact { radial: T::ZERO, axial: -load, load }
+    }
+    fn contact_stiffness(slope: T) -> ContactStiffness<T> {
+        ContactStiffness { radial: T::ZERO, cross: T::ZERO, axial: slope }
+    }
+}
+
+/// A bearing whose outer ring is displaced point by point (Hajzman's `e^T q_S` term).
+pub trait FlexibleRing<T: Scalar, const N: usize> {
+    /// Force on the inner ring when the housing point of element `j` is displaced by `housing[j]`; the
+    /// reaction on each housing point, N along X, Y, Z, is added to `on_housing` (action = reaction).
+    fn reaction_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &[HousingPoint<T>; N],
+        on_housing: &mut [HousingPoint<T>; N],
+    ) -> Reaction<T>;
+}
+
+macro_rules! bearing_of_elements {
+    ($kind:ty, $($generics:tt)*) => {
+        impl<$($generics)*> Bearing<T> for $kind {
+            fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+                self.sum(u, cage)
+            }
+            fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
+                self.sum_and_stiffness(u, cage)
+            }
+            fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+                self.loads(u, cage, loads);
+            }
+        }
+
+        impl<$($generics)*> FlexibleRing<T, N> for $kind {
+            fn reaction_flexible(
+                &self,
+                u: &Displacement<T>,
+                cage: Turn,
+                housing: &[HousingPoint<T>; N],
+                on_housing: &mut [HousingPoint<T>; N],
+            ) -> Reaction<T> {
+                self.sum_flexible(u, cage, housing, on_housing)
+            }
+        }
+    };
+}
+
+bearing_of_elements!(Radial<T, M, L, N, S>, T: Scalar, M: Math<T>, L: Law<T, M>, S: Surface<T>, const N: usize);
+bearing_of_elements!(Axial<T, M, L, N>, T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize);
+
+fn both<T: Scalar>(a: Reaction<T>, b: Reaction<T>) -> Reaction<T> {
+    Reaction { wrench: a.wrench.plus(b.wrench), load: a.load + b.load }
+}
+
+impl<T: Scalar, A: Bearing<T>, B: Bearing<T>> Bearing<T> for Combined<A, B> {
+    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+        both(self.0.reaction(u, cage), self.1.reaction(u, cage))
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
+        let (a, ka) = self.0.reaction_and_stiffness(u, cage);
+        let (b, kb) = self.1.reaction_and_stiffness(u, cage);
+        (both(a, b), ka + kb)
+    }
+    /// The loads of the first kind only: one entry an element, as the radial ones show the load zone.
+    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+        self.0.element_loads(u, cage, loads);
+    }
+}
+
+impl<T: Scalar, A: FlexibleRing<T, N>, B: FlexibleRing<T, N>, const N: usize> FlexibleRing<T, N> for Combined<A, B> {
+    fn reaction_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &[HousingPoint<T>; N],
+        on_housing: &mut [HousingPoint<T>; N],
+    ) -> Reaction<T> {
+        let a = self.0.reaction_flexible(u, cage, housing, on_housing);
+        let b = self.1.reaction_flexible(u, cage, housing, on_housing);
+        both(a, b)
+    }
+}
+
+/// Many samples at once in structure-of-arrays form: `fx[i], fy[i]` from `u[i], v[i]`, the cage standing at `cage`.
+///
+/// The compiler turns the loop into the machine's vector instructions. Stops at the shortest of the four slices.
+pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize>(
+    bearing: &Radial<T, M, L, N>,
+    cage: Turn,
+    (u, v): (&[T], &[T]),
+    (fx, fy): (&mut [T], &mut [T]),
+) {
+    let turn = M::sin_cos(cage);
+    for (((&u, &v), fx), fy) in u.iter().zip(v).zip(fx).zip(fy) {
+        let ring = Displacement { u, v, ..Displacement::default() };
+        let local = into_cage(&ring, turn);
+        let mut sum = (T::ZERO, T::ZERO);
+        for place in &bearing.ring.places {
+            let delta = (local.u * place.cos + local.v * place.sin - bearing.play).positive_part();
+            let load = bearing.law.load(delta);
+            sum.0 -= load * place.cos;
+            sum.1 -= load * place.sin;
+        }
+        let wrench: Wrench<T> = super::ring::out_of_cage(&Wrench { fx: sum.0, fy: sum.1, ..Wrench::default() }, turn);
+        (*fx, *fy) = (wrench.fx, wrench.fy);
+    }
+}

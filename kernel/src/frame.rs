@@ -1,0 +1,141 @@
+//! Displacement, wrench and stiffness of a ring: the 5-vectors, their mirror, and the first paper's axes.
+//!
+//! Fixed frame X, Y radial, Z along the shaft, right-handed.
+
+use crate::scalar::Scalar;
+use nalgebra::SMatrix;
+
+/// Displacement of a ring, or of the inner ring against the outer: m, m, m, rad, rad.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Displacement<T> {
+    /// Along X, m.
+    pub u: T,
+    /// Along Y, m.
+    pub v: T,
+    /// Along Z, m.
+    pub w: T,
+    /// Tilt about X, rad.
+    pub thu: T,
+    /// Tilt about Y, rad.
+    pub thv: T,
+}
+
+/// Force and moment on the inner ring: N, N, N, N m, N m.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Wrench<T> {
+    /// Along X, N.
+    pub fx: T,
+    /// Along Y, N.
+    pub fy: T,
+    /// Along Z, N.
+    pub fz: T,
+    /// About X, N m.
+    pub mx: T,
+    /// About Y, N m.
+    pub my: T,
+}
+
+/// Tangent stiffness -d(wrench)/d(displacement), rows `FX, FY, FZ, MX, MY`, columns `u, v, w, thu, thv`.
+pub type Stiffness<T> = SMatrix<T, 5, 5>;
+
+impl<T: Scalar> Displacement<T> {
+    /// The five entries in order.
+    pub fn to_array(self) -> [T; 5] {
+        [self.u, self.v, self.w, self.thu, self.thv]
+    }
+
+    /// From the five entries in order.
+    pub fn from_array([u, v, w, thu, thv]: [T; 5]) -> Self {
+        Self { u, v, w, thu, thv }
+    }
+
+    /// From the first paper's `q = [u v w phi psi theta]`, X axial and Y, Z radial (Hajzman, eq. 2);
+    /// the torsion `phi` does nothing to a bearing.
+    pub fn from_hajzman([u, v, w, _phi, psi, theta]: [T; 6]) -> Self {
+        Self { u: v, v: w, w: u, thu: psi, thv: theta }
+    }
+
+    /// Seen from the frame turned by pi about X, in which a bearing facing -Z looks as one facing +Z.
+    pub fn mirrored(self) -> Self {
+        Self { u: self.u, v: -self.v, w: -self.w, thu: self.thu, thv: -self.thv }
+    }
+
+    /// No entry is NaN or infinite.
+    pub fn is_finite(self) -> bool {
+        all_finite(self.to_array())
+    }
+
+    /// Of the point at `station` along Z of a rigid body whose point at 0 has this displacement.
+    pub fn at_station(self, station: T) -> Self {
+        Self { u: self.u + station * self.thv, v: self.v - station * self.thu, ..self }
+    }
+}
+
+impl<T: Scalar> Wrench<T> {
+    /// The five entries in order.
+    pub fn to_array(self) -> [T; 5] {
+        [self.fx, self.fy, self.fz, self.mx, self.my]
+    }
+
+    /// From the five entries in order.
+    pub fn from_array([fx, fy, fz, mx, my]: [T; 5]) -> Self {
+        Self { fx, fy, fz, mx, my }
+    }
+
+    /// As the first paper's six entries of `f_B` in its axes, X axial and Y, Z radial (Hajzman, eq. 5 and 6):
+    /// `[F_x F_y F_z 0 M_y M_z]`. The sign is already that of `f_B`: the force on the shaft.
+    pub fn to_hajzman(self) -> [T; 6] {
+        [self.fz, self.fx, self.fy, T::ZERO, self.mx, self.my]
+    }
+
+    /// Back from the frame of [`Displacement::mirrored`].
+    pub fn mirrored(self) -> Self {
+        Self { fx: self.fx, fy: -self.fy, fz: -self.fz, mx: self.mx, my: -self.my }
+    }
+
+    /// No entry is NaN or infinite.
+    pub fn is_finite(self) -> bool {
+        all_finite(self.to_array())
+    }
+
+    /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
+    pub fn from_station(self, station: T) -> Self {
+        Self { mx: self.mx - station * self.fy, my: self.my + station * self.fx, ..self }
+    }
+
+    /// Entry by entry.
+    pub fn plus(self, other: Self) -> Self {
+        let (a, b) = (self, other);
+        Self { fx: a.fx + b.fx, fy: a.fy + b.fy, fz: a.fz + b.fz, mx: a.mx + b.mx, my: a.my + b.my }
+    }
+}
+
+/// `D K D` with `D = diag(1, -1, -1, 1, -1)`: a stiffness seen from the mirrored frame.
+pub fn mirrored_stiffness<T: Scalar>(k: &Stiffness<T>) -> Stiffness<T> {
+    const FLIPPED: [bool; 5] = [false, true, true, false, true];
+    Stiffness::from_fn(|i, j| {
+        let flip = FLIPPED.get(i).copied().unwrap_or(false) != FLIPPED.get(j).copied().unwrap_or(false);
+        if flip { -k[(i, j)] } else { k[(i, j)] }
+    })
+}
+
+/// `S^T K S` with `S` of [`Displacement::at_station`]: a stiffness moved to the point 0 of the rigid body.
+pub fn stiffness_from_station<T: Scalar>(k: &Stiffness<T>, station: T) -> Stiffness<T> {
+    let mut moved = *k;
+    for i in 0..5 {
+        moved[(i, 3)] -= station * k[(i, 1)];
+        moved[(i, 4)] += station * k[(i, 0)];
+    }
+    let columns = moved;
+    for j in 0..5 {
+        moved[(3, j)] -= station * columns[(1, j)];
+        moved[(4, j)] += station * columns[(0, j)];
+    }
+    moved
+}
+
+fn all_finite<T: Scalar>(entries: [T; 5]) -> bool {
+    entries.into_iter().all(Scalar::is_finite)
+}

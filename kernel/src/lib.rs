@@ -1,0 +1,19 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+#![deny(unsafe_code)]
+
+pub mod bearing;
+pub mod contact;
+pub mod frame;
+pub mod math;
+pub mod rotor;
+pub mod scalar;
+pub mod status;
+pub mod turn;
+
+pub use bearing::Bearing;
+pub use frame::{Displacement, Stiffness, Wrench};
+pub use math::{Exact, Fast, Math};
+pub use scalar::Scalar;
+pub use status::Status;
+pub use turn::Turn;

@@ -1,0 +1,37 @@
+//! How the shaft turns during one step.
+
+use crate::scalar::Scalar;
+use crate::turn::{Arc, Turn};
+
+/// Shaft angle, speed and angular acceleration at the start of a step; the acceleration holds through it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Drive<T> {
+    /// Angle of the keyphasor mark.
+    pub angle: Turn,
+    /// rad/s, positive about +Z.
+    pub speed: T,
+    /// rad/s^2.
+    pub acceleration: T,
+}
+
+impl<T: Scalar> Drive<T> {
+    /// Turned in the time `dt`: `w dt + a dt^2/2` (at most half a turn).
+    pub fn arc_after(&self, dt: T) -> Arc {
+        Arc::from_radians(dt * (self.speed + T::HALF * self.acceleration * dt))
+    }
+
+    /// The drive `dt` later.
+    #[must_use]
+    pub fn after(&self, dt: T) -> Self {
+        Self {
+            angle: self.angle.advanced(self.arc_after(dt)),
+            speed: self.speed + self.acceleration * dt,
+            acceleration: self.acceleration,
+        }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.speed.is_finite() && self.acceleration.is_finite()
+    }
+}

@@ -1,0 +1,134 @@
+//! A rigid rotor of five degrees of freedom on bearings, and its integrators.
+//!
+//! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6) with `q = [u v w thu thv]` of the centre
+//! of mass. A bearing at station `z` sees `u + z thv`, `v - z thu` and answers with a wrench moved back.
+
+mod drive;
+mod equilibrium;
+mod newmark;
+mod rigid;
+mod runge_kutta;
+mod solve;
+
+pub use drive::Drive;
+pub use equilibrium::{Equilibrium, equilibrium};
+pub use newmark::Newmark;
+pub use rigid::{RigidRotor, RotorParams, Unbalance};
+pub use runge_kutta::RungeKutta4;
+pub use solve::solve;
+
+use crate::bearing::Bearing;
+use crate::frame::{Displacement, Stiffness, Wrench, stiffness_from_station};
+use crate::math::Math;
+use crate::scalar::Scalar;
+use crate::status::Status;
+use crate::turn::{Arc, Ratio, Turn};
+
+/// A bearing on the rotor.
+#[derive(Debug, Clone, Copy)]
+pub struct Mounted<T, B> {
+    /// What it answers to a displacement.
+    pub bearing: B,
+    /// Along Z from the centre of mass, m.
+    pub station: T,
+    /// Cage speed over shaft speed.
+    pub cage_ratio: Ratio,
+}
+
+/// A rotor and its `N` bearings: the parameters of the hot path.
+#[derive(Debug, Clone, Copy)]
+pub struct Machine<T: Scalar, M, B, const N: usize> {
+    /// The rotor and what acts on it.
+    pub rotor: RigidRotor<T, M>,
+    /// Its bearings.
+    pub bearings: [Mounted<T, B>; N],
+}
+
+/// What changes from step to step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RotorState<T, const N: usize> {
+    /// Displacement of the centre of mass.
+    pub q: Displacement<T>,
+    /// Its rate, per second.
+    pub rate: Displacement<T>,
+    /// Its second derivative, carried by Newmark from step to step.
+    pub acceleration: Displacement<T>,
+    /// Cage angle of each bearing at shaft angle `shaft`.
+    pub cages: [Turn; N],
+    /// Shaft angle up to which the cages have been turned.
+    pub shaft: Turn,
+    /// Steps answered with the state held (saturating).
+    pub held: u32,
+}
+
+impl<T: Scalar, const N: usize> RotorState<T, N> {
+    /// At rest at `q`, with the shaft and the cages at these angles.
+    pub fn at_rest(q: Displacement<T>, shaft: Turn, cages: [Turn; N]) -> Self {
+        let zero = Displacement::default();
+        Self { q, rate: zero, acceleration: zero, cages, shaft, held: 0 }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.q.is_finite() && self.rate.is_finite() && self.acceleration.is_finite()
+    }
+}
+
+/// One way to step a [`Machine`] forward by a fixed time.
+pub trait Integrator<T: Scalar> {
+    /// From the state at the start of the step, whose shaft moves as `drive` says, to its end.
+    ///
+    /// A drive or result that is not finite leaves motion as it was, flagged and counted.
+    fn step<M: Math<T>, B: Bearing<T>, const N: usize>(
+        &self,
+        machine: &Machine<T, M, B, N>,
+        state: &mut RotorState<T, N>,
+        drive: &Drive<T>,
+    ) -> Status;
+}
+
+impl<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize> Machine<T, M, B, N> {
+    /// Wrench of all bearings on the rotor, taken at its centre of mass, with each cage at `cages`.
+    pub fn bearing_wrench(&self, q: &Displacement<T>, cages: &[Turn; N]) -> (Wrench<T>, T) {
+        self.bearings.iter().zip(cages).fold((Wrench::default(), T::ZERO), |(sum, load), (mounted, &cage)| {
+            let reaction = mounted.bearing.reaction(&q.at_station(mounted.station), cage);
+            (sum.plus(reaction.wrench.from_station(mounted.station)), load + reaction.load)
+        })
+    }
+
+    /// As [`Machine::bearing_wrench`], with the tangent stiffness at the centre of mass.
+    pub fn bearing_wrench_and_stiffness(&self, q: &Displacement<T>, cages: &[Turn; N]) -> (Wrench<T>, T, Stiffness<T>) {
+        let start = (Wrench::default(), T::ZERO, Stiffness::from_element(T::ZERO));
+        self.bearings.iter().zip(cages).fold(start, |(sum, load, stiffness), (mounted, &cage)| {
+            let (reaction, k) = mounted.bearing.reaction_and_stiffness(&q.at_station(mounted.station), cage);
+            (
+                sum.plus(reaction.wrench.from_station(mounted.station)),
+                load + reaction.load,
+                stiffness + stiffness_from_station(&k, mounted.station),
+            )
+        })
+    }
+
+    /// The cages after the shaft has gone `arc` further.
+    fn cages_after(&self, cages: &[Turn; N], arc: Arc) -> [Turn; N] {
+        let mut after = *cages;
+        for (cage, mounted) in after.iter_mut().zip(&self.bearings) {
+            *cage = cage.advanced(mounted.cage_ratio.of(arc));
+        }
+        after
+    }
+
+    /// Common end of a step: keeps `next` if it is good, else holds the motion; says which.
+    fn accept(state: &mut RotorState<T, N>, next: RotorState<T, N>, drive_ok: bool, load: T) -> Status {
+        let result_ok = next.is_finite();
+        let status = Status::INPUT_NOT_FINITE
+            .when(!drive_ok)
+            .and(Status::RESULT_NOT_FINITE.when(drive_ok && !result_ok))
+            .and(Status::CONTACT_LOST.when(drive_ok && load == T::ZERO));
+        if status.is_held() {
+            state.held = state.held.saturating_add(1);
+        } else {
+            *state = next;
+        }
+        status
+    }
+}

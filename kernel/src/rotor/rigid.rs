@@ -1,0 +1,170 @@
+//! The rigid rotor: inertia, gyroscopic coupling, damping, gravity, load, unbalance.
+
+use super::Drive;
+use crate::bearing::geometry::{InvalidParameter, check};
+use crate::frame::{Displacement, Stiffness, Wrench};
+use crate::math::Math;
+use crate::scalar::Scalar;
+use core::marker::PhantomData;
+
+/// One unbalance: a mass times its eccentricity, at an angle from the keyphasor mark, in a plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unbalance {
+    /// kg m.
+    pub moment: f64,
+    /// rad, in the direction of positive rotation.
+    pub angle: f64,
+    /// Along Z from the centre of mass, m.
+    pub station: f64,
+}
+
+/// What an engineer says of a rigid rotor, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RotorParams {
+    /// kg.
+    pub mass: f64,
+    /// I_d about X and Y, kg m^2.
+    pub diametral_inertia: f64,
+    /// I_p about Z, kg m^2.
+    pub polar_inertia: f64,
+    /// B, symmetric: N s/m, N s, N m s.
+    pub damping: [[f64; 5]; 5],
+    /// Springs on the rotor itself: N/m (three), N m/rad (two).
+    pub stiffness: [f64; 5],
+    /// m/s^2.
+    pub gravity: [f64; 3],
+    /// Constant force and moment, N and N m.
+    pub load: [f64; 5],
+}
+
+/// A rigid rotor, ready for the hot path.
+#[derive(Debug, Clone, Copy)]
+pub struct RigidRotor<T: Scalar, M> {
+    mass: [T; 5],
+    inverse_mass: [T; 5],
+    polar_inertia: T,
+    damping: Stiffness<T>,
+    stiffness: [T; 5],
+    constant: [T; 5],
+    /// Sum of moment (cos, sin) of all unbalances, and of station times that.
+    unbalance: [T; 2],
+    couple: [T; 2],
+    math: PhantomData<M>,
+}
+
+impl<T: Scalar, M: Math<T>> RigidRotor<T, M> {
+    /// From parameters and any number of unbalances, which add up to one force and one couple.
+    ///
+    /// # Errors
+    /// The first quantity out of its range.
+    pub fn try_new(params: &RotorParams, unbalances: &[Unbalance]) -> Result<Self, InvalidParameter> {
+        let RotorParams { mass, diametral_inertia: diametral, polar_inertia: polar, .. } = *params;
+        check(mass > 0.0, "mass", mass, "above 0 kg")?;
+        check(diametral > 0.0, "diametral_inertia", diametral, "above 0 kg m^2")?;
+        check((0.0..=2.0 * diametral).contains(&polar), "polar_inertia", polar, "0 to twice the diametral inertia")?;
+        for &value in params.damping.iter().flatten() {
+            check(true, "damping", value, "a finite number")?;
+        }
+        for &value in &params.stiffness {
+            check(value >= 0.0, "stiffness", value, "0 or more")?;
+        }
+        for &value in params.gravity.iter().chain(&params.load) {
+            check(true, "gravity and load", value, "a finite number")?;
+        }
+        let (force, couple) = sum_unbalances(unbalances)?;
+        let masses = [mass, mass, mass, diametral, diametral];
+        let [gx, gy, gz] = params.gravity.map(|g| g * mass);
+        let [fx, fy, fz, mx, my] = params.load;
+        Ok(Self {
+            mass: masses.map(T::from_f64),
+            inverse_mass: masses.map(|m| T::from_f64(1.0 / m)),
+            polar_inertia: T::from_f64(polar),
+            damping: Stiffness::from_fn(|i, j| {
+                T::from_f64(params.damping.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0))
+            }),
+            stiffness: params.stiffness.map(T::from_f64),
+            constant: [fx + gx, fy + gy, fz + gz, mx, my].map(T::from_f64),
+            unbalance: force.map(T::from_f64),
+            couple: couple.map(T::from_f64),
+            math: PhantomData,
+        })
+    }
+
+    /// Gravity and the constant load, at the centre of mass.
+    pub fn constant_load(&self) -> Wrench<T> {
+        Wrench::from_array(self.constant)
+    }
+
+    /// Excitation `f_E`: the constant load and the unbalance, `m e (w^2 e_r - a e_t)` and its couple.
+    pub fn excitation(&self, drive: &Drive<T>) -> Wrench<T> {
+        let turn = M::sin_cos(drive.angle);
+        let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
+        let rotating = |[x, y]: [T; 2]| {
+            let (sin, cos) = turn;
+            let (rx, ry) = (cos * x - sin * y, sin * x + cos * y);
+            (w2 * rx + a * ry, w2 * ry - a * rx)
+        };
+        let ((fx, fy), (cx, cy)) = (rotating(self.unbalance), rotating(self.couple));
+        Wrench::from_array(self.constant).plus(Wrench { fx, fy, fz: T::ZERO, mx: -cy, my: cx })
+    }
+
+    /// `-(B + w G) q' - K q`, where `G[thu, thv] = I_p = -G[thv, thu]` for a spin about +Z.
+    pub fn internal(&self, q: &Displacement<T>, rate: &Displacement<T>, speed: T) -> Wrench<T> {
+        let mut f = [T::ZERO; 5];
+        for (x, column) in rate.to_array().into_iter().zip(self.damping.column_iter()) {
+            for (entry, &b) in f.iter_mut().zip(column.iter()) {
+                *entry -= b * x;
+            }
+        }
+        for ((entry, k), x) in f.iter_mut().zip(self.stiffness).zip(q.to_array()) {
+            *entry -= k * x;
+        }
+        let spin = self.polar_inertia * speed;
+        let wrench = Wrench::from_array(f);
+        Wrench { mx: wrench.mx - spin * rate.thv, my: wrench.my + spin * rate.thu, ..wrench }
+    }
+
+    /// `M^-1 f`.
+    pub fn accelerate(&self, f: &Wrench<T>) -> Displacement<T> {
+        let mut a = f.to_array();
+        for (entry, inverse) in a.iter_mut().zip(self.inverse_mass) {
+            *entry *= inverse;
+        }
+        Displacement::from_array(a)
+    }
+
+    /// `M a`.
+    pub(super) fn inertia(&self, a: &Displacement<T>) -> Wrench<T> {
+        let mut f = a.to_array();
+        for (entry, m) in f.iter_mut().zip(self.mass) {
+            *entry *= m;
+        }
+        Wrench::from_array(f)
+    }
+
+    /// `m M + c (B + w G) + k K` entry by entry: what an implicit step has to solve with.
+    pub(super) fn effective(&self, (m, c): (T, T), speed: T) -> Stiffness<T> {
+        let mut j = self.damping * c;
+        for (i, (mass, k)) in self.mass.into_iter().zip(self.stiffness).enumerate() {
+            j[(i, i)] += m * mass + k;
+        }
+        let spin = c * self.polar_inertia * speed;
+        j[(3, 4)] += spin;
+        j[(4, 3)] -= spin;
+        j
+    }
+}
+
+fn sum_unbalances(unbalances: &[Unbalance]) -> Result<([f64; 2], [f64; 2]), InvalidParameter> {
+    let (mut force, mut couple) = ([0.0; 2], [0.0; 2]);
+    for one in unbalances {
+        check(one.moment >= 0.0, "unbalance moment", one.moment, "0 kg m or more")?;
+        check(true, "unbalance angle", one.angle, "a finite angle")?;
+        check(true, "unbalance station", one.station, "a finite length")?;
+        for (i, part) in [libm::cos(one.angle), libm::sin(one.angle)].into_iter().enumerate() {
+            force[i] += one.moment * part;
+            couple[i] += one.station * one.moment * part;
+        }
+    }
+    Ok((force, couple))
+}

@@ -1,0 +1,108 @@
+//! Precision as a type parameter: `f32` or `f64`, and nothing else.
+
+use core::fmt::Debug;
+use core::ops::Neg;
+use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A floating-point number of the hot path. Sealed: `f32` and `f64`.
+pub trait Scalar:
+    sealed::Sealed
+    + Copy
+    + Default
+    + PartialOrd
+    + Debug
+    + Send
+    + Sync
+    + Neg<Output = Self>
+    + nalgebra::Scalar
+    + ClosedAddAssign
+    + ClosedSubAssign
+    + ClosedMulAssign
+    + ClosedDivAssign
+{
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+    /// 1/2
+    const HALF: Self;
+
+    /// The nearest number of this precision. Set-up time on targets whose `f64` is soft.
+    fn from_f64(x: f64) -> Self;
+    /// As `f64`, exactly.
+    fn to_f64(self) -> f64;
+    /// Magnitude: clears the sign bit.
+    fn abs(self) -> Self;
+    /// Neither NaN nor infinite.
+    fn is_finite(self) -> bool;
+    /// Radians of an arc given in counts of 2^-64 turn; `f32` looks at the upper 32 bits only.
+    fn radians_of_counts(counts: i64) -> Self;
+    /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.
+    fn counts_of_radians(self) -> i64;
+
+    /// `(x + |x|) / 2`: the positive part without a branch or a library call.
+    fn positive_part(self) -> Self {
+        (self + self.abs()) * Self::HALF
+    }
+}
+
+const COUNTS_32: f64 = 4_294_967_296.0;
+const COUNTS_64: f64 = COUNTS_32 * COUNTS_32;
+
+impl Scalar for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const HALF: Self = 0.5;
+
+    fn from_f64(x: f64) -> Self {
+        x as Self
+    }
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+    fn abs(self) -> Self {
+        Self::from_bits(self.to_bits() & 0x7fff_ffff)
+    }
+    fn is_finite(self) -> bool {
+        self.to_bits() & 0x7f80_0000 != 0x7f80_0000
+    }
+    fn radians_of_counts(counts: i64) -> Self {
+        const SCALE: f32 = (core::f64::consts::TAU / COUNTS_32) as f32;
+        ((counts >> 32) as i32) as Self * SCALE
+    }
+    fn counts_of_radians(self) -> i64 {
+        const SCALE: f32 = (COUNTS_32 / core::f64::consts::TAU) as f32;
+        i64::from((self * SCALE) as i32) << 32
+    }
+}
+
+impl Scalar for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const HALF: Self = 0.5;
+
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+    fn to_f64(self) -> f64 {
+        self
+    }
+    fn abs(self) -> Self {
+        Self::from_bits(self.to_bits() & 0x7fff_ffff_ffff_ffff)
+    }
+    fn is_finite(self) -> bool {
+        self.to_bits() & 0x7ff0_0000_0000_0000 != 0x7ff0_0000_0000_0000
+    }
+    fn radians_of_counts(counts: i64) -> Self {
+        counts as Self * (core::f64::consts::TAU / COUNTS_64)
+    }
+    fn counts_of_radians(self) -> i64 {
+        (self * (COUNTS_64 / core::f64::consts::TAU)) as i64
+    }
+}

@@ -1,0 +1,18 @@
+//! What the tests share: golden files, comparison, element counts at run time.
+
+pub mod compare;
+
+/// Calls `$body` with the constant `$n` equal to the run-time `$count` (3 to 24, what the golden files use).
+#[macro_export]
+macro_rules! with_elements {
+    ($count:expr, $n:ident, $body:expr) => {
+        $crate::with_elements!(@ $count, $n, $body,
+            3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
+    };
+    (@ $count:expr, $n:ident, $body:expr, $($value:literal)*) => {
+        match $count {
+            $($value => { const $n: usize = $value; $body })*
+            other => panic!("{other} elements: no golden case has that many"),
+        }
+    };
+}
