@@ -1,5 +1,5 @@
-use ballrace::bearing::lumped::{Axial, Combined, FlexibleRing, Radial};
-use ballrace::bearing::{Azimuths, Bearing};
+use ballrace::bearing::lumped::{Axial, Combined, FlexibleRing, HousingPoint, Radial};
+use ballrace::bearing::{Bearing, Places, even_places};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::{Displacement, Exact, Math, Scalar, Turn};
 use ballrace_tests::compare::relative_to_largest;
@@ -54,25 +54,24 @@ where
     A: Law<T, Exact>,
 {
     let first = Turn::from_radians(case.azimuth_of_first_element).plus(cage.reversed());
-    let azimuths = Azimuths::<N>::even(first);
-    let radial = Radial::<T, Exact, L, N>::try_new(azimuths, radial, case.radial_play).unwrap();
+    let places: Places<T, N> = even_places(first);
+    let radial = Radial::<T, Exact, L, _>::try_new(places, radial, case.radial_play).unwrap();
     let u = Displacement::from_array(case.displacement.map(T::from_f64));
-    let mut housing = [[T::ZERO; 3]; N];
+    let mut housing = [HousingPoint::default(); N];
     if let Some(given) = &case.housing_displacement {
         for (point, given) in housing.iter_mut().zip(given) {
-            *point = given.map(T::from_f64);
+            point.displacement = given.map(T::from_f64);
         }
     }
-    let mut on_housing = [[T::ZERO; 3]; N];
     let (mut radial_loads, mut axial_loads) = ([T::ZERO; N], [T::ZERO; N]);
     let rigid = case.housing_displacement.is_none();
     let wrench = match (case.axial, axial) {
         (Some(given), Some(law)) => {
-            let axial = Axial::<T, Exact, A, N>::try_new(azimuths, law, given.play, given.radius).unwrap();
+            let axial = Axial::<T, Exact, A, _>::try_new(places, law, given.play, given.radius).unwrap();
             axial.element_loads(&u, cage, &mut axial_loads);
             radial.element_loads(&u, cage, &mut radial_loads);
             let both = Combined(radial, axial);
-            let flexible = both.reaction_flexible(&u, cage, &housing, &mut on_housing).wrench;
+            let flexible = both.reaction_flexible(&u, cage, &mut housing).wrench;
             if rigid {
                 assert_eq!(flexible, both.reaction(&u, cage).wrench, "a rigid ring is a flexible one at rest");
             }
@@ -80,10 +79,10 @@ where
         }
         _ => {
             radial.element_loads(&u, cage, &mut radial_loads);
-            radial.reaction_flexible(&u, cage, &housing, &mut on_housing).wrench
+            radial.reaction_flexible(&u, cage, &mut housing).wrench
         }
     };
-    let sum = on_housing.iter().fold([0.0; 3], |s, p| [0, 1, 2].map(|i| s[i] + p[i].to_f64()));
+    let sum = housing.iter().fold([0.0; 3], |s, p| [0, 1, 2].map(|i| s[i] + p.reaction[i].to_f64()));
     let to_f64 = |loads: [T; N]| loads.iter().map(|x| x.to_f64()).collect();
     Evaluated {
         force: wrench.to_array().map(Scalar::to_f64),

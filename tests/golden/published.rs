@@ -4,7 +4,7 @@ use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::linear::{two_spring_ball, two_spring_roller};
-use ballrace::bearing::{Azimuths, Bearing};
+use ballrace::bearing::{Bearing, Places, even_places};
 use ballrace::contact::hertz::{Material, Race};
 use ballrace::contact::line::roller_stiffness;
 use ballrace::{Displacement, Exact, Turn};
@@ -34,7 +34,11 @@ fn two_spring_formula_of_friswell_as_ross_prints_it() {
 }
 
 /// Ring displacement under an axial and a radial load by Newton on the tangent, from the loaded side.
-fn settle<const N: usize>(bearing: &Angular<f64, Exact, N>, load: [f64; 5], start: Displacement<f64>) -> [f64; 5] {
+fn settle<const N: usize>(
+    bearing: &Angular<f64, Exact, Places<f64, N>>,
+    load: [f64; 5],
+    start: Displacement<f64>,
+) -> [f64; 5] {
     let mut u = start.to_array();
     for _ in 0..200 {
         let (reaction, k) = bearing.reaction_and_stiffness(&Displacement::from_array(u), Turn::ZERO);
@@ -48,7 +52,7 @@ fn settle<const N: usize>(bearing: &Angular<f64, Exact, N>, load: [f64; 5], star
     u
 }
 
-fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, 7> {
+fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, Places<f64, 7>> {
     let file = published();
     let input = |key: &str| file["static_ball_bearing_5dof"]["inputs"][key].as_f64().unwrap();
     let steel = Material { youngs_modulus: input("youngs_modulus"), poissons_ratio: input("poissons_ratio") };
@@ -63,7 +67,7 @@ fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, 7> {
     };
     // The source takes the contact stiffness at zero angle whatever the clearance.
     let geometry = geometry.with_clearance(clearance).unwrap();
-    Angular::try_new(geometry, Azimuths::even(Turn::ZERO), Zero::Centred).unwrap()
+    Angular::try_new(geometry, even_places(Turn::ZERO), Zero::Centred).unwrap()
 }
 
 /// MASTA's deflections as quoted by the public test file, to 0.05 % (its tool and exact Hertz differ by 0.044 %).
@@ -116,7 +120,8 @@ fn harris_218_at_rest() {
     ] {
         assert!(relative(found, expected) < 1e-8, "{found} {expected}");
     }
-    let bearing = Angular::<f64, Exact, 16>::try_new(geometry, Azimuths::even(Turn::ZERO), Zero::Touching).unwrap();
+    let bearing =
+        Angular::<f64, Exact, Places<f64, 16>>::try_new(geometry, even_places(Turn::ZERO), Zero::Touching).unwrap();
     let start = Displacement { w: 2e-5, ..Displacement::default() };
     let u = settle(&bearing, [0.0, 0.0, 17_800.0, 0.0, 0.0], start);
     assert!((u[2] * 1e3 - 0.035_981_69).abs() < 1e-8, "{}", u[2]);

@@ -7,7 +7,7 @@
 use super::geometry::{BallBearingGeometry, InvalidParameter};
 use super::ring::{Contact, ContactStiffness, Place, Ring, StiffnessSum, WrenchSum, into_cage};
 use super::surface::{Smooth, Surface};
-use super::{Azimuths, Bearing, Reaction};
+use super::{Bearing, Reaction};
 use crate::contact::law::{Law, Point};
 use crate::frame::{Displacement, Stiffness};
 use crate::math::Math;
@@ -26,8 +26,8 @@ pub enum Zero {
 
 /// Variable-contact-angle bearing. Cost per ball: one square root, two divisions, the load law.
 #[derive(Debug, Clone, Copy)]
-pub struct Angular<T, M, const N: usize, S = Smooth> {
-    ring: Ring<T, N>,
+pub struct Angular<T, M, P, S = Smooth> {
+    ring: Ring<T, P>,
     law: Point<T>,
     /// A
     distance: T,
@@ -47,12 +47,12 @@ struct Groove<T> {
     sin: T,
 }
 
-impl<T: Scalar, M: Math<T>, const N: usize> Angular<T, M, N> {
+impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>> Angular<T, M, P> {
     /// From geometry; stiffness by Hertz at the free contact angle, lever arm R_i. Set-up time.
     ///
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
-    pub fn try_new(geometry: BallBearingGeometry, azimuths: Azimuths<N>, zero: Zero) -> Result<Self, InvalidParameter> {
+    pub fn try_new(geometry: BallBearingGeometry, places: P, zero: Zero) -> Result<Self, InvalidParameter> {
         let geometry = geometry.checked()?;
         let a = geometry.groove_distance();
         let (sin, cos) = (libm::sin(geometry.contact_angle), libm::cos(geometry.contact_angle));
@@ -61,7 +61,7 @@ impl<T: Scalar, M: Math<T>, const N: usize> Angular<T, M, N> {
             Zero::Centred => (0.0, -(a * sin) * (a * sin)),
         };
         Ok(Self {
-            ring: Ring::new(azimuths, geometry.inner_groove_radius()),
+            ring: Ring::new(places, geometry.inner_groove_radius()),
             law: Point { stiffness: T::from_f64(geometry.stiffness()) },
             distance: T::from_f64(a),
             unloaded: (T::from_f64(a * cos), T::from_f64(axial)),
@@ -72,7 +72,7 @@ impl<T: Scalar, M: Math<T>, const N: usize> Angular<T, M, N> {
     }
 
     /// The same bearing with damage on its outer race.
-    pub fn with_surface<S: Surface<T>>(self, surface: S) -> Angular<T, M, N, S> {
+    pub fn with_surface<S: Surface<T>>(self, surface: S) -> Angular<T, M, P, S> {
         Angular {
             ring: self.ring,
             law: self.law,
@@ -85,7 +85,7 @@ impl<T: Scalar, M: Math<T>, const N: usize> Angular<T, M, N> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, S: Surface<T>, const N: usize> Angular<T, M, N, S> {
+impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>, S: Surface<T>> Angular<T, M, P, S> {
     /// `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`: the difference of two nearly equal lengths
     /// would lose three digits of a micrometre in f32, and all of it with an approximate square root.
     #[inline(always)]
@@ -105,12 +105,18 @@ impl<T: Scalar, M: Math<T>, S: Surface<T>, const N: usize> Angular<T, M, N, S> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, S: Surface<T>, const N: usize> Bearing<T> for Angular<T, M, N, S> {
+impl<T, M, P, S> Bearing<T> for Angular<T, M, P, S>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: AsRef<[Place<T>]> + Send + Sync,
+    S: Surface<T>,
+{
     fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
         let turn = M::sin_cos(cage);
         let local = into_cage(u, turn);
         let mut sum = WrenchSum::default();
-        for place in &self.ring.places {
+        for place in self.ring.places() {
             let g = self.groove(place, &local, cage);
             let load = self.load(g.delta);
             sum.add(place, &Contact { radial: -(load * g.cos), axial: -(load * g.sin), load });
@@ -123,7 +129,7 @@ impl<T: Scalar, M: Math<T>, S: Surface<T>, const N: usize> Bearing<T> for Angula
         let turn = M::sin_cos(cage);
         let local = into_cage(u, turn);
         let (mut sum, mut k) = (WrenchSum::default(), StiffnessSum::new());
-        for place in &self.ring.places {
+        for place in self.ring.places() {
             let g = self.groove(place, &local, cage);
             let (load, slope) = <Point<T> as Law<T, M>>::load_and_slope(&self.law, g.delta);
             sum.add(place, &Contact { radial: -(load * g.cos), axial: -(load * g.sin), load });
@@ -141,7 +147,7 @@ impl<T: Scalar, M: Math<T>, S: Surface<T>, const N: usize> Bearing<T> for Angula
 
     fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
         let local = into_cage(u, M::sin_cos(cage));
-        for (place, load) in self.ring.places.iter().zip(loads) {
+        for (place, load) in self.ring.places().iter().zip(loads) {
             *load = self.load(self.groove(place, &local, cage).delta);
         }
     }

@@ -6,9 +6,9 @@
 //! (Hajzman, eq. 1 to 5). The exponent and the backend are types; the values are here.
 
 use super::geometry::{InvalidParameter, check};
-use super::ring::{Contact, ContactStiffness, Ring, StiffnessSum, WrenchSum, into_cage};
+use super::ring::{Contact, ContactStiffness, Place, Ring, StiffnessSum, WrenchSum, into_cage};
 use super::surface::{Smooth, Surface};
-use super::{Azimuths, Bearing, Reaction};
+use super::{Bearing, Reaction};
 use crate::contact::law::Law;
 use crate::frame::{Displacement, Stiffness, Wrench};
 use crate::math::Math;
@@ -18,8 +18,8 @@ use core::marker::PhantomData;
 
 /// Radial elements only: a radial ball or roller bearing.
 #[derive(Debug, Clone, Copy)]
-pub struct Radial<T, M, L, const N: usize, S = Smooth> {
-    ring: Ring<T, N>,
+pub struct Radial<T, M, L, P, S = Smooth> {
+    ring: Ring<T, P>,
     law: L,
     play: T,
     surface: S,
@@ -28,8 +28,8 @@ pub struct Radial<T, M, L, const N: usize, S = Smooth> {
 
 /// Axial elements only: a thrust bearing, pushed when the inner ring moves towards +Z.
 #[derive(Debug, Clone, Copy)]
-pub struct Axial<T, M, L, const N: usize> {
-    ring: Ring<T, N>,
+pub struct Axial<T, M, L, P> {
+    ring: Ring<T, P>,
     law: L,
     play: T,
     math: PhantomData<M>,
@@ -39,18 +39,24 @@ pub struct Axial<T, M, L, const N: usize> {
 #[derive(Debug, Clone, Copy)]
 pub struct Combined<A, B>(pub A, pub B);
 
-/// Displacement of the outer ring or housing at one element's contact point: along X, Y, Z, m.
-pub type HousingPoint<T> = [T; 3];
+/// The outer ring or housing at one element's contact point, along X, Y, Z.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct HousingPoint<T> {
+    /// Displacement, m.
+    pub displacement: [T; 3],
+    /// Force of the element on the housing, N: an evaluation adds to it.
+    pub reaction: [T; 3],
+}
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Radial<T, M, L, N> {
-    /// From the elements' azimuths, the law and the radial play (m; half the diametral clearance).
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]>> Radial<T, M, L, P> {
+    /// From the elements' places, the law and the radial play (m; half the diametral clearance).
     ///
     /// # Errors
     /// A play that is not finite.
-    pub fn try_new(azimuths: Azimuths<N>, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
+    pub fn try_new(places: P, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
         check(true, "radial_play", radial_play, "a finite length")?;
         Ok(Self {
-            ring: Ring::new(azimuths, 0.0),
+            ring: Ring::new(places, 0.0),
             law,
             play: T::from_f64(radial_play),
             surface: Smooth,
@@ -59,27 +65,28 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Radial<T, M, L, N> {
     }
 
     /// The same bearing with damage on its outer race.
-    pub fn with_surface<S: Surface<T>>(self, surface: S) -> Radial<T, M, L, N, S> {
+    pub fn with_surface<S: Surface<T>>(self, surface: S) -> Radial<T, M, L, P, S> {
         Radial { ring: self.ring, law: self.law, play: self.play, surface, math: PhantomData }
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Axial<T, M, L, N> {
-    /// From the elements' azimuths, the law, the axial play (m) and the radius at which they act (m).
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]>> Axial<T, M, L, P> {
+    /// From the elements' places, the law, the axial play (m) and the radius at which they act (m).
     ///
     /// # Errors
     /// A play or radius that is not finite, a radius below 0.
-    pub fn try_new(azimuths: Azimuths<N>, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
+    pub fn try_new(places: P, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
         check(true, "axial play", axial_play, "a finite length")?;
         check(radius >= 0.0, "axial radius", radius, "0 m or more")?;
-        Ok(Self { ring: Ring::new(azimuths, radius), law, play: T::from_f64(axial_play), math: PhantomData })
+        Ok(Self { ring: Ring::new(places, radius), law, play: T::from_f64(axial_play), math: PhantomData })
     }
 }
 
 /// One family of elements: what is common to the radial and the axial ones.
-trait Elements<T: Scalar, M: Math<T>, const N: usize> {
+trait Elements<T: Scalar, M: Math<T>> {
     type Law: Law<T, M>;
-    fn ring(&self) -> &Ring<T, N>;
+    type Places: AsRef<[Place<T>]>;
+    fn ring(&self) -> &Ring<T, Self::Places>;
     fn law(&self) -> &Self::Law;
     /// Deflection before the positive part, from radial and axial displacement at the element.
     fn deflection(&self, radial: T, axial: T, azimuth: Turn) -> T;
@@ -89,7 +96,7 @@ trait Elements<T: Scalar, M: Math<T>, const N: usize> {
 
     /// Load on one element whose housing point is displaced by (radial, axial).
     #[inline(always)]
-    fn delta(&self, place: &super::ring::Place<T>, u: &Displacement<T>, cage: Turn, housing: (T, T)) -> T {
+    fn delta(&self, place: &Place<T>, u: &Displacement<T>, cage: Turn, housing: (T, T)) -> T {
         let (radial, axial) = self.ring().at(place, u);
         let azimuth = place.azimuth.plus(cage);
         self.deflection(radial - housing.0, axial - housing.1, azimuth).positive_part()
@@ -100,7 +107,7 @@ trait Elements<T: Scalar, M: Math<T>, const N: usize> {
         let turn = M::sin_cos(cage);
         let local = into_cage(u, turn);
         let mut sum = WrenchSum::default();
-        for place in &self.ring().places {
+        for place in self.ring().places() {
             let delta = self.delta(place, &local, cage, (T::ZERO, T::ZERO));
             sum.add(place, &Self::contact(self.law().load(delta)));
         }
@@ -111,7 +118,7 @@ trait Elements<T: Scalar, M: Math<T>, const N: usize> {
         let turn = M::sin_cos(cage);
         let local = into_cage(u, turn);
         let (mut sum, mut k) = (WrenchSum::default(), StiffnessSum::new());
-        for place in &self.ring().places {
+        for place in self.ring().places() {
             let delta = self.delta(place, &local, cage, (T::ZERO, T::ZERO));
             let (load, slope) = self.law().load_and_slope(delta);
             sum.add(place, &Self::contact(load));
@@ -122,39 +129,44 @@ trait Elements<T: Scalar, M: Math<T>, const N: usize> {
 
     fn loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
         let local = into_cage(u, M::sin_cos(cage));
-        for (place, load) in self.ring().places.iter().zip(loads) {
+        for (place, load) in self.ring().places().iter().zip(loads) {
             *load = self.law().load(self.delta(place, &local, cage, (T::ZERO, T::ZERO)));
         }
     }
 
-    /// As [`Elements::sum`] with a flexible outer ring; the reactions on its points are added to `on_housing`.
-    fn sum_flexible(
-        &self,
-        u: &Displacement<T>,
-        cage: Turn,
-        housing: &[HousingPoint<T>; N],
-        on_housing: &mut [HousingPoint<T>; N],
-    ) -> Reaction<T> {
+    /// As [`Elements::sum`] with a flexible outer ring.
+    fn sum_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
         let (sin, cos) = M::sin_cos(cage);
         let local = into_cage(u, (sin, cos));
         let mut sum = WrenchSum::default();
-        for ((place, [hx, hy, hz]), [rx, ry, rz]) in self.ring().places.iter().zip(housing).zip(on_housing) {
+        let mut points = housing.iter_mut();
+        for place in self.ring().places() {
+            let mut rigid = HousingPoint::default();
+            let point = points.next().unwrap_or(&mut rigid);
             // The element's direction in the fixed frame, in which the housing point is given.
             let e = (cos * place.cos - sin * place.sin, cos * place.sin + sin * place.cos);
-            let delta = self.delta(place, &local, cage, (*hx * e.0 + *hy * e.1, *hz));
+            let [hx, hy, hz] = point.displacement;
+            let delta = self.delta(place, &local, cage, (hx * e.0 + hy * e.1, hz));
             let contact = Self::contact(self.law().load(delta));
             sum.add(place, &contact);
-            *rx -= contact.radial * e.0;
-            *ry -= contact.radial * e.1;
-            *rz -= contact.axial;
+            let [rx, ry, rz] = point.reaction;
+            point.reaction = [rx - contact.radial * e.0, ry - contact.radial * e.1, rz - contact.axial];
         }
         Reaction { wrench: sum.finish(self.ring().arm, (sin, cos)), load: sum.load }
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, S: Surface<T>, const N: usize> Elements<T, M, N> for Radial<T, M, L, N, S> {
+impl<T, M, L, P, S> Elements<T, M> for Radial<T, M, L, P, S>
+where
+    T: Scalar,
+    M: Math<T>,
+    L: Law<T, M>,
+    P: AsRef<[Place<T>]>,
+    S: Surface<T>,
+{
     type Law = L;
-    fn ring(&self) -> &Ring<T, N> {
+    type Places = P;
+    fn ring(&self) -> &Ring<T, P> {
         &self.ring
     }
     fn law(&self) -> &L {
@@ -173,9 +185,16 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, S: Surface<T>, const N: usize> Element
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Elements<T, M, N> for Axial<T, M, L, N> {
+impl<T, M, L, P> Elements<T, M> for Axial<T, M, L, P>
+where
+    T: Scalar,
+    M: Math<T>,
+    L: Law<T, M>,
+    P: AsRef<[Place<T>]>,
+{
     type Law = L;
-    fn ring(&self) -> &Ring<T, N> {
+    type Places = P;
+    fn ring(&self) -> &Ring<T, P> {
         &self.ring
     }
     fn law(&self) -> &L {
@@ -195,16 +214,10 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize> Elements<T, M, N> for 
 }
 
 /// A bearing whose outer ring is displaced point by point (Hajzman's `e^T q_S` term).
-pub trait FlexibleRing<T: Scalar, const N: usize> {
-    /// Force on the inner ring when the housing point of element `j` is displaced by `housing[j]`; the
-    /// reaction on each housing point, N along X, Y, Z, is added to `on_housing` (action = reaction).
-    fn reaction_flexible(
-        &self,
-        u: &Displacement<T>,
-        cage: Turn,
-        housing: &[HousingPoint<T>; N],
-        on_housing: &mut [HousingPoint<T>; N],
-    ) -> Reaction<T>;
+pub trait FlexibleRing<T: Scalar> {
+    /// Force on the inner ring when the housing point of element `j` is displaced as `housing[j]` says, and the
+    /// reaction on that point (action = reaction). Elements past the end of `housing` stand on a rigid ring.
+    fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T>;
 }
 
 macro_rules! bearing_of_elements {
@@ -221,22 +234,27 @@ macro_rules! bearing_of_elements {
             }
         }
 
-        impl<$($generics)*> FlexibleRing<T, N> for $kind {
+        impl<$($generics)*> FlexibleRing<T> for $kind {
             fn reaction_flexible(
                 &self,
                 u: &Displacement<T>,
                 cage: Turn,
-                housing: &[HousingPoint<T>; N],
-                on_housing: &mut [HousingPoint<T>; N],
+                housing: &mut [HousingPoint<T>],
             ) -> Reaction<T> {
-                self.sum_flexible(u, cage, housing, on_housing)
+                self.sum_flexible(u, cage, housing)
             }
         }
     };
 }
 
-bearing_of_elements!(Radial<T, M, L, N, S>, T: Scalar, M: Math<T>, L: Law<T, M>, S: Surface<T>, const N: usize);
-bearing_of_elements!(Axial<T, M, L, N>, T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize);
+bearing_of_elements!(
+    Radial<T, M, L, P, S>,
+    T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]> + Send + Sync, S: Surface<T>
+);
+bearing_of_elements!(
+    Axial<T, M, L, P>,
+    T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]> + Send + Sync
+);
 
 fn both<T: Scalar>(a: Reaction<T>, b: Reaction<T>) -> Reaction<T> {
     Reaction { wrench: a.wrench.plus(b.wrench), load: a.load + b.load }
@@ -257,25 +275,17 @@ impl<T: Scalar, A: Bearing<T>, B: Bearing<T>> Bearing<T> for Combined<A, B> {
     }
 }
 
-impl<T: Scalar, A: FlexibleRing<T, N>, B: FlexibleRing<T, N>, const N: usize> FlexibleRing<T, N> for Combined<A, B> {
-    fn reaction_flexible(
-        &self,
-        u: &Displacement<T>,
-        cage: Turn,
-        housing: &[HousingPoint<T>; N],
-        on_housing: &mut [HousingPoint<T>; N],
-    ) -> Reaction<T> {
-        let a = self.0.reaction_flexible(u, cage, housing, on_housing);
-        let b = self.1.reaction_flexible(u, cage, housing, on_housing);
-        both(a, b)
+impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Combined<A, B> {
+    fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
+        both(self.0.reaction_flexible(u, cage, housing), self.1.reaction_flexible(u, cage, housing))
     }
 }
 
 /// Many samples at once in structure-of-arrays form: `fx[i], fy[i]` from `u[i], v[i]`, the cage standing at `cage`.
 ///
 /// The compiler turns the loop into the machine's vector instructions. Stops at the shortest of the four slices.
-pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize>(
-    bearing: &Radial<T, M, L, N>,
+pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]>>(
+    bearing: &Radial<T, M, L, P>,
     cage: Turn,
     (u, v): (&[T], &[T]),
     (fx, fy): (&mut [T], &mut [T]),
@@ -285,7 +295,7 @@ pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, const N: usize>(
         let ring = Displacement { u, v, ..Displacement::default() };
         let local = into_cage(&ring, turn);
         let mut sum = (T::ZERO, T::ZERO);
-        for place in &bearing.ring.places {
+        for place in bearing.ring.places() {
             let delta = (local.u * place.cos + local.v * place.sin - bearing.play).positive_part();
             let load = bearing.law.load(delta);
             sum.0 -= load * place.cos;

@@ -10,7 +10,7 @@ mod ring;
 pub mod surface;
 
 pub use held::HeldWrench;
-pub use ring::Azimuths;
+pub use ring::{Place, Places, even_places};
 
 use crate::frame::{Displacement, Stiffness, Wrench, mirrored_stiffness};
 use crate::scalar::Scalar;
@@ -61,8 +61,8 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for &B {
 
 /// A bearing that carries thrust towards -Z: the same kernel turned by pi about X.
 ///
-/// The inner bearing is built with [`Azimuths::mirrored`] (and mirrored surfaces) so that its elements
-/// stand where they should.
+/// The bearing inside is built from places that are [`Place::mirrored`] (and mirrored surfaces) so that its
+/// elements stand where they should.
 #[derive(Debug, Clone, Copy)]
 pub struct Mirrored<B>(pub B);
 

@@ -10,40 +10,50 @@ use crate::frame::{Displacement, Stiffness, Wrench};
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 
-/// Azimuths of `N` elements in the cage's frame: their places when the cage is at angle 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Azimuths<const N: usize>(pub [Turn; N]);
+/// One element's place in the cage's frame: where it is when the cage is at angle 0, ready for the hot path.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Place<T> {
+    pub(crate) cos: T,
+    pub(crate) sin: T,
+    pub(crate) azimuth: Turn,
+}
 
-impl<const N: usize> Azimuths<N> {
-    /// Evenly spaced, the first at `first`.
+/// The places of `N` elements; the count is a constant of the type.
+///
+/// The bearings take any `AsRef<[Place<T>]>`: an array here, a heap slice where the count is only known at run time.
+pub type Places<T, const N: usize> = [Place<T>; N];
+
+impl<T: Scalar> Place<T> {
+    /// At an azimuth. Tables by `libm` in `f64`, rounded once. Set-up time.
     #[must_use]
-    pub fn even(first: Turn) -> Self {
-        let mut places = [Turn::ZERO; N];
-        for (j, place) in places.iter_mut().enumerate() {
-            *place = first.plus(Turn((((j as u128) << 64) / N as u128) as u64));
-        }
-        Self(places)
+    pub fn at(azimuth: Turn) -> Self {
+        let p = azimuth.radians();
+        Self { cos: T::from_f64(libm::cos(p)), sin: T::from_f64(libm::sin(p)), azimuth }
     }
 
-    /// Seen from the frame turned by pi about X; the order of the elements stays.
+    /// Number `j` of `count` evenly spaced ones, number 0 at `first`.
+    #[must_use]
+    pub fn even(first: Turn, j: usize, count: usize) -> Self {
+        Self::at(first.plus(Turn((((j as u128) << 64) / (count.max(1) as u128)) as u64)))
+    }
+
+    /// Seen from the frame turned by pi about X.
     #[must_use]
     pub fn mirrored(self) -> Self {
-        Self(self.0.map(Turn::reversed))
+        Self { cos: self.cos, sin: -self.sin, azimuth: self.azimuth.reversed() }
     }
 }
 
-/// One element's place, ready for the hot path.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Place<T> {
-    pub cos: T,
-    pub sin: T,
-    pub azimuth: Turn,
+/// `N` evenly spaced places, the first at `first`.
+#[must_use]
+pub fn even_places<T: Scalar, const N: usize>(first: Turn) -> Places<T, N> {
+    core::array::from_fn(|j| Place::even(first, j, N))
 }
 
 /// All places and the lever arm.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ring<T, const N: usize> {
-    pub places: [Place<T>; N],
+pub(crate) struct Ring<T, P> {
+    places: P,
     pub arm: T,
 }
 
@@ -63,14 +73,14 @@ pub(crate) struct ContactStiffness<T> {
     pub axial: T,
 }
 
-impl<T: Scalar, const N: usize> Ring<T, N> {
-    /// Tables by `libm` in `f64`, rounded once. Set-up time.
-    pub fn new(azimuths: Azimuths<N>, arm: f64) -> Self {
-        let place = |azimuth: Turn| {
-            let p = azimuth.radians();
-            Place { cos: T::from_f64(libm::cos(p)), sin: T::from_f64(libm::sin(p)), azimuth }
-        };
-        Self { places: azimuths.0.map(place), arm: T::from_f64(arm) }
+impl<T: Scalar, P: AsRef<[Place<T>]>> Ring<T, P> {
+    pub fn new(places: P, arm: f64) -> Self {
+        Self { places, arm: T::from_f64(arm) }
+    }
+
+    #[inline(always)]
+    pub fn places(&self) -> &[Place<T>] {
+        self.places.as_ref()
     }
 
     /// Radial and axial displacement of the ring at one element.
