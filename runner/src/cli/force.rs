@@ -1,0 +1,223 @@
+//! `ballrace force`: ring displacements in, forces out.
+
+use super::{Format, SceneFault, scene_fault};
+use crate::scene::build::{self, AnyBearing};
+use crate::scene::read::read_file;
+use crate::scene::{Bearing, Linear, Model, Scene, Speed};
+use anyhow::{Context, Result, bail};
+use ballrace::bearing::{Bearing as _, HeldWrench};
+use ballrace::{Displacement, Exact, Fast, Math, Scalar, Status, Turn};
+use clap::ValueEnum;
+use serde::Serialize;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// What `force` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file.
+    scene: PathBuf,
+    /// Columns u,v,w,thu,thv (SI), optionally t (s) or cage_angle (rad).
+    #[arg(long, value_name = "F.csv")]
+    displacements: PathBuf,
+    /// Which bearing, where the scene has several.
+    #[arg(long, value_name = "NAME")]
+    bearing: Option<String>,
+    /// Another model than the scene's.
+    #[arg(long, value_enum)]
+    model: Option<ModelName>,
+    /// Precision of the kernel.
+    #[arg(long, value_enum, default_value_t = Precision::F64)]
+    precision: Precision,
+    /// Square roots and powers: exact (correctly rounded, libm) or fast (micromath).
+    #[arg(long, value_enum, default_value_t = MathName::Exact)]
+    math: MathName,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum ModelName {
+    Linear,
+    Lumped,
+    Angular,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Precision {
+    F32,
+    F64,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum MathName {
+    Exact,
+    Fast,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What is wrong with the scene or the displacements.
+pub fn run(args: &Args, format: Format) -> Result<()> {
+    let scene = read_file(&args.scene)?;
+    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(|e| scene_fault(&e))?;
+    let model = match args.model {
+        None => bearing.model,
+        Some(ModelName::Linear) => Model::Linear,
+        Some(ModelName::Lumped) => Model::Lumped,
+        Some(ModelName::Angular) => Model::Angular,
+    };
+    let rows = read_displacements(&args.displacements, &cage_rate(&scene, bearing)?)?;
+    let forces = match (args.precision, args.math) {
+        (Precision::F64, MathName::Exact) => forces::<f64, Exact>(&scene, bearing, model, &rows)?,
+        (Precision::F64, MathName::Fast) => forces::<f64, Fast>(&scene, bearing, model, &rows)?,
+        (Precision::F32, MathName::Exact) => forces::<f32, Exact>(&scene, bearing, model, &rows)?,
+        (Precision::F32, MathName::Fast) => forces::<f32, Fast>(&scene, bearing, model, &rows)?,
+    };
+    let digits = match args.precision {
+        Precision::F64 => 16,
+        Precision::F32 => 8,
+    };
+    print(&forces, format, digits)
+}
+
+/// One displacement and the cage's angle with it.
+struct Row {
+    u: [f64; 5],
+    cage: Turn,
+}
+
+#[derive(Serialize)]
+struct Force {
+    #[serde(rename = "FX")]
+    fx: f64,
+    #[serde(rename = "FY")]
+    fy: f64,
+    #[serde(rename = "FZ")]
+    fz: f64,
+    #[serde(rename = "MX")]
+    mx: f64,
+    #[serde(rename = "MY")]
+    my: f64,
+    status: String,
+}
+
+/// Revolutions of the cage at a time.
+struct CageRate {
+    ratio: f64,
+    speed: Speed,
+}
+
+fn cage_rate(scene: &Scene, bearing: &Bearing) -> Result<CageRate> {
+    let ratio = build::kinematics(scene, bearing).map_err(|e| scene_fault(&e))?.cage_ratio;
+    Ok(CageRate { ratio, speed: scene.shaft.speed })
+}
+
+fn forces<T, M>(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Row]) -> Result<Vec<Force>>
+where
+    T: Scalar,
+    M: Math<T>,
+{
+    let kernel = kernel::<T, M>(scene, bearing, model).map_err(|e| scene_fault(&e))?;
+    let mut held = HeldWrench::new();
+    let evaluate = |row: &Row| {
+        let u = Displacement::from_array(row.u.map(T::from_f64));
+        let (wrench, status) = kernel.sample(&mut held, &u, row.cage);
+        let [fx, fy, fz, mx, my] = wrench.to_array().map(Scalar::to_f64);
+        Force { fx, fy, fz, mx, my, status: words(status) }
+    };
+    Ok(rows.iter().map(evaluate).collect())
+}
+
+/// The bearing; one linearised from another model takes its springs from the rotor's rest.
+fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
+    if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
+        let plant = crate::replay::twin::Plant::try_new(scene)?;
+        let seat = plant.seats.iter().find(|s| s.name == bearing.name).context("the bearing has a seat")?;
+        return Ok(build::spring_of(&seat.bearing));
+    }
+    build::bearing::<T, M>(bearing, model)
+}
+
+fn words(status: Status) -> String {
+    let flags = [
+        (Status::INPUT_NOT_FINITE, "input-not-finite"),
+        (Status::RESULT_NOT_FINITE, "result-not-finite"),
+        (Status::CONTACT_LOST, "contact-lost"),
+    ];
+    let set: Vec<&str> = flags.iter().filter(|(flag, _)| status.has(*flag)).map(|(_, word)| *word).collect();
+    if set.is_empty() { "ok".to_owned() } else { set.join("+") }
+}
+
+fn read_displacements(path: &Path, cage: &CageRate) -> Result<Vec<Row>> {
+    let name = path.display();
+    if path.is_dir() {
+        bail!("{name}: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv");
+    }
+    let mut reader = ::csv::ReaderBuilder::new()
+        .trim(::csv::Trim::All)
+        .from_path(path)
+        .map_err(|e| anyhow::anyhow!("{name}: this file cannot be read: {e}"))?;
+    let header: Vec<String> = reader.headers().map_err(|e| anyhow::anyhow!("{name}: {e}"))?.iter().map(str::to_owned).collect();
+    let column = |wanted: &str| header.iter().position(|h| h.trim_start_matches('\u{feff}') == wanted);
+    let mut places = [0; 5];
+    for (place, wanted) in places.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
+        *place = column(wanted).ok_or_else(|| {
+            SceneFault(format!("{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle", header.join(",")))
+        })?;
+    }
+    let (time, angle) = (column("t"), column("cage_angle"));
+    if time.is_some() && angle.is_some() {
+        bail!(SceneFault(format!("{name}:1: found both t and cage_angle, allowed: one of them")));
+    }
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+        let line = record.position().map_or(0, ::csv::Position::line);
+        let cell = |i: usize| -> Result<f64> {
+            let text = record.get(i).unwrap_or("");
+            text.parse().map_err(|_| {
+                anyhow::anyhow!("{name}:{line}: column {}: found {text:?}, allowed: a number", header.get(i).map_or("", String::as_str))
+            })
+        };
+        let mut u = [0.0; 5];
+        for (x, &place) in u.iter_mut().zip(&places) {
+            *x = cell(place)?;
+        }
+        let turned = match (time, angle) {
+            (Some(t), _) => cage.at(cell(t)?),
+            (_, Some(a)) => Turn::from_radians(cell(a)?),
+            _ => Turn::ZERO,
+        };
+        rows.push(Row { u, cage: turned });
+    }
+    Ok(rows)
+}
+
+impl CageRate {
+    fn at(&self, time: f64) -> Turn {
+        Turn::from_revolutions(self.ratio * self.speed.revolutions(time))
+    }
+}
+
+fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    match format {
+        Format::Json => {
+            serde_json::to_writer_pretty(&mut out, forces)?;
+            writeln!(out)?;
+        }
+        Format::Csv => {
+            writeln!(out, "FX,FY,FZ,MX,MY,status")?;
+            for Force { fx, fy, fz, mx, my, status } in forces {
+                writeln!(out, "{fx:.digits$e},{fy:.digits$e},{fz:.digits$e},{mx:.digits$e},{my:.digits$e},{status}")?;
+            }
+        }
+        Format::Text => {
+            writeln!(out, "{:>6} {:>13} {:>13} {:>13} {:>13} {:>13}  status", "row", "FX N", "FY N", "FZ N", "MX N m", "MY N m")?;
+            for (i, Force { fx, fy, fz, mx, my, status }) in forces.iter().enumerate() {
+                writeln!(out, "{:>6} {fx:>13.4} {fy:>13.4} {fz:>13.4} {mx:>13.6} {my:>13.6}  {status}", i + 1)?;
+            }
+        }
+    }
+    Ok(out.flush()?)
+}

@@ -1,0 +1,88 @@
+//! The commands, one file each, thin; and what a failure means for the exit code.
+
+pub mod force;
+pub mod replay;
+pub mod simulate;
+
+use crate::recording::error::RecordingError;
+use crate::scene::read::SceneError;
+use clap::{Parser, Subcommand, ValueEnum};
+use std::process::ExitCode;
+
+/// Rolling-bearing forces in fixed time, and a digital twin that replays measured shaft motion.
+#[derive(Debug, Parser)]
+#[command(name = "ballrace", version, about)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Form of standard output: text for people, json or csv for programs.
+    #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Replay a recording through kernel and twin, compare them, write the report.
+    Replay(replay::Args),
+    /// Forces of a bearing for given ring displacements.
+    Force(force::Args),
+    /// Time response of the scene's rotor.
+    Simulate(simulate::Args),
+}
+
+/// `--format`
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For people.
+    Text,
+    /// One JSON document.
+    Json,
+    /// Comma-separated values with a header.
+    Csv,
+}
+
+/// The command or the scene is wrong, as opposed to work that could not be done.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct SceneFault(pub String);
+
+/// Marks whatever went wrong as the command's or the scene's fault.
+#[must_use]
+pub fn scene_fault(error: &anyhow::Error) -> anyhow::Error {
+    SceneFault(format!("{error:#}")).into()
+}
+
+/// Runs the command; errors go to standard error as one line.
+#[must_use]
+pub fn run(cli: &Cli) -> ExitCode {
+    let done = match &cli.command {
+        Command::Replay(args) => replay::run(args, cli.format),
+        Command::Force(args) => force::run(args, cli.format),
+        Command::Simulate(args) => simulate::run(args, cli.format),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("ballrace: {error:#}");
+            ExitCode::from(if is_users_fault(&error) { 2 } else { 1 })
+        }
+    }
+}
+
+fn is_users_fault(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause.is::<SceneError>()
+            || cause.is::<SceneFault>()
+            || cause.downcast_ref::<RecordingError>().is_some_and(RecordingError::is_scene_fault)
+    })
+}
+
+/// Whoever read our output has had enough of it: `ballrace ... | head`.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    })
+}

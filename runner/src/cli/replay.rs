@@ -1,0 +1,114 @@
+//! `ballrace replay`
+
+use super::Format;
+use crate::output::AtomicFile;
+use crate::recording::csv::CsvReader;
+use crate::replay::outcome::Outcome;
+use crate::replay::{Options, replay};
+use crate::report;
+use crate::scene::Scene;
+use crate::scene::read::{read_file, read_str};
+use anyhow::{Context, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{Cursor, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+/// The demonstration, part of the program.
+const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
+const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/healthy.csv");
+
+/// What `replay` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file; without one, the built-in demonstration.
+    scene: Option<PathBuf>,
+    /// Replay this recording instead of the scene's own.
+    #[arg(long, value_name = "FILE")]
+    recording: Option<PathBuf>,
+    /// Where the HTML report goes.
+    #[arg(long, value_name = "FILE.html", default_value = "ballrace-report.html")]
+    report: PathBuf,
+    /// Write the force of every bearing at every sample.
+    #[arg(long, value_name = "FILE.csv")]
+    forces: Option<PathBuf>,
+    /// Keep to the recording's own time, sample by sample.
+    #[arg(long)]
+    paced: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What is wrong with scene, recording or outputs.
+pub fn run(args: &Args, format: Format) -> Result<()> {
+    let scene = match &args.scene {
+        Some(path) => read_file(path)?,
+        None => read_str(DEMO_SCENE, Path::new("built-in demonstration"))?,
+    };
+    let (reader, name) = open(args, &scene)?;
+    // A report that cannot be written should not cost a long replay first.
+    AtomicFile::create(&args.report)?;
+    let bar = progress_bar(&name);
+    let progress = |read: u64, total: Option<u64>| {
+        if let Some(total) = total {
+            bar.set_length(total);
+        }
+        bar.set_position(read);
+    };
+    let options = Options { paced: args.paced, forces: args.forces.as_deref(), progress: Some(&progress) };
+    let outcome = replay(&scene, reader, &name, &options);
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    AtomicFile::write(&args.report, &report::html(&outcome)?)?;
+    print(&outcome, format)?;
+    if format == Format::Text {
+        println!("\nReport: {}", args.report.display());
+    }
+    Ok(())
+}
+
+fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, String)> {
+    let recording = scene.recording.as_ref().with_context(|| {
+        format!("{}: [recording]: found none, allowed: the table that says which column means what", scene.path.display())
+    });
+    let recording = recording.map_err(|e| super::scene_fault(&e))?;
+    let path = match (&args.recording, &args.scene) {
+        (Some(path), _) => path,
+        (None, Some(_)) => &recording.file,
+        (None, None) => {
+            let bytes = Box::new(Cursor::new(DEMO_RECORDING));
+            let size = DEMO_RECORDING.len() as u64;
+            let name = "healthy.csv (built in)";
+            return Ok((CsvReader::from_reader(bytes, Path::new(name), Some(size), recording)?, name.to_owned()));
+        }
+    };
+    let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+    Ok((CsvReader::open(path, recording)?, name))
+}
+
+/// On standard error, and only where a person sees it.
+fn progress_bar(name: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(0);
+    if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {bytes}/{total_bytes}, {eta} left") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.set_message(format!("Replaying {name}"));
+    bar
+}
+
+fn print(outcome: &Outcome, format: Format) -> Result<()> {
+    let text = match format {
+        Format::Text => report::text(outcome),
+        Format::Json => report::json(outcome)?,
+        Format::Csv => report::csv(outcome),
+    };
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    if !text.ends_with('\n') {
+        out.write_all(b"\n")?;
+    }
+    Ok(out.flush()?)
+}

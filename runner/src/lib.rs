@@ -1,0 +1,11 @@
+//! The runner of ballrace: scenes, recordings, the replay with its twin, reports.
+//!
+//! Data flows one way: recording -> displacement at each bearing -> force -> twin -> residual -> report.
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod output;
+pub mod recording;
+pub mod replay;
+pub mod report;
+pub mod scene;

@@ -1,0 +1,9 @@
+//! The program `ballrace`: see [`ballrace_runner::cli`].
+#![forbid(unsafe_code)]
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ballrace_runner::cli::run(&ballrace_runner::cli::Cli::parse())
+}

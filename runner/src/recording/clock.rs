@@ -1,0 +1,255 @@
+//! Time stamps -> sample numbers, against a grid that follows the recording's own clock.
+
+/// Rows from which the step is learned.
+pub const LEARN: usize = 1000;
+
+/// How much of the difference between stamp and grid the grid takes over at each sample. The rounding of
+/// printed stamps is averaged away; a clock that drifts by as much as 1 % of the step is still followed.
+const FOLLOW: f64 = 1.0 / 16.0;
+
+/// Share of repeated stamps from which on they are not a flaw but too few decimals.
+const COARSE: f64 = 0.05;
+
+/// Where a row belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// The next sample.
+    Next,
+    /// That many samples are missing before it.
+    After(u64),
+    /// The stamp of an earlier row again.
+    Repeated,
+    /// A stamp before an earlier row's.
+    Backward,
+}
+
+/// Why stamps give no step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ClockFault {
+    /// Fewer than two stamps.
+    TooFew,
+    /// The median step is not above 0.
+    NotRising {
+        /// s
+        step: f64,
+    },
+    /// Printed with too few decimals to tell samples apart.
+    Coarse {
+        /// Stamps that repeat the one before.
+        repeated: usize,
+        /// Stamps looked at.
+        of: usize,
+    },
+}
+
+impl core::fmt::Display for ClockFault {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::TooFew => write!(f, "fewer than two time stamps"),
+            Self::NotRising { step } => write!(f, "time stamps whose usual step is {step} s"),
+            Self::Coarse { repeated, of } => {
+                write!(f, "too few decimals: {repeated} of the first {of} time stamps repeat the one before")
+            }
+        }
+    }
+}
+
+/// The running grid of sample times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    step: f64,
+    /// Time of the last sample by the grid, s.
+    at: f64,
+    /// Highest stamp so far; NaN before the first.
+    stamp: f64,
+    /// Number of the next sample.
+    next: u64,
+}
+
+impl Grid {
+    /// Learns the step from the first stamps of a recording (NaN where there is none).
+    ///
+    /// # Errors
+    /// Stamps that give no step above 0.
+    pub fn learn(stamps: &[f64]) -> Result<Self, ClockFault> {
+        let known: Vec<f64> = stamps.iter().copied().filter(|stamp| stamp.is_finite()).collect();
+        let steps: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let median = median(&steps).ok_or(ClockFault::TooFew)?;
+        let repeated = steps.iter().filter(|step| **step == 0.0).count();
+        let coarse = repeated as f64 > COARSE * steps.len() as f64;
+        if median > 0.0 && coarse && repeated > 1 {
+            return Err(ClockFault::Coarse { repeated, of: known.len() });
+        }
+        if median <= 0.0 {
+            return Err(ClockFault::NotRising { step: median });
+        }
+        let step = slope(&known, mean_near(&steps, median));
+        let lead = stamps.iter().take_while(|stamp| !stamp.is_finite()).count();
+        let first = known.first().copied().unwrap_or(0.0);
+        Ok(Self { step, at: first - (lead + 1) as f64 * step, stamp: f64::NAN, next: 0 })
+    }
+
+    /// Nominal step, s.
+    #[must_use]
+    pub const fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Number of the sample that comes next, when nothing is missing.
+    #[must_use]
+    pub const fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Time of that sample by the grid, s.
+    #[must_use]
+    pub fn next_time(&self) -> f64 {
+        self.at + self.step
+    }
+
+    /// Where a stamp (NaN: none) belongs. Takes nothing in yet.
+    #[must_use]
+    pub fn place(&self, stamp: f64) -> Place {
+        if stamp.is_nan() {
+            return Place::Next;
+        }
+        if stamp == self.stamp {
+            return Place::Repeated;
+        }
+        if stamp < self.stamp {
+            return Place::Backward;
+        }
+        let steps = (stamp - self.at) / self.step;
+        // A stamp that rises at all is a new sample, however much the clock trembles.
+        if steps <= 1.5 { Place::Next } else { Place::After((steps.round() as u64).saturating_sub(1).max(1)) }
+    }
+
+    /// The stamp goes on from the last sample as if the row between them had been in its place.
+    #[must_use]
+    pub fn skips_one(&self, stamp: f64) -> bool {
+        ((stamp - self.at) / self.step - 2.0).abs() < 0.5
+    }
+
+    /// Takes in the next sample after `missing` others; gives its number.
+    pub fn accept(&mut self, stamp: f64, missing: u64) -> u64 {
+        let index = self.next.saturating_add(missing);
+        self.next = index.saturating_add(1);
+        let due = self.at + self.step;
+        self.at = match missing {
+            _ if stamp.is_nan() => due,
+            0 => due + FOLLOW * (stamp - due),
+            // Over a gap the grid has nothing to add to what the stamp says.
+            _ => stamp,
+        };
+        if !stamp.is_nan() {
+            self.stamp = stamp;
+        }
+        index
+    }
+}
+
+fn median(steps: &[f64]) -> Option<f64> {
+    let mut sorted = steps.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}
+
+/// Mean of the steps that are one sample long, given about how long that is.
+fn mean_near(steps: &[f64], about: f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for step in steps.iter().filter(|step| **step > 0.5 * about && **step < 1.5 * about) {
+        sum += step;
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { about }
+}
+
+/// Least-squares line through stamps over sample numbers: the rounding of printed stamps averages out
+/// far better than in a mean of steps, which rests on the first and the last of them alone.
+fn slope(stamps: &[f64], about: f64) -> f64 {
+    let mut points: Vec<(f64, f64)> = Vec::with_capacity(stamps.len());
+    let origin = stamps.first().copied().unwrap_or(0.0);
+    for time in stamps.iter().map(|stamp| stamp - origin) {
+        match points.last() {
+            None => points.push((0.0, time)),
+            Some((index, last)) if time > *last => {
+                points.push((index + ((time - last) / about).round().max(1.0), time));
+            }
+            Some(_) => {}
+        }
+    }
+    let count = points.len() as f64;
+    let middle = points.iter().map(|point| point.0).sum::<f64>() / count;
+    let (mut product, mut square) = (0.0, 0.0);
+    for (index, time) in points {
+        product += (index - middle) * time;
+        square += (index - middle) * (index - middle);
+    }
+    if square > 0.0 { product / square } else { about }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    /// Stamps of `rate` with `decimals`, as a logger prints them.
+    fn printed(rate: f64, decimals: usize, count: usize) -> Vec<f64> {
+        (0..count).map(|i| format!("{:.*}", decimals, i as f64 / rate).parse().unwrap()).collect()
+    }
+
+    #[test]
+    fn few_decimals_give_the_rate() {
+        let grid = Grid::learn(&printed(12_800.0, 7, 1000)).unwrap();
+        assert!((1.0 / grid.step() / 12_800.0 - 1.0).abs() < 2e-7, "{}", 1.0 / grid.step());
+        let grid = Grid::learn(&printed(12_800.0, 5, 1000)).unwrap();
+        assert!((1.0 / grid.step() / 12_800.0 - 1.0).abs() < 2e-5, "{}", 1.0 / grid.step());
+    }
+
+    #[test]
+    fn drifting_clock_makes_no_gap() {
+        let mut grid = Grid::learn(&printed(12_800.0, 7, 1000)).unwrap();
+        let mut time: f64 = 0.0;
+        for index in 0..3_000_000_u64 {
+            let stamp = (time * 1e7).round() / 1e7;
+            assert_eq!(grid.place(stamp), Place::Next, "{index}");
+            assert_eq!(grid.accept(stamp, 0), index);
+            time += (1.0 + 300e-6 * (index as f64 * 1e-6).sin()) / 12_800.0;
+        }
+    }
+
+    #[test]
+    fn gaps_jumps_and_repeats() {
+        let mut grid = Grid::learn(&printed(1000.0, 3, 10)).unwrap();
+        assert_eq!(grid.accept(0.0, 0), 0);
+        assert_eq!(grid.place(0.0), Place::Repeated);
+        assert_eq!(grid.place(-0.001), Place::Backward);
+        assert_eq!(grid.place(0.0014), Place::Next);
+        assert_eq!(grid.place(0.005), Place::After(4));
+        assert_eq!(grid.accept(0.005, 4), 5);
+        assert_eq!(grid.place(f64::NAN), Place::Next);
+        assert_eq!(grid.accept(f64::NAN, 0), 6);
+        assert_eq!(grid.place(0.007), Place::Next);
+        assert_eq!(grid.accept(0.007, 0), 7);
+        assert!(grid.skips_one(0.009));
+    }
+
+    #[test]
+    fn outliers_do_not_move_the_step() {
+        let mut stamps = printed(12_800.0, 7, 900);
+        stamps.truncate(800);
+        stamps.extend((1200..1300).map(|i| f64::from(i) / 12_800.0));
+        stamps[300] = stamps[299];
+        stamps[400] = 0.0;
+        let grid = Grid::learn(&stamps).unwrap();
+        assert!((grid.step() * 12_800.0 - 1.0).abs() < 1e-6, "{}", 1.0 / grid.step());
+    }
+
+    #[test]
+    fn stamps_without_a_step() {
+        assert_eq!(Grid::learn(&[1.0]), Err(ClockFault::TooFew));
+        assert_eq!(Grid::learn(&[1.0, f64::NAN]), Err(ClockFault::TooFew));
+        assert!(matches!(Grid::learn(&[3.0, 2.0, 1.0]), Err(ClockFault::NotRising { .. })));
+        assert!(matches!(Grid::learn(&printed(12_800.0, 4, 1000)), Err(ClockFault::Coarse { .. })));
+    }
+}

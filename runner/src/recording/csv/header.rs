@@ -1,0 +1,117 @@
+//! The first line of a file: delimiter and names of the columns.
+
+use std::io::{BufRead, Read};
+use std::path::Path;
+
+use super::RecordingError;
+use super::source::failed;
+use crate::recording::error::{listed, nearest};
+
+/// A first line longer than this is no header but a binary file.
+const LONGEST: u64 = 1 << 20;
+
+/// Delimiters, the likeliest first.
+const DELIMITERS: [u8; 4] = *b",;\t|";
+
+/// What the first line tells.
+pub(super) struct Header {
+    /// Trimmed.
+    pub(super) names: Vec<String>,
+    pub(super) delimiter: u8,
+    /// Line number of the header, which is the number of lines read.
+    pub(super) line: u64,
+    /// Bytes read.
+    pub(super) bytes: u64,
+}
+
+impl Header {
+    /// Reads up to and with the first line that is not blank.
+    pub(super) fn read(reader: &mut impl BufRead, file: &Path) -> Result<Self, RecordingError> {
+        let (mut text, mut line, mut bytes) = (Vec::new(), 0, 0);
+        while text.trim_ascii().is_empty() {
+            text.clear();
+            let count = reader.by_ref().take(LONGEST).read_until(b'\n', &mut text);
+            let count = count.map_err(|source| failed(file, line, source))? as u64;
+            if count == 0 {
+                return Err(RecordingError::Empty { file: file.into() });
+            }
+            bytes += count;
+            line += 1;
+            if line == 1 && text.starts_with(b"\xEF\xBB\xBF") {
+                text.drain(..3);
+            }
+            if count == LONGEST || text.contains(&0) {
+                return Err(RecordingError::NotText { file: file.into(), line });
+            }
+        }
+        Self::parse(text.trim_ascii_end(), line, bytes, file)
+    }
+
+    fn parse(text: &[u8], line: u64, bytes: u64, file: &Path) -> Result<Self, RecordingError> {
+        let delimiter = delimiter(text);
+        let names = names(text, delimiter);
+        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+            let found = shortened(text);
+            return Err(RecordingError::NoHeader { file: file.into(), line, found });
+        }
+        Ok(Self { names, delimiter, line, bytes })
+    }
+
+    /// Place of a column that the scene names.
+    pub(super) fn find(&self, column: &str, file: &Path) -> Result<usize, RecordingError> {
+        let mut places = self.names.iter().enumerate().filter(|(_, name)| *name == column.trim());
+        match (places.next(), places.next()) {
+            (Some((place, _)), None) => Ok(place),
+            (Some(_), Some(_)) => {
+                Err(RecordingError::ColumnTwice { file: file.into(), line: self.line, column: column.into() })
+            }
+            (None, _) => Err(RecordingError::AbsentColumn {
+                file: file.into(),
+                line: self.line,
+                column: column.into(),
+                found: listed(&self.names),
+                nearest: nearest(column, &self.names),
+            }),
+        }
+    }
+}
+
+/// The delimiter that cuts the line into most pieces; the likelier one of equals.
+fn delimiter(text: &[u8]) -> u8 {
+    let mut counts = [0_usize; DELIMITERS.len()];
+    let mut quoted = false;
+    for byte in text {
+        quoted ^= *byte == b'"';
+        if let Some(place) = DELIMITERS.iter().position(|delimiter| !quoted && delimiter == byte) {
+            counts[place] += 1;
+        }
+    }
+    let most = counts.iter().max().copied().unwrap_or(0);
+    counts.iter().position(|count| *count == most).map_or(b',', |place| DELIMITERS[place])
+}
+
+fn names(text: &[u8], delimiter: u8) -> Vec<String> {
+    let mut reader = ::csv::ReaderBuilder::new().delimiter(delimiter).has_headers(false).from_reader(text);
+    let mut record = ::csv::ByteRecord::new();
+    // Reading from memory cannot fail, and a line that is not blank has a record.
+    let _ = reader.read_byte_record(&mut record);
+    record.iter().map(|name| decoded(name).trim().to_owned()).collect()
+}
+
+/// UTF-8, or else Latin-1, in which loggers on Windows write their micro and degree signs.
+fn decoded(text: &[u8]) -> String {
+    match str::from_utf8(text) {
+        Ok(text) => text.to_owned(),
+        Err(_) => text.iter().map(|byte| char::from(*byte)).collect(),
+    }
+}
+
+/// Text of the file for a message.
+pub(super) fn shortened(text: &[u8]) -> String {
+    const SHOWN: usize = 40;
+    let text = String::from_utf8_lossy(text.trim_ascii());
+    if text.chars().count() <= SHOWN {
+        return text.escape_debug().to_string();
+    }
+    format!("{}...", text.chars().take(SHOWN).collect::<String>().escape_debug())
+}

@@ -1,0 +1,182 @@
+//! Why a recording cannot be read.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Longest list of columns that a message carries.
+const COLUMNS_SHOWN: usize = 30;
+
+/// What stops the reading of a recording; flaws that do not stop it go to the ledger.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// The file is not there or may not be read.
+    #[error("{file}: cannot be opened: {source}")]
+    Open {
+        /// The recording.
+        file: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The path is a folder's.
+    #[error("{file}: is a folder; allowed: a file of columns")]
+    Folder {
+        /// The path.
+        file: PathBuf,
+    },
+    /// Reading failed on the way.
+    #[error("{file}, after line {line}: cannot be read further: {source}")]
+    Read {
+        /// The recording.
+        file: PathBuf,
+        /// Last line that was whole.
+        line: u64,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Not a byte, or only blank lines.
+    #[error("{file}: is empty; allowed: a line of column names and a row for each sample")]
+    Empty {
+        /// The recording.
+        file: PathBuf,
+    },
+    /// Not text at all.
+    #[error("{file}, line {line}: is not plain text (binary, or UTF-16); allowed: a line of column names in UTF-8")]
+    NotText {
+        /// The recording.
+        file: PathBuf,
+        /// Where that shows.
+        line: u64,
+    },
+    /// Numbers where the names of the columns belong.
+    #[error(
+        "{file}, line {line}: found the numbers `{found}`; a header is needed: a line with the names of the columns"
+    )]
+    NoHeader {
+        /// The recording.
+        file: PathBuf,
+        /// The first line that is not blank.
+        line: u64,
+        /// Its text, shortened.
+        found: String,
+    },
+    /// A header and nothing below it.
+    #[error("{file}: has a header and no row below it; allowed: a row for each sample")]
+    NoRows {
+        /// The recording.
+        file: PathBuf,
+    },
+    /// The scene names a column that the file lacks.
+    #[error("{file}, line {line}: no column `{column}`; found the columns {found}{hint}", hint = did_you_mean(.nearest.as_deref()))]
+    AbsentColumn {
+        /// The recording.
+        file: PathBuf,
+        /// Line of the header.
+        line: u64,
+        /// The scene's name.
+        column: String,
+        /// The names that are there.
+        found: String,
+        /// The one most like it, when one is like it.
+        nearest: Option<String>,
+    },
+    /// Two columns of one name.
+    #[error("{file}, line {line}: the column `{column}` is there twice; allowed: once")]
+    ColumnTwice {
+        /// The recording.
+        file: PathBuf,
+        /// Line of the header.
+        line: u64,
+        /// The name.
+        column: String,
+    },
+    /// A cell that is not a number.
+    #[error("{file}, line {line}, column {column}: found `{found}`; allowed: {allowed}")]
+    Cell {
+        /// The recording.
+        file: PathBuf,
+        /// Line of the row.
+        line: u64,
+        /// Name of the column.
+        column: String,
+        /// The cell's text, shortened.
+        found: String,
+        /// What may stand there.
+        allowed: &'static str,
+    },
+    /// More cells than names.
+    #[error("{file}, line {line}: found {found} cells; allowed: {allowed}, as many as the header has names")]
+    RowTooLong {
+        /// The recording.
+        file: PathBuf,
+        /// Line of the row.
+        line: u64,
+        /// Cells of the row.
+        found: usize,
+        /// Names of the header.
+        allowed: usize,
+    },
+    /// The time stamps give no sampling rate.
+    #[error(
+        "{file}, column {column}: found {found}; allowed: time stamps in seconds that rise from row to row, or `rate` instead of `time` in the scene"
+    )]
+    Clock {
+        /// The recording.
+        file: PathBuf,
+        /// The column of time stamps.
+        column: String,
+        /// What is wrong with them.
+        found: String,
+    },
+}
+
+impl RecordingError {
+    /// The scene asks for what the file does not have: the scene is to be put right, not the file.
+    #[must_use]
+    pub const fn is_scene_fault(&self) -> bool {
+        matches!(self, Self::AbsentColumn { .. })
+    }
+}
+
+fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+}
+
+/// Names for a message, shortened where there are very many.
+pub(super) fn listed(names: &[String]) -> String {
+    let shown: Vec<String> = names.iter().take(COLUMNS_SHOWN).map(|name| format!("`{name}`")).collect();
+    match names.len() - shown.len() {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// The name most like `wanted`, when it is like it at all: letter case counts for nothing.
+pub(super) fn nearest(wanted: &str, names: &[String]) -> Option<String> {
+    let wanted = wanted.to_lowercase();
+    let length = wanted.chars().count();
+    // A name of which nothing is left is not like it.
+    let limit = (length / 3).max(2).min(length.saturating_sub(1));
+    names
+        .iter()
+        .filter(|name| !name.is_empty())
+        .map(|name| (edits(&wanted, &name.to_lowercase()), name))
+        .min_by_key(|(edits, _)| *edits)
+        .filter(|(edits, _)| *edits <= limit)
+        .map(|(_, name)| name.clone())
+}
+
+/// Single-letter changes that turn one text into the other.
+fn edits(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut above: Vec<usize> = (0..=to.len()).collect();
+    for (row, letter) in from.chars().enumerate() {
+        let mut corner = above[0];
+        above[0] = row + 1;
+        for (column, other) in to.iter().enumerate() {
+            let change = corner + usize::from(letter != *other);
+            corner = above[column + 1];
+            above[column + 1] = change.min(corner + 1).min(above[column] + 1);
+        }
+    }
+    above[to.len()]
+}

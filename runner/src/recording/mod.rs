@@ -1,0 +1,41 @@
+//! A recording: columns of a file -> samples with their time, their shaft angle and their flaws.
+
+pub mod clock;
+pub mod csv;
+pub mod error;
+pub mod flaws;
+pub mod probe;
+pub mod rotation;
+
+use ballrace::Turn;
+
+/// One sample as read from the file, before the shaft's angle is known.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Row {
+    /// Counted from 0 in samples of the nominal rate: a gap in the time stamps makes it jump.
+    pub index: u64,
+    /// Line of the file, for messages.
+    pub line: u64,
+    /// Time, s: the time stamp, or index / rate.
+    pub time: f64,
+    /// Reading of each probe, m, in the scene's order; NaN where there is none.
+    pub probes: Vec<f64>,
+    /// Value of the keyphasor or speed column (rad/s), NaN where there is none; 0 when the scene names neither.
+    pub rotation: f64,
+}
+
+/// One sample that the replay works on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// What the file says.
+    pub row: Row,
+    /// Shaft angle: 0 where the keyphasor first passes.
+    pub angle: Turn,
+    /// Whole turns below `angle` since the keyphasor first passed: total revolutions = `revolution + angle`, so -1
+    /// before the first pulse of a shaft that turns forward.
+    pub revolution: i64,
+    /// rad/s
+    pub speed: f64,
+    /// rad/s^2
+    pub acceleration: f64,
+}

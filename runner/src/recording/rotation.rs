@@ -1,0 +1,229 @@
+//! Rows -> samples with shaft angle, speed and acceleration.
+//!
+//! - **Keyphasor**: the first pulse is angle 0. A pulse begins where the signal, drawn straight from sample to
+//!   sample, passes half way between its two levels; the rarer level is the pulse. A pulse recorded as a step is
+//!   known to half a sample only, so the angle follows parabolas through up to 11 pulses, blended from pulse to
+//!   pulse; where those cannot follow the shaft, through fewer. A pulse that did not come is filled in, one too many is
+//!   left out; both are counted as flaws. A sample waits for up to 6 pulses after it, for 11 at the start.
+//! - **Speed column**: its integral from 0 by the trapezium rule.
+//! - **Neither**: the closed form of the scene's speed, from angle 0 at the first sample.
+
+mod edges;
+mod fit;
+mod given;
+mod keyphasor;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
+mod total;
+
+use std::collections::VecDeque;
+
+use self::given::{SceneSpeed, SpeedColumn};
+use self::keyphasor::Keyphasor;
+use self::total::Total;
+use super::flaws::FlawLedger;
+use super::{Row, Sample};
+use crate::scene::{Rotation, Speed};
+
+/// Most samples that wait for a pulse or a speed.
+const LONGEST_WAIT: usize = 4_000_000;
+
+/// Why the shaft's angle cannot be told.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RotationError {
+    /// No pulse at all.
+    #[error("column {column}: no keyphasor pulses in {samples} samples: {}; allowed: two levels that change in an even beat", stays(*.low, *.high))]
+    NoPulse {
+        /// Column of the keyphasor.
+        column: String,
+        /// Samples looked at.
+        samples: usize,
+        /// Lowest value.
+        low: f64,
+        /// Highest value.
+        high: f64,
+    },
+    /// One pulse gives no speed.
+    #[error(
+        "column {column}: one keyphasor pulse only, at line {line}: the recording is shorter than a turn; allowed: two pulses or more"
+    )]
+    OnePulse {
+        /// Column of the keyphasor.
+        column: String,
+        /// Line of the pulse.
+        line: u64,
+    },
+    /// The pulses end.
+    #[error(
+        "column {column}: no keyphasor pulse in {samples} samples after line {line} ({time:.6} s): the shaft stands still or the keyphasor is dead"
+    )]
+    Standstill {
+        /// Column of the keyphasor.
+        column: String,
+        /// Samples without a pulse.
+        samples: u64,
+        /// Line of the last pulse.
+        line: u64,
+        /// Time of the last pulse, s.
+        time: f64,
+    },
+    /// A speed column without a number.
+    #[error("column {column}: no speed in {samples} samples from the start; allowed: a number")]
+    NoSpeed {
+        /// Column of the speed.
+        column: String,
+        /// Samples looked at.
+        samples: usize,
+    },
+}
+
+fn stays(low: f64, high: f64) -> String {
+    if low <= high { format!("it stays between {low} and {high}") } else { String::from("it has no value") }
+}
+
+/// Gives each row its shaft angle. Rows go in by [`push`](Self::push), samples come out by [`pop`](Self::pop) in
+/// the same order as soon as their angle is known, the last ones after [`finish`](Self::finish).
+pub struct Tracker {
+    source: Source,
+    output: Output,
+    spare: Vec<Row>,
+}
+
+enum Source {
+    Keyphasor(Box<Keyphasor>),
+    Column(SpeedColumn),
+    Scene(SceneSpeed),
+}
+
+/// What the shaft does at a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Motion {
+    total: Total,
+    speed: f64,
+    acceleration: f64,
+}
+
+/// Samples that are done, and what was learned on the way.
+#[derive(Default)]
+struct Output {
+    ready: VecDeque<Sample>,
+    ledger: FlawLedger,
+    count: u64,
+    sum: f64,
+    range: Option<(f64, f64)>,
+}
+
+impl Output {
+    fn deliver(&mut self, row: Row, motion: Motion) {
+        let Motion { total, speed, acceleration } = motion;
+        self.count += 1;
+        self.sum += speed;
+        let (low, high) = self.range.unwrap_or((speed, speed));
+        self.range = Some((low.min(speed), high.max(speed)));
+        let (angle, revolution) = (total.angle(), total.revolution());
+        self.ready.push_back(Sample { row, angle, revolution, speed, acceleration });
+    }
+}
+
+impl Tracker {
+    /// For a recording sampled at `rate`, Hz. A keyphasor cannot tell which way the shaft turns: that is taken
+    /// from the sign of the scene's `speed`.
+    #[must_use]
+    pub fn new(rotation: &Rotation, rate: f64, speed: Speed) -> Self {
+        let source = match rotation {
+            Rotation::Keyphasor { column, pulses_per_turn } => {
+                Source::Keyphasor(Box::new(Keyphasor::new(column, *pulses_per_turn, rate, is_reversed(speed))))
+            }
+            Rotation::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
+            Rotation::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
+        };
+        Self { source, output: Output::default(), spare: Vec::new() }
+    }
+
+    /// An empty row to read into, with the memory of a recycled one where there is one.
+    #[must_use]
+    pub fn blank(&mut self) -> Row {
+        self.spare.pop().unwrap_or_default()
+    }
+
+    /// Takes back a row that is no longer needed.
+    pub fn recycle(&mut self, row: Row) {
+        self.spare.push(row);
+    }
+
+    /// Takes in the next row. Numbers of rows have to rise.
+    ///
+    /// # Errors
+    /// No pulse, or none any more, within 4 million samples or 20 turns' time; no speed within 4 million samples.
+    pub fn push(&mut self, row: Row) -> Result<(), RotationError> {
+        match &mut self.source {
+            Source::Keyphasor(keyphasor) => keyphasor.push(row, &mut self.output),
+            Source::Column(column) => column.push(row, &mut self.output),
+            Source::Scene(scene) => {
+                let motion = scene.motion(row.index);
+                self.output.deliver(row, motion);
+                Ok(())
+            }
+        }
+    }
+
+    /// The recording is over: gives every sample that still waits its angle.
+    ///
+    /// # Errors
+    /// Fewer than two pulses, or no speed, in the whole recording.
+    pub fn finish(&mut self) -> Result<(), RotationError> {
+        match &mut self.source {
+            Source::Keyphasor(keyphasor) => keyphasor.finish(&mut self.output),
+            Source::Column(column) => column.finish(&mut self.output),
+            Source::Scene(_) => Ok(()),
+        }
+    }
+
+    /// The next sample whose angle is known.
+    pub fn pop(&mut self) -> Option<Sample> {
+        self.output.ready.pop_front()
+    }
+
+    /// Keyphasor pulses so far, those filled in or left out not counted; 0 without a keyphasor.
+    #[must_use]
+    pub fn pulses(&self) -> u64 {
+        match &self.source {
+            Source::Keyphasor(keyphasor) => keyphasor.counted(),
+            Source::Column(_) | Source::Scene(_) => 0,
+        }
+    }
+
+    /// Mean speed over the samples that came out, rad/s; none before the first.
+    #[must_use]
+    pub fn mean_speed(&self) -> Option<f64> {
+        (self.output.count > 0).then(|| self.output.sum / self.output.count as f64)
+    }
+
+    /// Lowest speed over the samples that came out, rad/s.
+    #[must_use]
+    pub fn min_speed(&self) -> Option<f64> {
+        self.output.range.map(|range| range.0)
+    }
+
+    /// Highest speed over the samples that came out, rad/s.
+    #[must_use]
+    pub fn max_speed(&self) -> Option<f64> {
+        self.output.range.map(|range| range.1)
+    }
+
+    /// Pulses missed and pulses too many.
+    #[must_use]
+    pub const fn flaws(&self) -> &FlawLedger {
+        &self.output.ledger
+    }
+}
+
+/// The shaft turns about -Z, on the whole.
+fn is_reversed(speed: Speed) -> bool {
+    match speed {
+        Speed::Constant(speed) => speed < 0.0,
+        Speed::Ramp { from, to, .. } => from + to < 0.0,
+        Speed::Fluctuating { mean, .. } => mean < 0.0,
+    }
+}

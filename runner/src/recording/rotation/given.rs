@@ -1,0 +1,125 @@
+//! Shaft angle from a speed: a column of the recording, or what the scene says.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use super::total::Total;
+use super::{LONGEST_WAIT, Motion, Output, RotationError};
+use crate::recording::Row;
+use crate::scene::Speed;
+
+/// Integrates a column of speeds. One sample behind, for the acceleration.
+pub(super) struct SpeedColumn {
+    column: String,
+    rate: f64,
+    /// Samples before the first speed.
+    waiting: VecDeque<Row>,
+    /// Number and speed of the sample before `held`.
+    before: Option<(u64, f64)>,
+    held: Option<Held>,
+}
+
+/// A sample that lacks its acceleration only.
+struct Held {
+    row: Row,
+    total: Total,
+    speed: f64,
+}
+
+impl SpeedColumn {
+    pub(super) fn new(column: &str, rate: f64) -> Self {
+        Self { column: column.into(), rate, waiting: VecDeque::new(), before: None, held: None }
+    }
+
+    pub(super) fn push(&mut self, row: Row, output: &mut Output) -> Result<(), RotationError> {
+        let known = self.held.as_ref().map(|held| held.speed);
+        // Where the speed is missing, the last one holds; before the first, the first.
+        let speed = if row.rotation.is_nan() { known } else { Some(row.rotation) };
+        let Some(speed) = speed else {
+            self.waiting.push_back(row);
+            return if self.waiting.len() < LONGEST_WAIT { Ok(()) } else { Err(self.no_speed()) };
+        };
+        while let Some(row) = self.waiting.pop_front() {
+            self.advance(row, speed, output);
+        }
+        self.advance(row, speed, output);
+        Ok(())
+    }
+
+    pub(super) fn finish(&mut self, output: &mut Output) -> Result<(), RotationError> {
+        if !self.waiting.is_empty() {
+            return Err(self.no_speed());
+        }
+        if let Some(held) = self.held.take() {
+            let next = (held.row.index, held.speed);
+            self.give(held, next, output);
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, row: Row, speed: f64, output: &mut Output) {
+        let mut total = Total::default();
+        if let Some(held) = self.held.take() {
+            let time = row.index.saturating_sub(held.row.index) as f64 / self.rate;
+            total = held.total.plus(Total::of(0.5 * (held.speed + speed) * time / TAU));
+            self.give(held, (row.index, speed), output);
+        }
+        self.held = Some(Held { row, total, speed });
+    }
+
+    /// Gives out a sample, now that the speed after it is known.
+    fn give(&mut self, held: Held, next: (u64, f64), output: &mut Output) {
+        let last = self.before.unwrap_or((held.row.index, held.speed));
+        let samples = next.0.saturating_sub(last.0) as f64;
+        let acceleration = if samples > 0.0 { (next.1 - last.1) / samples * self.rate } else { 0.0 };
+        self.before = Some((held.row.index, held.speed));
+        output.deliver(held.row, Motion { total: held.total, speed: held.speed, acceleration });
+    }
+
+    fn no_speed(&self) -> RotationError {
+        RotationError::NoSpeed { column: self.column.clone(), samples: self.waiting.len() }
+    }
+}
+
+/// The scene's speed in closed form. Long times enter as sample numbers times a step, which loses nothing.
+pub(super) struct SceneSpeed {
+    speed: Speed,
+    rate: f64,
+}
+
+impl SceneSpeed {
+    pub(super) const fn new(speed: Speed, rate: f64) -> Self {
+        Self { speed, rate }
+    }
+
+    pub(super) fn motion(&self, index: u64) -> Motion {
+        let time = index as f64 / self.rate;
+        match self.speed {
+            Speed::Constant(speed) => Motion { total: self.steady(speed / TAU, index), speed, acceleration: 0.0 },
+            Speed::Ramp { from, to, over } if time < over => {
+                let acceleration = (to - from) / over;
+                let total = Total::of((from + 0.5 * acceleration * time) * time / TAU);
+                Motion { total, speed: from + acceleration * time, acceleration }
+            }
+            Speed::Ramp { from, to, over } => {
+                let total = self.steady(to / TAU, index).plus(Total::of(0.5 * (from - to) * over / TAU));
+                Motion { total, speed: to, acceleration: 0.0 }
+            }
+            Speed::Fluctuating { mean, fluctuation, frequency } => {
+                let (sine, cosine) = self.steady(frequency, index).angle().radians().sin_cos();
+                let circular = TAU * frequency;
+                let swing = Total::of(mean * fluctuation * sine / circular / TAU);
+                Motion {
+                    total: self.steady(mean / TAU, index).plus(swing),
+                    speed: mean * (1.0 + fluctuation * cosine),
+                    acceleration: -mean * fluctuation * circular * sine,
+                }
+            }
+        }
+    }
+
+    /// Revolutions up to a sample when `turns_per_second` never change.
+    fn steady(&self, turns_per_second: f64, index: u64) -> Total {
+        Total::of(turns_per_second / self.rate).times(index)
+    }
+}

@@ -1,0 +1,325 @@
+//! Shaft angle from a keyphasor: pulses are checked, counted, smoothed, and samples placed between them.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use super::edges::{Edges, Instant, Levels, range};
+use super::fit::{Fit, Progress, Pulse, SIDE};
+use super::total::Total;
+use super::{LONGEST_WAIT, Motion, Output, RotationError};
+use crate::recording::Row;
+use crate::recording::flaws::{Flaw, Position};
+
+/// Samples before the levels are looked for; then again each time there are a quarter more.
+const FIRST_LOOK: usize = 1024;
+
+/// So many times the last interval without a pulse is a standstill.
+const STANDSTILL: f64 = 20.0;
+
+/// An interval this much shorter than expected ends in a pulse too many: after two pulses, when a shaft that
+/// starts from rest may be at 0.41, and when the trend is known.
+const TOO_SHORT: (f64, f64) = (0.4, 0.6);
+
+/// After so many intervals with a pulse left out in the middle the shaft does turn twice as fast, as it may after
+/// a standstill.
+const TWICE_AS_FAST: u32 = 2;
+
+/// How far an interval may be from a whole multiple of the expected one to hold missed pulses.
+const WHOLE: f64 = 0.2;
+
+/// Pulses that the next one is expected from.
+const TREND: usize = 6;
+
+/// Samples waiting for their angle, and the pulses that give it.
+pub(super) struct Keyphasor {
+    column: String,
+    pulses_per_turn: u32,
+    /// Hz
+    rate: f64,
+    reversed: bool,
+    waiting: VecDeque<Row>,
+    next_look: usize,
+    edges: Option<Edges>,
+    /// Up to `2 * SIDE` before the one at `left`, and all since.
+    pulses: VecDeque<Pulse>,
+    /// The pulse before the first sample that waits (after it, at the start).
+    left: usize,
+    left_fit: Option<Fit>,
+    counted: u64,
+    /// Samples with a reading since the last pulse.
+    quiet: u64,
+    last_pulse: Position,
+    last_reading: Option<u64>,
+    /// Since the last pulse the signal was away for longer than a pulse takes.
+    lost: Option<u64>,
+    /// Pulses left out since the last one, and the last of those.
+    surplus: u32,
+    surplus_at: Instant,
+    /// Intervals in a row with one pulse left out in the middle.
+    halved: u32,
+}
+
+impl Keyphasor {
+    pub(super) fn new(column: &str, pulses_per_turn: u32, rate: f64, reversed: bool) -> Self {
+        Self {
+            column: column.into(),
+            pulses_per_turn: pulses_per_turn.max(1),
+            rate,
+            reversed,
+            waiting: VecDeque::new(),
+            next_look: FIRST_LOOK,
+            edges: None,
+            pulses: VecDeque::new(),
+            left: 0,
+            left_fit: None,
+            counted: 0,
+            quiet: 0,
+            last_pulse: Position::default(),
+            last_reading: None,
+            lost: None,
+            surplus: 0,
+            surplus_at: Instant::default(),
+            halved: 0,
+        }
+    }
+
+    /// Pulses seen and believed.
+    pub(super) const fn counted(&self) -> u64 {
+        self.counted
+    }
+
+    pub(super) fn push(&mut self, row: Row, output: &mut Output) -> Result<(), RotationError> {
+        let (at, reading) = (Position::from(&row), row.rotation);
+        self.waiting.push_back(row);
+        if self.edges.is_some() {
+            self.see(at, reading, output)?;
+            self.release(output);
+            return Ok(());
+        }
+        if self.waiting.len() >= self.next_look {
+            self.next_look += self.next_look / 4;
+            self.look(false, output)?;
+        }
+        if self.edges.is_none() && self.waiting.len() >= LONGEST_WAIT {
+            // Few pulses of a slow shaft have to do.
+            self.look(true, output)?;
+            return if self.edges.is_none() { Err(self.no_pulse()) } else { Ok(()) };
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(&mut self, output: &mut Output) -> Result<(), RotationError> {
+        if self.waiting.is_empty() {
+            return Ok(());
+        }
+        if self.edges.is_none() {
+            self.look(true, output)?;
+        }
+        match self.pulses.len() {
+            0 => return Err(self.no_pulse()),
+            1 => return Err(RotationError::OnePulse { column: self.column.clone(), line: self.last_pulse.line }),
+            _ => {}
+        }
+        while self.left + 1 < self.pulses.len() {
+            self.release_interval(output);
+        }
+        let last = self.left_fit.unwrap_or_else(|| self.fit(self.left));
+        while let Some(row) = self.waiting.pop_front() {
+            let motion = self.motion(&last, last.progress(Instant::sample(row.index)));
+            output.deliver(row, motion);
+        }
+        Ok(())
+    }
+
+    /// Looks for the levels in all samples so far, and then for the pulses.
+    fn look(&mut self, end: bool, output: &mut Output) -> Result<(), RotationError> {
+        let Some(levels) = Levels::learn(self.waiting.iter().map(|row| row.rotation), end) else { return Ok(()) };
+        self.edges = Some(Edges::new(levels));
+        for place in 0..self.waiting.len() {
+            let row = &self.waiting[place];
+            self.see(Position::from(row), row.rotation, output)?;
+        }
+        self.release(output);
+        Ok(())
+    }
+
+    fn see(&mut self, at: Position, reading: f64, output: &mut Output) -> Result<(), RotationError> {
+        if reading.is_nan() {
+            return Ok(());
+        }
+        let last_reading = self.last_reading.replace(at.index).unwrap_or(at.index);
+        let period = self.period();
+        if at.index.saturating_sub(last_reading) as f64 > period {
+            self.lost = Some(last_reading + at.index.saturating_sub(last_reading) / 2);
+        }
+        self.quiet += 1;
+        if let Some(start) = self.edges.as_mut().and_then(|edges| edges.see(at.index, reading)) {
+            self.take(start, at, output);
+        }
+        let patience = if self.pulses.len() > 1 { STANDSTILL * period } else { f64::INFINITY };
+        if self.quiet as f64 > patience.min(LONGEST_WAIT as f64) {
+            return Err(self.standstill());
+        }
+        Ok(())
+    }
+
+    /// Checks a pulse against those before it and counts it.
+    fn take(&mut self, start: Instant, at: Position, output: &mut Output) {
+        let Some(last) = self.pulses.back().copied() else {
+            return self.add(Pulse { number: 0, at: start, period: 1.0, lost: None }, at);
+        };
+        if self.pulses.len() == 1 && self.lost.is_some() {
+            // The beat is not known yet, so nothing tells how many pulses were lost: the count begins here.
+            self.lost = None;
+            self.pulses.clear();
+            return self.add(Pulse { number: 0, at: start, period: 1.0, lost: None }, at);
+        }
+        let interval = start.since(last.at);
+        let (plain, trend) = self.passed(&last, start);
+        let short = if trend.is_some() { TOO_SHORT.1 } else { TOO_SHORT.0 };
+        if self.lost.is_none() && plain.max(trend.unwrap_or(plain)) < short && self.halved < TWICE_AS_FAST {
+            self.surplus += 1;
+            self.surplus_at = start;
+            output.ledger.record(Flaw::SpuriousPulse, Some(&self.column), at, 1);
+            return;
+        }
+        let passed = trend.filter(|trend| (0.4..2.5).contains(&(trend / plain))).unwrap_or(plain);
+        let whole = passed.round().max(1.0);
+        let steps = if self.lost.is_some() || (passed - whole).abs() <= WHOLE { whole } else { 1.0 };
+        if steps > 1.0 {
+            output.ledger.record(Flaw::MissedPulse, Some(&self.column), at, steps as u64 - 1);
+        }
+        let number = last.number.saturating_add(steps as u64);
+        let period = interval / steps;
+        if self.pulses.len() == 1 {
+            // Until now nothing was known of it.
+            self.pulses[0].period = period;
+        }
+        let half = (0.4..0.6).contains(&(self.surplus_at.since(last.at) / interval));
+        self.halved = if self.surplus == 1 && half { self.halved + 1 } else { 0 };
+        self.surplus = 0;
+        let lost = self.lost.take();
+        self.add(Pulse { number, at: start, period, lost }, at);
+    }
+
+    fn add(&mut self, pulse: Pulse, at: Position) {
+        self.pulses.push_back(pulse);
+        self.counted += 1;
+        self.quiet = 0;
+        self.last_pulse = at;
+    }
+
+    /// Pulses that should have passed from the last one until `start`: by the interval before, and by the trend
+    /// of several where it is known.
+    fn passed(&self, last: &Pulse, start: Instant) -> (f64, Option<f64>) {
+        let count = self.pulses.len();
+        if count < 2 {
+            return (1.0, None);
+        }
+        let plain = start.since(last.at) / last.period;
+        let trend: Vec<Pulse> = self.pulses.range(count.saturating_sub(TREND)..).copied().collect();
+        let broken = self.lost.is_some() || trend.iter().skip(1).any(|pulse| pulse.lost.is_some());
+        if trend.len() < 4 || broken {
+            return (plain, None);
+        }
+        (plain, Fit::through(&trend, *last).map(|fit| fit.progress(start).pulses))
+    }
+
+    /// Samples a pulse, as far as is known.
+    fn period(&self) -> f64 {
+        match (self.pulses.len(), self.pulses.back()) {
+            (0, _) | (_, None) => f64::INFINITY,
+            (1, _) => self.quiet.max(1) as f64,
+            (_, Some(last)) => last.period,
+        }
+    }
+
+    /// Gives out the samples of every interval whose pulses on both sides are known.
+    fn release(&mut self, output: &mut Output) {
+        let known = |place: usize| place.max(SIDE) + SIDE;
+        while self.pulses.len() > known(self.left + 1)
+            || (self.waiting.len() >= LONGEST_WAIT && self.pulses.len() > self.left + 1)
+        {
+            self.release_interval(output);
+        }
+    }
+
+    /// Gives out the samples up to the pulse after `left`.
+    fn release_interval(&mut self, output: &mut Output) {
+        let before = self.left_fit.unwrap_or_else(|| self.fit(self.left));
+        let after = self.fit(self.left + 1);
+        while let Some(row) = self.waiting.front() {
+            let at = Instant::sample(row.index);
+            if at.since(after.pulse.at) >= 0.0 {
+                break;
+            }
+            let progress = between(&before, &after, at);
+            let motion = self.motion(&before, progress);
+            if let Some(row) = self.waiting.pop_front() {
+                output.deliver(row, motion);
+            }
+        }
+        self.left_fit = Some(after);
+        self.left += 1;
+        while self.left > 2 * SIDE {
+            self.pulses.pop_front();
+            self.left -= 1;
+        }
+    }
+
+    /// Through the pulses about `place` that have no lost ones between them.
+    fn fit(&mut self, place: usize) -> Fit {
+        let pulses = self.pulses.make_contiguous();
+        let from = (1..=place).rev().find(|other| pulses[*other].lost.is_some()).unwrap_or(0);
+        let to = (place + 1..pulses.len()).find(|other| pulses[*other].lost.is_some()).unwrap_or(pulses.len());
+        Fit::around(&pulses[from..to], place - from)
+    }
+
+    /// `progress` counts from the pulse of `fit`.
+    fn motion(&self, fit: &Fit, progress: Progress) -> Motion {
+        let per_turn = f64::from(self.pulses_per_turn);
+        // Whole turns go apart before anything is rounded.
+        let (turns, part) =
+            (fit.pulse.number / u64::from(self.pulses_per_turn), fit.pulse.number % u64::from(self.pulses_per_turn));
+        let total = Total::beyond(turns, (part as f64 + progress.pulses) / per_turn);
+        let sign = if self.reversed { -1.0 } else { 1.0 };
+        let unit = sign * TAU / per_turn * self.rate;
+        Motion {
+            total: if self.reversed { total.reversed() } else { total },
+            speed: unit * progress.slope,
+            acceleration: unit * self.rate * progress.bend,
+        }
+    }
+
+    fn no_pulse(&self) -> RotationError {
+        let (low, high) = range(self.waiting.iter().map(|row| row.rotation));
+        RotationError::NoPulse { column: self.column.clone(), samples: self.waiting.len(), low, high }
+    }
+
+    fn standstill(&self) -> RotationError {
+        let Position { line, time, .. } = self.last_pulse;
+        RotationError::Standstill { column: self.column.clone(), samples: self.quiet, line, time }
+    }
+}
+
+/// From one fit to the other, in step with time; counted from the pulse of the first. Over lost pulses, where
+/// neither holds for long, one half way each.
+fn between(before: &Fit, after: &Fit, at: Instant) -> Progress {
+    let one = before.progress(at);
+    let way = at.since(before.pulse.at) / after.pulse.at.since(before.pulse.at);
+    let share = match after.pulse.lost {
+        Some(middle) => f64::from(u8::from(at.index >= middle)),
+        None => way.clamp(0.0, 1.0),
+    };
+    if share == 0.0 {
+        return one;
+    }
+    let other = after.progress(at);
+    let apart = after.pulse.number.wrapping_sub(before.pulse.number) as f64;
+    let mix = |from: f64, to: f64| from + share * (to - from);
+    Progress {
+        pulses: mix(one.pulses, other.pulses + apart),
+        slope: mix(one.slope, other.slope),
+        bend: mix(one.bend, other.bend),
+    }
+}

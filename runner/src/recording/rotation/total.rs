@@ -1,0 +1,45 @@
+//! Revolutions since the first pulse: whole ones and the angle in one number.
+
+use ballrace::Turn;
+
+/// 2^64
+const COUNTS_PER_TURN: f64 = 18_446_744_073_709_551_616.0;
+
+/// Revolutions in counts of 2^-64: adding and multiplying lose nothing, however long the shaft turns.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Total(i128);
+
+impl Total {
+    /// From revolutions; the scaling by a power of 2 keeps every digit. Not a number gives 0.
+    pub(super) fn of(revolutions: f64) -> Self {
+        Self((revolutions * COUNTS_PER_TURN) as i128)
+    }
+
+    /// `revolutions` beyond so many whole ones.
+    pub(super) fn beyond(whole: u64, revolutions: f64) -> Self {
+        Self(i128::from(whole) << 64).plus(Self::of(revolutions))
+    }
+
+    pub(super) const fn plus(self, other: Self) -> Self {
+        Self(self.0.wrapping_add(other.0))
+    }
+
+    pub(super) const fn times(self, count: u64) -> Self {
+        Self(self.0.wrapping_mul(count as i128))
+    }
+
+    /// Turned the other way.
+    pub(super) const fn reversed(self) -> Self {
+        Self(self.0.wrapping_neg())
+    }
+
+    /// Whole revolutions below.
+    pub(super) const fn revolution(self) -> i64 {
+        (self.0 >> 64) as i64
+    }
+
+    /// What is beyond those.
+    pub(super) const fn angle(self) -> Turn {
+        Turn(self.0 as u64)
+    }
+}

@@ -1,0 +1,202 @@
+//! What the residual says: lines that the twin cannot explain, and the verdict in one sentence.
+
+use super::comparison::{Comparison, INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
+use super::outcome::{Finding, FindingKind, ProbeOutcome};
+use super::twin::Seat;
+use crate::scene::{Direction, Probe};
+
+const UM: f64 = 1e6;
+/// A line counts when it stands this far above the residual around it, dB.
+const LEAST_LEVEL_DB: f64 = 12.0;
+/// A family of lines counts when it holds this share of the residual's energy.
+const LEAST_SHARE: f64 = 0.2;
+/// A family much weaker than the strongest one is its echo through the nonlinear bearings, not a fault of its own.
+const LEAST_OF_STRONGEST: f64 = 0.5;
+
+/// A family of lines: one cause and the orders at which it shows.
+struct Family {
+    kind: FindingKind,
+    bearing: Option<usize>,
+    order: f64,
+    /// (index of the followed line, its order)
+    lines: Vec<(usize, f64)>,
+}
+
+/// What is needed to judge.
+pub struct Evidence<'a> {
+    /// The scene's probes.
+    pub probes: &'a [Probe],
+    /// The bearings.
+    pub seats: &'a [Seat],
+    /// The sums.
+    pub comparison: &'a Comparison,
+    /// Mean shaft speed, Hz.
+    pub speed_hz: f64,
+    /// Samples per second.
+    pub rate: f64,
+}
+
+/// Findings, strongest first.
+#[must_use]
+pub fn findings(evidence: &Evidence) -> Vec<Finding> {
+    let total = energy(evidence, |probe| evidence.comparison.residual_rms_about_mean(probe).powi(2));
+    if !(total > 0.0) || quiet(evidence) {
+        return vec![];
+    }
+    let mut judged: Vec<(f64, Finding)> = families(evidence.seats)
+        .iter()
+        .filter_map(|family| judge(evidence, family, total))
+        .collect();
+    judged.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let strongest = judged.first().map_or(0.0, |j| j.0);
+    judged.into_iter().filter(|(share, _)| *share >= LEAST_OF_STRONGEST * strongest).map(|(_, f)| f).collect()
+}
+
+/// The residual is what the probes' own noise explains.
+fn quiet(evidence: &Evidence) -> bool {
+    let within = |(i, p): (usize, &Probe)| {
+        p.noise.is_some_and(|noise| evidence.comparison.residual_rms_about_mean(i) <= 1.5 * noise)
+    };
+    evidence.probes.iter().enumerate().all(within)
+}
+
+fn radial(probe: &Probe) -> bool {
+    probe.direction != Direction::Axial
+}
+
+fn energy(evidence: &Evidence, of: impl Fn(usize) -> f64) -> f64 {
+    evidence.probes.iter().enumerate().filter(|(_, p)| radial(p)).map(|(i, _)| of(i)).sum()
+}
+
+fn families(seats: &[Seat]) -> Vec<Family> {
+    let mut families =
+        vec![Family { kind: FindingKind::Unbalance, bearing: None, order: 1.0, lines: vec![(0, 1.0)] }];
+    for (i, seat) in seats.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0) {
+        let orders = seat.kinematics.orders;
+        let harmonics = |count: i32, order: f64, index: fn(usize, i32) -> usize| {
+            (1..=count).map(|k| (index(i, k), f64::from(k) * order)).collect()
+        };
+        families.push(Family {
+            kind: FindingKind::OuterRace,
+            bearing: Some(i),
+            order: orders.outer_race,
+            lines: harmonics(OUTER_HARMONICS, orders.outer_race, outer_line),
+        });
+        families.push(Family {
+            kind: FindingKind::InnerRace,
+            bearing: Some(i),
+            order: orders.inner_race,
+            lines: harmonics(INNER_HARMONICS, orders.inner_race, inner_line),
+        });
+    }
+    families
+}
+
+fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Finding)> {
+    if !nearest(evidence, family) {
+        return None;
+    }
+    let amplitude = |line: usize, probe: usize| evidence.comparison.residual_line(line, probe);
+    let share = energy(evidence, |p| family.lines.iter().map(|l| 0.5 * amplitude(l.0, p).powi(2)).sum()) / total;
+    let strongest = evidence
+        .probes
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| radial(p))
+        .flat_map(|(p, _)| family.lines.iter().map(move |l| (p, *l)))
+        .max_by(|a, b| amplitude(a.1.0, a.0).total_cmp(&amplitude(b.1.0, b.0)))?;
+    let (probe, (line, order)) = strongest;
+    let size = amplitude(line, probe);
+    let level_db = 20.0 * (size / background(evidence, probe, order).max(1e-15)).log10();
+    if share < LEAST_SHARE || level_db < LEAST_LEVEL_DB {
+        return None;
+    }
+    let line_hz = family.order * evidence.speed_hz;
+    let bearing = family.bearing.map(|b| evidence.seats[b].name.clone());
+    let where_seen = &evidence.probes[probe].column;
+    let sentence = format!(
+        "{}: the residual stands at {:.1} Hz ({:.2} per turn{}), {:.2} um on {where_seen}, {level_db:.0} dB above what is around it, {:.0} % of the residual's energy.",
+        what(family.kind, bearing.as_deref()),
+        line_hz,
+        family.order,
+        if family.lines.len() > 1 { " and multiples" } else { "" },
+        size * UM,
+        100.0 * share.min(1.0),
+    );
+    let confidence = share.min(1.0) * (1.0 - 10_f64.powf(-level_db / 20.0));
+    let finding = Finding { kind: family.kind, bearing, line_hz, order: family.order, level_db, confidence, sentence };
+    Some((share, finding))
+}
+
+fn what(kind: FindingKind, bearing: Option<&str>) -> String {
+    let of = bearing.map(|b| format!(" of {b}")).unwrap_or_default();
+    match kind {
+        FindingKind::Unbalance => "Unbalance other than the scene's".to_owned(),
+        FindingKind::OuterRace => format!("Outer race{of}"),
+        FindingKind::InnerRace => format!("Inner race{of}"),
+        other => format!("{other:?}{of}"),
+    }
+}
+
+/// Bearings of the same shape share their lines: of those, only the one whose nearest probes see the lines best.
+fn nearest(evidence: &Evidence, family: &Family) -> bool {
+    let Some(own) = family.bearing else { return true };
+    let order = |b: usize| match family.kind {
+        FindingKind::InnerRace => evidence.seats[b].kinematics.orders.inner_race,
+        _ => evidence.seats[b].kinematics.orders.outer_race,
+    };
+    let seen_near = |b: usize| {
+        let station = evidence.seats[b].station;
+        let distance = |p: &Probe| (p.station - station).abs();
+        let closest = evidence.probes.iter().filter(|p| radial(p)).map(distance).fold(f64::INFINITY, f64::min);
+        energy(evidence, |i| {
+            let near = distance(&evidence.probes[i]) < closest + 1e-6;
+            let lines = family.lines.iter().map(|l| evidence.comparison.residual_line(l.0, i).powi(2));
+            if near { lines.sum() } else { 0.0 }
+        })
+    };
+    let rivals = (0..evidence.seats.len())
+        .filter(|&b| b != own && (order(b) - order(own)).abs() < 0.05 && evidence.seats[b].kinematics.cage_ratio != 0.0);
+    let mine = seen_near(own);
+    rivals.into_iter().all(|b| mine > seen_near(b) || (mine == seen_near(b) && own < b))
+}
+
+/// Amplitude of the residual's noise around an order, as the demodulator would see it: the median of the spectrum
+/// within one order, brought from the spectrum's length to that of a demodulated block.
+fn background(evidence: &Evidence, probe: usize, order: f64) -> f64 {
+    let n = evidence.probes.len();
+    let spectrum = evidence.comparison.spectra.half(2 * n + probe);
+    let bin = evidence.comparison.spectra.bin(evidence.rate);
+    if !(bin > 0.0) || !(evidence.speed_hz > 0.0) {
+        return 0.0;
+    }
+    let at = |order: f64| (order * evidence.speed_hz / bin).round().max(1.0) as usize;
+    let last = spectrum.len().saturating_sub(1);
+    let range = at(order - 1.0).min(last)..=at(order + 1.0).min(last);
+    let mut around: Vec<f64> = spectrum.get(range).unwrap_or_default().to_vec();
+    around.sort_by(f64::total_cmp);
+    let median = around.get(around.len() / 2).copied().unwrap_or(0.0);
+    let block = super::lines::BLOCK_TURNS / evidence.speed_hz;
+    median * (1.0 / (bin * block)).sqrt()
+}
+
+/// The verdict in one sentence.
+#[must_use]
+pub fn verdict(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
+    if let Some(worst) = findings.first() {
+        return format!("The machine departs from its twin. {}", worst.sentence);
+    }
+    let beaten = probes.iter().filter(|p| p.beats_all_baselines).count();
+    let n = probes.len().max(1) as f64;
+    let residual = (probes.iter().map(|p| p.residual_rms_um.powi(2)).sum::<f64>() / n).sqrt();
+    let noise: Option<Vec<f64>> = probes.iter().map(|p| p.noise_um).collect();
+    let against = noise.map_or(String::new(), |noise| {
+        let rms = (noise.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
+        format!(", {:.2} times the probe noise", residual / rms)
+    });
+    let follows = if beaten == probes.len() { "The twin follows the machine" } else { "The twin does not follow the machine well" };
+    format!(
+        "{follows}: residual {residual:.3} um rms{against}; it beats all four baselines on {beaten} of {} probes, and no line stands out of the residual.",
+        probes.len()
+    )
+}

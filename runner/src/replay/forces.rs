@@ -1,0 +1,154 @@
+//! Forces of the bearings: from the measured displacement, and the twin's beside them.
+
+use super::outcome::{BearingOrders, BearingOutcome, ForceFigures};
+use super::pose::PoseSolver;
+use super::statistics::Running;
+use super::twin::Seat;
+use crate::scene::Probe;
+use ballrace::bearing::{Bearing, HeldWrench};
+use ballrace::{Displacement, Status, Turn};
+
+/// Bins around the ring in which element loads are gathered.
+pub const AZIMUTH_BINS: usize = 72;
+
+/// What one bearing did in one sample.
+#[derive(Clone, Copy, Default)]
+pub struct Evaluated {
+    /// From the measured displacement: the force on the inner ring.
+    pub measured: [f64; 5],
+    /// The twin's.
+    pub twin: [f64; 5],
+    /// What probe noise alone puts on `measured`, one standard deviation; NaN when unknown.
+    pub sigma: [f64; 5],
+    /// Flags of `measured`.
+    pub status: Status,
+}
+
+/// Sums of one bearing over the recording.
+pub struct BearingSums {
+    held: HeldWrench<f64>,
+    measured: [Running; 5],
+    twin: [Running; 5],
+    sigma: [Running; 5],
+    contact_lost: u64,
+    held_samples: u64,
+    largest: f64,
+    loads: Vec<f64>,
+    /// Load by azimuth: measured mean and largest, twin mean.
+    pub around: Vec<[Running; 2]>,
+}
+
+impl BearingSums {
+    /// For a bearing of so many elements.
+    #[must_use]
+    pub fn new(elements: usize) -> Self {
+        Self {
+            held: HeldWrench::new(),
+            measured: Default::default(),
+            twin: Default::default(),
+            sigma: Default::default(),
+            contact_lost: 0,
+            held_samples: 0,
+            largest: 0.0,
+            loads: vec![0.0; elements],
+            around: vec![Default::default(); AZIMUTH_BINS],
+        }
+    }
+
+    /// The force from the measured pose (NaN where a reading is missing: the last good force is held) and the twin's.
+    pub fn evaluate(&mut self, seat: &Seat, pose: &Displacement<f64>, twin: &Displacement<f64>, cage: Turn) -> Evaluated {
+        let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), cage);
+        let twin = seat.bearing.reaction(&twin.at_station(seat.station), cage).wrench;
+        Evaluated { measured: wrench.to_array(), twin: twin.to_array(), sigma: [f64::NAN; 5], status }
+    }
+
+    /// Adds a sample to the sums; returns the load on element 1.
+    pub fn add(&mut self, seat: &Seat, sample: &Evaluated, poses: [&Displacement<f64>; 2], cage: Turn) -> f64 {
+        self.contact_lost += u64::from(sample.status.has(Status::CONTACT_LOST));
+        self.held_samples += u64::from(sample.status.is_held());
+        for i in 0..5 {
+            self.twin[i].add(sample.twin[i]);
+            if !sample.status.is_held() {
+                self.measured[i].add(sample.measured[i]);
+                if sample.sigma[i].is_finite() {
+                    self.sigma[i].add(sample.sigma[i]);
+                }
+            }
+        }
+        let twin_first = self.gather(seat, poses[1], cage, 1);
+        if sample.status.is_held() { twin_first } else { self.gather(seat, poses[0], cage, 0) }
+    }
+
+    fn gather(&mut self, seat: &Seat, pose: &Displacement<f64>, cage: Turn, which: usize) -> f64 {
+        self.loads.fill(0.0);
+        seat.bearing.element_loads(&pose.at_station(seat.station), cage, &mut self.loads);
+        let n = self.loads.len() as f64;
+        for (j, &load) in self.loads.iter().enumerate() {
+            let azimuth = cage.plus(Turn::from_revolutions(seat.first_azimuth / std::f64::consts::TAU + j as f64 / n));
+            let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
+            self.around[bin][which].add(load);
+            if which == 0 {
+                self.largest = self.largest.max(load);
+            }
+        }
+        self.loads.first().copied().unwrap_or(0.0)
+    }
+
+    /// The figures.
+    #[must_use]
+    pub fn outcome(&self, seat: &Seat) -> BearingOutcome {
+        let figures = |running: &Running, sigma: Option<&Running>| ForceFigures {
+            mean: running.mean(),
+            min: running.extremes().0,
+            max: running.extremes().1,
+            noise_sigma: sigma.map(Running::rms).filter(|s| *s > 0.0),
+        };
+        let orders = seat.kinematics.orders;
+        BearingOutcome {
+            name: seat.name.clone(),
+            model: seat.description.clone(),
+            station_mm: seat.station * 1e3,
+            orders: BearingOrders {
+                cage: orders.cage,
+                outer_race: orders.outer_race,
+                inner_race: orders.inner_race,
+                ball_spin: seat.kinematics.spin_known.then_some(orders.ball_spin),
+            },
+            force_measured: std::array::from_fn(|i| figures(&self.measured[i], Some(&self.sigma[i]))),
+            force_twin: std::array::from_fn(|i| figures(&self.twin[i], None)),
+            largest_element_load_n: self.largest,
+            contact_lost_samples: self.contact_lost,
+            held_samples: self.held_samples,
+        }
+    }
+}
+
+/// Standard deviation of the force that independent probe noise puts on it, by moving each probe's reading one
+/// standard deviation either way: the larger change of the two, so that the band also holds at the edge of contact,
+/// where the tangent is zero on one side. None where a probe's noise is not given.
+#[must_use]
+pub fn noise_band(seat: &Seat, solver: &PoseSolver, probes: &[Probe], pose: &Displacement<f64>, cage: Turn) -> Option<[f64; 5]> {
+    let here = force_at(seat, pose, cage);
+    let mut variance = [0.0; 5];
+    for (i, probe) in probes.iter().enumerate() {
+        let noise = probe.noise?;
+        let column = solver.column(i).to_array();
+        let moved = |sign: f64| {
+            let mut q = pose.to_array();
+            for (x, c) in q.iter_mut().zip(column) {
+                *x += sign * noise * c;
+            }
+            force_at(seat, &Displacement::from_array(q), cage)
+        };
+        let (up, down) = (moved(1.0), moved(-1.0));
+        for (k, sum) in variance.iter_mut().enumerate() {
+            let change = (up[k] - here[k]).abs().max((down[k] - here[k]).abs());
+            *sum += change * change;
+        }
+    }
+    Some(variance.map(f64::sqrt))
+}
+
+fn force_at(seat: &Seat, pose: &Displacement<f64>, cage: Turn) -> [f64; 5] {
+    seat.bearing.reaction(&pose.at_station(seat.station), cage).wrench.to_array()
+}

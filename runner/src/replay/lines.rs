@@ -1,0 +1,137 @@
+//! Amplitude of lines that turn with the shaft or a cage: demodulation by the turn counters.
+//!
+//! The phase of each line comes from a counter, not from time, so a run-up smears nothing. Blocks of
+//! [`BLOCK_TURNS`] turns under a Hann window over the angle keep neighbouring orders apart and let a real cage slip a
+//! little between blocks; amplitudes are averaged over blocks by their squares.
+
+use super::comparison::Angles;
+use ballrace::math::Math;
+use ballrace::{Exact, Turn};
+use std::f64::consts::TAU;
+
+/// Turns of one block. Lines 3/16 of an order apart are told apart.
+pub const BLOCK_TURNS: f64 = 16.0;
+
+/// What a line's phase follows: whole multiples of the shaft's and of a cage's angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Line {
+    /// Multiple of the shaft's angle.
+    pub shaft: i32,
+    /// Bearing whose cage counts, and the multiple of its angle.
+    pub cage: Option<(usize, i32)>,
+}
+
+impl Line {
+    /// `n` times the shaft.
+    #[must_use]
+    pub const fn shaft(n: i32) -> Self {
+        Self { shaft: n, cage: None }
+    }
+
+    /// Order per turn of the shaft.
+    #[must_use]
+    pub fn order(&self, cage_ratios: &[f64]) -> f64 {
+        let cage = self.cage.map_or(0.0, |(i, n)| f64::from(n) * cage_ratios.get(i).copied().unwrap_or(0.0));
+        f64::from(self.shaft) + cage
+    }
+
+    fn phase(&self, shaft: Turn, cages: &[Turn]) -> Turn {
+        let times = |angle: Turn, n: i32| angle.times(i64::from(n) as u64);
+        let cage = self.cage.map_or(Turn::ZERO, |(i, n)| times(cages.get(i).copied().unwrap_or_default(), n));
+        times(shaft, self.shaft).plus(cage)
+    }
+}
+
+/// Demodulates several signals at several lines.
+#[derive(Debug, Clone)]
+pub struct Demodulator {
+    lines: Vec<Line>,
+    signals: usize,
+    /// Complex sums of the running block, line-major.
+    block: Vec<(f64, f64)>,
+    weight: f64,
+    /// Turns gone in the running block.
+    turns: f64,
+    /// Squared amplitudes summed over finished blocks, times their weight.
+    power: Vec<f64>,
+    blocks: f64,
+    /// Subtracted before demodulation so that a large mean does not leak: the mean of what came before.
+    means: Vec<f64>,
+    seen: f64,
+}
+
+impl Demodulator {
+    /// For `signals` signals.
+    #[must_use]
+    pub fn new(lines: Vec<Line>, signals: usize) -> Self {
+        let cells = lines.len() * signals;
+        Self {
+            lines,
+            signals,
+            block: vec![(0.0, 0.0); cells],
+            weight: 0.0,
+            turns: 0.0,
+            power: vec![0.0; cells],
+            blocks: 0.0,
+            means: vec![0.0; signals],
+            seen: 0.0,
+        }
+    }
+
+    /// One sample of all signals.
+    pub fn add(&mut self, values: &[f64], angles: Angles) {
+        self.seen += 1.0;
+        let window = 0.5 * (1.0 - (TAU * self.turns / BLOCK_TURNS).cos());
+        self.weight += window;
+        // A slow average: fixed within rounding over a block, whatever the recording's length.
+        let rate = 1.0 / self.seen.min(20_000.0);
+        for (mean, value) in self.means.iter_mut().zip(values) {
+            *mean += (value - *mean) * rate;
+        }
+        for (line, cells) in self.lines.iter().zip(self.block.chunks_exact_mut(self.signals.max(1))) {
+            let (sin, cos): (f64, f64) = Exact::sin_cos(line.phase(angles.shaft, angles.cages));
+            for ((cell, value), mean) in cells.iter_mut().zip(values).zip(&self.means) {
+                let y = window * (value - mean);
+                cell.0 += y * cos;
+                cell.1 += y * sin;
+            }
+        }
+        self.turns += angles.arc.abs();
+        if self.turns >= BLOCK_TURNS {
+            self.close(1.0);
+            self.turns -= BLOCK_TURNS;
+        }
+    }
+
+    fn close(&mut self, share: f64) {
+        if self.weight > 0.0 {
+            for (power, cell) in self.power.iter_mut().zip(&self.block) {
+                let amplitude = 2.0 * cell.0.hypot(cell.1) / self.weight;
+                *power += share * amplitude * amplitude;
+            }
+            self.blocks += share;
+        }
+        self.block.fill((0.0, 0.0));
+        self.weight = 0.0;
+    }
+
+    /// Ends the recording: a part block counts only where there is no whole one.
+    pub fn finish(&mut self) {
+        if self.blocks == 0.0 {
+            self.close(1.0);
+        }
+    }
+
+    /// Amplitude (zero to peak) of line `line` in signal `signal`.
+    #[must_use]
+    pub fn amplitude(&self, line: usize, signal: usize) -> f64 {
+        let power = self.power.get(line * self.signals + signal).copied().unwrap_or(0.0);
+        if self.blocks > 0.0 { (power / self.blocks).sqrt() } else { 0.0 }
+    }
+
+    /// The lines in order.
+    #[must_use]
+    pub fn lines(&self) -> &[Line] {
+        &self.lines
+    }
+}

@@ -1,0 +1,419 @@
+//! The main job: a recording through the kernel and the twin, sample by sample, and what comes of it.
+
+pub mod comparison;
+pub mod findings;
+pub mod forces;
+pub mod lines;
+pub mod outcome;
+pub mod pictures;
+pub mod pose;
+pub mod spectrum;
+pub mod statistics;
+pub mod timing;
+pub mod twin;
+
+use crate::output::AtomicFile;
+use crate::recording::Sample;
+use crate::recording::csv::CsvReader;
+use crate::recording::rotation::Tracker;
+use crate::cli::{SceneFault, scene_fault};
+use crate::scene::{Probe, Rotation, Scene};
+use anyhow::{Context, Result, bail};
+use ballrace::rotor::Drive;
+use ballrace::turn::Ratio;
+use ballrace::{Displacement, Turn};
+use comparison::{Angles, Comparison, Seen};
+use forces::{BearingSums, Evaluated, noise_band};
+use outcome::{Outcome, Record};
+use pictures::{Collector, Plane};
+use pose::PoseSolver;
+use statistics::Running;
+use std::f64::consts::TAU;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+use timing::Ledger;
+use twin::{Plant, Twin};
+
+/// What the user asked of a replay.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// Keep to the recording's own time.
+    pub paced: bool,
+    /// Where every sample's forces go.
+    pub forces: Option<&'a Path>,
+    /// Called now and then with the bytes read and, when known, their total.
+    pub progress: Option<&'a dyn Fn(u64, Option<u64>)>,
+}
+
+/// Rows between two calls of the progress function.
+const PROGRESS_ROWS: u64 = 4096;
+/// A gap longer than this in turns tells the twin nothing of where it is: it starts anew.
+const LONGEST_COAST_TURNS: f64 = 200.0;
+
+/// Replays `reader` through the scene's kernel and twin.
+///
+/// # Errors
+/// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
+pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, options: &Options) -> Result<Outcome> {
+    let Some(recording) = &scene.recording else {
+        bail!(SceneFault(format!("{}: [recording]: found none, allowed: the recording to replay", scene.path.display())));
+    };
+    let rate = reader.rate();
+    let mut tracker = Tracker::new(&recording.rotation, rate, scene.shaft.speed);
+    let mut run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
+    let mut row = tracker.blank();
+    let mut rows = 0;
+    while reader.next_row(&mut row)? {
+        tracker.push(row)?;
+        while let Some(sample) = tracker.pop() {
+            run.sample(&sample)?;
+            tracker.recycle(sample.row);
+        }
+        row = tracker.blank();
+        rows += 1;
+        if rows % PROGRESS_ROWS == 0
+            && let Some(progress) = options.progress
+        {
+            let (read, total) = reader.progress();
+            progress(read, total);
+        }
+    }
+    tracker.finish()?;
+    while let Some(sample) = tracker.pop() {
+        run.sample(&sample)?;
+        tracker.recycle(sample.row);
+    }
+    let mut flaws = reader.flaws().summary();
+    flaws.extend(tracker.flaws().summary());
+    let angle_source = angle_source(&recording.rotation, &tracker);
+    run.finish(scene, recording_name, rows, angle_source, flaws)
+}
+
+/// Everything that a replay carries from sample to sample.
+struct Run<'a> {
+    probes: &'a [Probe],
+    rows: Vec<[f64; 5]>,
+    planes: Vec<Plane>,
+    solver: PoseSolver,
+    plant: Plant,
+    linear: Plant,
+    moving: Option<Moving>,
+    comparison: Comparison,
+    bearings: Vec<BearingSums>,
+    collector: Collector,
+    ledger: Ledger,
+    forces: Option<ForcesFile>,
+    speed: Running,
+    first_time: f64,
+    last_time: f64,
+    turns: f64,
+    rate: f64,
+    notes: Vec<String>,
+    twin_held: u64,
+    buffers: Buffers,
+}
+
+/// Reused every sample.
+#[derive(Default)]
+struct Buffers {
+    twin: Vec<f64>,
+    linear: Vec<f64>,
+    planes: Vec<f64>,
+    evaluated: Vec<Evaluated>,
+}
+
+/// What the first sample starts.
+struct Moving {
+    twin: Box<dyn Twin>,
+    linear: Box<dyn Twin>,
+    cages: Vec<Turn>,
+    drive: Drive<f64>,
+    index: u64,
+}
+
+/// From one sample to the next.
+struct Way {
+    /// The shaft at the earlier one.
+    from: Drive<f64>,
+    /// Sample periods between them; more than 1 over a gap.
+    steps: u64,
+    /// Revolutions between them.
+    arc: f64,
+}
+
+impl Way {
+    /// The drive at the start of each period.
+    fn drives(&self, period: f64) -> impl Iterator<Item = Drive<f64>> {
+        let from = self.from;
+        (0..self.steps).map(move |i| from.after(i as f64 * period))
+    }
+
+    /// A cage after the way, which ends at the shaft angle `end`.
+    fn cage(&self, cage: Turn, seat: &twin::Seat, end: Turn) -> Turn {
+        if self.steps > 1 {
+            return cage.plus(seat.cage_at(self.arc));
+        }
+        cage.advanced(Ratio::new(seat.kinematics.cage_ratio).of(end.since(self.from.angle)))
+    }
+}
+
+struct ForcesFile {
+    file: AtomicFile,
+    path: String,
+}
+
+impl ForcesFile {
+    fn create(path: &Path, seats: &[twin::Seat]) -> Result<Self> {
+        let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string() };
+        let mut head = "time_s".to_owned();
+        for seat in seats {
+            for entry in ["FX", "FY", "FZ", "MX", "MY"] {
+                head += &format!(",{}_{entry}", seat.name);
+            }
+        }
+        file.line(format_args!("{head}\n"))?;
+        Ok(file)
+    }
+
+    fn line(&mut self, text: std::fmt::Arguments) -> Result<()> {
+        self.file.write_fmt(text).with_context(|| format!("{}: this file cannot be written", self.path))
+    }
+
+    fn add(&mut self, time: f64, forces: &[Evaluated]) -> Result<()> {
+        self.line(format_args!("{time:.9}"))?;
+        for entry in forces.iter().flat_map(|f| f.measured) {
+            self.line(format_args!(",{entry:.9e}"))?;
+        }
+        self.line(format_args!("\n"))
+    }
+}
+
+impl<'a> Run<'a> {
+    fn try_new(scene: &Scene, probes: &'a [Probe], rate: f64, options: &Options) -> Result<Self> {
+        let plant = Plant::try_new(scene)?;
+        let linear = plant.linearised(&vec![true; plant.seats.len()])?;
+        let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
+        let solver = PoseSolver::try_new(probes, &stations)
+            .with_context(|| scene.path.display().to_string())?;
+        let planes = pictures::planes(probes);
+        let forces = options.forces.map(|path| ForcesFile::create(path, &plant.seats)).transpose()?;
+        Ok(Self {
+            probes,
+            rows: probes.iter().map(pose::row).collect(),
+            comparison: Comparison::new(probes.len(), &plant.seats, planes.len()),
+            collector: Collector::new(probes, planes.clone(), &plant.seats),
+            bearings: plant.seats.iter().map(|s| BearingSums::new(s.elements)).collect(),
+            planes,
+            solver,
+            notes: plant.notes.clone(),
+            plant,
+            linear,
+            moving: None,
+            ledger: Ledger::try_new(1.0 / rate, options.paced)?,
+            forces,
+            speed: Running::default(),
+            first_time: 0.0,
+            last_time: 0.0,
+            turns: 0.0,
+            rate,
+            twin_held: 0,
+            buffers: Buffers::default(),
+        })
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<()> {
+        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        let way = self.way(sample, &drive)?;
+        self.ledger.wait(sample.row.time);
+        let begun = Instant::now();
+        let Some(moving) = &mut self.moving else { return Ok(()) };
+        for now in way.drives(1.0 / self.rate) {
+            self.twin_held += u64::from(moving.twin.step(&now).is_held());
+        }
+        for (cage, seat) in moving.cages.iter_mut().zip(&self.plant.seats) {
+            *cage = way.cage(*cage, seat, sample.angle);
+        }
+        let twin_pose = moving.twin.pose();
+        // Not a number where any reading is missing: the kernel then holds its last force and says so.
+        let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
+        self.buffers.evaluated.clear();
+        for ((seat, sums), &cage) in self.plant.seats.iter().zip(&mut self.bearings).zip(&moving.cages) {
+            self.buffers.evaluated.push(sums.evaluate(seat, &pose, &twin_pose, cage));
+        }
+        self.ledger.worked(begun);
+        for now in way.drives(1.0 / self.rate) {
+            moving.linear.step(&now);
+        }
+        (moving.drive, moving.index) = (drive, sample.row.index);
+        self.compare(sample, &pose, &twin_pose, way.arc)
+    }
+
+    /// The way from the last sample to this one. Starts the twin where there is none, or after too long a gap.
+    fn way(&mut self, sample: &Sample, drive: &Drive<f64>) -> Result<Way> {
+        let here = Way { from: *drive, steps: 0, arc: 0.0 };
+        let Some(moving) = &self.moving else {
+            self.moving = Some(self.begin(sample, drive)?);
+            return Ok(here);
+        };
+        let steps = sample.row.index.saturating_sub(moving.index);
+        let coasted = moving.drive.speed * steps as f64 / self.rate / TAU;
+        if coasted.abs() > LONGEST_COAST_TURNS {
+            self.moving = Some(self.begin(sample, drive)?);
+            self.notes.push(format!("After the gap before line {} the twin started anew.", sample.row.line));
+            return Ok(here);
+        }
+        // Over one period the angle's own difference; over a gap the whole turns between come from the speed.
+        let fraction = drive.angle.since(moving.drive.angle).radians::<f64>() / TAU;
+        Ok(Way { from: moving.drive, steps, arc: fraction + (coasted - fraction).round() })
+    }
+
+    /// Twin and cages at a sample with nothing before it.
+    fn begin(&self, sample: &Sample, drive: &Drive<f64>) -> Result<Moving> {
+        let revolutions = sample.revolution as f64 + sample.angle.revolutions();
+        let period = 1.0 / self.rate;
+        Ok(Moving {
+            twin: self.plant.run_in(period, revolutions, drive)?,
+            linear: self.linear.run_in(period, revolutions, drive)?,
+            cages: self.plant.seats.iter().map(|s| s.cage_at(revolutions)).collect(),
+            drive: *drive,
+            index: sample.row.index,
+        })
+    }
+
+    fn compare(&mut self, sample: &Sample, pose: &Displacement<f64>, twin_pose: &Displacement<f64>, arc: f64) -> Result<()> {
+        let Some(moving) = &self.moving else { return Ok(()) };
+        let buffers = &mut self.buffers;
+        let readings = |q: &Displacement<f64>, into: &mut Vec<f64>| {
+            into.clear();
+            into.extend(self.rows.iter().map(|row| pose::reading(row, q)));
+        };
+        readings(twin_pose, &mut buffers.twin);
+        readings(&moving.linear.pose(), &mut buffers.linear);
+        buffers.planes.clear();
+        for values in [&sample.row.probes, &buffers.twin] {
+            buffers.planes.extend(self.planes.iter().flat_map(|p| <[f64; 2]>::from(p.xy(values))));
+        }
+        let seen = Seen {
+            measured: &sample.row.probes,
+            twin: &buffers.twin,
+            linear: &buffers.linear,
+            planes: &buffers.planes,
+        };
+        self.comparison.add(&seen, Angles { shaft: sample.angle, cages: &moving.cages, arc });
+        self.collector.add(sample, &buffers.twin, arc);
+        for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
+            let (force, cage) = (&mut buffers.evaluated[i], moving.cages[i]);
+            if !force.status.is_held()
+                && let Some(sigma) = noise_band(seat, &self.solver, self.probes, pose, cage)
+            {
+                force.sigma = sigma;
+            }
+            let first_load = sums.add(seat, force, [pose, twin_pose], cage);
+            self.collector.add_force(i, sample.row.time, force, seat, cage, first_load);
+        }
+        if let Some(file) = &mut self.forces {
+            file.add(sample.row.time, &buffers.evaluated)?;
+        }
+        if self.speed.count() == 0.0 {
+            self.first_time = sample.row.time;
+        }
+        self.last_time = sample.row.time;
+        self.turns += arc;
+        self.speed.add(sample.speed);
+        Ok(())
+    }
+
+    fn finish(
+        mut self,
+        scene: &Scene,
+        recording: &str,
+        rows: u64,
+        angle_source: String,
+        flaws: Vec<crate::recording::flaws::FlawSummary>,
+    ) -> Result<Outcome> {
+        if self.speed.count() == 0.0 {
+            bail!("{recording}: found no sample, allowed: at least one turn of the shaft");
+        }
+        if let Some(forces) = self.forces.take() {
+            forces.file.finish()?;
+        }
+        self.comparison.finish();
+        let speed_hz = self.speed.mean().abs() / TAU;
+        let probes = self.comparison.outcomes(self.probes, &self.plant.seats, speed_hz);
+        let evidence = findings::Evidence {
+            probes: self.probes,
+            seats: &self.plant.seats,
+            comparison: &self.comparison,
+            speed_hz,
+            rate: self.rate,
+        };
+        let findings = findings::findings(&evidence);
+        self.explain();
+        let pictures =
+            self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
+        Ok(Outcome {
+            scene: scene.name.clone(),
+            recording: recording.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            verdict: findings::verdict(&findings, &probes),
+            record: record(&self.speed, rows, self.comparison.compared, self.rate, self.last_time - self.first_time, self.turns, angle_source),
+            observation: self.solver.observation.clone(),
+            probes,
+            bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
+            timing: self.ledger.finish(),
+            findings,
+            flaws,
+            notes: self.notes,
+            pictures,
+        })
+    }
+
+    /// What the reader of the report should know besides.
+    fn explain(&mut self) {
+        let (slow, fast) = self.speed.extremes();
+        if (fast - slow).abs() > 0.05 * self.speed.mean().abs() {
+            self.notes.push(
+                "The speed changes by more than 5 %: spectra in Hz smear; 1X and ball-pass figures follow the shaft and do not.".to_owned(),
+            );
+        }
+        if !self.solver.observation.supplied_by_twin.is_empty() {
+            self.notes.push("No axial probe: the axial position behind the measured forces is the twin's.".to_owned());
+        }
+        if self.probes.iter().any(|p| p.noise.is_none()) {
+            self.notes.push("Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band.".to_owned());
+        }
+        if self.twin_held > 0 {
+            self.notes.push(format!("The twin's motion overflowed and was held for {} samples.", self.twin_held));
+        }
+        if self.comparison.compared == 0 {
+            self.notes.push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
+        }
+    }
+}
+
+fn record(speed: &Running, samples: u64, compared: u64, rate_hz: f64, duration_s: f64, turns: f64, angle_source: String) -> Record {
+    let rpm = |w: f64| w * 60.0 / TAU;
+    let (slow, fast) = speed.extremes();
+    Record {
+        samples,
+        compared,
+        rate_hz,
+        duration_s,
+        turns,
+        mean_speed_rpm: rpm(speed.mean()),
+        min_speed_rpm: rpm(slow),
+        max_speed_rpm: rpm(fast),
+        angle_source,
+    }
+}
+
+fn angle_source(rotation: &Rotation, tracker: &Tracker) -> String {
+    match rotation {
+        Rotation::Keyphasor { column, pulses_per_turn } => {
+            format!("keyphasor {column}, {} pulses, {pulses_per_turn} a turn", tracker.pulses())
+        }
+        Rotation::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
+        Rotation::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
+    }
+}

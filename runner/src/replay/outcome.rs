@@ -1,0 +1,399 @@
+//! What a replay found: the figures of the comparison and the data of its pictures.
+//!
+//! This is the contract with the reports; `--format json` prints [`Outcome`] as it stands.
+
+use crate::recording::flaws::FlawSummary;
+use serde::Serialize;
+
+/// The whole result of one replay.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outcome {
+    /// The scene's name.
+    pub scene: String,
+    /// The recording's file name.
+    pub recording: String,
+    /// Version of this program.
+    pub version: String,
+    /// The verdict in one sentence.
+    pub verdict: String,
+    /// Samples, time and speed of the recording.
+    pub record: Record,
+    /// How the probes determine the shaft's motion.
+    pub observation: Observation,
+    /// One entry a probe, in the scene's order.
+    pub probes: Vec<ProbeOutcome>,
+    /// One entry a bearing, in the scene's order.
+    pub bearings: Vec<BearingOutcome>,
+    /// Compute time and, when paced, lateness.
+    pub timing: Timing,
+    /// What is wrong with the machine; empty when nothing is.
+    pub findings: Vec<Finding>,
+    /// What is wrong with the recording; empty when nothing is.
+    pub flaws: Vec<FlawSummary>,
+    /// What the user should know besides: things assumed, things that could not be done.
+    pub notes: Vec<String>,
+    /// Data of the pictures, not part of the JSON.
+    #[serde(skip)]
+    pub pictures: Pictures,
+}
+
+/// The recording as a whole.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Record {
+    /// Rows delivered by the reader.
+    pub samples: u64,
+    /// Samples in which every probe was compared.
+    pub compared: u64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// From the first to the last sample.
+    pub duration_s: f64,
+    /// Turns of the shaft.
+    pub turns: f64,
+    /// Mean shaft speed.
+    pub mean_speed_rpm: f64,
+    /// Slowest.
+    pub min_speed_rpm: f64,
+    /// Fastest.
+    pub max_speed_rpm: f64,
+    /// Where the shaft angle comes from, in words.
+    pub angle_source: String,
+}
+
+/// Least-squares problem from probes to the shaft's pose.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Observation {
+    /// Of the probe matrix, tilts scaled by the probe span; 1 is perfect, above 100 the probes are badly placed.
+    pub condition_number: f64,
+    /// Largest factor by which probe noise grows on its way to a bearing's plane.
+    pub noise_gain: f64,
+    /// Coordinates that no probe sees and the twin supplies (`w` without an axial probe).
+    pub supplied_by_twin: Vec<String>,
+}
+
+/// Motion at one probe. Amplitudes are peak (not peak-to-peak) unless the name says so.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Motion {
+    /// Mean position.
+    pub mean_um: f64,
+    /// Largest less smallest reading.
+    pub peak_to_peak_um: f64,
+    /// About the mean.
+    pub rms_um: f64,
+    /// 1X amplitude, zero to peak.
+    pub one_x_um: f64,
+    /// 1X phase lag behind the keyphasor mark, 0 to 360.
+    pub one_x_phase_lag_deg: f64,
+}
+
+/// Ball-pass line of one bearing at one probe.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct BallPassLine {
+    /// The bearing.
+    pub bearing: String,
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// At the mean speed.
+    pub frequency_hz: f64,
+    /// Zero to peak, mean over blocks of turns.
+    pub measured_um: f64,
+    /// The same of the twin.
+    pub twin_um: f64,
+    /// The same of their difference.
+    pub residual_um: f64,
+}
+
+/// Residual RMS of simple predictors of the same signal.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Baselines {
+    /// The signal's own mean.
+    pub mean_rms_um: f64,
+    /// The sample before.
+    pub persistence_rms_um: f64,
+    /// Mean and 1X fitted to the recording.
+    pub one_x_rms_um: f64,
+    /// The same rotor on linear springs.
+    pub linear_rms_um: f64,
+}
+
+/// Comparison at one probe.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ProbeOutcome {
+    /// The probe's column.
+    pub name: String,
+    /// Along Z from the centre of mass.
+    pub station_mm: f64,
+    /// From +X towards +Y; absent for an axial probe.
+    pub angle_deg: Option<f64>,
+    /// The machine.
+    pub measured: Motion,
+    /// Its twin.
+    pub twin: Motion,
+    /// Size of the difference of the two 1X vectors.
+    pub one_x_error_um: f64,
+    /// One entry a bearing with moving elements.
+    pub ball_pass: Vec<BallPassLine>,
+    /// Mean of measured - twin.
+    pub residual_bias_um: f64,
+    /// Of measured - twin, bias included.
+    pub residual_rms_um: f64,
+    /// residual_rms over the normaliser.
+    pub nrmse_percent: f64,
+    /// What the NRMSE is normalised by, in words.
+    pub nrmse_normaliser: String,
+    /// Probe noise, rms, when the scene gives it.
+    pub noise_um: Option<f64>,
+    /// What the twin has to beat.
+    pub baselines: Baselines,
+    /// The twin's residual is smaller than that of every baseline.
+    pub beats_all_baselines: bool,
+}
+
+/// One force component over the recording.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct ForceFigures {
+    /// Mean.
+    pub mean: f64,
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// One standard deviation that probe noise alone puts on a sample (rms over the recording), when known.
+    pub noise_sigma: Option<f64>,
+}
+
+/// Results of one bearing.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct BearingOutcome {
+    /// Its name.
+    pub name: String,
+    /// Model in words, e.g. "angular, 9 balls".
+    pub model: String,
+    /// Along Z from the centre of mass.
+    pub station_mm: f64,
+    /// Orders per turn: cage, outer race, inner race, ball spin; 0 when unknown.
+    pub orders: BearingOrders,
+    /// FX, FY, FZ (N), MX, MY (N m) on the inner ring, from the measured displacement.
+    pub force_measured: [ForceFigures; 5],
+    /// The same of the twin.
+    pub force_twin: [ForceFigures; 5],
+    /// Largest load on one element, N, from the measured displacement.
+    pub largest_element_load_n: f64,
+    /// Samples in which no element carried load.
+    pub contact_lost_samples: u64,
+    /// Samples answered with the last good force because a reading was missing.
+    pub held_samples: u64,
+}
+
+/// Orders of one bearing per turn of the shaft.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct BearingOrders {
+    /// Cage.
+    pub cage: f64,
+    /// Outer ball pass.
+    pub outer_race: f64,
+    /// Inner ball pass.
+    pub inner_race: f64,
+    /// Ball spin, when the geometry is known.
+    pub ball_spin: Option<f64>,
+}
+
+/// Quantiles of one duration, from a histogram.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Quantiles {
+    /// Median, ns.
+    pub p50_ns: u64,
+    /// 99 %.
+    pub p99_ns: u64,
+    /// 99.9 %.
+    pub p999_ns: u64,
+    /// Largest.
+    pub max_ns: u64,
+}
+
+/// Deadline ledger.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Timing {
+    /// `--paced`
+    pub paced: bool,
+    /// Samples worked on.
+    pub samples: u64,
+    /// Kernel and twin, per sample.
+    pub compute: Quantiles,
+    /// Wake later than the sample's instant, per sample; only when paced.
+    pub lateness: Option<Quantiles>,
+    /// Samples finished after the next one was due; only when paced.
+    pub deadline_misses: Option<u64>,
+    /// The time from one sample to the next.
+    pub sample_period_ns: u64,
+    /// Wall time of the whole replay.
+    pub wall_s: f64,
+    /// Recording's time over wall time.
+    pub times_real_time: f64,
+    /// Peak resident memory of the process, where the system tells it.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// Kind of fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FindingKind {
+    /// Damage of an outer race.
+    OuterRace,
+    /// Damage of an inner race.
+    InnerRace,
+    /// Damage of a rolling element.
+    Element,
+    /// Cage.
+    Cage,
+    /// Mass unbalance.
+    Unbalance,
+    /// Shaft misalignment.
+    Misalignment,
+    /// Too much or too little clearance.
+    Clearance,
+    /// Something that has no name here.
+    Other,
+}
+
+/// One thing that is wrong, with its evidence.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    /// What.
+    pub kind: FindingKind,
+    /// Where, when it has a bearing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<String>,
+    /// Frequency of the line at the mean speed.
+    pub line_hz: f64,
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// Line over what the twin leaves of it in noise, dB.
+    pub level_db: f64,
+    /// 0 to 1.
+    pub confidence: f64,
+    /// For the maintenance engineer.
+    pub sentence: String,
+}
+
+/// Data of the pictures. Lengths in um, forces in N, times in s, frequencies in Hz.
+#[derive(Debug, Clone, Default)]
+pub struct Pictures {
+    /// One a probe.
+    pub traces: Vec<Trace>,
+    /// One a plane of two or more radial probes.
+    pub orbits: Vec<Orbit>,
+    /// One a probe.
+    pub half_spectra: Vec<HalfSpectrum>,
+    /// One a plane.
+    pub full_spectra: Vec<FullSpectrum>,
+    /// Marked in every spectrum: 1X and each bearing's lines.
+    pub lines: Vec<MarkedLine>,
+    /// One a bearing.
+    pub forces: Vec<ForceTrace>,
+    /// One a bearing with elements.
+    pub element_loads: Vec<ElementLoads>,
+}
+
+/// The first turns of one probe.
+#[derive(Debug, Clone, Default)]
+pub struct Trace {
+    /// Probe.
+    pub name: String,
+    /// s
+    pub time: Vec<f64>,
+    /// um, NaN where missing
+    pub measured: Vec<f64>,
+    /// um
+    pub twin: Vec<f64>,
+    /// Times at which the keyphasor passed, s.
+    pub keyphasor: Vec<f64>,
+}
+
+/// The first turns of one plane, in X and Y.
+#[derive(Debug, Clone, Default)]
+pub struct Orbit {
+    /// Names of the plane's probes.
+    pub name: String,
+    /// Station, mm.
+    pub station_mm: f64,
+    /// (x, y) um, several turns.
+    pub measured: Vec<(f64, f64)>,
+    /// (x, y) um of the twin, the same samples.
+    pub twin: Vec<(f64, f64)>,
+    /// Indices into the two lists at which the keyphasor passed.
+    pub keyphasor: Vec<usize>,
+    /// Probe directions: name and angle, rad from +X towards +Y.
+    pub probes: Vec<(String, f64)>,
+}
+
+/// One-sided amplitude spectrum (peak amplitude of a sine).
+#[derive(Debug, Clone, Default)]
+pub struct HalfSpectrum {
+    /// Probe.
+    pub name: String,
+    /// Hz between two bins.
+    pub bin_hz: f64,
+    /// um
+    pub measured: Vec<f64>,
+    /// um
+    pub twin: Vec<f64>,
+    /// um, of measured - twin
+    pub residual: Vec<f64>,
+}
+
+/// Full spectrum of x + jy: forward to the right, reverse to the left.
+#[derive(Debug, Clone, Default)]
+pub struct FullSpectrum {
+    /// Plane.
+    pub name: String,
+    /// Hz between two bins.
+    pub bin_hz: f64,
+    /// Bins from -half to +half, `2 half + 1` entries, the middle one 0 Hz; um.
+    pub measured: Vec<f64>,
+    /// The same of the twin.
+    pub twin: Vec<f64>,
+}
+
+/// A line to mark in the spectra.
+#[derive(Debug, Clone, Default)]
+pub struct MarkedLine {
+    /// "1X", "DE outer", ...
+    pub label: String,
+    /// Per turn.
+    pub order: f64,
+    /// At the mean speed.
+    pub hz: f64,
+}
+
+/// Forces of one bearing over the first turns.
+#[derive(Debug, Clone, Default)]
+pub struct ForceTrace {
+    /// Bearing.
+    pub name: String,
+    /// s
+    pub time: Vec<f64>,
+    /// FX, FY, FZ from the measured displacement, N
+    pub measured: [Vec<f64>; 3],
+    /// The same of the twin.
+    pub twin: [Vec<f64>; 3],
+    /// One sigma of probe noise on FX, FY, FZ of `measured`; empty when unknown.
+    pub sigma: [Vec<f64>; 3],
+}
+
+/// Load on each element while the cage turns once.
+#[derive(Debug, Clone, Default)]
+pub struct ElementLoads {
+    /// Bearing.
+    pub name: String,
+    /// Azimuth bins around the ring, rad (centre of each).
+    pub azimuth: Vec<f64>,
+    /// Mean load of the element passing there, N, from the measured displacement.
+    pub mean: Vec<f64>,
+    /// Largest load seen there, N.
+    pub largest: Vec<f64>,
+    /// Mean load there of the twin, N.
+    pub twin_mean: Vec<f64>,
+    /// Load on element 1 against its turning azimuth over the first cage turns: (azimuth rad, N).
+    pub first_element: Vec<(f64, f64)>,
+}

@@ -1,0 +1,207 @@
+//! Collects the data of the pictures: the first turns, and what the sums hold at the end. Bounded memory.
+
+use super::comparison::Comparison;
+use super::forces::{AZIMUTH_BINS, BearingSums, Evaluated};
+use super::outcome::{ElementLoads, ForceTrace, FullSpectrum, HalfSpectrum, MarkedLine, Orbit, Pictures, Trace};
+use super::twin::Seat;
+use crate::recording::Sample;
+use crate::scene::{Direction, Probe};
+use ballrace::Turn;
+use std::f64::consts::TAU;
+
+const UM: f64 = 1e6;
+/// Turns that traces and orbits show.
+const TURNS: f64 = 4.0;
+/// Turns over which element 1 is followed: about three turns of a cage.
+const CAGE_TURNS: f64 = 8.0;
+/// Most samples in a trace.
+const MOST: usize = 20_000;
+
+/// Two radial probes of one plane that are not parallel, and the way from their readings to X and Y.
+#[derive(Debug, Clone)]
+pub struct Plane {
+    /// Indices of the two probes.
+    pub probes: [usize; 2],
+    /// Along Z, m.
+    pub station: f64,
+    inverse: [[f64; 2]; 2],
+}
+
+/// Planes of the radial probes: the first two probes of each station that are not parallel.
+#[must_use]
+pub fn planes(probes: &[Probe]) -> Vec<Plane> {
+    let radial: Vec<(usize, f64, f64)> = probes
+        .iter()
+        .enumerate()
+        .filter_map(|(i, p)| match p.direction {
+            Direction::Radial(angle) => Some((i, p.station, angle)),
+            Direction::Axial => None,
+        })
+        .collect();
+    let mut planes: Vec<Plane> = Vec::new();
+    for (n, &(i, station, a)) in radial.iter().enumerate() {
+        if planes.iter().any(|p| (p.station - station).abs() < 1e-9) {
+            continue;
+        }
+        let partner = radial[n + 1..].iter().find(|(_, z, b)| (z - station).abs() < 1e-9 && (b - a).sin().abs() > 0.1);
+        if let Some(&(k, _, b)) = partner {
+            let det = (b - a).sin();
+            let inverse = [[b.sin() / det, -a.sin() / det], [-b.cos() / det, a.cos() / det]];
+            planes.push(Plane { probes: [i, k], station, inverse });
+        }
+    }
+    planes
+}
+
+impl Plane {
+    /// X and Y from all readings.
+    #[must_use]
+    pub fn xy(&self, readings: &[f64]) -> (f64, f64) {
+        let (a, b) = (readings[self.probes[0]], readings[self.probes[1]]);
+        let row = |r: [f64; 2]| r[0] * a + r[1] * b;
+        (row(self.inverse[0]), row(self.inverse[1]))
+    }
+}
+
+/// Gathers while the samples go by.
+pub struct Collector {
+    pictures: Pictures,
+    planes: Vec<Plane>,
+    gone: f64,
+    samples: usize,
+}
+
+impl Collector {
+    /// For the probes and bearings of a replay.
+    #[must_use]
+    pub fn new(probes: &[Probe], planes: Vec<Plane>, seats: &[Seat]) -> Self {
+        let traces = probes.iter().map(|p| Trace { name: p.column.clone(), ..Trace::default() }).collect();
+        let orbits = planes.iter().map(|p| orbit(p, probes)).collect();
+        let forces = seats.iter().map(|s| ForceTrace { name: s.name.clone(), ..ForceTrace::default() }).collect();
+        let element_loads =
+            seats.iter().map(|s| ElementLoads { name: s.name.clone(), ..ElementLoads::default() }).collect();
+        let pictures = Pictures { traces, orbits, forces, element_loads, ..Pictures::default() };
+        Self { pictures, planes, gone: 0.0, samples: 0 }
+    }
+
+    /// One sample: readings, the twin's, the shaft's way since the last one (revolutions).
+    pub fn add(&mut self, sample: &Sample, twin: &[f64], arc: f64) {
+        let passed = self.samples > 0 && arc.abs() > 0.0 && sample.angle.revolutions() < arc.abs();
+        self.gone += arc.abs();
+        self.samples += 1;
+        if !self.open(TURNS) {
+            return;
+        }
+        for (trace, (&measured, &twin)) in self.pictures.traces.iter_mut().zip(sample.row.probes.iter().zip(twin)) {
+            trace.time.push(sample.row.time);
+            trace.measured.push(measured * UM);
+            trace.twin.push(twin * UM);
+            if passed {
+                trace.keyphasor.push(sample.row.time);
+            }
+        }
+        for (orbit, plane) in self.pictures.orbits.iter_mut().zip(&self.planes) {
+            let um = |(x, y): (f64, f64)| (x * UM, y * UM);
+            if passed {
+                orbit.keyphasor.push(orbit.measured.len());
+            }
+            orbit.measured.push(um(plane.xy(&sample.row.probes)));
+            orbit.twin.push(um(plane.xy(twin)));
+        }
+    }
+
+    /// One bearing's force in the same sample, and the load on its element 1.
+    pub fn add_force(&mut self, bearing: usize, time: f64, force: &Evaluated, seat: &Seat, cage: Turn, first_load: f64) {
+        if self.open(TURNS)
+            && let Some(trace) = self.pictures.forces.get_mut(bearing)
+        {
+            trace.time.push(time);
+            for i in 0..3 {
+                let measured = if force.status.is_held() { f64::NAN } else { force.measured[i] };
+                trace.measured[i].push(measured);
+                trace.twin[i].push(force.twin[i]);
+                if force.sigma[i].is_finite() {
+                    trace.sigma[i].push(force.sigma[i]);
+                }
+            }
+        }
+        if self.open(CAGE_TURNS)
+            && let Some(loads) = self.pictures.element_loads.get_mut(bearing)
+        {
+            let azimuth = cage.plus(Turn::from_radians(seat.first_azimuth)).radians();
+            loads.first_element.push((azimuth, first_load));
+        }
+    }
+
+    fn open(&self, turns: f64) -> bool {
+        self.gone <= turns && self.samples <= MOST
+    }
+
+    /// The pictures' data.
+    #[must_use]
+    pub fn finish(mut self, comparison: &Comparison, sums: &[BearingSums], seats: &[Seat], rate: f64, speed_hz: f64) -> Pictures {
+        let n = self.pictures.traces.len();
+        let bin_hz = comparison.spectra.bin(rate);
+        let um = |amplitudes: Vec<f64>| amplitudes.into_iter().map(|a| a * UM).collect::<Vec<_>>();
+        let spectra = &comparison.spectra;
+        self.pictures.half_spectra = (0..n)
+            .map(|i| HalfSpectrum {
+                name: self.pictures.traces[i].name.clone(),
+                bin_hz,
+                measured: um(spectra.half(i)),
+                twin: um(spectra.half(n + i)),
+                residual: um(spectra.half(2 * n + i)),
+            })
+            .collect();
+        self.pictures.full_spectra = (0..self.planes.len())
+            .map(|i| FullSpectrum {
+                name: self.pictures.orbits[i].name.clone(),
+                bin_hz,
+                measured: um(spectra.full(2 * i)),
+                twin: um(spectra.full(2 * i + 1)),
+            })
+            .collect();
+        self.pictures.lines = marked_lines(seats, speed_hz);
+        for (loads, sums) in self.pictures.element_loads.iter_mut().zip(sums) {
+            around(loads, sums);
+        }
+        // Only bearings whose elements carry a load have a picture of it.
+        self.pictures.element_loads.retain(|l| l.largest.iter().any(|x| *x > 0.0));
+        self.pictures
+    }
+}
+
+fn around(loads: &mut ElementLoads, sums: &BearingSums) {
+    let width = TAU / AZIMUTH_BINS as f64;
+    for (i, [measured, twin]) in sums.around.iter().enumerate() {
+        loads.azimuth.push((i as f64 + 0.5) * width);
+        loads.mean.push(measured.mean());
+        loads.largest.push(measured.extremes().1);
+        loads.twin_mean.push(twin.mean());
+    }
+}
+
+fn orbit(plane: &Plane, probes: &[Probe]) -> Orbit {
+    let direction = |&i: &usize| match probes[i].direction {
+        Direction::Radial(angle) => (probes[i].column.clone(), angle),
+        Direction::Axial => (probes[i].column.clone(), 0.0),
+    };
+    let probes: Vec<_> = plane.probes.iter().map(direction).collect();
+    let name = probes.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(" / ");
+    Orbit { name, station_mm: plane.station * 1e3, probes, ..Orbit::default() }
+}
+
+/// 1X and the lines of every bearing; bearings of the same shape share theirs.
+fn marked_lines(seats: &[Seat], speed_hz: f64) -> Vec<MarkedLine> {
+    let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: speed_hz }];
+    for seat in seats.iter().filter(|s| s.kinematics.cage_ratio != 0.0) {
+        let orders = seat.kinematics.orders;
+        for (label, order) in [("cage", orders.cage), ("outer", orders.outer_race), ("inner", orders.inner_race)] {
+            match lines.iter_mut().find(|l| (l.order - order).abs() < 1e-6) {
+                Some(line) => line.label = format!("{}/{}", seat.name, line.label),
+                None => lines.push(MarkedLine { label: format!("{} {label}", seat.name), order, hz: order * speed_hz }),
+            }
+        }
+    }
+    lines
+}

@@ -1,0 +1,147 @@
+//! From probes to the shaft's pose, by least squares.
+//!
+//! A radial probe at station `z` looking along the angle `a` reads `(u + z thv) cos a + (v - z thu) sin a`, an axial
+//! one reads `w`. Two planes of two directions determine `u, v, thu, thv`; without an axial probe `w` is the twin's.
+
+use super::outcome::Observation;
+use crate::scene::{Direction, Probe};
+use anyhow::{Result, bail};
+use ballrace::Displacement;
+use nalgebra::{DMatrix, DVector};
+
+/// What one probe reads per unit of each coordinate of the pose.
+#[must_use]
+pub fn row(probe: &Probe) -> [f64; 5] {
+    match probe.direction {
+        Direction::Axial => [0.0, 0.0, 1.0, 0.0, 0.0],
+        Direction::Radial(angle) => {
+            let (s, c) = angle.sin_cos();
+            [c, s, 0.0, -probe.station * s, probe.station * c]
+        }
+    }
+}
+
+/// What a probe would read if the shaft's centre of mass stood at `q`, m.
+#[must_use]
+pub fn reading(row: &[f64; 5], q: &Displacement<f64>) -> f64 {
+    row.iter().zip(q.to_array()).map(|(a, x)| a * x).sum()
+}
+
+/// The least-squares solution of every sample, prepared once: pose = matrix * readings.
+pub struct PoseSolver {
+    inverse: Vec<[f64; 5]>,
+    axial_seen: bool,
+    /// How good the probes' places are.
+    pub observation: Observation,
+}
+
+impl PoseSolver {
+    /// From the probes and the stations of the bearings (m), whose poses matter.
+    ///
+    /// # Errors
+    /// Probes that leave a coordinate open: says which and what to add.
+    pub fn try_new(probes: &[Probe], bearings: &[f64]) -> Result<Self> {
+        let rows: Vec<[f64; 5]> = probes.iter().map(row).collect();
+        let axial_seen = probes.iter().any(|p| p.direction == Direction::Axial);
+        let span = length_scale(probes);
+        let active: Vec<usize> = (0..5).filter(|&i| i != 2 || axial_seen).collect();
+        // Tilts times the probes' distance: all unknowns are then lengths and the condition number means something.
+        let scale = |i: usize| if i < 3 { 1.0 } else { span };
+        let matrix = DMatrix::from_fn(rows.len(), active.len(), |i, j| rows[i][active[j]] / scale(active[j]));
+        let svd = matrix.svd(true, true);
+        let largest = svd.singular_values.max();
+        let smallest = svd.singular_values.min();
+        let unknowns = active.len();
+        if rows.len() < unknowns || smallest < 1e-9 * largest || !(smallest > 0.0) {
+            bail!(not_observable(probes));
+        }
+        let Ok(pseudo) = svd.pseudo_inverse(0.0) else { bail!(not_observable(probes)) };
+        let inverse: Vec<[f64; 5]> = (0..rows.len())
+            .map(|k| {
+                let mut column = [0.0; 5];
+                for (j, &i) in active.iter().enumerate() {
+                    column[i] = pseudo[(j, k)] / scale(i);
+                }
+                column
+            })
+            .collect();
+        let observation = Observation {
+            condition_number: largest / smallest,
+            noise_gain: noise_gain(&inverse, bearings),
+            supplied_by_twin: if axial_seen { vec![] } else { vec!["w".to_owned()] },
+        };
+        Ok(Self { inverse, axial_seen, observation })
+    }
+
+    /// Pose from readings (m); `w` where no probe sees it.
+    #[must_use]
+    pub fn pose(&self, readings: &[f64], w: f64) -> Displacement<f64> {
+        let mut q = [0.0; 5];
+        for (column, reading) in self.inverse.iter().zip(readings) {
+            for (entry, a) in q.iter_mut().zip(column) {
+                *entry += a * reading;
+            }
+        }
+        if !self.axial_seen {
+            q[2] = w;
+        }
+        Displacement::from_array(q)
+    }
+
+    /// Change of the pose per metre of one probe's reading.
+    #[must_use]
+    pub fn column(&self, probe: usize) -> Displacement<f64> {
+        Displacement::from_array(self.inverse.get(probe).copied().unwrap_or_default())
+    }
+}
+
+/// Rms distance of the radial probes from their mean station, or 1 m where there is none.
+fn length_scale(probes: &[Probe]) -> f64 {
+    let stations: Vec<f64> =
+        probes.iter().filter(|p| p.direction != Direction::Axial).map(|p| p.station).collect();
+    let n = stations.len().max(1) as f64;
+    let mean = stations.iter().sum::<f64>() / n;
+    let spread = (stations.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / n).sqrt();
+    if spread > 0.0 { spread } else { 1.0 }
+}
+
+/// Largest ratio of a bearing's radial position error to the probe noise behind it.
+fn noise_gain(inverse: &[[f64; 5]], bearings: &[f64]) -> f64 {
+    bearings
+        .iter()
+        .flat_map(|&z| {
+            let along = |f: fn(&Displacement<f64>) -> f64| {
+                let parts = inverse.iter().map(|c| f(&Displacement::from_array(*c).at_station(z)));
+                DVector::from_iterator(inverse.len(), parts).norm()
+            };
+            [along(|d| d.u), along(|d| d.v)]
+        })
+        .fold(0.0, f64::max)
+}
+
+fn not_observable(probes: &[Probe]) -> String {
+    let radial: Vec<(f64, f64)> = probes
+        .iter()
+        .filter_map(|p| match p.direction {
+            Direction::Radial(a) => Some((p.station, a)),
+            Direction::Axial => None,
+        })
+        .collect();
+    let mut planes: Vec<f64> = radial.iter().map(|r| r.0).collect();
+    planes.sort_by(f64::total_cmp);
+    planes.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    let first = radial.first().map_or(0.0, |r| r.1);
+    let parallel = radial.iter().all(|r| (r.1 - first).sin().abs() < 1e-6);
+    let why = if radial.is_empty() {
+        "there is no radial probe".to_owned()
+    } else if parallel {
+        format!("all {} radial probes look along {:.1} deg, so the motion across it is not observable", radial.len(), first.to_degrees())
+    } else if planes.len() < 2 {
+        format!("all radial probes stand in one plane at {:.1} mm, so the tilt is not observable", planes[0] * 1e3)
+    } else {
+        format!("{} radial probes leave part of the motion open", radial.len())
+    };
+    format!(
+        "recording.probes: found probes from which the shaft's position cannot be told ({why}), allowed: two planes, each with two directions that are not parallel"
+    )
+}

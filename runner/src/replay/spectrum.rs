@@ -1,0 +1,144 @@
+//! Averaged amplitude spectra of a stream: Welch's method with a Hann window and half overlap.
+
+use realfft::num_complex::Complex;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::sync::Arc;
+
+/// Longest segment, samples.
+const LONGEST: usize = 4096;
+
+/// Averaged one-sided amplitude spectrum (peak amplitude of a sine) of several signals sampled together.
+pub struct Welch {
+    fft: Arc<dyn RealToComplex<f64>>,
+    window: Vec<f64>,
+    /// The last `LONGEST` samples of each signal.
+    pending: Vec<Vec<f64>>,
+    power: Vec<Vec<f64>>,
+    /// Cross terms of pairs (x, y) for the full spectrum: power of the forward and of the reverse part.
+    pairs: Vec<(usize, usize)>,
+    forward: Vec<Vec<f64>>,
+    reverse: Vec<Vec<f64>>,
+    segments: f64,
+    length: usize,
+}
+
+fn hann(length: usize) -> Vec<f64> {
+    let step = std::f64::consts::TAU / length as f64;
+    (0..length).map(|i| 0.5 * (1.0 - (i as f64 * step).cos())).collect()
+}
+
+impl Welch {
+    /// For `signals` signals, of which `pairs` are the X and Y of planes.
+    #[must_use]
+    pub fn new(signals: usize, pairs: Vec<(usize, usize)>) -> Self {
+        let mut welch = Self {
+            fft: RealFftPlanner::new().plan_fft_forward(LONGEST),
+            window: hann(LONGEST),
+            pending: vec![Vec::with_capacity(LONGEST); signals],
+            power: vec![],
+            forward: vec![],
+            reverse: vec![],
+            pairs,
+            segments: 0.0,
+            length: LONGEST,
+        };
+        welch.clear();
+        welch
+    }
+
+    fn clear(&mut self) {
+        let bins = self.length / 2 + 1;
+        self.power = vec![vec![0.0; bins]; self.pending.len()];
+        self.forward = vec![vec![0.0; bins]; self.pairs.len()];
+        self.reverse = vec![vec![0.0; bins]; self.pairs.len()];
+    }
+
+    /// One sample of all signals.
+    pub fn add(&mut self, values: impl Iterator<Item = f64>) {
+        for (pending, value) in self.pending.iter_mut().zip(values) {
+            pending.push(value);
+        }
+        if self.pending.first().is_some_and(|p| p.len() >= self.length) {
+            self.segment();
+            let half = self.length / 2;
+            for pending in &mut self.pending {
+                pending.drain(..half);
+            }
+        }
+    }
+
+    /// Forgets the samples not yet transformed: a segment may not reach over a gap.
+    pub fn interrupt(&mut self) {
+        for pending in &mut self.pending {
+            pending.clear();
+        }
+    }
+
+    fn segment(&mut self) {
+        let scale = 2.0 / self.window.iter().sum::<f64>();
+        let spectra: Vec<Vec<Complex<f64>>> = self.pending.iter().map(|p| self.transform(p)).collect();
+        for (power, spectrum) in self.power.iter_mut().zip(&spectra) {
+            for (sum, bin) in power.iter_mut().zip(spectrum) {
+                *sum += (bin * scale).norm_sqr();
+            }
+        }
+        for (i, &(x, y)) in self.pairs.iter().enumerate() {
+            let (Some(x), Some(y)) = (spectra.get(x), spectra.get(y)) else { continue };
+            for (k, (x, y)) in x.iter().zip(y).enumerate() {
+                // Spectrum of x + jy at +f and at -f, from the two real spectra.
+                let j = Complex::new(0.0, 1.0);
+                self.forward[i][k] += ((x + j * y) * scale * 0.5).norm_sqr();
+                self.reverse[i][k] += ((x - j * y) * scale * 0.5).norm_sqr();
+            }
+        }
+        self.segments += 1.0;
+    }
+
+    /// Hann-windowed spectrum of one segment about its mean.
+    fn transform(&self, samples: &[f64]) -> Vec<Complex<f64>> {
+        let samples = samples.get(..self.length).unwrap_or(samples);
+        let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
+        let mut input: Vec<f64> = samples.iter().zip(&self.window).map(|(s, w)| (s - mean) * w).collect();
+        let mut output = self.fft.make_output_vec();
+        // The lengths agree by construction; a disagreement would leave the output at zero.
+        let _ = self.fft.process(&mut input, &mut output);
+        output
+    }
+
+    /// Ends the recording: one shorter segment if it never held a whole one.
+    pub fn finish(&mut self) {
+        let available = self.pending.first().map_or(0, Vec::len);
+        if self.segments == 0.0 && available >= 16 {
+            self.length = 1 << available.ilog2();
+            self.fft = RealFftPlanner::new().plan_fft_forward(self.length);
+            self.window = hann(self.length);
+            self.clear();
+            self.segment();
+        }
+    }
+
+    /// Hz between two bins.
+    #[must_use]
+    pub fn bin(&self, rate: f64) -> f64 {
+        rate / self.length as f64
+    }
+
+    fn amplitudes(&self, power: &[f64]) -> Vec<f64> {
+        let n = self.segments.max(1.0);
+        power.iter().map(|p| (p / n).sqrt()).collect()
+    }
+
+    /// Amplitude of one signal, bin by bin.
+    #[must_use]
+    pub fn half(&self, signal: usize) -> Vec<f64> {
+        self.power.get(signal).map(|p| self.amplitudes(p)).unwrap_or_default()
+    }
+
+    /// Amplitude of one pair from the highest reverse to the highest forward frequency.
+    #[must_use]
+    pub fn full(&self, pair: usize) -> Vec<f64> {
+        let (Some(forward), Some(reverse)) = (self.forward.get(pair), self.reverse.get(pair)) else { return vec![] };
+        let reverse = self.amplitudes(reverse).into_iter().skip(1).rev();
+        reverse.chain(self.amplitudes(forward)).collect()
+    }
+}

@@ -1,0 +1,140 @@
+//! Sums over a whole recording, one pass, flat memory: mean, extremes, RMS, the 1X vector.
+
+use super::outcome::Motion;
+use nalgebra::{Matrix3, Vector3};
+
+const UM: f64 = 1e6;
+
+/// Sums of one signal against the shaft's angle.
+#[derive(Debug, Clone, Default)]
+pub struct Sums {
+    n: f64,
+    /// Readings are taken from the first one, so that a large mean costs no digits.
+    origin: f64,
+    min: f64,
+    max: f64,
+    square: f64,
+    /// Of the signal against (1, cos, sin).
+    signal: Vector3<f64>,
+    /// Of (1, cos, sin) against itself.
+    basis: Matrix3<f64>,
+}
+
+impl Sums {
+    /// One sample: the signal (m) with the shaft at an angle given by its (sin, cos).
+    pub fn add(&mut self, signal: f64, (sin, cos): (f64, f64)) {
+        if self.n == 0.0 {
+            (self.origin, self.min, self.max) = (signal, signal, signal);
+        }
+        let y = signal - self.origin;
+        let basis = Vector3::new(1.0, cos, sin);
+        self.n += 1.0;
+        self.min = self.min.min(signal);
+        self.max = self.max.max(signal);
+        self.square += y * y;
+        self.signal += basis * y;
+        self.basis += basis * basis.transpose();
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn count(&self) -> f64 {
+        self.n
+    }
+
+    /// Mean, m.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.origin + self.signal[0] / self.n.max(1.0)
+    }
+
+    /// Root mean square about zero, m.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        (self.rms_about_mean().powi(2) + self.mean().powi(2)).sqrt()
+    }
+
+    /// Root mean square about the mean, m.
+    #[must_use]
+    pub fn rms_about_mean(&self) -> f64 {
+        let n = self.n.max(1.0);
+        (self.square / n - (self.signal[0] / n).powi(2)).max(0.0).sqrt()
+    }
+
+    /// Least-squares fit of mean, cosine and sine of the shaft's angle, m; and the RMS it leaves.
+    #[must_use]
+    pub fn one_x(&self) -> ((f64, f64), f64) {
+        let Some(inverse) = self.basis.try_inverse() else { return ((0.0, 0.0), self.rms_about_mean()) };
+        let fit = inverse * self.signal;
+        let left = (self.square - fit.dot(&self.signal)) / self.n.max(1.0);
+        ((fit[1], fit[2]), left.max(0.0).sqrt())
+    }
+
+    /// The figures a report shows, um.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let ((cos, sin), _) = self.one_x();
+        Motion {
+            mean_um: self.mean() * UM,
+            peak_to_peak_um: (self.max - self.min) * UM,
+            rms_um: self.rms_about_mean() * UM,
+            one_x_um: cos.hypot(sin) * UM,
+            // A cos(angle - lag): the peak comes `lag` after the mark.
+            one_x_phase_lag_deg: sin.atan2(cos).to_degrees().rem_euclid(360.0),
+        }
+    }
+
+    /// Smallest and largest.
+    #[must_use]
+    pub fn extremes(&self) -> (f64, f64) {
+        (self.min, self.max)
+    }
+}
+
+/// Mean, extremes and mean square of a force component.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Running {
+    n: f64,
+    mean: f64,
+    min: f64,
+    max: f64,
+    square: f64,
+}
+
+impl Running {
+    /// One value.
+    pub fn add(&mut self, x: f64) {
+        if self.n == 0.0 {
+            (self.min, self.max) = (x, x);
+        }
+        self.n += 1.0;
+        self.mean += (x - self.mean) / self.n;
+        self.square += (x * x - self.square) / self.n;
+        self.min = self.min.min(x);
+        self.max = self.max.max(x);
+    }
+
+    /// Number of values.
+    #[must_use]
+    pub fn count(&self) -> f64 {
+        self.n
+    }
+
+    /// Mean.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// Root mean square about zero.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        self.square.max(0.0).sqrt()
+    }
+
+    /// Smallest and largest.
+    #[must_use]
+    pub fn extremes(&self) -> (f64, f64) {
+        (self.min, self.max)
+    }
+}

@@ -1,0 +1,78 @@
+//! Fewer points for the same picture, and lines that break where a reading is missing.
+
+/// A point in the data's units.
+pub(super) type Point = (f64, f64);
+
+/// At most about `limit` points: of each run of neighbours the lowest and the highest, in their order.
+/// A missing value stays as one NaN between them, so that the line breaks there.
+pub(super) fn decimated(points: &[Point], limit: usize) -> Vec<Point> {
+    if points.len() <= limit {
+        return points.to_vec();
+    }
+    let run = points.len().div_ceil((limit / 2).max(1));
+    points.chunks(run).flat_map(extremes).collect()
+}
+
+/// Lowest, highest and first missing point of a run, in their order.
+fn extremes(run: &[Point]) -> Vec<Point> {
+    let finite = |i: &usize| run[*i].1.is_finite();
+    let lowest = (0..run.len()).filter(finite).min_by(|a, b| run[*a].1.total_cmp(&run[*b].1));
+    let highest = (0..run.len()).filter(finite).max_by(|a, b| run[*a].1.total_cmp(&run[*b].1));
+    let missing = run.iter().position(|point| !point.1.is_finite());
+    let mut kept: Vec<usize> = [lowest, highest, missing].into_iter().flatten().collect();
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|i| run[i]).collect()
+}
+
+/// At most `limit` points: of each run the highest. For spectra, in which only peaks count.
+pub(super) fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
+    let run = points.len().div_ceil(limit.max(1)).max(1);
+    points
+        .chunks(run)
+        .filter_map(|run| run.iter().filter(|point| point.1.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1)))
+        .copied()
+        .collect()
+}
+
+/// At most `limit` points, evenly spaced. For curves in a plane.
+pub(super) fn thinned(points: &[Point], limit: usize) -> Vec<Point> {
+    let step = points.len().div_ceil(limit.max(1)).max(1);
+    points.iter().step_by(step).copied().collect()
+}
+
+/// The pieces between missing points.
+pub(super) fn pieces(points: &[Point]) -> impl Iterator<Item = &[Point]> {
+    points.split(|point| !point.0.is_finite() || !point.1.is_finite()).filter(|piece| !piece.is_empty())
+}
+
+/// Two columns as points; the longer one is cut.
+pub(super) fn zipped(x: &[f64], y: &[f64]) -> Vec<Point> {
+    x.iter().copied().zip(y.iter().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extremes_survive() {
+        let mut points: Vec<Point> = (0..10_000).map(|i| (f64::from(i), 0.0)).collect();
+        points[5_001].1 = 7.0;
+        points[5_002].1 = -7.0;
+        let few = decimated(&points, 100);
+        assert!(few.len() <= 100);
+        assert!(few.contains(&(5_001.0, 7.0)) && few.contains(&(5_002.0, -7.0)));
+        assert!(peaks(&points, 100).contains(&(5_001.0, 7.0)));
+        assert_eq!(thinned(&points, 100).len(), 100);
+    }
+
+    #[test]
+    fn missing_values_break_the_line() {
+        let mut points: Vec<Point> = (0..1000).map(|i| (f64::from(i), 1.0)).collect();
+        points[500].1 = f64::NAN;
+        assert_eq!(pieces(&decimated(&points, 10)).count(), 2);
+        assert_eq!(pieces(&[]).count(), 0);
+        assert!(decimated(&[], 0).is_empty() && peaks(&[], 0).is_empty() && thinned(&[], 0).is_empty());
+    }
+}

@@ -1,0 +1,159 @@
+//! Orbits: both axes to one scale, the probes where they look from, blank and bright at the keyphasor.
+
+use super::axis::{Axis, extent, signed};
+use super::canvas::{
+    Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, TWIN, gutter, picture, text_width,
+};
+use super::line::{Point, thinned};
+use super::{Budget, Picture};
+use crate::replay::outcome::Orbit;
+use crate::report::number::{fixed, shortened};
+use anyhow::Result;
+
+/// Side of the square.
+const SIDE: f64 = 340.0;
+/// Radius of the rim that the probes sit on.
+const RIM: f64 = 0.5 * SIDE - 24.0;
+/// Share of the rim's radius that the orbit fills.
+const FILLED: f64 = 0.8;
+/// Turns drawn at most.
+const TURNS: usize = 8;
+/// Share of a turn that stays blank before the bright dot.
+const BLANK: f64 = 0.035;
+
+/// One picture for each plane; `forward` is the sense of rotation, +1 from +X towards +Y.
+pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Picture> {
+    let shown = shown_samples(orbit);
+    let frame = square(orbit, shown);
+    let svg = picture((frame.right + 14.0, frame.bottom + 36.0), Dashes::Twin, |canvas| {
+        canvas.legend(frame.left, 0.0, &legend())?;
+        frame.axes(canvas, true)?;
+        rim(canvas, &frame, orbit)?;
+        sense(canvas, &frame, forward)?;
+        let marks: Vec<usize> = orbit.keyphasor.iter().copied().filter(|at| *at < shown).collect();
+        draw_path(canvas, &frame, &orbit.measured, &marks, shown, Stroke(MEASURED, 1.3), budget)?;
+        draw_path(canvas, &frame, &orbit.twin, &marks, shown, Stroke(TWIN, 1.1), budget)?;
+        dots(canvas, &frame, orbit, &marks)?;
+        if shown == 0 { frame.no_data(canvas) } else { Ok(()) }
+    })?;
+    Ok(Picture {
+        title: format!("Orbit of {} at {} mm", orbit.name, signed(&fixed(orbit.station_mm, 0))),
+        note: "Equal scales. X to the right, Y up, Z towards the reader. Blank, then bright: motion runs from the gap to the keyphasor dot (twin: ring).".to_owned(),
+        svg,
+    })
+}
+
+fn legend() -> [(Key, &'static str); 3] {
+    [
+        (Key::Line(Stroke(MEASURED, 1.5)), "measured"),
+        (Key::Line(Stroke(TWIN, 1.5)), "twin"),
+        (Key::Dot(MEASURED), "keyphasor"),
+    ]
+}
+
+/// Samples of the first turns.
+fn shown_samples(orbit: &Orbit) -> usize {
+    let all = orbit.measured.len().max(orbit.twin.len());
+    orbit.keyphasor.get(TURNS).map_or(all, |end| all.min(end + 1))
+}
+
+/// A square about the middle of both curves, with one scale in both directions.
+fn square(orbit: &Orbit, shown: usize) -> Frame {
+    let points = || orbit.measured.iter().take(shown).chain(orbit.twin.iter().take(shown));
+    let x = extent(points().map(|point| point.0)).unwrap_or((-1.0, 1.0));
+    let y = extent(points().map(|point| point.1)).unwrap_or((-1.0, 1.0));
+    let radius = 0.5 * (x.1 - x.0).max(y.1 - y.0);
+    let size = [x.0, x.1, y.0, y.1].into_iter().map(f64::abs).fold(0.0, f64::max);
+    // A motion that the digits of its position cannot show is drawn as a point.
+    let radius = if radius > 1e-9 * size.max(1e-3) { radius } else { 1.0f64.max(1e-3 * size) };
+    let half = radius * 0.5 * SIDE / (FILLED * RIM);
+    let about = |range: (f64, f64)| {
+        let middle = 0.5 * (range.0 + range.1);
+        Some((middle - half, middle + half))
+    };
+    let x = Axis::exact(about(x), 8, "X, um");
+    let y = Axis::exact(about(y), 8, "Y, um");
+    let left = gutter(&[&y]);
+    Frame { start: 0.0, left, top: 24.0, right: left + SIDE, bottom: 24.0 + SIDE, x, y }
+}
+
+/// The circle with the probes on it.
+fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit) -> Result<()> {
+    let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
+    canvas.circle(x, y, RIM, Stroke(RESIDUAL, 0.75))?;
+    for (name, angle) in orbit.probes.iter().filter(|probe| probe.1.is_finite()) {
+        let (sine, cosine) = angle.sin_cos();
+        let tip = (x + RIM * cosine, y - RIM * sine);
+        canvas.triangle(tip, *angle, 11.0, MARK)?;
+        name_probe(canvas, frame, tip, (cosine, sine), &shortened(name, 14))?;
+    }
+    Ok(())
+}
+
+/// A probe's name between rim and frame: upright near the X axis, where there is height but no width.
+fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Point, name: &str) -> Result<()> {
+    let half = 0.5 * text_width(name, SMALL) + 3.0;
+    let side = if cosine < -1e-6 { -1.0 } else { 1.0 };
+    if cosine.abs() > 0.87 {
+        let x = if side > 0.0 { frame.right - 7.0 } else { frame.left + 7.0 };
+        return canvas.upright(name, (x, tip.1.clamp(frame.top + half, frame.bottom - half)));
+    }
+    // A long name goes on towards the corner, where the rim leaves more room.
+    let away = if half > 30.0 && cosine.abs() > 0.3 { 20.0 } else { 9.0 };
+    let x = (tip.0 + side * (half + 10.0)).clamp(frame.left + half, frame.right - half);
+    let y = (tip.1 - away * sine).clamp(frame.top + 8.0, frame.bottom - 8.0);
+    canvas.text(name, (x, y), Anchor::Middle, INK)
+}
+
+/// An arc with a head in the upper left corner: the sense of rotation.
+fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64) -> Result<()> {
+    let (x, y, radius) = (frame.left + 18.0, frame.top + 18.0, 9.0);
+    let at = |angle: f64| (x + radius * angle.cos(), y - radius * angle.sin());
+    let turn = |share: f64| std::f64::consts::PI * (0.5 + forward * (1.5 * share - 0.75));
+    let arc: Vec<Point> = (0..=18).map(|i| at(turn(f64::from(i) / 18.0))).collect();
+    canvas.line(&arc, Stroke(MARK, 1.2))?;
+    let end = turn(1.0) + forward * 0.35;
+    let back = turn(1.0) - forward * std::f64::consts::FRAC_PI_2;
+    canvas.triangle(at(end), back, 7.0, MARK)?;
+    canvas.text("rotation", (x + 14.0, y), Anchor::Start, MARK)
+}
+
+/// The curve, blank just before each keyphasor.
+fn draw_path(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    points: &[Point],
+    marks: &[usize],
+    shown: usize,
+    stroke: Stroke,
+    budget: Budget,
+) -> Result<()> {
+    let turn = marks.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).max().unwrap_or(0);
+    let blank = if turn > 0 { 2 + (BLANK * turn as f64) as usize } else { 0 };
+    let mut start = 0;
+    let share = budget.line() / (marks.len() + 1);
+    for end in marks.iter().copied().chain([shown.saturating_add(blank)]) {
+        let until = end.saturating_sub(blank).min(points.len());
+        if start < until {
+            let mut piece = thinned(&points[start..until], share.max(24));
+            piece.push(points[until - 1]);
+            frame.curve(canvas, &piece, stroke)?;
+        }
+        start = end;
+    }
+    Ok(())
+}
+
+/// The bright dots: the machine's filled, the twin's a ring, so that both can be seen at one place.
+fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) -> Result<()> {
+    let at = |points: &[Point], mark: &usize| {
+        points.get(*mark).filter(|point| point.0.is_finite() && point.1.is_finite()).map(|point| frame.at(point))
+    };
+    for (x, y) in marks.iter().filter_map(|mark| at(&orbit.measured, mark)) {
+        canvas.dot(x, y, 3.6, MEASURED)?;
+    }
+    for (x, y) in marks.iter().filter_map(|mark| at(&orbit.twin, mark)) {
+        canvas.ring(x, y, TWIN)?;
+    }
+    Ok(())
+}

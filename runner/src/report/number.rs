@@ -1,0 +1,109 @@
+//! Numbers as people read them: few digits, the same number of decimals down a column, no NaN.
+
+/// What stands where there is no number.
+pub(super) const NONE: &str = "-";
+
+/// Decimals that show a column's largest figure with three to five digits.
+pub(super) fn decimals(values: impl IntoIterator<Item = f64>) -> usize {
+    let largest = values.into_iter().filter(|value| value.is_finite()).map(f64::abs).fold(0.0, f64::max);
+    match largest {
+        v if v == 0.0 => 2,
+        v if v >= 1000.0 => 0,
+        v if v >= 100.0 => 1,
+        v if v >= 1.0 => 2,
+        v if v >= 0.1 => 3,
+        v if v >= 0.01 => 4,
+        _ => 5,
+    }
+}
+
+/// A number with the given decimals; very large ones in powers of ten, [`NONE`] when not finite.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return NONE.to_owned();
+    }
+    if value.abs() >= 1e7 {
+        return format!("{value:.2e}");
+    }
+    let text = format!("{value:.decimals$}");
+    // "-0.00" says a sign that the digits do not show.
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
+        _ => text,
+    }
+}
+
+/// A number by itself, with as many decimals as its size asks for.
+pub(super) fn alone(value: f64) -> String {
+    fixed(value, decimals([value]))
+}
+
+/// As [`alone`] for what may be absent.
+pub(super) fn maybe(value: Option<f64>) -> String {
+    value.map_or_else(|| NONE.to_owned(), alone)
+}
+
+/// A count with its thousands apart.
+pub(super) fn count(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// "1 sample", "2 samples".
+pub(super) fn counted(value: u64, noun: &str) -> String {
+    let plural = if value == 1 { "" } else { "s" };
+    format!("{} {noun}{plural}", count(value))
+}
+
+/// ns as us.
+pub(super) fn microseconds(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 / 1000.0
+}
+
+/// At most `limit` characters, the last one an ellipsis where something was left off.
+pub(super) fn shortened(text: &str, limit: usize) -> String {
+    if text.chars().count() <= limit {
+        return text.to_owned();
+    }
+    let mut short: String = text.chars().take(limit.saturating_sub(1)).collect();
+    short.push('…');
+    short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_follow_the_size() {
+        assert_eq!(alone(0.0), "0.00");
+        assert_eq!(alone(12.345), "12.35");
+        assert_eq!(alone(-0.012_34), "-0.0123");
+        assert_eq!(alone(12_345.6), "12346");
+        assert_eq!(alone(3.2e9), "3.20e9");
+        assert_eq!(fixed(-0.001, 2), "0.00");
+        assert_eq!(fixed(f64::NAN, 2), NONE);
+        assert_eq!(maybe(None), NONE);
+    }
+
+    #[test]
+    fn counts_are_grouped() {
+        assert_eq!(count(0), "0");
+        assert_eq!(count(999), "999");
+        assert_eq!(count(1_234_567), "1 234 567");
+        assert_eq!(counted(1, "sample"), "1 sample");
+    }
+
+    #[test]
+    fn long_names_are_cut_by_characters() {
+        assert_eq!(shortened("größer", 6), "größer");
+        assert_eq!(shortened("größeres", 6), "größe…");
+    }
+}

@@ -1,0 +1,125 @@
+//! What the page and the terminal say in the same words.
+
+use super::number::{alone, count, counted, fixed};
+use crate::replay::outcome::{FindingKind, Observation, Outcome, ProbeOutcome, Record};
+
+/// Condition number from which the probes count as badly placed.
+const BADLY_PLACED: f64 = 100.0;
+
+/// Name of a kind of fault.
+pub(super) fn kind(kind: FindingKind) -> &'static str {
+    match kind {
+        FindingKind::OuterRace => "outer race",
+        FindingKind::InnerRace => "inner race",
+        FindingKind::Element => "rolling element",
+        FindingKind::Cage => "cage",
+        FindingKind::Unbalance => "unbalance",
+        FindingKind::Misalignment => "misalignment",
+        FindingKind::Clearance => "clearance",
+        FindingKind::Other => "other",
+    }
+}
+
+/// What a reader wants to know before the figures: name and value.
+pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
+    let record = &outcome.record;
+    let mut facts = vec![
+        ("Machine", outcome.scene.clone()),
+        ("Recording", outcome.recording.clone()),
+        ("Speed", speed(record)),
+        ("Rotation", rotation(record).to_owned()),
+        ("Shaft angle from", record.angle_source.clone()),
+        ("Rate", format!("{} Hz", rate(record.rate_hz))),
+        ("Duration", format!("{} s, {} turns", fixed(record.duration_s, 3), fixed(record.turns, 1))),
+        ("Samples", samples(record)),
+        ("Condition number", condition(&outcome.observation)),
+    ];
+    if outcome.observation.noise_gain > 0.0 {
+        facts.push(("Noise gain", format!("at most {} from a probe to a bearing", alone(outcome.observation.noise_gain))));
+    }
+    let supplied = &outcome.observation.supplied_by_twin;
+    if !supplied.is_empty() {
+        facts.push(("Supplied by the twin", format!("{}: no probe sees it", supplied.join(", "))));
+    }
+    facts
+}
+
+/// A whole number of hertz as a count.
+fn rate(hz: f64) -> String {
+    if hz >= 1.0 && hz < 1e15 && hz.fract() == 0.0 { count(hz as u64) } else { alone(hz) }
+}
+
+fn speed(record: &Record) -> String {
+    let (low, high) = (record.min_speed_rpm, record.max_speed_rpm);
+    let mean = format!("{} rpm", fixed(record.mean_speed_rpm, 1));
+    if high - low < 0.1 { mean } else { format!("{mean} mean, {} to {}", fixed(low, 1), fixed(high, 1)) }
+}
+
+fn rotation(record: &Record) -> &'static str {
+    match record.mean_speed_rpm {
+        speed if speed > 0.0 => "from +X towards +Y",
+        speed if speed < 0.0 => "from +Y towards +X",
+        _ => "none",
+    }
+}
+
+fn samples(record: &Record) -> String {
+    let left_out = record.samples.saturating_sub(record.compared);
+    let read = format!("{} read", count(record.samples));
+    if left_out == 0 { format!("{read}, all compared") } else { format!("{read}, {} not compared", count(left_out)) }
+}
+
+fn condition(observation: &Observation) -> String {
+    let number = alone(observation.condition_number);
+    let verdict = if observation.condition_number > BADLY_PLACED {
+        "the probes are badly placed"
+    } else {
+        "1 is perfect, above 100 is bad"
+    };
+    format!("{number} ({verdict})")
+}
+
+/// What the NRMSE is normalised by: one sentence for all probes, or one for each kind.
+pub(super) fn normaliser(probes: &[ProbeOutcome]) -> String {
+    let mut kinds: Vec<&str> = probes.iter().map(|probe| probe.nrmse_normaliser.as_str()).filter(|kind| !kind.is_empty()).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    match kinds.as_slice() {
+        [] => String::new(),
+        [kind] => format!("NRMSE: residual rms over {kind}."),
+        _ => probes.iter().map(|probe| format!("NRMSE of {}: residual rms over {}.", probe.name, probe.nrmse_normaliser)).collect::<Vec<_>>().join(" "),
+    }
+}
+
+/// Contact lost and readings held at one bearing, where there is something to say.
+pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if contact_lost > 0 {
+        remarks.push(format!("no element carried load in {}", counted(contact_lost, "sample")));
+    }
+    if held > 0 {
+        remarks.push(format!("last good force held in {}", counted(held, "sample")));
+    }
+    remarks
+}
+
+/// "DE_X, NDE_X": the probes at which a simple predictor does better than the twin.
+pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
+    let names: Vec<&str> = probes.iter().filter(|probe| !probe.beats_all_baselines).map(|probe| probe.name.as_str()).collect();
+    names.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speed_says_its_range_only_when_there_is_one() {
+        let mut record = Record { mean_speed_rpm: 3000.0, min_speed_rpm: 3000.0, max_speed_rpm: 3000.0, ..Record::default() };
+        assert_eq!(speed(&record), "3000.0 rpm");
+        record.max_speed_rpm = 3012.0;
+        assert_eq!(speed(&record), "3000.0 rpm mean, 3000.0 to 3012.0");
+        record.mean_speed_rpm = -3000.0;
+        assert_eq!(rotation(&record), "from +Y towards +X");
+    }
+}

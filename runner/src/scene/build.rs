@@ -1,0 +1,431 @@
+//! Scene -> kernel: the one place that knows both.
+
+use super::{Axial, Bearing as BearingScene, Defect, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed};
+use anyhow::{Context, Result, bail};
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
+use ballrace::bearing::kinematics::{Orders, orders};
+use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
+use ballrace::bearing::lumped::{self, Combined, FlexibleRing, HousingPoint};
+use ballrace::bearing::surface::{Spall, SpallShape, Surface};
+use ballrace::bearing::{Bearing, Mirrored, Place, Reaction};
+use ballrace::contact::hertz::Material;
+use ballrace::contact::law::{Law, Line, Point, Power};
+use ballrace::rotor::{RotorParams, Unbalance};
+use ballrace::{Displacement, Math, Scalar, Stiffness, Turn, Wrench};
+use std::sync::Arc;
+
+/// Any rung behind one pointer: how the runner holds bearings whose kind it learns at run time.
+#[derive(Clone)]
+pub struct AnyBearing<T>(pub Arc<dyn Bearing<T>>);
+
+impl<T: Scalar> Bearing<T> for AnyBearing<T> {
+    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+        self.0.reaction(u, cage)
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
+        self.0.reaction_and_stiffness(u, cage)
+    }
+    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+        self.0.element_loads(u, cage, loads);
+    }
+}
+
+/// How the elements of a bearing go round.
+#[derive(Debug, Clone, Copy)]
+pub struct Kinematics {
+    /// Cage speed over shaft speed; 0 where nothing moves.
+    pub cage_ratio: f64,
+    /// Orders per turn of the shaft.
+    pub orders: Orders,
+    /// Whether the ball-spin order is known (it needs the geometry).
+    pub spin_known: bool,
+}
+
+/// Cage ratio and orders of a bearing: from the scene's `cage_ratio`, or by pure rolling from geometry.
+///
+/// # Errors
+/// An outer ring that turns under a shaft whose speed changes: the ratio is then no constant.
+pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics> {
+    let n = bearing.elements as f64;
+    let by_geometry = match geometry(bearing)? {
+        Some(g) => Some(orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter)),
+        None => None,
+    };
+    let spin = by_geometry.map(|o| o.ball_spin);
+    let rolling = by_geometry.map(|o| o.cage).unwrap_or(0.0);
+    let outer = outer_ratio(scene)?;
+    // Harris: w_c = [w_i (1 - gamma) + w_o (1 + gamma)]/2, here over w_i.
+    let cage_ratio = bearing.cage_ratio.unwrap_or(rolling + outer * (1.0 - rolling) * f64::from(rolling > 0.0));
+    if cage_ratio.abs() >= 1.0 {
+        bail!(
+            "{}: bearing {}: found a cage that turns {cage_ratio:.3} times as fast as the shaft, allowed: slower than the shaft",
+            scene.path.display(),
+            bearing.name
+        );
+    }
+    let orders = Orders {
+        cage: cage_ratio,
+        outer_race: n * (cage_ratio - outer).abs(),
+        inner_race: n * (1.0 - cage_ratio),
+        ball_spin: spin.unwrap_or(0.0) * (1.0 - outer).abs(),
+    };
+    Ok(Kinematics { cage_ratio, orders, spin_known: spin.is_some() })
+}
+
+fn outer_ratio(scene: &Scene) -> Result<f64> {
+    match (scene.shaft.outer_speed, scene.shaft.speed) {
+        (0.0, _) => Ok(0.0),
+        (outer, Speed::Constant(shaft)) if shaft != 0.0 => Ok(outer / shaft),
+        _ => bail!(
+            "{}: shaft.outer_speed: found {} rad/s with a shaft speed that changes or is 0, allowed: an outer speed only with one constant shaft speed",
+            scene.path.display(),
+            scene.shaft.outer_speed
+        ),
+    }
+}
+
+/// The kernel's geometry, where the scene gives one.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn geometry(bearing: &BearingScene) -> Result<Option<BallBearingGeometry>> {
+    let Some(g) = bearing.geometry else { return Ok(None) };
+    let steel = Material { youngs_modulus: g.youngs_modulus, poissons_ratio: g.poissons_ratio };
+    let built = BallBearingGeometry {
+        ball_diameter: g.ball_diameter,
+        pitch_diameter: g.pitch_diameter,
+        inner_conformity: g.inner_conformity,
+        outer_conformity: g.outer_conformity,
+        contact_angle: 0.0,
+        ball: steel,
+        race: steel,
+    };
+    let built = match g.fit {
+        Fit::ContactAngle(contact_angle) => BallBearingGeometry { contact_angle, ..built },
+        Fit::DiametralClearance(s) if s >= 0.0 => built.with_clearance(s).map_err(|e| named(bearing, e))?,
+        // An interference fit: the balls sit at the bottom of the grooves.
+        Fit::DiametralClearance(_) => built,
+    };
+    Ok(Some(built.checked().map_err(|e| named(bearing, e))?))
+}
+
+fn named(bearing: &BearingScene, error: InvalidParameter) -> anyhow::Error {
+    anyhow::anyhow!("bearing {}: {error}", bearing.name)
+}
+
+/// The rung `model` of one bearing. A linear rung that is made from another one needs the rotor's equilibrium
+/// (see [`crate::replay::twin`]) and is refused here.
+///
+/// # Errors
+/// What the scene does not say for this model, or the kernel refuses.
+pub fn bearing<T: Scalar, M: Math<T>>(scene: &BearingScene, model: Model) -> Result<AnyBearing<T>> {
+    match model {
+        Model::Linear => linear(scene),
+        Model::Lumped => lumped::<T, M>(scene),
+        Model::Angular => angular::<T, M>(scene),
+    }
+}
+
+fn places<T: Scalar>(scene: &BearingScene) -> Vec<Place<T>> {
+    let first = Turn::from_radians(scene.first_element_azimuth);
+    let place = |j| Place::even(first, j, scene.elements);
+    let mirror = |p: Place<T>| if scene.facing == Facing::MinusZ { p.mirrored() } else { p };
+    (0..scene.elements).map(place).map(mirror).collect()
+}
+
+/// Turned about X by pi where the bearing faces -Z.
+fn facing<T: Scalar>(scene: &BearingScene, bearing: impl Bearing<T> + 'static) -> AnyBearing<T> {
+    if scene.facing == Facing::MinusZ { AnyBearing(Arc::new(Mirrored(bearing))) } else { AnyBearing(Arc::new(bearing)) }
+}
+
+/// All spalls of the outer race as one surface; empty when the race is sound.
+#[derive(Clone, Copy)]
+struct Spalls<T>([Option<Spall<T>>; MOST_DEFECTS]);
+
+/// Most entries of `defect`.
+const MOST_DEFECTS: usize = 8;
+
+impl<T: Scalar> Surface<T> for Spalls<T> {
+    fn drop_at(&self, azimuth: Turn) -> T {
+        self.0.iter().flatten().fold(T::ZERO, |sum, spall| sum + spall.drop_at(azimuth))
+    }
+}
+
+fn spalls<T: Scalar>(scene: &BearingScene) -> Result<Option<Spalls<T>>> {
+    if scene.defect.len() > MOST_DEFECTS {
+        bail!(
+            "bearing {}: defect: found {} entries, allowed: up to {MOST_DEFECTS}",
+            scene.name,
+            scene.defect.len()
+        );
+    }
+    let mut all = [None; MOST_DEFECTS];
+    for (slot, defect) in all.iter_mut().zip(&scene.defect) {
+        *slot = Some(spall(defect, scene.facing));
+    }
+    Ok((!scene.defect.is_empty()).then_some(Spalls(all)))
+}
+
+fn spall<T: Scalar>(defect: &Defect, facing: Facing) -> Spall<T> {
+    let shape = match defect.shape {
+        DefectShape::HalfSine => SpallShape::HalfSine,
+        DefectShape::Rectangular => SpallShape::Rectangular,
+    };
+    let centre = Turn::from_radians(defect.azimuth);
+    let built = Spall::new(centre, T::from_f64(defect.half_width), T::from_f64(defect.depth), shape);
+    if facing == Facing::MinusZ { built.mirrored() } else { built }
+}
+
+fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> {
+    let Some(geometry) = geometry(scene)? else {
+        bail!(
+            "bearing {}: model angular: found no geometry, allowed: with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance",
+            scene.name
+        );
+    };
+    if let Some(super::Geometry { fit: Fit::DiametralClearance(s), .. }) = scene.geometry
+        && s < 0.0
+    {
+        bail!("bearing {}: diametral_clearance: found {s} m, allowed for model angular: 0 or more", scene.name);
+    }
+    let zero = if scene.facing == Facing::Both { Zero::Centred } else { Zero::Touching };
+    let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
+    Ok(match spalls(scene)? {
+        None => facing(scene, built),
+        Some(spalls) => facing(scene, built.with_surface(spalls)),
+    })
+}
+
+/// Stiffness, exponent and radial play of the lumped law: as the scene gives them, else from geometry.
+fn lumped_law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
+    let geometry = geometry(scene)?;
+    let law = scene.law;
+    let Some(stiffness) = law.and_then(|l| l.stiffness).or_else(|| geometry.map(|g| g.stiffness())) else {
+        bail!("bearing {}: model lumped: found no stiffness, allowed: stiffness, or the geometry it follows from", scene.name);
+    };
+    let from_clearance = scene.geometry.and_then(|g| match g.fit {
+        Fit::DiametralClearance(s) => Some(0.5 * s),
+        Fit::ContactAngle(_) => None,
+    });
+    let Some(play) = law.and_then(|l| l.radial_play).or(from_clearance) else {
+        bail!("bearing {}: model lumped: found no radial_play, allowed: radial_play or diametral_clearance", scene.name);
+    };
+    Ok((stiffness, law.map_or(1.5, |l| l.exponent), play))
+}
+
+fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> {
+    let (stiffness, exponent, play) = lumped_law(scene)?;
+    let stiffness = T::from_f64(stiffness);
+    match exponent_kind(exponent) {
+        Exponent::Point => lumped_radial::<T, M, _>(scene, Point { stiffness }, play),
+        Exponent::Line => lumped_radial::<T, M, _>(scene, Line { stiffness }, play),
+        Exponent::Other => {
+            lumped_radial::<T, M, _>(scene, Power { stiffness, exponent: T::from_f64(exponent) }, play)
+        }
+    }
+}
+
+enum Exponent {
+    Point,
+    Line,
+    Other,
+}
+
+/// 3/2 and 10/9 (also as a decimal of four digits or more) have laws without a power function.
+fn exponent_kind(exponent: f64) -> Exponent {
+    if exponent == 1.5 {
+        Exponent::Point
+    } else if (exponent - 10.0 / 9.0).abs() < 1.2e-4 {
+        Exponent::Line
+    } else {
+        Exponent::Other
+    }
+}
+
+fn lumped_radial<T, M, L>(scene: &BearingScene, law: L, play: f64) -> Result<AnyBearing<T>>
+where
+    T: Scalar,
+    M: Math<T>,
+    L: Law<T, M>,
+{
+    let radial = lumped::Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
+    match spalls(scene)? {
+        None => lumped_axial::<T, M, _>(scene, radial),
+        Some(spalls) => lumped_axial::<T, M, _>(scene, radial.with_surface(spalls)),
+    }
+}
+
+fn lumped_axial<T, M, R>(scene: &BearingScene, radial: R) -> Result<AnyBearing<T>>
+where
+    T: Scalar,
+    M: Math<T>,
+    R: FlexibleRing<T> + Bearing<T> + 'static,
+{
+    let Some(axial) = scene.axial else { return Ok(on_housing(scene, radial)) };
+    let stiffness = T::from_f64(axial.stiffness);
+    match exponent_kind(axial.exponent) {
+        Exponent::Point => combined::<T, M, _, _>(scene, radial, axial, Point { stiffness }),
+        Exponent::Line => combined::<T, M, _, _>(scene, radial, axial, Line { stiffness }),
+        Exponent::Other => {
+            let exponent = T::from_f64(axial.exponent);
+            combined::<T, M, _, _>(scene, radial, axial, Power { stiffness, exponent })
+        }
+    }
+}
+
+fn combined<T, M, R, L>(scene: &BearingScene, radial: R, axial: Axial, law: L) -> Result<AnyBearing<T>>
+where
+    T: Scalar,
+    M: Math<T>,
+    R: FlexibleRing<T> + Bearing<T> + 'static,
+    L: Law<T, M>,
+{
+    let axial = lumped::Axial::<T, M, L, _>::try_new(places(scene), law, axial.play, axial.radius)
+        .map_err(|e| named(scene, e))?;
+    Ok(on_housing(scene, Combined(radial, axial)))
+}
+
+fn on_housing<T: Scalar>(scene: &BearingScene, bearing: impl FlexibleRing<T> + Bearing<T> + 'static) -> AnyBearing<T> {
+    if scene.housing_displacement.is_empty() {
+        return facing(scene, bearing);
+    }
+    let mirror = scene.facing == Facing::MinusZ;
+    let point = |&[x, y, z]: &[f64; 3]| if mirror { [x, -y, -z] } else { [x, y, z] };
+    let displaced = |p| HousingPoint { displacement: point(p).map(T::from_f64), reaction: [T::ZERO; 3] };
+    let points = scene.housing_displacement.iter().map(displaced).collect();
+    facing(scene, OnHousing { bearing, points })
+}
+
+/// A bearing on a housing that stands displaced: Hajzman's flexible outer ring with given `q_S`.
+struct OnHousing<T, B> {
+    bearing: B,
+    points: Vec<HousingPoint<T>>,
+}
+
+impl<T: Scalar, B: FlexibleRing<T> + Bearing<T>> Bearing<T> for OnHousing<T, B> {
+    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+        self.bearing.reaction_flexible(u, cage, &mut self.points.clone())
+    }
+
+    /// By differences of the reaction, central, 1 nm and 10 nrad: a displaced housing is a scene of `force`, where
+    /// nobody waits for the tangent.
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
+        let mut k = Stiffness::from_element(T::ZERO);
+        for (j, mut column) in k.column_iter_mut().enumerate() {
+            let step = T::from_f64(if j < 3 { 1e-9 } else { 1e-8 });
+            let at = |sign: T| {
+                let mut moved = u.to_array();
+                moved[j] += sign * step;
+                self.reaction(&Displacement::from_array(moved), cage).wrench.to_array()
+            };
+            let (ahead, behind) = (at(T::ONE), at(-T::ONE));
+            for (entry, (a, b)) in column.iter_mut().zip(ahead.into_iter().zip(behind)) {
+                *entry = (b - a) / (step + step);
+            }
+        }
+        (self.reaction(u, cage), k)
+    }
+
+    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+        // Load of an element = size of the reaction on its housing point.
+        let mut points = self.points.clone();
+        self.bearing.reaction_flexible(u, cage, &mut points);
+        for (load, point) in loads.iter_mut().zip(&points) {
+            let square = point.reaction.iter().map(|r| r.to_f64() * r.to_f64()).sum::<f64>();
+            *load = T::from_f64(square.sqrt());
+        }
+    }
+}
+
+fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>> {
+    match &scene.linear {
+        Some(Linear::Matrix(rows)) => {
+            let k = Stiffness::from_fn(|i, j| T::from_f64(rows[i][j]));
+            Ok(AnyBearing(Arc::new(LinearBearing::new(k))))
+        }
+        Some(Linear::TwoSpring { static_load }) => {
+            let Some(g) = geometry(scene)? else {
+                bail!("bearing {}: two_spring: found no geometry, allowed: with ball_diameter and the others", scene.name);
+            };
+            let springs = two_spring_ball(scene.elements, g.ball_diameter, *static_load, g.contact_angle)
+                .map_err(|e| named(scene, e))?;
+            // Along the static load: gravity acts along Y.
+            Ok(AnyBearing(Arc::new(LinearBearing::new(springs.stiffness(std::f64::consts::FRAC_PI_2)))))
+        }
+        Some(Linear::Of(_)) => bail!(
+            "bearing {}: linearise: found a bearing taken alone, allowed: in a scene with a [rotor], whose rest position it is linearised at",
+            scene.name
+        ),
+        None => bail!(
+            "bearing {}: model linear: found no stiffness, allowed: stiffness_matrix, two_spring or linearise",
+            scene.name
+        ),
+    }
+}
+
+/// Springs with the mean force and tangent of a bearing at the states given.
+pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -> AnyBearing<f64> {
+    let weight = 1.0 / states.len().max(1) as f64;
+    let (mut u, mut f, mut k) = ([0.0; 5], [0.0; 5], Stiffness::from_element(0.0));
+    for (displacement, wrench, tangent) in states {
+        for (sum, x) in u.iter_mut().zip(displacement.to_array()) {
+            *sum += weight * x;
+        }
+        for (sum, x) in f.iter_mut().zip(wrench.to_array()) {
+            *sum += weight * x;
+        }
+        k += tangent * weight;
+    }
+    AnyBearing(Arc::new(LinearBearing::about(k, Displacement::from_array(u), Wrench::from_array(f))))
+}
+
+/// A spring bearing in another precision: its tangent and its force at zero displacement say all.
+pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
+    let zero = Displacement::default();
+    let (reaction, k) = spring.reaction_and_stiffness(&zero, Turn::ZERO);
+    let force = Wrench::from_array(reaction.wrench.to_array().map(T::from_f64));
+    AnyBearing(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
+}
+
+/// Parameters of the rotor with the damping matrix `extra` besides its own diagonal one.
+#[must_use]
+pub fn rotor_params(rotor: &Rotor, extra: &Stiffness<f64>) -> RotorParams {
+    let mut damping = [[0.0; 5]; 5];
+    for (i, row) in damping.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry = extra[(i, j)] + if i == j { rotor.damping[i] } else { 0.0 };
+        }
+    }
+    RotorParams {
+        mass: rotor.mass,
+        diametral_inertia: rotor.diametral_inertia,
+        polar_inertia: rotor.polar_inertia,
+        damping,
+        stiffness: rotor.stiffness,
+        gravity: rotor.gravity,
+        load: rotor.load,
+    }
+}
+
+/// The rotor's unbalances as the kernel takes them.
+#[must_use]
+pub fn unbalances(rotor: &Rotor) -> Vec<Unbalance> {
+    let one = |u: &super::Unbalance| Unbalance { moment: u.moment, angle: u.angle, station: u.station };
+    rotor.unbalance.iter().map(one).collect()
+}
+
+/// `bearing` by name, or the only one.
+///
+/// # Errors
+/// No such name, or a choice to make.
+pub fn pick<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a BearingScene> {
+    let names = || scene.bearings.iter().map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ");
+    match name {
+        Some(name) => scene.bearings.iter().find(|b| b.name == name).with_context(|| {
+            format!("--bearing: found {name:?}, allowed in {}: {}", scene.path.display(), names())
+        }),
+        None if scene.bearings.len() == 1 => scene.bearings.first().context("a scene has a bearing"),
+        None => bail!("--bearing: found none, allowed: one of {} ({} has several)", names(), scene.path.display()),
+    }
+}

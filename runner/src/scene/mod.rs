@@ -1,0 +1,323 @@
+//! A scene: the machine as an engineer writes it (TOML with units) and the kernel's parameters made from it.
+//!
+//! [`read`] turns text into the plain SI numbers of this file and refuses what it does not understand;
+//! `build` turns those into kernel types. Nothing else in the runner knows both.
+
+pub mod build;
+pub mod read;
+mod table;
+pub mod units;
+
+use std::path::PathBuf;
+
+/// A whole scene file in SI units, checked field by field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// `name`
+    pub name: String,
+    /// Where the scene came from; relative paths in it start from this file's folder.
+    pub path: PathBuf,
+    /// `[shaft]`
+    pub shaft: Shaft,
+    /// `[rotor]`
+    pub rotor: Option<Rotor>,
+    /// `[[bearing]]`, at least one
+    pub bearings: Vec<Bearing>,
+    /// `[recording]`
+    pub recording: Option<Recording>,
+}
+
+/// `[shaft]`: how the shaft turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shaft {
+    /// Speed about +Z over time.
+    pub speed: Speed,
+    /// Speed of the outer rings, rad/s.
+    pub outer_speed: f64,
+}
+
+/// Shaft speed over time, rad/s and s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Speed {
+    /// One speed.
+    Constant(f64),
+    /// A uniform ramp, constant before and after it.
+    Ramp {
+        /// Speed at time 0.
+        from: f64,
+        /// Speed after `over`.
+        to: f64,
+        /// Length of the ramp, s, above 0.
+        over: f64,
+    },
+    /// `mean * (1 + fluctuation * cos(2 pi frequency t))`
+    Fluctuating {
+        /// Mean speed.
+        mean: f64,
+        /// Relative amplitude, 0 or more and below 1.
+        fluctuation: f64,
+        /// Frequency, Hz, above 0.
+        frequency: f64,
+    },
+}
+
+impl Speed {
+    /// Revolutions from time 0 to `time` (s, 0 or more).
+    #[must_use]
+    pub fn revolutions(self, time: f64) -> f64 {
+        use std::f64::consts::TAU;
+        match self {
+            Self::Constant(speed) => speed * time / TAU,
+            Self::Ramp { from, to, over } => {
+                let on_ramp = time.min(over);
+                (from * on_ramp + 0.5 * (to - from) / over * on_ramp * on_ramp + to * (time - on_ramp)) / TAU
+            }
+            Self::Fluctuating { mean, fluctuation, frequency } => {
+                let circular = TAU * frequency;
+                mean * (time + fluctuation * (circular * time).sin() / circular) / TAU
+            }
+        }
+    }
+}
+
+/// `[rotor]`: the rigid rotor about its centre of mass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rotor {
+    /// kg, above 0
+    pub mass: f64,
+    /// kg m^2, above 0
+    pub diametral_inertia: f64,
+    /// kg m^2, 0 or more
+    pub polar_inertia: f64,
+    /// N s/m (three) and N m s/rad (two), each 0 or more
+    pub damping: [f64; 5],
+    /// s, times the stiffness; 0 or more
+    pub proportional_damping: f64,
+    /// N/m (three) and N m/rad (two), each 0 or more: springs on the rotor itself
+    pub stiffness: [f64; 5],
+    /// m/s^2
+    pub gravity: [f64; 3],
+    /// N (three) and N m (two): constant load on the rotor
+    pub load: [f64; 5],
+    /// Unbalances; empty when the rotor is balanced.
+    pub unbalance: Vec<Unbalance>,
+}
+
+/// One entry of `unbalance`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unbalance {
+    /// kg m, 0 or more
+    pub moment: f64,
+    /// rad, from the keyphasor mark in the direction of positive rotation
+    pub angle: f64,
+    /// m along Z from the centre of mass
+    pub station: f64,
+}
+
+/// One `[[bearing]]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bearing {
+    /// Unique among the bearings.
+    pub name: String,
+    /// m along Z from the rotor's centre of mass
+    pub station: f64,
+    /// Thrust direction it carries.
+    pub facing: Facing,
+    /// Rung of the ladder.
+    pub model: Model,
+    /// Rolling elements, 3 to 64.
+    pub elements: usize,
+    /// rad, at shaft angle 0
+    pub first_element_azimuth: f64,
+    /// Cage speed over shaft speed, when given.
+    pub cage_ratio: Option<f64>,
+    /// Ball, race and material, when given.
+    pub geometry: Option<Geometry>,
+    /// Load-deflection law, when given directly instead of by geometry.
+    pub law: Option<Law>,
+    /// `axial = {...}` of the lumped model: separate axial elements.
+    pub axial: Option<Axial>,
+    /// `housing_displacement = [[x, y, z], ...]`: displacement of the outer ring at each element, m; empty when rigid.
+    pub housing_displacement: Vec<[f64; 3]>,
+    /// What the linear model is made from; only with `model = "linear"`.
+    pub linear: Option<Linear>,
+    /// Local damage of the outer race (`surface = "outer"`).
+    pub defect: Vec<Defect>,
+}
+
+/// `facing`
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Facing {
+    /// `"+z"`
+    PlusZ,
+    /// `"-z"`
+    MinusZ,
+    /// `"both"`: a deep groove bearing
+    Both,
+}
+
+/// `model`
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// A constant 5 x 5 stiffness.
+    Linear,
+    /// Separate radial and axial elements (Hajzman).
+    Lumped,
+    /// Closed-form variable contact angle (MODEL.md A.10).
+    Angular,
+}
+
+/// Ball, races and material of one bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Geometry {
+    /// m
+    pub ball_diameter: f64,
+    /// m
+    pub pitch_diameter: f64,
+    /// groove radius / ball diameter, above 0.5
+    pub inner_conformity: f64,
+    /// groove radius / ball diameter, above 0.5
+    pub outer_conformity: f64,
+    /// How the free contact angle is given.
+    pub fit: Fit,
+    /// Pa
+    pub youngs_modulus: f64,
+    /// 0 or more, below 0.5
+    pub poissons_ratio: f64,
+}
+
+/// Free contact angle, given one way or the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fit {
+    /// rad, 0 to pi/3
+    ContactAngle(f64),
+    /// m; negative is an interference fit (only for the lumped model)
+    DiametralClearance(f64),
+}
+
+/// `stiffness`, `exponent`, `radial_play`: F = stiffness * Delta^exponent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    /// N/m^exponent, above 0; from geometry when absent
+    pub stiffness: Option<f64>,
+    /// 1 to 3; 1.5 when absent
+    pub exponent: f64,
+    /// m, half the diametral clearance; negative is preload; from geometry when absent
+    pub radial_play: Option<f64>,
+}
+
+/// Separate axial elements of the lumped model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axial {
+    /// N/m^exponent, above 0
+    pub stiffness: f64,
+    /// 1 to 3
+    pub exponent: f64,
+    /// m
+    pub play: f64,
+    /// m, 0 or more
+    pub radius: f64,
+}
+
+/// Source of a linear bearing's stiffness.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Linear {
+    /// `stiffness_matrix`, N/m, N, N/rad, N m/rad
+    Matrix([[f64; 5]; 5]),
+    /// `two_spring = { static_load = "500 N" }`: the formula of Friswell et al. for balls
+    TwoSpring {
+        /// N, above 0
+        static_load: f64,
+    },
+    /// `linearise = "angular"` or `"lumped"`: the tangent of that model at the rotor's static equilibrium
+    Of(Model),
+}
+
+/// One entry of `defect`: a spall on the outer race.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Defect {
+    /// rad, centre
+    pub azimuth: f64,
+    /// rad, above 0
+    pub half_width: f64,
+    /// m, above 0
+    pub depth: f64,
+    /// Section along the race.
+    pub shape: DefectShape,
+}
+
+/// `shape` of a defect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DefectShape {
+    /// `"half-sine"`
+    HalfSine,
+    /// `"rectangular"`
+    Rectangular,
+}
+
+/// `[recording]`: which columns of which file mean what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Already joined to the scene's folder.
+    pub file: PathBuf,
+    /// Sampling: a rate or a column of times.
+    pub clock: Clock,
+    /// At least one.
+    pub probes: Vec<Probe>,
+    /// What tells the shaft's angle.
+    pub rotation: Rotation,
+}
+
+/// How samples are placed in time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Clock {
+    /// `rate`, Hz
+    Rate(f64),
+    /// `time`: a column in seconds
+    Column(String),
+}
+
+/// One probe.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Column of the recording; also the probe's name.
+    pub column: String,
+    /// SI metres for one unit of the column.
+    pub metres_per_unit: f64,
+    /// m along Z from the rotor's centre of mass (0 for an axial probe when not given)
+    pub station: f64,
+    /// What it looks along.
+    pub direction: Direction,
+    /// `noise`: rms, m, when the user knows it
+    pub noise: Option<f64>,
+}
+
+/// Measuring direction of a probe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Direction {
+    /// rad from +X towards +Y
+    Radial(f64),
+    /// along +Z
+    Axial,
+}
+
+/// Where the shaft's angle comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Rotation {
+    /// `keyphasor = { column, pulses_per_turn }`
+    Keyphasor {
+        /// Column of the pulse.
+        column: String,
+        /// 1 or more
+        pulses_per_turn: u32,
+    },
+    /// `speed = { column, unit }`
+    SpeedColumn {
+        /// Column of the speed.
+        column: String,
+        /// rad/s for one unit of the column
+        radians_per_second: f64,
+    },
+    /// Neither: the scene's `[shaft] speed` is believed, from angle 0.
+    Scene,
+}

@@ -1,0 +1,400 @@
+//! From TOML text to a [`Scene`] in SI units; whatever it does not understand is an error, never a guess.
+//!
+//! Here: the file, `[shaft]`, `[rotor]` and `[recording]`. Each `[[bearing]]` is read by its own module.
+
+mod bearing;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use toml_edit::{Document, TomlError};
+
+pub use super::table::SceneError;
+use super::table::{Node, Read, Source, Table, line_of};
+use super::units::{self, Dimension};
+use super::{
+    Bearing, Clock, Direction, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, Unbalance,
+};
+
+/// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
+const LARGEST_FILE: u64 = 4 << 20;
+
+/// Standard gravity along -Y, the default of `gravity`.
+const GRAVITY: [f64; 3] = [0.0, -9.806_65, 0.0];
+
+/// What a `speed` may be.
+const SPEEDS: &str = "a speed of rotation, such as \"3000 rpm\", or { from, to, over }, \
+                      or { mean, fluctuation, frequency }";
+
+/// Reads a scene file.
+///
+/// # Errors
+/// Whatever is wrong with the file or its text, the first of it, as one line.
+pub fn read_file(path: &Path) -> Result<Scene, SceneError> {
+    read_str(&load(path)?, path)
+}
+
+/// Reads a scene from its text; `path` is where it came from, for errors and for the paths in it.
+///
+/// # Errors
+/// The first thing that is wrong with the text, as one line.
+pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
+    // Some editors start a file with a byte order mark.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let document = Document::parse(text).map_err(|e| syntax_error(text, path, &e))?;
+    if document.as_table().is_empty() {
+        return Err(SceneError::file(path, "an empty file"));
+    }
+    let source = Source { text, file: path };
+    let keys = ["name", "shaft", "rotor", "bearing", "recording"];
+    scene(&Table::root(source, document.as_table(), &keys)?, path)
+}
+
+fn load(path: &Path) -> Read<String> {
+    let unreadable = |e: std::io::Error| SceneError::file(path, format!("no readable file ({e})"));
+    let file = File::open(path).map_err(|e| match e.kind() {
+        std::io::ErrorKind::NotFound => SceneError::file(path, "no file of this name"),
+        _ => unreadable(e),
+    })?;
+    if file.metadata().is_ok_and(|m| m.is_dir()) {
+        return Err(SceneError::file(path, "a directory"));
+    }
+    let mut bytes = Vec::new();
+    file.take(LARGEST_FILE + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(SceneError::file(path, "a file of more than 4 MiB"));
+    }
+    String::from_utf8(bytes).map_err(|e| not_text(path, &e))
+}
+
+fn not_text(path: &Path, error: &std::string::FromUtf8Error) -> SceneError {
+    let at = error.utf8_error().valid_up_to();
+    SceneError {
+        line: Some(line_of(error.as_bytes(), at)),
+        ..SceneError::file(path, "bytes that are not UTF-8 text")
+    }
+}
+
+fn syntax_error(text: &str, path: &Path, error: &TomlError) -> SceneError {
+    let at = error.span().map_or(0, |span| span.start);
+    let line = line_of(text.as_bytes(), at);
+    let shown = text.lines().nth(line - 1).unwrap_or_default().trim();
+    let message: Vec<&str> = error.message().split_whitespace().collect();
+    let found = format!("not TOML at {}: {}", units::quote(shown), message.join(" "));
+    Source { text, file: path }.error(at, "", found, "")
+}
+
+fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
+    let name = root.read("name", |n| n.text("a name for the scene"))?;
+    Ok(Scene {
+        name: name.map_or_else(|| stem(path), str::to_owned),
+        path: path.to_owned(),
+        shaft: shaft(&root.required("shaft", "a table [shaft] with speed")?)?,
+        rotor: root.read("rotor", rotor)?,
+        bearings: bearings(root)?,
+        recording: root.read("recording", |n| recording(n, path))?,
+    })
+}
+
+/// The name of a scene that gives itself none.
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+fn shaft(node: &Node<'_>) -> Read<Shaft> {
+    let table = node.table(&["speed", "outer_speed"])?;
+    let outer = table.read("outer_speed", |n| n.quantity(Dimension::Speed))?;
+    Ok(Shaft {
+        speed: speed(&table.required("speed", SPEEDS)?)?,
+        outer_speed: outer.unwrap_or(0.0),
+    })
+}
+
+fn speed(node: &Node<'_>) -> Read<Speed> {
+    if !node.is_table() {
+        return node.quantity(Dimension::Speed).map(Speed::Constant);
+    }
+    let all = ["from", "to", "over", "mean", "fluctuation", "frequency"];
+    let (ramp, fluctuating) = all.split_at(3);
+    let table = node.table(&all)?;
+    let named = |keys: &[&str]| keys.iter().any(|key| table.has(key));
+    match (named(ramp), named(fluctuating)) {
+        (true, false) => speed_ramp(&table),
+        (false, true) => speed_fluctuating(&table),
+        _ => Err(node.refuse(SPEEDS)),
+    }
+}
+
+fn speed_ramp(table: &Table<'_>) -> Read<Speed> {
+    Ok(Speed::Ramp {
+        from: table.quantity("from", Dimension::Speed)?,
+        to: table.quantity("to", Dimension::Speed)?,
+        over: table.positive("over", Dimension::Time)?,
+    })
+}
+
+fn speed_fluctuating(table: &Table<'_>) -> Read<Speed> {
+    let range = "0 or more and below 1 (part of the mean speed)";
+    Ok(Speed::Fluctuating {
+        mean: table.quantity("mean", Dimension::Speed)?,
+        fluctuation: table
+            .required("fluctuation", range)?
+            .number(range, |x| (0.0..1.0).contains(&x))?,
+        frequency: table.positive("frequency", Dimension::Frequency)?,
+    })
+}
+
+fn rotor(node: &Node<'_>) -> Read<Rotor> {
+    let table = node.table(&[
+        "mass",
+        "diametral_inertia",
+        "polar_inertia",
+        "damping",
+        "proportional_damping",
+        "stiffness",
+        "gravity",
+        "load",
+        "unbalance",
+    ])?;
+    let mass = table.positive("mass", Dimension::Mass)?;
+    let (diametral_inertia, polar_inertia) = inertias(&table)?;
+    let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
+    Ok(Rotor {
+        mass,
+        diametral_inertia,
+        polar_inertia,
+        damping: five(
+            &table,
+            "damping",
+            Node::not_negative,
+            [Dimension::Damping, Dimension::AngularDamping],
+        )?,
+        proportional_damping: table.read("proportional_damping", time)?.unwrap_or(0.0),
+        stiffness: five(
+            &table,
+            "stiffness",
+            Node::not_negative,
+            [Dimension::Stiffness, Dimension::AngularStiffness],
+        )?,
+        gravity: table.read("gravity", gravity)?.unwrap_or(GRAVITY),
+        load: five(
+            &table,
+            "load",
+            Node::quantity,
+            [Dimension::Force, Dimension::Moment],
+        )?,
+        unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
+    })
+}
+
+/// Diametral and polar moment. No body has a polar moment above twice its diametral one: the mass would need a negative
+/// spread along the axis. The two are most often swapped.
+fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
+    let diametral = table.positive("diametral_inertia", Dimension::Inertia)?;
+    let polar = table.not_negative("polar_inertia", Dimension::Inertia)?;
+    if polar <= 2.0 * diametral {
+        return Ok((diametral, polar));
+    }
+    let most = format!(
+        "at most twice diametral_inertia, here {} kg m^2 (are the two swapped?)",
+        2.0 * diametral
+    );
+    let node = table.required("polar_inertia", &most)?;
+    Err(node.fail(node.shown_quantity(Dimension::Inertia), most))
+}
+
+/// Three values along X, Y, Z and two about X, Y, zeros where the key is absent.
+fn five<'a>(
+    table: &Table<'a>,
+    key: &str,
+    read: impl Fn(&Node<'a>, Dimension) -> Read<f64>,
+    [along, about]: [Dimension; 2],
+) -> Read<[f64; 5]> {
+    let allowed = format!(
+        "a list of 5: along X, Y, Z each {} and about X, Y each {}",
+        along.allowed(""),
+        about.allowed("")
+    );
+    let entry = |i: usize, node: &Node<'a>| read(node, if i < 3 { along } else { about });
+    let values = table.read(key, |node| node.array(&allowed, entry))?;
+    Ok(values.unwrap_or_default())
+}
+
+fn gravity(node: &Node<'_>) -> Read<[f64; 3]> {
+    let allowed = "a list of 3: the acceleration of gravity along X, Y, Z, such as [0, -9.81, 0]";
+    node.array(allowed, |_, entry| entry.quantity(Dimension::Acceleration))
+}
+
+fn unbalances(node: &Node<'_>) -> Read<Vec<Unbalance>> {
+    let list = node.list("a list of tables { moment, angle, station }")?;
+    list.iter().map(unbalance).collect()
+}
+
+fn unbalance(node: &Node<'_>) -> Read<Unbalance> {
+    let table = node.table(&["moment", "angle", "station"])?;
+    Ok(Unbalance {
+        moment: table.not_negative("moment", Dimension::Unbalance)?,
+        angle: table.quantity("angle", Dimension::Angle)?,
+        station: table.quantity("station", Dimension::Length)?,
+    })
+}
+
+fn bearings(root: &Table<'_>) -> Read<Vec<Bearing>> {
+    let wants = "at least one table [[bearing]], in double brackets";
+    let node = root.required("bearing", wants)?;
+    let mut bearings: Vec<Bearing> = Vec::new();
+    for node in node.list(wants)? {
+        let table = bearing::table(&node)?;
+        let bearing = bearing::read(&table)?;
+        if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {
+            let own = format!("a name of its own (bearing[{other}] has this one)");
+            return Err(table.required("name", &own)?.refuse(own));
+        }
+        bearings.push(bearing);
+    }
+    if bearings.is_empty() {
+        return Err(node.refuse(wants));
+    }
+    Ok(bearings)
+}
+
+/// Columns that are already taken, with what takes them.
+type Taken = Vec<(String, &'static str)>;
+
+fn recording(node: &Node<'_>, scene: &Path) -> Read<Recording> {
+    let table = node.table(&["file", "rate", "time", "probes", "keyphasor", "speed"])?;
+    let wants = "the name of the recording, relative to the scene's folder";
+    let file = table.required("file", wants)?.text(wants)?;
+    let mut taken = Taken::new();
+    Ok(Recording {
+        file: scene.parent().unwrap_or(Path::new("")).join(file),
+        clock: clock(&table, &mut taken)?,
+        probes: probes(&table, &mut taken)?,
+        rotation: rotation(&table, &mut taken)?,
+    })
+}
+
+fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
+    let choice = "exactly one of rate (samples per second, such as \"12.8 kHz\") \
+                  and time (the name of a column in seconds)";
+    match (table.optional("rate"), table.optional("time")) {
+        (Some(rate), None) => rate.positive(Dimension::Frequency).map(Clock::Rate),
+        (None, Some(time)) => column_name(&time, "time", taken).map(Clock::Column),
+        (Some(_), Some(time)) => Err(time.fail("both rate and time", choice)),
+        (None, None) => Err(table.fail("neither rate nor time", choice)),
+    }
+}
+
+fn probes(table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Probe>> {
+    let wants = "a list of at least one probe, such as \
+                 { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }";
+    let node = table.required("probes", wants)?;
+    let list = node.list(wants)?;
+    if list.is_empty() {
+        return Err(node.refuse(wants));
+    }
+    list.iter().map(|node| probe(node, taken)).collect()
+}
+
+fn probe(node: &Node<'_>, taken: &mut Taken) -> Read<Probe> {
+    let table = node.table(&["column", "unit", "station", "angle", "axial", "noise"])?;
+    let column = table.required("column", "the name of a column of the recording")?;
+    let column = column_name(&column, "a probe", taken)?;
+    let metres_per_unit = unit(&table, units::length_column, "um, mil, mm or m")?;
+    let noise = table.read("noise", |n| n.positive(Dimension::Length))?;
+    let (station, direction) = if table.read("axial", Node::boolean)?.unwrap_or(false) {
+        axial_probe(&table)?
+    } else {
+        radial_probe(&table)?
+    };
+    Ok(Probe {
+        column,
+        metres_per_unit,
+        station,
+        direction,
+        noise,
+    })
+}
+
+fn axial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
+    if let Some(angle) = table.optional("angle") {
+        return Err(angle.refuse("no angle with axial = true; remove one of the two"));
+    }
+    let station = table.read("station", |n| n.quantity(Dimension::Length))?;
+    Ok((station.unwrap_or(0.0), Direction::Axial))
+}
+
+fn radial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
+    let wants = format!(
+        "{}, from +X towards +Y; or axial = true for a probe along Z",
+        Dimension::Angle.allowed("")
+    );
+    let angle = table
+        .required("angle", &wants)?
+        .quantity(Dimension::Angle)?;
+    let station = table.quantity("station", Dimension::Length)?;
+    Ok((station, Direction::Radial(angle)))
+}
+
+fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<Rotation> {
+    match (table.optional("keyphasor"), table.optional("speed")) {
+        (None, None) => Ok(Rotation::Scene),
+        (Some(node), None) => keyphasor(&node, taken),
+        (None, Some(node)) => speed_column(&node, taken),
+        (Some(_), Some(node)) => Err(node.fail(
+            "both keyphasor and speed",
+            "at most one of them: the shaft's angle comes from one place",
+        )),
+    }
+}
+
+fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
+    let table = node.table(&["column", "pulses_per_turn"])?;
+    let column = table.required("column", "the name of the column with the pulses")?;
+    let column = column_name(&column, "the keyphasor", taken)?;
+    let wants = "a whole number, 1 or more";
+    let pulses = table.required("pulses_per_turn", wants)?;
+    let pulses_per_turn = u32::try_from(pulses.integer(1, u32::MAX.into(), wants)?)
+        .map_err(|_| pulses.refuse(wants))?;
+    Ok(Rotation::Keyphasor {
+        column,
+        pulses_per_turn,
+    })
+}
+
+fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
+    let table = node.table(&["column", "unit"])?;
+    let column = table.required("column", "the name of the column with the speed")?;
+    Ok(Rotation::SpeedColumn {
+        column: column_name(&column, "the speed", taken)?,
+        radians_per_second: unit(&table, units::speed_column, "rpm, rev/s or rad/s")?,
+    })
+}
+
+/// The `unit` of a column. It has no default: units are never assumed.
+fn unit(
+    table: &Table<'_>,
+    factor: impl Fn(&str) -> Result<f64, units::Mismatch>,
+    names: &str,
+) -> Read<f64> {
+    let wants = format!("the unit of the column: {names}");
+    let node = table.required("unit", &wants)?;
+    factor(node.text(&wants)?).map_err(|e| node.fail(e.found, e.allowed))
+}
+
+/// The name of a column that nothing else reads; `user` is who reads it.
+fn column_name(node: &Node<'_>, user: &'static str, taken: &mut Taken) -> Read<String> {
+    let name = node.text("the name of a column of the recording")?;
+    if let Some((_, other)) = taken.iter().find(|(column, _)| column == name) {
+        return Err(node.refuse(format!("a column of its own ({other} has this one)")));
+    }
+    taken.push((name.to_owned(), user));
+    Ok(name.to_owned())
+}

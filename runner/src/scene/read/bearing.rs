@@ -1,0 +1,544 @@
+//! One `[[bearing]]`: which keys go together with which model, and whether its parts can exist.
+
+use std::f64::consts::{FRAC_PI_3, PI};
+
+use super::super::table::{Node, Read, Table};
+use super::super::units::Dimension;
+use super::super::{
+    Axial, Bearing, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model,
+};
+
+const KEYS: [&str; 25] = [
+    "name",
+    "station",
+    "facing",
+    "model",
+    "elements",
+    "first_element_azimuth",
+    "cage_ratio",
+    "ball_diameter",
+    "pitch_diameter",
+    "inner_conformity",
+    "outer_conformity",
+    "contact_angle",
+    "diametral_clearance",
+    "youngs_modulus",
+    "poissons_ratio",
+    "density",
+    "stiffness",
+    "exponent",
+    "radial_play",
+    "axial",
+    "housing_displacement",
+    "stiffness_matrix",
+    "two_spring",
+    "linearise",
+    "defect",
+];
+
+/// Keys of the scene format that belong to models which are not here.
+const WITHOUT_EFFECT: [&str; 7] = [
+    "effects",
+    "race_control",
+    "friction_sharing",
+    "lubricant",
+    "waviness",
+    "preload",
+    "support",
+];
+
+/// Models of the scene format that are not here.
+const OTHER_MODELS: [&str; 3] = ["quasi-static", "tabulated", "dynamic"];
+
+/// Any of these starts a geometry, which then needs the first four and one of the next two.
+const GEOMETRY: [&str; 9] = [
+    "ball_diameter",
+    "pitch_diameter",
+    "inner_conformity",
+    "outer_conformity",
+    "contact_angle",
+    "diametral_clearance",
+    "youngs_modulus",
+    "poissons_ratio",
+    "density",
+];
+
+/// Keys of the lumped model alone.
+const LUMPED: [&str; 5] = [
+    "stiffness",
+    "exponent",
+    "radial_play",
+    "axial",
+    "housing_displacement",
+];
+
+/// The three sources of a linear bearing.
+const LINEAR: [&str; 3] = ["stiffness_matrix", "two_spring", "linearise"];
+
+/// Bearing steel, Pa.
+const YOUNGS_MODULUS: f64 = 206e9;
+/// Bearing steel.
+const POISSONS_RATIO: f64 = 0.3;
+/// Exponent of the point contact of Hertz, which is also the default of a law given directly.
+const HERTZ_EXPONENT: f64 = 1.5;
+/// Number of rolling elements that the kernel has room for.
+const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
+
+/// A bearing's table with its keys checked.
+pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
+    node.table_of(&KEYS, &WITHOUT_EFFECT)
+}
+
+/// What a bearing is computed with, which decides the keys that it needs and refuses.
+#[derive(Clone, Copy, PartialEq)]
+enum Needs {
+    /// The closed form of the angular model, and whatever else needs a free contact angle.
+    ContactAngle,
+    /// The law of the lumped model.
+    Law,
+    /// Nothing: geometry, where it is given, only tells the speeds of balls and cage.
+    Nothing,
+}
+
+/// Reads and checks one bearing.
+pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
+    let wants = "a name, such as \"DE\"";
+    let model = model(table)?;
+    let linear = linear(table, model)?;
+    let needs = needs(model, linear.as_ref());
+    let (elements, geometry, law) = (
+        elements(table)?,
+        geometry(table, needs)?,
+        law(table, needs)?,
+    );
+    check_law(table, needs, geometry.as_ref(), law.as_ref())?;
+    check_fit_on_pitch_circle(table, elements, geometry.as_ref())?;
+    Ok(Bearing {
+        name: table.required("name", wants)?.text(wants)?.to_owned(),
+        station: table.quantity("station", Dimension::Length)?,
+        facing: table.read("facing", facing)?.unwrap_or(Facing::Both),
+        model,
+        elements,
+        first_element_azimuth: table
+            .read("first_element_azimuth", |n| n.quantity(Dimension::Angle))?
+            .unwrap_or(0.0),
+        cage_ratio: cage_ratio(table, model, geometry.is_some())?,
+        axial: table.read("axial", axial)?,
+        housing_displacement: table
+            .read("housing_displacement", |n| housing(n, elements))?
+            .unwrap_or_default(),
+        defect: defects(table, model)?,
+        geometry,
+        law,
+        linear,
+    })
+}
+
+fn model(table: &Table<'_>) -> Read<Model> {
+    let wants = "\"linear\", \"lumped\" or \"angular\"";
+    let node = table.required("model", wants)?;
+    rung(
+        &node,
+        "model",
+        &[
+            ("linear", Model::Linear),
+            ("lumped", Model::Lumped),
+            ("angular", Model::Angular),
+        ],
+    )
+}
+
+/// One of the models that are here; those that are not are told apart from misspelt ones.
+fn rung(node: &Node<'_>, key: &str, here: &[(&str, Model)]) -> Read<Model> {
+    let others = OTHER_MODELS.map(|name| (name, name));
+    match node.choice(&others) {
+        Ok(other) => Err(node.absent_model(&format!("{key} = \"{other}\""))),
+        Err(_) => node.choice(here),
+    }
+}
+
+fn facing(node: &Node<'_>) -> Read<Facing> {
+    node.choice(&[
+        ("+z", Facing::PlusZ),
+        ("-z", Facing::MinusZ),
+        ("both", Facing::Both),
+    ])
+}
+
+fn elements(table: &Table<'_>) -> Read<usize> {
+    let wants = "a whole number from 3 to 64 (rolling elements)";
+    let node = table.required("elements", wants)?;
+    let number = node.integer(*ELEMENTS.start(), *ELEMENTS.end(), wants)?;
+    usize::try_from(number).map_err(|_| node.refuse(wants))
+}
+
+fn needs(model: Model, linear: Option<&Linear>) -> Needs {
+    match (model, linear) {
+        (Model::Angular, _) | (_, Some(Linear::Of(Model::Angular) | Linear::TwoSpring { .. })) => {
+            Needs::ContactAngle
+        }
+        (Model::Lumped, _) | (_, Some(Linear::Of(Model::Lumped))) => Needs::Law,
+        (Model::Linear, _) => Needs::Nothing,
+    }
+}
+
+/// Refuses each of `keys` that is there.
+fn refuse(table: &Table<'_>, keys: &[&str], why: &str) -> Read<()> {
+    match keys.iter().find_map(|key| table.optional(key)) {
+        Some(node) => Err(node.refuse(why)),
+        None => Ok(()),
+    }
+}
+
+fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
+    if model != Model::Linear {
+        let why = "only with model = \"linear\"; remove it";
+        return refuse(table, &LINEAR, why).map(|()| None);
+    }
+    check_one_source(table)?;
+    if let Some(matrix) = table.read("stiffness_matrix", stiffness_matrix)? {
+        return Ok(Some(Linear::Matrix(matrix)));
+    }
+    if let Some(two_spring) = table.read("two_spring", two_spring)? {
+        return Ok(Some(two_spring));
+    }
+    let of = |n: &Node<'_>| {
+        rung(
+            n,
+            "linearise",
+            &[("angular", Model::Angular), ("lumped", Model::Lumped)],
+        )
+    };
+    Ok(table.read("linearise", of)?.map(Linear::Of))
+}
+
+/// A linear bearing has no default source: each of the three means another stiffness.
+fn check_one_source(table: &Table<'_>) -> Read<()> {
+    let choice = "exactly one of stiffness_matrix = [5 rows of 5], \
+                  two_spring = { static_load = \"500 N\" } and linearise = \"angular\" or \"lumped\"";
+    let given: Vec<Node<'_>> = LINEAR
+        .iter()
+        .filter_map(|key| table.optional(key))
+        .collect();
+    match given.as_slice() {
+        [_] => Ok(()),
+        [] => {
+            let found = format!("model = \"linear\" with none of {}", LINEAR.join(", "));
+            Err(table.fail(found, choice))
+        }
+        [_, second, ..] => {
+            let found = format!("{} of {}", given.len(), LINEAR.join(", "));
+            Err(second.fail(found, choice))
+        }
+    }
+}
+
+fn stiffness_matrix(node: &Node<'_>) -> Read<[[f64; 5]; 5]> {
+    let wants = "5 rows of 5: force along X, Y, Z and moment about X, Y per displacement along X, Y, Z and rotation \
+                 about X, Y, in N/m, N, N/rad and N m/rad";
+    let rows = node.list(wants)?;
+    if rows.len() != 5 {
+        return Err(node.fail(format!("a list of {}", rows.len()), wants));
+    }
+    let mut matrix = [[0.0; 5]; 5];
+    for (i, (slot, row)) in matrix.iter_mut().zip(&rows).enumerate() {
+        *slot = row.array(wants, |j, entry| entry.quantity(stiffness_term(i, j)))?;
+    }
+    Ok(matrix)
+}
+
+fn stiffness_term(row: usize, column: usize) -> Dimension {
+    match (row < 3, column < 3) {
+        (true, true) => Dimension::Stiffness,
+        (false, false) => Dimension::AngularStiffness,
+        _ => Dimension::CrossStiffness,
+    }
+}
+
+fn two_spring(node: &Node<'_>) -> Read<Linear> {
+    let table = node.table(&["static_load"])?;
+    Ok(Linear::TwoSpring {
+        static_load: table.positive("static_load", Dimension::Force)?,
+    })
+}
+
+fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
+    if needs != Needs::ContactAngle && !GEOMETRY.iter().any(|key| table.has(key)) {
+        return Ok(None);
+    }
+    check_complete(table)?;
+    let ball_diameter = table.positive("ball_diameter", Dimension::Length)?;
+    let pitch_diameter = pitch_diameter(table, ball_diameter)?;
+    let inner_conformity = conformity(table, "inner_conformity")?;
+    let outer_conformity = conformity(table, "outer_conformity")?;
+    let groove_centres = (inner_conformity + outer_conformity - 1.0) * ball_diameter;
+    check_density(table)?;
+    Ok(Some(Geometry {
+        ball_diameter,
+        pitch_diameter,
+        inner_conformity,
+        outer_conformity,
+        fit: fit(table, needs, groove_centres)?,
+        youngs_modulus: table
+            .read("youngs_modulus", |n| n.positive(Dimension::Pressure))?
+            .unwrap_or(YOUNGS_MODULUS),
+        poissons_ratio: table
+            .read("poissons_ratio", |n| {
+                n.number("0 or more and below 0.5", |x| (0.0..0.5).contains(&x))
+            })?
+            .unwrap_or(POISSONS_RATIO),
+    }))
+}
+
+/// A geometry given in part, or not at all where the model needs one, is refused with all that is missing.
+fn check_complete(table: &Table<'_>) -> Read<()> {
+    let (always, _) = GEOMETRY.split_at(4);
+    let missing: Vec<&str> = always
+        .iter()
+        .copied()
+        .filter(|key| !table.has(key))
+        .collect();
+    let Some(first) = missing.first() else {
+        return Ok(());
+    };
+    let wants = format!(
+        "a geometry is all of {} and one of contact_angle and diametral_clearance (missing here: {})",
+        always.join(", "),
+        missing.join(", ")
+    );
+    Err(table.missing(first, &wants))
+}
+
+fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
+    let range = format!("above ball_diameter ({ball} m)");
+    let wants = Dimension::Length.allowed(&range);
+    let node = table.required("pitch_diameter", &wants)?;
+    node.within(Dimension::Length, &range, |x| x > ball)
+}
+
+fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
+    let range = "above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
+    table
+        .required(key, range)?
+        .number(range, |x| x > 0.5 && x <= 1.0)
+}
+
+/// `density` belongs to the description of a bearing, and it is checked; only models with the inertia of the balls
+/// use it, and none of those is here.
+fn check_density(table: &Table<'_>) -> Read<()> {
+    table
+        .read("density", |n| n.positive(Dimension::Density))
+        .map(|_| ())
+}
+
+/// `groove_centres` is the distance A of the groove centres at first contact.
+fn fit(table: &Table<'_>, needs: Needs, groove_centres: f64) -> Read<Fit> {
+    let choice = "exactly one of contact_angle (such as \"40 deg\") \
+                  and diametral_clearance (such as \"10 um\")";
+    match (
+        table.optional("contact_angle"),
+        table.optional("diametral_clearance"),
+    ) {
+        (Some(angle), None) => contact_angle(&angle).map(Fit::ContactAngle),
+        (None, Some(clearance)) => {
+            diametral_clearance(&clearance, needs, groove_centres).map(Fit::DiametralClearance)
+        }
+        (Some(_), Some(clearance)) => {
+            Err(clearance.fail("both contact_angle and diametral_clearance", choice))
+        }
+        (None, None) => Err(table.fail("neither contact_angle nor diametral_clearance", choice)),
+    }
+}
+
+fn contact_angle(node: &Node<'_>) -> Read<f64> {
+    // 60 degrees converted may be a rounding above pi/3.
+    let angle = node.within(Dimension::Angle, "from 0 to 60 deg", |x| {
+        (0.0..=FRAC_PI_3 * (1.0 + 1e-12)).contains(&x)
+    })?;
+    Ok(angle.min(FRAC_PI_3))
+}
+
+/// The clearance s gives the free contact angle by `cos(alpha_0) = 1 - s/(2 A)`; s below A keeps it below 60 degrees,
+/// and a negative one, an interference, leaves none.
+fn diametral_clearance(node: &Node<'_>, needs: Needs, groove_centres: f64) -> Read<f64> {
+    let most = format!("{} um", micrometres(groove_centres));
+    let (least, range) = if needs == Needs::ContactAngle {
+        let range =
+            format!("from 0 to below {most} (an interference only with model = \"lumped\")");
+        (0.0, range)
+    } else {
+        (-groove_centres, format!("between -{most} and {most}"))
+    };
+    let allowed = format!("{range}, as {most} is the distance of the groove centres");
+    node.limited(Dimension::Length, &allowed, |s| {
+        s >= least && s < groove_centres
+    })
+}
+
+/// Tenths of a micrometre, for messages.
+fn micrometres(metres: f64) -> f64 {
+    (metres * 1e7).round() / 10.0
+}
+
+fn law(table: &Table<'_>, needs: Needs) -> Read<Option<Law>> {
+    if needs != Needs::Law {
+        let why = "only with model = \"lumped\" (or linearise = \"lumped\"); remove it";
+        return refuse(table, &LUMPED, why).map(|()| None);
+    }
+    if !LUMPED.iter().take(3).any(|key| table.has(key)) {
+        return Ok(None);
+    }
+    let exponent = exponent(table)?;
+    let contact = Dimension::ContactStiffness(exponent);
+    Ok(Some(Law {
+        stiffness: table.read("stiffness", |n| n.positive(contact))?,
+        exponent,
+        radial_play: table.read("radial_play", |n| n.quantity(Dimension::Length))?,
+    }))
+}
+
+fn exponent(table: &Table<'_>) -> Read<f64> {
+    let range = "1 to 3, 1.5 for balls (F = stiffness * deflection^exponent)";
+    let exponent = table.read("exponent", |n| {
+        n.number(range, |x| (1.0..=3.0).contains(&x))
+    })?;
+    Ok(exponent.unwrap_or(HERTZ_EXPONENT))
+}
+
+/// The lumped model takes stiffness and play from the law, and from geometry what the law does not give.
+fn check_law(
+    table: &Table<'_>,
+    needs: Needs,
+    geometry: Option<&Geometry>,
+    law: Option<&Law>,
+) -> Read<()> {
+    if needs != Needs::Law {
+        return Ok(());
+    }
+    if law.and_then(|l| l.stiffness).is_none() {
+        check_stiffness_from_geometry(table, geometry, law)?;
+    }
+    let from_clearance = geometry.is_some_and(|g| matches!(g.fit, Fit::DiametralClearance(_)));
+    if law.and_then(|l| l.radial_play).is_none() && !from_clearance {
+        let wants = "half the diametral clearance, such as \"5 um\" (negative is preload); or the geometry of the \
+                     bearing with diametral_clearance";
+        return Err(table.missing("radial_play", wants));
+    }
+    Ok(())
+}
+
+fn check_stiffness_from_geometry(
+    table: &Table<'_>,
+    geometry: Option<&Geometry>,
+    law: Option<&Law>,
+) -> Read<()> {
+    let exponent = law.map_or(HERTZ_EXPONENT, |l| l.exponent);
+    let stiffness = Dimension::ContactStiffness(exponent).allowed("above 0");
+    if geometry.is_none() {
+        let wants = format!("{stiffness}; or the geometry of the bearing: ball_diameter and so on");
+        return Err(table.missing("stiffness", &wants));
+    }
+    if exponent == HERTZ_EXPONENT {
+        return Ok(());
+    }
+    let wants = "1.5, as the stiffness comes from the geometry by Hertz; or give stiffness as well";
+    Err(table.required("exponent", wants)?.refuse(wants))
+}
+
+fn axial(node: &Node<'_>) -> Read<Axial> {
+    let table = node.table(&["stiffness", "exponent", "play", "radius"])?;
+    let exponent = exponent(&table)?;
+    Ok(Axial {
+        stiffness: table.positive("stiffness", Dimension::ContactStiffness(exponent))?,
+        exponent,
+        play: table.quantity("play", Dimension::Length)?,
+        radius: table.not_negative("radius", Dimension::Length)?,
+    })
+}
+
+fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
+    let wants = format!(
+        "a list of {elements} entries [x, y, z], the displacement of the outer ring at each rolling element, \
+         such as [\"1 um\", 0, 0]"
+    );
+    let list = node.list(&wants)?;
+    if list.len() != elements {
+        return Err(node.fail(format!("a list of {}", list.len()), wants));
+    }
+    let metres = |_: usize, entry: &Node<'_>| entry.quantity(Dimension::Length);
+    list.iter()
+        .map(|entry| entry.array("a list of 3 lengths: along X, Y, Z", metres))
+        .collect()
+}
+
+/// Balls that touch each other on the pitch circle leave no room for a cage, and overlapping ones cannot exist.
+fn check_fit_on_pitch_circle(
+    table: &Table<'_>,
+    elements: usize,
+    geometry: Option<&Geometry>,
+) -> Read<()> {
+    let Some(geometry) = geometry else {
+        return Ok(());
+    };
+    let fits = |n: i64| geometry.pitch_diameter * (PI / n as f64).sin() > geometry.ball_diameter;
+    // The chord between neighbours shrinks with their number from 3 on.
+    let most = ELEMENTS.rev().find(|n| fits(*n)).unwrap_or(0);
+    if usize::try_from(most).is_ok_and(|most| elements <= most) {
+        return Ok(());
+    }
+    let wants = if most == 0 {
+        "a larger pitch_diameter or smaller balls: not even 3 of this ball_diameter fit on the pitch circle".to_owned()
+    } else {
+        format!("3 to {most}: more balls of this ball_diameter do not fit on the pitch circle")
+    };
+    Err(table.required("elements", &wants)?.refuse(wants))
+}
+
+fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Option<f64>> {
+    let range = "0 or more and below 1 (cage speed / shaft speed)";
+    let given = table.read("cage_ratio", |n| {
+        n.number(range, |x| (0.0..1.0).contains(&x))
+    })?;
+    if given.is_some() || has_geometry || model == Model::Linear {
+        return Ok(given);
+    }
+    let wants =
+        format!("{range}; without geometry it must be given (0 for elements that stand still)");
+    Err(table.missing("cage_ratio", &wants))
+}
+
+fn defects(table: &Table<'_>, model: Model) -> Read<Vec<Defect>> {
+    let Some(node) = table.optional("defect") else {
+        return Ok(Vec::new());
+    };
+    if model == Model::Linear {
+        return Err(node.refuse("only with model = \"lumped\" or \"angular\"; remove it"));
+    }
+    let list = node.list("a list of tables { surface, azimuth, half_width, depth, shape }")?;
+    list.iter().map(defect).collect()
+}
+
+fn defect(node: &Node<'_>) -> Read<Defect> {
+    let table = node.table(&["surface", "azimuth", "half_width", "depth", "shape"])?;
+    let surface = table.required("surface", "\"outer\"")?;
+    if let Ok(other) = surface.choice(&["inner", "element", "ball", "cage"].map(|s| (s, s))) {
+        return Err(surface.unsupported(&format!("surface = \"{other}\"")));
+    }
+    surface.choice(&[("outer", ())])?;
+    let shapes = "\"half-sine\" or \"rectangular\"";
+    Ok(Defect {
+        azimuth: table.quantity("azimuth", Dimension::Angle)?,
+        half_width: half_width(&table)?,
+        depth: table.positive("depth", Dimension::Length)?,
+        shape: table.required("shape", shapes)?.choice(&[
+            ("half-sine", DefectShape::HalfSine),
+            ("rectangular", DefectShape::Rectangular),
+        ])?,
+    })
+}
+
+fn half_width(table: &Table<'_>) -> Read<f64> {
+    let range = "above 0 and at most 180 deg";
+    let node = table.required("half_width", &Dimension::Angle.allowed(range))?;
+    node.within(Dimension::Angle, range, |x| x > 0.0 && x <= PI)
+}

@@ -1,0 +1,782 @@
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
+
+use super::super::{Axial, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model};
+use super::*;
+
+/// The example of the scene format with the keys that this version has.
+const SPINDLE: &str = r#"name = "spindle"
+
+[shaft]
+speed = "10000 rpm"
+outer_speed = "0 rpm"
+
+[rotor]
+mass = "6 kg"
+diametral_inertia = 0.030
+polar_inertia = 0.006
+damping = [400, "400 N s/m", 400, 0.4, "0.4 N m s/rad"]
+proportional_damping = 1e-5
+stiffness = [0, 0, 0, 0, "1 N m"]
+gravity = [0.0, "-9.81 m/s^2", 0.0]
+load = [0.0, 0.0, "60 N", 0.0, 0.0]
+unbalance = [{ moment = "120 g mm", angle = "17 deg", station = "20 mm" }]
+
+[[bearing]]
+name = "DE"
+station = "-100 mm"
+facing = "+z"
+model = "angular"
+elements = 16
+first_element_azimuth = "0 deg"
+cage_ratio = 0.4
+ball_diameter = "22.23 mm"
+pitch_diameter = "125.26 mm"
+inner_conformity = 0.5232
+outer_conformity = 0.5232
+contact_angle = "40 deg"
+youngs_modulus = "206 GPa"
+poissons_ratio = 0.3
+density = 7800
+defect = [{ surface = "outer", azimuth = "-90 deg", half_width = "2.9 deg", depth = "3 um", shape = "half-sine" }]
+
+[[bearing]]
+name = "NDE"
+station = "100 mm"
+model = "lumped"
+elements = 9
+cage_ratio = 0.38
+stiffness = "1.2e10 N/m^1.5"
+exponent = 1.5
+radial_play = "5 um"
+axial = { stiffness = 1.0e9, exponent = 1.5, play = "0 um", radius = "20 mm" }
+
+[[bearing]]
+name = "middle"
+station = 0
+model = "linear"
+elements = 8
+linearise = "lumped"
+stiffness = 1e9
+radial_play = "-1 um"
+
+[recording]
+file = "healthy.csv"
+rate = "12.8 kHz"
+probes = [
+  { column = "DE_X_um", unit = "um", station = "-120 mm", angle = "0 deg", noise = "0.2 um" },
+  { column = "axial_um", unit = "um", axial = true },
+]
+keyphasor = { column = "keyphasor", pulses_per_turn = 1 }
+"#;
+
+/// The least scene, with room for more keys in each table.
+const LEAST: &str = r#"[shaft]
+speed = 100
+[[bearing]]
+name = "A"
+station = 0
+model = "angular"
+elements = 8
+ball_diameter = "10 mm"
+pitch_diameter = "50 mm"
+inner_conformity = 0.52
+outer_conformity = 0.53
+contact_angle = "15 deg"
+"#;
+
+const LUMPED: &str = r#"[shaft]
+speed = 100
+[[bearing]]
+name = "A"
+station = 0
+model = "lumped"
+elements = 8
+cage_ratio = 0.4
+stiffness = 1e10
+radial_play = "5 um"
+"#;
+
+const RECORDING: &str = r#"[recording]
+file = "a.csv"
+rate = 1000
+probes = [{ column = "x", unit = "um", station = 0, angle = 0 }]
+"#;
+
+const ROTOR: &str = "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n";
+
+fn read(text: &str) -> Read<Scene> {
+    read_str(text, Path::new("machines/pump.toml"))
+}
+
+/// `text` with one piece replaced.
+fn with(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from} is not in the text");
+    text.replacen(from, to, 1)
+}
+
+fn refusal(text: &str) -> String {
+    let error = read(text).unwrap_err();
+    let shown = error.to_string();
+    assert!(!shown.contains('\n'), "{shown}");
+    assert!(shown.starts_with("machines/pump.toml:"), "{shown}");
+    shown
+}
+
+/// Each case: a piece of the text, what stands there instead, and parts of the error.
+fn assert_refused(text: &str, cases: &[(&str, &str, &[&str])]) {
+    assert!(read(text).is_ok(), "{:?}", read(text));
+    for (from, to, parts) in cases {
+        let shown = refusal(&with(text, from, to));
+        for part in *parts {
+            assert!(
+                shown.contains(part),
+                "{from} -> {to}:\n{shown}\nlacks {part}"
+            );
+        }
+    }
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * b.abs()
+}
+
+#[test]
+fn the_whole_example_reads() {
+    let scene = read(SPINDLE).unwrap();
+    assert_eq!(scene.name, "spindle");
+    assert_eq!(scene.path, Path::new("machines/pump.toml"));
+    assert!(
+        matches!(scene.shaft, Shaft { speed: Speed::Constant(w), outer_speed: 0.0 } if near(w, PI * 1000.0 / 3.0))
+    );
+    let rotor = scene.rotor.unwrap();
+    assert_eq!(
+        (rotor.mass, rotor.diametral_inertia, rotor.polar_inertia),
+        (6.0, 0.03, 0.006)
+    );
+    assert_eq!(rotor.damping, [400.0, 400.0, 400.0, 0.4, 0.4]);
+    assert_eq!(rotor.proportional_damping, 1e-5);
+    assert_eq!(rotor.stiffness, [0.0, 0.0, 0.0, 0.0, 1.0]);
+    assert_eq!(rotor.gravity, [0.0, -9.81, 0.0]);
+    assert_eq!(rotor.load, [0.0, 0.0, 60.0, 0.0, 0.0]);
+    let [unbalance] = rotor.unbalance.as_slice() else {
+        unreachable!("one unbalance")
+    };
+    assert!(near(unbalance.moment, 120e-6) && near(unbalance.station, 0.02));
+    assert!(near(unbalance.angle, 17.0 * PI / 180.0));
+    let [de, nde, middle] = scene.bearings.as_slice() else {
+        unreachable!("three bearings")
+    };
+    assert_angular_bearing(de);
+    assert_lumped_bearing(nde);
+    assert_eq!(middle.linear, Some(Linear::Of(Model::Lumped)));
+    assert_eq!(middle.cage_ratio, None);
+    assert_eq!(middle.law.unwrap().stiffness, Some(1e9));
+    let recording = scene.recording.unwrap();
+    assert_eq!(recording.file, Path::new("machines/healthy.csv"));
+    assert_eq!(recording.clock, Clock::Rate(12800.0));
+    let [radial, axial] = recording.probes.as_slice() else {
+        unreachable!("two probes")
+    };
+    assert_eq!(
+        (radial.column.as_str(), radial.direction),
+        ("DE_X_um", Direction::Radial(0.0))
+    );
+    assert!(near(radial.metres_per_unit, 1e-6) && near(radial.station, -0.12));
+    assert!(near(radial.noise.unwrap(), 0.2e-6));
+    assert_eq!(
+        (axial.station, axial.direction, axial.noise),
+        (0.0, Direction::Axial, None)
+    );
+    let keyphasor = Rotation::Keyphasor {
+        column: "keyphasor".into(),
+        pulses_per_turn: 1,
+    };
+    assert_eq!(recording.rotation, keyphasor);
+}
+
+fn assert_angular_bearing(de: &Bearing) {
+    assert_eq!(
+        (de.name.as_str(), de.facing, de.model),
+        ("DE", Facing::PlusZ, Model::Angular)
+    );
+    assert_eq!((de.elements, de.cage_ratio), (16, Some(0.4)));
+    let Some(Geometry {
+        ball_diameter,
+        fit: Fit::ContactAngle(angle),
+        youngs_modulus,
+        ..
+    }) = de.geometry
+    else {
+        unreachable!("a contact angle")
+    };
+    assert!(near(ball_diameter, 22.23e-3) && near(angle, 40.0 * PI / 180.0));
+    assert!(near(youngs_modulus, 206e9));
+    assert!(de.law.is_none() && de.axial.is_none() && de.linear.is_none());
+    let [
+        Defect {
+            azimuth,
+            depth,
+            shape,
+            ..
+        },
+    ] = de.defect.as_slice()
+    else {
+        unreachable!("one defect")
+    };
+    assert!(near(*azimuth, -FRAC_PI_2) && near(*depth, 3e-6));
+    assert_eq!(*shape, DefectShape::HalfSine);
+}
+
+fn assert_lumped_bearing(nde: &Bearing) {
+    assert_eq!((nde.facing, nde.geometry), (Facing::Both, None));
+    let law = Law {
+        stiffness: Some(1.2e10),
+        exponent: 1.5,
+        radial_play: Some(5.0 * 1e-6),
+    };
+    assert_eq!(nde.law, Some(law));
+    let axial = Axial {
+        stiffness: 1e9,
+        exponent: 1.5,
+        play: 0.0,
+        radius: 20.0 * 1e-3,
+    };
+    assert_eq!(nde.axial, Some(axial));
+}
+
+#[test]
+fn defaults_are_those_of_the_format() {
+    let scene = read(&format!("{LEAST}{ROTOR}{RECORDING}")).unwrap();
+    assert_eq!(
+        scene.name, "pump",
+        "a scene without a name is called as its file"
+    );
+    assert_eq!(scene.shaft.outer_speed, 0.0);
+    let rotor = scene.rotor.unwrap();
+    assert_eq!(rotor.gravity, [0.0, -9.80665, 0.0]);
+    assert_eq!((rotor.damping, rotor.load), ([0.0; 5], [0.0; 5]));
+    assert!(rotor.unbalance.is_empty());
+    let bearing = scene.bearings.first().unwrap();
+    assert_eq!(
+        (bearing.facing, bearing.first_element_azimuth),
+        (Facing::Both, 0.0)
+    );
+    let geometry = bearing.geometry.unwrap();
+    assert_eq!(
+        (geometry.youngs_modulus, geometry.poissons_ratio),
+        (206e9, 0.3)
+    );
+    assert_eq!(scene.recording.unwrap().rotation, Rotation::Scene);
+    let law = read(LUMPED).unwrap().bearings.first().unwrap().law.unwrap();
+    assert_eq!(law.exponent, 1.5);
+}
+
+#[test]
+fn every_notation_of_toml_reads_the_same() {
+    let inline = read(LEAST).unwrap();
+    let dotted = with(LEAST, "[shaft]\nspeed = 100\n", "shaft.speed = 100.0\n");
+    assert_eq!(read(&dotted), Ok(inline.clone()));
+    let marked = format!("\u{feff}{}", LEAST.replace('\n', "\r\n"));
+    assert_eq!(read(&marked), Ok(inline));
+    let unbalance = "{ moment = 1, angle = 0, station = 0 }";
+    let list = format!("{LEAST}{ROTOR}unbalance = [{unbalance}]\n");
+    let headers =
+        format!("{LEAST}{ROTOR}[[rotor.unbalance]]\nmoment = 1\nangle = 0\nstation = 0\n");
+    assert_eq!(read(&list), read(&headers));
+    assert!(read(&list).is_ok());
+    let shaft = "shaft = { speed = 1 }\nbearing = [{ name = \"A\", station = 0, model = \"lumped\", elements = 3, \
+                 cage_ratio = 0, stiffness = 1e9, radial_play = 0 }]";
+    assert!(read(shaft).is_ok());
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn speeds() {
+    let speed = |text: &str| read(&with(LEAST, "speed = 100", text)).map(|s| s.shaft.speed);
+    let ramp = speed("speed = { from = 0, to = \"10 rad/s\", over = \"500 ms\" }").unwrap();
+    assert_eq!(
+        ramp,
+        Speed::Ramp {
+            from: 0.0,
+            to: 10.0,
+            over: 0.5
+        }
+    );
+    let fluctuating = Speed::Fluctuating {
+        mean: -3.0,
+        fluctuation: 0.02,
+        frequency: 7.0,
+    };
+    assert_eq!(
+        speed("speed = { mean = -3, fluctuation = 0.02, frequency = \"7 Hz\" }"),
+        Ok(fluctuating)
+    );
+    assert_refused(
+        LEAST,
+        &[
+            ("speed = 100", "speed = {}", &[":2: shaft.speed: found {}", "{ from, to, over }"]),
+            ("speed = 100", "speed = { from = 1, mean = 2 }", &["shaft.speed", "or { mean"]),
+            ("speed = 100", "speed = { from = 1, to = 2 }", &["shaft.speed.over", "a time above 0"]),
+            ("speed = 100", "speed = { from = 1, to = 2, over = 0 }", &["found 0 (a bare number is in s)"]),
+            ("speed = 100", "speed = { mean = 1, fluctuation = 1, frequency = 1 }", &["below 1"]),
+            ("speed = 100", "speed = { mean = 1, fluctuation = 0, frequency = 0 }", &["a frequency above 0"]),
+            ("speed = 100", "speed = \"50 Hz\"", &["found \"50 Hz\", a frequency", "Hz is not taken"]),
+            ("speed = 100", "speed = nan", &["shaft.speed: found nan, allowed: a speed of rotation"]),
+            ("speed = 100", "speed = -inf", &["shaft.speed: found -inf, allowed"]),
+            ("speed = 100", "speed = true", &["found true, allowed: a speed"]),
+        ],
+    );
+}
+
+#[test]
+fn errors_name_file_line_and_key() {
+    let text = with(
+        SPINDLE,
+        "inner_conformity = 0.5232",
+        "inner_conformity = 0.49",
+    );
+    assert_eq!(
+        refusal(&text),
+        "machines/pump.toml:28: bearing[0].inner_conformity: found 0.49, allowed: above 0.5 and at most 1 \
+         (groove radius / ball diameter), usually 0.51 to 0.54"
+    );
+    let text = with(SPINDLE, "station = \"100 mm\"\n", "");
+    assert_eq!(
+        refusal(&text),
+        "machines/pump.toml:36: bearing[1].station: found no such key in the table bearing[1], which needs it, \
+         allowed: a length, such as \"12.7 mm\" or \"5 um\""
+    );
+    let text = with(SPINDLE, "ball_diameter", "ball_daimeter");
+    let shown = refusal(&text);
+    assert!(shown.starts_with(
+        "machines/pump.toml:26: bearing[0].ball_daimeter: found an unknown key (did you mean ball_diameter?), \
+         allowed: name, station, facing"
+    ));
+    let text = with(SPINDLE, "unit = \"um\", axial", "unit = \"V\", axial");
+    let error = read(&text).unwrap_err();
+    assert_eq!(
+        (error.line, error.key.as_str()),
+        (Some(61), "recording.probes[1].unit")
+    );
+    assert_eq!(error.found, "\"V\", where \"V\" is no known unit");
+    assert_eq!(error.allowed, "a unit of length: um, mil, mm or m");
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn top_of_the_file() {
+    assert_refused(
+        LEAST,
+        &[
+            ("[shaft]\nspeed = 100\n", "", &[":1: shaft: found no such key at the top of the file"]),
+            ("speed = 100", "", &[":1: shaft.speed: found no such key"]),
+            ("[[bearing]]", "[bearing]", &["found a table", "[[bearing]]"]),
+            ("[[bearing]]", "[[baering]]", &["did you mean bearing?"]),
+            ("[shaft]", "colour = 1\n[shaft]", &["pump.toml:1: colour: found an unknown key, allowed: name, shaft"]),
+            ("[shaft]", "name = 3\n[shaft]", &["name: found 3, allowed: a name"]),
+            ("[shaft]", "name = \"\"\n[shaft]", &["name: found \"\""]),
+            ("[shaft]", "\"a\\nb\" = 1\n[shaft]", &["unknown key"]),
+            ("[shaft]\nspeed", "shaft", &["shaft: found 100, allowed: a table with the keys speed, outer_speed"]),
+        ],
+    );
+    assert!(refusal("bearing = []\nshaft = { speed = 1 }").contains("bearing: found [], allowed"));
+    assert!(refusal("shaft = { speed = 1 }").contains("at least one table [[bearing]]"));
+    let twice = with(SPINDLE, "name = \"NDE\"", "name = \"DE\"");
+    assert!(
+        refusal(&twice)
+            .contains(":37: bearing[1].name: found \"DE\", allowed: a name of its own (bearing[0]")
+    );
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn rotor_out_of_range() {
+    let text = format!("{LEAST}{ROTOR}load = [0, 0, 0, 0, 0]\n");
+    assert_refused(
+        &text,
+        &[
+            ("mass = 1", "mass = 0", &["rotor.mass: found 0 (a bare number is in kg), allowed: a mass above 0"]),
+            ("mass = 1", "", &["rotor.mass: found no such key in the table rotor"]),
+            ("mass = 1", "mass = \"1 N\"", &["\"1 N\", a force"]),
+            ("polar_inertia = 1", "polar_inertia = 2.1", &["at most twice diametral_inertia, here 2 kg m^2"]),
+            ("polar_inertia = 1", "polar_inertia = -1", &["of 0 or more"]),
+            ("load = [0, 0, 0, 0, 0]", "load = [0, 0, 0, 0]", &["rotor.load: found a list of 4", "a list of 5"]),
+            ("load = [0, 0, 0, 0, 0]", "load = 3", &["rotor.load: found 3"]),
+            ("load = [0, 0, 0, 0, 0]", "load = [0, 0, 0, 0, \"1 N\"]", &["rotor.load[4]", "a moment"]),
+            ("load = [0, 0, 0, 0, 0]", "load = [0, nan, 0, 0, 0]", &["rotor.load[1]: found nan"]),
+            ("load = [0, 0, 0, 0, 0]", "damping = [0, -1, 0, 0, 0]", &["rotor.damping[1]", "of 0 or more"]),
+            ("load = [0, 0, 0, 0, 0]", "stiffness = [0, 0, 0, -1, 0]", &["rotor.stiffness[3]"]),
+            ("load = [0, 0, 0, 0, 0]", "gravity = [0, 0]", &["rotor.gravity: found a list of 2"]),
+            ("load = [0, 0, 0, 0, 0]", "proportional_damping = -1", &["a time of 0 or more"]),
+            ("load = [0, 0, 0, 0, 0]", "unbalance = 1", &["rotor.unbalance: found 1"]),
+            ("load = [0, 0, 0, 0, 0]", "unbalance = [1]", &["rotor.unbalance[0]: found 1, allowed: a table"]),
+            ("load = [0, 0, 0, 0, 0]", "unbalance = [{ moment = -1, angle = 0, station = 0 }]", &["rotor.unbalance[0].moment", "of 0 or more"]),
+        ],
+    );
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn angular_bearing_out_of_range() {
+    let angle = "contact_angle = \"15 deg\"";
+    assert_refused(LEAST, &[
+        ("name = \"A\"", "", &["bearing[0].name: found no such key"]),
+        ("model = \"angular\"", "", &["bearing[0].model", "\"linear\", \"lumped\" or \"angular\""]),
+        ("model = \"angular\"", "model = \"anguler\"", &["found \"anguler\", allowed: \"linear\" or \"lumped\" or \"angular\""]),
+        ("elements = 8", "elements = 2", &["found 2, allowed: a whole number from 3 to 64"]),
+        ("elements = 8", "elements = 65", &["from 3 to 64"]),
+        ("elements = 8", "elements = 8.0", &["found 8.0, allowed: a whole number"]),
+        ("elements = 8", "elements = 16", &["found 16, allowed: 3 to 15: more balls"]),
+        ("pitch_diameter = \"50 mm\"", "pitch_diameter = \"10 mm\"", &["found \"10 mm\"", "above ball_diameter (0.01 m)"]),
+        ("pitch_diameter = \"50 mm\"", "pitch_diameter = \"11 mm\"", &["not even 3"]),
+        ("pitch_diameter = \"50 mm\"", "", &["bearing[0].pitch_diameter", "missing here: pitch_diameter)"]),
+        ("ball_diameter = \"10 mm\"", "ball_diameter = \"-10 mm\"", &["a length above 0"]),
+        ("ball_diameter = \"10 mm\"", "ball_diameter = [1]", &["found [1], allowed: a length above 0"]),
+        ("inner_conformity = 0.52", "inner_conformity = 0.5", &["above 0.5"]),
+        ("inner_conformity = 0.52", "inner_conformity = 1.1", &["at most 1"]),
+        ("inner_conformity = 0.52", "inner_conformity = nan", &["found nan"]),
+        ("inner_conformity = 0.52", "inner_conformity = \"0.52\"", &["found \"0.52\""]),
+        (angle, "contact_angle = 15", &["found 15 (a bare number is in rad)", "from 0 to 60 deg"]),
+        (angle, "contact_angle = \"-1 deg\"", &["from 0 to 60 deg"]),
+        (angle, "", &["neither contact_angle nor diametral_clearance", "exactly one"]),
+        (angle, "contact_angle = 0\ndiametral_clearance = 0", &[":13: bearing[0].diametral_clearance: found both"]),
+        (angle, "diametral_clearance = \"-1 um\"", &["from 0 to below 500 um", "only with model = \"lumped\""]),
+        (angle, "diametral_clearance = \"0.5001 mm\"", &["from 0 to below 500 um"]),
+        (angle, "contact_angle = 0\nyoungs_modulus = 0", &["a pressure above 0"]),
+        (angle, "contact_angle = 0\npoissons_ratio = 0.5", &["below 0.5"]),
+        (angle, "contact_angle = 0\ndensity = 0", &["a density above 0"]),
+        (angle, "contact_angle = 0\ncage_ratio = 1", &["below 1 (cage speed / shaft speed)"]),
+        (angle, "contact_angle = 0\ncage_ratio = -0.1", &["0 or more"]),
+        (angle, "contact_angle = 0\nfacing = \"up\"", &["\"+z\" or \"-z\" or \"both\""]),
+        (angle, "contact_angle = 0\nfirst_element_azimuth = \"1 m\"", &["a length, allowed: an angle"]),
+        (angle, "contact_angle = 0\nstiffness = 1e9", &["bearing[0].stiffness", "only with model = \"lumped\""]),
+        (angle, "contact_angle = 0\nexponent = 1.5", &["bearing[0].exponent", "only with model = \"lumped\""]),
+        (angle, "contact_angle = 0\nradial_play = 0", &["bearing[0].radial_play", "only with model = \"lumped\""]),
+        (angle, "contact_angle = 0\naxial = {}", &["bearing[0].axial", "only with model = \"lumped\""]),
+        (angle, "contact_angle = 0\nhousing_displacement = []", &["housing_displacement", "only with model = \"lumped\""]),
+        (angle, "contact_angle = 0\nlinearise = \"angular\"", &["only with model = \"linear\""]),
+    ]);
+    let bare = LEAST.lines().take(7).collect::<Vec<_>>().join("\n");
+    assert!(refusal(&bare).contains(
+        "missing here: ball_diameter, pitch_diameter, inner_conformity, outer_conformity)"
+    ));
+    let steepest = read(&with(LEAST, angle, "contact_angle = \"60 deg\"")).unwrap();
+    let fit = steepest.bearings.first().unwrap().geometry.unwrap().fit;
+    assert!(matches!(fit, Fit::ContactAngle(angle) if angle <= FRAC_PI_3 && near(angle, FRAC_PI_3)));
+    assert!(read(&with(LEAST, angle, "diametral_clearance = 0")).is_ok());
+    assert!(read(&with(LEAST, "elements = 8", "elements = 15")).is_ok());
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn lumped_bearing_out_of_range() {
+    let play = "radial_play = \"5 um\"";
+    assert_refused(LUMPED, &[
+        ("stiffness = 1e10\n", "", &["bearing[0].stiffness: found no such key", "or the geometry"]),
+        ("stiffness = 1e10", "stiffness = 0", &["found 0 (a bare number is in N/m^1.5)", "above 0 in N/m^1.5"]),
+        ("stiffness = 1e10", "stiffness = \"1e10 N/m\"", &["a stiffness, allowed: a contact stiffness in N/m^1.5"]),
+        (play, "", &["bearing[0].radial_play: found no such key", "half the diametral clearance"]),
+        (play, "radial_play = 0\nexponent = 0.9", &["found 0.9, allowed: 1 to 3"]),
+        (play, "radial_play = 0\nexponent = 3.1", &["1 to 3"]),
+        (play, "radial_play = 0\nexponent = 1.111\nstiffness_matrix = 3", &["only with model = \"linear\""]),
+        ("cage_ratio = 0.4", "", &["bearing[0].cage_ratio", "without geometry it must be given (0 for elements that stand still)"]),
+        (play, "radial_play = 0\naxial = { stiffness = 1 }", &["bearing[0].axial.play: found no such key in the table bearing[0].axial"]),
+        (play, "radial_play = 0\naxial = { stiffness = 1, play = 0, radius = -1 }", &["axial.radius", "of 0 or more"]),
+        (play, "radial_play = 0\naxial = { stiffness = -1, play = 0, radius = 1 }", &["axial.stiffness"]),
+        (play, "radial_play = 0\naxial = { exponent = 4, stiffness = 1, play = 0, radius = 1 }", &["axial.exponent"]),
+        (play, "radial_play = 0\nhousing_displacement = [[0, 0, 0]]", &["found a list of 1", "a list of 8 entries [x, y, z]"]),
+        (play, "radial_play = 0\nyoungs_modulus = 1", &["missing here: ball_diameter, pitch"]),
+    ]);
+    let housing = format!("{LUMPED}housing_displacement = [{}]\n", "[\"1 um\", 0, 0],".repeat(8));
+    let bearing = read(&housing).unwrap().bearings.remove(0);
+    assert_eq!(bearing.housing_displacement, vec![[1.0 * 1e-6, 0.0, 0.0]; 8]);
+    assert!(refusal(&with(&housing, "[\"1 um\", 0, 0]", "[0, 0]")).contains("housing_displacement[0]: found a list of 2"));
+    assert!(read(&with(LUMPED, "cage_ratio = 0.4", "cage_ratio = 0")).is_ok());
+    let roller = with(LUMPED, "stiffness = 1e10", "exponent = 1.1111\nstiffness = \"1 N/mm^1.111\"");
+    let law = read(&roller).unwrap().bearings.remove(0).law.unwrap();
+    assert!(near(law.stiffness.unwrap(), 1000f64.powf(1.1111)));
+}
+
+#[test]
+fn lumped_bearing_from_geometry() {
+    let lumped = with(LEAST, "\"angular\"", "\"lumped\"");
+    let clearance = with(
+        &lumped,
+        "contact_angle = \"15 deg\"",
+        "diametral_clearance = \"-8 um\"",
+    );
+    let bearing = read(&clearance).unwrap().bearings.remove(0);
+    assert_eq!((bearing.law, bearing.cage_ratio), (None, None));
+    assert!(refusal(&lumped).contains("bearing[0].radial_play: found no such key"));
+    assert!(read(&format!("{lumped}radial_play = 0\n")).is_ok());
+    assert!(read(&format!("{clearance}radial_play = 0\nstiffness = 1e9\n")).is_ok());
+    let roller = format!("{clearance}exponent = 1.111\n");
+    assert!(refusal(&roller).contains("exponent: found 1.111, allowed: 1.5, as the stiffness"));
+    assert!(read(&format!("{roller}stiffness = 1e9\n")).is_ok());
+    let too_tight = with(&clearance, "-8 um", "-8 mm");
+    assert!(refusal(&too_tight).contains("between -500 um and 500 um"));
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn linear_bearing() {
+    let linear = with(LEAST, "\"angular\"", "\"linear\"\nlinearise = \"angular\"");
+    let named = "linearise = \"angular\"";
+    let matrix = "stiffness_matrix = [[\"1 kN/mm\", 0, 0, 0, \"2 N/rad\"], [0, 1, 0, 3, 0], [0, 0, 1, 0, 0], [0, 3, 0, 1, 0], [2, 0, 0, 0, 1]]";
+    let source = |text: &str| read(&with(&linear, named, text)).map(|mut s| s.bearings.remove(0).linear.unwrap());
+    assert_eq!(source(named), Ok(Linear::Of(Model::Angular)));
+    assert_eq!(source("two_spring = { static_load = \"500 N\" }"), Ok(Linear::TwoSpring { static_load: 500.0 }));
+    let Linear::Matrix(read_matrix) = source(matrix).unwrap() else { unreachable!("a matrix") };
+    assert!(near(read_matrix[0][0], 1e6));
+    assert_eq!(read_matrix[4], [2.0, 0.0, 0.0, 0.0, 1.0]);
+    assert_refused(&linear, &[
+        (named, "", &["bearing[0]: found model = \"linear\" with none of", "exactly one of stiffness_matrix"]),
+        (named, "linearise = \"angular\"\ntwo_spring = { static_load = 1 }", &["found 2 of stiffness_matrix, two_spring, linearise"]),
+        (named, "linearise = \"linear\"", &["\"angular\" or \"lumped\""]),
+        (named, "linearise = \"quasi-static\"", &["linearise = \"quasi-static\" is part of the scene format"]),
+        (named, "linearise = \"lumped\"", &["bearing[0].radial_play"]),
+        (named, "two_spring = { static_load = 0 }", &["two_spring.static_load", "a force above 0"]),
+        (named, "two_spring = 3", &["two_spring: found 3, allowed: a table with the keys static_load"]),
+        (named, "stiffness_matrix = [[1]]", &["found a list of 1, allowed: 5 rows of 5"]),
+        (named, "stiffness_matrix = 1", &["found 1, allowed: 5 rows of 5"]),
+        (named, "stiffness_matrix = [1, 2, 3, 4, 5]", &["stiffness_matrix[0]: found 1"]),
+        (named, &matrix.replace("2 N/rad", "2 N/m"), &["stiffness_matrix[0][4]", "a force per angle"]),
+        (named, "linearise = \"angular\"\nstiffness = 1", &["only with model = \"lumped\""]),
+        (named, "linearise = \"angular\"\ndefect = []", &["bearing[0].defect", "\"lumped\" or \"angular\""]),
+    ]);
+    let bare = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"linear\"\nelements = 8\n";
+    assert!(read(&format!("{bare}{matrix}\n")).is_ok());
+    assert!(refusal(&format!("{bare}two_spring = {{ static_load = 1 }}\n")).contains("missing here: ball_diameter"));
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn keys_of_models_that_are_not_here() {
+    let sentence = "is part of the scene format, but no model of this version uses it; remove it (models here: linear, lumped, angular)";
+    for (key, value) in [
+        ("effects", "[\"centrifugal\"]"),
+        ("race_control", "\"outer\""),
+        ("friction_sharing", "\"outer\""),
+        ("lubricant", "{ viscosity = \"0.04 Pa s\" }"),
+        ("waviness", "[]"),
+        ("preload", "{ force = \"500 N\" }"),
+        ("support", "{ mass = \"2 kg\" }"),
+    ] {
+        let shown = refusal(&format!("{LEAST}{key} = {value}\n"));
+        assert_eq!(shown, format!("machines/pump.toml:13: bearing[0].{key}: {key} {sentence}"));
+    }
+    for model in ["quasi-static", "tabulated", "dynamic"] {
+        let shown = refusal(&with(LEAST, "\"angular\"", &format!("\"{model}\"")));
+        assert!(shown.ends_with(&format!(
+            ":6: bearing[0].model: model = \"{model}\" is part of the scene format, but this version does not have that \
+             model (models here: linear, lumped, angular)"
+        )), "{shown}");
+    }
+    let defect = "defect = [{ surface = \"outer\", azimuth = 0, half_width = 0.1, depth = 1e-6, shape = \"rectangular\" }]";
+    assert_refused(&format!("{LEAST}{defect}\n"), &[
+        ("\"outer\"", "\"inner\"", &["defect[0].surface: surface = \"inner\"", sentence]),
+        ("\"outer\"", "\"outside\"", &["found \"outside\", allowed: \"outer\""]),
+        ("\"rectangular\"", "\"round\"", &["\"half-sine\" or \"rectangular\""]),
+        ("half_width = 0.1", "half_width = 0", &["above 0 and at most 180 deg"]),
+        ("half_width = 0.1", "half_width = 3.2", &["above 0 and at most 180 deg"]),
+        ("depth = 1e-6", "depth = 0", &["a length above 0"]),
+        (", shape = \"rectangular\"", "", &["defect[0].shape: found no such key"]),
+        ("depth = 1e-6", "deep = 1e-6", &["defect[0].deep: found an unknown key"]),
+    ]);
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn recording_out_of_range() {
+    let text = format!("{LEAST}{RECORDING}");
+    let probe = "{ column = \"x\", unit = \"um\", station = 0, angle = 0 }";
+    assert_refused(&text, &[
+        ("file = \"a.csv\"", "", &["recording.file: found no such key in the table recording"]),
+        ("rate = 1000", "", &["recording: found neither rate nor time", "exactly one"]),
+        ("rate = 1000", "rate = 1\ntime = \"t\"", &["recording.time: found both rate and time"]),
+        ("rate = 1000", "rate = \"1000 rpm\"", &["a speed of rotation, allowed: a frequency"]),
+        ("rate = 1000", "rate = 0", &["a frequency above 0"]),
+        ("rate = 1000", "time = \"x\"", &["probes[0].column: found \"x\", allowed: a column of its own (time has this one)"]),
+        ("rate = 1000", "time = 3", &["recording.time: found 3, allowed: the name of a column"]),
+        (probe, "", &["recording.probes: found [], allowed: a list of at least one probe"]),
+        (probe, &format!("{probe}, {probe}"), &["recording.probes[1].column", "a column of its own (a probe"]),
+        (", unit = \"um\"", "", &["probes[0].unit: found no such key", "the unit of the column: um, mil, mm or m"]),
+        ("unit = \"um\"", "unit = \"rpm\"", &["found \"rpm\", a speed of rotation, allowed: a unit of length"]),
+        (", angle = 0", "", &["probes[0].angle: found no such key", "or axial = true"]),
+        (", angle = 0", ", axial = false", &["probes[0].angle: found no such key"]),
+        (", station = 0", "", &["probes[0].station: found no such key"]),
+        ("angle = 0", "angle = 0, axial = true", &["no angle with axial = true"]),
+        ("angle = 0", "angle = 0, axial = 1", &["found 1, allowed: true or false"]),
+        ("angle = 0", "angle = 0, noise = 0", &["noise", "a length above 0"]),
+        ("rate = 1000", "rate = 1\nkeyphasor = { column = \"k\", pulses_per_turn = 0 }", &["a whole number, 1 or more"]),
+        ("rate = 1000", "rate = 1\nkeyphasor = { column = \"k\", pulses_per_turn = 4294967296 }", &["a whole number"]),
+        ("rate = 1000", "rate = 1\nkeyphasor = { column = \"x\", pulses_per_turn = 1 }", &["a column of its own"]),
+        ("rate = 1000", "rate = 1\nspeed = { column = \"n\", unit = \"Hz\" }", &["found \"Hz\", a frequency"]),
+        ("rate = 1000", "rate = 1\nspeed = { column = \"n\" }", &["recording.speed.unit: found no such key"]),
+        (
+            "rate = 1000",
+            "rate = 1\nspeed = { column = \"n\", unit = \"rpm\" }\nkeyphasor = { column = \"k\", pulses_per_turn = 1 }",
+            &["recording.speed: found both keyphasor and speed"],
+        ),
+    ]);
+    let speed = with(&text, "rate = 1000", "time = \"t\"\nspeed = { column = \"n\", unit = \"rpm\" }");
+    let recording = read(&speed).unwrap().recording.unwrap();
+    assert_eq!(recording.clock, Clock::Column("t".into()));
+    assert!(matches!(recording.rotation, Rotation::SpeedColumn { radians_per_second: f, .. } if near(f, PI / 30.0)));
+}
+
+#[test]
+fn text_that_is_no_scene() {
+    let shown = |text: &str| refusal_of_file(read(text));
+    for nothing in ["", "\n\n", "# only a comment\n", "\u{feff}"] {
+        assert!(
+            shown(nothing).starts_with("machines/pump.toml: found an empty file, allowed: a scene")
+        );
+    }
+    let unit = with(LEAST, "\"50 mm\"", "50 mm");
+    assert_eq!(
+        shown(&unit),
+        "machines/pump.toml:9: not TOML at \"pitch_diameter = 50 mm\": string values must be quoted, \
+         expected literal string"
+    );
+    assert!(shown("time_s,x\n0,1\n").contains("pump.toml:1: not TOML"));
+    let twice = with(LEAST, "station = 0", "station = 0\nstation = 0");
+    assert!(shown(&twice).contains(":6: not TOML at \"station = 0\": duplicate key"));
+    assert!(shown(&"[".repeat(100_000)).contains("not TOML"));
+    assert!(shown(&format!("a = {}", "[".repeat(100_000))).contains("not TOML"));
+}
+
+fn refusal_of_file(result: Read<Scene>) -> String {
+    let shown = result.unwrap_err().to_string();
+    assert!(!shown.contains('\n'), "{shown}");
+    shown
+}
+
+#[test]
+fn files_that_cannot_be_read() {
+    let folder = std::env::temp_dir().join(format!("ballrace-scene-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let shown = |name: &str| refusal_of_file(read_file(&folder.join(name)));
+    assert!(shown("absent.toml").ends_with(
+        "absent.toml: found no file of this name, allowed: a scene file (TOML text with at least [shaft] and one \
+         [[bearing]])"
+    ));
+    assert!(shown("").contains("found a directory"));
+    std::fs::write(folder.join("latin.toml"), b"# fine\nname = \"M\xfcller\"\n").unwrap();
+    assert!(shown("latin.toml").contains("latin.toml:2: found bytes that are not UTF-8"));
+    std::fs::write(folder.join("large.toml"), vec![b'#'; (4 << 20) + 1]).unwrap();
+    assert!(shown("large.toml").contains("more than 4 MiB"));
+    std::fs::write(folder.join("good.toml"), SPINDLE).unwrap();
+    let scene = read_file(&folder.join("good.toml")).unwrap();
+    assert_eq!(scene.recording.unwrap().file, folder.join("healthy.csv"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A small generator of pseudo-random numbers (xorshift), so that a failure can be repeated.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        usize::try_from(self.0 % limit.max(1) as u64).unwrap()
+    }
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn no_text_makes_it_panic() {
+    let text = format!("{SPINDLE}{}", LUMPED.replace("[shaft]\nspeed = 100\n", ""));
+    for end in 0..text.len() {
+        check_any(text.get(..end).unwrap_or_default());
+    }
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let junk = [
+        "\"",
+        "[",
+        "]",
+        "{",
+        "}",
+        "=",
+        "\n",
+        "nan",
+        "-inf",
+        "1e999",
+        "-1",
+        "0",
+        "9223372036854775807",
+        "\u{b5}",
+        "^",
+        "/",
+        "'",
+        "#",
+        ".",
+        ",",
+        "true",
+        "\"\"",
+        "[[",
+        "\\",
+        "\u{0}",
+        "\u{feff}",
+        "1e-320",
+        "1979-05-27",
+        "\"5 um^9\"",
+    ];
+    for _ in 0..1500 {
+        let mut mutated: Vec<char> = text.chars().collect();
+        for _ in 0..1 + random.below(4) {
+            let at = random.below(mutated.len());
+            let end = (at + random.below(12)).min(mutated.len());
+            let piece = junk.get(random.below(junk.len())).unwrap();
+            mutated.splice(at..end, piece.chars());
+        }
+        check_any(&mutated.into_iter().collect::<String>());
+    }
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn no_value_makes_it_panic() {
+    for line in SPINDLE.lines().filter(|l| l.contains(" = ")) {
+        let key = line.split(" = ").next().unwrap();
+        for value in [
+            "nan",
+            "inf",
+            "-1",
+            "0",
+            "1e308",
+            "-1e308",
+            "1e-320",
+            "9223372036854775807",
+            "true",
+            "[]",
+            "{}",
+            "\"\"",
+            "\"1e308 ft\"",
+            "\"1 m^-10\"",
+            "\"nan m\"",
+            "1979-05-27",
+            "[[[]]]",
+            "{ a = 1 }",
+            "[1, 2, 3, 4, 5]",
+        ] {
+            check_any(&with(SPINDLE, line, &format!("{key} = {value}")));
+        }
+        check_any(&with(SPINDLE, line, ""));
+    }
+}
+
+/// Any text gives a scene of finite numbers or one line.
+fn check_any(text: &str) {
+    match read(text) {
+        Ok(scene) => {
+            let shown = format!("{scene:?}");
+            assert!(
+                !shown.contains("NaN") && !shown.contains(": inf"),
+                "{shown}"
+            );
+        }
+        Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
+    }
+}

@@ -1,0 +1,562 @@
+//! Reading a TOML document by hand, so that every error knows its file, line and key.
+//!
+//! [`Node`] is one value with its place; [`Table`] is a table whose keys have been checked against the allowed ones.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use toml_edit::{ArrayOfTables, Item, TableLike, Value};
+
+use super::units::{self, Dimension};
+
+/// Longest value that an error repeats, in characters.
+const LONGEST_SHOWN: usize = 60;
+
+/// The models of this version, for the user.
+const MODELS: &str = "linear, lumped, angular";
+
+/// Why a scene was refused: one line that names the file, the line, the key, what was found and what is allowed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.sentence())]
+pub struct SceneError {
+    /// The scene file.
+    pub file: PathBuf,
+    /// Line in it, from 1; none where the file could not be read at all.
+    pub line: Option<usize>,
+    /// Path of the key, such as `bearing[0].ball_diameter`; empty where it is not about a key.
+    pub key: String,
+    /// What was found; a whole sentence where `allowed` is empty.
+    pub found: String,
+    /// What is allowed there, with an example or a range.
+    pub allowed: String,
+}
+
+impl SceneError {
+    /// A file that cannot be used at all.
+    pub(super) fn file(file: &Path, found: impl Into<String>) -> Self {
+        Self {
+            file: file.to_owned(),
+            line: None,
+            key: String::new(),
+            found: found.into(),
+            allowed: "a scene file (TOML text with at least [shaft] and one [[bearing]])".into(),
+        }
+    }
+
+    fn sentence(&self) -> String {
+        let mut text = self.file.display().to_string();
+        if let Some(line) = self.line {
+            text.push_str(&format!(":{line}"));
+        }
+        if !self.key.is_empty() {
+            text.push_str(&format!(": {}", self.key));
+        }
+        if self.allowed.is_empty() {
+            text.push_str(&format!(": {}", self.found));
+        } else {
+            text.push_str(&format!(
+                ": found {}, allowed: {}",
+                self.found, self.allowed
+            ));
+        }
+        text
+    }
+}
+
+/// Result of everything that reads.
+pub(super) type Read<T> = Result<T, SceneError>;
+
+/// The text under all nodes.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub text: &'a str,
+    pub file: &'a Path,
+}
+
+impl Source<'_> {
+    /// An error at a byte of the text.
+    pub fn error(
+        self,
+        at: usize,
+        key: &str,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> SceneError {
+        SceneError {
+            file: self.file.to_owned(),
+            line: Some(line_of(self.text.as_bytes(), at)),
+            key: key.to_owned(),
+            found: found.into(),
+            allowed: allowed.into(),
+        }
+    }
+}
+
+/// Line of a byte, from 1.
+pub(super) fn line_of(text: &[u8], at: usize) -> usize {
+    1 + text.iter().take(at).filter(|b| **b == b'\n').count()
+}
+
+#[derive(Clone, Copy)]
+enum Content<'a> {
+    Value(&'a Value),
+    Table(&'a dyn TableLike),
+    Tables(&'a ArrayOfTables),
+}
+
+/// One value of the document with its place and the path of its key.
+#[derive(Clone)]
+pub(super) struct Node<'a> {
+    source: Source<'a>,
+    path: String,
+    span: Range<usize>,
+    content: Content<'a>,
+}
+
+impl<'a> Node<'a> {
+    fn of_value(
+        source: Source<'a>,
+        path: String,
+        fallback: Range<usize>,
+        value: &'a Value,
+    ) -> Self {
+        let content = match value {
+            Value::InlineTable(table) => Content::Table(table),
+            other => Content::Value(other),
+        };
+        let span = value.span().unwrap_or(fallback);
+        Self {
+            source,
+            path,
+            span,
+            content,
+        }
+    }
+
+    fn of_item(
+        source: Source<'a>,
+        path: String,
+        key: Range<usize>,
+        item: &'a Item,
+    ) -> Option<Self> {
+        let content = match item {
+            Item::None => return None,
+            Item::Value(value) => return Some(Self::of_value(source, path, key, value)),
+            Item::Table(table) => Content::Table(table),
+            Item::ArrayOfTables(tables) => Content::Tables(tables),
+        };
+        Some(Self {
+            source,
+            path,
+            span: item.span().unwrap_or(key),
+            content,
+        })
+    }
+
+    /// An error at this value.
+    pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
+        self.source
+            .error(self.span.start, &self.path, found, allowed)
+    }
+
+    /// An error that repeats this value.
+    pub fn refuse(&self, allowed: impl Into<String>) -> SceneError {
+        self.fail(self.shown(), allowed)
+    }
+
+    /// A value that the scene format knows and this version does not.
+    pub fn unsupported(&self, what: &str) -> SceneError {
+        self.not_here(what, "no model of this version uses it; remove it")
+    }
+
+    /// A model that the scene format knows and this version does not.
+    pub fn absent_model(&self, what: &str) -> SceneError {
+        self.not_here(what, "this version does not have that model")
+    }
+
+    fn not_here(&self, what: &str, why: &str) -> SceneError {
+        let sentence =
+            format!("{what} is part of the scene format, but {why} (models here: {MODELS})");
+        self.fail(sentence, "")
+    }
+
+    /// The value as the file has it, on one line.
+    pub fn shown(&self) -> String {
+        match self.content {
+            Content::Tables(_) => "a list of tables".to_owned(),
+            // A `[header]` or a dotted key says nothing that its path does not.
+            Content::Table(_) if !self.raw().starts_with('{') => "a table".to_owned(),
+            Content::Value(_) | Content::Table(_) => on_one_line(self.raw()),
+        }
+    }
+
+    fn raw(&self) -> &'a str {
+        self.source.text.get(self.span.clone()).unwrap_or_default()
+    }
+
+    /// Whether this is a table of any notation.
+    pub fn is_table(&self) -> bool {
+        matches!(self.content, Content::Table(_))
+    }
+
+    /// A number without dimension, finite and in the range that `ok` tests and `allowed` describes.
+    pub fn number(&self, allowed: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+        self.bare_number()
+            .filter(|x| ok(*x))
+            .ok_or_else(|| self.refuse(allowed))
+    }
+
+    /// A quantity in SI: a bare number or a text with a unit.
+    pub fn quantity(&self, dimension: Dimension) -> Read<f64> {
+        self.within(dimension, "", |_| true)
+    }
+
+    /// A quantity in the range that `ok` tests and `range` describes, such as `above 0`.
+    pub fn within(&self, dimension: Dimension, range: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+        self.limited(dimension, &dimension.allowed(range), ok)
+    }
+
+    /// A quantity in the range that `ok` tests and `allowed` describes in full.
+    pub fn limited(
+        &self,
+        dimension: Dimension,
+        allowed: &str,
+        ok: impl Fn(f64) -> bool,
+    ) -> Read<f64> {
+        let value = match self.content {
+            Content::Value(Value::String(text)) => {
+                let parsed = units::parse(text.value(), dimension);
+                parsed
+                    .map(Some)
+                    .map_err(|e| self.fail(e.found, e.allowed))?
+            }
+            _ => self.bare_number(),
+        };
+        value
+            .filter(|x| ok(*x))
+            .ok_or_else(|| self.fail(self.shown_quantity(dimension), allowed))
+    }
+
+    /// A quantity above 0.
+    pub fn positive(&self, dimension: Dimension) -> Read<f64> {
+        self.within(dimension, "above 0", |x| x > 0.0)
+    }
+
+    /// A quantity of 0 or more.
+    pub fn not_negative(&self, dimension: Dimension) -> Read<f64> {
+        self.within(dimension, "of 0 or more", |x| x >= 0.0)
+    }
+
+    /// The value, and for a bare number the unit it has been taken in.
+    pub fn shown_quantity(&self, dimension: Dimension) -> String {
+        match self.bare_number() {
+            Some(_) => format!(
+                "{} (a bare number is in {})",
+                self.shown(),
+                dimension.si_unit()
+            ),
+            None => self.shown(),
+        }
+    }
+
+    fn bare_number(&self) -> Option<f64> {
+        let Content::Value(value) = self.content else {
+            return None;
+        };
+        // Every integer of a scene is far below 2^53, and one above it only loses digits.
+        let integer = value.as_integer().map(|i| i as f64);
+        integer.or(value.as_float()).filter(|x| x.is_finite())
+    }
+
+    /// A whole number between two others.
+    pub fn integer(&self, least: i64, most: i64, allowed: &str) -> Read<i64> {
+        match self.content {
+            Content::Value(Value::Integer(i)) if (least..=most).contains(i.value()) => {
+                Ok(*i.value())
+            }
+            _ => Err(self.refuse(allowed)),
+        }
+    }
+
+    /// A text that is not empty.
+    pub fn text(&self, allowed: &str) -> Read<&'a str> {
+        let text = match self.content {
+            Content::Value(Value::String(text)) => Some(text.value().as_str()),
+            _ => None,
+        };
+        text.filter(|t| !t.trim().is_empty() && !t.contains(char::is_control))
+            .ok_or_else(|| self.refuse(allowed))
+    }
+
+    /// `true` or `false`.
+    pub fn boolean(&self) -> Read<bool> {
+        match self.content {
+            Content::Value(Value::Boolean(b)) => Ok(*b.value()),
+            _ => Err(self.refuse("true or false")),
+        }
+    }
+
+    /// One of some words.
+    pub fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Read<T> {
+        let text = match self.content {
+            Content::Value(Value::String(text)) => text.value().as_str(),
+            _ => "",
+        };
+        let found = choices.iter().find(|(word, _)| *word == text);
+        found.map(|(_, value)| *value).ok_or_else(|| {
+            let words: Vec<String> = choices.iter().map(|(w, _)| format!("\"{w}\"")).collect();
+            self.refuse(words.join(" or "))
+        })
+    }
+
+    /// The entries of a list, also of one written as `[[key]]` tables.
+    pub fn list(&self, allowed: &str) -> Read<Vec<Node<'a>>> {
+        let path = |i: usize| format!("{}[{i}]", self.path);
+        match self.content {
+            Content::Value(Value::Array(array)) => Ok(array
+                .iter()
+                .enumerate()
+                .map(|(i, value)| Node::of_value(self.source, path(i), self.span.clone(), value))
+                .collect()),
+            Content::Tables(tables) => Ok(tables
+                .iter()
+                .enumerate()
+                .map(|(i, table)| Node {
+                    source: self.source,
+                    path: path(i),
+                    span: table.span().unwrap_or(self.span.clone()),
+                    content: Content::Table(table),
+                })
+                .collect()),
+            _ => Err(self.refuse(allowed)),
+        }
+    }
+
+    /// A list of exactly `N` numbers; `read` gets the index of each.
+    pub fn array<const N: usize>(
+        &self,
+        allowed: &str,
+        read: impl Fn(usize, &Node<'a>) -> Read<f64>,
+    ) -> Read<[f64; N]> {
+        let list = self.list(allowed)?;
+        if list.len() != N {
+            return Err(self.fail(format!("a list of {}", list.len()), allowed));
+        }
+        let mut values = [0.0; N];
+        for (i, (slot, node)) in values.iter_mut().zip(&list).enumerate() {
+            *slot = read(i, node)?;
+        }
+        Ok(values)
+    }
+
+    /// A table with none but these keys.
+    pub fn table(&self, keys: &[&str]) -> Read<Table<'a>> {
+        self.table_of(keys, &[])
+    }
+
+    /// A table with none but these keys, where some others are part of the format without having an effect yet.
+    pub fn table_of(&self, keys: &[&str], without_effect: &[&str]) -> Read<Table<'a>> {
+        let Content::Table(content) = self.content else {
+            return Err(self.refuse(format!("a table with the keys {}", keys.join(", "))));
+        };
+        let table = Table {
+            source: self.source,
+            path: self.path.clone(),
+            span: self.span.clone(),
+            content,
+        };
+        table.check_keys(keys, without_effect)?;
+        Ok(table)
+    }
+}
+
+/// A table whose keys are all known.
+pub(super) struct Table<'a> {
+    source: Source<'a>,
+    path: String,
+    span: Range<usize>,
+    content: &'a dyn TableLike,
+}
+
+impl<'a> Table<'a> {
+    /// The whole document.
+    pub fn root(source: Source<'a>, content: &'a dyn TableLike, keys: &[&str]) -> Read<Self> {
+        let table = Self {
+            source,
+            path: String::new(),
+            span: 0..0,
+            content,
+        };
+        table.check_keys(keys, &[])?;
+        Ok(table)
+    }
+
+    /// The value of a key.
+    pub fn optional(&self, key: &str) -> Option<Node<'a>> {
+        let item = self.content.get(key)?;
+        Node::of_item(self.source, self.path_of(key), self.key_span(key), item)
+    }
+
+    /// The value of a key that must be there; `wants` says what it should be.
+    pub fn required(&self, key: &str, wants: &str) -> Read<Node<'a>> {
+        self.optional(key).ok_or_else(|| self.missing(key, wants))
+    }
+
+    /// The error of a key that is not there.
+    pub fn missing(&self, key: &str, wants: &str) -> SceneError {
+        let place = if self.path.is_empty() {
+            "at the top of the file".to_owned()
+        } else {
+            format!("in the table {}", self.path)
+        };
+        let found = format!("no such key {place}, which needs it");
+        self.source
+            .error(self.span.start, &self.path_of(key), found, wants)
+    }
+
+    /// An error about the table as a whole.
+    pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
+        self.source
+            .error(self.span.start, &self.path, found, allowed)
+    }
+
+    /// Whether the key is there.
+    pub fn has(&self, key: &str) -> bool {
+        self.optional(key).is_some()
+    }
+
+    /// Reads a key where it is there.
+    pub fn read<T>(&self, key: &str, read: impl FnOnce(&Node<'a>) -> Read<T>) -> Read<Option<T>> {
+        self.optional(key).map(|node| read(&node)).transpose()
+    }
+
+    /// A quantity that must be there.
+    pub fn quantity(&self, key: &str, dimension: Dimension) -> Read<f64> {
+        self.required(key, &dimension.allowed(""))?
+            .quantity(dimension)
+    }
+
+    /// A quantity above 0 that must be there.
+    pub fn positive(&self, key: &str, dimension: Dimension) -> Read<f64> {
+        self.required(key, &dimension.allowed("above 0"))?
+            .positive(dimension)
+    }
+
+    /// A quantity of 0 or more that must be there.
+    pub fn not_negative(&self, key: &str, dimension: Dimension) -> Read<f64> {
+        self.required(key, &dimension.allowed("of 0 or more"))?
+            .not_negative(dimension)
+    }
+
+    fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.path)
+        }
+    }
+
+    fn key_span(&self, key: &str) -> Range<usize> {
+        let span = self.content.key(key).and_then(toml_edit::Key::span);
+        span.unwrap_or(self.span.clone())
+    }
+
+    /// Unknown keys are looked for first: a misspelt key would otherwise be reported as a missing one.
+    fn check_keys(&self, keys: &[&str], without_effect: &[&str]) -> Read<()> {
+        for (key, _) in self.content.iter() {
+            if keys.contains(&key) {
+                continue;
+            }
+            if let Some(node) = self.optional(key).filter(|_| without_effect.contains(&key)) {
+                return Err(node.unsupported(key));
+            }
+            return Err(self.unknown(key, keys));
+        }
+        Ok(())
+    }
+
+    fn unknown(&self, key: &str, keys: &[&str]) -> SceneError {
+        let hint =
+            nearest(key, keys).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
+        let found = format!("an unknown key{hint}");
+        let shown = on_one_line(key.escape_debug().to_string().as_str());
+        let at = self.key_span(key).start;
+        self.source
+            .error(at, &self.path_of(&shown), found, keys.join(", "))
+    }
+}
+
+/// A piece of the file on one line, cut where it is long.
+fn on_one_line(raw: &str) -> String {
+    let words: Vec<&str> = raw.split_whitespace().collect();
+    let line = words.join(" ");
+    let mut shown: String = line.chars().take(LONGEST_SHOWN).collect();
+    if shown.len() < line.len() {
+        shown.push_str("...");
+    }
+    shown
+}
+
+/// The allowed key that was probably meant.
+fn nearest<'k>(key: &str, keys: &[&'k str]) -> Option<&'k str> {
+    // Two swapped letters count as two edits; in a short word as many make another word.
+    let tolerated = match key.chars().count() {
+        0..=3 => 1,
+        4..=8 => 2,
+        _ => 3,
+    };
+    let distances = keys.iter().map(|known| (distance(key, known), *known));
+    let (least, known) = distances.min_by_key(|(d, _)| *d)?;
+    (least <= tolerated).then_some(known)
+}
+
+/// Levenshtein's distance; `key` is cut, because a key may be as long as the file.
+fn distance(key: &str, known: &str) -> usize {
+    let known: Vec<char> = known.chars().collect();
+    let mut row: Vec<usize> = (0..=known.len()).collect();
+    for (i, letter) in key.chars().take(2 * known.len() + 8).enumerate() {
+        let mut diagonal = i;
+        let mut left = i + 1;
+        for (slot, other) in row.iter_mut().skip(1).zip(&known) {
+            let substituted = diagonal + usize::from(letter != *other);
+            diagonal = *slot;
+            left = substituted.min(left + 1).min(*slot + 1);
+            *slot = left;
+        }
+        if let Some(first) = row.first_mut() {
+            *first = i + 1;
+        }
+    }
+    row.last().copied().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_counts_edits() {
+        for (a, b, wanted) in [
+            ("", "", 0),
+            ("", "abc", 3),
+            ("abc", "", 3),
+            ("station", "station", 0),
+            ("staton", "station", 1),
+            ("statiom", "station", 1),
+            ("sttaion", "station", 2),
+            ("kitten", "sitting", 3),
+        ] {
+            assert_eq!(distance(a, b), wanted, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn nearest_key_is_only_offered_when_near() {
+        let keys = ["ball_diameter", "name", "station"];
+        assert_eq!(nearest("ball_daimeter", &keys), Some("ball_diameter"));
+        assert_eq!(nearest("Name", &keys), Some("name"));
+        assert_eq!(nearest("naem", &keys), Some("name"));
+        assert_eq!(nearest("colour", &keys), None);
+        assert_eq!(nearest("", &[]), None);
+    }
+}
