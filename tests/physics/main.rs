@@ -1,4 +1,8 @@
 //! Laws that hold whatever the numbers: tangents, symmetry, work, mirrors, invariance, time stepping.
 
-mod angular;
+mod bearings;
+mod fast;
 mod rotor;
+mod status;
+mod tangent;
+mod turn;

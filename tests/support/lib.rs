@@ -1,5 +1,6 @@
 //! What the tests share: golden files, comparison, element counts at run time.
 
+pub mod bearings;
 pub mod compare;
 
 /// Calls `$body` with the constant `$n` equal to the run-time `$count` (3 to 24, what the golden files use).

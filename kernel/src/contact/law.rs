@@ -36,7 +36,7 @@ pub struct Power<T> {
 
 impl<T: Scalar, M: Math<T>> Law<T, M> for Point<T> {
     fn load(&self, deflection: T) -> T {
-        self.stiffness * deflection * M::sqrt(deflection)
+        self.stiffness * M::sqrt(deflection) * deflection
     }
     fn load_and_slope(&self, deflection: T) -> (T, T) {
         let k_root = self.stiffness * M::sqrt(deflection);
@@ -46,7 +46,7 @@ impl<T: Scalar, M: Math<T>> Law<T, M> for Point<T> {
 
 impl<T: Scalar, M: Math<T>> Law<T, M> for Line<T> {
     fn load(&self, deflection: T) -> T {
-        self.stiffness * deflection * M::ninth_root(deflection)
+        self.stiffness * M::ninth_root(deflection) * deflection
     }
     fn load_and_slope(&self, deflection: T) -> (T, T) {
         let k_root = self.stiffness * M::ninth_root(deflection);

@@ -1,5 +1,6 @@
 //! The main job: a recording through the kernel and the twin, sample by sample, and what comes of it.
 
+pub mod align;
 pub mod comparison;
 pub mod findings;
 pub mod forces;
@@ -67,7 +68,7 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, option
     while reader.next_row(&mut row)? {
         tracker.push(row)?;
         while let Some(sample) = tracker.pop() {
-            run.sample(&sample)?;
+            run.take(&sample)?;
             tracker.recycle(sample.row);
         }
         row = tracker.blank();
@@ -81,9 +82,10 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, option
     }
     tracker.finish()?;
     while let Some(sample) = tracker.pop() {
-        run.sample(&sample)?;
+        run.take(&sample)?;
         tracker.recycle(sample.row);
     }
+    run.align()?;
     let mut flaws = reader.flaws().summary();
     flaws.extend(tracker.flaws().summary());
     let angle_source = angle_source(&recording.rotation, &tracker);
@@ -99,6 +101,10 @@ struct Run<'a> {
     plant: Plant,
     linear: Plant,
     moving: Option<Moving>,
+    /// The first samples, until they are enough to tell the lag.
+    first: Option<Vec<Sample>>,
+    /// s, removed from every sample's shaft angle.
+    lag: f64,
     comparison: Comparison,
     bearings: Vec<BearingSums>,
     collector: Collector,
@@ -210,6 +216,8 @@ impl<'a> Run<'a> {
             plant,
             linear,
             moving: None,
+            first: Some(Vec::new()),
+            lag: 0.0,
             ledger: Ledger::try_new(1.0 / rate, options.paced)?,
             forces,
             speed: Running::default(),
@@ -222,8 +230,33 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// Takes in a sample; the first ones wait until the lag is known.
+    fn take(&mut self, sample: &Sample) -> Result<()> {
+        let Some(first) = &mut self.first else { return self.sample(&align::shifted(sample, self.lag)) };
+        first.push(sample.clone());
+        let turns = first.first().map_or(0.0, |start| total_turns(sample) - total_turns(start));
+        if turns.abs() >= align::TURNS || first.len() >= align::MOST_SAMPLES { self.align() } else { Ok(()) }
+    }
+
+    /// Finds the lag from the waiting samples and works on them. Nothing to do once that is done.
+    fn align(&mut self) -> Result<()> {
+        let Some(samples) = self.first.take() else { return Ok(()) };
+        let period = 1.0 / self.rate;
+        for _ in 0..2 {
+            let shifted: Vec<Sample> = samples.iter().map(|s| align::shifted(s, self.lag)).collect();
+            let Some(start) = shifted.first() else { return Ok(()) };
+            let mut twin = self.begin(start, &drive(start))?.twin;
+            let more = align::lag(&shifted, twin.as_mut(), &self.rows, period);
+            self.lag = (self.lag + more).clamp(-0.5 * period, 0.5 * period);
+        }
+        for sample in &samples {
+            self.sample(&align::shifted(sample, self.lag))?;
+        }
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<()> {
-        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        let drive = drive(sample);
         let way = self.way(sample, &drive)?;
         self.ledger.wait(sample.row.time);
         let begun = Instant::now();
@@ -270,7 +303,7 @@ impl<'a> Run<'a> {
 
     /// Twin and cages at a sample with nothing before it.
     fn begin(&self, sample: &Sample, drive: &Drive<f64>) -> Result<Moving> {
-        let revolutions = sample.revolution as f64 + sample.angle.revolutions();
+        let revolutions = total_turns(sample);
         let period = 1.0 / self.rate;
         Ok(Moving {
             twin: self.plant.run_in(period, revolutions, drive)?,
@@ -377,6 +410,13 @@ impl<'a> Run<'a> {
                 "The speed changes by more than 5 %: spectra in Hz smear; 1X and ball-pass figures follow the shaft and do not.".to_owned(),
             );
         }
+        if self.lag != 0.0 {
+            self.notes.push(format!(
+                "Lag removed: {:.1} us ({:.2} samples), within the keyphasor's resolution; found from the first turns.",
+                self.lag * 1e6,
+                self.lag * self.rate
+            ));
+        }
         if !self.solver.observation.supplied_by_twin.is_empty() {
             self.notes.push("No axial probe: the axial position behind the measured forces is the twin's.".to_owned());
         }
@@ -390,6 +430,14 @@ impl<'a> Run<'a> {
             self.notes.push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
         }
     }
+}
+
+fn drive(sample: &Sample) -> Drive<f64> {
+    Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration }
+}
+
+fn total_turns(sample: &Sample) -> f64 {
+    sample.revolution as f64 + sample.angle.revolutions()
 }
 
 fn record(speed: &Running, samples: u64, compared: u64, rate_hz: f64, duration_s: f64, turns: f64, angle_source: String) -> Record {

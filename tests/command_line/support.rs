@@ -1,0 +1,195 @@
+//! The built program, a desk with scene and recording to run it at, and what it answered.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The built-in demonstration.
+pub const DEMO_SCENE: &str = include_str!("../../runner/demo/healthy.toml");
+/// Its recording: 12800 samples at 12.8 kHz, 50 turns of 256 samples.
+pub const DEMO_RECORDING: &str = include_str!("../../runner/demo/healthy.csv");
+/// Samples of one turn there.
+pub const TURN: usize = 256;
+/// Samples of the recording on a [`Desk::rig`]: eight turns.
+pub const SHORT: usize = 8 * TURN;
+
+/// The program in the profile of this test, built once.
+pub fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let build = escargot::CargoBuild::new()
+            .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"))
+            .package("ballrace-runner")
+            .bin("ballrace");
+        let build = if cfg!(debug_assertions) { build } else { build.release() };
+        build.run().unwrap().path().to_owned()
+    })
+}
+
+/// A file of `tests/recordings`.
+pub fn recorded(name: &str) -> String {
+    concat!(env!("CARGO_MANIFEST_DIR"), "/recordings/").to_owned() + name
+}
+
+/// `text` with the first `from`, which has to be there, replaced.
+pub fn swap(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from:?} is not in the text");
+    text.replacen(from, to, 1)
+}
+
+/// The demonstration's scene with pieces of its text replaced.
+pub fn scene(swaps: &[(&str, &str)]) -> String {
+    swaps.iter().fold(DEMO_SCENE.to_owned(), |text, (from, to)| swap(&text, from, to))
+}
+
+/// The header and the first `samples` rows of the demonstration's recording.
+pub fn short_recording(samples: usize) -> String {
+    DEMO_RECORDING.split_inclusive('\n').take(1 + samples).collect()
+}
+
+/// The recording on a [`Desk::rig`] with its lines (the header is line 1) edited.
+pub fn edited_recording(mut edit: impl FnMut(usize, &str) -> Vec<String>) -> String {
+    let text = short_recording(SHORT);
+    let lines = text.lines().enumerate().flat_map(|(i, line)| edit(i + 1, line));
+    lines.map(|line| line + "\n").collect()
+}
+
+/// A row with one of its cells replaced.
+pub fn with_cell(row: &str, column: usize, cell: &str) -> String {
+    let mut cells: Vec<&str> = row.split(',').collect();
+    cells[column] = cell;
+    cells.join(",")
+}
+
+/// A folder to work in, removed at the end.
+pub struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    /// With nothing on it.
+    pub fn empty() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    /// With the demonstration's scene and the first turns of its recording.
+    pub fn rig() -> Self {
+        Self::with(DEMO_SCENE, &short_recording(SHORT))
+    }
+
+    /// With `scene.toml` and its recording `healthy.csv`.
+    pub fn with(scene: &str, recording: &str) -> Self {
+        let desk = Self::empty();
+        desk.put("scene.toml", scene);
+        desk.put("healthy.csv", recording);
+        desk
+    }
+
+    pub fn put(&self, name: &str, contents: impl AsRef<[u8]>) {
+        fs::write(self.path(name), contents).unwrap();
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Names of all that lies on it.
+    pub fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// The program at this desk, its output to be read.
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(program());
+        command.args(args).current_dir(self.folder.path());
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    pub fn run(&self, args: &[&str]) -> Answer {
+        let output = self.command(args).output().unwrap();
+        Answer {
+            command: args.join(" "),
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// Runs what has to go well, without a word on standard error.
+    pub fn done(&self, args: &[&str]) -> Answer {
+        let answer = self.run(args);
+        assert_eq!(answer.code, Some(0), "{answer:?}");
+        assert_eq!(answer.err, "", "{answer:?}");
+        answer
+    }
+
+    /// Runs what has to be refused: with this exit code and one line that has all `parts`, leaving nothing behind.
+    pub fn refused(&self, args: &[&str], code: i32, parts: &[&str]) {
+        let before = self.files();
+        let answer = self.run(args);
+        assert_eq!(answer.code, Some(code), "{answer:?}");
+        assert!(answer.err.starts_with("ballrace: ") && answer.err.ends_with('\n'), "{answer:?}");
+        assert_eq!(answer.err.lines().count(), 1, "{answer:?}");
+        for part in parts {
+            assert!(answer.err.contains(part), "{part:?} is missing: {answer:?}");
+        }
+        assert!(!answer.err.contains("panicked"), "{answer:?}");
+        assert_eq!(answer.out, "", "{answer:?}");
+        assert_eq!(self.files(), before, "files left behind: {answer:?}");
+    }
+
+    /// Replays the scene on the desk (or the demonstration where `scene` is empty) and gives the outcome.
+    pub fn replay(&self, scene: &str, more: &[&str]) -> Value {
+        let scene = [scene];
+        let scene = if scene == [""] { &[][..] } else { &scene[..] };
+        self.done(&[&["replay"], scene, more, &["--format", "json"]].concat()).json()
+    }
+}
+
+/// What the program answered.
+#[derive(Debug)]
+pub struct Answer {
+    #[expect(dead_code, reason = "shown where a test fails")]
+    command: String,
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+impl Answer {
+    pub fn json<T: DeserializeOwned>(&self) -> T {
+        serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {self:?}"))
+    }
+}
+
+/// The header and the numbers of a CSV file.
+pub fn numbers(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().split(',').map(str::to_owned).collect();
+    let rows = lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    (header, rows)
+}
+
+/// A number of an outcome, such as `number(&outcome, "/timing/samples")`.
+pub fn number(outcome: &Value, pointer: &str) -> f64 {
+    let value = outcome.pointer(pointer).and_then(Value::as_f64);
+    value.unwrap_or_else(|| panic!("no number at {pointer} of {outcome:#}"))
+}
+
+/// The entries of a list of an outcome.
+pub fn list<'a>(outcome: &'a Value, key: &str) -> &'a [Value] {
+    outcome[key].as_array().unwrap_or_else(|| panic!("no list {key} in {outcome:#}"))
+}

@@ -1,0 +1,78 @@
+//! The fast math backend: how far off it is, in both directions (a bound that became loose is wrong too).
+
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::lumped::Radial;
+use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::contact::law::{Line, Point, Power};
+use ballrace::{Displacement, Exact, Fast, Math, Turn};
+use ballrace_tests::bearings::acbb_s_geometry;
+use ballrace_tests::compare::relative_to_largest;
+
+/// (bound, what) with the error found between half the bound and the bound.
+fn within(what: &str, error: f64, bound: f64) {
+    assert!(error <= bound, "{what}: {error:e} is above {bound:e}");
+    assert!(error >= 0.5 * bound, "{what}: {error:e}: the bound {bound:e} has become loose");
+}
+
+#[test]
+fn square_root_and_ninth_root() {
+    let grid = (0..200_000).map(|i| 10_f64.powf(-12.0 + 1e-4 * f64::from(i) * 0.9));
+    let (mut root, mut ninth, mut exact_ninth) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for x in grid {
+        root = root.max((<Fast as Math<f64>>::sqrt(x) / x.sqrt() - 1.0).abs());
+        ninth = ninth.max(
+            (f64::from(<Fast as Math<f32>>::ninth_root(x as f32)) / f64::from(x as f32).powf(1.0 / 9.0) - 1.0).abs(),
+        );
+        exact_ninth = exact_ninth.max((<Exact as Math<f64>>::ninth_root(x) / x.powf(1.0 / 9.0) - 1.0).abs());
+    }
+    within("fast square root", root, 1.8e-3);
+    within("ninth root in f32", ninth, 3.5e-7);
+    assert!(exact_ninth < 1e-15, "{exact_ninth:e}");
+    assert_eq!(<Fast as Math<f32>>::sqrt(0.0), 0.0);
+}
+
+#[test]
+fn sine_and_cosine_of_the_turn_counter() {
+    let (mut single, mut double) = (0.0_f64, 0.0_f64);
+    for i in 0..1_000_000_u64 {
+        let turn = Turn(i.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let (sin, cos) = turn.radians().sin_cos();
+        let (s, c): (f32, f32) = Exact::sin_cos(turn);
+        let (sd, cd): (f64, f64) = Exact::sin_cos(turn);
+        single = single.max((f64::from(s) - sin).abs()).max((f64::from(c) - cos).abs());
+        double = double.max((sd - sin).abs()).max((cd - cos).abs());
+    }
+    within("f32", single, 1.5e-7);
+    // Most of this is the rounding of the reference's own angle in radians.
+    within("f64", double, 1.1e-15);
+}
+
+#[test]
+fn forces() {
+    let u = [12e-6, 4e-6, 20e-6, 1e-4, -5e-5];
+    let wrench = |bearing: &dyn Bearing<f32>| {
+        bearing
+            .reaction(&Displacement::from_array(u.map(|x| x as f32)), Turn::from_revolutions(0.1))
+            .wrench
+            .to_array()
+            .map(f64::from)
+    };
+    macro_rules! compare {
+        ($what:literal, $bound:expr, $make:expr) => {{
+            let (exact, fast) = (wrench(&$make(Exact)), wrench(&$make(Fast)));
+            let error = relative_to_largest(&fast, &exact);
+            within($what, error, $bound);
+        }};
+    }
+    fn radial<M: Math<f32>, L: ballrace::contact::law::Law<f32, M>>(_: M, law: L) -> Radial<f32, M, L, Places<f32, 9>> {
+        Radial::try_new(even_places(Turn::ZERO), law, 2e-6).unwrap()
+    }
+    fn angular<M: Math<f32>>(_: M) -> Angular<f32, M, Places<f32, 14>> {
+        Angular::try_new(acbb_s_geometry(), even_places(Turn::ZERO), Zero::Touching).unwrap()
+    }
+    compare!("lumped, 3/2", 1.8e-3, |m| radial(m, Point { stiffness: 8e9 }));
+    compare!("lumped, 1.37", 0.12, |m| radial(m, Power { stiffness: 2e9, exponent: 1.37 }));
+    compare!("angular", 3e-3, angular);
+    let line = |m| radial(m, Line { stiffness: 3e8 });
+    assert_eq!(wrench(&line(Exact)), wrench(&radial(Fast, Line { stiffness: 3e8 })), "no square root in the line law");
+}

@@ -1,0 +1,47 @@
+//! Bearings that several tests use.
+
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::even_places;
+use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+use ballrace::bearing::surface::{Spall, SpallShape};
+use ballrace::bearing::{Bearing, Places};
+use ballrace::{Exact, Turn};
+
+/// A 6205-size ball bearing with `N` balls and a diametral clearance.
+pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, Places<f64, N>> {
+    let geometry = BallBearingGeometry {
+        ball_diameter: 7.94e-3,
+        pitch_diameter: 39.04e-3,
+        inner_conformity: 0.52,
+        outer_conformity: 0.52,
+        contact_angle: 0.0,
+        ball: BEARING_STEEL,
+        race: BEARING_STEEL,
+    };
+    let geometry = geometry.with_clearance(clearance).expect("a possible clearance");
+    Angular::try_new(geometry, even_places(Turn::ZERO), Zero::Centred).expect("a possible bearing")
+}
+
+/// MODEL F4b's geometry: 14 balls of 7 mm on 38.5 mm at 25 degrees, conformity 0.52.
+pub fn acbb_s_geometry() -> BallBearingGeometry {
+    BallBearingGeometry {
+        ball_diameter: 7e-3,
+        pitch_diameter: 38.5e-3,
+        inner_conformity: 0.52,
+        outer_conformity: 0.52,
+        contact_angle: 25.0_f64.to_radians(),
+        ball: BEARING_STEEL,
+        race: BEARING_STEEL,
+    }
+}
+
+/// MODEL F4b's bearing.
+pub fn angular_contact() -> Angular<f64, Exact, Places<f64, 14>> {
+    Angular::try_new(acbb_s_geometry(), even_places(Turn::ZERO), Zero::Touching).expect("a possible bearing")
+}
+
+/// The deep groove bearing with a spall under the load.
+pub fn spalled() -> impl Bearing<f64> {
+    let spall = Spall::new(Turn::from_revolutions(0.01), 0.3, 2e-6, SpallShape::HalfSine);
+    deep_groove::<9>(10e-6).with_surface(spall)
+}
