@@ -47,6 +47,7 @@ pub trait Scalar:
     fn counts_of_radians(self) -> i64;
 
     /// `(x + |x|) / 2`: the positive part without a branch or a library call.
+    #[inline]
     fn positive_part(self) -> Self {
         (self + self.abs()) * Self::HALF
     }
@@ -60,22 +61,28 @@ impl Scalar for f32 {
     const ONE: Self = 1.0;
     const HALF: Self = 0.5;
 
+    #[inline]
     fn from_f64(x: f64) -> Self {
         x as Self
     }
+    #[inline]
     fn to_f64(self) -> f64 {
         f64::from(self)
     }
+    #[inline]
     fn abs(self) -> Self {
         Self::from_bits(self.to_bits() & 0x7fff_ffff)
     }
+    #[inline]
     fn is_finite(self) -> bool {
         self.to_bits() & 0x7f80_0000 != 0x7f80_0000
     }
+    #[inline]
     fn radians_of_counts(counts: i64) -> Self {
         const SCALE: f32 = (core::f64::consts::TAU / COUNTS_32) as f32;
         ((counts >> 32) as i32) as Self * SCALE
     }
+    #[inline]
     fn counts_of_radians(self) -> i64 {
         const SCALE: f32 = (COUNTS_32 / core::f64::consts::TAU) as f32;
         i64::from((self * SCALE) as i32) << 32
@@ -87,21 +94,27 @@ impl Scalar for f64 {
     const ONE: Self = 1.0;
     const HALF: Self = 0.5;
 
+    #[inline]
     fn from_f64(x: f64) -> Self {
         x
     }
+    #[inline]
     fn to_f64(self) -> f64 {
         self
     }
+    #[inline]
     fn abs(self) -> Self {
         Self::from_bits(self.to_bits() & 0x7fff_ffff_ffff_ffff)
     }
+    #[inline]
     fn is_finite(self) -> bool {
         self.to_bits() & 0x7ff0_0000_0000_0000 != 0x7ff0_0000_0000_0000
     }
+    #[inline]
     fn radians_of_counts(counts: i64) -> Self {
         counts as Self * (core::f64::consts::TAU / COUNTS_64)
     }
+    #[inline]
     fn counts_of_radians(self) -> i64 {
         (self * (COUNTS_64 / core::f64::consts::TAU)) as i64
     }

@@ -17,30 +17,35 @@ impl Status {
 
     /// The flags as bits, for logs and tables.
     #[must_use]
+    #[inline]
     pub const fn bits(self) -> u8 {
         self.0
     }
 
     /// Both sets of flags.
     #[must_use]
+    #[inline]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
     /// `self` when `condition` holds, else OK.
     #[must_use]
+    #[inline]
     pub const fn when(self, condition: bool) -> Self {
         Self(self.0 * condition as u8)
     }
 
     /// All flags of `other` are set.
     #[must_use]
+    #[inline]
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
     /// The last good value is returned instead of a fresh one.
     #[must_use]
+    #[inline]
     pub const fn is_held(self) -> bool {
         self.0 & (Self::INPUT_NOT_FINITE.0 | Self::RESULT_NOT_FINITE.0) != 0
     }

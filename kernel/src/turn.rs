@@ -46,30 +46,35 @@ impl Turn {
 
     /// The angle further by `angle`.
     #[must_use]
+    #[inline]
     pub const fn plus(self, angle: Self) -> Self {
         Self(self.0.wrapping_add(angle.0))
     }
 
     /// The shorter way from `earlier` to here.
     #[must_use]
+    #[inline]
     pub const fn since(self, earlier: Self) -> Arc {
         Arc(self.0.wrapping_sub(earlier.0) as i64)
     }
 
     /// The angle further by `arc`.
     #[must_use]
+    #[inline]
     pub const fn advanced(self, arc: Arc) -> Self {
         Self(self.0.wrapping_add(arc.0 as u64))
     }
 
     /// The same angle turned the other way: -angle.
     #[must_use]
+    #[inline]
     pub const fn reversed(self) -> Self {
         Self(self.0.wrapping_neg())
     }
 
     /// `n` times the angle, for the phase of the n-th harmonic or of n equally spaced elements.
     #[must_use]
+    #[inline]
     pub const fn times(self, n: u64) -> Self {
         Self(self.0.wrapping_mul(n))
     }
@@ -86,12 +91,14 @@ impl Arc {
 
     /// From radians; beyond half a turn it saturates there, NaN gives 0.
     #[must_use]
+    #[inline]
     pub fn from_radians<T: Scalar>(radians: T) -> Self {
         Self(radians.counts_of_radians())
     }
 
     /// Radians, -pi to pi.
     #[must_use]
+    #[inline]
     pub fn radians<T: Scalar>(self) -> T {
         T::radians_of_counts(self.0)
     }
@@ -113,6 +120,7 @@ impl Ratio {
 
     /// `ratio * arc`.
     #[must_use]
+    #[inline]
     pub const fn of(self, arc: Arc) -> Arc {
         Arc(((self.0 as i128 * arc.0 as i128) >> 63) as i64)
     }

@@ -44,6 +44,7 @@ const MANTISSA: [f64; 7] = [
     -0.001_588_722_056_998_302_7,
 ];
 
+#[inline]
 pub fn ninth_root_f32(x: f32) -> f32 {
     let bits = x.to_bits();
     // The bias 127 and 8 more make 135 = 15 * 9, so the division sees a positive number.
@@ -55,6 +56,7 @@ pub fn ninth_root_f32(x: f32) -> f32 {
     mantissa * scale * POWERS_F32[(r & 15) as usize]
 }
 
+#[inline]
 pub fn ninth_root_f64(x: f64) -> f64 {
     let bits = x.to_bits();
     // 1023 + 3 = 114 * 9.

@@ -7,12 +7,14 @@ use crate::scalar::Scalar;
 use crate::turn::Turn;
 
 /// The quarter turn nearest to the angle (0 to 3) and what is left, -1/8 to 1/8 turn, in counts.
+#[inline]
 fn reduce(angle: Turn) -> (u64, i64) {
     let quarter = angle.0.wrapping_add(1 << 61) >> 62;
     (quarter, angle.0.wrapping_sub(quarter << 62) as i64)
 }
 
 /// Turns (sin, cos) of the remainder by the whole quarters.
+#[inline]
 fn unreduce<T: Scalar>(quarter: u64, sin: T, cos: T) -> (T, T) {
     let (s, c) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };
     let s = if quarter & 2 == 0 { s } else { -s };
@@ -26,6 +28,7 @@ fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {
     coefficients.into_iter().rev().fold(T::ZERO, |sum, c| sum * x + c)
 }
 
+#[inline]
 pub fn sin_cos_f32(angle: Turn) -> (f32, f32) {
     let (quarter, rest) = reduce(angle);
     let x = f32::radians_of_counts(rest);
@@ -36,6 +39,7 @@ pub fn sin_cos_f32(angle: Turn) -> (f32, f32) {
     unreduce(quarter, sin, cos)
 }
 
+#[inline]
 pub fn sin_cos_f64(angle: Turn) -> (f64, f64) {
     let (quarter, rest) = reduce(angle);
     let x = f64::radians_of_counts(rest);

@@ -1,6 +1,7 @@
 //! What the residual says: lines that the twin cannot explain, and the verdict in one sentence.
 
 use super::comparison::{Comparison, INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
+use super::locate::Locator;
 use super::outcome::{Finding, FindingKind, ProbeOutcome};
 use super::twin::Seat;
 use crate::scene::{Direction, Probe};
@@ -30,6 +31,8 @@ pub struct Evidence<'a> {
     pub seats: &'a [Seat],
     /// The sums.
     pub comparison: &'a Comparison,
+    /// Which of two bearings a line comes from.
+    pub locator: Option<&'a Locator>,
     /// Mean shaft speed, Hz.
     pub speed_hz: f64,
     /// Samples per second.
@@ -93,9 +96,12 @@ fn families(seats: &[Seat]) -> Vec<Family> {
 }
 
 fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Finding)> {
-    if !nearest(evidence, family) {
-        return None;
-    }
+    let suspects = match origin(evidence, family) {
+        Origin::Elsewhere => return None,
+        Origin::Here => family.bearing.into_iter().collect(),
+        Origin::OneOf(bearings) => bearings,
+    };
+    let names: Vec<&str> = suspects.iter().map(|&b| evidence.seats[b].name.as_str()).collect();
     let amplitude = |line: usize, probe: usize| evidence.comparison.residual_line(line, probe);
     let share = energy(evidence, |p| family.lines.iter().map(|l| 0.5 * amplitude(l.0, p).powi(2)).sum()) / total;
     let strongest = evidence
@@ -112,11 +118,12 @@ fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Findi
         return None;
     }
     let line_hz = family.order * evidence.speed_hz;
-    let bearing = family.bearing.map(|b| evidence.seats[b].name.clone());
+    // Named only where there is no choice left.
+    let bearing = (names.len() == 1).then(|| names.concat());
     let where_seen = &evidence.probes[probe].column;
     let sentence = format!(
         "{}: the residual stands at {:.1} Hz ({:.2} per turn{}), {:.2} um on {where_seen}, {level_db:.0} dB above what is around it, {:.0} % of the residual's energy.",
-        what(family.kind, bearing.as_deref()),
+        what(family.kind, &names.join(" or ")),
         line_hz,
         family.order,
         if family.lines.len() > 1 { " and multiples" } else { "" },
@@ -128,8 +135,8 @@ fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Findi
     Some((share, finding))
 }
 
-fn what(kind: FindingKind, bearing: Option<&str>) -> String {
-    let of = bearing.map(|b| format!(" of {b}")).unwrap_or_default();
+fn what(kind: FindingKind, bearings: &str) -> String {
+    let of = if bearings.is_empty() { String::new() } else { format!(" of {bearings}") };
     match kind {
         FindingKind::Unbalance => "Unbalance other than the scene's".to_owned(),
         FindingKind::OuterRace => format!("Outer race{of}"),
@@ -138,27 +145,37 @@ fn what(kind: FindingKind, bearing: Option<&str>) -> String {
     }
 }
 
-/// Bearings of the same shape share their lines: of those, only the one whose nearest probes see the lines best.
-fn nearest(evidence: &Evidence, family: &Family) -> bool {
-    let Some(own) = family.bearing else { return true };
+/// Where the family's lines come from.
+enum Origin {
+    /// This bearing.
+    Here,
+    /// Another bearing with the same lines.
+    Elsewhere,
+    /// One of several with the same lines: only the first of them speaks for all.
+    OneOf(Vec<usize>),
+}
+
+/// A bearing's unexplained force has to be this many times the other one's to be named.
+const CLEARLY: f64 = 2.0;
+
+fn origin(evidence: &Evidence, family: &Family) -> Origin {
+    let Some(own) = family.bearing else { return Origin::Here };
     let order = |b: usize| match family.kind {
         FindingKind::InnerRace => evidence.seats[b].kinematics.orders.inner_race,
         _ => evidence.seats[b].kinematics.orders.outer_race,
     };
-    let seen_near = |b: usize| {
-        let station = evidence.seats[b].station;
-        let distance = |p: &Probe| (p.station - station).abs();
-        let closest = evidence.probes.iter().filter(|p| radial(p)).map(distance).fold(f64::INFINITY, f64::min);
-        energy(evidence, |i| {
-            let near = distance(&evidence.probes[i]) < closest + 1e-6;
-            let lines = family.lines.iter().map(|l| evidence.comparison.residual_line(l.0, i).powi(2));
-            if near { lines.sum() } else { 0.0 }
-        })
-    };
-    let rivals = (0..evidence.seats.len())
-        .filter(|&b| b != own && (order(b) - order(own)).abs() < 0.05 && evidence.seats[b].kinematics.cage_ratio != 0.0);
-    let mine = seen_near(own);
-    rivals.into_iter().all(|b| mine > seen_near(b) || (mine == seen_near(b) && own < b))
+    let moving = |b: &usize| evidence.seats[*b].kinematics.cage_ratio != 0.0;
+    let same: Vec<usize> =
+        (0..evidence.seats.len()).filter(moving).filter(|&b| (order(b) - order(own)).abs() < 0.05).collect();
+    if same == [own] {
+        return Origin::Here;
+    }
+    match evidence.locator.and_then(|l| l.unexplained(family.lines.iter().map(|l| l.0))) {
+        Some(force) if force[own] > CLEARLY * force[1 - own] => Origin::Here,
+        Some(force) if force[1 - own] > CLEARLY * force[own] => Origin::Elsewhere,
+        _ if same.first() == Some(&own) => Origin::OneOf(same),
+        _ => Origin::Elsewhere,
+    }
 }
 
 /// Amplitude of the residual's noise around an order, as the demodulator would see it: the median of the spectrum

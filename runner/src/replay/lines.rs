@@ -49,6 +49,8 @@ pub struct Demodulator {
     signals: usize,
     /// Complex sums of the running block, line-major.
     block: Vec<(f64, f64)>,
+    /// Amplitudes of cosine and sine in the last finished block.
+    last: Vec<[f64; 2]>,
     weight: f64,
     /// Turns gone in the running block.
     turns: f64,
@@ -69,6 +71,7 @@ impl Demodulator {
             lines,
             signals,
             block: vec![(0.0, 0.0); cells],
+            last: vec![[0.0; 2]; cells],
             weight: 0.0,
             turns: 0.0,
             power: vec![0.0; cells],
@@ -78,8 +81,8 @@ impl Demodulator {
         }
     }
 
-    /// One sample of all signals.
-    pub fn add(&mut self, values: &[f64], angles: Angles) {
+    /// One sample of all signals; true when it finished a block.
+    pub fn add(&mut self, values: &[f64], angles: Angles) -> bool {
         self.seen += 1.0;
         let window = 0.5 * (1.0 - (TAU * self.turns / BLOCK_TURNS).cos());
         self.weight += window;
@@ -97,19 +100,21 @@ impl Demodulator {
             }
         }
         self.turns += angles.arc.abs();
-        if self.turns >= BLOCK_TURNS {
-            self.close(1.0);
+        let full = self.turns >= BLOCK_TURNS;
+        if full {
+            self.close();
             self.turns -= BLOCK_TURNS;
         }
+        full
     }
 
-    fn close(&mut self, share: f64) {
+    fn close(&mut self) {
         if self.weight > 0.0 {
-            for (power, cell) in self.power.iter_mut().zip(&self.block) {
-                let amplitude = 2.0 * cell.0.hypot(cell.1) / self.weight;
-                *power += share * amplitude * amplitude;
+            for ((power, last), cell) in self.power.iter_mut().zip(&mut self.last).zip(&self.block) {
+                *last = [2.0 * cell.0 / self.weight, 2.0 * cell.1 / self.weight];
+                *power += last[0] * last[0] + last[1] * last[1];
             }
-            self.blocks += share;
+            self.blocks += 1.0;
         }
         self.block.fill((0.0, 0.0));
         self.weight = 0.0;
@@ -118,8 +123,14 @@ impl Demodulator {
     /// Ends the recording: a part block counts only where there is no whole one.
     pub fn finish(&mut self) {
         if self.blocks == 0.0 {
-            self.close(1.0);
+            self.close();
         }
+    }
+
+    /// Amplitudes of cosine and sine of line `line` in every signal of the last finished block.
+    #[must_use]
+    pub fn block(&self, line: usize) -> &[[f64; 2]] {
+        self.last.get(line * self.signals..(line + 1) * self.signals).unwrap_or_default()
     }
 
     /// Amplitude (zero to peak) of line `line` in signal `signal`.

@@ -5,6 +5,7 @@ pub mod comparison;
 pub mod findings;
 pub mod forces;
 pub mod lines;
+pub mod locate;
 pub mod outcome;
 pub mod pictures;
 pub mod pose;
@@ -25,6 +26,7 @@ use ballrace::turn::Ratio;
 use ballrace::{Displacement, Turn};
 use comparison::{Angles, Comparison, Seen};
 use forces::{BearingSums, Evaluated, noise_band};
+use locate::Locator;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
 use pose::PoseSolver;
@@ -108,6 +110,7 @@ struct Run<'a> {
     comparison: Comparison,
     bearings: Vec<BearingSums>,
     collector: Collector,
+    locator: Option<Locator>,
     ledger: Ledger,
     forces: Option<ForcesFile>,
     speed: Running,
@@ -210,6 +213,7 @@ impl<'a> Run<'a> {
             comparison: Comparison::new(probes.len(), &plant.seats, planes.len()),
             collector: Collector::new(probes, planes.clone(), &plant.seats),
             bearings: plant.seats.iter().map(|s| BearingSums::new(s.elements)).collect(),
+            locator: Locator::new(&plant),
             planes,
             solver,
             notes: plant.notes.clone(),
@@ -333,7 +337,11 @@ impl<'a> Run<'a> {
             linear: &buffers.linear,
             planes: &buffers.planes,
         };
-        self.comparison.add(&seen, Angles { shaft: sample.angle, cages: &moving.cages, arc });
+        let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
+        self.comparison.add(&seen, angles);
+        if let Some(locator) = self.locator.as_mut().filter(|_| !buffers.evaluated.iter().any(|e| e.status.is_held())) {
+            locator.add(&self.plant, pose, &buffers.evaluated, angles, sample.speed);
+        }
         self.collector.add(sample, &buffers.twin, arc);
         for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
             let (force, cage) = (&mut buffers.evaluated[i], moving.cages[i]);
@@ -378,6 +386,7 @@ impl<'a> Run<'a> {
             probes: self.probes,
             seats: &self.plant.seats,
             comparison: &self.comparison,
+            locator: self.locator.as_ref(),
             speed_hz,
             rate: self.rate,
         };
