@@ -39,6 +39,8 @@ pub trait Scalar:
     fn to_f64(self) -> f64;
     /// Magnitude: clears the sign bit.
     fn abs(self) -> Self;
+    /// Negated where `sign` has its sign bit set.
+    fn negated_by(self, sign: Self) -> Self;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
     /// Radians of an arc given in counts of 2^-64 turn; `f32` looks at the upper 32 bits only.
@@ -74,6 +76,10 @@ impl Scalar for f32 {
         Self::from_bits(self.to_bits() & 0x7fff_ffff)
     }
     #[inline]
+    fn negated_by(self, sign: Self) -> Self {
+        Self::from_bits(self.to_bits() ^ (sign.to_bits() & 0x8000_0000))
+    }
+    #[inline]
     fn is_finite(self) -> bool {
         self.to_bits() & 0x7f80_0000 != 0x7f80_0000
     }
@@ -105,6 +111,10 @@ impl Scalar for f64 {
     #[inline]
     fn abs(self) -> Self {
         Self::from_bits(self.to_bits() & 0x7fff_ffff_ffff_ffff)
+    }
+    #[inline]
+    fn negated_by(self, sign: Self) -> Self {
+        Self::from_bits(self.to_bits() ^ (sign.to_bits() & 0x8000_0000_0000_0000))
     }
     #[inline]
     fn is_finite(self) -> bool {

@@ -35,7 +35,8 @@ impl AtomicFile {
     /// As [`AtomicFile::create`] and [`AtomicFile::finish`].
     pub fn write(path: &Path, contents: &str) -> Result<()> {
         let mut file = Self::create(path)?;
-        file.write_all(contents.as_bytes()).with_context(|| format!("{}: this file cannot be written", path.display()))?;
+        file.write_all(contents.as_bytes())
+            .with_context(|| format!("{}: this file cannot be written", path.display()))?;
         file.finish()
     }
 

@@ -12,7 +12,25 @@ pub fn sqrt_f32(x: f32) -> f32 {
         // SAFETY: SSE is part of the x86-64 baseline.
         unsafe { _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x))) }
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(vsqrt)]
+    {
+        let root: u32;
+        // SAFETY: one instruction that the target has; it touches no memory and only the registers named. Operands go
+        // through core registers because stable Rust takes no floating-point ones here.
+        unsafe {
+            core::arch::asm!(
+                "vmov s0, {x}",
+                "vsqrt.f32 s0, s0",
+                "vmov {root}, s0",
+                x = in(reg) x.to_bits(),
+                root = lateout(reg) root,
+                out("s0") _,
+                options(pure, nomem, nostack, preserves_flags),
+            );
+        }
+        f32::from_bits(root)
+    }
+    #[cfg(not(any(target_arch = "x86_64", vsqrt)))]
     libm::sqrtf(x)
 }
 

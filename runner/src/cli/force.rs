@@ -9,6 +9,7 @@ use ballrace::bearing::{Bearing as _, HeldWrench};
 use ballrace::{Displacement, Exact, Fast, Math, Scalar, Status, Turn};
 use clap::ValueEnum;
 use serde::Serialize;
+use std::f64::consts::TAU;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -135,7 +136,7 @@ fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model)
         let seat = plant.seats.iter().find(|s| s.name == bearing.name).context("the bearing has a seat")?;
         return Ok(build::spring_of(&seat.bearing));
     }
-    build::bearing::<T, M>(bearing, model)
+    build::bearing::<T, M>(bearing, model).with_context(|| scene.path.display().to_string())
 }
 
 fn words(status: Status) -> String {
@@ -155,14 +156,22 @@ fn read_displacements(path: &Path, cage: &CageRate) -> Result<Vec<Row>> {
     }
     let mut reader = ::csv::ReaderBuilder::new()
         .trim(::csv::Trim::All)
+        .flexible(true)
         .from_path(path)
         .map_err(|e| anyhow::anyhow!("{name}: this file cannot be read: {e}"))?;
-    let header: Vec<String> = reader.headers().map_err(|e| anyhow::anyhow!("{name}: {e}"))?.iter().map(str::to_owned).collect();
+    let header: Vec<String> =
+        reader.headers().map_err(|e| anyhow::anyhow!("{name}: {e}"))?.iter().map(str::to_owned).collect();
+    if header.is_empty() {
+        bail!("{name}: found an empty file, allowed: a CSV file with the columns u,v,w,thu,thv");
+    }
     let column = |wanted: &str| header.iter().position(|h| h.trim_start_matches('\u{feff}') == wanted);
     let mut places = [0; 5];
     for (place, wanted) in places.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
         *place = column(wanted).ok_or_else(|| {
-            SceneFault(format!("{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle", header.join(",")))
+            SceneFault(format!(
+                "{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle",
+                header.join(",")
+            ))
         })?;
     }
     let (time, angle) = (column("t"), column("cage_angle"));
@@ -173,10 +182,17 @@ fn read_displacements(path: &Path, cage: &CageRate) -> Result<Vec<Row>> {
     for record in reader.records() {
         let record = record.map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
         let line = record.position().map_or(0, ::csv::Position::line);
+        if record.len() != header.len() {
+            let (found, allowed) = (record.len(), header.len());
+            bail!("{name}:{line}: found {found} cells, allowed: {allowed}, as many as the header has names");
+        }
         let cell = |i: usize| -> Result<f64> {
             let text = record.get(i).unwrap_or("");
             text.parse().map_err(|_| {
-                anyhow::anyhow!("{name}:{line}: column {}: found {text:?}, allowed: a number", header.get(i).map_or("", String::as_str))
+                anyhow::anyhow!(
+                    "{name}:{line}: column {}: found {text:?}, allowed: a number",
+                    header.get(i).map_or("", String::as_str)
+                )
             })
         };
         let mut u = [0.0; 5];
@@ -184,18 +200,22 @@ fn read_displacements(path: &Path, cage: &CageRate) -> Result<Vec<Row>> {
             *x = cell(place)?;
         }
         let turned = match (time, angle) {
-            (Some(t), _) => cage.at(cell(t)?),
-            (_, Some(a)) => Turn::from_radians(cell(a)?),
-            _ => Turn::ZERO,
+            (Some(t), _) => cage.revolutions_at(cell(t)?),
+            (_, Some(a)) => cell(a)? / TAU,
+            _ => 0.0,
         };
-        rows.push(Row { u, cage: turned });
+        if !turned.is_finite() {
+            // The kernel's angles are always finite; what it is to say of the row it says of the displacement.
+            u = [f64::NAN; 5];
+        }
+        rows.push(Row { u, cage: Turn::from_revolutions(turned) });
     }
     Ok(rows)
 }
 
 impl CageRate {
-    fn at(&self, time: f64) -> Turn {
-        Turn::from_revolutions(self.ratio * self.speed.revolutions(time))
+    fn revolutions_at(&self, time: f64) -> f64 {
+        self.ratio * self.speed.revolutions(time)
     }
 }
 
@@ -213,7 +233,11 @@ fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {
             }
         }
         Format::Text => {
-            writeln!(out, "{:>6} {:>13} {:>13} {:>13} {:>13} {:>13}  status", "row", "FX N", "FY N", "FZ N", "MX N m", "MY N m")?;
+            writeln!(
+                out,
+                "{:>6} {:>13} {:>13} {:>13} {:>13} {:>13}  status",
+                "row", "FX N", "FY N", "FZ N", "MX N m", "MY N m"
+            )?;
             for (i, Force { fx, fy, fz, mx, my, status }) in forces.iter().enumerate() {
                 writeln!(out, "{:>6} {fx:>13.4} {fy:>13.4} {fz:>13.4} {mx:>13.6} {my:>13.6}  {status}", i + 1)?;
             }

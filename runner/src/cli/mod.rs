@@ -6,7 +6,9 @@ pub mod simulate;
 
 use crate::recording::error::RecordingError;
 use crate::scene::read::SceneError;
+use anyhow::{Result, bail};
 use clap::{Parser, Subcommand, ValueEnum};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Rolling-bearing forces in fixed time, and a digital twin that replays measured shaft motion.
@@ -54,6 +56,33 @@ pub fn scene_fault(error: &anyhow::Error) -> anyhow::Error {
     SceneFault(format!("{error:#}")).into()
 }
 
+/// Refuses an output that would take the place of a file that is read, or of another output.
+///
+/// # Errors
+/// Names the option.
+fn keep_apart(outputs: &[(&str, &Path)], inputs: &[&Path]) -> Result<()> {
+    let real = inputs.iter().filter_map(|path| path.canonicalize().ok());
+    let mut taken: Vec<PathBuf> = inputs.iter().map(|path| place(path)).chain(real).collect();
+    for (option, path) in outputs {
+        let place = place(path);
+        if taken.contains(&place) {
+            let found = format!("{option}: found {}, which this command reads or writes already", path.display());
+            bail!(SceneFault(format!("{found}, allowed: another file")));
+        }
+        taken.push(place);
+    }
+    Ok(())
+}
+
+/// One and the same for every way to write a path, also of a file that is not there yet.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}
+
 /// Runs the command; errors go to standard error as one line.
 #[must_use]
 pub fn run(cli: &Cli) -> ExitCode {
@@ -82,7 +111,7 @@ fn is_users_fault(error: &anyhow::Error) -> bool {
 
 /// Whoever read our output has had enough of it: `ballrace ... | head`.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
-    })
+    error
+        .chain()
+        .any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe))
 }

@@ -1,8 +1,9 @@
 //! `ballrace replay`
 
-use super::Format;
+use super::{Format, keep_apart};
 use crate::output::AtomicFile;
 use crate::recording::csv::CsvReader;
+use crate::recording::rotation::RotationError;
 use crate::replay::outcome::Outcome;
 use crate::replay::{Options, replay};
 use crate::report;
@@ -45,9 +46,9 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         Some(path) => read_file(path)?,
         None => read_str(DEMO_SCENE, Path::new("built-in demonstration"))?,
     };
-    let (reader, name) = open(args, &scene)?;
-    // A report that cannot be written should not cost a long replay first.
-    AtomicFile::create(&args.report)?;
+    let (reader, path) = open(args, &scene)?;
+    check_outputs(args, &path)?;
+    let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
     let bar = progress_bar(&name);
     let progress = |read: u64, total: Option<u64>| {
         if let Some(total) = total {
@@ -58,18 +59,28 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let options = Options { paced: args.paced, forces: args.forces.as_deref(), progress: Some(&progress) };
     let outcome = replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
-    let outcome = outcome?;
+    let outcome =
+        outcome.map_err(|e| if e.is::<RotationError>() { e.context(path.display().to_string()) } else { e })?;
     AtomicFile::write(&args.report, &report::html(&outcome)?)?;
-    print(&outcome, format)?;
-    if format == Format::Text {
-        println!("\nReport: {}", args.report.display());
-    }
-    Ok(())
+    print(&outcome, &args.report, format)
 }
 
-fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, String)> {
+/// An output that cannot be written should not cost a long replay first.
+fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
+    let mut outputs = vec![("--report", args.report.as_path())];
+    outputs.extend(args.forces.as_deref().map(|path| ("--forces", path)));
+    let inputs: Vec<&Path> = args.scene.as_deref().into_iter().chain([recording]).collect();
+    keep_apart(&outputs, &inputs)?;
+    outputs.iter().try_for_each(|(_, path)| AtomicFile::create(path).map(|_| ()))
+}
+
+/// The recording to replay and its path.
+fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, PathBuf)> {
     let recording = scene.recording.as_ref().with_context(|| {
-        format!("{}: [recording]: found none, allowed: the table that says which column means what", scene.path.display())
+        format!(
+            "{}: [recording]: found none, allowed: the table that says which column means what",
+            scene.path.display()
+        )
     });
     let recording = recording.map_err(|e| super::scene_fault(&e))?;
     let path = match (&args.recording, &args.scene) {
@@ -78,12 +89,11 @@ fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, String)> {
         (None, None) => {
             let bytes = Box::new(Cursor::new(DEMO_RECORDING));
             let size = DEMO_RECORDING.len() as u64;
-            let name = "healthy.csv (built in)";
-            return Ok((CsvReader::from_reader(bytes, Path::new(name), Some(size), recording)?, name.to_owned()));
+            let name = PathBuf::from("healthy.csv (built in)");
+            return Ok((CsvReader::from_reader(bytes, &name, Some(size), recording)?, name));
         }
     };
-    let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
-    Ok((CsvReader::open(path, recording)?, name))
+    Ok((CsvReader::open(path, recording)?, path.clone()))
 }
 
 /// On standard error, and only where a person sees it.
@@ -99,7 +109,7 @@ fn progress_bar(name: &str) -> ProgressBar {
     bar
 }
 
-fn print(outcome: &Outcome, format: Format) -> Result<()> {
+fn print(outcome: &Outcome, report_path: &Path, format: Format) -> Result<()> {
     let text = match format {
         Format::Text => report::text(outcome),
         Format::Json => report::json(outcome)?,
@@ -109,6 +119,9 @@ fn print(outcome: &Outcome, format: Format) -> Result<()> {
     out.write_all(text.as_bytes())?;
     if !text.ends_with('\n') {
         out.write_all(b"\n")?;
+    }
+    if format == Format::Text {
+        writeln!(out, "\nReport: {}", report_path.display())?;
     }
     Ok(out.flush()?)
 }

@@ -1,6 +1,6 @@
 //! `ballrace simulate`: the time response of the scene's rotor from its rest position.
 
-use super::{Format, SceneFault, scene_fault};
+use super::{Format, SceneFault, keep_apart, scene_fault};
 use crate::output::AtomicFile;
 use crate::recording::Row;
 use crate::recording::rotation::Tracker;
@@ -9,9 +9,9 @@ use crate::scene::read::read_file;
 use crate::scene::units::{Dimension, parse};
 use crate::scene::{Rotation, Scene};
 use anyhow::{Context, Result, bail};
+use ballrace::Displacement;
 use ballrace::bearing::Bearing;
 use ballrace::rotor::Drive;
-use ballrace::Displacement;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
@@ -59,6 +59,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     if !(1.0..=MOST_SAMPLES).contains(&samples) {
         bail!(SceneFault(format!("--duration, --rate: found {samples} samples, allowed: 1 to {MOST_SAMPLES:e}")));
     }
+    keep_apart(&[("--output", &args.output)], &[&args.scene])?;
     let plant = Plant::try_new(&scene).map_err(|e| scene_fault(&e))?;
     let summary = simulate(&scene, &plant, samples as u64, rate, &args.output)?;
     print(&summary, &plant.notes, format)
@@ -151,7 +152,11 @@ fn print(summary: &Summary, notes: &[String], format: Format) -> Result<()> {
             writeln!(out, "{samples},{rate_hz},{steps_per_sample},{held_samples},{x},{y},{z}")?;
         }
         Format::Text => {
-            writeln!(out, "{}: {} samples at {} Hz, {} steps a sample", summary.scene, summary.samples, summary.rate_hz, summary.steps_per_sample)?;
+            writeln!(
+                out,
+                "{}: {} samples at {} Hz, {} steps a sample",
+                summary.scene, summary.samples, summary.rate_hz, summary.steps_per_sample
+            )?;
             writeln!(out, "Centre of mass, um pp: X {x:.3}, Y {y:.3}, Z {z:.3}")?;
             if summary.held_samples > 0 {
                 writeln!(out, "The motion overflowed and was held for {} samples.", summary.held_samples)?;

@@ -90,7 +90,7 @@ impl CsvReader {
     /// No such file, no header, a column of the scene that the file lacks, no row, time stamps without a rate,
     /// a cell that is not a number among the first rows.
     pub fn open(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
-        let unopened = |source| RecordingError::Open { file: path.into(), source };
+        let unopened = |cause| RecordingError::Open { file: path.into(), cause };
         let file = File::open(path).map_err(unopened)?;
         let about = file.metadata().map_err(unopened)?;
         if about.is_dir() {

@@ -10,12 +10,12 @@ const COLUMNS_SHOWN: usize = 30;
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// The file is not there or may not be read.
-    #[error("{file}: cannot be opened: {source}")]
+    #[error("{file}: cannot be opened: {cause}")]
     Open {
         /// The recording.
         file: PathBuf,
-        /// What the system says.
-        source: io::Error,
+        /// What the system says. Not a `source`: the sentence has it already.
+        cause: io::Error,
     },
     /// The path is a folder's.
     #[error("{file}: is a folder; allowed: a file of columns")]
@@ -24,14 +24,14 @@ pub enum RecordingError {
         file: PathBuf,
     },
     /// Reading failed on the way.
-    #[error("{file}, after line {line}: cannot be read further: {source}")]
+    #[error("{file}, after line {line}: cannot be read further: {cause}")]
     Read {
         /// The recording.
         file: PathBuf,
         /// Last line that was whole.
         line: u64,
-        /// What the system says.
-        source: io::Error,
+        /// What the system says. Not a `source`: the sentence has it already.
+        cause: io::Error,
     },
     /// Not a byte, or only blank lines.
     #[error("{file}: is empty; allowed: a line of column names and a row for each sample")]

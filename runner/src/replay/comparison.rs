@@ -1,7 +1,7 @@
 //! Measured against twin, probe by probe, as the samples go by.
 
 use super::lines::{Demodulator, Line};
-use super::outcome::{BallPassLine, Baselines, Motion, ProbeOutcome};
+use super::outcome::{BallPassLine, Baseline, Baselines, Motion, ProbeOutcome};
 use super::spectrum::Welch;
 use super::statistics::Sums;
 use super::twin::Seat;
@@ -144,7 +144,10 @@ impl Comparison {
         probes
             .iter()
             .enumerate()
-            .map(|(i, probe)| ProbeOutcome { ball_pass: self.ball_pass(i, seats, mean_speed_hz), ..self.probes[i].outcome(probe) })
+            .map(|(i, probe)| ProbeOutcome {
+                ball_pass: self.ball_pass(i, seats, mean_speed_hz),
+                ..self.probes[i].outcome(probe)
+            })
             .collect()
     }
 
@@ -186,14 +189,13 @@ impl OneProbe {
         let (_, one_x_left) = self.measured.one_x();
         let residual = self.residual.rms() * UM;
         let spread = self.measured.rms_about_mean() * UM;
+        let against = |rms: f64| Baseline::new(rms, residual);
         let baselines = Baselines {
-            mean_rms_um: spread,
-            persistence_rms_um: self.persistence.rms() * UM,
-            one_x_rms_um: one_x_left * UM,
-            linear_rms_um: self.linear.rms() * UM,
+            mean: against(spread),
+            persistence: against(self.persistence.rms() * UM),
+            one_x: against(one_x_left * UM),
+            linear: against(self.linear.rms() * UM),
         };
-        let Baselines { mean_rms_um, persistence_rms_um, one_x_rms_um, linear_rms_um } = baselines;
-        let best = [mean_rms_um, persistence_rms_um, one_x_rms_um, linear_rms_um].into_iter().fold(f64::MAX, f64::min);
         let (measured, twin) = (self.measured.motion(), self.twin.motion());
         ProbeOutcome {
             name: probe.column.clone(),
@@ -212,7 +214,6 @@ impl OneProbe {
             nrmse_normaliser: "rms of the measured signal about its mean".to_owned(),
             noise_um: probe.noise.map(|n| n * UM),
             baselines,
-            beats_all_baselines: self.residual.count() > 0.0 && residual < best,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::comparison::{Comparison, INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
 use super::locate::Locator;
-use super::outcome::{Finding, FindingKind, ProbeOutcome};
+use super::outcome::{Finding, FindingKind, ProbeOutcome, Standing};
 use super::twin::Seat;
 use crate::scene::{Direction, Probe};
 
@@ -46,10 +46,8 @@ pub fn findings(evidence: &Evidence) -> Vec<Finding> {
     if !(total > 0.0) || quiet(evidence) {
         return vec![];
     }
-    let mut judged: Vec<(f64, Finding)> = families(evidence.seats)
-        .iter()
-        .filter_map(|family| judge(evidence, family, total))
-        .collect();
+    let mut judged: Vec<(f64, Finding)> =
+        families(evidence.seats).iter().filter_map(|family| judge(evidence, family, total)).collect();
     judged.sort_by(|a, b| b.0.total_cmp(&a.0));
     let strongest = judged.first().map_or(0.0, |j| j.0);
     judged.into_iter().filter(|(share, _)| *share >= LEAST_OF_STRONGEST * strongest).map(|(_, f)| f).collect()
@@ -72,8 +70,7 @@ fn energy(evidence: &Evidence, of: impl Fn(usize) -> f64) -> f64 {
 }
 
 fn families(seats: &[Seat]) -> Vec<Family> {
-    let mut families =
-        vec![Family { kind: FindingKind::Unbalance, bearing: None, order: 1.0, lines: vec![(0, 1.0)] }];
+    let mut families = vec![Family { kind: FindingKind::Unbalance, bearing: None, order: 1.0, lines: vec![(0, 1.0)] }];
     for (i, seat) in seats.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0) {
         let orders = seat.kinematics.orders;
         let harmonics = |count: i32, order: f64, index: fn(usize, i32) -> usize| {
@@ -203,17 +200,27 @@ pub fn verdict(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
     if let Some(worst) = findings.first() {
         return format!("The machine departs from its twin. {}", worst.sentence);
     }
-    let beaten = probes.iter().filter(|p| p.beats_all_baselines).count();
     let n = probes.len().max(1) as f64;
     let residual = (probes.iter().map(|p| p.residual_rms_um.powi(2)).sum::<f64>() / n).sqrt();
     let noise: Option<Vec<f64>> = probes.iter().map(|p| p.noise_um).collect();
-    let against = noise.map_or(String::new(), |noise| {
-        let rms = (noise.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
-        format!(", {:.2} times the probe noise", residual / rms)
-    });
-    let follows = if beaten == probes.len() { "The twin follows the machine" } else { "The twin does not follow the machine well" };
+    let noise = noise.map(|noise| (noise.iter().map(|x| x * x).sum::<f64>() / n).sqrt());
+    let against = noise.map_or(String::new(), |noise| format!(", {:.2} times the probe noise", residual / noise));
+    let count = |standing| probes.iter().filter(|p| p.baselines.worst() == standing).count();
+    let (better, worse) = (count(Standing::Better), count(Standing::Worse));
+    let at_noise = noise.is_some_and(|noise| residual <= 1.5 * noise);
+    let follows = if worse == 0 || at_noise { "follows" } else { "does not follow" };
+    let rivals = if better == probes.len() {
+        "it beats all four simpler predictors on every probe".to_owned()
+    } else if worse == 0 {
+        format!(
+            "no simpler predictor does better, and on {} of {} probes one does as well",
+            probes.len() - better,
+            probes.len()
+        )
+    } else {
+        format!("a simpler predictor does better on {worse} of {} probes", probes.len())
+    };
     format!(
-        "{follows}: residual {residual:.3} um rms{against}; it beats all four baselines on {beaten} of {} probes, and no line stands out of the residual.",
-        probes.len()
+        "The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; no line stands out of the residual."
     )
 }

@@ -56,7 +56,13 @@ impl BearingSums {
     }
 
     /// The force from the measured pose (NaN where a reading is missing: the last good force is held) and the twin's.
-    pub fn evaluate(&mut self, seat: &Seat, pose: &Displacement<f64>, twin: &Displacement<f64>, cage: Turn) -> Evaluated {
+    pub fn evaluate(
+        &mut self,
+        seat: &Seat,
+        pose: &Displacement<f64>,
+        twin: &Displacement<f64>,
+        cage: Turn,
+    ) -> Evaluated {
         let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), cage);
         let twin = seat.bearing.reaction(&twin.at_station(seat.station), cage).wrench;
         Evaluated { measured: wrench.to_array(), twin: twin.to_array(), sigma: [f64::NAN; 5], status }
@@ -127,7 +133,13 @@ impl BearingSums {
 /// standard deviation either way: the larger change of the two, so that the band also holds at the edge of contact,
 /// where the tangent is zero on one side. None where a probe's noise is not given.
 #[must_use]
-pub fn noise_band(seat: &Seat, solver: &PoseSolver, probes: &[Probe], pose: &Displacement<f64>, cage: Turn) -> Option<[f64; 5]> {
+pub fn noise_band(
+    seat: &Seat,
+    solver: &PoseSolver,
+    probes: &[Probe],
+    pose: &Displacement<f64>,
+    cage: Turn,
+) -> Option<[f64; 5]> {
     let here = force_at(seat, pose, cage);
     let mut variance = [0.0; 5];
     for (i, probe) in probes.iter().enumerate() {

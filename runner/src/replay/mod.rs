@@ -14,11 +14,11 @@ pub mod statistics;
 pub mod timing;
 pub mod twin;
 
+use crate::cli::{SceneFault, scene_fault};
 use crate::output::AtomicFile;
 use crate::recording::Sample;
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::Tracker;
-use crate::cli::{SceneFault, scene_fault};
 use crate::scene::{Probe, Rotation, Scene};
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::Drive;
@@ -60,7 +60,10 @@ const LONGEST_COAST_TURNS: f64 = 200.0;
 /// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
 pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else {
-        bail!(SceneFault(format!("{}: [recording]: found none, allowed: the recording to replay", scene.path.display())));
+        bail!(SceneFault(format!(
+            "{}: [recording]: found none, allowed: the recording to replay",
+            scene.path.display()
+        )));
     };
     let rate = reader.rate();
     let mut tracker = Tracker::new(&recording.rotation, rate, scene.shaft.speed);
@@ -203,8 +206,7 @@ impl<'a> Run<'a> {
         let plant = Plant::try_new(scene)?;
         let linear = plant.linearised(&vec![true; plant.seats.len()])?;
         let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
-        let solver = PoseSolver::try_new(probes, &stations)
-            .with_context(|| scene.path.display().to_string())?;
+        let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
         let forces = options.forces.map(|path| ForcesFile::create(path, &plant.seats)).transpose()?;
         Ok(Self {
@@ -318,7 +320,13 @@ impl<'a> Run<'a> {
         })
     }
 
-    fn compare(&mut self, sample: &Sample, pose: &Displacement<f64>, twin_pose: &Displacement<f64>, arc: f64) -> Result<()> {
+    fn compare(
+        &mut self,
+        sample: &Sample,
+        pose: &Displacement<f64>,
+        twin_pose: &Displacement<f64>,
+        arc: f64,
+    ) -> Result<()> {
         let Some(moving) = &self.moving else { return Ok(()) };
         let buffers = &mut self.buffers;
         let readings = |q: &Displacement<f64>, into: &mut Vec<f64>| {
@@ -392,14 +400,21 @@ impl<'a> Run<'a> {
         };
         let findings = findings::findings(&evidence);
         self.explain();
-        let pictures =
-            self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
+        let pictures = self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
         Ok(Outcome {
             scene: scene.name.clone(),
             recording: recording.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             verdict: findings::verdict(&findings, &probes),
-            record: record(&self.speed, rows, self.comparison.compared, self.rate, self.last_time - self.first_time, self.turns, angle_source),
+            record: record(
+                &self.speed,
+                rows,
+                self.comparison.compared,
+                self.rate,
+                self.last_time - self.first_time,
+                self.turns,
+                angle_source,
+            ),
             observation: self.solver.observation.clone(),
             probes,
             bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
@@ -430,13 +445,17 @@ impl<'a> Run<'a> {
             self.notes.push("No axial probe: the axial position behind the measured forces is the twin's.".to_owned());
         }
         if self.probes.iter().any(|p| p.noise.is_none()) {
-            self.notes.push("Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band.".to_owned());
+            self.notes.push(
+                "Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band."
+                    .to_owned(),
+            );
         }
         if self.twin_held > 0 {
             self.notes.push(format!("The twin's motion overflowed and was held for {} samples.", self.twin_held));
         }
         if self.comparison.compared == 0 {
-            self.notes.push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
+            self.notes
+                .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
         }
     }
 }
@@ -449,7 +468,15 @@ fn total_turns(sample: &Sample) -> f64 {
     sample.revolution as f64 + sample.angle.revolutions()
 }
 
-fn record(speed: &Running, samples: u64, compared: u64, rate_hz: f64, duration_s: f64, turns: f64, angle_source: String) -> Record {
+fn record(
+    speed: &Running,
+    samples: u64,
+    compared: u64,
+    rate_hz: f64,
+    duration_s: f64,
+    turns: f64,
+    angle_source: String,
+) -> Record {
     let rpm = |w: f64| w * 60.0 / TAU;
     let (slow, fast) = speed.extremes();
     Record {

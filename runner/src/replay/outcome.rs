@@ -103,17 +103,69 @@ pub struct BallPassLine {
     pub residual_um: f64,
 }
 
-/// Residual RMS of simple predictors of the same signal.
+/// How the twin stands against a simpler predictor.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// It leaves more than 2 % less.
+    Better,
+    /// Within 2 %: this motion does not tell the two apart.
+    #[default]
+    Same,
+    /// It leaves more than 2 % more.
+    Worse,
+}
+
+/// One simpler predictor of the same signal.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Baseline {
+    /// What it leaves.
+    pub residual_rms_um: f64,
+    /// The twin against it.
+    pub twin_is: Standing,
+}
+
+impl Baseline {
+    /// From what it and what the twin leaves.
+    #[must_use]
+    pub fn new(residual_rms_um: f64, twin_rms_um: f64) -> Self {
+        const MARGIN: f64 = 0.02;
+        let twin_is = if twin_rms_um < (1.0 - MARGIN) * residual_rms_um {
+            Standing::Better
+        } else if twin_rms_um > (1.0 + MARGIN) * residual_rms_um {
+            Standing::Worse
+        } else {
+            Standing::Same
+        };
+        Self { residual_rms_um, twin_is }
+    }
+}
+
+/// What the twin has to beat.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct Baselines {
     /// The signal's own mean.
-    pub mean_rms_um: f64,
+    pub mean: Baseline,
     /// The sample before.
-    pub persistence_rms_um: f64,
+    pub persistence: Baseline,
     /// Mean and 1X fitted to the recording.
-    pub one_x_rms_um: f64,
+    pub one_x: Baseline,
     /// The same rotor on linear springs.
-    pub linear_rms_um: f64,
+    pub linear: Baseline,
+}
+
+impl Baselines {
+    /// In the order of the tables.
+    #[must_use]
+    pub const fn all(&self) -> [Baseline; 4] {
+        [self.mean, self.persistence, self.one_x, self.linear]
+    }
+
+    /// The twin's standing against the best of them.
+    #[must_use]
+    pub fn worst(&self) -> Standing {
+        self.all().map(|b| b.twin_is).into_iter().max().unwrap_or_default()
+    }
 }
 
 /// Comparison at one probe.
@@ -145,8 +197,6 @@ pub struct ProbeOutcome {
     pub noise_um: Option<f64>,
     /// What the twin has to beat.
     pub baselines: Baselines,
-    /// The twin's residual is smaller than that of every baseline.
-    pub beats_all_baselines: bool,
 }
 
 /// One force component over the recording.

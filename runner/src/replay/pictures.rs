@@ -111,7 +111,15 @@ impl Collector {
     }
 
     /// One bearing's force in the same sample, and the load on its element 1.
-    pub fn add_force(&mut self, bearing: usize, time: f64, force: &Evaluated, seat: &Seat, cage: Turn, first_load: f64) {
+    pub fn add_force(
+        &mut self,
+        bearing: usize,
+        time: f64,
+        force: &Evaluated,
+        seat: &Seat,
+        cage: Turn,
+        first_load: f64,
+    ) {
         if self.open(TURNS)
             && let Some(trace) = self.pictures.forces.get_mut(bearing)
         {
@@ -139,7 +147,14 @@ impl Collector {
 
     /// The pictures' data.
     #[must_use]
-    pub fn finish(mut self, comparison: &Comparison, sums: &[BearingSums], seats: &[Seat], rate: f64, speed_hz: f64) -> Pictures {
+    pub fn finish(
+        mut self,
+        comparison: &Comparison,
+        sums: &[BearingSums],
+        seats: &[Seat],
+        rate: f64,
+        speed_hz: f64,
+    ) -> Pictures {
         let n = self.pictures.traces.len();
         let bin_hz = comparison.spectra.bin(rate);
         let um = |amplitudes: Vec<f64>| amplitudes.into_iter().map(|a| a * UM).collect::<Vec<_>>();
@@ -157,8 +172,8 @@ impl Collector {
             .map(|i| FullSpectrum {
                 name: self.pictures.orbits[i].name.clone(),
                 bin_hz,
-                measured: um(spectra.full(2 * i)),
-                twin: um(spectra.full(2 * i + 1)),
+                measured: um(spectra.full(i)),
+                twin: um(spectra.full(self.planes.len() + i)),
             })
             .collect();
         self.pictures.lines = marked_lines(seats, speed_hz);

@@ -97,8 +97,7 @@ impl PoseSolver {
 
 /// Rms distance of the radial probes from their mean station, or 1 m where there is none.
 fn length_scale(probes: &[Probe]) -> f64 {
-    let stations: Vec<f64> =
-        probes.iter().filter(|p| p.direction != Direction::Axial).map(|p| p.station).collect();
+    let stations: Vec<f64> = probes.iter().filter(|p| p.direction != Direction::Axial).map(|p| p.station).collect();
     let n = stations.len().max(1) as f64;
     let mean = stations.iter().sum::<f64>() / n;
     let spread = (stations.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / n).sqrt();
@@ -135,7 +134,11 @@ fn not_observable(probes: &[Probe]) -> String {
     let why = if radial.is_empty() {
         "there is no radial probe".to_owned()
     } else if parallel {
-        format!("all {} radial probes look along {:.1} deg, so the motion across it is not observable", radial.len(), first.to_degrees())
+        format!(
+            "all {} radial probes look along {:.1} deg, so the motion across it is not observable",
+            radial.len(),
+            first.to_degrees()
+        )
     } else if planes.len() < 2 {
         format!("all radial probes stand in one plane at {:.1} mm, so the tilt is not observable", planes[0] * 1e3)
     } else {

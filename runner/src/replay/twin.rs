@@ -75,7 +75,10 @@ impl Plant {
     /// No rotor, too many bearings, what the kernel refuses, a rotor that nothing holds.
     pub fn try_new(scene: &Scene) -> Result<Self> {
         let Some(rotor) = scene.rotor.clone() else {
-            bail!("{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compute", scene.path.display());
+            bail!(
+                "{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compute",
+                scene.path.display()
+            );
         };
         if scene.bearings.len() > MOST_BEARINGS {
             bail!("{}: bearing: found {}, allowed: up to {MOST_BEARINGS}", scene.path.display(), scene.bearings.len());
@@ -85,8 +88,11 @@ impl Plant {
         let mut plant =
             Self { rotor, seats, rest: Displacement::default(), stiffness: none, damping: none, notes: vec![] };
         plant.settle()?;
-        let linearised: Vec<bool> =
-            scene.bearings.iter().map(|b| b.model == Model::Linear && matches!(b.linear, Some(Linear::Of(_)))).collect();
+        let linearised: Vec<bool> = scene
+            .bearings
+            .iter()
+            .map(|b| b.model == Model::Linear && matches!(b.linear, Some(Linear::Of(_))))
+            .collect();
         if linearised.contains(&true) {
             plant = plant.linearised(&linearised)?;
         }
@@ -242,11 +248,7 @@ impl Plant {
 }
 
 fn mounted(seat: &Seat) -> Mounted<f64, AnyBearing<f64>> {
-    Mounted {
-        bearing: seat.bearing.clone(),
-        station: seat.station,
-        cage_ratio: Ratio::new(seat.kinematics.cage_ratio),
-    }
+    Mounted { bearing: seat.bearing.clone(), station: seat.station, cage_ratio: Ratio::new(seat.kinematics.cage_ratio) }
 }
 
 fn seat(scene: &Scene, bearing: &crate::scene::Bearing) -> Result<Seat> {

@@ -63,11 +63,11 @@ fn difference(probe: &ProbeOutcome) -> Row {
         number("nrmse_percent", probe.nrmse_percent),
         ("nrmse_normaliser".to_owned(), probe.nrmse_normaliser.clone()),
         number("noise_rms_um", probe.noise_um.unwrap_or(f64::NAN)),
-        number("baseline_mean_rms_um", probe.baselines.mean_rms_um),
-        number("baseline_persistence_rms_um", probe.baselines.persistence_rms_um),
-        number("baseline_1x_rms_um", probe.baselines.one_x_rms_um),
-        number("baseline_linear_rms_um", probe.baselines.linear_rms_um),
-        ("beats_all_baselines".to_owned(), probe.beats_all_baselines.to_string()),
+        number("baseline_mean_rms_um", probe.baselines.mean.residual_rms_um),
+        number("baseline_persistence_rms_um", probe.baselines.persistence.residual_rms_um),
+        number("baseline_1x_rms_um", probe.baselines.one_x.residual_rms_um),
+        number("baseline_linear_rms_um", probe.baselines.linear.residual_rms_um),
+        ("twin_to_best_baseline".to_owned(), super::words::standing(probe.baselines.worst()).to_lowercase()),
     ]
 }
 
@@ -99,6 +99,7 @@ fn quoted(cell: &str) -> String {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
     use crate::report::fixture;

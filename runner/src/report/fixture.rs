@@ -29,7 +29,10 @@ fn position(time: f64, angle: f64, size: f64, twin: bool) -> f64 {
     let pass = 0.12 * gain * (OUTER * turn + 0.4).cos() + 0.05 * (2.0 * OUTER * turn).cos();
     let (cosine, sine) = (angle.cos(), angle.sin());
     let static_part = -6.8 * sine + 0.3 * cosine;
-    static_part + gain * size * (turn - angle - 0.6 - lag).cos() + 0.35 * (turn + angle).cos() + pass * sine.abs().max(0.3)
+    static_part
+        + gain * size * (turn - angle - 0.6 - lag).cos()
+        + 0.35 * (turn + angle).cos()
+        + pass * sine.abs().max(0.3)
 }
 
 fn times() -> Vec<f64> {
@@ -72,14 +75,20 @@ fn probe(name: &str, station: f64, angle: Option<f64>, size: f64) -> ProbeOutcom
         nrmse_percent: 1.62,
         nrmse_normaliser: "the peak-to-peak value of the measured signal".to_owned(),
         noise_um: Some(0.03),
-        baselines: Baselines { mean_rms_um: 0.71 * size, persistence_rms_um: 0.045 * size, one_x_rms_um: 0.098, linear_rms_um: 0.1834 },
-        beats_all_baselines: size < 2.0,
+        baselines: Baselines {
+            mean: Baseline::new(0.71 * size, 0.034 * size),
+            persistence: Baseline::new(0.045 * size, 0.034 * size),
+            one_x: Baseline::new(0.098, 0.034 * size),
+            linear: Baseline::new(0.1834, 0.034 * size),
+        },
     }
 }
 
 fn bearing(name: &str, station: f64) -> BearingOutcome {
-    let figures = |mean: f64, swing: f64| ForceFigures { mean, min: mean - swing, max: mean + swing, noise_sigma: Some(0.9) };
-    let force = [figures(-0.2, 24.0), figures(29.6, 31.0), figures(-30.1, 4.2), figures(0.02, 0.11), figures(-0.01, 0.12)];
+    let figures =
+        |mean: f64, swing: f64| ForceFigures { mean, min: mean - swing, max: mean + swing, noise_sigma: Some(0.9) };
+    let force =
+        [figures(-0.2, 24.0), figures(29.6, 31.0), figures(-30.1, 4.2), figures(0.02, 0.11), figures(-0.01, 0.12)];
     BearingOutcome {
         name: name.to_owned(),
         model: "angular, 9 balls".to_owned(),
@@ -134,12 +143,23 @@ fn amplitude(hz: f64, peaks: &[(f64, f64)], floor: f64, noise: &mut Noise) -> f6
 
 fn spectrum_peaks(size: f64, gain: f64) -> Vec<(f64, f64)> {
     let pass = OUTER * SPEED_HZ;
-    vec![(0.0, 6.0), (SPEED_HZ, gain * size), (2.0 * SPEED_HZ, 0.04), (pass, 0.12 * gain), (2.0 * pass, 0.05), (pass - 50.0, 0.01), (pass + 50.0, 0.012), (3.0 * pass, 0.008)]
+    vec![
+        (0.0, 6.0),
+        (SPEED_HZ, gain * size),
+        (2.0 * SPEED_HZ, 0.04),
+        (pass, 0.12 * gain),
+        (2.0 * pass, 0.05),
+        (pass - 50.0, 0.01),
+        (pass + 50.0, 0.012),
+        (3.0 * pass, 0.008),
+    ]
 }
 
 fn half_spectrum(name: &str, size: f64) -> HalfSpectrum {
     let mut noise = Noise(5);
-    let mut curve = |peaks: &[(f64, f64)], floor: f64| (0..4097).map(|i| amplitude(1.5625 * f64::from(i), peaks, floor, &mut noise)).collect();
+    let mut curve = |peaks: &[(f64, f64)], floor: f64| {
+        (0..4097).map(|i| amplitude(1.5625 * f64::from(i), peaks, floor, &mut noise)).collect()
+    };
     let residual = [(SPEED_HZ, 0.06 * size), (OUTER * SPEED_HZ, 0.011), (0.0, 0.01)];
     HalfSpectrum {
         name: name.to_owned(),
@@ -183,7 +203,13 @@ fn force_trace(name: &str) -> ForceTrace {
     };
     let measured = [0, 1, 2].map(|axis| curve(axis, 0.9));
     let twin = [0, 1, 2].map(|axis| curve(axis, 0.0));
-    ForceTrace { name: name.to_owned(), time: times(), measured, twin, sigma: [0.9, 1.1, 0.6].map(|s| vec![s; SAMPLES]) }
+    ForceTrace {
+        name: name.to_owned(),
+        time: times(),
+        measured,
+        twin,
+        sigma: [0.9, 1.1, 0.6].map(|s| vec![s; SAMPLES]),
+    }
 }
 
 fn element_loads(name: &str) -> ElementLoads {
@@ -205,7 +231,13 @@ fn element_loads(name: &str) -> ElementLoads {
 }
 
 fn pictures() -> Pictures {
-    let probes = [("DE_X", 0.0, 5.7), ("DE_Y", FRAC_PI_2, 5.7), ("NDE_X", 0.0, 3.9), ("NDE_Y", FRAC_PI_2, 3.9), ("AXIAL", 0.2, 0.4)];
+    let probes = [
+        ("DE_X", 0.0, 5.7),
+        ("DE_Y", FRAC_PI_2, 5.7),
+        ("NDE_X", 0.0, 3.9),
+        ("NDE_Y", FRAC_PI_2, 3.9),
+        ("AXIAL", 0.2, 0.4),
+    ];
     Pictures {
         traces: probes.iter().map(|(name, angle, size)| trace(name, *angle, *size)).collect(),
         orbits: vec![
@@ -261,16 +293,16 @@ pub(crate) fn usual() -> Outcome {
         order: OUTER,
         level_db: 17.4,
         confidence: 0.91,
-        sentence: "The outer race of bearing DE is damaged: its ball-pass line and two harmonics stand 17 dB above what the twin \
-                   explains. Plan a replacement and repeat the measurement within a week."
+        sentence: "The outer race of bearing DE is damaged: its ball-pass line and two harmonics stand 17 dB above \
+                   what the twin explains. Plan a replacement and repeat the measurement within a week."
             .to_owned(),
     };
     Outcome {
         scene: "Test rig with two 6205 bearings".to_owned(),
         recording: "outer-spall.csv".to_owned(),
         version: "0.1.0".to_owned(),
-        verdict: "The twin follows the machine to within 0.33 um rms (NRMSE 1.6 %) and beats every simple predictor at 1 of 5 probes; \
-                  bearing DE shows damage of its outer race."
+        verdict: "The twin follows the machine to within 0.33 um rms (NRMSE 1.6 %) and beats every simple predictor \
+                  at 1 of 5 probes; bearing DE shows damage of its outer race."
             .to_owned(),
         record,
         observation: Observation { condition_number: 1.41, noise_gain: 1.07, supplied_by_twin: Vec::new() },
@@ -285,7 +317,10 @@ pub(crate) fn usual() -> Outcome {
         timing: timing(),
         findings: vec![finding],
         flaws: flaws(),
-        notes: vec!["The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(), "Runout was not removed: part of 1X may be runout.".to_owned()],
+        notes: vec![
+            "The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(),
+            "Runout was not removed: part of 1X may be runout.".to_owned(),
+        ],
         pictures: pictures(),
     }
 }
@@ -314,7 +349,13 @@ fn broken_pictures(values: &[f64]) -> Pictures {
     let values = values.to_vec();
     let three = || [values.clone(), Vec::new(), values.clone()];
     Pictures {
-        traces: vec![Trace { name: "A".into(), time: values.clone(), measured: values.clone(), twin: Vec::new(), keyphasor: values.clone() }],
+        traces: vec![Trace {
+            name: "A".into(),
+            time: values.clone(),
+            measured: values.clone(),
+            twin: Vec::new(),
+            keyphasor: values.clone(),
+        }],
         orbits: vec![Orbit {
             name: "A".into(),
             station_mm: f64::NAN,
@@ -323,10 +364,30 @@ fn broken_pictures(values: &[f64]) -> Pictures {
             keyphasor: vec![0, 0, 5, 3, usize::MAX],
             probes: vec![("A".into(), f64::NAN), ("B".into(), 1e9)],
         }],
-        half_spectra: vec![HalfSpectrum { name: "A".into(), bin_hz: 0.0, measured: values.clone(), twin: values.clone(), residual: Vec::new() }],
-        full_spectra: vec![FullSpectrum { name: "A".into(), bin_hz: f64::NAN, measured: values.clone(), twin: Vec::new() }],
-        lines: vec![MarkedLine { label: String::new(), order: f64::NAN, hz: f64::NAN }, MarkedLine { label: "1X".into(), order: 1.0, hz: 1e300 }],
-        forces: vec![ForceTrace { name: "B".into(), time: values.clone(), measured: three(), twin: three(), sigma: three() }],
+        half_spectra: vec![HalfSpectrum {
+            name: "A".into(),
+            bin_hz: 0.0,
+            measured: values.clone(),
+            twin: values.clone(),
+            residual: Vec::new(),
+        }],
+        full_spectra: vec![FullSpectrum {
+            name: "A".into(),
+            bin_hz: f64::NAN,
+            measured: values.clone(),
+            twin: Vec::new(),
+        }],
+        lines: vec![
+            MarkedLine { label: String::new(), order: f64::NAN, hz: f64::NAN },
+            MarkedLine { label: "1X".into(), order: 1.0, hz: 1e300 },
+        ],
+        forces: vec![ForceTrace {
+            name: "B".into(),
+            time: values.clone(),
+            measured: three(),
+            twin: three(),
+            sigma: three(),
+        }],
         element_loads: vec![ElementLoads {
             name: "B".into(),
             azimuth: values.clone(),
@@ -341,9 +402,16 @@ fn broken_pictures(values: &[f64]) -> Pictures {
 /// Numbers that are none, and data that do not fit together.
 pub(crate) fn broken() -> Outcome {
     let nan = f64::NAN;
-    let motion = Motion { mean_um: nan, peak_to_peak_um: f64::INFINITY, rms_um: -1e300, one_x_um: nan, one_x_phase_lag_deg: nan };
+    let motion = Motion {
+        mean_um: nan,
+        peak_to_peak_um: f64::INFINITY,
+        rms_um: -1e300,
+        one_x_um: nan,
+        one_x_phase_lag_deg: nan,
+    };
     let mut outcome = usual();
-    outcome.record = Record { rate_hz: nan, duration_s: nan, turns: f64::INFINITY, mean_speed_rpm: nan, ..Record::default() };
+    outcome.record =
+        Record { rate_hz: nan, duration_s: nan, turns: f64::INFINITY, mean_speed_rpm: nan, ..Record::default() };
     for probe in &mut outcome.probes {
         (probe.measured, probe.twin) = (motion, motion);
         (probe.residual_rms_um, probe.one_x_error_um, probe.nrmse_percent) = (nan, nan, nan);
@@ -365,18 +433,31 @@ pub(crate) fn with_data(values: &[f64]) -> Outcome {
 /// Many probes with long names, and names that are mark-up.
 pub(crate) fn crowded() -> Outcome {
     let mut outcome = usual();
-    outcome.scene = "Cooling-water pump 3B, <motor & pump> \"as found\" on the test bed of the works, before overhaul".to_owned();
+    outcome.scene =
+        "Cooling-water pump 3B, <motor & pump> \"as found\" on the test bed of the works, before overhaul".to_owned();
     let name = |i: usize| format!("Channel {i:02} <b>proximity</b> radial 45 degrees left of vertical");
-    outcome.probes = (0..16).map(|i| probe(&name(i), 55.5 * i as f64 - 400.0, Some(22.5 * i as f64), 1234.5 * (i + 1) as f64)).collect();
-    outcome.bearings = (0..4).map(|i| bearing(&format!("Bearing {i} of the intermediate gear shaft"), 300.0 * f64::from(i))).collect();
+    outcome.probes = (0..16)
+        .map(|i| probe(&name(i), 55.5 * i as f64 - 400.0, Some(22.5 * i as f64), 1234.5 * (i + 1) as f64))
+        .collect();
+    outcome.bearings =
+        (0..4).map(|i| bearing(&format!("Bearing {i} of the intermediate gear shaft"), 300.0 * f64::from(i))).collect();
     let pictures = &mut outcome.pictures;
     pictures.traces = (0..16).map(|i| trace(&name(i), 0.1 * i as f64, 1e4)).collect();
     pictures.half_spectra = (0..16).map(|i| half_spectrum(&name(i), 1e4)).collect();
     for orbit in &mut pictures.orbits {
-        orbit.probes = (0..8).map(|i| (format!("Channel {i} left"), std::f64::consts::FRAC_PI_4 * f64::from(i))).collect();
+        orbit.probes =
+            (0..8).map(|i| (format!("Channel {i} left"), std::f64::consts::FRAC_PI_4 * f64::from(i))).collect();
     }
-    pictures.lines.push(MarkedLine { label: "Bearing 0 of the intermediate gear shaft outer".into(), order: 7.99, hz: 399.5 });
-    pictures.lines.extend((2..7).map(|i| MarkedLine { label: format!("Bearing {i} inner"), order: f64::from(i) + 0.1, hz: 50.0 * f64::from(i) + 5.0 }));
+    pictures.lines.push(MarkedLine {
+        label: "Bearing 0 of the intermediate gear shaft outer".into(),
+        order: 7.99,
+        hz: 399.5,
+    });
+    pictures.lines.extend((2..7).map(|i| MarkedLine {
+        label: format!("Bearing {i} inner"),
+        order: f64::from(i) + 0.1,
+        hz: 50.0 * f64::from(i) + 5.0,
+    }));
     outcome.flaws = outcome.flaws.iter().cycle().take(12).cloned().collect();
     outcome
 }

@@ -3,7 +3,9 @@
 use super::figures::{Gallery, Picture, gallery};
 use super::number::{NONE, alone, count, counted, decimals, fixed, maybe, microseconds};
 use super::words;
-use crate::replay::outcome::{BearingOutcome, Finding, Motion, Outcome, ProbeOutcome, Quantiles, Timing};
+use crate::replay::outcome::{
+    Baseline, BearingOutcome, Finding, Motion, Outcome, ProbeOutcome, Quantiles, Standing, Timing,
+};
 use anyhow::{Context, Result};
 use minijinja::{Environment, Value, context};
 
@@ -73,7 +75,8 @@ fn row(columns: &[Vec<String>], i: usize) -> Vec<String> {
 }
 
 fn motion_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
-    let both = |of: fn(&Motion) -> f64| column(probes.iter().flat_map(move |probe| [of(&probe.measured), of(&probe.twin)]));
+    let both =
+        |of: fn(&Motion) -> f64| column(probes.iter().flat_map(move |probe| [of(&probe.measured), of(&probe.twin)]));
     let one = |of: fn(&ProbeOutcome) -> f64| column(probes.iter().map(of));
     let motion = [
         both(|motion| motion.mean_um),
@@ -107,19 +110,18 @@ fn lag(motion: &Motion) -> String {
 }
 
 fn baseline_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
-    let simple = |probe: &ProbeOutcome| {
-        let them = &probe.baselines;
-        [them.mean_rms_um, them.persistence_rms_um, them.one_x_rms_um, them.linear_rms_um]
-    };
-    let digits = decimals(probes.iter().flat_map(|probe| simple(probe).into_iter().chain([probe.residual_rms_um])));
-    let shown = |value: f64| typeset(&fixed(value, digits));
+    let simple = |probe: &ProbeOutcome| probe.baselines.all();
+    // The figures of a row are compared, so a row has its own digits: probes may differ a lot.
     let rows = probes.iter().map(|probe| {
-        let cell = |value: f64| context! { text => shown(value), better => value <= probe.residual_rms_um };
+        let rms = simple(probe).map(|b| b.residual_rms_um);
+        let digits = decimals(rms.into_iter().chain([probe.residual_rms_um]));
+        let shown = |value: f64| typeset(&fixed(value, digits));
+        let cell = |b: Baseline| context! { text => shown(b.residual_rms_um), better => b.twin_is == Standing::Worse };
         context! {
             name => probe.name.as_str(),
             twin => shown(probe.residual_rms_um),
             simple => simple(probe).map(cell).to_vec(),
-            best => probe.beats_all_baselines,
+            standing => words::standing(probe.baselines.worst()),
         }
     });
     rows.collect()
@@ -236,12 +238,17 @@ fn picture(picture: &Picture, with_note: bool) -> Value {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
     use crate::report::fixture;
 
     fn escaped(text: &str) -> String {
-        text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('/', "&#x2f;")
+        text.replace('&', "&amp;")
+            .replace('<', "&lt;")
+            .replace('>', "&gt;")
+            .replace('"', "&quot;")
+            .replace('/', "&#x2f;")
     }
 
     /// The drawings alone.

@@ -25,6 +25,7 @@ pub fn json(outcome: &Outcome) -> Result<String> {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
     use crate::report::fixture;

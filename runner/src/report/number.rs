@@ -3,14 +3,14 @@
 /// What stands where there is no number.
 pub(super) const NONE: &str = "-";
 
-/// Decimals that show a column's largest figure with three to five digits.
+/// Decimals that show a column's largest figure with four digits or so, and much smaller ones still with some.
 pub(super) fn decimals(values: impl IntoIterator<Item = f64>) -> usize {
     let largest = values.into_iter().filter(|value| value.is_finite()).map(f64::abs).fold(0.0, f64::max);
     match largest {
-        v if v == 0.0 => 2,
+        0.0 => 2,
         v if v >= 1000.0 => 0,
         v if v >= 100.0 => 1,
-        v if v >= 1.0 => 2,
+        v if v >= 10.0 => 2,
         v if v >= 0.1 => 3,
         v if v >= 0.01 => 4,
         _ => 5,
@@ -33,9 +33,11 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number by itself, with as many decimals as its size asks for.
+/// A number by itself, with three digits.
 pub(super) fn alone(value: f64) -> String {
-    fixed(value, decimals([value]))
+    let power = value.abs().log10().floor();
+    let decimals = if power.is_finite() { (2.0 - power).clamp(0.0, 6.0) as usize } else { 2 };
+    fixed(value, decimals)
 }
 
 /// As [`alone`] for what may be absent.
@@ -84,13 +86,17 @@ mod tests {
     #[test]
     fn digits_follow_the_size() {
         assert_eq!(alone(0.0), "0.00");
-        assert_eq!(alone(12.345), "12.35");
+        assert_eq!(alone(12.345), "12.3");
         assert_eq!(alone(-0.012_34), "-0.0123");
         assert_eq!(alone(12_345.6), "12346");
         assert_eq!(alone(3.2e9), "3.20e9");
         assert_eq!(fixed(-0.001, 2), "0.00");
         assert_eq!(fixed(f64::NAN, 2), NONE);
         assert_eq!(maybe(None), NONE);
+        assert_eq!(
+            [decimals([]), decimals([0.08, -1.57]), decimals([62.9, 0.4]), decimals([f64::NAN, 1e-9])],
+            [2, 3, 2, 5]
+        );
     }
 
     #[test]

@@ -15,10 +15,10 @@ const COMPONENTS: [&str; 5] = ["FX, N", "FY, N", "FZ, N", "MX, N m", "MY, N m"];
 #[must_use]
 pub fn text(outcome: &Outcome) -> String {
     let mut page = Page::default();
-    page.sentence("", &outcome.verdict);
+    page.sentence("", if outcome.verdict.is_empty() { "No verdict." } else { &outcome.verdict });
     page.gap();
     for (name, value) in words::facts(outcome) {
-        page.sentence(&format!("{:<21}", format!("{name}:")), &value);
+        page.sentence(&format!("{:<21}", format!("{name}:")), if value.is_empty() { NONE } else { &value });
     }
     motion(&mut page, outcome);
     residual(&mut page, outcome);
@@ -66,12 +66,15 @@ impl Page {
 
     /// A table: the first `names` columns to the left, the others to the right.
     fn table(&mut self, names: usize, heads: &[&[&str]], rows: &[Vec<String>]) {
-        let heads: Vec<Vec<String>> = heads.iter().map(|head| head.iter().map(|cell| (*cell).to_owned()).collect()).collect();
+        let heads: Vec<Vec<String>> =
+            heads.iter().map(|head| head.iter().map(|cell| (*cell).to_owned()).collect()).collect();
         let columns = heads.iter().chain(rows).map(Vec::len).max().unwrap_or(0);
-        let width = |i: usize| heads.iter().chain(rows).filter_map(|row| row.get(i)).map(|cell| cell.chars().count()).max();
+        let width =
+            |i: usize| heads.iter().chain(rows).filter_map(|row| row.get(i)).map(|cell| cell.chars().count()).max();
         let widths: Vec<usize> = (0..columns).map(|i| width(i).unwrap_or(0)).collect();
         for row in heads.iter().chain(rows) {
-            let cells: Vec<String> = row.iter().zip(&widths).enumerate().map(|(i, (cell, width))| set(cell, *width, i < names)).collect();
+            let cells: Vec<String> =
+                row.iter().zip(&widths).enumerate().map(|(i, (cell, width))| set(cell, *width, i < names)).collect();
             self.line(&format!("  {}", cells.join("  ")));
         }
     }
@@ -130,7 +133,8 @@ fn motion(page: &mut Page, outcome: &Outcome) {
         .flat_map(|probe| [(probe, "measured", &probe.measured), (probe, "twin", &probe.twin)])
         .collect();
     let figures = |of: fn(&Motion) -> f64| column(&pairs.iter().map(|pair| of(pair.2)).collect::<Vec<_>>());
-    let first = |pair: &(&ProbeOutcome, &str, &Motion)| if pair.1 == "twin" { String::new() } else { name(&pair.0.name) };
+    let first =
+        |pair: &(&ProbeOutcome, &str, &Motion)| if pair.1 == "twin" { String::new() } else { name(&pair.0.name) };
     let columns = [
         pairs.iter().map(first).collect(),
         pairs.iter().map(|pair| pair.1.to_owned()).collect(),
@@ -140,8 +144,10 @@ fn motion(page: &mut Page, outcome: &Outcome) {
         figures(|motion| motion.one_x_um),
         pairs.iter().map(|pair| fixed(pair.2.one_x_phase_lag_deg, 1)).collect(),
     ];
-    let heads: [&[&str]; 2] =
-        [&["probe", "", "mean", "peak-peak", "rms", "1X", "1X phase"], &["", "", "um", "um pp", "um rms", "um peak", "deg lag"]];
+    let heads: [&[&str]; 2] = [
+        &["probe", "", "mean", "peak-peak", "rms", "1X", "1X phase"],
+        &["", "", "um", "um pp", "um rms", "um peak", "deg lag"],
+    ];
     page.table(2, &heads, &rows(&columns));
 }
 
@@ -174,27 +180,29 @@ fn baselines(page: &mut Page, outcome: &Outcome) {
     if outcome.probes.is_empty() {
         return;
     }
-    page.title("RESIDUAL OF SIMPLER PREDICTORS, um rms (the twin should be the smallest)");
+    page.title("RESIDUAL OF SIMPLER PREDICTORS, um rms (the twin should leave less)");
     let values = |probe: &ProbeOutcome| {
-        let simple = &probe.baselines;
-        [probe.residual_rms_um, simple.mean_rms_um, simple.persistence_rms_um, simple.one_x_rms_um, simple.linear_rms_um]
+        let [mean, persistence, one_x, linear] = probe.baselines.all().map(|b| b.residual_rms_um);
+        [probe.residual_rms_um, mean, persistence, one_x, linear]
     };
-    let all = decimals(outcome.probes.iter().flat_map(values));
+    // The figures of a row are compared, so a row has its own digits: probes may differ a lot.
     let row = |probe: &ProbeOutcome| {
+        let digits = decimals(values(probe));
         let mut row = vec![name(&probe.name)];
-        row.extend(values(probe).map(|value| fixed(value, all)));
-        row.push(if probe.beats_all_baselines { "yes" } else { "NO" }.to_owned());
+        row.extend(values(probe).map(|value| fixed(value, digits)));
+        row.push(words::standing(probe.baselines.worst()).to_owned());
         row
     };
     let heads: [&[&str]; 2] = [
-        &["probe", "twin", "own", "sample", "mean", "linear", "twin is"],
-        &["", "", "mean", "before", "and 1X", "springs", "smallest"],
+        &["probe", "twin", "own", "sample", "mean", "linear", "twin to"],
+        &["", "", "mean", "before", "and 1X", "springs", "the best"],
     ];
     page.table(1, &heads, &outcome.probes.iter().map(row).collect::<Vec<_>>());
 }
 
 fn ball_pass(page: &mut Page, outcome: &Outcome) {
-    let lines: Vec<_> = outcome.probes.iter().flat_map(|probe| probe.ball_pass.iter().map(move |line| (probe, line))).collect();
+    let lines: Vec<_> =
+        outcome.probes.iter().flat_map(|probe| probe.ball_pass.iter().map(move |line| (probe, line))).collect();
     if lines.is_empty() {
         return;
     }
@@ -230,7 +238,8 @@ fn forces(page: &mut Page, outcome: &Outcome) {
     let rows: Vec<Vec<String>> = outcome.bearings.iter().flat_map(force_rows).collect();
     page.table(2, &heads, &rows);
     for bearing in &outcome.bearings {
-        let mut said = vec![format!("{}, largest load on one element {} N", bearing.model, alone(bearing.largest_element_load_n))];
+        let mut said =
+            vec![format!("{}, largest load on one element {} N", bearing.model, alone(bearing.largest_element_load_n))];
         said.extend(words::remarks(bearing.contact_lost_samples, bearing.held_samples));
         page.sentence(&format!("  {}: ", name(&bearing.name)), &format!("{}.", said.join("; ")));
     }
@@ -299,15 +308,21 @@ fn timing(page: &mut Page, timing: &Timing) {
         counted(timing.samples, "sample"),
         fixed(timing.wall_s, 3),
         alone(timing.times_real_time),
-        timing.peak_memory_bytes.map_or_else(String::new, |bytes| format!("; peak memory {} MB", fixed(bytes as f64 / 1e6, 1)))
+        timing
+            .peak_memory_bytes
+            .map_or_else(String::new, |bytes| format!("; peak memory {} MB", fixed(bytes as f64 / 1e6, 1)))
     );
     page.sentence("  ", &pace);
     let mut rows = vec![quantiles("compute", &timing.compute)];
     rows.extend(timing.lateness.as_ref().map(|lateness| quantiles("lateness", lateness)));
     let heads: [&[&str]; 1] = [&["per sample, us", "median", "99 %", "99.9 %", "largest"]];
     page.table(1, &heads, &rows);
-    let misses = timing.deadline_misses.map_or_else(String::new, |misses| format!(", missed {}", counted(misses, "time")));
-    page.sentence("  ", &format!("Deadline: the next sample, after {} us{misses}.", alone(microseconds(timing.sample_period_ns))));
+    let misses =
+        timing.deadline_misses.map_or_else(String::new, |misses| format!(", missed {}", counted(misses, "time")));
+    page.sentence(
+        "  ",
+        &format!("Deadline: the next sample, after {} us{misses}.", alone(microseconds(timing.sample_period_ns))),
+    );
 }
 
 fn quantiles(what: &str, times: &Quantiles) -> Vec<String> {
@@ -316,17 +331,20 @@ fn quantiles(what: &str, times: &Quantiles) -> Vec<String> {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
     use crate::report::fixture;
 
     #[test]
     fn says_everything_within_the_width() {
-        for (outcome, width) in [(fixture::usual(), 80), (fixture::bare(), 80), (fixture::broken(), 100), (fixture::crowded(), 100)] {
+        for (outcome, width) in
+            [(fixture::usual(), 80), (fixture::bare(), 80), (fixture::broken(), 100), (fixture::crowded(), 100)]
+        {
             let text = text(&outcome);
             let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
             assert!(longest.chars().count() <= width, "{longest}");
-            assert!(text.starts_with(outcome.verdict.split(' ').next().unwrap()));
+            assert!(text.starts_with(outcome.verdict.split(' ').next().unwrap()), "{text}");
             assert!(!text.contains("NaN") && !text.contains("inf "));
             assert!(text.lines().all(|line| line.trim_end() == line));
         }

@@ -1,7 +1,7 @@
 //! What the page and the terminal say in the same words.
 
 use super::number::{alone, count, counted, fixed};
-use crate::replay::outcome::{FindingKind, Observation, Outcome, ProbeOutcome, Record};
+use crate::replay::outcome::{FindingKind, Observation, Outcome, ProbeOutcome, Record, Standing};
 
 /// Condition number from which the probes count as badly placed.
 const BADLY_PLACED: f64 = 100.0;
@@ -35,7 +35,10 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
         ("Condition number", condition(&outcome.observation)),
     ];
     if outcome.observation.noise_gain > 0.0 {
-        facts.push(("Noise gain", format!("at most {} from a probe to a bearing", alone(outcome.observation.noise_gain))));
+        facts.push((
+            "Noise gain",
+            format!("at most {} from a probe to a bearing", alone(outcome.observation.noise_gain)),
+        ));
     }
     let supplied = &outcome.observation.supplied_by_twin;
     if !supplied.is_empty() {
@@ -46,7 +49,7 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
 
 /// A whole number of hertz as a count.
 fn rate(hz: f64) -> String {
-    if hz >= 1.0 && hz < 1e15 && hz.fract() == 0.0 { count(hz as u64) } else { alone(hz) }
+    if (1.0..1e15).contains(&hz) && hz.fract() == 0.0 { count(hz as u64) } else { alone(hz) }
 }
 
 fn speed(record: &Record) -> String {
@@ -70,6 +73,9 @@ fn samples(record: &Record) -> String {
 }
 
 fn condition(observation: &Observation) -> String {
+    if observation.condition_number.is_nan() || observation.condition_number <= 0.0 {
+        return "not known".to_owned();
+    }
     let number = alone(observation.condition_number);
     let verdict = if observation.condition_number > BADLY_PLACED {
         "the probes are badly placed"
@@ -81,13 +87,18 @@ fn condition(observation: &Observation) -> String {
 
 /// What the NRMSE is normalised by: one sentence for all probes, or one for each kind.
 pub(super) fn normaliser(probes: &[ProbeOutcome]) -> String {
-    let mut kinds: Vec<&str> = probes.iter().map(|probe| probe.nrmse_normaliser.as_str()).filter(|kind| !kind.is_empty()).collect();
+    let mut kinds: Vec<&str> =
+        probes.iter().map(|probe| probe.nrmse_normaliser.as_str()).filter(|kind| !kind.is_empty()).collect();
     kinds.sort_unstable();
     kinds.dedup();
     match kinds.as_slice() {
         [] => String::new(),
         [kind] => format!("NRMSE: residual rms over {kind}."),
-        _ => probes.iter().map(|probe| format!("NRMSE of {}: residual rms over {}.", probe.name, probe.nrmse_normaliser)).collect::<Vec<_>>().join(" "),
+        _ => probes
+            .iter()
+            .map(|probe| format!("NRMSE of {}: residual rms over {}.", probe.name, probe.nrmse_normaliser))
+            .collect::<Vec<_>>()
+            .join(" "),
     }
 }
 
@@ -103,9 +114,19 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
     remarks
 }
 
+/// The twin against the best simpler predictor.
+pub(super) const fn standing(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Better => "better",
+        Standing::Same => "same",
+        Standing::Worse => "WORSE",
+    }
+}
+
 /// "DE_X, NDE_X": the probes at which a simple predictor does better than the twin.
 pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
-    let names: Vec<&str> = probes.iter().filter(|probe| !probe.beats_all_baselines).map(|probe| probe.name.as_str()).collect();
+    let names: Vec<&str> =
+        probes.iter().filter(|p| p.baselines.worst() == Standing::Worse).map(|p| p.name.as_str()).collect();
     names.join(", ")
 }
 
@@ -115,7 +136,8 @@ mod tests {
 
     #[test]
     fn speed_says_its_range_only_when_there_is_one() {
-        let mut record = Record { mean_speed_rpm: 3000.0, min_speed_rpm: 3000.0, max_speed_rpm: 3000.0, ..Record::default() };
+        let mut record =
+            Record { mean_speed_rpm: 3000.0, min_speed_rpm: 3000.0, max_speed_rpm: 3000.0, ..Record::default() };
         assert_eq!(speed(&record), "3000.0 rpm");
         record.max_speed_rpm = 3012.0;
         assert_eq!(speed(&record), "3000.0 rpm mean, 3000.0 to 3012.0");

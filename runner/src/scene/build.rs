@@ -144,7 +144,7 @@ fn facing<T: Scalar>(scene: &BearingScene, bearing: impl Bearing<T> + 'static) -
 struct Spalls<T>([Option<Spall<T>>; MOST_DEFECTS]);
 
 /// Most entries of `defect`.
-const MOST_DEFECTS: usize = 8;
+pub(super) const MOST_DEFECTS: usize = 8;
 
 impl<T: Scalar> Surface<T> for Spalls<T> {
     fn drop_at(&self, azimuth: Turn) -> T {
@@ -154,11 +154,7 @@ impl<T: Scalar> Surface<T> for Spalls<T> {
 
 fn spalls<T: Scalar>(scene: &BearingScene) -> Result<Option<Spalls<T>>> {
     if scene.defect.len() > MOST_DEFECTS {
-        bail!(
-            "bearing {}: defect: found {} entries, allowed: up to {MOST_DEFECTS}",
-            scene.name,
-            scene.defect.len()
-        );
+        bail!("bearing {}: defect: found {} entries, allowed: up to {MOST_DEFECTS}", scene.name, scene.defect.len());
     }
     let mut all = [None; MOST_DEFECTS];
     for (slot, defect) in all.iter_mut().zip(&scene.defect) {
@@ -202,14 +198,20 @@ fn lumped_law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
     let geometry = geometry(scene)?;
     let law = scene.law;
     let Some(stiffness) = law.and_then(|l| l.stiffness).or_else(|| geometry.map(|g| g.stiffness())) else {
-        bail!("bearing {}: model lumped: found no stiffness, allowed: stiffness, or the geometry it follows from", scene.name);
+        bail!(
+            "bearing {}: model lumped: found no stiffness, allowed: stiffness, or the geometry it follows from",
+            scene.name
+        );
     };
     let from_clearance = scene.geometry.and_then(|g| match g.fit {
         Fit::DiametralClearance(s) => Some(0.5 * s),
         Fit::ContactAngle(_) => None,
     });
     let Some(play) = law.and_then(|l| l.radial_play).or(from_clearance) else {
-        bail!("bearing {}: model lumped: found no radial_play, allowed: radial_play or diametral_clearance", scene.name);
+        bail!(
+            "bearing {}: model lumped: found no radial_play, allowed: radial_play or diametral_clearance",
+            scene.name
+        );
     };
     Ok((stiffness, law.map_or(1.5, |l| l.exponent), play))
 }
@@ -220,9 +222,7 @@ fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> 
     match exponent_kind(exponent) {
         Exponent::Point => lumped_radial::<T, M, _>(scene, Point { stiffness }, play),
         Exponent::Line => lumped_radial::<T, M, _>(scene, Line { stiffness }, play),
-        Exponent::Other => {
-            lumped_radial::<T, M, _>(scene, Power { stiffness, exponent: T::from_f64(exponent) }, play)
-        }
+        Exponent::Other => lumped_radial::<T, M, _>(scene, Power { stiffness, exponent: T::from_f64(exponent) }, play),
     }
 }
 
@@ -346,7 +346,10 @@ fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>> {
         }
         Some(Linear::TwoSpring { static_load }) => {
             let Some(g) = geometry(scene)? else {
-                bail!("bearing {}: two_spring: found no geometry, allowed: with ball_diameter and the others", scene.name);
+                bail!(
+                    "bearing {}: two_spring: found no geometry, allowed: with ball_diameter and the others",
+                    scene.name
+                );
             };
             let springs = two_spring_ball(scene.elements, g.ball_diameter, *static_load, g.contact_angle)
                 .map_err(|e| named(scene, e))?;
@@ -422,9 +425,11 @@ pub fn unbalances(rotor: &Rotor) -> Vec<Unbalance> {
 pub fn pick<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a BearingScene> {
     let names = || scene.bearings.iter().map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ");
     match name {
-        Some(name) => scene.bearings.iter().find(|b| b.name == name).with_context(|| {
-            format!("--bearing: found {name:?}, allowed in {}: {}", scene.path.display(), names())
-        }),
+        Some(name) => scene
+            .bearings
+            .iter()
+            .find(|b| b.name == name)
+            .with_context(|| format!("--bearing: found {name:?}, allowed in {}: {}", scene.path.display(), names())),
         None if scene.bearings.len() == 1 => scene.bearings.first().context("a scene has a bearing"),
         None => bail!("--bearing: found none, allowed: one of {} ({} has several)", names(), scene.path.display()),
     }

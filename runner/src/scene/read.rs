@@ -16,9 +16,7 @@ use toml_edit::{Document, TomlError};
 pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
-use super::{
-    Bearing, Clock, Direction, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, Unbalance,
-};
+use super::{Bearing, Clock, Direction, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, Unbalance};
 
 /// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
 const LARGEST_FILE: u64 = 4 << 20;
@@ -64,9 +62,7 @@ fn load(path: &Path) -> Read<String> {
         return Err(SceneError::file(path, "a directory"));
     }
     let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(SceneError::file(path, "a file of more than 4 MiB"));
     }
@@ -75,10 +71,7 @@ fn load(path: &Path) -> Read<String> {
 
 fn not_text(path: &Path, error: &std::string::FromUtf8Error) -> SceneError {
     let at = error.utf8_error().valid_up_to();
-    SceneError {
-        line: Some(line_of(error.as_bytes(), at)),
-        ..SceneError::file(path, "bytes that are not UTF-8 text")
-    }
+    SceneError { line: Some(line_of(error.as_bytes(), at)), ..SceneError::file(path, "bytes that are not UTF-8 text") }
 }
 
 fn syntax_error(text: &str, path: &Path, error: &TomlError) -> SceneError {
@@ -111,10 +104,7 @@ fn stem(path: &Path) -> String {
 fn shaft(node: &Node<'_>) -> Read<Shaft> {
     let table = node.table(&["speed", "outer_speed"])?;
     let outer = table.read("outer_speed", |n| n.quantity(Dimension::Speed))?;
-    Ok(Shaft {
-        speed: speed(&table.required("speed", SPEEDS)?)?,
-        outer_speed: outer.unwrap_or(0.0),
-    })
+    Ok(Shaft { speed: speed(&table.required("speed", SPEEDS)?)?, outer_speed: outer.unwrap_or(0.0) })
 }
 
 fn speed(node: &Node<'_>) -> Read<Speed> {
@@ -144,9 +134,7 @@ fn speed_fluctuating(table: &Table<'_>) -> Read<Speed> {
     let range = "0 or more and below 1 (part of the mean speed)";
     Ok(Speed::Fluctuating {
         mean: table.quantity("mean", Dimension::Speed)?,
-        fluctuation: table
-            .required("fluctuation", range)?
-            .number(range, |x| (0.0..1.0).contains(&x))?,
+        fluctuation: table.required("fluctuation", range)?.number(range, |x| (0.0..1.0).contains(&x))?,
         frequency: table.positive("frequency", Dimension::Frequency)?,
     })
 }
@@ -170,26 +158,11 @@ fn rotor(node: &Node<'_>) -> Read<Rotor> {
         mass,
         diametral_inertia,
         polar_inertia,
-        damping: five(
-            &table,
-            "damping",
-            Node::not_negative,
-            [Dimension::Damping, Dimension::AngularDamping],
-        )?,
+        damping: five(&table, "damping", Node::not_negative, [Dimension::Damping, Dimension::AngularDamping])?,
         proportional_damping: table.read("proportional_damping", time)?.unwrap_or(0.0),
-        stiffness: five(
-            &table,
-            "stiffness",
-            Node::not_negative,
-            [Dimension::Stiffness, Dimension::AngularStiffness],
-        )?,
+        stiffness: five(&table, "stiffness", Node::not_negative, [Dimension::Stiffness, Dimension::AngularStiffness])?,
         gravity: table.read("gravity", gravity)?.unwrap_or(GRAVITY),
-        load: five(
-            &table,
-            "load",
-            Node::quantity,
-            [Dimension::Force, Dimension::Moment],
-        )?,
+        load: five(&table, "load", Node::quantity, [Dimension::Force, Dimension::Moment])?,
         unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
     })
 }
@@ -202,10 +175,7 @@ fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
     if polar <= 2.0 * diametral {
         return Ok((diametral, polar));
     }
-    let most = format!(
-        "at most twice diametral_inertia, here {} kg m^2 (are the two swapped?)",
-        2.0 * diametral
-    );
+    let most = format!("at most twice diametral_inertia, here {} kg m^2 (are the two swapped?)", 2.0 * diametral);
     let node = table.required("polar_inertia", &most)?;
     Err(node.fail(node.shown_quantity(Dimension::Inertia), most))
 }
@@ -217,11 +187,8 @@ fn five<'a>(
     read: impl Fn(&Node<'a>, Dimension) -> Read<f64>,
     [along, about]: [Dimension; 2],
 ) -> Read<[f64; 5]> {
-    let allowed = format!(
-        "a list of 5: along X, Y, Z each {} and about X, Y each {}",
-        along.allowed(""),
-        about.allowed("")
-    );
+    let allowed =
+        format!("a list of 5: along X, Y, Z each {} and about X, Y each {}", along.allowed(""), about.allowed(""));
     let entry = |i: usize, node: &Node<'a>| read(node, if i < 3 { along } else { about });
     let values = table.read(key, |node| node.array(&allowed, entry))?;
     Ok(values.unwrap_or_default())
@@ -309,18 +276,9 @@ fn probe(node: &Node<'_>, taken: &mut Taken) -> Read<Probe> {
     let column = column_name(&column, "a probe", taken)?;
     let metres_per_unit = unit(&table, units::length_column, "um, mil, mm or m")?;
     let noise = table.read("noise", |n| n.positive(Dimension::Length))?;
-    let (station, direction) = if table.read("axial", Node::boolean)?.unwrap_or(false) {
-        axial_probe(&table)?
-    } else {
-        radial_probe(&table)?
-    };
-    Ok(Probe {
-        column,
-        metres_per_unit,
-        station,
-        direction,
-        noise,
-    })
+    let (station, direction) =
+        if table.read("axial", Node::boolean)?.unwrap_or(false) { axial_probe(&table)? } else { radial_probe(&table)? };
+    Ok(Probe { column, metres_per_unit, station, direction, noise })
 }
 
 fn axial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
@@ -332,13 +290,8 @@ fn axial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
 }
 
 fn radial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
-    let wants = format!(
-        "{}, from +X towards +Y; or axial = true for a probe along Z",
-        Dimension::Angle.allowed("")
-    );
-    let angle = table
-        .required("angle", &wants)?
-        .quantity(Dimension::Angle)?;
+    let wants = format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.allowed(""));
+    let angle = table.required("angle", &wants)?.quantity(Dimension::Angle)?;
     let station = table.quantity("station", Dimension::Length)?;
     Ok((station, Direction::Radial(angle)))
 }
@@ -348,10 +301,9 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<Rotation> {
         (None, None) => Ok(Rotation::Scene),
         (Some(node), None) => keyphasor(&node, taken),
         (None, Some(node)) => speed_column(&node, taken),
-        (Some(_), Some(node)) => Err(node.fail(
-            "both keyphasor and speed",
-            "at most one of them: the shaft's angle comes from one place",
-        )),
+        (Some(_), Some(node)) => {
+            Err(node.fail("both keyphasor and speed", "at most one of them: the shaft's angle comes from one place"))
+        }
     }
 }
 
@@ -361,12 +313,9 @@ fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
     let column = column_name(&column, "the keyphasor", taken)?;
     let wants = "a whole number, 1 or more";
     let pulses = table.required("pulses_per_turn", wants)?;
-    let pulses_per_turn = u32::try_from(pulses.integer(1, u32::MAX.into(), wants)?)
-        .map_err(|_| pulses.refuse(wants))?;
-    Ok(Rotation::Keyphasor {
-        column,
-        pulses_per_turn,
-    })
+    let pulses_per_turn =
+        u32::try_from(pulses.integer(1, u32::MAX.into(), wants)?).map_err(|_| pulses.refuse(wants))?;
+    Ok(Rotation::Keyphasor { column, pulses_per_turn })
 }
 
 fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
@@ -379,11 +328,7 @@ fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
 }
 
 /// The `unit` of a column. It has no default: units are never assumed.
-fn unit(
-    table: &Table<'_>,
-    factor: impl Fn(&str) -> Result<f64, units::Mismatch>,
-    names: &str,
-) -> Read<f64> {
+fn unit(table: &Table<'_>, factor: impl Fn(&str) -> Result<f64, units::Mismatch>, names: &str) -> Read<f64> {
     let wants = format!("the unit of the column: {names}");
     let node = table.required("unit", &wants)?;
     factor(node.text(&wants)?).map_err(|e| node.fail(e.found, e.allowed))

@@ -54,10 +54,7 @@ impl SceneError {
         if self.allowed.is_empty() {
             text.push_str(&format!(": {}", self.found));
         } else {
-            text.push_str(&format!(
-                ": found {}, allowed: {}",
-                self.found, self.allowed
-            ));
+            text.push_str(&format!(": found {}, allowed: {}", self.found, self.allowed));
         }
         text
     }
@@ -75,13 +72,7 @@ pub(super) struct Source<'a> {
 
 impl Source<'_> {
     /// An error at a byte of the text.
-    pub fn error(
-        self,
-        at: usize,
-        key: &str,
-        found: impl Into<String>,
-        allowed: impl Into<String>,
-    ) -> SceneError {
+    pub fn error(self, at: usize, key: &str, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
         SceneError {
             file: self.file.to_owned(),
             line: Some(line_of(self.text.as_bytes(), at)),
@@ -114,49 +105,28 @@ pub(super) struct Node<'a> {
 }
 
 impl<'a> Node<'a> {
-    fn of_value(
-        source: Source<'a>,
-        path: String,
-        fallback: Range<usize>,
-        value: &'a Value,
-    ) -> Self {
+    fn of_value(source: Source<'a>, path: String, fallback: Range<usize>, value: &'a Value) -> Self {
         let content = match value {
             Value::InlineTable(table) => Content::Table(table),
             other => Content::Value(other),
         };
         let span = value.span().unwrap_or(fallback);
-        Self {
-            source,
-            path,
-            span,
-            content,
-        }
+        Self { source, path, span, content }
     }
 
-    fn of_item(
-        source: Source<'a>,
-        path: String,
-        key: Range<usize>,
-        item: &'a Item,
-    ) -> Option<Self> {
+    fn of_item(source: Source<'a>, path: String, key: Range<usize>, item: &'a Item) -> Option<Self> {
         let content = match item {
             Item::None => return None,
             Item::Value(value) => return Some(Self::of_value(source, path, key, value)),
             Item::Table(table) => Content::Table(table),
             Item::ArrayOfTables(tables) => Content::Tables(tables),
         };
-        Some(Self {
-            source,
-            path,
-            span: item.span().unwrap_or(key),
-            content,
-        })
+        Some(Self { source, path, span: item.span().unwrap_or(key), content })
     }
 
     /// An error at this value.
     pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
-        self.source
-            .error(self.span.start, &self.path, found, allowed)
+        self.source.error(self.span.start, &self.path, found, allowed)
     }
 
     /// An error that repeats this value.
@@ -175,8 +145,7 @@ impl<'a> Node<'a> {
     }
 
     fn not_here(&self, what: &str, why: &str) -> SceneError {
-        let sentence =
-            format!("{what} is part of the scene format, but {why} (models here: {MODELS})");
+        let sentence = format!("{what} is part of the scene format, but {why} (models here: {MODELS})");
         self.fail(sentence, "")
     }
 
@@ -201,9 +170,7 @@ impl<'a> Node<'a> {
 
     /// A number without dimension, finite and in the range that `ok` tests and `allowed` describes.
     pub fn number(&self, allowed: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
-        self.bare_number()
-            .filter(|x| ok(*x))
-            .ok_or_else(|| self.refuse(allowed))
+        self.bare_number().filter(|x| ok(*x)).ok_or_else(|| self.refuse(allowed))
     }
 
     /// A quantity in SI: a bare number or a text with a unit.
@@ -217,24 +184,15 @@ impl<'a> Node<'a> {
     }
 
     /// A quantity in the range that `ok` tests and `allowed` describes in full.
-    pub fn limited(
-        &self,
-        dimension: Dimension,
-        allowed: &str,
-        ok: impl Fn(f64) -> bool,
-    ) -> Read<f64> {
+    pub fn limited(&self, dimension: Dimension, allowed: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
         let value = match self.content {
             Content::Value(Value::String(text)) => {
                 let parsed = units::parse(text.value(), dimension);
-                parsed
-                    .map(Some)
-                    .map_err(|e| self.fail(e.found, e.allowed))?
+                parsed.map(Some).map_err(|e| self.fail(e.found, e.allowed))?
             }
             _ => self.bare_number(),
         };
-        value
-            .filter(|x| ok(*x))
-            .ok_or_else(|| self.fail(self.shown_quantity(dimension), allowed))
+        value.filter(|x| ok(*x)).ok_or_else(|| self.fail(self.shown_quantity(dimension), allowed))
     }
 
     /// A quantity above 0.
@@ -250,11 +208,7 @@ impl<'a> Node<'a> {
     /// The value, and for a bare number the unit it has been taken in.
     pub fn shown_quantity(&self, dimension: Dimension) -> String {
         match self.bare_number() {
-            Some(_) => format!(
-                "{} (a bare number is in {})",
-                self.shown(),
-                dimension.si_unit()
-            ),
+            Some(_) => format!("{} (a bare number is in {})", self.shown(), dimension.si_unit()),
             None => self.shown(),
         }
     }
@@ -271,9 +225,7 @@ impl<'a> Node<'a> {
     /// A whole number between two others.
     pub fn integer(&self, least: i64, most: i64, allowed: &str) -> Read<i64> {
         match self.content {
-            Content::Value(Value::Integer(i)) if (least..=most).contains(i.value()) => {
-                Ok(*i.value())
-            }
+            Content::Value(Value::Integer(i)) if (least..=most).contains(i.value()) => Ok(*i.value()),
             _ => Err(self.refuse(allowed)),
         }
     }
@@ -284,8 +236,7 @@ impl<'a> Node<'a> {
             Content::Value(Value::String(text)) => Some(text.value().as_str()),
             _ => None,
         };
-        text.filter(|t| !t.trim().is_empty() && !t.contains(char::is_control))
-            .ok_or_else(|| self.refuse(allowed))
+        text.filter(|t| !t.trim().is_empty() && !t.contains(char::is_control)).ok_or_else(|| self.refuse(allowed))
     }
 
     /// `true` or `false`.
@@ -333,11 +284,7 @@ impl<'a> Node<'a> {
     }
 
     /// A list of exactly `N` numbers; `read` gets the index of each.
-    pub fn array<const N: usize>(
-        &self,
-        allowed: &str,
-        read: impl Fn(usize, &Node<'a>) -> Read<f64>,
-    ) -> Read<[f64; N]> {
+    pub fn array<const N: usize>(&self, allowed: &str, read: impl Fn(usize, &Node<'a>) -> Read<f64>) -> Read<[f64; N]> {
         let list = self.list(allowed)?;
         if list.len() != N {
             return Err(self.fail(format!("a list of {}", list.len()), allowed));
@@ -359,12 +306,7 @@ impl<'a> Node<'a> {
         let Content::Table(content) = self.content else {
             return Err(self.refuse(format!("a table with the keys {}", keys.join(", "))));
         };
-        let table = Table {
-            source: self.source,
-            path: self.path.clone(),
-            span: self.span.clone(),
-            content,
-        };
+        let table = Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content };
         table.check_keys(keys, without_effect)?;
         Ok(table)
     }
@@ -381,12 +323,7 @@ pub(super) struct Table<'a> {
 impl<'a> Table<'a> {
     /// The whole document.
     pub fn root(source: Source<'a>, content: &'a dyn TableLike, keys: &[&str]) -> Read<Self> {
-        let table = Self {
-            source,
-            path: String::new(),
-            span: 0..0,
-            content,
-        };
+        let table = Self { source, path: String::new(), span: 0..0, content };
         table.check_keys(keys, &[])?;
         Ok(table)
     }
@@ -410,14 +347,12 @@ impl<'a> Table<'a> {
             format!("in the table {}", self.path)
         };
         let found = format!("no such key {place}, which needs it");
-        self.source
-            .error(self.span.start, &self.path_of(key), found, wants)
+        self.source.error(self.span.start, &self.path_of(key), found, wants)
     }
 
     /// An error about the table as a whole.
     pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
-        self.source
-            .error(self.span.start, &self.path, found, allowed)
+        self.source.error(self.span.start, &self.path, found, allowed)
     }
 
     /// Whether the key is there.
@@ -432,28 +367,21 @@ impl<'a> Table<'a> {
 
     /// A quantity that must be there.
     pub fn quantity(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.allowed(""))?
-            .quantity(dimension)
+        self.required(key, &dimension.allowed(""))?.quantity(dimension)
     }
 
     /// A quantity above 0 that must be there.
     pub fn positive(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.allowed("above 0"))?
-            .positive(dimension)
+        self.required(key, &dimension.allowed("above 0"))?.positive(dimension)
     }
 
     /// A quantity of 0 or more that must be there.
     pub fn not_negative(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.allowed("of 0 or more"))?
-            .not_negative(dimension)
+        self.required(key, &dimension.allowed("of 0 or more"))?.not_negative(dimension)
     }
 
     fn path_of(&self, key: &str) -> String {
-        if self.path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.path)
-        }
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
     fn key_span(&self, key: &str) -> Range<usize> {
@@ -476,13 +404,11 @@ impl<'a> Table<'a> {
     }
 
     fn unknown(&self, key: &str, keys: &[&str]) -> SceneError {
-        let hint =
-            nearest(key, keys).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
+        let hint = nearest(key, keys).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
         let found = format!("an unknown key{hint}");
         let shown = on_one_line(key.escape_debug().to_string().as_str());
         let at = self.key_span(key).start;
-        self.source
-            .error(at, &self.path_of(&shown), found, keys.join(", "))
+        self.source.error(at, &self.path_of(&shown), found, keys.join(", "))
     }
 }
 

@@ -4,9 +4,7 @@
 //! `N s/m`, `1/Pa`, `kg m^2`, `N/mm^1.5`, `g·mm`. The factors come from `uom`; what is checked here at run time is the
 //! dimension, with the angle as a dimension of its own, so that `Hz` cannot pass for a speed of rotation.
 
-use uom::si::f64::{
-    Angle, AngularVelocity, Force, Frequency, Length, Mass, Pressure, Time, Torque,
-};
+use uom::si::f64::{Angle, AngularVelocity, Force, Frequency, Length, Mass, Pressure, Time, Torque};
 use uom::si::{angle, angular_velocity, force, frequency, length, mass, pressure, time, torque};
 
 /// Powers of length, mass, time and angle.
@@ -174,11 +172,7 @@ impl Dimension {
     /// What to write, with an example; `range` such as `above 0`, or empty.
     pub fn allowed(self, range: &str) -> String {
         let row = self.row();
-        let range = if range.is_empty() {
-            String::new()
-        } else {
-            format!(" {range}")
-        };
+        let range = if range.is_empty() { String::new() } else { format!(" {range}") };
         match self {
             Self::ContactStiffness(n) => {
                 let unit = self.si_unit();
@@ -187,14 +181,10 @@ impl Dimension {
                     short(n)
                 )
             }
-            Self::Length => format!(
-                "{}{range}, such as \"{}\" or \"5 um\"",
-                row.words, row.example
-            ),
-            Self::Speed => format!(
-                "{}{range}, such as \"{}\" (rpm, rev/s or rad/s; Hz is not taken)",
-                row.words, row.example
-            ),
+            Self::Length => format!("{}{range}, such as \"{}\" or \"5 um\"", row.words, row.example),
+            Self::Speed => {
+                format!("{}{range}, such as \"{}\" (rpm, rev/s or rad/s; Hz is not taken)", row.words, row.example)
+            }
             _ => format!("{}{range}, such as \"{}\"", row.words, row.example),
         }
     }
@@ -216,59 +206,37 @@ impl Dimension {
 
 /// The SI value of `"<number> <unit>"` where the scene wants `dimension`.
 pub fn parse(text: &str, dimension: Dimension) -> Result<f64, Mismatch> {
-    let mismatch = |why: &str| Mismatch {
-        found: format!("{}{why}", quote(text)),
-        allowed: dimension.allowed(""),
-    };
-    let (number, unit) = split_number(text)
-        .ok_or_else(|| mismatch(", which does not start with a number and a unit"))?;
+    let mismatch = |why: &str| Mismatch { found: format!("{}{why}", quote(text)), allowed: dimension.allowed("") };
+    let (number, unit) =
+        split_number(text).ok_or_else(|| mismatch(", which does not start with a number and a unit"))?;
     if unit.is_empty() {
         return Err(mismatch(", which has no unit"));
     }
     if unit.starts_with(',') {
-        return Err(mismatch(
-            ", with a comma (a decimal point is written as a point)",
-        ));
+        return Err(mismatch(", with a comma (a decimal point is written as a point)"));
     }
-    let (factor, powers) =
-        unit_of(unit, dimension).map_err(|why| mismatch(&format!(", where {why}")))?;
+    let (factor, powers) = unit_of(unit, dimension).map_err(|why| mismatch(&format!(", where {why}")))?;
     if !dimension.fits(powers) {
         return Err(mismatch(&format!(", {}", describe(powers))));
     }
     let value = number * factor;
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(mismatch(", which is too large a number"))
-    }
+    if value.is_finite() { Ok(value) } else { Err(mismatch(", which is too large a number")) }
 }
 
 /// Metres in one unit of a recording's column, such as `um`, `mil`, `mm` or `m`.
 pub fn length_column(unit: &str) -> Result<f64, Mismatch> {
-    column(
-        unit,
-        Dimension::Length,
-        "a unit of length: um, mil, mm or m",
-    )
+    column(unit, Dimension::Length, "a unit of length: um, mil, mm or m")
 }
 
 /// Radians per second in one unit of a recording's column, `rpm` or `rad/s`. `Hz` is refused: turns or radians per
 /// second differ by 2 pi, and nothing in the name says which is meant.
 pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
-    column(
-        unit,
-        Dimension::Speed,
-        "a unit of speed of rotation: rpm, rev/s or rad/s",
-    )
+    column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }
 
 fn column(unit: &str, dimension: Dimension, allowed: &str) -> Result<f64, Mismatch> {
-    let mismatch = |why: String| Mismatch {
-        found: format!("{}, {why}", quote(unit)),
-        allowed: allowed.to_owned(),
-    };
-    let (factor, powers) =
-        unit_of(unit, dimension).map_err(|why| mismatch(format!("where {why}")))?;
+    let mismatch = |why: String| Mismatch { found: format!("{}, {why}", quote(unit)), allowed: allowed.to_owned() };
+    let (factor, powers) = unit_of(unit, dimension).map_err(|why| mismatch(format!("where {why}")))?;
     if !dimension.fits(powers) {
         return Err(mismatch(describe(powers)));
     }
@@ -289,12 +257,7 @@ fn split_number(text: &str) -> Option<(f64, &str)> {
 
 /// Bytes of the decimal number at the start; an `e` counts only with digits after it.
 fn number_length(text: &[u8]) -> usize {
-    let digits = |from: usize| {
-        text.iter()
-            .skip(from)
-            .take_while(|b| b.is_ascii_digit())
-            .count()
-    };
+    let digits = |from: usize| text.iter().skip(from).take_while(|b| b.is_ascii_digit()).count();
     let is = |at: usize, set: &[u8]| text.get(at).is_some_and(|b| set.contains(b));
     let mut end = usize::from(is(0, b"+-"));
     end += digits(end);
@@ -349,12 +312,7 @@ fn plain_signs(text: &str) -> String {
 }
 
 /// Multiplies `product` by every name of one side of the `/`.
-fn multiply(
-    product: &mut (f64, Powers),
-    side: &str,
-    sign: f64,
-    wanted: Dimension,
-) -> Result<(), String> {
+fn multiply(product: &mut (f64, Powers), side: &str, sign: f64, wanted: Dimension) -> Result<(), String> {
     for term in side.split_whitespace() {
         let (name, power) = match term.split_once('^') {
             Some((name, power)) => (name, power_of(power, wanted)?),
@@ -378,9 +336,7 @@ fn power_of(text: &str, wanted: Dimension) -> Result<f64, String> {
         .filter(|p: &f64| p.abs() <= 10.0)
         .ok_or_else(|| format!("\"^\" is followed by {} and not by a power", quote(text)))?;
     match wanted {
-        Dimension::ContactStiffness(n) if (power.abs() - n).abs() <= EXPONENT_TOLERANCE * n => {
-            Ok(n.copysign(power))
-        }
+        Dimension::ContactStiffness(n) if (power.abs() - n).abs() <= EXPONENT_TOLERANCE * n => Ok(n.copysign(power)),
         _ => Ok(power),
     }
 }
@@ -391,12 +347,8 @@ fn atom(name: &str) -> Result<(f64, Powers), String> {
     if let Some((_, factor, powers)) = atoms.iter().find(|(known, ..)| *known == name) {
         return Ok((*factor, *powers));
     }
-    let other_case = atoms
-        .iter()
-        .find(|(known, ..)| known.eq_ignore_ascii_case(name));
-    let hint = other_case.map_or(String::new(), |(known, ..)| {
-        format!(" (did you mean \"{known}\"?)")
-    });
+    let other_case = atoms.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name));
+    let hint = other_case.map_or(String::new(), |(known, ..)| format!(" (did you mean \"{known}\"?)"));
     Err(format!("{} is no known unit{hint}", quote(name)))
 }
 
@@ -473,13 +425,7 @@ fn describe(powers: Powers) -> String {
     let named = powers.into_iter().zip(["m", "kg", "s", "rad"]);
     let units: Vec<String> = named
         .filter(|(power, _)| power.abs() > POWER_TOLERANCE)
-        .map(|(power, name)| {
-            if power == 1.0 {
-                name.to_owned()
-            } else {
-                format!("{name}^{}", short(power))
-            }
-        })
+        .map(|(power, name)| if power == 1.0 { name.to_owned() } else { format!("{name}^{}", short(power)) })
         .collect();
     if units.is_empty() {
         "a number without dimension".to_owned()

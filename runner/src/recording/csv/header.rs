@@ -31,7 +31,7 @@ impl Header {
         while text.trim_ascii().is_empty() {
             text.clear();
             let count = reader.by_ref().take(LONGEST).read_until(b'\n', &mut text);
-            let count = count.map_err(|source| failed(file, line, source))? as u64;
+            let count = count.map_err(|cause| failed(file, line, cause))? as u64;
             if count == 0 {
                 return Err(RecordingError::Empty { file: file.into() });
             }

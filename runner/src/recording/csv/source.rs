@@ -55,6 +55,6 @@ impl Read for Source {
 }
 
 /// A failure to read on after `line`.
-pub(super) fn failed(file: &Path, line: u64, source: io::Error) -> RecordingError {
-    RecordingError::Read { file: file.into(), line, source }
+pub(super) fn failed(file: &Path, line: u64, cause: io::Error) -> RecordingError {
+    RecordingError::Read { file: file.into(), line, cause }
 }

@@ -124,11 +124,20 @@ fn nice(rough: f64) -> f64 {
 /// As many decimals as the step has.
 fn tick_label(value: f64, step: f64) -> String {
     if value.abs() >= 1e6 || step < 1e-6 {
-        return signed(&format!("{value:.3e}"));
+        return signed(&short_power(value));
     }
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let value = if value.abs() < 1e-6 * step { 0.0 } else { value };
     signed(&format!("{value:.decimals$}"))
+}
+
+/// In powers of ten, without idle zeros.
+fn short_power(value: f64) -> String {
+    let text = format!("{value:.3e}");
+    match text.split_once('e') {
+        Some((lead, power)) => format!("{}e{power}", lead.trim_end_matches('0').trim_end_matches('.')),
+        None => text,
+    }
 }
 
 /// The label of a whole power of ten.

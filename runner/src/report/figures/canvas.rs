@@ -5,6 +5,7 @@ use super::line::{Point, pieces};
 use anyhow::{Context, Result};
 use plotters::prelude::{Color, DrawingBackend, FontTransform, IntoFont, RGBColor, SVGBackend, ShapeStyle, TextStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::f64::consts::FRAC_PI_2;
 
 /// The backend knows whole pixels only: it draws this much larger, and the page scales it down.
 const FINE: f64 = 4.0;
@@ -101,7 +102,10 @@ fn inline(text: &str, size: (u32, u32), dashes: Dashes) -> Result<String> {
     let body = body.replace("opacity=\"1\" ", "");
     let body = match dashes {
         Dashes::Twin => body
-            .replace(&format!("<polyline fill=\"none\" {twin}"), &format!("<polyline class=\"dash\" fill=\"none\" {twin}"))
+            .replace(
+                &format!("<polyline fill=\"none\" {twin}"),
+                &format!("<polyline class=\"dash\" fill=\"none\" {twin}"),
+            )
             .replace(&format!("<line {twin}"), &format!("<line class=\"dash\" {twin}")),
         Dashes::None => body,
     };
@@ -131,7 +135,7 @@ impl Canvas<'_> {
     pub(super) fn line(&mut self, points: &[Point], stroke: Stroke) -> Result<()> {
         match points {
             [] => {}
-            [(x, y)] => self.dot(*x, *y, stroke.1, stroke.0)?,
+            [(x, y)] => self.dot(*x, *y, stroke.1.max(2.0), stroke.0)?,
             [from, to] => self.backend.draw_line(pixel(from), pixel(to), &style(stroke))?,
             _ => self.backend.draw_path(points.iter().map(pixel), &style(stroke))?,
         }
@@ -213,7 +217,7 @@ impl Canvas<'_> {
             }
             Key::Dot(colour) => self.dot(x + 11.0, y, 3.5, colour),
             Key::Ring(colour) => self.ring(x + 11.0, y, colour),
-            Key::Triangle(colour) => self.triangle((x + 11.0, y + 4.0), 1.5708, 8.0, colour),
+            Key::Triangle(colour) => self.triangle((x + 11.0, y + 4.0), FRAC_PI_2, 8.0, colour),
         }
     }
 }
@@ -253,7 +257,8 @@ impl Frame {
     /// Grid, edges, tick labels and titles. `below` is false for a frame that shares the X axis with the next one.
     pub(super) fn axes(&self, canvas: &mut Canvas, below: bool) -> Result<()> {
         self.grid(canvas)?;
-        let corners = [(self.left, self.top), (self.right, self.top), (self.right, self.bottom), (self.left, self.bottom)];
+        let corners =
+            [(self.left, self.top), (self.right, self.top), (self.right, self.bottom), (self.left, self.bottom)];
         canvas.line(&[corners[0], corners[1], corners[2], corners[3], corners[0]], Stroke(MARK, 0.75))?;
         for (value, label) in &self.y.ticks {
             let y = self.at(&(0.0, *value)).1;
@@ -293,8 +298,11 @@ impl Frame {
         Ok(())
     }
 
-    /// Says in the middle that there is nothing to see.
-    pub(super) fn no_data(&self, canvas: &mut Canvas) -> Result<()> {
+    /// Says in the middle that there is nothing to see, where that is so.
+    pub(super) fn say_if_empty(&self, canvas: &mut Canvas, curves: &[&[Point]]) -> Result<()> {
+        if curves.iter().any(|curve| pieces(curve).next().is_some()) {
+            return Ok(());
+        }
         let middle = (0.5 * (self.left + self.right), 0.5 * (self.top + self.bottom));
         canvas.text("no data", middle, Anchor::Middle, MARK)
     }

@@ -29,7 +29,11 @@ pub(super) fn force(force: &ForceTrace, budget: Budget) -> Result<Picture> {
         }
         Ok(())
     })?;
-    Ok(Picture { title: format!("Force on the inner ring of bearing {} over time", force.name), note: note(banded), svg })
+    Ok(Picture {
+        title: format!("Force on the inner ring of bearing {} over time", force.name),
+        note: note(banded),
+        svg,
+    })
 }
 
 fn legend(banded: bool) -> &'static [(Key, &'static str)] {
@@ -74,7 +78,7 @@ impl Panel {
         }
         frame.curve(canvas, &self.measured, Stroke(MEASURED, 1.2))?;
         frame.curve(canvas, &self.twin, Stroke(TWIN, 1.2))?;
-        if self.measured.is_empty() && self.twin.is_empty() { frame.no_data(canvas) } else { Ok(()) }
+        frame.say_if_empty(canvas, &[&self.measured, &self.twin])
     }
 }
 
@@ -91,7 +95,8 @@ fn band(time: &[f64], force: &[f64], sigma: &[f64], limit: usize) -> Vec<(Vec<Po
 }
 
 fn frames(panels: &[Panel], time: &[f64], title: &str) -> Vec<Frame> {
-    let axes: Vec<Axis> = panels.iter().zip(TITLES).map(|(panel, title)| Axis::padded(panel.extent(), 6, title)).collect();
+    let axes: Vec<Axis> =
+        panels.iter().zip(TITLES).map(|(panel, title)| Axis::padded(panel.extent(), 6, title)).collect();
     let left = gutter(&axes.iter().collect::<Vec<_>>());
     let x = Axis::exact(extent(time.iter().copied()), 10, title);
     let place = |(i, y): (usize, Axis)| {

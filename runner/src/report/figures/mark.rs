@@ -2,14 +2,15 @@
 
 use super::canvas::{Anchor, Canvas, FAINT, Frame, INK, MARK, SMALL, Stroke, text_width};
 use crate::replay::outcome::MarkedLine;
+use crate::report::number::shortened;
 use anyhow::Result;
 
 /// Height of one row of names.
 const ROW: f64 = 13.0;
 /// Lines closer than this share one name.
 const TOUCHING: f64 = 0.004;
-/// Longest name; a longer one is cut.
-const LONGEST: usize = 40;
+/// Longest place and longest kind in a name; a longer one is cut.
+const LONGEST: usize = 26;
 
 /// A line with all its names, one row of them above another.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,22 +31,22 @@ pub(super) fn marks(lines: &[MarkedLine], highest: f64) -> Vec<Mark> {
     groups.map(|group| Mark { hz: group[0].hz, name: name(group), row: 0 }).collect()
 }
 
-/// One name for lines at one place: what they share is said once.
+/// One name for lines at one place: what they share is said once. The order is never cut off.
 fn name(group: &[&MarkedLine]) -> String {
     let parts: Vec<Option<(&str, &str)>> = group.iter().map(|line| line.label.rsplit_once(' ')).collect();
     let kind = parts.first().copied().flatten().map(|part| part.1);
-    let shared = kind.is_some() && parts.iter().all(|part| part.map(|part| part.1) == kind);
-    let mut text = if shared && group.len() > 1 {
-        let places: Vec<&str> = parts.iter().flatten().map(|part| part.0).collect();
-        format!("{} {}", places.join(", "), kind.unwrap_or_default())
-    } else {
-        group.iter().map(|line| line.label.as_str()).collect::<Vec<_>>().join(", ")
+    let mut text = match kind.filter(|kind| parts.iter().all(|part| part.is_some_and(|part| part.1 == *kind))) {
+        Some(kind) => {
+            let places: Vec<&str> = parts.iter().flatten().map(|part| part.0).collect();
+            format!("{} {}", shortened(&places.join(", "), LONGEST), shortened(kind, LONGEST))
+        }
+        None => shortened(&group.iter().map(|line| line.label.as_str()).collect::<Vec<_>>().join(", "), LONGEST),
     };
     let order = group[0].order;
     if order.is_finite() && !group.iter().any(|line| line.label.ends_with('X')) {
         text.push_str(&format!(" {order:.2}X"));
     }
-    crate::report::number::shortened(&text, LONGEST)
+    text
 }
 
 /// Right edge that lets the last names end inside the picture.
@@ -103,7 +104,13 @@ mod tests {
 
     #[test]
     fn equal_lines_share_a_name() {
-        let lines = [line("1X", 1.0), line("DE outer", 3.58), line("NDE outer", 3.58), line("DE inner", 5.42), line("bad", f64::NAN)];
+        let lines = [
+            line("1X", 1.0),
+            line("DE outer", 3.58),
+            line("NDE outer", 3.58),
+            line("DE inner", 5.42),
+            line("bad", f64::NAN),
+        ];
         let names: Vec<String> = marks(&lines, 800.0).into_iter().map(|mark| mark.name).collect();
         assert_eq!(names, ["1X", "DE, NDE outer 3.58X", "DE inner 5.42X"]);
     }

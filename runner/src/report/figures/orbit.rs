@@ -21,6 +21,10 @@ const TURNS: usize = 8;
 /// Share of a turn that stays blank before the bright dot.
 const BLANK: f64 = 0.035;
 
+/// What the reader must know.
+const NOTE: &str = "Equal scales. X to the right, Y up, Z towards the reader. Blank, then bright: motion runs from the \
+                    gap to the keyphasor dot (twin: ring).";
+
 /// One picture for each plane; `forward` is the sense of rotation, +1 from +X towards +Y.
 pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Picture> {
     let shown = shown_samples(orbit);
@@ -34,11 +38,11 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Pictu
         draw_path(canvas, &frame, &orbit.measured, &marks, shown, Stroke(MEASURED, 1.3), budget)?;
         draw_path(canvas, &frame, &orbit.twin, &marks, shown, Stroke(TWIN, 1.1), budget)?;
         dots(canvas, &frame, orbit, &marks)?;
-        if shown == 0 { frame.no_data(canvas) } else { Ok(()) }
+        frame.say_if_empty(canvas, &[&orbit.measured, &orbit.twin])
     })?;
     Ok(Picture {
         title: format!("Orbit of {} at {} mm", orbit.name, signed(&fixed(orbit.station_mm, 0))),
-        note: "Equal scales. X to the right, Y up, Z towards the reader. Blank, then bright: motion runs from the gap to the keyphasor dot (twin: ring).".to_owned(),
+        note: NOTE.to_owned(),
         svg,
     })
 }
@@ -98,10 +102,14 @@ fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Po
         let x = if side > 0.0 { frame.right - 7.0 } else { frame.left + 7.0 };
         return canvas.upright(name, (x, tip.1.clamp(frame.top + half, frame.bottom - half)));
     }
-    // A long name goes on towards the corner, where the rim leaves more room.
-    let away = if half > 30.0 && cosine.abs() > 0.3 { 20.0 } else { 9.0 };
+    // A long name goes into the corner, where the rim leaves more room.
+    if half > 30.0 && cosine.abs() > 0.3 {
+        let y = (tip.1 - 34.0 * sine).clamp(frame.top + 32.0, frame.bottom - 8.0);
+        let (x, anchor) = if side > 0.0 { (frame.right - 5.0, Anchor::End) } else { (frame.left + 5.0, Anchor::Start) };
+        return canvas.text(name, (x, y), anchor, INK);
+    }
     let x = (tip.0 + side * (half + 10.0)).clamp(frame.left + half, frame.right - half);
-    let y = (tip.1 - away * sine).clamp(frame.top + 8.0, frame.bottom - 8.0);
+    let y = (tip.1 - 9.0 * sine).clamp(frame.top + 8.0, frame.bottom - 8.0);
     canvas.text(name, (x, y), Anchor::Middle, INK)
 }
 

@@ -26,19 +26,21 @@ pub(super) fn loads(loads: &ElementLoads, budget: Budget) -> Result<Picture> {
     let frame = way_frame(loads);
     let svg = picture((WIDTH, 330.0), Dashes::Twin, |canvas| {
         canvas.legend(8.0, 0.0, &legend())?;
-        rings(canvas, loads, &radial)?;
+        rings(canvas, &radial)?;
         for (values, stroke) in [(&loads.largest, LARGEST), (&loads.mean, MEAN), (&loads.twin_mean, TWIN_MEAN)] {
             polar(canvas, &loads.azimuth, values, &radial, stroke)?;
         }
+        ring_labels(canvas, loads, &radial)?;
         frame.axes(canvas, true)?;
         frame.curve(canvas, &way(&loads.first_element, budget.line()), Stroke(MEASURED, 1.0))?;
-        if loads.first_element.is_empty() { frame.no_data(canvas) } else { Ok(()) }
+        frame.say_if_empty(canvas, &[&loads.first_element])
     })?;
     Ok(Picture {
         title: format!("Load on the elements of bearing {}", loads.name),
-        note: "Left: load of the element that passes at each azimuth. Right: element 1 from the measured displacement, \
+        note:
+            "Left: load of the element that passes at each azimuth. Right: element 1 from the measured displacement, \
                every turn of the cage drawn over the ones before. Azimuth from +X towards +Y."
-            .to_owned(),
+                .to_owned(),
         svg,
     })
 }
@@ -52,21 +54,33 @@ fn legend() -> [(Key, &'static str); 3] {
 }
 
 /// Circles of equal load and the four directions.
-fn rings(canvas: &mut Canvas, loads: &ElementLoads, radial: &Axis) -> Result<()> {
+fn rings(canvas: &mut Canvas, radial: &Axis) -> Result<()> {
     for (name, angle) in [("0\u{b0} (+X)", 0.0), ("90\u{b0} (+Y)", 90.0), ("180\u{b0}", 180.0), ("270\u{b0}", 270.0)] {
         let radians: f64 = f64::to_radians(angle);
         canvas.line(&[MIDDLE, around(radians, 1.0)], Stroke(GRID, 0.75))?;
         let (sine, cosine) = radians.sin_cos();
         let (x, y) = around(radians, 1.0);
-        let anchor = if cosine > 0.5 { Anchor::Start } else if cosine < -0.5 { Anchor::End } else { Anchor::Middle };
+        let anchor = if cosine > 0.5 {
+            Anchor::Start
+        } else if cosine < -0.5 {
+            Anchor::End
+        } else {
+            Anchor::Middle
+        };
         canvas.text(name, (x + 5.0 * cosine, y - 9.0 * sine), anchor, INK)?;
     }
     canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS, Stroke(MARK, 0.75))?;
+    for (value, _) in radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
+        canvas.circle(MIDDLE.0, MIDDLE.1, radial.place(*value) * RADIUS, Stroke(GRID, 1.0))?;
+    }
+    Ok(())
+}
+
+/// What the circles stand for, over the curves.
+fn ring_labels(canvas: &mut Canvas, loads: &ElementLoads, radial: &Axis) -> Result<()> {
     let free = unloaded(loads);
     for (value, label) in radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
-        let share = radial.place(*value);
-        canvas.circle(MIDDLE.0, MIDDLE.1, share * RADIUS, Stroke(GRID, 1.0))?;
-        canvas.text(&format!("{label} N"), around(free, share), Anchor::Middle, INK)?;
+        canvas.text(&format!("{label} N"), around(free, radial.place(*value)), Anchor::Middle, INK)?;
     }
     Ok(())
 }

@@ -20,14 +20,15 @@ const DYNAMIC_RANGE: f64 = 1e6;
 const MEASURED_FINE: Stroke = Stroke(MEASURED, 1.1);
 const TWIN_WIDE: Stroke = Stroke(TWIN, 2.6);
 const RESIDUAL_FINE: Stroke = Stroke(RESIDUAL, 0.8);
-/// Lowest bins, which hold the mean and what the window spreads of it.
+/// Lowest bins, which hold the mean and what the window spreads of it, at most.
 const MEAN_BINS: usize = 3;
 
 /// One picture for each probe: the range of the bearing lines, and beside it the whole range.
 pub(super) fn half(spectrum: &HalfSpectrum, lines: &[MarkedLine], budget: Budget) -> Result<Picture> {
     let whole = whole_range(spectrum.bin_hz, longest(spectrum).saturating_sub(1));
     let close = close_view(lines, whole, BEYOND_LINES);
-    let y = amplitude_axis(spectrum);
+    let curves = Curves::new(spectrum, mean_bins(lines, spectrum.bin_hz));
+    let y = curves.amplitude_axis();
     let mut marks = mark::marks(lines, close);
     let split = whole > 1.5 * close;
     let width = if split { 0.70 * WIDTH } else { WIDTH };
@@ -42,14 +43,14 @@ pub(super) fn half(spectrum: &HalfSpectrum, lines: &[MarkedLine], budget: Budget
         frame.axes(canvas, true)?;
         mark::lines(canvas, &frame, &marks)?;
         mark::names(canvas, &frame, &marks)?;
-        half_curves(canvas, &frame, spectrum, budget)?;
+        curves.draw(canvas, &frame, budget)?;
         residual_at(canvas, &frame, spectrum, &marks)?;
-        if split { overview(canvas, &frame, spectrum, whole, budget) } else { Ok(()) }
+        if split { overview(canvas, &frame, &curves, whole, budget) } else { Ok(()) }
     })?;
     let note = if split { ", with the whole range beside it" } else { "" };
     Ok(Picture {
         title: format!("Spectrum of {}", spectrum.name),
-        note: format!("Amplitude zero to peak, logarithmic scale; 0 to {close:.0} Hz{note}."),
+        note: format!("Amplitude zero to peak, logarithmic scale. Mean position left out; 0 to {close:.0} Hz{note}."),
         svg,
     })
 }
@@ -64,26 +65,61 @@ fn half_legend() -> [(Key, &'static str); 4] {
 }
 
 /// The same three curves from 0 to the highest frequency, narrow.
-fn overview(canvas: &mut Canvas, close: &Frame, spectrum: &HalfSpectrum, whole: f64, budget: Budget) -> Result<()> {
+fn overview(canvas: &mut Canvas, close: &Frame, curves: &Curves, whole: f64, budget: Budget) -> Result<()> {
     let x = Axis::exact(Some((0.0, whole)), 4, "Whole range, Hz");
     let mut y = close.y.clone();
     y.title = String::new();
     y.ticks.iter_mut().for_each(|tick| tick.1.clear());
     let frame = Frame { left: 0.73 * WIDTH, right: WIDTH - 16.0, x, y, ..close.clone() };
     frame.axes(canvas, true)?;
-    half_curves(canvas, &frame, spectrum, budget)
+    curves.draw(canvas, &frame, budget)
 }
 
-/// The twin wide and below, so that it shows on both sides of a peak that the machine has too.
-fn half_curves(canvas: &mut Canvas, frame: &Frame, spectrum: &HalfSpectrum, budget: Budget) -> Result<()> {
-    let curves = [(&spectrum.twin, TWIN_WIDE), (&spectrum.measured, MEASURED_FINE), (&spectrum.residual, RESIDUAL_FINE)];
-    let mut drawn = false;
-    for (amplitudes, stroke) in curves {
-        let points = inside(frame, amplitudes.iter().enumerate().map(|(i, a)| (i as f64 * spectrum.bin_hz, *a)));
-        drawn |= !points.is_empty();
-        frame.curve(canvas, &standing_out(frame, peaks(&points, budget.spectrum())), stroke)?;
+/// The three curves of a half spectrum, without the mean.
+struct Curves {
+    measured: Vec<Point>,
+    twin: Vec<Point>,
+    residual: Vec<Point>,
+}
+
+impl Curves {
+    fn new(spectrum: &HalfSpectrum, mean_bins: usize) -> Self {
+        let points = |amplitudes: &[f64]| {
+            let bins = amplitudes.iter().enumerate().skip(mean_bins).filter(|(_, amplitude)| amplitude.is_finite());
+            bins.map(|(i, amplitude)| (i as f64 * spectrum.bin_hz, *amplitude)).collect()
+        };
+        Self {
+            measured: points(&spectrum.measured),
+            twin: points(&spectrum.twin),
+            residual: points(&spectrum.residual),
+        }
     }
-    if drawn { Ok(()) } else { frame.no_data(canvas) }
+
+    /// From just under the noise to just above the highest peak.
+    fn amplitude_axis(&self) -> Axis {
+        let noisy = self.measured.iter().chain(&self.residual).map(|point| point.1);
+        let mut noisy: Vec<f64> = noisy.filter(|amplitude| *amplitude > 0.0).collect();
+        noisy.sort_by(f64::total_cmp);
+        let high = noisy.iter().copied().chain(self.twin.iter().map(|point| point.1)).fold(0.0, f64::max);
+        let floor = noisy.get(noisy.len() / 20).copied().unwrap_or(high / 1000.0);
+        Axis::decades((0.5 * floor).max(high / DYNAMIC_RANGE), 1.6 * high, "Amplitude, um peak")
+    }
+
+    /// The twin wide and below, so that it shows on both sides of a peak that the machine has too.
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: Budget) -> Result<()> {
+        let curves = [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE), (&self.residual, RESIDUAL_FINE)];
+        for (points, stroke) in curves {
+            let points = peaks(&inside(frame, points), budget.spectrum());
+            frame.curve(canvas, &standing_out(frame, points), stroke)?;
+        }
+        frame.say_if_empty(canvas, &[&self.measured, &self.twin, &self.residual])
+    }
+}
+
+/// How many of the lowest bins hold the mean: fewer where the lowest marked line is close.
+fn mean_bins(lines: &[MarkedLine], bin_hz: f64) -> usize {
+    let lowest = lines.iter().map(|line| line.hz).filter(|hz| *hz > 0.0).fold(f64::INFINITY, f64::min);
+    ((0.5 * lowest / bin_hz) as usize).clamp(1, MEAN_BINS)
 }
 
 /// Rings at the residual's peaks on the marked lines, where its curve runs inside the machine's peak.
@@ -100,8 +136,8 @@ fn residual_at(canvas: &mut Canvas, frame: &Frame, spectrum: &HalfSpectrum, mark
     Ok(())
 }
 
-fn inside(frame: &Frame, points: impl Iterator<Item = Point>) -> Vec<Point> {
-    points.filter(|point| point.1.is_finite() && frame.x.holds(point.0)).collect()
+fn inside(frame: &Frame, points: &[Point]) -> Vec<Point> {
+    points.iter().copied().filter(|point| point.1.is_finite() && frame.x.holds(point.0)).collect()
 }
 
 /// Without the stretches that lie below the frame: they would run along its lower edge.
@@ -127,18 +163,6 @@ fn close_view(lines: &[MarkedLine], whole: f64, beyond: f64) -> f64 {
     if highest > 0.0 { whole.min(beyond * highest) } else { whole }
 }
 
-/// From just under the noise to just above the highest peak.
-fn amplitude_axis(spectrum: &HalfSpectrum) -> Axis {
-    let beyond_mean = |amplitudes: &[f64]| amplitudes.iter().skip(MEAN_BINS).copied().collect::<Vec<f64>>();
-    let mut noisy = [beyond_mean(&spectrum.measured), beyond_mean(&spectrum.residual)].concat();
-    noisy.retain(|amplitude| amplitude.is_finite() && *amplitude > 0.0);
-    noisy.sort_by(f64::total_cmp);
-    let twin = beyond_mean(&spectrum.twin);
-    let high = noisy.iter().chain(&twin).copied().filter(|a| a.is_finite()).fold(0.0, f64::max);
-    let floor = noisy.get(noisy.len() / 20).copied().unwrap_or(high / 1000.0);
-    Axis::decades((0.5 * floor).max(high / DYNAMIC_RANGE), 1.6 * high, "Amplitude, um peak")
-}
-
 /// One picture for each plane: forward to the right, reverse to the left; below it, magnified, all but 1X.
 pub(super) fn full(spectrum: &FullSpectrum, lines: &[MarkedLine], budget: Budget) -> Result<Picture> {
     let sides = Sides::new(spectrum, lines);
@@ -160,7 +184,8 @@ pub(super) fn full(spectrum: &FullSpectrum, lines: &[MarkedLine], budget: Budget
     Ok(Picture {
         title: format!("Full spectrum of {}", spectrum.name),
         note: format!(
-            "Amplitude zero to peak, linear scale{magnified}. Mean position left out; \u{b1}{close:.0} Hz of \u{b1}{whole:.0} Hz."
+            "Amplitude zero to peak, linear scale{magnified}. Mean position left out; \u{b1}{close:.0} Hz of \
+             \u{b1}{whole:.0} Hz."
         ),
         svg,
     })
@@ -181,8 +206,9 @@ impl Sides {
         let half = spectrum.measured.len().max(spectrum.twin.len()) / 2;
         let whole = whole_range(spectrum.bin_hz, half);
         let close = close_view(lines, whole, BEYOND_LINES_FULL);
-        let measured = two_sided(&spectrum.measured, spectrum.bin_hz);
-        let twin = two_sided(&spectrum.twin, spectrum.bin_hz);
+        let mean_bins = mean_bins(lines, spectrum.bin_hz);
+        let measured = two_sided(&spectrum.measured, spectrum.bin_hz, mean_bins);
+        let twin = two_sided(&spectrum.twin, spectrum.bin_hz, mean_bins);
         let one_x = lines.iter().find(|line| line.label == "1X").map(|line| line.hz);
         let near_one_x = |hz: f64| one_x.is_some_and(|one_x| (hz.abs() - one_x).abs() < 3.5 * spectrum.bin_hz);
         let highest = |shown: &dyn Fn(f64) -> bool| {
@@ -217,12 +243,11 @@ impl Sides {
 
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: Budget) -> Result<()> {
         for (points, stroke) in [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE)] {
-            let points = inside(frame, points.iter().copied());
-            frame.curve(canvas, &peaks(&points, budget.spectrum()), stroke)?;
+            frame.curve(canvas, &peaks(&inside(frame, points), budget.spectrum()), stroke)?;
         }
         let middle = frame.at(&(0.0, 0.0)).0;
         canvas.line(&[(middle, frame.top), (middle, frame.bottom)], Stroke(MARK, 1.0))?;
-        if self.measured.is_empty() && self.twin.is_empty() { frame.no_data(canvas) } else { Ok(()) }
+        frame.say_if_empty(canvas, &[&self.measured, &self.twin])
     }
 }
 
@@ -234,9 +259,9 @@ fn name_sides(canvas: &mut Canvas, frame: &Frame) -> Result<()> {
 }
 
 /// Amplitudes with their frequencies, without the bins about 0 Hz, which hold the mean.
-fn two_sided(amplitudes: &[f64], bin_hz: f64) -> Vec<Point> {
+fn two_sided(amplitudes: &[f64], bin_hz: f64, mean_bins: usize) -> Vec<Point> {
     let half = amplitudes.len() / 2;
     let bin = |i: usize| i as f64 - half as f64;
-    let kept = amplitudes.iter().enumerate();
-    kept.map(|(i, amplitude)| (bin(i) * bin_hz, if i.abs_diff(half) < MEAN_BINS { f64::NAN } else { *amplitude })).collect()
+    let kept = amplitudes.iter().enumerate().filter(|(i, _)| i.abs_diff(half) >= mean_bins);
+    kept.map(|(i, amplitude)| (bin(i) * bin_hz, *amplitude)).collect()
 }

@@ -24,7 +24,8 @@ pub(super) fn trace(trace: &Trace, budget: Budget) -> Result<Picture> {
         upper.curve(canvas, &curves.measured, Stroke(MEASURED, 1.6))?;
         upper.curve(canvas, &curves.twin, Stroke(TWIN, 1.3))?;
         lower.curve(canvas, &curves.residual, Stroke(MARK, 0.8))?;
-        if time.is_empty() { upper.no_data(canvas) } else { Ok(()) }
+        upper.say_if_empty(canvas, &[&curves.measured, &curves.twin])?;
+        lower.say_if_empty(canvas, &[&curves.residual])
     })?;
     Ok(Picture { title: format!("Position at {} over time", trace.name), note: String::new(), svg })
 }

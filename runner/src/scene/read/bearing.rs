@@ -2,11 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_3, PI};
 
+use super::super::build::MOST_DEFECTS;
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::super::{
-    Axial, Bearing, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model,
-};
+use super::super::{Axial, Bearing, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model};
 
 const KEYS: [&str; 25] = [
     "name",
@@ -37,15 +36,8 @@ const KEYS: [&str; 25] = [
 ];
 
 /// Keys of the scene format that belong to models which are not here.
-const WITHOUT_EFFECT: [&str; 7] = [
-    "effects",
-    "race_control",
-    "friction_sharing",
-    "lubricant",
-    "waviness",
-    "preload",
-    "support",
-];
+const WITHOUT_EFFECT: [&str; 7] =
+    ["effects", "race_control", "friction_sharing", "lubricant", "waviness", "preload", "support"];
 
 /// Models of the scene format that are not here.
 const OTHER_MODELS: [&str; 3] = ["quasi-static", "tabulated", "dynamic"];
@@ -64,13 +56,7 @@ const GEOMETRY: [&str; 9] = [
 ];
 
 /// Keys of the lumped model alone.
-const LUMPED: [&str; 5] = [
-    "stiffness",
-    "exponent",
-    "radial_play",
-    "axial",
-    "housing_displacement",
-];
+const LUMPED: [&str; 5] = ["stiffness", "exponent", "radial_play", "axial", "housing_displacement"];
 
 /// The three sources of a linear bearing.
 const LINEAR: [&str; 3] = ["stiffness_matrix", "two_spring", "linearise"];
@@ -83,6 +69,9 @@ const POISSONS_RATIO: f64 = 0.3;
 const HERTZ_EXPONENT: f64 = 1.5;
 /// Number of rolling elements that the kernel has room for.
 const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
+
+/// Number of rolling elements for which the two-spring formula has its ratios.
+const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
 
 /// A bearing's table with its keys checked.
 pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
@@ -106,12 +95,9 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
     let model = model(table)?;
     let linear = linear(table, model)?;
     let needs = needs(model, linear.as_ref());
-    let (elements, geometry, law) = (
-        elements(table)?,
-        geometry(table, needs)?,
-        law(table, needs)?,
-    );
+    let (elements, geometry, law) = (elements(table)?, geometry(table, needs)?, law(table, needs)?);
     check_law(table, needs, geometry.as_ref(), law.as_ref())?;
+    check_two_spring(table, elements, linear.as_ref())?;
     check_fit_on_pitch_circle(table, elements, geometry.as_ref())?;
     Ok(Bearing {
         name: table.required("name", wants)?.text(wants)?.to_owned(),
@@ -119,14 +105,10 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
         facing: table.read("facing", facing)?.unwrap_or(Facing::Both),
         model,
         elements,
-        first_element_azimuth: table
-            .read("first_element_azimuth", |n| n.quantity(Dimension::Angle))?
-            .unwrap_or(0.0),
+        first_element_azimuth: table.read("first_element_azimuth", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
         cage_ratio: cage_ratio(table, model, geometry.is_some())?,
         axial: table.read("axial", axial)?,
-        housing_displacement: table
-            .read("housing_displacement", |n| housing(n, elements))?
-            .unwrap_or_default(),
+        housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
         defect: defects(table, model)?,
         geometry,
         law,
@@ -137,15 +119,7 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
 fn model(table: &Table<'_>) -> Read<Model> {
     let wants = "\"linear\", \"lumped\" or \"angular\"";
     let node = table.required("model", wants)?;
-    rung(
-        &node,
-        "model",
-        &[
-            ("linear", Model::Linear),
-            ("lumped", Model::Lumped),
-            ("angular", Model::Angular),
-        ],
-    )
+    rung(&node, "model", &[("linear", Model::Linear), ("lumped", Model::Lumped), ("angular", Model::Angular)])
 }
 
 /// One of the models that are here; those that are not are told apart from misspelt ones.
@@ -158,11 +132,7 @@ fn rung(node: &Node<'_>, key: &str, here: &[(&str, Model)]) -> Read<Model> {
 }
 
 fn facing(node: &Node<'_>) -> Read<Facing> {
-    node.choice(&[
-        ("+z", Facing::PlusZ),
-        ("-z", Facing::MinusZ),
-        ("both", Facing::Both),
-    ])
+    node.choice(&[("+z", Facing::PlusZ), ("-z", Facing::MinusZ), ("both", Facing::Both)])
 }
 
 fn elements(table: &Table<'_>) -> Read<usize> {
@@ -174,9 +144,7 @@ fn elements(table: &Table<'_>) -> Read<usize> {
 
 fn needs(model: Model, linear: Option<&Linear>) -> Needs {
     match (model, linear) {
-        (Model::Angular, _) | (_, Some(Linear::Of(Model::Angular) | Linear::TwoSpring { .. })) => {
-            Needs::ContactAngle
-        }
+        (Model::Angular, _) | (_, Some(Linear::Of(Model::Angular) | Linear::TwoSpring { .. })) => Needs::ContactAngle,
         (Model::Lumped, _) | (_, Some(Linear::Of(Model::Lumped))) => Needs::Law,
         (Model::Linear, _) => Needs::Nothing,
     }
@@ -202,13 +170,7 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
     if let Some(two_spring) = table.read("two_spring", two_spring)? {
         return Ok(Some(two_spring));
     }
-    let of = |n: &Node<'_>| {
-        rung(
-            n,
-            "linearise",
-            &[("angular", Model::Angular), ("lumped", Model::Lumped)],
-        )
-    };
+    let of = |n: &Node<'_>| rung(n, "linearise", &[("angular", Model::Angular), ("lumped", Model::Lumped)]);
     Ok(table.read("linearise", of)?.map(Linear::Of))
 }
 
@@ -216,10 +178,7 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
 fn check_one_source(table: &Table<'_>) -> Read<()> {
     let choice = "exactly one of stiffness_matrix = [5 rows of 5], \
                   two_spring = { static_load = \"500 N\" } and linearise = \"angular\" or \"lumped\"";
-    let given: Vec<Node<'_>> = LINEAR
-        .iter()
-        .filter_map(|key| table.optional(key))
-        .collect();
+    let given: Vec<Node<'_>> = LINEAR.iter().filter_map(|key| table.optional(key)).collect();
     match given.as_slice() {
         [_] => Ok(()),
         [] => {
@@ -257,9 +216,15 @@ fn stiffness_term(row: usize, column: usize) -> Dimension {
 
 fn two_spring(node: &Node<'_>) -> Read<Linear> {
     let table = node.table(&["static_load"])?;
-    Ok(Linear::TwoSpring {
-        static_load: table.positive("static_load", Dimension::Force)?,
-    })
+    Ok(Linear::TwoSpring { static_load: table.positive("static_load", Dimension::Force)? })
+}
+
+fn check_two_spring(table: &Table<'_>, elements: usize, linear: Option<&Linear>) -> Read<()> {
+    if !matches!(linear, Some(Linear::TwoSpring { .. })) || TWO_SPRING_ELEMENTS.contains(&elements) {
+        return Ok(());
+    }
+    let wants = "8 to 16 with two_spring, where its formula has its ratios";
+    Err(table.required("elements", wants)?.refuse(wants))
 }
 
 fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
@@ -279,13 +244,9 @@ fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
         inner_conformity,
         outer_conformity,
         fit: fit(table, needs, groove_centres)?,
-        youngs_modulus: table
-            .read("youngs_modulus", |n| n.positive(Dimension::Pressure))?
-            .unwrap_or(YOUNGS_MODULUS),
+        youngs_modulus: table.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?.unwrap_or(YOUNGS_MODULUS),
         poissons_ratio: table
-            .read("poissons_ratio", |n| {
-                n.number("0 or more and below 0.5", |x| (0.0..0.5).contains(&x))
-            })?
+            .read("poissons_ratio", |n| n.number("0 or more and below 0.5", |x| (0.0..0.5).contains(&x)))?
             .unwrap_or(POISSONS_RATIO),
     }))
 }
@@ -293,11 +254,7 @@ fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
 /// A geometry given in part, or not at all where the model needs one, is refused with all that is missing.
 fn check_complete(table: &Table<'_>) -> Read<()> {
     let (always, _) = GEOMETRY.split_at(4);
-    let missing: Vec<&str> = always
-        .iter()
-        .copied()
-        .filter(|key| !table.has(key))
-        .collect();
+    let missing: Vec<&str> = always.iter().copied().filter(|key| !table.has(key)).collect();
     let Some(first) = missing.first() else {
         return Ok(());
     };
@@ -318,43 +275,31 @@ fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
 
 fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
     let range = "above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
-    table
-        .required(key, range)?
-        .number(range, |x| x > 0.5 && x <= 1.0)
+    table.required(key, range)?.number(range, |x| x > 0.5 && x <= 1.0)
 }
 
 /// `density` belongs to the description of a bearing, and it is checked; only models with the inertia of the balls
 /// use it, and none of those is here.
 fn check_density(table: &Table<'_>) -> Read<()> {
-    table
-        .read("density", |n| n.positive(Dimension::Density))
-        .map(|_| ())
+    table.read("density", |n| n.positive(Dimension::Density)).map(|_| ())
 }
 
 /// `groove_centres` is the distance A of the groove centres at first contact.
 fn fit(table: &Table<'_>, needs: Needs, groove_centres: f64) -> Read<Fit> {
     let choice = "exactly one of contact_angle (such as \"40 deg\") \
                   and diametral_clearance (such as \"10 um\")";
-    match (
-        table.optional("contact_angle"),
-        table.optional("diametral_clearance"),
-    ) {
+    match (table.optional("contact_angle"), table.optional("diametral_clearance")) {
         (Some(angle), None) => contact_angle(&angle).map(Fit::ContactAngle),
-        (None, Some(clearance)) => {
-            diametral_clearance(&clearance, needs, groove_centres).map(Fit::DiametralClearance)
-        }
-        (Some(_), Some(clearance)) => {
-            Err(clearance.fail("both contact_angle and diametral_clearance", choice))
-        }
+        (None, Some(clearance)) => diametral_clearance(&clearance, needs, groove_centres).map(Fit::DiametralClearance),
+        (Some(_), Some(clearance)) => Err(clearance.fail("both contact_angle and diametral_clearance", choice)),
         (None, None) => Err(table.fail("neither contact_angle nor diametral_clearance", choice)),
     }
 }
 
 fn contact_angle(node: &Node<'_>) -> Read<f64> {
     // 60 degrees converted may be a rounding above pi/3.
-    let angle = node.within(Dimension::Angle, "from 0 to 60 deg", |x| {
-        (0.0..=FRAC_PI_3 * (1.0 + 1e-12)).contains(&x)
-    })?;
+    let angle =
+        node.within(Dimension::Angle, "from 0 to 60 deg", |x| (0.0..=FRAC_PI_3 * (1.0 + 1e-12)).contains(&x))?;
     Ok(angle.min(FRAC_PI_3))
 }
 
@@ -363,16 +308,13 @@ fn contact_angle(node: &Node<'_>) -> Read<f64> {
 fn diametral_clearance(node: &Node<'_>, needs: Needs, groove_centres: f64) -> Read<f64> {
     let most = format!("{} um", micrometres(groove_centres));
     let (least, range) = if needs == Needs::ContactAngle {
-        let range =
-            format!("from 0 to below {most} (an interference only with model = \"lumped\")");
+        let range = format!("from 0 to below {most} (an interference only with model = \"lumped\")");
         (0.0, range)
     } else {
         (-groove_centres, format!("between -{most} and {most}"))
     };
     let allowed = format!("{range}, as {most} is the distance of the groove centres");
-    node.limited(Dimension::Length, &allowed, |s| {
-        s >= least && s < groove_centres
-    })
+    node.limited(Dimension::Length, &allowed, |s| s >= least && s < groove_centres)
 }
 
 /// Tenths of a micrometre, for messages.
@@ -399,19 +341,12 @@ fn law(table: &Table<'_>, needs: Needs) -> Read<Option<Law>> {
 
 fn exponent(table: &Table<'_>) -> Read<f64> {
     let range = "1 to 3, 1.5 for balls (F = stiffness * deflection^exponent)";
-    let exponent = table.read("exponent", |n| {
-        n.number(range, |x| (1.0..=3.0).contains(&x))
-    })?;
+    let exponent = table.read("exponent", |n| n.number(range, |x| (1.0..=3.0).contains(&x)))?;
     Ok(exponent.unwrap_or(HERTZ_EXPONENT))
 }
 
 /// The lumped model takes stiffness and play from the law, and from geometry what the law does not give.
-fn check_law(
-    table: &Table<'_>,
-    needs: Needs,
-    geometry: Option<&Geometry>,
-    law: Option<&Law>,
-) -> Read<()> {
+fn check_law(table: &Table<'_>, needs: Needs, geometry: Option<&Geometry>, law: Option<&Law>) -> Read<()> {
     if needs != Needs::Law {
         return Ok(());
     }
@@ -427,11 +362,7 @@ fn check_law(
     Ok(())
 }
 
-fn check_stiffness_from_geometry(
-    table: &Table<'_>,
-    geometry: Option<&Geometry>,
-    law: Option<&Law>,
-) -> Read<()> {
+fn check_stiffness_from_geometry(table: &Table<'_>, geometry: Option<&Geometry>, law: Option<&Law>) -> Read<()> {
     let exponent = law.map_or(HERTZ_EXPONENT, |l| l.exponent);
     let stiffness = Dimension::ContactStiffness(exponent).allowed("above 0");
     if geometry.is_none() {
@@ -466,17 +397,11 @@ fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
         return Err(node.fail(format!("a list of {}", list.len()), wants));
     }
     let metres = |_: usize, entry: &Node<'_>| entry.quantity(Dimension::Length);
-    list.iter()
-        .map(|entry| entry.array("a list of 3 lengths: along X, Y, Z", metres))
-        .collect()
+    list.iter().map(|entry| entry.array("a list of 3 lengths: along X, Y, Z", metres)).collect()
 }
 
 /// Balls that touch each other on the pitch circle leave no room for a cage, and overlapping ones cannot exist.
-fn check_fit_on_pitch_circle(
-    table: &Table<'_>,
-    elements: usize,
-    geometry: Option<&Geometry>,
-) -> Read<()> {
+fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Option<&Geometry>) -> Read<()> {
     let Some(geometry) = geometry else {
         return Ok(());
     };
@@ -496,14 +421,11 @@ fn check_fit_on_pitch_circle(
 
 fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Option<f64>> {
     let range = "0 or more and below 1 (cage speed / shaft speed)";
-    let given = table.read("cage_ratio", |n| {
-        n.number(range, |x| (0.0..1.0).contains(&x))
-    })?;
+    let given = table.read("cage_ratio", |n| n.number(range, |x| (0.0..1.0).contains(&x)))?;
     if given.is_some() || has_geometry || model == Model::Linear {
         return Ok(given);
     }
-    let wants =
-        format!("{range}; without geometry it must be given (0 for elements that stand still)");
+    let wants = format!("{range}; without geometry it must be given (0 for elements that stand still)");
     Err(table.missing("cage_ratio", &wants))
 }
 
@@ -515,6 +437,9 @@ fn defects(table: &Table<'_>, model: Model) -> Read<Vec<Defect>> {
         return Err(node.refuse("only with model = \"lumped\" or \"angular\"; remove it"));
     }
     let list = node.list("a list of tables { surface, azimuth, half_width, depth, shape }")?;
+    if list.len() > MOST_DEFECTS {
+        return Err(node.fail(format!("{} entries", list.len()), format!("up to {MOST_DEFECTS}")));
+    }
     list.iter().map(defect).collect()
 }
 
@@ -530,10 +455,9 @@ fn defect(node: &Node<'_>) -> Read<Defect> {
         azimuth: table.quantity("azimuth", Dimension::Angle)?,
         half_width: half_width(&table)?,
         depth: table.positive("depth", Dimension::Length)?,
-        shape: table.required("shape", shapes)?.choice(&[
-            ("half-sine", DefectShape::HalfSine),
-            ("rectangular", DefectShape::Rectangular),
-        ])?,
+        shape: table
+            .required("shape", shapes)?
+            .choice(&[("half-sine", DefectShape::HalfSine), ("rectangular", DefectShape::Rectangular)])?,
     })
 }
 

@@ -128,10 +128,7 @@ fn assert_refused(text: &str, cases: &[(&str, &str, &[&str])]) {
     for (from, to, parts) in cases {
         let shown = refusal(&with(text, from, to));
         for part in *parts {
-            assert!(
-                shown.contains(part),
-                "{from} -> {to}:\n{shown}\nlacks {part}"
-            );
+            assert!(shown.contains(part), "{from} -> {to}:\n{shown}\nlacks {part}");
         }
     }
 }
@@ -145,27 +142,18 @@ fn the_whole_example_reads() {
     let scene = read(SPINDLE).unwrap();
     assert_eq!(scene.name, "spindle");
     assert_eq!(scene.path, Path::new("machines/pump.toml"));
-    assert!(
-        matches!(scene.shaft, Shaft { speed: Speed::Constant(w), outer_speed: 0.0 } if near(w, PI * 1000.0 / 3.0))
-    );
+    assert!(matches!(scene.shaft, Shaft { speed: Speed::Constant(w), outer_speed: 0.0 } if near(w, PI * 1000.0 / 3.0)));
     let rotor = scene.rotor.unwrap();
-    assert_eq!(
-        (rotor.mass, rotor.diametral_inertia, rotor.polar_inertia),
-        (6.0, 0.03, 0.006)
-    );
+    assert_eq!((rotor.mass, rotor.diametral_inertia, rotor.polar_inertia), (6.0, 0.03, 0.006));
     assert_eq!(rotor.damping, [400.0, 400.0, 400.0, 0.4, 0.4]);
     assert_eq!(rotor.proportional_damping, 1e-5);
     assert_eq!(rotor.stiffness, [0.0, 0.0, 0.0, 0.0, 1.0]);
     assert_eq!(rotor.gravity, [0.0, -9.81, 0.0]);
     assert_eq!(rotor.load, [0.0, 0.0, 60.0, 0.0, 0.0]);
-    let [unbalance] = rotor.unbalance.as_slice() else {
-        unreachable!("one unbalance")
-    };
+    let [unbalance] = rotor.unbalance.as_slice() else { unreachable!("one unbalance") };
     assert!(near(unbalance.moment, 120e-6) && near(unbalance.station, 0.02));
     assert!(near(unbalance.angle, 17.0 * PI / 180.0));
-    let [de, nde, middle] = scene.bearings.as_slice() else {
-        unreachable!("three bearings")
-    };
+    let [de, nde, middle] = scene.bearings.as_slice() else { unreachable!("three bearings") };
     assert_angular_bearing(de);
     assert_lumped_bearing(nde);
     assert_eq!(middle.linear, Some(Linear::Of(Model::Lumped)));
@@ -174,98 +162,50 @@ fn the_whole_example_reads() {
     let recording = scene.recording.unwrap();
     assert_eq!(recording.file, Path::new("machines/healthy.csv"));
     assert_eq!(recording.clock, Clock::Rate(12800.0));
-    let [radial, axial] = recording.probes.as_slice() else {
-        unreachable!("two probes")
-    };
-    assert_eq!(
-        (radial.column.as_str(), radial.direction),
-        ("DE_X_um", Direction::Radial(0.0))
-    );
+    let [radial, axial] = recording.probes.as_slice() else { unreachable!("two probes") };
+    assert_eq!((radial.column.as_str(), radial.direction), ("DE_X_um", Direction::Radial(0.0)));
     assert!(near(radial.metres_per_unit, 1e-6) && near(radial.station, -0.12));
     assert!(near(radial.noise.unwrap(), 0.2e-6));
-    assert_eq!(
-        (axial.station, axial.direction, axial.noise),
-        (0.0, Direction::Axial, None)
-    );
-    let keyphasor = Rotation::Keyphasor {
-        column: "keyphasor".into(),
-        pulses_per_turn: 1,
-    };
+    assert_eq!((axial.station, axial.direction, axial.noise), (0.0, Direction::Axial, None));
+    let keyphasor = Rotation::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
     assert_eq!(recording.rotation, keyphasor);
 }
 
 fn assert_angular_bearing(de: &Bearing) {
-    assert_eq!(
-        (de.name.as_str(), de.facing, de.model),
-        ("DE", Facing::PlusZ, Model::Angular)
-    );
+    assert_eq!((de.name.as_str(), de.facing, de.model), ("DE", Facing::PlusZ, Model::Angular));
     assert_eq!((de.elements, de.cage_ratio), (16, Some(0.4)));
-    let Some(Geometry {
-        ball_diameter,
-        fit: Fit::ContactAngle(angle),
-        youngs_modulus,
-        ..
-    }) = de.geometry
-    else {
+    let Some(Geometry { ball_diameter, fit: Fit::ContactAngle(angle), youngs_modulus, .. }) = de.geometry else {
         unreachable!("a contact angle")
     };
     assert!(near(ball_diameter, 22.23e-3) && near(angle, 40.0 * PI / 180.0));
     assert!(near(youngs_modulus, 206e9));
     assert!(de.law.is_none() && de.axial.is_none() && de.linear.is_none());
-    let [
-        Defect {
-            azimuth,
-            depth,
-            shape,
-            ..
-        },
-    ] = de.defect.as_slice()
-    else {
-        unreachable!("one defect")
-    };
+    let [Defect { azimuth, depth, shape, .. }] = de.defect.as_slice() else { unreachable!("one defect") };
     assert!(near(*azimuth, -FRAC_PI_2) && near(*depth, 3e-6));
     assert_eq!(*shape, DefectShape::HalfSine);
 }
 
 fn assert_lumped_bearing(nde: &Bearing) {
     assert_eq!((nde.facing, nde.geometry), (Facing::Both, None));
-    let law = Law {
-        stiffness: Some(1.2e10),
-        exponent: 1.5,
-        radial_play: Some(5.0 * 1e-6),
-    };
+    let law = Law { stiffness: Some(1.2e10), exponent: 1.5, radial_play: Some(5.0 * 1e-6) };
     assert_eq!(nde.law, Some(law));
-    let axial = Axial {
-        stiffness: 1e9,
-        exponent: 1.5,
-        play: 0.0,
-        radius: 20.0 * 1e-3,
-    };
+    let axial = Axial { stiffness: 1e9, exponent: 1.5, play: 0.0, radius: 20.0 * 1e-3 };
     assert_eq!(nde.axial, Some(axial));
 }
 
 #[test]
 fn defaults_are_those_of_the_format() {
     let scene = read(&format!("{LEAST}{ROTOR}{RECORDING}")).unwrap();
-    assert_eq!(
-        scene.name, "pump",
-        "a scene without a name is called as its file"
-    );
+    assert_eq!(scene.name, "pump", "a scene without a name is called as its file");
     assert_eq!(scene.shaft.outer_speed, 0.0);
     let rotor = scene.rotor.unwrap();
     assert_eq!(rotor.gravity, [0.0, -9.80665, 0.0]);
     assert_eq!((rotor.damping, rotor.load), ([0.0; 5], [0.0; 5]));
     assert!(rotor.unbalance.is_empty());
     let bearing = scene.bearings.first().unwrap();
-    assert_eq!(
-        (bearing.facing, bearing.first_element_azimuth),
-        (Facing::Both, 0.0)
-    );
+    assert_eq!((bearing.facing, bearing.first_element_azimuth), (Facing::Both, 0.0));
     let geometry = bearing.geometry.unwrap();
-    assert_eq!(
-        (geometry.youngs_modulus, geometry.poissons_ratio),
-        (206e9, 0.3)
-    );
+    assert_eq!((geometry.youngs_modulus, geometry.poissons_ratio), (206e9, 0.3));
     assert_eq!(scene.recording.unwrap().rotation, Rotation::Scene);
     let law = read(LUMPED).unwrap().bearings.first().unwrap().law.unwrap();
     assert_eq!(law.exponent, 1.5);
@@ -280,8 +220,7 @@ fn every_notation_of_toml_reads_the_same() {
     assert_eq!(read(&marked), Ok(inline));
     let unbalance = "{ moment = 1, angle = 0, station = 0 }";
     let list = format!("{LEAST}{ROTOR}unbalance = [{unbalance}]\n");
-    let headers =
-        format!("{LEAST}{ROTOR}[[rotor.unbalance]]\nmoment = 1\nangle = 0\nstation = 0\n");
+    let headers = format!("{LEAST}{ROTOR}[[rotor.unbalance]]\nmoment = 1\nangle = 0\nstation = 0\n");
     assert_eq!(read(&list), read(&headers));
     assert!(read(&list).is_ok());
     let shaft = "shaft = { speed = 1 }\nbearing = [{ name = \"A\", station = 0, model = \"lumped\", elements = 3, \
@@ -330,11 +269,7 @@ fn speeds() {
 
 #[test]
 fn errors_name_file_line_and_key() {
-    let text = with(
-        SPINDLE,
-        "inner_conformity = 0.5232",
-        "inner_conformity = 0.49",
-    );
+    let text = with(SPINDLE, "inner_conformity = 0.5232", "inner_conformity = 0.49");
     assert_eq!(
         refusal(&text),
         "machines/pump.toml:28: bearing[0].inner_conformity: found 0.49, allowed: above 0.5 and at most 1 \
@@ -354,10 +289,7 @@ fn errors_name_file_line_and_key() {
     ));
     let text = with(SPINDLE, "unit = \"um\", axial", "unit = \"V\", axial");
     let error = read(&text).unwrap_err();
-    assert_eq!(
-        (error.line, error.key.as_str()),
-        (Some(61), "recording.probes[1].unit")
-    );
+    assert_eq!((error.line, error.key.as_str()), (Some(61), "recording.probes[1].unit"));
     assert_eq!(error.found, "\"V\", where \"V\" is no known unit");
     assert_eq!(error.allowed, "a unit of length: um, mil, mm or m");
 }
@@ -500,11 +432,7 @@ fn lumped_bearing_out_of_range() {
 #[test]
 fn lumped_bearing_from_geometry() {
     let lumped = with(LEAST, "\"angular\"", "\"lumped\"");
-    let clearance = with(
-        &lumped,
-        "contact_angle = \"15 deg\"",
-        "diametral_clearance = \"-8 um\"",
-    );
+    let clearance = with(&lumped, "contact_angle = \"15 deg\"", "diametral_clearance = \"-8 um\"");
     let bearing = read(&clearance).unwrap().bearings.remove(0);
     assert_eq!((bearing.law, bearing.cage_ratio), (None, None));
     assert!(refusal(&lumped).contains("bearing[0].radial_play: found no such key"));
@@ -544,6 +472,8 @@ fn linear_bearing() {
         (named, "linearise = \"angular\"\nstiffness = 1", &["only with model = \"lumped\""]),
         (named, "linearise = \"angular\"\ndefect = []", &["bearing[0].defect", "\"lumped\" or \"angular\""]),
     ]);
+    let sprung = with(&linear, named, "two_spring = { static_load = 500 }");
+    assert_refused(&sprung, &[("elements = 8", "elements = 7", &["bearing[0].elements: found 7, allowed: 8 to 16 with two_spring"])]);
     let bare = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"linear\"\nelements = 8\n";
     assert!(read(&format!("{bare}{matrix}\n")).is_ok());
     assert!(refusal(&format!("{bare}two_spring = {{ static_load = 1 }}\n")).contains("missing here: ball_diameter"));
@@ -583,6 +513,8 @@ fn keys_of_models_that_are_not_here() {
         (", shape = \"rectangular\"", "", &["defect[0].shape: found no such key"]),
         ("depth = 1e-6", "deep = 1e-6", &["defect[0].deep: found an unknown key"]),
     ]);
+    let nine = defect.replace("[{", &format!("[{}{{", format!("{}, ", &defect[10..defect.len() - 1]).repeat(8)));
+    assert!(refusal(&format!("{LEAST}{nine}\n")).contains("bearing[0].defect: found 9 entries, allowed: up to 8"));
 }
 
 #[test]
@@ -629,9 +561,7 @@ fn recording_out_of_range() {
 fn text_that_is_no_scene() {
     let shown = |text: &str| refusal_of_file(read(text));
     for nothing in ["", "\n\n", "# only a comment\n", "\u{feff}"] {
-        assert!(
-            shown(nothing).starts_with("machines/pump.toml: found an empty file, allowed: a scene")
-        );
+        assert!(shown(nothing).starts_with("machines/pump.toml: found an empty file, allowed: a scene"));
     }
     let unit = with(LEAST, "\"50 mm\"", "50 mm");
     assert_eq!(
@@ -772,10 +702,7 @@ fn check_any(text: &str) {
     match read(text) {
         Ok(scene) => {
             let shown = format!("{scene:?}");
-            assert!(
-                !shown.contains("NaN") && !shown.contains(": inf"),
-                "{shown}"
-            );
+            assert!(!shown.contains("NaN") && !shown.contains(": inf"), "{shown}");
         }
         Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
     }

@@ -4,10 +4,7 @@ use super::*;
 
 fn assert_is(text: &str, dimension: Dimension, wanted: f64) {
     let value = parse(text, dimension).unwrap();
-    assert!(
-        (value - wanted).abs() <= 1e-12 * wanted.abs(),
-        "{text}: {value} is not {wanted}"
-    );
+    assert!((value - wanted).abs() <= 1e-12 * wanted.abs(), "{text}: {value} is not {wanted}");
 }
 
 #[test]
@@ -142,10 +139,7 @@ fn columns_of_recordings() {
     assert!((speed_column("rpm").unwrap() - TAU / 60.0).abs() < 1e-15);
     assert_eq!(speed_column("rad/s"), Ok(1.0));
     let hertz = speed_column("Hz").unwrap_err().to_string();
-    assert_eq!(
-        hertz,
-        "found \"Hz\", a frequency, allowed: a unit of speed of rotation: rpm, rev/s or rad/s"
-    );
+    assert_eq!(hertz, "found \"Hz\", a frequency, allowed: a unit of speed of rotation: rpm, rev/s or rad/s");
     assert!(length_column("").is_err());
     assert!(length_column("V").is_err());
     assert!(length_column("1").is_err());
@@ -162,10 +156,6 @@ fn every_name_is_unique_and_every_example_reads() {
     for dimension in FIXED {
         let row = dimension.row();
         assert!(parse(row.example, dimension).is_ok(), "{}", row.example);
-        assert!(
-            parse(&format!("1 {}", row.si), dimension) == Ok(1.0),
-            "{}",
-            row.si
-        );
+        assert!(parse(&format!("1 {}", row.si), dimension) == Ok(1.0), "{}", row.si);
     }
 }
