@@ -34,7 +34,7 @@ pub fn sin_cos_f32(angle: Turn) -> (f32, f32) {
     let x = f32::radians_of_counts(rest);
     let xx = x * x;
     // Written about 1 so that the leading term is exact.
-    let sin = x + x * xx * polynomial(xx, [-0.166_666_36, 0.008_331_584_5, -0.000_194_621_03]);
+    let sin = x + x * xx * polynomial(xx, [-0.166_666_37, 0.008_331_584, -0.000_194_621_03]);
     let cos = 1.0 - 0.5 * xx + xx * xx * polynomial(xx, [0.041_666_617, -0.001_388_661_9, 2.437_991_6e-5]);
     unreduce(quarter, sin, cos)
 }

@@ -65,7 +65,7 @@ impl Sums {
     }
 
     fn lag(&self) -> f64 {
-        if !(self.rate_square > 0.0) {
+        if self.rate_square == 0.0 {
             return 0.0;
         }
         let lag = self.error_rate / self.rate_square;

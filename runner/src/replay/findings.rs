@@ -43,7 +43,7 @@ pub struct Evidence<'a> {
 #[must_use]
 pub fn findings(evidence: &Evidence) -> Vec<Finding> {
     let total = energy(evidence, |probe| evidence.comparison.residual_rms_about_mean(probe).powi(2));
-    if !(total > 0.0) || quiet(evidence) {
+    if total == 0.0 || quiet(evidence) {
         return vec![];
     }
     let mut judged: Vec<(f64, Finding)> =
@@ -181,7 +181,7 @@ fn background(evidence: &Evidence, probe: usize, order: f64) -> f64 {
     let n = evidence.probes.len();
     let spectrum = evidence.comparison.spectra.half(2 * n + probe);
     let bin = evidence.comparison.spectra.bin(evidence.rate);
-    if !(bin > 0.0) || !(evidence.speed_hz > 0.0) {
+    if bin == 0.0 || evidence.speed_hz == 0.0 {
         return 0.0;
     }
     let at = |order: f64| (order * evidence.speed_hz / bin).round().max(1.0) as usize;

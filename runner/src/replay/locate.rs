@@ -78,10 +78,10 @@ impl Locator {
         let [a, b] = self.stations;
         let span = b - a;
         let mut squares = [0.0; 2];
-        for part in 0..2 {
-            let [fx, fy, my, mx] = [0, 1, 4, 3].map(|k| missing[k][part]);
+        let [fx, fy, _, mx, my] = missing;
+        for ((fx, fy), (mx, my)) in fx.iter().zip(fy).zip(mx.iter().zip(my)) {
             // X: f_a + f_b = fx, z_a f_a + z_b f_b = my. Y: the same with -mx.
-            for (force, moment) in [(fx, my), (fy, -mx)] {
+            for (force, moment) in [(*fx, *my), (*fy, -mx)] {
                 let at_b = (moment - a * force) / span;
                 squares[0] += (force - at_b).powi(2);
                 squares[1] += at_b.powi(2);

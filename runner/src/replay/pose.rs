@@ -52,7 +52,7 @@ impl PoseSolver {
         let largest = svd.singular_values.max();
         let smallest = svd.singular_values.min();
         let unknowns = active.len();
-        if rows.len() < unknowns || smallest < 1e-9 * largest || !(smallest > 0.0) {
+        if rows.len() < unknowns || smallest <= 1e-9 * largest {
             bail!(not_observable(probes));
         }
         let Ok(pseudo) = svd.pseudo_inverse(0.0) else { bail!(not_observable(probes)) };

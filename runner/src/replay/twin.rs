@@ -129,7 +129,7 @@ impl Plant {
 
     fn settle(&mut self) -> Result<()> {
         let found = self.equilibrium(Displacement::default(), |_| Turn::ZERO)?;
-        if !(found.residual < 1e-6) {
+        if found.residual > 1e-6 {
             self.notes.push(format!(
                 "The rotor finds no rest under its constant load ({:.1e} of the load is left unbalanced): nothing holds it in some direction.",
                 found.residual

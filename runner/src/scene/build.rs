@@ -48,10 +48,8 @@ pub struct Kinematics {
 /// An outer ring that turns under a shaft whose speed changes: the ratio is then no constant.
 pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics> {
     let n = bearing.elements as f64;
-    let by_geometry = match geometry(bearing)? {
-        Some(g) => Some(orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter)),
-        None => None,
-    };
+    let by_geometry =
+        geometry(bearing)?.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter));
     let spin = by_geometry.map(|o| o.ball_spin);
     let rolling = by_geometry.map(|o| o.cage).unwrap_or(0.0);
     let outer = outer_ratio(scene)?;
