@@ -27,8 +27,19 @@ pub fn program() -> &'static Path {
             .package("ballrace-runner")
             .bin("ballrace");
         let build = if cfg!(debug_assertions) { build } else { build.release() };
+        let build = match own_target_folder() {
+            Some(folder) => build.target_dir(folder),
+            None => build,
+        };
         build.run().unwrap().path().to_owned()
     })
+}
+
+/// Cargo's folder that this test itself was built in, however it was chosen: what is built already is used again.
+fn own_target_folder() -> Option<PathBuf> {
+    let test = std::env::current_exe().ok()?;
+    let mut folders = test.ancestors().skip(1);
+    folders.find(|folder| folder.join(".rustc_info.json").is_file()).map(Path::to_owned)
 }
 
 /// A file of `tests/recordings`.

@@ -68,7 +68,8 @@ fn any_number_of_elements() {
 /// Places that are not in opposite pairs, or in pairs but not in the order of the ring.
 #[test]
 fn any_places() {
-    let at = |revolutions: &[f64]| revolutions.iter().map(|&r| Place::at(Turn::from_revolutions(r))).collect::<Vec<_>>();
+    let at =
+        |revolutions: &[f64]| revolutions.iter().map(|&r| Place::at(Turn::from_revolutions(r))).collect::<Vec<_>>();
     for places in [
         at(&[0.0, 0.25, 0.5, 0.8]),
         at(&[0.0, 0.5, 0.25, 0.75]),

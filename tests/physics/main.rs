@@ -1,5 +1,6 @@
 //! Laws that hold whatever the numbers: tangents, symmetry, work, mirrors, invariance, time stepping.
 
+mod batch;
 mod bearings;
 mod fast;
 mod rotor;

@@ -4,7 +4,9 @@
 //! shows that the integrated rotor has the measured shape of amplitude and phase, not that it predicts the kit.
 
 use ballrace::bearing::linear::Linear;
-use ballrace::rotor::{Drive, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance};
+use ballrace::rotor::{
+    Drive, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
+};
 use ballrace::turn::Ratio;
 use ballrace::{Displacement, Exact, Stiffness, Turn};
 use std::f64::consts::TAU;

@@ -1,1 +1,0 @@
-//! See the folders beside this file.

@@ -1,0 +1,77 @@
+//! One evaluation of each rung: the force, and the force with its tangent.
+
+use super::{INPUTS, Subject, geometry, poses};
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::geometry::InvalidParameter;
+use ballrace::bearing::linear::Linear;
+use ballrace::bearing::lumped::{Axial, Combined, Radial};
+use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::contact::law::{Line, Point};
+use ballrace::contact::line::roller_stiffness;
+use ballrace::{Displacement, Exact, Math, Scalar, Turn};
+use std::hint::black_box;
+
+const RADIAL_PLAY: f64 = 5e-6;
+const ROLLER_LENGTH: f64 = 8e-3;
+
+/// The rung that knows neither elements nor math backend.
+pub fn linear<T: Scalar>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter>
+where
+    Exact: Math<T>,
+{
+    let places: Places<T, 8> = even_places(Turn::ZERO);
+    let other = Angular::<T, Exact, _>::try_new(geometry()?, places, Zero::Centred)?;
+    let pressed = Displacement { u: T::from_f64(10e-6), w: T::from_f64(20e-6), ..Displacement::default() };
+    let (_, stiffness) = other.reaction_and_stiffness(&pressed, Turn::ZERO);
+    Ok(force_and_tangent("linear", column, Linear::new(stiffness)).into())
+}
+
+/// The rungs with elements, for 8 and 16 of them.
+pub fn moving<T: Scalar, M: Math<T>>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
+    let mut subjects = of_elements::<T, M, 8>(column)?;
+    subjects.extend(of_elements::<T, M, 16>(column)?);
+    Ok(subjects)
+}
+
+fn of_elements<T: Scalar, M: Math<T>, const N: usize>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
+    let places: Places<T, N> = even_places(Turn::ZERO);
+    let point = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
+    let line = Line { stiffness: T::from_f64(roller_stiffness(ROLLER_LENGTH)) };
+    let balls = Radial::<T, M, _, _>::try_new(places, point, RADIAL_PLAY)?;
+    let rollers = Radial::<T, M, _, _>::try_new(places, line, RADIAL_PLAY)?;
+    let thrust = Axial::<T, M, _, _>::try_new(places, point, 0.0, 0.5 * geometry()?.pitch_diameter)?;
+    let angular = Angular::<T, M, _>::try_new(geometry()?, places, Zero::Centred)?;
+    let subjects = [
+        force_and_tangent(&format!("lumped, point contact, N = {N}"), column, balls),
+        force_and_tangent(&format!("lumped, line contact, N = {N}"), column, rollers),
+        force_and_tangent(&format!("lumped, radial and axial, N = {N}"), column, Combined(balls, thrust)),
+        force_and_tangent(&format!("angular, N = {N}"), column, angular),
+    ];
+    Ok(subjects.into_iter().flatten().collect())
+}
+
+fn force_and_tangent<T, B>(name: &str, column: &'static str, bearing: B) -> [Subject; 2]
+where
+    T: Scalar,
+    B: Bearing<T> + Copy + 'static,
+{
+    let force = each_pose(move |u: &Displacement<T>, cage| {
+        black_box(black_box(&bearing).reaction(u, cage));
+    });
+    let tangent = each_pose(move |u: &Displacement<T>, cage| {
+        black_box(black_box(&bearing).reaction_and_stiffness(u, cage));
+    });
+    [
+        Subject { row: format!("{name}: force"), column, calls: INPUTS, run: force },
+        Subject { row: format!("{name}: force and tangent"), column, calls: INPUTS, run: tangent },
+    ]
+}
+
+fn each_pose<T: Scalar>(evaluate: impl Fn(&Displacement<T>, Turn) + 'static) -> Box<dyn FnMut()> {
+    let poses = poses::<T>();
+    Box::new(move || {
+        for (u, cage) in &poses {
+            evaluate(black_box(u), black_box(*cage));
+        }
+    })
+}

@@ -1,0 +1,90 @@
+//! What is measured: every rung of the ladder, the batch beside its limit, one step of the rotor.
+
+mod arrays;
+mod ladder;
+mod rotor;
+
+use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
+use ballrace::{Displacement, Exact, Fast, Scalar, Turn};
+
+/// One thing to measure, in one precision and with one math backend.
+pub struct Subject {
+    /// What it is; the table has one row a name.
+    pub row: String,
+    /// In which numbers; one of [`COLUMNS`].
+    pub column: &'static str,
+    /// Calls that one run makes.
+    pub calls: u32,
+    /// Makes them. Inputs differ from call to call, so nothing can be taken out of the loop.
+    pub run: Box<dyn FnMut()>,
+}
+
+/// Precision and math backend.
+pub const COLUMNS: [&str; 4] = ["f64", "f64 Fast", "f32", "f32 Fast"];
+
+/// The batch of evaluations with radial play: opposite elements share a square root.
+pub const BATCH: &str = "batch over samples: lumped, point contact, N = 8, play";
+/// The same bearing preloaded: every element takes its own.
+pub const BATCH_PRELOADED: &str = "batch over samples: lumped, point contact, N = 8, preload";
+/// What the batches are held against.
+pub const ROOTS: &str = "8 square roots over arrays";
+
+/// All of them, those of one row side by side.
+pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
+    let [double, double_fast, single, single_fast] = COLUMNS;
+    let mut subjects = ladder::linear::<f64>(double)?;
+    subjects.extend(ladder::linear::<f32>(single)?);
+    subjects.extend(ladder::moving::<f64, Exact>(double)?);
+    subjects.extend(ladder::moving::<f64, Fast>(double_fast)?);
+    subjects.extend(ladder::moving::<f32, Exact>(single)?);
+    subjects.extend(ladder::moving::<f32, Fast>(single_fast)?);
+    subjects.extend(arrays::batches_and_limit::<f64>(double, f64::sqrt)?);
+    subjects.extend(arrays::batches_and_limit::<f32>(single, f32::sqrt)?);
+    subjects.extend(rotor::steps::<f64>(double)?);
+    subjects.extend(rotor::steps::<f32>(single)?);
+    Ok(side_by_side(subjects))
+}
+
+/// Sorted by row, the rows in the order of their first appearance.
+fn side_by_side(subjects: Vec<Subject>) -> Vec<Subject> {
+    let mut rows: Vec<Vec<Subject>> = Vec::new();
+    for subject in subjects {
+        match rows.iter_mut().find(|row| row.iter().any(|other| other.row == subject.row)) {
+            Some(row) => row.push(subject),
+            None => rows.push(vec![subject]),
+        }
+    }
+    rows.into_iter().flatten().collect()
+}
+
+/// Number of different inputs.
+const INPUTS: u32 = 64;
+
+/// Lengths and angles that jump about their range from `i` to `i`, -1 to 1.
+fn scattered(i: u32, stride: f64) -> f64 {
+    2.0 * (f64::from(i) * stride).fract() - 1.0
+}
+
+/// Poses of a running bearing: some elements loaded, some not, the cage anywhere.
+fn poses<T: Scalar>() -> Vec<(Displacement<T>, Turn)> {
+    let pose = |i| {
+        let [u, v, w] = [0.618, 0.414, 0.732].map(|stride| T::from_f64(20e-6 * scattered(i, stride)));
+        let [thu, thv] = [0.236, 0.303].map(|stride| T::from_f64(1e-4 * scattered(i, stride)));
+        (Displacement { u, v, w, thu, thv }, Turn::from_revolutions(scattered(i, 0.577)))
+    };
+    (0..INPUTS).map(pose).collect()
+}
+
+/// A 6205-size ball bearing with 10 micrometres of clearance.
+fn geometry() -> Result<BallBearingGeometry, InvalidParameter> {
+    let concentric = BallBearingGeometry {
+        ball_diameter: 7.94e-3,
+        pitch_diameter: 39.04e-3,
+        inner_conformity: 0.52,
+        outer_conformity: 0.52,
+        contact_angle: 0.0,
+        ball: BEARING_STEEL,
+        race: BEARING_STEEL,
+    };
+    concentric.with_clearance(10e-6)
+}

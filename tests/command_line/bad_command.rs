@@ -1,0 +1,159 @@
+//! Commands that are wrong, or that ask for what the scene does not have.
+
+use crate::support::{DEMO_SCENE, Desk, scene, short_recording};
+
+/// What the parser of the command line refuses, in several lines of its own.
+fn no_such(args: &[&str], part: &str) {
+    let desk = Desk::rig();
+    let answer = desk.run(args);
+    assert_eq!(answer.code, Some(2), "{answer:?}");
+    assert!(answer.err.contains(part) && !answer.err.contains("panicked"), "{answer:?}");
+    assert_eq!(answer.out, "");
+    assert_eq!(desk.files(), ["healthy.csv", "scene.toml"]);
+}
+
+#[test]
+fn unknown_words() {
+    no_such(&["reply", "scene.toml"], "unrecognized subcommand 'reply'");
+    no_such(&["replay", "--fast"], "unexpected argument '--fast'");
+    no_such(&["replay", "scene.toml", "healthy.csv"], "unexpected argument 'healthy.csv'");
+    no_such(&["replay", "--format", "xml"], "possible values: text, json, csv");
+    no_such(&["force", "scene.toml", "--displacements", "u.csv", "--precision", "f16"], "possible values: f32, f64");
+    no_such(&["force", "scene.toml", "--displacements", "u.csv", "--model", "best"], "linear, lumped, angular");
+    no_such(&[], "Usage: ballrace");
+}
+
+#[test]
+fn missing_options() {
+    no_such(&["force", "scene.toml"], "--displacements");
+    no_such(&["simulate", "scene.toml", "--duration", "1 s", "--rate", "1 kHz"], "--output");
+    no_such(&["simulate", "scene.toml", "--rate", "1 kHz", "-o", "motion.csv"], "--duration");
+    no_such(&["simulate", "--duration", "1 s", "--rate", "1 kHz", "-o", "motion.csv"], "<SCENE>");
+}
+
+#[test]
+fn help_and_version() {
+    let desk = Desk::empty();
+    let help = desk.done(&["--help"]).out;
+    for command in ["replay", "force", "simulate"] {
+        assert!(help.contains(command), "{help}");
+        assert!(desk.done(&[command, "--help"]).out.contains("--format"));
+    }
+    assert!(desk.done(&["--version"]).out.starts_with("ballrace "));
+}
+
+/// With a file of displacements as `force` takes it.
+fn desk_with(scene: &str) -> Desk {
+    let desk = Desk::with(scene, &short_recording(600));
+    desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
+    desk
+}
+
+const FORCE: [&str; 4] = ["force", "scene.toml", "--displacements", "u.csv"];
+
+#[test]
+fn bearing_that_is_not_there() {
+    let desk = desk_with(DEMO_SCENE);
+    let wrong = [&FORCE[..], &["--bearing", "XE"]].concat();
+    desk.refused(&wrong, 2, &["--bearing: found \"XE\", allowed in scene.toml: DE, NDE"]);
+    desk.refused(&FORCE, 2, &["--bearing: found none, allowed: one of DE, NDE (scene.toml has several)"]);
+}
+
+#[test]
+fn model_that_the_scene_does_not_allow() {
+    let linear = [&FORCE[..], &["--bearing", "DE", "--model", "linear"]].concat();
+    desk_with(DEMO_SCENE).refused(&linear, 2, &["scene.toml: bearing DE: model linear: found no stiffness, allowed: "]);
+    let lumped = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\nelements = 8\n\
+                  cage_ratio = 0.4\nstiffness = 1e10\nradial_play = 0\n";
+    let angular = [&FORCE[..], &["--model", "angular"]].concat();
+    let desk = desk_with(lumped);
+    desk.refused(
+        &angular,
+        2,
+        &["scene.toml: bearing A: model angular: found no geometry, allowed: with ball_diameter"],
+    );
+    desk.done(&FORCE);
+}
+
+#[test]
+fn replay_without_what_it_needs() {
+    let (bare, _) = DEMO_SCENE.split_once("[recording]").unwrap();
+    let replay = ["replay", "scene.toml", "--forces", "forces.csv"];
+    desk_with(bare).refused(&replay, 2, &["scene.toml: [recording]: found none, allowed: the table that says which"]);
+    let with_recording = [&replay[..], &["--recording", "healthy.csv"]].concat();
+    desk_with(bare).refused(&with_recording, 2, &["scene.toml: [recording]: found none"]);
+    let loose = without_rotor();
+    desk_with(&loose).refused(&replay, 2, &["scene.toml: [rotor]: found none, allowed: a rotor"]);
+    let simulate = ["simulate", "scene.toml", "--duration", "1 s", "--rate", "1 kHz", "-o", "motion.csv"];
+    desk_with(&loose).refused(&simulate, 2, &["scene.toml: [rotor]: found none, allowed: a rotor"]);
+    desk_with(&loose).done(&[&FORCE[..], &["--bearing", "NDE"]].concat());
+}
+
+fn without_rotor() -> String {
+    let (before, rest) = DEMO_SCENE.split_once("[rotor]").unwrap();
+    let (_, after) = rest.split_once("[[bearing]]").unwrap();
+    format!("{before}[[bearing]]{after}")
+}
+
+#[test]
+fn duration_and_rate() {
+    let desk = desk_with(DEMO_SCENE);
+    for (duration, rate, parts) in [
+        ("5 mm", "1 kHz", "--duration: found \"5 mm\", a length, allowed: a time, such as \"2 s\""),
+        ("soon", "1 kHz", "--duration: found \"soon\", "),
+        ("0 s", "1 kHz", "--duration: found \"0 s\", allowed: a time above 0"),
+        ("inf", "1 kHz", "--duration: found \"inf\", allowed: a time above 0"),
+        ("1 s", "3000 rpm", "--rate: found \"3000 rpm\", a speed of rotation, allowed: a frequency"),
+        ("1 s", "0", "--rate: found \"0\", allowed: a frequency above 0"),
+        ("1 s", "NaN", "--rate: found \"NaN\", allowed: a frequency above 0"),
+        ("1 ms", "100 Hz", "--duration, --rate: found 0 samples, allowed: 1 to 1e9"),
+        ("1e9 s", "1e9", "--duration, --rate: found 1000000000000000000 samples, allowed: 1 to 1e9"),
+    ] {
+        desk.refused(
+            &["simulate", "scene.toml", "--duration", duration, "--rate", rate, "-o", "motion.csv"],
+            2,
+            &[parts],
+        );
+    }
+    desk.refused(
+        &["simulate", "scene.toml", "--duration=-1 s", "--rate", "1 kHz", "-o", "motion.csv"],
+        2,
+        &["--duration: found \"-1 s\", allowed: a time above 0"],
+    );
+}
+
+#[test]
+fn displacements_that_cannot_be_read() {
+    let force = [&FORCE[..], &["--bearing", "DE"]].concat();
+    for (text, code, part) in [
+        ("", 1, "u.csv: found an empty file, allowed: a CSV file with the columns u,v,w,thu,thv"),
+        ("u,v,w,thu\n0,0,0,0\n", 2, "u.csv:1: column thv: found none among u,v,w,thu, allowed: u,v,w,thu,thv and"),
+        ("u,v,w,thu,thv,t,cage_angle\n0,0,0,0,0,0,0\n", 2, "u.csv:1: found both t and cage_angle, allowed: one"),
+        ("u,v,w,thu,thv\n0,0,0,0,0\n0,0,0,0,x\n", 1, "u.csv:3: column thv: found \"x\", allowed: a number"),
+        ("u,v,w,thu,thv\n0,0,,0,0\n", 1, "u.csv:2: column w: found \"\", allowed: a number"),
+        ("u,v,w,thu,thv\n0,0,0,0\n", 1, "u.csv:2: found 4 cells, allowed: 5, as many as the header has names"),
+        ("u,v,w,thu,thv\n0,0,0,0,0,0\n", 1, "u.csv:2: found 6 cells, allowed: 5"),
+    ] {
+        let desk = desk_with(DEMO_SCENE);
+        desk.put("u.csv", text);
+        desk.refused(&force, code, &[part]);
+    }
+    let desk = desk_with(DEMO_SCENE);
+    std::fs::remove_file(desk.path("u.csv")).unwrap();
+    desk.refused(&force, 1, &["u.csv: this file cannot be read: "]);
+    desk.put("u.csv", b"u,v,w,thu,thv\n\xff\xfe,0,0,0,0\n");
+    desk.refused(&force, 1, &["u.csv: ", "invalid utf-8"]);
+    desk.refused(
+        &["force", "scene.toml", "--bearing", "DE", "--displacements", "."],
+        1,
+        &[".: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv"],
+    );
+}
+
+#[test]
+fn two_spring_formula_out_of_its_range() {
+    let spring = "\"linear\"\ntwo_spring = { static_load = \"30 N\" }";
+    let text = scene(&[("\"angular\"", spring), ("elements = 9", "elements = 7")]);
+    let part = "scene.toml:22: bearing[0].elements: found 7, allowed: 8 to 16 with two_spring";
+    desk_with(&text).refused(&["replay", "scene.toml"], 2, &[part]);
+}

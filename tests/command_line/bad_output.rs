@@ -1,0 +1,102 @@
+//! Outputs that cannot be written, or should not be.
+
+use std::fs;
+use std::process::Stdio;
+
+use crate::support::{DEMO_SCENE, Desk, SHORT, short_recording};
+
+/// The options that name a file to write, each with its command.
+const OUTPUTS: [(&[&str], &str); 3] = [
+    (&["replay", "scene.toml"], "--report"),
+    (&["replay", "scene.toml"], "--forces"),
+    (&["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "1 kHz"], "--output"),
+];
+
+#[test]
+fn folder_that_is_missing() {
+    for (command, option) in OUTPUTS {
+        let args = [command, &[option, "nowhere/out.file"]].concat();
+        Desk::rig().refused(&args, 1, &["nowhere/out.file: this file cannot be written"]);
+    }
+}
+
+#[test]
+fn path_of_a_folder() {
+    for (command, option) in OUTPUTS {
+        let desk = Desk::rig();
+        fs::create_dir(desk.path("results")).unwrap();
+        let args = [command, &[option, "results"]].concat();
+        desk.refused(&args, 1, &["results: found a folder, allowed: the name of a file to write"]);
+    }
+}
+
+#[test]
+fn file_that_is_read() {
+    for (command, option) in OUTPUTS {
+        let args = [command, &[option, "./scene.toml"]].concat();
+        let desk = Desk::rig();
+        desk.refused(&args, 2, &[option, "found ./scene.toml, which this command reads or writes already"]);
+        assert_eq!(desk.read("scene.toml"), DEMO_SCENE);
+    }
+    for option in ["--report", "--forces"] {
+        let desk = Desk::rig();
+        desk.refused(&["replay", "scene.toml", option, "healthy.csv"], 2, &[option, "found healthy.csv, which"]);
+        assert_eq!(desk.read("healthy.csv"), short_recording(SHORT));
+    }
+}
+
+#[test]
+fn two_outputs_in_one_file() {
+    let args = ["replay", "scene.toml", "--report", "out", "--forces", "./out"];
+    Desk::rig().refused(&args, 2, &["--forces: found ./out, which this command reads or writes already"]);
+}
+
+#[test]
+fn file_from_before_stays_when_the_work_fails() {
+    let desk = Desk::with(DEMO_SCENE, &(short_recording(600) + "0.1,0,0,0,oops,0,0\n"));
+    for name in ["ballrace-report.html", "forces.csv"] {
+        desk.put(name, "from before");
+    }
+    desk.refused(&["replay", "scene.toml", "--forces", "forces.csv"], 1, &["healthy.csv, line 602, column NDE_Y_um"]);
+    for name in ["ballrace-report.html", "forces.csv"] {
+        assert_eq!(desk.read(name), "from before");
+    }
+}
+
+#[test]
+fn file_from_before_is_replaced() {
+    let desk = Desk::rig();
+    desk.put("report.html", "from before");
+    desk.done(&["replay", "scene.toml", "--report", "report.html"]);
+    assert!(desk.read("report.html").starts_with("<!DOCTYPE html>"));
+}
+
+/// `ballrace ... | head` with a head that wants nothing.
+#[test]
+fn nobody_reads_on() {
+    let desk = Desk::rig();
+    desk.put("u.csv", format!("u,v,w,thu,thv\n{}", "0,0,6e-5,0,0\n".repeat(5000)));
+    for args in [
+        &["replay", "scene.toml"][..],
+        &["replay", "scene.toml", "--format", "json"],
+        &["force", "scene.toml", "--bearing", "DE", "--displacements", "u.csv", "--format", "csv"],
+    ] {
+        let mut child = desk.command(args).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{args:?}");
+        assert_eq!(output.status.code(), Some(0), "{args:?}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn full_disk_behind_standard_output() {
+    let desk = Desk::rig();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let child = desk.command(&["replay", "scene.toml"]).stdout(Stdio::from(full)).spawn().unwrap();
+    let output = child.wait_with_output().unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert!(err.starts_with("ballrace: ") && err.lines().count() == 1, "{err}");
+    assert_eq!(output.status.code(), Some(1));
+}

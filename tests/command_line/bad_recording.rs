@@ -1,0 +1,274 @@
+//! Recordings that are wrong: exit code 1 (2 where the scene asks for what is not there), or a flaw that is counted
+//! and told while the replay goes on.
+
+use serde_json::Value;
+
+use crate::support::{
+    DEMO_SCENE, Desk, SHORT, TURN, edited_recording, list, number, scene, short_recording, with_cell,
+};
+
+const REPLAY: [&str; 4] = ["replay", "scene.toml", "--forces", "forces.csv"];
+
+/// Columns of the demonstration's recording.
+const DE_X: usize = 1;
+const DE_Y: usize = 2;
+const KEYPHASOR: usize = 6;
+
+/// The demonstration's scene refuses this recording.
+fn refused(recording: impl AsRef<[u8]>, code: i32, parts: &[&str]) {
+    let desk = Desk::rig();
+    desk.put("healthy.csv", recording);
+    desk.refused(&REPLAY, code, parts);
+}
+
+#[test]
+fn missing() {
+    let desk = Desk::rig();
+    std::fs::remove_file(desk.path("healthy.csv")).unwrap();
+    desk.refused(&REPLAY, 1, &["healthy.csv: cannot be opened: "]);
+    let answer = desk.run(&["replay", "scene.toml", "--recording", "other.csv"]);
+    assert_eq!(answer.err.matches("other.csv: cannot be opened").count(), 1, "{answer:?}");
+    assert_eq!(answer.err.matches("os error").count(), 1, "the reason is told once: {answer:?}");
+}
+
+#[test]
+fn folder() {
+    let args = [&REPLAY[..], &["--recording", "."]].concat();
+    Desk::rig().refused(&args, 1, &[".: is a folder; allowed: a file of columns"]);
+}
+
+#[test]
+fn empty() {
+    refused("", 1, &["healthy.csv: is empty; allowed: a line of column names and a row for each sample"]);
+    refused("\n\n", 1, &["healthy.csv: is empty"]);
+}
+
+#[test]
+fn header_only() {
+    refused(short_recording(0), 1, &["healthy.csv: has a header and no row below it; allowed: a row for each sample"]);
+}
+
+#[test]
+fn no_header() {
+    let rows = short_recording(300).lines().skip(1).collect::<Vec<_>>().join("\n");
+    refused(rows, 1, &["healthy.csv, line 1: found the numbers `0.0000000,0.090,", "a header is needed"]);
+}
+
+#[test]
+fn binary() {
+    let parts = ["healthy.csv, line 1: is not plain text (binary, or UTF-16); allowed: a line of column names"];
+    refused([b'R', b'I', b'F', b'F', 0, 1, 2, 0xff], 1, &parts);
+}
+
+#[test]
+fn column_that_is_absent() {
+    let columns = "found the columns `time_s`, `DE_X_um`, `DE_Y_um`, `NDE_X_um`, `NDE_Y_um`, `axial_um`, `keyphasor`";
+    for (from, to, missing, hint) in [
+        ("\"DE_X_um\"", "\"de_x_mm\"", "`de_x_mm`", "did you mean `DE_X_um`?"),
+        ("column = \"keyphasor\"", "column = \"temperature\"", "`temperature`", ""),
+        ("rate = \"12.8 kHz\"", "time = \"time\"", "`time`", "did you mean `time_s`?"),
+    ] {
+        let desk = Desk::with(&scene(&[(from, to)]), &short_recording(SHORT));
+        desk.refused(&REPLAY, 2, &[&format!("healthy.csv, line 1: no column {missing}; {columns}"), hint]);
+    }
+}
+
+#[test]
+fn column_that_is_there_twice() {
+    let twice = short_recording(SHORT).replace("DE_Y_um,NDE", "DE_X_um,NDE");
+    refused(twice, 1, &["healthy.csv, line 1: the column `DE_X_um` is there twice; allowed: once"]);
+}
+
+#[test]
+fn text_in_a_cell() {
+    let text = edited(100, |row| with_cell(row, DE_Y, "oops"));
+    refused(text, 1, &["healthy.csv, line 100, column DE_Y_um: found `oops`; allowed: a number, or NaN or nothing"]);
+}
+
+#[test]
+fn infinity_in_a_cell() {
+    let text = edited(1900, |row| with_cell(row, KEYPHASOR, "inf"));
+    refused(text, 1, &["healthy.csv, line 1900, column keyphasor: found `inf`; allowed: a number"]);
+}
+
+#[test]
+fn more_cells_than_names() {
+    let text = edited(1000, |row| format!("{row},0"));
+    refused(text, 1, &["healthy.csv, line 1000: found 8 cells; allowed: 7, as many as the header has names"]);
+}
+
+#[test]
+fn no_keyphasor_pulse() {
+    let dead = edited_recording(|line, row| vec![if line > 1 { with_cell(row, KEYPHASOR, "0") } else { row.into() }]);
+    let said = "column keyphasor: no keyphasor pulses in 2048 samples: it stays between 0 and 0; allowed: two levels";
+    refused(dead, 1, &["healthy.csv: ", said]);
+}
+
+#[test]
+fn no_value_of_the_keyphasor() {
+    let dead = edited_recording(|line, row| vec![if line > 1 { with_cell(row, KEYPHASOR, "nan") } else { row.into() }]);
+    refused(dead, 1, &["healthy.csv: column keyphasor: no keyphasor pulses in 2048 samples: it has no value"]);
+}
+
+#[test]
+fn shorter_than_a_turn() {
+    let said =
+        "healthy.csv: column keyphasor: one keyphasor pulse only, at line 3: the recording is shorter than a turn";
+    refused(short_recording(TURN - 20), 1, &[said]);
+}
+
+#[test]
+fn one_row() {
+    refused(short_recording(1), 1, &["healthy.csv: column keyphasor: no keyphasor pulses in 1 samples"]);
+}
+
+#[test]
+fn time_that_does_not_run() {
+    let still = edited_recording(|line, row| vec![if line > 1 { with_cell(row, 0, "0.5") } else { row.into() }]);
+    let desk = Desk::with(&timed(), &still);
+    let said = "healthy.csv, column time_s: found time stamps whose usual step is 0 s; allowed: time stamps in seconds";
+    desk.refused(&REPLAY, 1, &[said]);
+}
+
+/// The demonstration's scene with its samples placed by their time stamps.
+fn timed() -> String {
+    scene(&[("rate = \"12.8 kHz\"", "time = \"time_s\"")])
+}
+
+/// The short recording with one line (the header is line 1) edited.
+fn edited(line: usize, edit: impl Fn(&str) -> String) -> String {
+    edited_recording(|i, row| vec![if i == line { edit(row) } else { row.into() }])
+}
+
+/// What is wanted of a flaw: kind, column, line of the first, how often, samples, sentence.
+type Flaw<'a> = (&'a str, Option<&'a str>, u64, u64, u64, &'a str);
+
+/// Replays a recording to its end; its flaws are exactly those wanted, in JSON, in the text and in the report.
+fn flawed(scene: &str, recording: &str, wanted: &[Flaw]) -> Value {
+    let desk = Desk::with(scene, recording);
+    let outcome = desk.replay("scene.toml", &["--forces", "forces.csv"]);
+    let text = desk.done(&["replay", "scene.toml"]).out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let flaws = list(&outcome, "flaws");
+    assert_eq!(flaws.len(), wanted.len(), "{flaws:#?}");
+    for (flaw, (kind, column, line, count, samples, sentence)) in flaws.iter().zip(wanted) {
+        assert_eq!((flaw["kind"].as_str(), flaw["column"].as_str()), (Some(*kind), *column));
+        assert_eq!(flaw["first_line"].as_u64(), Some(*line), "{flaw:#}");
+        assert_eq!((flaw["count"].as_u64(), flaw["samples_affected"].as_u64()), (Some(*count), Some(*samples)));
+        let said = flaw["sentence"].as_str().unwrap();
+        assert!(said.contains(sentence), "{said}");
+        assert!(text.contains(said), "the text lacks {said:?}: {text}");
+        assert!(desk.read("ballrace-report.html").contains(said), "the report lacks {said:?}");
+    }
+    let rows = desk.read("forces.csv").lines().count() as f64 - 1.0;
+    assert_eq!(rows, number(&outcome, "/record/samples"), "a row of forces for every sample");
+    outcome
+}
+
+/// Samples whose force is the one before, at each bearing.
+fn held(outcome: &Value) -> f64 {
+    let held = [0, 1].map(|i| number(outcome, &format!("/bearings/{i}/held_samples")));
+    assert_eq!(held[0], held[1]);
+    held[0]
+}
+
+#[test]
+fn nothing_is_wrong_with_the_short_recording() {
+    for scene in [DEMO_SCENE, &timed()] {
+        let outcome = flawed(scene, &short_recording(SHORT), &[]);
+        assert_eq!(number(&outcome, "/record/compared"), SHORT as f64);
+        assert_eq!(held(&outcome), 0.0);
+    }
+}
+
+#[test]
+fn not_a_number_in_a_cell() {
+    for cell in ["NaN", "nan", ""] {
+        let text = edited(1001, |row| with_cell(row, DE_Y, cell));
+        let said = "DE_Y_um: no value in 1 sample, at line 1001 (0.078047 s)";
+        let outcome = flawed(DEMO_SCENE, &text, &[("missing_value", Some("DE_Y_um"), 1001, 1, 1, said)]);
+        assert_eq!(number(&outcome, "/record/compared"), SHORT as f64 - 1.0);
+        assert_eq!(held(&outcome), 1.0);
+    }
+}
+
+#[test]
+fn last_row_cut_short() {
+    let whole = short_recording(SHORT);
+    let cut = &whole[..whole.len() - 20];
+    let line = SHORT as u64 + 1;
+    let said = "1 row cut short, at line 2049 (0.159922 s)";
+    let outcome = flawed(DEMO_SCENE, cut, &[("short_row", None, line, 1, 1, said)]);
+    assert_eq!(number(&outcome, "/record/samples"), SHORT as f64);
+    assert_eq!(held(&outcome), 1.0);
+}
+
+#[test]
+fn repeated_and_backward_time_stamps() {
+    let mut early = String::new();
+    let text = edited_recording(|line, row| {
+        if line == 300 {
+            early = row.into();
+        }
+        match line {
+            1000 => vec![row.into(), row.into()],
+            1500 => vec![row.into(), early.clone()],
+            _ => vec![row.into()],
+        }
+    });
+    let repeated = "time_s: 1 row left out for a repeated time stamp, at line 1001 (0.077969 s)";
+    let backward = "time_s: 1 row left out for a time stamp that goes back, at line 1502 (0.023281 s)";
+    let wanted = [
+        ("repeated_time_stamp", Some("time_s"), 1001, 1, 1, repeated),
+        ("backward_time_stamp", Some("time_s"), 1502, 1, 1, backward),
+    ];
+    let outcome = flawed(&timed(), &text, &wanted);
+    assert_eq!(number(&outcome, "/record/samples"), SHORT as f64);
+}
+
+#[test]
+fn gap() {
+    let text = edited_recording(|line, row| if (1101..1201).contains(&line) { vec![] } else { vec![row.into()] });
+    let said = "100 samples missing in 1 gap, at line 1101 (0.093672 s)";
+    let outcome = flawed(&timed(), &text, &[("gap", None, 1101, 1, 100, said)]);
+    assert_eq!(number(&outcome, "/record/samples"), SHORT as f64 - 100.0);
+    let end = (SHORT - 1) as f64 / 12_800.0;
+    assert!((number(&outcome, "/record/duration_s") - end).abs() < 1e-6, "time goes on over the gap");
+    let residual = number(&outcome, "/probes/0/residual_rms_um");
+    assert!(residual < 1.5 * number(&outcome, "/probes/0/noise_um"), "the twin coasts over the gap: {residual}");
+}
+
+#[test]
+fn gap_over_a_pulse() {
+    let text = edited_recording(|line, row| if (1001..1301).contains(&line) { vec![] } else { vec![row.into()] });
+    let wanted = [
+        ("gap", None, 1001, 1, 300, "300 samples missing in 1 gap"),
+        ("missed_pulse", Some("keyphasor"), 1238, 1, 2, "keyphasor: 2 pulses missing and filled in"),
+    ];
+    let outcome = flawed(&timed(), &text, &wanted);
+    assert!((number(&outcome, "/record/turns") - (SHORT - 1) as f64 / TURN as f64).abs() < 1e-3);
+}
+
+#[test]
+fn stuck_probe() {
+    let stuck = |line: usize| (601..901).contains(&line);
+    let text = edited_recording(|line, row| vec![if stuck(line) { with_cell(row, DE_X, "0.105") } else { row.into() }]);
+    let said = "DE_X_um: stuck at 0.105 um from line 601 for 300 samples";
+    let outcome = flawed(DEMO_SCENE, &text, &[("stuck_probe", Some("DE_X_um"), 601, 1, 300, said)]);
+    // It takes 10 ms, 128 samples, to be sure.
+    assert_eq!(held(&outcome), 300.0 - 127.0);
+}
+
+#[test]
+fn probe_that_is_dead_throughout() {
+    let text = edited_recording(|line, row| vec![if line > 1 { with_cell(row, DE_X, "0.105") } else { row.into() }]);
+    let said = "DE_X_um: stuck at 0.105 um from line 2 for 2048 samples";
+    flawed(DEMO_SCENE, &text, &[("stuck_probe", Some("DE_X_um"), 2, 1, SHORT as u64, said)]);
+}
+
+#[test]
+fn probe_without_a_reading_throughout() {
+    let text = edited_recording(|line, row| vec![if line > 1 { with_cell(row, DE_X, "") } else { row.into() }]);
+    let wanted = ("missing_value", Some("DE_X_um"), 2, 1, SHORT as u64, "DE_X_um: no value in 2048 samples");
+    let outcome = flawed(DEMO_SCENE, &text, &[wanted]);
+    assert_eq!((number(&outcome, "/record/compared"), held(&outcome)), (0.0, SHORT as f64));
+}

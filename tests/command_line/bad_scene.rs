@@ -1,0 +1,252 @@
+//! Scenes that are wrong: exit code 2 and one line with file, line, key, what was found and what is allowed.
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, scene, short_recording, swap};
+
+/// Every command that reads a scene, asked for every output that it has.
+const COMMANDS: [&[&str]; 3] = [
+    &["replay", "scene.toml", "--report", "report.html", "--forces", "forces.csv"],
+    &["force", "scene.toml", "--bearing", "DE", "--displacements", "u.csv"],
+    &["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "1 kHz", "-o", "motion.csv"],
+];
+
+/// Every command refuses this scene with one line that has all `parts`.
+fn refused(scene: impl AsRef<[u8]>, parts: &[&str]) {
+    let desk = Desk::rig();
+    desk.put("scene.toml", scene);
+    desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
+    for command in COMMANDS {
+        desk.refused(command, 2, parts);
+    }
+}
+
+/// Every command refuses the demonstration's scene with `to` instead of `from`, naming that line.
+fn refused_with(from: &str, to: &str, parts: &[&str]) {
+    let line = 1 + DEMO_SCENE[..DEMO_SCENE.find(from).unwrap()].matches('\n').count();
+    let place = format!("scene.toml:{line}: ");
+    refused(scene(&[(from, to)]), &[&[place.as_str()], parts].concat());
+}
+
+#[test]
+fn the_same_commands_take_the_scene_as_it_is() {
+    let desk = Desk::rig();
+    desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
+    for command in COMMANDS {
+        desk.done(command);
+    }
+    assert_eq!(
+        desk.files(),
+        ["forces.csv", "healthy.csv", "motion.csv", "report.html", "scene.toml", "u.csv"],
+        "outputs and nothing besides"
+    );
+}
+
+#[test]
+fn missing() {
+    let desk = Desk::empty();
+    for command in COMMANDS {
+        desk.refused(command, 2, &["scene.toml: found no file of this name, allowed: a scene file"]);
+    }
+}
+
+#[test]
+fn folder() {
+    let desk = Desk::empty();
+    std::fs::create_dir(desk.path("scene.toml")).unwrap();
+    for command in COMMANDS {
+        desk.refused(command, 2, &["scene.toml: found a directory, allowed: a scene file"]);
+    }
+}
+
+#[test]
+fn empty() {
+    refused("", &["scene.toml: found an empty file, allowed: a scene file (TOML text with at least [shaft]"]);
+}
+
+#[test]
+fn nothing_but_comments() {
+    refused("\n# later\n", &["scene.toml: found an empty file, allowed: a scene file"]);
+}
+
+#[test]
+fn binary() {
+    refused([0x7f, b'E', b'L', b'F', 0xff, 0xfe, 0, 0], &["scene.toml:1: found bytes that are not UTF-8 text"]);
+}
+
+#[test]
+fn recording_instead() {
+    refused(short_recording(300), &["scene.toml:1: ", "not TOML at \"time_s,DE_X_um,"]);
+    let large: String = std::iter::repeat_n(DEMO_RECORDING, 8).collect();
+    refused(large, &["scene.toml: found a file of more than 4 MiB, allowed: a scene file"]);
+}
+
+#[test]
+fn toml_of_something_else() {
+    let manifest = "[package]\nname = \"pump\"\nversion = \"0.1.0\"\n";
+    refused(
+        manifest,
+        &["scene.toml:1: package: found an unknown key, allowed: name, shaft, rotor, bearing, recording"],
+    );
+}
+
+#[test]
+fn broken_toml() {
+    refused(swap(DEMO_SCENE, "mass = \"6 kg\"", "mass = \"6 kg"), &["scene.toml:9: not TOML at \"mass = \\\"6 kg\""]);
+}
+
+#[test]
+fn unknown_key_with_a_hint() {
+    let hint = "bearing[0].ball_daimeter: found an unknown key (did you mean ball_diameter?), allowed: name, station";
+    refused_with("ball_diameter =", "ball_daimeter =", &[hint]);
+}
+
+#[test]
+fn unknown_key_like_no_other() {
+    refused_with("mass = \"6 kg\"", "colour = \"red\"", &["rotor.colour: found an unknown key, allowed: mass, "]);
+}
+
+#[test]
+fn unknown_key_at_the_top() {
+    refused_with("[shaft]", "[shafts]", &["shafts: found an unknown key (did you mean shaft?), allowed: name, shaft"]);
+}
+
+#[test]
+fn missing_key() {
+    refused(
+        scene(&[("mass = \"6 kg\"\n", "")]),
+        &["scene.toml:8: rotor.mass: found no such key in the table rotor, which needs it, allowed: a mass above 0"],
+    );
+}
+
+#[test]
+fn missing_table() {
+    refused(
+        scene(&[("[shaft]\nspeed = \"3000 rpm\"\n", "")]),
+        &["scene.toml:1: shaft: found no such key at the top of the file, which needs it, allowed: a table [shaft]"],
+    );
+}
+
+#[test]
+fn unknown_unit() {
+    refused_with("6 kg", "6 lbs", &["rotor.mass: found \"6 lbs\", where \"lbs\" is no known unit, allowed: a mass"]);
+}
+
+#[test]
+fn unit_of_another_dimension() {
+    refused_with("6 kg", "6 mm", &["rotor.mass: found \"6 mm\", a length, allowed: a mass, such as \"6 kg\""]);
+}
+
+#[test]
+fn probe_in_a_unit_that_is_no_length() {
+    let wants = "recording.probes[0].unit: found \"V\", where \"V\" is no known unit, allowed: a unit of length: um";
+    refused_with("unit = \"um\"", "unit = \"V\"", &[wants]);
+}
+
+#[test]
+fn negative_mass() {
+    refused_with("6 kg", "-6 kg", &["rotor.mass: found \"-6 kg\", allowed: a mass above 0, such as \"6 kg\""]);
+}
+
+#[test]
+fn mass_that_is_no_number() {
+    refused_with("\"6 kg\"", "nan", &["rotor.mass: found nan, allowed: a mass above 0, such as \"6 kg\""]);
+}
+
+#[test]
+fn number_of_elements() {
+    for count in ["0", "1", "2", "200", "-9", "9.5", "\"nine\""] {
+        let wants = format!("bearing[0].elements: found {count}, allowed: a whole number from 3 to 64");
+        refused_with("elements = 9", &format!("elements = {count}"), &[&wants]);
+    }
+}
+
+#[test]
+fn elements_that_do_not_fit_on_the_pitch_circle() {
+    let wants = "bearing[0].elements: found 16, allowed: 3 to 15: more balls of this ball_diameter do not fit";
+    refused_with("elements = 9", "elements = 16", &[wants]);
+}
+
+#[test]
+fn conformity_below_one_half() {
+    let wants = "bearing[0].inner_conformity: found 0.49, allowed: above 0.5 and at most 1";
+    refused_with("inner_conformity = 0.52", "inner_conformity = 0.49", &[wants]);
+}
+
+#[test]
+fn clearance_wider_than_the_grooves() {
+    let wants = "bearing[0].diametral_clearance: found \"10 mm\", allowed: from 0 to below 317.6 um";
+    refused_with("\"10 um\"", "\"10 mm\"", &[wants]);
+}
+
+#[test]
+fn two_bearings_of_one_name() {
+    refused_with(
+        "\"NDE\"",
+        "\"DE\"",
+        &["bearing[1].name: found \"DE\", allowed: a name of its own (bearing[0] has this"],
+    );
+}
+
+#[test]
+fn more_defects_than_there_is_room_for() {
+    let one = "{ surface = \"outer\", azimuth = 0, half_width = 0.05, depth = \"3 um\", shape = \"half-sine\" }, ";
+    let swapped = format!("poissons_ratio = 0.3\ndefect = [{}]", one.repeat(9));
+    let text = scene(&[("poissons_ratio = 0.3", &swapped)]);
+    refused(text, &["scene.toml:29: bearing[0].defect: found 9 entries, allowed: up to 8"]);
+}
+
+#[test]
+fn model_that_is_not_here() {
+    let wants = "bearing[0].model: model = \"quasi-static\" is part of the scene format, but this version does not";
+    refused_with("\"angular\"", "\"quasi-static\"", &[wants]);
+}
+
+#[test]
+fn outer_ring_that_turns_under_a_changing_shaft() {
+    let speed = "speed = { from = 0, to = \"3000 rpm\", over = \"1 s\" }\nouter_speed = \"100 rpm\"";
+    let text = scene(&[("speed = \"3000 rpm\"", speed)]);
+    refused(text, &["scene.toml: shaft.outer_speed: found ", "allowed: an outer speed only with one constant"]);
+}
+
+/// `replay` refuses the demonstration's scene with these probes, naming `why`.
+fn not_observable(probes: &[(&str, &str, &str)], why: &str) {
+    let entry = |(column, station, angle): &(&str, &str, &str)| {
+        format!("{{ column = \"{column}\", unit = \"um\", station = \"{station}\", angle = \"{angle}\" }}")
+    };
+    let list: Vec<String> = probes.iter().map(entry).collect();
+    let (before, rest) = DEMO_SCENE.split_once("probes = [").unwrap();
+    let (_, after) = rest.split_once("]\n").unwrap();
+    let desk = Desk::with(&format!("{before}probes = [{}]\n{after}", list.join(", ")), &short_recording(600));
+    let found = "scene.toml: recording.probes: found probes from which the shaft's position cannot be told";
+    let allowed = "allowed: two planes, each with two directions that are not parallel";
+    desk.refused(COMMANDS[0], 2, &[found, why, allowed]);
+}
+
+#[test]
+fn two_probes_in_one_direction() {
+    not_observable(
+        &[("DE_X_um", "-120 mm", "30 deg"), ("NDE_X_um", "120 mm", "30 deg")],
+        "all 2 radial probes look along 30.0 deg, so the motion across it is not observable",
+    );
+}
+
+#[test]
+fn opposite_directions_are_one() {
+    let de = [("DE_X_um", "-120 mm", "0 deg"), ("DE_Y_um", "-120 mm", "180 deg")];
+    let nde = [("NDE_X_um", "120 mm", "0 deg"), ("NDE_Y_um", "120 mm", "-180 deg")];
+    not_observable(&[de, nde].concat(), "so the motion across it is not observable");
+}
+
+#[test]
+fn all_probes_in_one_plane() {
+    let first = [("DE_X_um", "-120 mm", "0 deg"), ("DE_Y_um", "-120 mm", "90 deg")];
+    let more = [("NDE_X_um", "-120 mm", "45 deg"), ("NDE_Y_um", "-120 mm", "135 deg")];
+    let why = "all radial probes stand in one plane at -120.0 mm, so the tilt is not observable";
+    not_observable(&first, why);
+    not_observable(&[first, more].concat(), why);
+}
+
+#[test]
+fn three_probes() {
+    let three = [("DE_X_um", "-120 mm", "0 deg"), ("DE_Y_um", "-120 mm", "90 deg"), ("NDE_X_um", "120 mm", "0 deg")];
+    not_observable(&three, "3 radial probes leave part of the motion open");
+}

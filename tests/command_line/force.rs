@@ -1,0 +1,253 @@
+//! `ballrace force`: golden values through scene files, and the forms of its output.
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use ballrace_tests::compare::relative_to_largest;
+
+use crate::support::{DEMO_SCENE, Desk, scene};
+
+#[derive(Deserialize)]
+struct Axial {
+    exponent: f64,
+    stiffness: f64,
+    play: f64,
+    radius: f64,
+}
+
+#[derive(Deserialize)]
+struct Case {
+    elements: usize,
+    exponent: f64,
+    stiffness: f64,
+    radial_play: f64,
+    azimuth_of_first_element: f64,
+    axial: Option<Axial>,
+    displacement: [f64; 5],
+    housing_displacement: Option<Vec<[f64; 3]>>,
+    force: [f64; 5],
+}
+
+#[derive(Deserialize)]
+struct File {
+    cases: Vec<Case>,
+}
+
+fn cases() -> Vec<Case> {
+    serde_json::from_str::<File>(include_str!("../golden/lumped.json")).unwrap().cases
+}
+
+impl Case {
+    /// As a scene, with element 1 back by `back` rad.
+    fn scene(&self, back: f64) -> String {
+        let Self { elements, exponent, stiffness, radial_play, .. } = self;
+        let azimuth = self.azimuth_of_first_element - back;
+        let mut text = format!(
+            "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\n\
+             cage_ratio = 0.4\nelements = {elements}\nexponent = {exponent:?}\nstiffness = {stiffness:?}\n\
+             radial_play = {radial_play:?}\nfirst_element_azimuth = {azimuth:?}\n"
+        );
+        if let Some(Axial { exponent, stiffness, play, radius }) = &self.axial {
+            text += &format!(
+                "axial = {{ exponent = {exponent:?}, stiffness = {stiffness:?}, play = {play:?}, radius = {radius:?} }}\n"
+            );
+        }
+        if let Some(housing) = &self.housing_displacement {
+            text += &format!("housing_displacement = {housing:?}\n");
+        }
+        text
+    }
+
+    fn displacements(&self) -> String {
+        self.displacement.map(|x| format!("{x:?}")).join(",")
+    }
+}
+
+/// What one row of `--format csv` says: digits checked, numbers and status.
+fn row(line: &str, digits: usize) -> ([f64; 5], &str) {
+    let cells: Vec<&str> = line.split(',').collect();
+    assert_eq!(cells.len(), 6, "{line}");
+    let number = |i: usize| {
+        let (mantissa, exponent) = cells[i].split_once('e').unwrap_or_else(|| panic!("{line}"));
+        assert_eq!(mantissa.chars().filter(char::is_ascii_digit).count(), digits, "significant digits: {line}");
+        exponent.parse::<i32>().unwrap();
+        cells[i].parse().unwrap()
+    };
+    (std::array::from_fn(number), cells[5])
+}
+
+/// Forces of `force --format csv` for displacements with their header line.
+fn forces(desk: &Desk, displacements: &str, digits: usize, more: &[&str]) -> Vec<([f64; 5], String)> {
+    desk.put("u.csv", displacements);
+    let args = [&["force", "scene.toml", "--displacements", "u.csv", "--format", "csv"], more].concat();
+    let out = desk.done(&args).out;
+    let (header, rows) = out.split_once('\n').unwrap();
+    assert_eq!(header, "FX,FY,FZ,MX,MY,status");
+    rows.lines().map(|line| row(line, digits)).map(|(force, status)| (force, status.to_owned())).collect()
+}
+
+/// The largest error of `cases` in the program, with the cage turned by `cage` rad and element 1 back by as much.
+fn largest_error(cases: &[&Case], cage: f64, digits: usize, options: &[&str]) -> f64 {
+    let error = |case: &&Case| {
+        let desk = Desk::empty();
+        desk.put("scene.toml", case.scene(cage));
+        let rows = format!("u,v,w,thu,thv,cage_angle\n{},{cage:?}\n", case.displacements());
+        let found = forces(&desk, &rows, digits, options);
+        assert_eq!(found.len(), 1);
+        relative_to_largest(&found[0].0, &case.force)
+    };
+    cases.iter().map(error).fold(0.0, f64::max)
+}
+
+#[test]
+fn golden_cases_in_double_precision() {
+    let all = cases();
+    assert_eq!(all.len(), 120);
+    let all: Vec<&Case> = all.iter().collect();
+    for cage in [0.0, 2.25] {
+        let error = largest_error(&all, cage, 17, &["--precision", "f64"]);
+        println!("force, f64, cage at {cage} rad: {error:.2e}");
+        assert!(error < 1e-12, "{error:e}");
+    }
+}
+
+#[test]
+fn golden_cases_in_single_precision() {
+    let all = cases();
+    let all: Vec<&Case> = all.iter().collect();
+    for cage in [0.0, 2.25] {
+        let error = largest_error(&all, cage, 9, &["--precision", "f32"]);
+        println!("force, f32, cage at {cage} rad: {error:.2e}");
+        assert!(error < 5e-6, "{error:e}");
+    }
+}
+
+#[test]
+fn fast_math_is_within_two_percent() {
+    let all = cases();
+    let point: Vec<&Case> = all.iter().filter(|case| case.exponent == 1.5).collect();
+    assert!(point.len() > 30);
+    for (precision, digits) in [("f64", 17), ("f32", 9)] {
+        let error = largest_error(&point, 0.0, digits, &["--math", "fast", "--precision", precision]);
+        println!("force, {precision}, fast math: {error:.2e}");
+        assert!(error < 0.02, "{error:e}");
+    }
+}
+
+const HEAD: &str = "u,v,w,thu,thv";
+
+/// Two displacements of a bearing of the demonstration that load it differently.
+const GOOD: [&str; 2] = ["1e-6,-2e-6,6.4e-5,1e-5,-2e-5", "-3e-6,1e-6,6.6e-5,0,1e-5"];
+
+fn rig() -> Desk {
+    let desk = Desk::empty();
+    desk.put("scene.toml", DEMO_SCENE);
+    desk
+}
+
+fn table(rows: &[&str]) -> String {
+    format!("{HEAD}\n{}\n", rows.join("\n"))
+}
+
+#[test]
+fn displacement_that_is_no_number_holds_the_last_force() {
+    let (first, second) = (GOOD[0], GOOD[1]);
+    let (gone, infinite) = ("0,NaN,0,0,0", "0,0,0,-inf,0");
+    let rows = table(&[gone, first, gone, infinite, second, gone]);
+    let found = forces(&rig(), &rows, 17, &["--bearing", "DE"]);
+    let status: Vec<&str> = found.iter().map(|row| row.1.as_str()).collect();
+    let lost = "input-not-finite";
+    assert_eq!(status, [lost, "ok", lost, lost, "ok", lost]);
+    assert_eq!(found[0].0, [0.0; 5], "nothing to hold yet");
+    assert!(found[1].0.iter().any(|f| f.abs() > 1.0));
+    assert_eq!([found[2].0, found[3].0], [found[1].0; 2]);
+    assert_ne!(found[4].0, found[1].0);
+    assert_eq!(found[5].0, found[4].0);
+}
+
+#[test]
+fn time_or_cage_angle_that_is_no_number_holds_the_last_force() {
+    for column in ["t", "cage_angle"] {
+        let rows = format!("{HEAD},{column}\n{0},0\n{1},NaN\n{1},inf\n{1},0\n", GOOD[0], GOOD[1]);
+        let found = forces(&rig(), &rows, 17, &["--bearing", "DE"]);
+        assert_eq!(found.iter().map(|row| row.1.as_str()).collect::<Vec<_>>()[1..3], ["input-not-finite"; 2]);
+        assert_eq!([found[1].0, found[2].0], [found[0].0; 2]);
+        assert_eq!(found[3].1, "ok");
+    }
+}
+
+#[test]
+fn displacement_beyond_all_numbers() {
+    let found = forces(&rig(), &table(&[GOOD[0], "1e300,1e300,1e300,1e300,1e300"]), 17, &["--bearing", "DE"]);
+    assert_eq!(found[1], (found[0].0, "result-not-finite".to_owned()));
+}
+
+#[test]
+fn no_contact_no_force() {
+    let lumped = "\"lumped\"\nstiffness = 1e10\nradial_play = \"5 um\"";
+    let desk = Desk::empty();
+    desk.put("scene.toml", scene(&[("\"angular\"", lumped)]));
+    let found = forces(&desk, &table(&["1e-6,0,0,0,0", "8e-6,0,0,0,0"]), 17, &["--bearing", "DE"]);
+    assert_eq!(found[0], ([0.0; 5], "contact-lost".to_owned()));
+    assert_eq!(found[1].1, "ok");
+    assert!(found[1].0[0] < -1.0, "a spring pushes back: {:?}", found[1].0);
+}
+
+#[test]
+fn time_turns_the_cage() {
+    // 3000 rpm and a cage at 0.4 of that: a tenth of a turn after 5 ms.
+    let desk = Desk::empty();
+    desk.put("scene.toml", scene(&[("elements = 9", "elements = 9\ncage_ratio = 0.4")]));
+    let options = ["--bearing", "DE"];
+    let timed = forces(&desk, &format!("{HEAD},t\n{},5e-3\n", GOOD[0]), 17, &options);
+    let tenth = std::f64::consts::TAU / 10.0;
+    let turned = forces(&desk, &format!("{HEAD},cage_angle\n{},{tenth:?}\n", GOOD[0]), 17, &options);
+    let still = forces(&desk, &table(&[GOOD[0]]), 17, &options);
+    assert!(relative_to_largest(&timed[0].0, &turned[0].0) < 1e-11);
+    assert!(relative_to_largest(&timed[0].0, &still[0].0) > 1e-4, "the elements have moved on");
+}
+
+#[test]
+fn order_of_columns_does_not_matter() {
+    let plain = forces(&rig(), &table(&[GOOD[0]]), 17, &["--bearing", "DE"]);
+    let [u, v, w, thu, thv]: [&str; 5] = GOOD[0].split(',').collect::<Vec<_>>().try_into().unwrap();
+    let mixed = format!("thv, note ,w,u,thu,v\r\n{thv},good,{w},{u},{thu},{v}\r\n");
+    assert_eq!(forces(&rig(), &mixed, 17, &["--bearing", "DE"]), plain);
+}
+
+#[test]
+fn both_bearings_and_other_models() {
+    let rows = table(&GOOD);
+    let of = |options: &[&str]| forces(&rig(), &rows, 17, options);
+    assert_eq!(of(&["--bearing", "DE"]), of(&["--bearing", "NDE"]), "two bearings of one make");
+    assert_eq!(of(&["--bearing", "DE"]), of(&["--bearing", "DE", "--model", "angular"]));
+    assert_ne!(of(&["--bearing", "DE"]), of(&["--bearing", "DE", "--model", "lumped"]));
+}
+
+#[test]
+fn the_three_formats_say_the_same() {
+    let desk = rig();
+    let rows = table(&[GOOD[0], "NaN,0,0,0,0", GOOD[1]]);
+    let csv = forces(&desk, &rows, 17, &["--bearing", "DE"]);
+    let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", "DE", "--format"];
+    let json: Vec<Value> = desk.done(&[&args[..], &["json"]].concat()).json();
+    let text = desk.done(&[&args[..], &["text"]].concat()).out;
+    assert_eq!(text, desk.done(&args[..6]).out, "text is the default");
+    assert_eq!((json.len(), text.lines().count()), (3, 4));
+    let head: Vec<&str> = text.lines().next().unwrap().split_whitespace().collect();
+    assert_eq!(head.join(" "), "row FX N FY N FZ N MX N m MY N m status");
+    for (i, ((force, status), line)) in csv.iter().zip(text.lines().skip(1)).enumerate() {
+        let said = ["FX", "FY", "FZ", "MX", "MY"].map(|entry| json[i][entry].as_f64().unwrap());
+        assert_eq!((said, json[i]["status"].as_str()), (*force, Some(status.as_str())));
+        let cells: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!((cells[0], cells[6]), ((i + 1).to_string().as_str(), status.as_str()));
+        for (cell, f) in cells[1..6].iter().zip(force) {
+            assert!((cell.parse::<f64>().unwrap() - f).abs() < 1e-4, "{line}");
+        }
+    }
+}
+
+#[test]
+fn nothing_to_answer() {
+    assert_eq!(forces(&rig(), &format!("{HEAD}\n"), 17, &["--bearing", "DE"]), []);
+}

@@ -1,0 +1,12 @@
+//! The program as its user runs it: scenes, recordings and options in; exit code, output and files out.
+
+mod bad_command;
+mod bad_output;
+mod bad_recording;
+mod bad_scene;
+mod force;
+mod long;
+mod replay;
+mod simulate;
+mod support;
+mod truth;

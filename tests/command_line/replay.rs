@@ -1,0 +1,218 @@
+//! `ballrace replay`: the demonstration, the forms of its output, what it says of sound and unsound machines.
+
+use std::time::Instant;
+
+use serde_json::Value;
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, list, number, recorded, short_recording, swap};
+
+/// On one line, with single spaces: sentences of the text are broken to fit the terminal.
+fn unbroken(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn demonstration_in_an_empty_folder() {
+    let desk = Desk::empty();
+    let text = desk.done(&["replay"]).out;
+    assert_eq!(desk.files(), ["ballrace-report.html"]);
+    let report = desk.read("ballrace-report.html");
+    assert!(report.starts_with("<!DOCTYPE html>") && report.trim_end().ends_with("</html>"));
+    assert!(text.contains("Report: ballrace-report.html"), "{text}");
+    let outcome = desk.replay("", &[]);
+    let verdict = outcome["verdict"].as_str().unwrap();
+    assert!(!verdict.is_empty() && unbroken(&text).contains(verdict), "{text}");
+    assert!(report.contains(verdict));
+    assert_eq!(list(&outcome, "findings").len(), 0, "{outcome:#}");
+    assert_eq!(list(&outcome, "flaws").len(), 0, "{outcome:#}");
+}
+
+#[test]
+fn demonstration_is_the_scene_and_recording_of_the_source() {
+    let built_in = Desk::empty().replay("", &[]);
+    let own = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    for key in ["probes", "bearings", "findings", "flaws", "verdict"] {
+        assert_eq!(built_in[key], own[key], "{key}");
+    }
+    assert_eq!(own["recording"], "healthy.csv");
+}
+
+#[test]
+fn json_has_what_programs_rely_on() {
+    let outcome = Desk::rig().replay("scene.toml", &[]);
+    let names = |key: &str| list(&outcome, key).iter().map(|p| p["name"].as_str().unwrap()).collect::<Vec<_>>();
+    assert_eq!(names("probes"), ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"]);
+    assert_eq!(names("bearings"), ["DE", "NDE"]);
+    assert_eq!(list(&outcome, "findings").len(), 0);
+    assert_eq!(number(&outcome, "/timing/samples"), SHORT as f64);
+    assert_eq!(number(&outcome, "/timing/sample_period_ns"), 78_125.0);
+    for quantile in ["p50_ns", "p99_ns", "p999_ns", "max_ns"] {
+        assert!(number(&outcome, &format!("/timing/compute/{quantile}")) > 0.0);
+    }
+    for probe in list(&outcome, "probes") {
+        for pointer in ["/measured/one_x_um", "/twin/one_x_phase_lag_deg", "/residual_rms_um", "/nrmse_percent"] {
+            assert!(number(probe, pointer).is_finite());
+        }
+    }
+}
+
+#[test]
+fn csv_has_a_row_for_each_probe() {
+    let desk = Desk::rig();
+    let out = desk.done(&["replay", "scene.toml", "--format", "csv"]).out;
+    let rows: Vec<Vec<&str>> = out.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 6, "{out}");
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{out}");
+    let residual = rows[0].iter().position(|head| *head == "residual_rms_um").unwrap();
+    let outcome = desk.replay("scene.toml", &[]);
+    for (row, probe) in rows[1..].iter().zip(list(&outcome, "probes")) {
+        assert_eq!(row[0], probe["name"]);
+        let (printed, full) = (row[residual].parse::<f64>().unwrap(), number(probe, "/residual_rms_um"));
+        assert!((printed / full - 1.0).abs() < 1e-3, "{printed} {full}");
+    }
+}
+
+#[test]
+fn forces_of_every_sample() {
+    let desk = Desk::rig();
+    desk.done(&["replay", "scene.toml", "--forces", "forces.csv"]);
+    let text = desk.read("forces.csv");
+    let mut lines = text.lines();
+    let head = "time_s,DE_FX,DE_FY,DE_FZ,DE_MX,DE_MY,NDE_FX,NDE_FY,NDE_FZ,NDE_MX,NDE_MY";
+    assert_eq!(lines.next(), Some(head));
+    assert_eq!(lines.clone().count(), SHORT);
+    for (i, line) in lines.enumerate() {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(cells.len(), 11);
+        assert!((cells[0] - i as f64 / 12_800.0).abs() < 1e-9, "{line}");
+        assert!(cells.iter().all(|x| x.is_finite()), "{line}");
+    }
+}
+
+#[test]
+fn paced_keeps_to_the_time_of_the_recording() {
+    let samples = 3840;
+    let desk = Desk::with(DEMO_SCENE, &short_recording(samples));
+    let begun = Instant::now();
+    let outcome = desk.replay("scene.toml", &["--paced"]);
+    let took = begun.elapsed().as_secs_f64();
+    let length = (samples - 1) as f64 / 12_800.0;
+    assert!(took >= length, "{took} s for {length} s");
+    assert!(number(&outcome, "/timing/wall_s") >= length);
+    assert_eq!(outcome["timing"]["paced"], true);
+    let late = |quantile: &str| number(&outcome, &format!("/timing/lateness/{quantile}"));
+    assert!(late("p50_ns") > 0.0 && late("p50_ns") <= late("p99_ns") && late("p99_ns") <= late("max_ns"));
+    let misses = outcome["timing"]["deadline_misses"].as_u64().unwrap();
+    assert!(misses <= samples as u64);
+    let text = desk.done(&["replay", "scene.toml", "--paced"]).out;
+    assert!(text.contains("lateness") && text.contains("missed"), "{text}");
+}
+
+#[test]
+fn unpaced_has_no_lateness() {
+    let outcome = Desk::rig().replay("scene.toml", &[]);
+    assert_eq!(outcome["timing"]["paced"], false);
+    assert_eq!((&outcome["timing"]["lateness"], &outcome["timing"]["deadline_misses"]), (&Value::Null, &Value::Null));
+}
+
+/// What the sound machine's scene says to a recording.
+fn sound_scene_on(recording: &str) -> Value {
+    Desk::empty().replay(&recorded("healthy.toml"), &["--recording", &recorded(recording)])
+}
+
+/// Each finding as (kind, bearing).
+fn findings(outcome: &Value) -> Vec<(&str, Option<&str>)> {
+    list(outcome, "findings").iter().map(|f| (f["kind"].as_str().unwrap(), f["bearing"].as_str())).collect()
+}
+
+/// The finding is put in figures and in words.
+fn assert_told(outcome: &Value, order: f64) {
+    let finding = &list(outcome, "findings")[0];
+    assert!((number(finding, "/order") - order).abs() < 0.01, "{finding:#}");
+    assert!((number(finding, "/line_hz") - 50.0 * order).abs() < 0.5, "{finding:#}");
+    assert!(number(finding, "/level_db") > 12.0, "{finding:#}");
+    assert!((0.5..=1.0).contains(&number(finding, "/confidence")), "{finding:#}");
+    let sentence = finding["sentence"].as_str().unwrap();
+    assert!(outcome["verdict"].as_str().unwrap().contains(sentence), "{outcome:#}");
+}
+
+#[test]
+fn sound_scene_finds_the_unbalance() {
+    let outcome = sound_scene_on("unbalanced.csv");
+    assert_eq!(findings(&outcome), [("unbalance", None)], "{outcome:#}");
+    assert_told(&outcome, 1.0);
+}
+
+#[test]
+fn sound_scene_finds_the_spall() {
+    let outcome = sound_scene_on("outer-spall.csv");
+    assert_eq!(findings(&outcome), [("outer-race", Some("DE"))], "{outcome:#}");
+    assert_told(&outcome, 3.599);
+}
+
+#[test]
+fn sound_scene_finds_nothing_in_sound_recordings() {
+    for recording in ["../../runner/demo/healthy.csv", "run-up.csv"] {
+        let outcome = sound_scene_on(recording);
+        assert_eq!(findings(&outcome), [], "{recording}: {outcome:#}");
+        assert_eq!(list(&outcome, "flaws").len(), 0);
+    }
+}
+
+#[test]
+fn each_recording_is_explained_by_its_own_scene() {
+    for name in ["healthy", "unbalanced", "outer-spall", "run-up"] {
+        let outcome = Desk::empty().replay(&recorded(&format!("{name}.toml")), &[]);
+        assert_eq!(findings(&outcome), [], "{name}: {outcome:#}");
+    }
+}
+
+/// Degrees from one angle to another, the short way.
+fn apart(a: f64, b: f64) -> f64 {
+    ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs()
+}
+
+#[test]
+fn twin_follows_the_sound_machine() {
+    let outcome = Desk::empty().replay(&recorded("healthy.toml"), &[]);
+    for probe in list(&outcome, "probes") {
+        let of = |pointer: &str| number(probe, pointer);
+        assert!(of("/residual_rms_um") <= 1.5 * of("/noise_um"), "{probe:#}");
+        assert!(of("/measured/one_x_um") > 0.01, "a line to compare: {probe:#}");
+        assert!((of("/twin/one_x_um") / of("/measured/one_x_um") - 1.0).abs() < 0.1, "{probe:#}");
+        let lags = (of("/twin/one_x_phase_lag_deg"), of("/measured/one_x_phase_lag_deg"));
+        assert!(apart(lags.0, lags.1) < 10.0, "{probe:#}");
+    }
+}
+
+#[test]
+fn recording_is_found_beside_its_scene() {
+    let desk = Desk::empty();
+    for folder in ["scenes", "data"] {
+        std::fs::create_dir(desk.path(folder)).unwrap();
+    }
+    desk.put("scenes/pump.toml", swap(DEMO_SCENE, "healthy.csv", "../data/pump.csv"));
+    desk.put("data/pump.csv", short_recording(SHORT));
+    let outcome = desk.replay("scenes/pump.toml", &["--report", "data/pump.html"]);
+    assert_eq!(outcome["recording"], "pump.csv");
+    assert_eq!(desk.files(), ["data", "scenes"], "the report goes where it is asked for");
+    assert!(desk.read("data/pump.html").contains("pump.csv"));
+}
+
+#[test]
+fn same_recording_in_other_forms() {
+    let plain = Desk::rig().replay("scene.toml", &[]);
+    let text = short_recording(SHORT);
+    for (form, other) in [
+        ("semicolons", text.replace(',', ";")),
+        ("tabs", text.replace(',', "\t")),
+        ("breaks of Windows", text.replace('\n', "\r\n")),
+        ("a byte order mark", format!("\u{feff}{text}")),
+        ("no break at the end", text.trim_end().to_owned()),
+    ] {
+        let outcome = Desk::with(DEMO_SCENE, &other).replay("scene.toml", &[]);
+        for key in ["probes", "bearings", "flaws"] {
+            assert_eq!(outcome[key], plain[key], "{form}: {key}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! `ballrace simulate`: what it writes, where it starts, and that it is the same twin as that of `replay`.
+
+use std::f64::consts::TAU;
+
+use serde_json::Value;
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, numbers, scene};
+
+/// Turns of the demonstration's shaft a second.
+const SPEED: f64 = 50.0;
+const RATE: f64 = 12_800.0;
+
+/// Columns of the displacement, of its rate, and of the forces of the two bearings.
+const POSE: usize = 1;
+const VELOCITY: usize = 6;
+const FORCES: usize = 11;
+
+/// Header and rows of a simulation at [`RATE`].
+fn simulated(desk: &Desk, duration: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    desk.done(&["simulate", "scene.toml", "--duration", duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
+    numbers(&desk.read("motion.csv"))
+}
+
+#[test]
+fn header_and_rows() {
+    let desk = Desk::rig();
+    let (header, rows) = simulated(&desk, "20 ms");
+    let pose = "t,u,v,w,thu,thv,u_dot,v_dot,w_dot,thu_dot,thv_dot";
+    let forces = "DE_FX,DE_FY,DE_FZ,DE_MX,DE_MY,NDE_FX,NDE_FY,NDE_FZ,NDE_MX,NDE_MY";
+    assert_eq!(header.join(","), format!("{pose},{forces}"));
+    assert_eq!(rows.len(), 256);
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!(row.len(), header.len());
+        assert!((row[0] - i as f64 / RATE).abs() < 1e-9 && row.iter().all(|x| x.is_finite()), "{row:?}");
+    }
+    assert_eq!(desk.files(), ["healthy.csv", "motion.csv", "scene.toml"]);
+}
+
+#[test]
+fn starts_from_the_position_of_rest() {
+    let (_, rows) = simulated(&Desk::rig(), "1 ms");
+    let first = &rows[0];
+    assert_eq!(first[VELOCITY..FORCES], [0.0; 5]);
+    let sum = |i: usize| first[FORCES + i] + first[FORCES + 5 + i];
+    // 6 kg along -Y and 60 N along Z are carried by the bearings.
+    for (found, carried) in [(sum(0), 0.0), (sum(1), 6.0 * 9.80665), (sum(2), -60.0)] {
+        assert!((found - carried).abs() < 1e-4, "{found} N instead of {carried} N");
+    }
+}
+
+#[test]
+fn stays_at_rest_without_anything_that_moves_it() {
+    let still = scene(&[("speed = \"3000 rpm\"", "speed = 0"), ("unbalance = [", "unbalance = [] # [")]);
+    let (_, rows) = simulated(&Desk::with(&still, DEMO_RECORDING), "50 ms");
+    let away = |row: &Vec<f64>| (POSE..POSE + 3).map(|i| (row[i] - rows[0][i]).abs()).fold(0.0, f64::max);
+    let most = rows.iter().map(away).fold(0.0, f64::max);
+    assert!(most < 1e-11, "{most} m");
+}
+
+/// The forces that the simulation writes are those that `force` gives for its displacements.
+#[test]
+fn forces_are_those_of_the_force_command() {
+    let desk = Desk::rig();
+    let (_, rows) = simulated(&desk, "30 ms");
+    for (place, (bearing, station)) in [("DE", -0.1), ("NDE", 0.1)].into_iter().enumerate() {
+        let mut text = "t,u,v,w,thu,thv\n".to_owned();
+        for row in &rows {
+            let [t, u, v, w, thu, thv] = std::array::from_fn(|i| row[i]);
+            text += &format!("{t:e},{:e},{:e},{w:e},{thu:e},{thv:e}\n", u + station * thv, v - station * thu);
+        }
+        desk.put("u.csv", text);
+        let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", bearing, "--format", "json"];
+        let forces: Vec<Value> = desk.done(&args).json();
+        assert_eq!(forces.len(), rows.len());
+        for (force, row) in forces.iter().zip(&rows) {
+            for (i, entry) in ["FX", "FY", "FZ", "MX", "MY"].iter().enumerate() {
+                let written = row[FORCES + 5 * place + i];
+                let given = force[entry].as_f64().unwrap();
+                assert!((given - written).abs() < 1e-6, "{bearing} {entry}: {given} {written}");
+            }
+        }
+    }
+}
+
+/// Amplitude and phase lag in degrees of a signal that goes round with the shaft, over whole turns.
+fn one_x(signal: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
+    let (mut count, mut along, mut across) = (0.0, 0.0, 0.0);
+    for (time, value) in signal {
+        let (sin, cos) = (TAU * SPEED * time).sin_cos();
+        (count, along, across) = (count + 1.0, along + value * cos, across + value * sin);
+    }
+    (2.0 / count * f64::hypot(along, across), across.atan2(along).to_degrees().rem_euclid(360.0))
+}
+
+#[test]
+fn settles_on_the_motion_of_the_twin() {
+    let desk = Desk::with(DEMO_SCENE, DEMO_RECORDING);
+    let outcome = desk.replay("scene.toml", &[]);
+    let (_, rows) = simulated(&desk, "2 s");
+    let settled = &rows[12_800..];
+    assert_eq!(settled.len(), 12_800, "50 turns");
+    for probe in list(&outcome, "probes") {
+        let (z, angle) = (number(probe, "/station_mm") * 1e-3, probe["angle_deg"].as_f64());
+        let reading = |row: &Vec<f64>| {
+            let [u, v, w, thu, thv] = std::array::from_fn(|i| row[POSE + i]);
+            angle.map_or(w, |a| {
+                let (sin, cos) = a.to_radians().sin_cos();
+                (u + z * thv) * cos + (v - z * thu) * sin
+            })
+        };
+        let (size, lag) = one_x(settled.iter().map(|row| (row[0], reading(row))));
+        let (twin, twin_lag) = (number(probe, "/twin/one_x_um"), number(probe, "/twin/one_x_phase_lag_deg"));
+        println!("{}: {:.5} um, {lag:.2} deg; twin {twin:.5} um, {twin_lag:.2} deg", probe["name"], size * 1e6);
+        assert!((size * 1e6 / twin - 1.0).abs() < 0.02, "{probe:#}");
+        // The keyphasor of the recording tells the angle to half a sample, 0.7 degrees.
+        assert!(((lag - twin_lag + 180.0).rem_euclid(360.0) - 180.0).abs() < 2.0, "{probe:#}");
+    }
+}
+
+#[test]
+fn summary_in_three_formats() {
+    let desk = Desk::rig();
+    let args = ["simulate", "scene.toml", "--duration", "0.1", "--rate", "5000", "-o", "motion.csv", "--format"];
+    let of = |format: &str| desk.done(&[&args[..], &[format]].concat());
+    let summary: Value = of("json").json();
+    assert_eq!((number(&summary, "/samples"), number(&summary, "/rate_hz")), (500.0, 5000.0));
+    assert_eq!((number(&summary, "/held_samples"), &summary["output"]), (0.0, &Value::from("motion.csv")));
+    let (head, rows) = numbers(&of("csv").out);
+    assert_eq!((head[0].as_str(), rows.len(), rows[0][0]), ("samples", 1, 500.0));
+    let text = of("text").out;
+    assert!(text.contains("500 samples") && text.contains("Written: motion.csv"), "{text}");
+}
