@@ -151,10 +151,10 @@ fn natural_frequencies_of_a_preloaded_pair() {
     let softer = whole(&plus, &minus);
     let (back, front) = if stiffer[(3, 3)] > softer[(3, 3)] { (stiffer, softer) } else { (softer, stiffer) };
     let hz = |k: f64, m: f64| (k / m).sqrt() / TAU;
-    assert!(relative(hz(back[(2, 2)], 2.0), 1_428.3188) < 1e-6);
-    assert!(relative(hz(back[(0, 0)], 2.0), 1_960.8358) < 1e-6);
-    assert!(relative(hz(back[(3, 3)], 4e-3), 2_618.6353) < 1e-6, "{}", hz(back[(3, 3)], 4e-3));
-    assert!(relative(hz(front[(3, 3)], 4e-3), 1_771.4210) < 1e-6);
+    assert!(relative(hz(back[(2, 2)], 2.0), 1428.3188) < 1e-6);
+    assert!(relative(hz(back[(0, 0)], 2.0), 1960.8358) < 1e-6);
+    assert!(relative(hz(back[(3, 3)], 4e-3), 2618.6353) < 1e-6, "{}", hz(back[(3, 3)], 4e-3));
+    assert!(relative(hz(front[(3, 3)], 4e-3), 1771.4210) < 1e-6);
     // I_d s^2 -+ I_p w s - k = 0 at 12 000 rpm.
     let split = |k: f64, rpm: f64| {
         let g = 2e-3 * rpm * TAU / 60.0 / (2.0 * 4e-3);
@@ -162,7 +162,7 @@ fn natural_frequencies_of_a_preloaded_pair() {
         ((root - g) / TAU, (root + g) / TAU)
     };
     let (low, high) = split(back[(3, 3)], 12_000.0);
-    assert!(relative(low, 2_569.1126) < 1e-6 && relative(high, 2_669.1126) < 1e-6);
+    assert!(relative(low, 2569.1126) < 1e-6 && relative(high, 2669.1126) < 1e-6);
 }
 
 /// The integrated rotor itself precesses at those frequencies: forward faster, backward slower.
