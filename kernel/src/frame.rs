@@ -67,6 +67,11 @@ impl<T: Scalar> Displacement<T> {
         all_finite(self.to_array())
     }
 
+    /// `a` if `first`, else `b`, entry by entry, the same instructions either way.
+    pub fn choose(first: bool, a: Self, b: Self) -> Self {
+        Self::from_array(choose(first, a.to_array(), b.to_array()))
+    }
+
     /// Of the point at `station` along Z of a rigid body whose point at 0 has this displacement.
     pub fn at_station(self, station: T) -> Self {
         Self { u: self.u + station * self.thv, v: self.v - station * self.thu, ..self }
@@ -98,6 +103,11 @@ impl<T: Scalar> Wrench<T> {
     /// No entry is NaN or infinite.
     pub fn is_finite(self) -> bool {
         all_finite(self.to_array())
+    }
+
+    /// `a` if `first`, else `b`, entry by entry, the same instructions either way.
+    pub fn choose(first: bool, a: Self, b: Self) -> Self {
+        Self::from_array(choose(first, a.to_array(), b.to_array()))
     }
 
     /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
@@ -136,6 +146,14 @@ pub fn stiffness_from_station<T: Scalar>(k: &Stiffness<T>, station: T) -> Stiffn
     moved
 }
 
+fn choose<T: Scalar>(first: bool, mut a: [T; 5], b: [T; 5]) -> [T; 5] {
+    for (x, y) in a.iter_mut().zip(b) {
+        *x = T::choose(first, *x, y);
+    }
+    a
+}
+
 fn all_finite<T: Scalar>(entries: [T; 5]) -> bool {
-    entries.into_iter().all(Scalar::is_finite)
+    // Every entry is looked at, whatever the ones before it: the count of instructions may not depend on them.
+    entries.into_iter().fold(true, |ok, x| ok & x.is_finite())
 }

@@ -43,6 +43,10 @@ pub trait Scalar:
     fn negated_by(self, sign: Self) -> Self;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
+    /// +0 or -0, seen in the bits: a comparison of floats invites a branch.
+    fn is_zero(self) -> bool;
+    /// `a` if `first`, else `b`, by masks: the same instructions either way.
+    fn choose(first: bool, a: Self, b: Self) -> Self;
     /// Radians of an arc given in counts of 2^-64 turn; `f32` looks at the upper 32 bits only.
     fn radians_of_counts(counts: i64) -> Self;
     /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.
@@ -84,6 +88,15 @@ impl Scalar for f32 {
         self.to_bits() & 0x7f80_0000 != 0x7f80_0000
     }
     #[inline]
+    fn is_zero(self) -> bool {
+        self.to_bits() << 1 == 0
+    }
+    #[inline]
+    fn choose(first: bool, a: Self, b: Self) -> Self {
+        let mask = u32::from(first).wrapping_neg();
+        Self::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
+    }
+    #[inline]
     fn radians_of_counts(counts: i64) -> Self {
         const SCALE: f32 = (core::f64::consts::TAU / COUNTS_32) as f32;
         ((counts >> 32) as i32) as Self * SCALE
@@ -119,6 +132,15 @@ impl Scalar for f64 {
     #[inline]
     fn is_finite(self) -> bool {
         self.to_bits() & 0x7ff0_0000_0000_0000 != 0x7ff0_0000_0000_0000
+    }
+    #[inline]
+    fn is_zero(self) -> bool {
+        self.to_bits() << 1 == 0
+    }
+    #[inline]
+    fn choose(first: bool, a: Self, b: Self) -> Self {
+        let mask = u64::from(first).wrapping_neg();
+        Self::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
     }
     #[inline]
     fn radians_of_counts(counts: i64) -> Self {

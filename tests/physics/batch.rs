@@ -59,9 +59,9 @@ fn any_number_of_elements() {
         let single = largest_of_laws::<f32, Exact>(&even(count));
         let fast = largest_of_laws::<f32, Fast>(&even(count));
         println!("{count} elements: f64 {double:.1e}, f32 {single:.1e}, fast {fast:.1e}");
-        assert!(double < 4e-15, "{count}: {double:e}");
-        assert!(single < 2e-6, "{count}: {single:e}");
-        assert!(fast < 2e-6, "{count}: {fast:e}");
+        assert!(double < 6e-15, "{count}: {double:e}");
+        assert!(single < 3e-6, "{count}: {single:e}");
+        assert!(fast < 3e-6, "{count}: {fast:e}");
     }
 }
 
@@ -80,7 +80,7 @@ fn any_places() {
         Vec::new(),
     ] {
         let double = largest_of_laws::<f64, Exact>(&places);
-        assert!(double < 4e-15, "{places:?}: {double:e}");
+        assert!(double < 6e-15, "{places:?}: {double:e}");
     }
 }
 

@@ -28,15 +28,13 @@ impl<T: Scalar> HeldWrench<T> {
     pub(super) fn take(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
         let fresh = evaluate();
         let result_ok = fresh.wrench.is_finite();
+        // No branch here: a bad sample costs what a good one costs.
         let status = Status::INPUT_NOT_FINITE
             .when(!input_ok)
-            .and(Status::RESULT_NOT_FINITE.when(input_ok && !result_ok))
-            .and(Status::CONTACT_LOST.when(input_ok && fresh.load == T::ZERO));
-        if status.is_held() {
-            self.held = self.held.saturating_add(1);
-        } else {
-            self.last = fresh.wrench;
-        }
+            .and(Status::RESULT_NOT_FINITE.when(input_ok & !result_ok))
+            .and(Status::CONTACT_LOST.when(input_ok & fresh.load.is_zero()));
+        self.held = self.held.saturating_add(u32::from(status.is_held()));
+        self.last = Wrench::choose(!status.is_held(), fresh.wrench, self.last);
         (self.last, status)
     }
 }

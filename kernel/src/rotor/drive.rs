@@ -32,6 +32,6 @@ impl<T: Scalar> Drive<T> {
     }
 
     pub(super) fn is_finite(&self) -> bool {
-        self.speed.is_finite() && self.acceleration.is_finite()
+        self.speed.is_finite() & self.acceleration.is_finite()
     }
 }

@@ -69,7 +69,7 @@ impl<T: Scalar, const N: usize> RotorState<T, N> {
     }
 
     fn is_finite(&self) -> bool {
-        self.q.is_finite() && self.rate.is_finite() && self.acceleration.is_finite()
+        self.q.is_finite() & self.rate.is_finite() & self.acceleration.is_finite()
     }
 }
 
@@ -122,13 +122,18 @@ impl<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize> Machine<T, M, B, N> {
         let result_ok = next.is_finite();
         let status = Status::INPUT_NOT_FINITE
             .when(!drive_ok)
-            .and(Status::RESULT_NOT_FINITE.when(drive_ok && !result_ok))
-            .and(Status::CONTACT_LOST.when(drive_ok && load == T::ZERO));
-        if status.is_held() {
-            state.held = state.held.saturating_add(1);
-        } else {
-            *state = next;
+            .and(Status::RESULT_NOT_FINITE.when(drive_ok & !result_ok))
+            .and(Status::CONTACT_LOST.when(drive_ok & load.is_zero()));
+        // No branch here: a held step costs what a good one costs.
+        let good = !status.is_held();
+        state.q = Displacement::choose(good, next.q, state.q);
+        state.rate = Displacement::choose(good, next.rate, state.rate);
+        state.acceleration = Displacement::choose(good, next.acceleration, state.acceleration);
+        state.shaft = Turn::choose(good, next.shaft, state.shaft);
+        for (cage, after) in state.cages.iter_mut().zip(next.cages) {
+            *cage = Turn::choose(good, after, *cage);
         }
+        state.held = state.held.saturating_add(u32::from(!good));
         status
     }
 }

@@ -1,0 +1,109 @@
+//! The worked example: an interrupt brings displacements, the main loop turns them into forces.
+//!
+//! On a real board the interrupt reads the probes' converter; here the system timer stands in and makes an orbit of
+//! 8 um with one bad sample in it, so that the image runs in an emulator.
+#![no_std]
+#![no_main]
+
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+use ballrace::bearing::{Bearing, HeldWrench, Places, even_places};
+use ballrace::turn::{Arc, Ratio};
+use ballrace::{Displacement, Exact, Math, Turn};
+use ballrace_target::done;
+use core::cell::RefCell;
+use cortex_m::interrupt::{Mutex, free};
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::{Peripherals, singleton};
+use cortex_m_rt::{entry, exception};
+use cortex_m_semihosting::hprintln;
+use heapless::spsc::{Producer, Queue};
+
+/// What the interrupt hands over: a displacement and the shaft angle at which it was taken.
+#[derive(Clone, Copy)]
+struct Sample {
+    displacement: Displacement<f32>,
+    shaft: Turn,
+}
+
+/// The sampler's own state: where the shaft is and where samples go.
+struct Sampler {
+    queue: Producer<'static, Sample>,
+    shaft: Turn,
+    count: u32,
+}
+
+static SAMPLER: Mutex<RefCell<Option<Sampler>>> = Mutex::new(RefCell::new(None));
+
+/// A sixteenth of a turn from sample to sample.
+const STEP: Arc = Arc(1 << 60);
+const SAMPLES: u32 = 32;
+const BAD_SAMPLE: u32 = 10;
+
+#[exception]
+fn SysTick() {
+    free(|token| {
+        if let Some(sampler) = SAMPLER.borrow(token).borrow_mut().as_mut() {
+            sampler.sample();
+        }
+    });
+}
+
+impl Sampler {
+    fn sample(&mut self) {
+        let (sin, cos): (f32, f32) = Exact::sin_cos(self.shaft);
+        let u = if self.count == BAD_SAMPLE { f32::NAN } else { 8e-6 * cos };
+        let displacement = Displacement { u, v: 8e-6 * sin, w: 20e-6, thu: 0.0, thv: 0.0 };
+        // A full queue means that the main loop is late: the sample is lost here and nowhere else.
+        let _ = self.queue.enqueue(Sample { displacement, shaft: self.shaft });
+        self.shaft = self.shaft.advanced(STEP);
+        self.count += 1;
+    }
+}
+
+/// Set-up may fail; it runs once.
+fn bearing() -> Option<Angular<f32, Exact, Places<f32, 9>>> {
+    let geometry = BallBearingGeometry {
+        ball_diameter: 7.94e-3,
+        pitch_diameter: 39.04e-3,
+        inner_conformity: 0.52,
+        outer_conformity: 0.52,
+        contact_angle: 0.0,
+        ball: BEARING_STEEL,
+        race: BEARING_STEEL,
+    };
+    let geometry = geometry.with_clearance(10e-6).ok()?;
+    Angular::try_new(geometry, even_places(Turn::ZERO), Zero::Centred).ok()
+}
+
+#[entry]
+fn main() -> ! {
+    let (Some(bearing), Some(peripherals)) = (bearing(), Peripherals::take()) else { done() };
+    let Some(queue) = singleton!(: Queue<Sample, 8> = Queue::new()) else { done() };
+    let (producer, mut samples) = queue.split();
+    free(|token| {
+        let sampler = Sampler { queue: producer, shaft: Turn::ZERO, count: 0 };
+        *SAMPLER.borrow(token).borrow_mut() = Some(sampler);
+    });
+    let mut timer = peripherals.SYST;
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload(50_000);
+    timer.clear_current();
+    timer.enable_counter();
+    timer.enable_interrupt();
+
+    let mut held = HeldWrench::new();
+    let ratio = Ratio::new(0.4);
+    let (mut cage, mut shaft, mut seen) = (Turn::ZERO, Turn::ZERO, 0);
+    while seen < SAMPLES {
+        let Some(sample) = samples.dequeue() else { continue };
+        cage = cage.advanced(ratio.of(sample.shaft.since(shaft)));
+        shaft = sample.shaft;
+        // Every sample: fixed cost, no failure.
+        let (wrench, status) = bearing.sample(&mut held, &sample.displacement, cage);
+        hprintln!("{},{:.3},{:.3},{:.3},{}", seen, wrench.fx, wrench.fy, wrench.fz, status.bits());
+        seen += 1;
+    }
+    hprintln!("held,{}", held.held());
+    done()
+}

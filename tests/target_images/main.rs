@@ -1,0 +1,45 @@
+//! The kernel on an emulated Cortex-M4F: builds the images of tests/target, runs them, reads what they print.
+//!
+//! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the README's table of counts.
+
+mod counts;
+mod firmware;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Builds every image once and gives the folder they are in.
+fn images() -> &'static Path {
+    static IMAGES: OnceLock<PathBuf> = OnceLock::new();
+    IMAGES.get_or_init(|| {
+        let crate_folder = root().join("tests/target");
+        let target = root().join("target/images");
+        let built = Command::new(env!("CARGO"))
+            .args(["build", "--release", "--locked", "--target-dir"])
+            .arg(&target)
+            .current_dir(&crate_folder)
+            .env_remove("RUSTFLAGS")
+            .status()
+            .expect("cargo runs");
+        assert!(built.success(), "the images build; missing target? type: rustup target add thumbv7em-none-eabihf");
+        target.join("thumbv7em-none-eabihf/release")
+    })
+}
+
+/// What an image prints, under instruction counting.
+fn run(image: &str) -> String {
+    let output = Command::new("qemu-system-arm")
+        .args(["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=8,align=off,sleep=off"])
+        .arg("-kernel")
+        .arg(images().join(image))
+        .output()
+        .expect("missing: the emulator; type: apt-get install -y --no-install-recommends qemu-system-arm");
+    assert!(output.status.success(), "{image}: {}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8(output.stdout).expect("text")
+}
