@@ -216,3 +216,20 @@ fn same_recording_in_other_forms() {
         }
     }
 }
+
+#[test]
+fn a_learned_baseline_is_judged_against() {
+    let desk = Desk::empty();
+    let scene = recorded("healthy.toml");
+    let run = |recording: &str, option: &str, file: &str| {
+        let recording = recorded(recording);
+        desk.replay(&scene, &["--recording", &recording, option, file])
+    };
+    run("outer-spall.csv", "--learn", "spalled.json");
+    assert!(desk.read("spalled.json").contains("\"ballrace_baseline\": 1"));
+    let again = run("outer-spall.csv", "--baseline", "spalled.json");
+    assert_eq!(findings(&again), [], "nothing new since the baseline");
+    let other = run("unbalanced.csv", "--baseline", "spalled.json");
+    assert_eq!(findings(&other), [("unbalance", None)]);
+    assert!(other["findings"][0]["sentence"].as_str().unwrap().contains("above the baseline"));
+}

@@ -2,7 +2,7 @@
 
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::lumped::FlexibleRing;
-use ballrace::bearing::lumped::{HousingPoint, Radial, radial_batch};
+use ballrace::bearing::lumped::{HousingPoint, Radial};
 use ballrace::bearing::surface::{Spall, SpallShape, Surface};
 use ballrace::bearing::{Bearing, Mirrored, Places, even_places};
 use ballrace::contact::hertz::Race;
@@ -163,21 +163,6 @@ proptest! {
         let flexible = bearing.reaction_flexible(&u, cage, &mut housing).wrench.to_array();
         let rigid = wrench_of(&bearing, Displacement { u: u.u - x, v: u.v - y, ..u }, cage);
         prop_assert!(relative_to_largest(&flexible, &rigid) < 1e-9 || rigid.iter().all(|f| f.abs() < 1e-6));
-    }
-
-    /// The batch is the single evaluation, sample by sample.
-    #[test]
-    fn a_batch_is_its_samples(u in displacement(), play in -5e-6..8e-6_f64, angle in 0.0..1.0_f64) {
-        let bearing = Radial::<f64, Exact, _, Places<f64, 8>>::try_new(even_places(Turn::ZERO), Point { stiffness: 8e9 }, play).unwrap();
-        let cage = Turn::from_revolutions(angle);
-        let (us, vs) = ([u.u, -u.u, 0.0], [u.v, u.v, -u.v]);
-        let (mut fx, mut fy) = ([0.0; 3], [0.0; 3]);
-        radial_batch(&bearing, cage, (&us, &vs), (&mut fx, &mut fy));
-        for i in 0..3 {
-            let single = bearing.reaction(&Displacement { u: us[i], v: vs[i], ..Displacement::default() }, cage).wrench;
-            let scale = single.fx.hypot(single.fy).max(1e-9);
-            prop_assert!((fx[i] - single.fx).abs() < 1e-11 * scale && (fy[i] - single.fy).abs() < 1e-11 * scale);
-        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! The analytic 5 x 5 tangent of each rung against central differences of its force.
 
 use ballrace::bearing::linear::Linear;
-use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{Bearing, Mirrored, Places, even_places};
+use ballrace::bearing::lumped::{Axial, Combined, FlexibleRing, HousingPoint, Radial};
+use ballrace::bearing::{Bearing, Mirrored, Places, Reaction, even_places};
 use ballrace::contact::law::{Line, Point, Power};
 use ballrace::{Displacement, Exact, Stiffness, Turn};
 use ballrace_tests::bearings::{angular_contact, deep_groove, spalled};
@@ -81,6 +81,31 @@ fn lumped() {
     let radial = Radial::<f64, Exact, _, _>::try_new(places, line, 2e-6).unwrap();
     check("combined", &Combined(radial, axial));
     check("combined, mirrored", &Mirrored(Combined(radial, axial)));
+}
+
+/// A bearing whose housing points stand displaced, each its own way.
+struct Displaced<B>(B, [HousingPoint<f64>; 9]);
+
+impl<B: FlexibleRing<f64> + Send + Sync> Bearing<f64> for Displaced<B> {
+    fn reaction(&self, u: &Displacement<f64>, cage: Turn) -> Reaction<f64> {
+        self.0.reaction_flexible(u, cage, &mut self.1.clone())
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<f64>, cage: Turn) -> (Reaction<f64>, Stiffness<f64>) {
+        self.0.reaction_and_stiffness_flexible(u, cage, &mut self.1.clone())
+    }
+    fn element_loads(&self, _u: &Displacement<f64>, _cage: Turn, _loads: &mut [f64]) {}
+}
+
+#[test]
+fn flexible_outer_ring() {
+    let places: Places<f64, 9> = even_places(Turn::from_revolutions(0.03));
+    let radial = Radial::<f64, Exact, _, _>::try_new(places, Line { stiffness: 3e8 }, 2e-6).unwrap();
+    let axial = Axial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 1e-6, 0.02).unwrap();
+    let points = std::array::from_fn(|j| {
+        let j = j as f64;
+        HousingPoint { displacement: [(3.0 * j).sin() * 3e-6, (5.0 * j).cos() * 3e-6, j * 1e-6], reaction: [0.0; 3] }
+    });
+    check("flexible", &Displaced(Combined(radial, axial), points));
 }
 
 #[test]

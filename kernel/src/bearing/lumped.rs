@@ -134,11 +134,16 @@ trait Elements<T: Scalar, M: Math<T>> {
         }
     }
 
-    /// As [`Elements::sum`] with a flexible outer ring.
-    fn sum_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
-        let (sin, cos) = M::sin_cos(cage);
+    /// Each element's place and deflection over the displacement of its housing point, and that point.
+    fn each_flexible(
+        &self,
+        u: &Displacement<T>,
+        (sin, cos): (T, T),
+        cage: Turn,
+        housing: &mut [HousingPoint<T>],
+        mut visit: impl FnMut(&Place<T>, T, &mut dyn FnMut(&Contact<T>)),
+    ) {
         let local = into_cage(u, (sin, cos));
-        let mut sum = WrenchSum::default();
         let mut points = housing.iter_mut();
         for place in self.ring().places() {
             let mut rigid = HousingPoint::default();
@@ -147,12 +152,42 @@ trait Elements<T: Scalar, M: Math<T>> {
             let e = (cos * place.cos - sin * place.sin, cos * place.sin + sin * place.cos);
             let [hx, hy, hz] = point.displacement;
             let delta = self.delta(place, &local, cage, (hx * e.0 + hy * e.1, hz));
+            visit(place, delta, &mut |contact| {
+                let [rx, ry, rz] = point.reaction;
+                point.reaction = [rx - contact.radial * e.0, ry - contact.radial * e.1, rz - contact.axial];
+            });
+        }
+    }
+
+    /// As [`Elements::sum`] with a flexible outer ring.
+    fn sum_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
+        let turn = M::sin_cos(cage);
+        let mut sum = WrenchSum::default();
+        self.each_flexible(u, turn, cage, housing, |place, delta, react| {
             let contact = Self::contact(self.law().load(delta));
             sum.add(place, &contact);
-            let [rx, ry, rz] = point.reaction;
-            point.reaction = [rx - contact.radial * e.0, ry - contact.radial * e.1, rz - contact.axial];
-        }
-        Reaction { wrench: sum.finish(self.ring().arm, (sin, cos)), load: sum.load }
+            react(&contact);
+        });
+        Reaction { wrench: sum.finish(self.ring().arm, turn), load: sum.load }
+    }
+
+    /// As [`Elements::sum_and_stiffness`] with a flexible outer ring, the housing standing still.
+    fn sum_and_stiffness_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &mut [HousingPoint<T>],
+    ) -> (Reaction<T>, Stiffness<T>) {
+        let turn = M::sin_cos(cage);
+        let (mut sum, mut k) = (WrenchSum::default(), StiffnessSum::new());
+        self.each_flexible(u, turn, cage, housing, |place, delta, react| {
+            let (load, slope) = self.law().load_and_slope(delta);
+            let contact = Self::contact(load);
+            sum.add(place, &contact);
+            k.add(place, self.ring().arm, &Self::contact_stiffness(slope));
+            react(&contact);
+        });
+        (Reaction { wrench: sum.finish(self.ring().arm, turn), load: sum.load }, k.finish(turn))
     }
 }
 
@@ -218,6 +253,14 @@ pub trait FlexibleRing<T: Scalar> {
     /// Force on the inner ring when the housing point of element `j` is displaced as `housing[j]` says, and the
     /// reaction on that point (action = reaction). Elements past the end of `housing` stand on a rigid ring.
     fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T>;
+
+    /// The same with the tangent `-d(wrench)/du` while the housing stands still.
+    fn reaction_and_stiffness_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &mut [HousingPoint<T>],
+    ) -> (Reaction<T>, Stiffness<T>);
 }
 
 macro_rules! bearing_of_elements {
@@ -242,6 +285,14 @@ macro_rules! bearing_of_elements {
                 housing: &mut [HousingPoint<T>],
             ) -> Reaction<T> {
                 self.sum_flexible(u, cage, housing)
+            }
+            fn reaction_and_stiffness_flexible(
+                &self,
+                u: &Displacement<T>,
+                cage: Turn,
+                housing: &mut [HousingPoint<T>],
+            ) -> (Reaction<T>, Stiffness<T>) {
+                self.sum_and_stiffness_flexible(u, cage, housing)
             }
         }
     };
@@ -278,6 +329,16 @@ impl<T: Scalar, A: Bearing<T>, B: Bearing<T>> Bearing<T> for Combined<A, B> {
 impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Combined<A, B> {
     fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
         both(self.0.reaction_flexible(u, cage, housing), self.1.reaction_flexible(u, cage, housing))
+    }
+    fn reaction_and_stiffness_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &mut [HousingPoint<T>],
+    ) -> (Reaction<T>, Stiffness<T>) {
+        let (a, ka) = self.0.reaction_and_stiffness_flexible(u, cage, housing);
+        let (b, kb) = self.1.reaction_and_stiffness_flexible(u, cage, housing);
+        (both(a, b), ka + kb)
     }
 }
 

@@ -32,6 +32,12 @@ pub struct Args {
     /// Write the force of every bearing at every sample.
     #[arg(long, value_name = "FILE.csv")]
     forces: Option<PathBuf>,
+    /// Remember this recording as that of a machine in good order.
+    #[arg(long, value_name = "BASELINE.json")]
+    learn: Option<PathBuf>,
+    /// Judge against a recording remembered by --learn.
+    #[arg(long, value_name = "BASELINE.json")]
+    baseline: Option<PathBuf>,
     /// Keep to the recording's own time, sample by sample.
     #[arg(long)]
     paced: bool,
@@ -56,12 +62,20 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         }
         bar.set_position(read);
     };
-    let options = Options { paced: args.paced, forces: args.forces.as_deref(), progress: Some(&progress) };
+    let options = Options {
+        paced: args.paced,
+        forces: args.forces.as_deref(),
+        baseline: args.baseline.as_deref(),
+        progress: Some(&progress),
+    };
     let outcome = replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
     let outcome =
         outcome.map_err(|e| if e.is::<RotationError>() { e.context(path.display().to_string()) } else { e })?;
     AtomicFile::write(&args.report, &report::html(&outcome)?)?;
+    if let Some(path) = &args.learn {
+        AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
+    }
     print(&outcome, &args.report, format)
 }
 
@@ -69,7 +83,9 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
 fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
     let mut outputs = vec![("--report", args.report.as_path())];
     outputs.extend(args.forces.as_deref().map(|path| ("--forces", path)));
-    let inputs: Vec<&Path> = args.scene.as_deref().into_iter().chain([recording]).collect();
+    outputs.extend(args.learn.as_deref().map(|path| ("--learn", path)));
+    let given = args.scene.as_deref().into_iter().chain(args.baseline.as_deref());
+    let inputs: Vec<&Path> = given.chain([recording]).collect();
     keep_apart(&outputs, &inputs)?;
     outputs.iter().try_for_each(|(_, path)| AtomicFile::create(path).map(|_| ()))
 }

@@ -1,5 +1,6 @@
 //! What the residual says: lines that the twin cannot explain, and the verdict in one sentence.
 
+use super::baseline::Baseline;
 use super::comparison::{Comparison, INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
 use super::locate::Locator;
 use super::outcome::{Finding, FindingKind, ProbeOutcome, Standing};
@@ -33,6 +34,8 @@ pub struct Evidence<'a> {
     pub comparison: &'a Comparison,
     /// Which of two bearings a line comes from.
     pub locator: Option<&'a Locator>,
+    /// What the machine left when it was in good order, when that is known.
+    pub baseline: Option<&'a Baseline>,
     /// Mean shaft speed, Hz.
     pub speed_hz: f64,
     /// Samples per second.
@@ -53,10 +56,11 @@ pub fn findings(evidence: &Evidence) -> Vec<Finding> {
     judged.into_iter().filter(|(share, _)| *share >= LEAST_OF_STRONGEST * strongest).map(|(_, f)| f).collect()
 }
 
-/// The residual is what the probes' own noise explains.
+/// The residual is what the probes' own noise explains, or what it was when the machine was in good order.
 fn quiet(evidence: &Evidence) -> bool {
     let within = |(i, p): (usize, &Probe)| {
-        p.noise.is_some_and(|noise| evidence.comparison.residual_rms_about_mean(i) <= 1.5 * noise)
+        let usual = evidence.baseline.map_or(0.0, |b| b.residual(i)).max(p.noise.unwrap_or(0.0));
+        evidence.comparison.residual_rms_about_mean(i) <= 1.5 * usual
     };
     evidence.probes.iter().enumerate().all(within)
 }
@@ -110,7 +114,8 @@ fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Findi
         .max_by(|a, b| amplitude(a.1.0, a.0).total_cmp(&amplitude(b.1.0, b.0)))?;
     let (probe, (line, order)) = strongest;
     let size = amplitude(line, probe);
-    let level_db = 20.0 * (size / background(evidence, probe, order).max(1e-15)).log10();
+    let usual = evidence.baseline.map_or(0.0, |b| b.line(line, probe));
+    let level_db = 20.0 * (size / background(evidence, probe, order).max(usual).max(1e-15)).log10();
     if share < LEAST_SHARE || level_db < LEAST_LEVEL_DB {
         return None;
     }
@@ -119,12 +124,13 @@ fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Findi
     let bearing = (names.len() == 1).then(|| names.concat());
     let where_seen = &evidence.probes[probe].column;
     let sentence = format!(
-        "{}: the residual stands at {:.1} Hz ({:.2} per turn{}), {:.2} um on {where_seen}, {level_db:.0} dB above what is around it, {:.0} % of the residual's energy.",
+        "{}: the residual stands at {:.1} Hz ({:.2} per turn{}), {:.2} um on {where_seen}, {level_db:.0} dB above {}, {:.0} % of the residual's energy.",
         what(family.kind, &names.join(" or ")),
         line_hz,
         family.order,
         if family.lines.len() > 1 { " and multiples" } else { "" },
         size * UM,
+        if evidence.baseline.is_some() { "the baseline" } else { "what is around it" },
         100.0 * share.min(1.0),
     );
     let confidence = share.min(1.0) * (1.0 - 10_f64.powf(-level_db / 20.0));

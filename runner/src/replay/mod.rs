@@ -1,6 +1,7 @@
 //! The main job: a recording through the kernel and the twin, sample by sample, and what comes of it.
 
 pub mod align;
+pub mod baseline;
 pub mod comparison;
 pub mod findings;
 pub mod forces;
@@ -24,6 +25,7 @@ use anyhow::{Context, Result, bail};
 use ballrace::rotor::Drive;
 use ballrace::turn::Ratio;
 use ballrace::{Displacement, Turn};
+use baseline::Baseline;
 use comparison::{Angles, Comparison, Seen};
 use forces::{BearingSums, Evaluated, noise_band};
 use locate::Locator;
@@ -45,6 +47,8 @@ pub struct Options<'a> {
     pub paced: bool,
     /// Where every sample's forces go.
     pub forces: Option<&'a Path>,
+    /// A baseline to judge against.
+    pub baseline: Option<&'a Path>,
     /// Called now and then with the bytes read and, when known, their total.
     pub progress: Option<&'a dyn Fn(u64, Option<u64>)>,
 }
@@ -116,6 +120,7 @@ struct Run<'a> {
     locator: Option<Locator>,
     ledger: Ledger,
     forces: Option<ForcesFile>,
+    baseline: Option<Baseline>,
     speed: Running,
     first_time: f64,
     last_time: f64,
@@ -208,6 +213,7 @@ impl<'a> Run<'a> {
         let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
+        let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
         let forces = options.forces.map(|path| ForcesFile::create(path, &plant.seats)).transpose()?;
         Ok(Self {
             probes,
@@ -226,6 +232,7 @@ impl<'a> Run<'a> {
             lag: 0.0,
             ledger: Ledger::try_new(1.0 / rate, options.paced)?,
             forces,
+            baseline,
             speed: Running::default(),
             first_time: 0.0,
             last_time: 0.0,
@@ -395,10 +402,12 @@ impl<'a> Run<'a> {
             seats: &self.plant.seats,
             comparison: &self.comparison,
             locator: self.locator.as_ref(),
+            baseline: self.baseline.as_ref(),
             speed_hz,
             rate: self.rate,
         };
         let findings = findings::findings(&evidence);
+        let learned = Baseline::learn(&scene.name, recording, &self.comparison, self.probes, &self.plant.seats);
         self.explain();
         let pictures = self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
         Ok(Outcome {
@@ -422,6 +431,7 @@ impl<'a> Run<'a> {
             findings,
             flaws,
             notes: self.notes,
+            learned,
             pictures,
         })
     }

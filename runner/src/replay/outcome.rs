@@ -2,6 +2,7 @@
 //!
 //! This is the contract with the reports; `--format json` prints [`Outcome`] as it stands.
 
+use super::baseline;
 use crate::recording::flaws::FlawSummary;
 use serde::Serialize;
 
@@ -32,6 +33,9 @@ pub struct Outcome {
     pub flaws: Vec<FlawSummary>,
     /// What the user should know besides: things assumed, things that could not be done.
     pub notes: Vec<String>,
+    /// This recording as a baseline for later ones, not part of the JSON.
+    #[serde(skip)]
+    pub learned: baseline::Baseline,
     /// Data of the pictures, not part of the JSON.
     #[serde(skip)]
     pub pictures: Pictures,

@@ -321,6 +321,7 @@ pub(crate) fn usual() -> Outcome {
             "The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(),
             "Runout was not removed: part of 1X may be runout.".to_owned(),
         ],
+        learned: crate::replay::baseline::Baseline::default(),
         pictures: pictures(),
     }
 }
@@ -340,6 +341,7 @@ pub(crate) fn bare() -> Outcome {
         findings: Vec::new(),
         flaws: Vec::new(),
         notes: Vec::new(),
+        learned: crate::replay::baseline::Baseline::default(),
         pictures: Pictures::default(),
     }
 }

@@ -306,23 +306,8 @@ impl<T: Scalar, B: FlexibleRing<T> + Bearing<T>> Bearing<T> for OnHousing<T, B> 
         self.bearing.reaction_flexible(u, cage, &mut self.points.clone())
     }
 
-    /// By differences of the reaction, central, 1 nm and 10 nrad: a displaced housing is a scene of `force`, where
-    /// nobody waits for the tangent.
     fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-        let mut k = Stiffness::from_element(T::ZERO);
-        for (j, mut column) in k.column_iter_mut().enumerate() {
-            let step = T::from_f64(if j < 3 { 1e-9 } else { 1e-8 });
-            let at = |sign: T| {
-                let mut moved = u.to_array();
-                moved[j] += sign * step;
-                self.reaction(&Displacement::from_array(moved), cage).wrench.to_array()
-            };
-            let (ahead, behind) = (at(T::ONE), at(-T::ONE));
-            for (entry, (a, b)) in column.iter_mut().zip(ahead.into_iter().zip(behind)) {
-                *entry = (b - a) / (step + step);
-            }
-        }
-        (self.reaction(u, cage), k)
+        self.bearing.reaction_and_stiffness_flexible(u, cage, &mut self.points.clone())
     }
 
     fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {

@@ -1,0 +1,100 @@
+//! What a machine in good order leaves of its residual: remembered by `--learn`, judged against by `--baseline`.
+
+use super::comparison::{Comparison, followed};
+use super::twin::Seat;
+use crate::cli::SceneFault;
+use crate::scene::Probe;
+use anyhow::{Context, Result, bail};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+const UM: f64 = 1e6;
+/// Version of the file's form.
+const FORM: u32 = 1;
+
+/// Residual of a reference recording, probe by probe.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Baseline {
+    /// Version of this form.
+    pub ballrace_baseline: u32,
+    /// The scene's name.
+    pub scene: String,
+    /// The recording it was learned from.
+    pub recording: String,
+    /// Orders of the followed lines, per turn of the shaft.
+    pub orders: Vec<f64>,
+    /// In the scene's order.
+    pub probes: Vec<BaselineProbe>,
+}
+
+/// One probe's part.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineProbe {
+    /// Its column.
+    pub name: String,
+    /// Residual about its mean.
+    pub residual_rms_um: f64,
+    /// Amplitude of each followed line in the residual, zero to peak.
+    pub lines_um: Vec<f64>,
+}
+
+impl Baseline {
+    /// From a finished comparison.
+    #[must_use]
+    pub fn learn(scene: &str, recording: &str, comparison: &Comparison, probes: &[Probe], seats: &[Seat]) -> Self {
+        let orders = orders(seats);
+        let probe = |(i, probe): (usize, &Probe)| BaselineProbe {
+            name: probe.column.clone(),
+            residual_rms_um: comparison.residual_rms_about_mean(i) * UM,
+            lines_um: (0..orders.len()).map(|line| comparison.residual_line(line, i) * UM).collect(),
+        };
+        let probes = probes.iter().enumerate().map(probe).collect();
+        Self { ballrace_baseline: FORM, scene: scene.to_owned(), recording: recording.to_owned(), orders, probes }
+    }
+
+    /// From a file, for a scene with these probes and bearings.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no baseline, or was learned with other probes or bearings.
+    pub fn read(path: &Path, probes: &[Probe], seats: &[Seat]) -> Result<Self> {
+        let name = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("{name}: this baseline cannot be read"))?;
+        let found: Self = serde_json::from_str(&text).map_err(|e| {
+            SceneFault(format!(
+                "{name}:{}: found no baseline ({e}), allowed: a file written by replay --learn",
+                e.line()
+            ))
+        })?;
+        let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));
+        let wanted = orders(seats);
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-6 * b.abs().max(1.0);
+        let same_lines = found.orders.len() == wanted.len() && found.orders.iter().zip(&wanted).all(close);
+        let whole = found.probes.iter().all(|p| p.lines_um.len() == found.orders.len());
+        if found.ballrace_baseline != FORM || !same_probes || !same_lines || !whole {
+            bail!(SceneFault(format!(
+                "{name}: found a baseline of other probes or bearings (scene {:?}), allowed: one learned with this scene",
+                found.scene
+            )));
+        }
+        Ok(found)
+    }
+
+    /// Amplitude of a line in the residual of a probe, m.
+    #[must_use]
+    pub fn line(&self, line: usize, probe: usize) -> f64 {
+        self.probes.get(probe).and_then(|p| p.lines_um.get(line)).copied().unwrap_or(0.0) / UM
+    }
+
+    /// Residual of a probe about its mean, rms, m.
+    #[must_use]
+    pub fn residual(&self, probe: usize) -> f64 {
+        self.probes.get(probe).map_or(0.0, |p| p.residual_rms_um) / UM
+    }
+}
+
+fn orders(seats: &[Seat]) -> Vec<f64> {
+    let ratios: Vec<f64> = seats.iter().map(|s| s.kinematics.cage_ratio).collect();
+    followed(seats).iter().map(|line| line.order(&ratios)).collect()
+}
