@@ -100,3 +100,31 @@ fn full_disk_behind_standard_output() {
     assert!(err.starts_with("ballrace: ") && err.lines().count() == 1, "{err}");
     assert_eq!(output.status.code(), Some(1));
 }
+
+/// A link is followed: its target is replaced, the link stays.
+#[cfg(unix)]
+#[test]
+fn a_link_stays_a_link() {
+    let desk = Desk::rig();
+    desk.put("real.html", "old");
+    std::os::unix::fs::symlink(desk.path("real.html"), desk.path("link.html")).unwrap();
+    desk.done(&["replay", "scene.toml", "--report", "link.html"]);
+    assert!(desk.path("link.html").is_symlink());
+    assert!(desk.read("real.html").contains("<html"));
+}
+
+/// What goes into a pipe comes out of it; the pipe is not replaced by a file.
+#[cfg(unix)]
+#[test]
+fn a_pipe_stays_a_pipe() {
+    let desk = Desk::rig();
+    let made = std::process::Command::new("mkfifo").arg(desk.path("pipe")).status();
+    if !made.is_ok_and(|status| status.success()) {
+        return println!("skipped: no mkfifo here");
+    }
+    let path = desk.path("pipe");
+    let reader = std::thread::spawn(move || std::fs::read_to_string(path).unwrap());
+    desk.done(&["replay", "scene.toml", "--forces", "pipe"]);
+    assert!(reader.join().unwrap().starts_with("time_s,DE_FX"));
+    assert!(!desk.path("pipe").is_file());
+}

@@ -10,10 +10,15 @@ use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number};
 
 /// The demonstration's rows over and over: 50 whole turns each time, so that the keyphasor goes on evenly. Gives the
 /// number of samples.
-fn write_repeated(desk: &Desk, at_least: u64) -> f64 {
+///
+/// `spare` columns that no probe uses follow the others, as in the recordings of many-channel systems.
+fn write_repeated(desk: &Desk, at_least: u64, spare: usize) -> f64 {
     let (header, rows) = DEMO_RECORDING.split_once('\n').unwrap();
+    let names: String = (0..spare).map(|i| format!(",spare_{i}")).collect();
+    let cells = ",-12.345".repeat(spare);
+    let rows: String = rows.lines().map(|row| format!("{row}{cells}\n")).collect();
     let mut file = BufWriter::new(File::create(desk.path("healthy.csv")).unwrap());
-    writeln!(file, "{header}").unwrap();
+    writeln!(file, "{header}{names}").unwrap();
     let times = at_least.div_ceil(rows.len() as u64);
     for _ in 0..times {
         file.write_all(rows.as_bytes()).unwrap();
@@ -51,7 +56,7 @@ fn assert_no_larger(long: Option<f64>, factor: f64) {
 #[test]
 fn ten_times_as_long() {
     let desk = Desk::with(DEMO_SCENE, "");
-    let samples = write_repeated(&desk, 9 * DEMO_RECORDING.len() as u64 + 1);
+    let samples = write_repeated(&desk, 9 * DEMO_RECORDING.len() as u64 + 1, 0);
     assert_eq!(samples, 128_000.0);
     let (outcome, memory) = replayed(&desk, samples);
     assert!((number(&outcome, "/record/turns") - 500.0).abs() < 0.01);
@@ -76,7 +81,7 @@ fn one_gigabyte() {
         Some(free) => return println!("skipped: {:.1} GB free for temporary files, 3 GB needed", free as f64 / 1e9),
         None => return println!("skipped: df does not tell how much is free for temporary files"),
     }
-    let samples = write_repeated(&desk, 1 << 30);
+    let samples = write_repeated(&desk, 1 << 30, 12);
     let (outcome, memory) = replayed(&desk, samples);
     println!("{samples} samples, {:.0} times real time", number(&outcome, "/timing/times_real_time"));
     assert_no_larger(memory, 1.5);

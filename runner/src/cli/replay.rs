@@ -87,7 +87,10 @@ fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
     let given = args.scene.as_deref().into_iter().chain(args.baseline.as_deref());
     let inputs: Vec<&Path> = given.chain([recording]).collect();
     keep_apart(&outputs, &inputs)?;
-    outputs.iter().try_for_each(|(_, path)| AtomicFile::create(path).map(|_| ()))
+    // Opening a pipe for a trial would end it for its reader.
+    let special = |path: &Path| path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());
+    let trial = |path: &Path| if special(path) { Ok(()) } else { AtomicFile::create(path).map(|_| ()) };
+    outputs.iter().try_for_each(|(_, path)| trial(path))
 }
 
 /// The recording to replay and its path.
