@@ -1,66 +1,34 @@
 //! `ballrace force`: golden values through scene files, and the forms of its output.
 
-use serde::Deserialize;
 use serde_json::Value;
 
 use ballrace_tests::compare::relative_to_largest;
+use ballrace_tests::lumped::{Axial, Case, cases};
 
 use crate::support::{DEMO_SCENE, Desk, scene};
 
-#[derive(Deserialize)]
-struct Axial {
-    exponent: f64,
-    stiffness: f64,
-    play: f64,
-    radius: f64,
-}
-
-#[derive(Deserialize)]
-struct Case {
-    elements: usize,
-    exponent: f64,
-    stiffness: f64,
-    radial_play: f64,
-    azimuth_of_first_element: f64,
-    axial: Option<Axial>,
-    displacement: [f64; 5],
-    housing_displacement: Option<Vec<[f64; 3]>>,
-    force: [f64; 5],
-}
-
-#[derive(Deserialize)]
-struct File {
-    cases: Vec<Case>,
-}
-
-fn cases() -> Vec<Case> {
-    serde_json::from_str::<File>(include_str!("../golden/lumped.json")).unwrap().cases
-}
-
-impl Case {
-    /// As a scene, with element 1 back by `back` rad.
-    fn scene(&self, back: f64) -> String {
-        let Self { elements, exponent, stiffness, radial_play, .. } = self;
-        let azimuth = self.azimuth_of_first_element - back;
-        let mut text = format!(
-            "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\n\
-             cage_ratio = 0.4\nelements = {elements}\nexponent = {exponent:?}\nstiffness = {stiffness:?}\n\
-             radial_play = {radial_play:?}\nfirst_element_azimuth = {azimuth:?}\n"
+/// A case as a scene, with element 1 back by `back` rad.
+fn case_scene(case: &Case, back: f64) -> String {
+    let Case { elements, exponent, stiffness, radial_play, .. } = case;
+    let azimuth = case.azimuth_of_first_element - back;
+    let mut text = format!(
+        "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\n\
+         cage_ratio = 0.4\nelements = {elements}\nexponent = {exponent:?}\nstiffness = {stiffness:?}\n\
+         radial_play = {radial_play:?}\nfirst_element_azimuth = {azimuth:?}\n"
+    );
+    if let Some(Axial { exponent, stiffness, play, radius }) = &case.axial {
+        text += &format!(
+            "axial = {{ exponent = {exponent:?}, stiffness = {stiffness:?}, play = {play:?}, radius = {radius:?} }}\n"
         );
-        if let Some(Axial { exponent, stiffness, play, radius }) = &self.axial {
-            text += &format!(
-                "axial = {{ exponent = {exponent:?}, stiffness = {stiffness:?}, play = {play:?}, radius = {radius:?} }}\n"
-            );
-        }
-        if let Some(housing) = &self.housing_displacement {
-            text += &format!("housing_displacement = {housing:?}\n");
-        }
-        text
     }
+    if let Some(housing) = &case.housing_displacement {
+        text += &format!("housing_displacement = {housing:?}\n");
+    }
+    text
+}
 
-    fn displacements(&self) -> String {
-        self.displacement.map(|x| format!("{x:?}")).join(",")
-    }
+fn displacements(case: &Case) -> String {
+    case.displacement.map(|x| format!("{x:?}")).join(",")
 }
 
 /// What one row of `--format csv` says: digits checked, numbers and status.
@@ -90,8 +58,8 @@ fn forces(desk: &Desk, displacements: &str, digits: usize, more: &[&str]) -> Vec
 fn largest_error(cases: &[&Case], cage: f64, digits: usize, options: &[&str]) -> f64 {
     let error = |case: &&Case| {
         let desk = Desk::empty();
-        desk.put("scene.toml", case.scene(cage));
-        let rows = format!("u,v,w,thu,thv,cage_angle\n{},{cage:?}\n", case.displacements());
+        desk.put("scene.toml", case_scene(case, cage));
+        let rows = format!("u,v,w,thu,thv,cage_angle\n{},{cage:?}\n", displacements(case));
         let found = forces(&desk, &rows, digits, options);
         assert_eq!(found.len(), 1);
         relative_to_largest(&found[0].0, &case.force)

@@ -3,39 +3,8 @@ use ballrace::bearing::{Bearing, Places, even_places};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::{Displacement, Exact, Math, Scalar, Turn};
 use ballrace_tests::compare::relative_to_largest;
+use ballrace_tests::lumped::{Case, cases};
 use ballrace_tests::with_elements;
-use serde::Deserialize;
-
-#[derive(Deserialize, Clone, Copy)]
-struct AxialCase {
-    exponent: f64,
-    stiffness: f64,
-    play: f64,
-    radius: f64,
-}
-
-#[derive(Deserialize)]
-struct Case {
-    elements: usize,
-    exponent: f64,
-    stiffness: f64,
-    radial_play: f64,
-    azimuth_of_first_element: f64,
-    axial: Option<AxialCase>,
-    displacement: [f64; 5],
-    housing_displacement: Option<Vec<[f64; 3]>>,
-    force: [f64; 5],
-    element_loads: Vec<[f64; 2]>,
-}
-
-#[derive(Deserialize)]
-struct File {
-    cases: Vec<Case>,
-}
-
-fn cases() -> Vec<Case> {
-    serde_json::from_str::<File>(include_str!("lumped.json")).unwrap().cases
-}
 
 struct Evaluated {
     force: [f64; 5],

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use ballrace::bearing::Bearing;
 use ballrace::rotor::{Drive, Integrator, Machine, Mounted, RigidRotor, RotorState, RungeKutta4, equilibrium};
 use ballrace::turn::Ratio;
-use ballrace::{Displacement, Exact, Status, Stiffness, Turn, Wrench};
+use ballrace::{Displacement, Exact, Status, Stiffness, Turn};
 use std::f64::consts::TAU;
 
 /// Most bearings on one rotor.
@@ -345,10 +345,4 @@ impl<const N: usize> Twin for RigidTwin<N> {
     fn rate(&self) -> Displacement<f64> {
         self.state.rate
     }
-}
-
-/// Wrench of a bearing as the array that the reports print.
-#[must_use]
-pub fn entries(wrench: &Wrench<f64>) -> [f64; 5] {
-    wrench.to_array()
 }
