@@ -14,7 +14,7 @@ struct Count {
 }
 
 fn measured() -> Vec<Count> {
-    super::run("count")
+    super::run("counts")
         .lines()
         .map(|line| {
             // The name may hold commas; the last two cells are the counts.

@@ -10,14 +10,14 @@ use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::{Bearing, HeldWrench, Places, even_places};
 use ballrace::turn::{Arc, Ratio};
 use ballrace::{Displacement, Exact, Math, Turn};
-use ballrace_target::done;
 use core::cell::RefCell;
 use cortex_m::interrupt::{Mutex, free};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::{entry, exception};
-use cortex_m_semihosting::hprintln;
+use cortex_m_semihosting::{debug, hprintln};
 use heapless::spsc::{Producer, Queue};
+use panic_semihosting as _;
 
 /// What the interrupt hands over: a displacement and the shaft angle at which it was taken.
 #[derive(Clone, Copy)]
@@ -106,4 +106,10 @@ fn main() -> ! {
     }
     hprintln!("held,{}", held.held());
     done()
+}
+
+/// Ends the emulator's run.
+fn done() -> ! {
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {}
 }

@@ -2,6 +2,9 @@
 #![no_std]
 #![no_main]
 
+mod counter;
+mod inputs;
+
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::linear::Linear;
@@ -13,12 +16,12 @@ use ballrace::rotor::{
 };
 use ballrace::turn::Ratio;
 use ballrace::{Displacement, Exact, Fast, Math, Stiffness, Turn};
-use ballrace_target::counter::Counter;
-use ballrace_target::{done, inputs};
 use core::fmt::Display;
 use core::hint::black_box;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::hprintln;
+use cortex_m_semihosting::{debug, hprintln};
+use counter::Counter;
+use panic_semihosting as _;
 
 /// Measures `work` over all inputs and prints its line.
 fn measure(counter: &Counter, name: impl Display, mut work: impl FnMut(&Displacement<f32>, Turn)) {
@@ -161,4 +164,10 @@ fn main() -> ! {
         steps(&counter, "Newmark, 3 Newton steps", &Newmark { step: 2e-5, newton_steps: 3 }, &machine);
     }
     done()
+}
+
+/// Ends the emulator's run.
+fn done() -> ! {
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {}
 }
