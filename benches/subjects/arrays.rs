@@ -1,8 +1,9 @@
 //! Batches over samples, and as many square roots over arrays as a bearing has elements: what the machine allows.
 
 use super::{BATCH, BATCH_PRELOADED, ROOTS, Subject, geometry, scattered};
+use ballrace::bearing::batch::radial_batch;
 use ballrace::bearing::geometry::InvalidParameter;
-use ballrace::bearing::lumped::{Radial, radial_batch};
+use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::{Places, even_places};
 use ballrace::contact::law::Point;
 use ballrace::{Exact, Math, Scalar, Turn};

@@ -28,6 +28,8 @@ pub trait Scalar:
 {
     /// 0
     const ZERO: Self;
+    /// -0, which added to any number leaves it as it is
+    const NEGATIVE_ZERO: Self;
     /// 1
     const ONE: Self;
     /// 1/2
@@ -52,10 +54,15 @@ pub trait Scalar:
     /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.
     fn counts_of_radians(self) -> i64;
 
-    /// `(x + |x|) / 2`: the positive part without a branch or a library call.
-    #[inline]
-    fn positive_part(self) -> Self {
-        (self + self.abs()) * Self::HALF
+    /// `x + |x|`: twice the positive part, without a branch or a library call.
+    #[inline(always)]
+    fn twice_positive(self) -> Self {
+        self + self.abs()
+    }
+    /// `x - |x|`: twice the negative part.
+    #[inline(always)]
+    fn twice_negative(self) -> Self {
+        self - self.abs()
     }
 }
 
@@ -64,6 +71,7 @@ const COUNTS_64: f64 = COUNTS_32 * COUNTS_32;
 
 impl Scalar for f32 {
     const ZERO: Self = 0.0;
+    const NEGATIVE_ZERO: Self = -0.0;
     const ONE: Self = 1.0;
     const HALF: Self = 0.5;
 
@@ -110,6 +118,7 @@ impl Scalar for f32 {
 
 impl Scalar for f64 {
     const ZERO: Self = 0.0;
+    const NEGATIVE_ZERO: Self = -0.0;
     const ONE: Self = 1.0;
     const HALF: Self = 0.5;
 

@@ -72,6 +72,13 @@ impl Turn {
         Self(self.0.wrapping_neg())
     }
 
+    /// Half a turn further.
+    #[must_use]
+    #[inline]
+    pub const fn opposite(self) -> Self {
+        Self(self.0 ^ (1 << 63))
+    }
+
     /// `a` if `first`, else `b`, the same instructions either way.
     #[must_use]
     #[inline]

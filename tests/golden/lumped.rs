@@ -1,4 +1,5 @@
-use ballrace::bearing::lumped::{Axial, Combined, FlexibleRing, HousingPoint, Radial};
+use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{Bearing, Places, even_places};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::{Displacement, Exact, Math, Scalar, Turn};

@@ -1,6 +1,7 @@
 //! The batch over samples is the evaluation of each sample, whichever of its ways it takes.
 
-use ballrace::bearing::lumped::{Radial, radial_batch};
+use ballrace::bearing::batch::radial_batch;
+use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::{Bearing, Place};
 use ballrace::contact::law::{Law, Line, Point};
 use ballrace::{Displacement, Exact, Fast, Math, Scalar, Turn};

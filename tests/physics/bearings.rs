@@ -1,8 +1,8 @@
 //! Conservation laws, symmetries and published numbers of the bearings.
 
 use ballrace::bearing::angular::{Angular, Zero};
-use ballrace::bearing::lumped::FlexibleRing;
-use ballrace::bearing::lumped::{HousingPoint, Radial};
+use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::surface::{Spall, SpallShape, Surface};
 use ballrace::bearing::{Bearing, Mirrored, Places, even_places};
 use ballrace::contact::hertz::Race;

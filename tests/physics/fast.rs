@@ -42,26 +42,27 @@ fn sine_and_cosine_of_the_turn_counter() {
         single = single.max((f64::from(s) - sin).abs()).max((f64::from(c) - cos).abs());
         double = double.max((sd - sin).abs()).max((cd - cos).abs());
     }
-    within("f32", single, 1.5e-7);
+    within("f32", single, 2.5e-7);
     // Most of this is the rounding of the reference's own angle in radians.
     within("f64", double, 1.1e-15);
 }
 
 #[test]
 fn forces() {
-    let u = [12e-6, 4e-6, 20e-6, 1e-4, -5e-5];
-    let wrench = |bearing: &dyn Bearing<f32>| {
-        bearing
-            .reaction(&Displacement::from_array(u.map(|x| x as f32)), Turn::from_revolutions(0.1))
-            .wrench
-            .to_array()
-            .map(f64::from)
+    // The error goes up and down with the size of the deflection: all sizes within a factor of 16.
+    let sizes = (0..200).map(|i| 2.0_f64.powf(4.0 * f64::from(i) / 200.0));
+    let wrenches = |bearing: &dyn Bearing<f32>| -> Vec<[f64; 5]> {
+        let at = |size: f64| {
+            let u = [12e-6, 4e-6, 20e-6, 1e-4, -5e-5].map(|x| (x * size) as f32);
+            bearing.reaction(&Displacement::from_array(u), Turn::from_revolutions(0.1)).wrench
+        };
+        sizes.clone().map(|size| at(size).to_array().map(f64::from)).collect()
     };
     macro_rules! compare {
         ($what:literal, $bound:expr, $make:expr) => {{
-            let (exact, fast) = (wrench(&$make(Exact)), wrench(&$make(Fast)));
-            let error = relative_to_largest(&fast, &exact);
-            within($what, error, $bound);
+            let (exact, fast) = (wrenches(&$make(Exact)), wrenches(&$make(Fast)));
+            let errors = fast.iter().zip(&exact).map(|(fast, exact)| relative_to_largest(fast, exact));
+            within($what, errors.fold(0.0, f64::max), $bound);
         }};
     }
     fn radial<M: Math<f32>, L: ballrace::contact::law::Law<f32, M>>(_: M, law: L) -> Radial<f32, M, L, Places<f32, 9>> {
@@ -71,8 +72,12 @@ fn forces() {
         Angular::try_new(acbb_s_geometry(), even_places(Turn::ZERO), Zero::Touching).unwrap()
     }
     compare!("lumped, 3/2", 1.8e-3, |m| radial(m, Point { stiffness: 8e9 }));
-    compare!("lumped, 1.37", 0.12, |m| radial(m, Power { stiffness: 2e9, exponent: 1.37 }));
+    compare!("lumped, 1.37", 0.16, |m| radial(m, Power { stiffness: 2e9, exponent: 1.37 }));
     compare!("angular", 3e-3, angular);
     let line = |m| radial(m, Line { stiffness: 3e8 });
-    assert_eq!(wrench(&line(Exact)), wrench(&radial(Fast, Line { stiffness: 3e8 })), "no square root in the line law");
+    assert_eq!(
+        wrenches(&line(Exact)),
+        wrenches(&radial(Fast, Line { stiffness: 3e8 })),
+        "no square root in the line law"
+    );
 }

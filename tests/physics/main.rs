@@ -3,6 +3,7 @@
 mod batch;
 mod bearings;
 mod fast;
+mod pairs;
 mod rotor;
 mod status;
 mod tangent;

@@ -1,7 +1,8 @@
 //! The analytic 5 x 5 tangent of each rung against central differences of its force.
 
+use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
-use ballrace::bearing::lumped::{Axial, Combined, FlexibleRing, HousingPoint, Radial};
+use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{Bearing, Mirrored, Places, Reaction, even_places};
 use ballrace::contact::law::{Line, Point, Power};
 use ballrace::{Displacement, Exact, Stiffness, Turn};

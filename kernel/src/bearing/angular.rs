@@ -4,15 +4,15 @@
 //! vector, `delta = |(A_r, A_z)| - A`, the load `Q = K_n delta^(3/2)` acts along it. Both races in series,
 //! no inertia, no film: what a ball in quasi-static equilibrium does at rest.
 
+use super::bearing_in_cage;
+use super::elements::{Elements, in_cage_by_elements};
 use super::geometry::{BallBearingGeometry, InvalidParameter};
-use super::ring::{Contact, ContactStiffness, Place, Ring, StiffnessSum, WrenchSum, into_cage};
+use super::place::Arrangement;
+use super::ring::{Contact, ContactStiffness, Motion, Ring};
 use super::surface::{Smooth, Surface};
-use super::{Bearing, Reaction};
 use crate::contact::law::{Law, Point};
-use crate::frame::{Displacement, Stiffness};
 use crate::math::Math;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 use core::marker::PhantomData;
 
 /// Where the rings stand at zero displacement.
@@ -24,13 +24,16 @@ pub enum Zero {
     Centred,
 }
 
-/// Variable-contact-angle bearing. Cost per ball: one square root, two divisions, the load law.
+/// Variable-contact-angle bearing. Cost per ball: two square roots, two divisions.
 #[derive(Debug, Clone, Copy)]
 pub struct Angular<T, M, P, S = Smooth> {
     ring: Ring<T, P>,
     law: Point<T>,
+    scale: T,
     /// A
     distance: T,
+    /// A^2
+    distance_squared: T,
     /// (A_r, A_z) at zero displacement
     unloaded: (T, T),
     /// A_r^2 + A_z^2 - A^2 there, exactly 0 for `Touching`
@@ -39,15 +42,16 @@ pub struct Angular<T, M, P, S = Smooth> {
     math: PhantomData<M>,
 }
 
-/// Deflection and direction at one ball.
-struct Groove<T> {
-    delta: T,
+/// The groove centres of one ball's plane: how far apart along and across, and by how much too far.
+#[derive(Clone, Copy)]
+struct Grooves<T> {
+    radial: T,
+    axial: T,
     length: T,
-    cos: T,
-    sin: T,
+    twice_deflection: T,
 }
 
-impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>> Angular<T, M, P> {
+impl<T: Scalar, M: Math<T>, P: Arrangement<T>> Angular<T, M, P> {
     /// From geometry; stiffness by Hertz at the free contact angle, lever arm R_i. Set-up time.
     ///
     /// # Errors
@@ -56,14 +60,17 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>> Angular<T, M, P> {
         let geometry = geometry.checked()?;
         let a = geometry.groove_distance();
         let (sin, cos) = (libm::sin(geometry.contact_angle), libm::cos(geometry.contact_angle));
+        let law = Point { stiffness: T::from_f64(geometry.stiffness()) };
         let (axial, excess) = match zero {
             Zero::Touching => (a * sin, 0.0),
             Zero::Centred => (0.0, -(a * sin) * (a * sin)),
         };
         Ok(Self {
             ring: Ring::new(places, geometry.inner_groove_radius()),
-            law: Point { stiffness: T::from_f64(geometry.stiffness()) },
+            scale: <Point<T> as Law<T, M>>::scale(&law),
+            law,
             distance: T::from_f64(a),
+            distance_squared: T::from_f64(a * a),
             unloaded: (T::from_f64(a * cos), T::from_f64(axial)),
             excess: T::from_f64(excess),
             surface: Smooth,
@@ -76,7 +83,9 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>> Angular<T, M, P> {
         Angular {
             ring: self.ring,
             law: self.law,
+            scale: self.scale,
             distance: self.distance,
+            distance_squared: self.distance_squared,
             unloaded: self.unloaded,
             excess: self.excess,
             surface,
@@ -85,70 +94,72 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>> Angular<T, M, P> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>, S: Surface<T>> Angular<T, M, P, S> {
-    /// `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`: the difference of two nearly equal lengths
-    /// would lose three digits of a micrometre in f32, and all of it with an approximate square root.
+impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Angular<T, M, P, S> {
+    /// `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`, the numerator from the displacements: the difference of
+    /// two nearly equal lengths would lose three digits of a micrometre in f32, and all of it with an approximate
+    /// square root.
     #[inline(always)]
-    fn groove(&self, place: &Place<T>, u: &Displacement<T>, cage: Turn) -> Groove<T> {
-        let (radial, axial) = self.ring.at(place, u);
-        let (r, z) = (self.unloaded.0 + radial, self.unloaded.1 + axial);
-        let length = M::sqrt(r * r + z * z);
-        let excess = (self.unloaded.0 + r) * radial + ((self.unloaded.1 + z) * axial + self.excess);
-        let gap = excess / (length + self.distance) - self.surface.drop_at(place.azimuth.plus(cage));
-        let inverse = T::ONE / length;
-        Groove { delta: gap.positive_part(), length, cos: r * inverse, sin: z * inverse }
-    }
-
-    #[inline(always)]
-    fn load(&self, delta: T) -> T {
-        <Point<T> as Law<T, M>>::load(&self.law, delta)
+    fn grooves<const K: usize>(&self, at: [Motion<T>; K]) -> [Grooves<T>; K] {
+        let (r0, z0) = self.unloaded;
+        let excess = |m: Motion<T>| {
+            let (r, z) = (r0 + m.radial, z0 + m.axial);
+            ((r0 + r) * m.radial + (z0 + z) * m.axial) + self.excess
+        };
+        let lengths = M::sqrt_each(at.map(|m| self.distance_squared + excess(m)));
+        let mut grooves = lengths.map(|length| Grooves { radial: r0, axial: z0, length, twice_deflection: T::ZERO });
+        for (groove, m) in grooves.iter_mut().zip(at) {
+            groove.radial += m.radial;
+            groove.axial += m.axial;
+            let gap = excess(m) / (groove.length + self.distance) - self.surface.drop_at(m.azimuth);
+            groove.twice_deflection = gap.twice_positive();
+        }
+        grooves
     }
 }
 
-impl<T, M, P, S> Bearing<T> for Angular<T, M, P, S>
-where
-    T: Scalar,
-    M: Math<T>,
-    P: AsRef<[Place<T>]> + Send + Sync,
-    S: Surface<T>,
-{
-    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
-        let turn = M::sin_cos(cage);
-        let local = into_cage(u, turn);
-        let mut sum = WrenchSum::default();
-        for place in self.ring.places() {
-            let g = self.groove(place, &local, cage);
-            let load = self.load(g.delta);
-            sum.add(place, &Contact { radial: -(load * g.cos), axial: -(load * g.sin), load });
-        }
-        Reaction { wrench: sum.finish(self.ring.arm, turn), load: sum.load }
-    }
-
-    /// Per ball `k e e^T + (Q/l)(1 - e e^T)` with `k = 3/2 K sqrt(delta)`: stretching and turning of the contact line.
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-        let turn = M::sin_cos(cage);
-        let local = into_cage(u, turn);
-        let (mut sum, mut k) = (WrenchSum::default(), StiffnessSum::new());
-        for place in self.ring.places() {
-            let g = self.groove(place, &local, cage);
-            let (load, slope) = <Point<T> as Law<T, M>>::load_and_slope(&self.law, g.delta);
-            sum.add(place, &Contact { radial: -(load * g.cos), axial: -(load * g.sin), load });
-            let across = load / g.length;
-            let extra = slope - across;
-            let stiffness = ContactStiffness {
-                radial: across + extra * g.cos * g.cos,
-                cross: extra * g.cos * g.sin,
-                axial: across + extra * g.sin * g.sin,
-            };
-            k.add(place, self.ring.arm, &stiffness);
-        }
-        (Reaction { wrench: sum.finish(self.ring.arm, turn), load: sum.load }, k.finish(turn))
-    }
-
-    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
-        let local = into_cage(u, M::sin_cos(cage));
-        for (place, load) in self.ring.places().iter().zip(loads) {
-            *load = self.load(self.groove(place, &local, cage).delta);
-        }
+impl<T: Scalar> Grooves<T> {
+    /// The contact whose load is `load` along the line of centres.
+    #[inline(always)]
+    fn contact(&self, load: T) -> Contact<T> {
+        let by_length = load / self.length;
+        Contact { radial: by_length * self.radial, axial: by_length * self.axial, load }
     }
 }
+
+impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Elements<T> for Angular<T, M, P, S> {
+    type Math = M;
+    type Places = P;
+    #[inline(always)]
+    fn ring(&self) -> &Ring<T, P> {
+        &self.ring
+    }
+    #[inline(always)]
+    fn scale(&self) -> T {
+        self.scale
+    }
+    #[inline(always)]
+    fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
+        let grooves = self.grooves(at);
+        let loads = <Point<T> as Law<T, M>>::shape(&self.law, grooves.map(|g| g.twice_deflection));
+        core::array::from_fn(|j| grooves[j].contact(loads[j]))
+    }
+
+    /// `k e e^T + (Q/l)(1 - e e^T)` with `k = dQ/d(delta)`: stretching and turning of the contact line.
+    #[inline(always)]
+    fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
+        let [g] = self.grooves([at]);
+        let (load, slope) = <Point<T> as Law<T, M>>::shape_and_slope(&self.law, g.twice_deflection);
+        let (cos, sin) = (g.radial / g.length, g.axial / g.length);
+        let across = load / g.length;
+        let extra = slope - across;
+        let stiffness = ContactStiffness {
+            radial: across + extra * cos * cos,
+            cross: extra * cos * sin,
+            axial: across + extra * sin * sin,
+        };
+        (g.contact(load), stiffness)
+    }
+}
+
+in_cage_by_elements!(Angular<T, M, P, S>, M, T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>);
+bearing_in_cage!(Angular<T, M, P, S>, T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>);

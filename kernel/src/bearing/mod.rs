@@ -1,16 +1,21 @@
 //! One bearing, one file a rung of the ladder, cheapest first: [`linear`], [`lumped`], [`angular`].
 
 pub mod angular;
+pub mod batch;
+mod elements;
+pub mod flexible;
 pub mod geometry;
 pub mod held;
 pub mod kinematics;
 pub mod linear;
 pub mod lumped;
+mod place;
 mod ring;
 pub mod surface;
 
+pub use elements::InCage;
 pub use held::HeldWrench;
-pub use ring::{Place, Places, even_places};
+pub use place::{Arrangement, Pairs, Place, Places, even_pairs, even_places};
 
 use crate::frame::{Displacement, Stiffness, Wrench, mirrored_stiffness};
 use crate::scalar::Scalar;
@@ -58,6 +63,35 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for &B {
         (**self).element_loads(u, cage, loads);
     }
 }
+
+/// Implements [`Bearing`] for a type that is [`InCage`]: into the cage's frame, through the elements, and out of it.
+macro_rules! bearing_in_cage {
+    ($kind:ty, $($generics:tt)*) => {
+        impl<$($generics)*> $crate::Bearing<T> for $kind {
+            fn reaction(&self, u: &$crate::Displacement<T>, cage: $crate::Turn) -> $crate::bearing::Reaction<T> {
+                use $crate::bearing::{InCage, ring};
+                let turn = Self::turn(cage);
+                let local = self.reaction_in_cage(&ring::into_cage(u, turn), cage);
+                $crate::bearing::Reaction { wrench: ring::out_of_cage(&local.wrench, turn), ..local }
+            }
+            fn reaction_and_stiffness(
+                &self,
+                u: &$crate::Displacement<T>,
+                cage: $crate::Turn,
+            ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
+                use $crate::bearing::{InCage, ring};
+                let turn = Self::turn(cage);
+                let (local, k) = self.reaction_in_cage_and_stiffness(&ring::into_cage(u, turn), cage, turn);
+                ($crate::bearing::Reaction { wrench: ring::out_of_cage(&local.wrench, turn), ..local }, k)
+            }
+            fn element_loads(&self, u: &$crate::Displacement<T>, cage: $crate::Turn, loads: &mut [T]) {
+                use $crate::bearing::{InCage, ring};
+                self.element_loads_in_cage(&ring::into_cage(u, Self::turn(cage)), cage, loads);
+            }
+        }
+    };
+}
+use bearing_in_cage;
 
 /// A bearing that carries thrust towards -Z: the same kernel turned by pi about X.
 ///

@@ -3,12 +3,25 @@
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// A load-deflection law. `deflection` is 0 or more; both functions give 0 at 0.
+/// A load-deflection law, as a shape common to all elements and a scale that is applied to their sum.
+///
+/// The shape is taken of twice the deflection, since `x + |x|` is twice the positive part in two instructions.
 pub trait Law<T: Scalar, M: Math<T>>: Copy + Send + Sync + 'static {
-    /// Load, N.
-    fn load(&self, deflection: T) -> T;
-    /// Load, N, and its slope, N/m.
-    fn load_and_slope(&self, deflection: T) -> (T, T);
+    /// `sign(x) |x|^n` for each `x`, twice a deflection; 0 at 0.
+    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K];
+
+    /// The shape of `x`, 0 or more, and its derivative by the deflection, both to be multiplied by the scale.
+    fn shape_and_slope(&self, twice_deflection: T) -> (T, T);
+
+    /// What makes newtons of the shape: `K / 2^n`.
+    fn scale(&self) -> T;
+
+    /// Load at one deflection (m, 0 or more), N.
+    #[inline(always)]
+    fn load(&self, deflection: T) -> T {
+        let [shape] = self.shape([deflection + deflection]);
+        self.scale() * shape
+    }
 }
 
 /// Point contact, `n = 3/2`: one square root.
@@ -34,35 +47,58 @@ pub struct Power<T> {
     pub exponent: T,
 }
 
+/// 2^(-10/9)
+const TWO_TO_MINUS_TEN_NINTHS: f64 = 0.462_937_356_143_645_2;
+
 impl<T: Scalar, M: Math<T>> Law<T, M> for Point<T> {
-    fn load(&self, deflection: T) -> T {
-        self.stiffness * M::sqrt(deflection) * deflection
+    #[inline(always)]
+    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
+        M::three_halves(twice_deflection)
     }
-    fn load_and_slope(&self, deflection: T) -> (T, T) {
-        let k_root = self.stiffness * M::sqrt(deflection);
-        (k_root * deflection, T::from_f64(1.5) * k_root)
+    #[inline(always)]
+    fn shape_and_slope(&self, twice_deflection: T) -> (T, T) {
+        let root = M::sqrt(twice_deflection);
+        (root * twice_deflection, T::from_f64(3.0) * root)
+    }
+    #[inline(always)]
+    fn scale(&self) -> T {
+        self.stiffness * T::from_f64(core::f64::consts::FRAC_1_SQRT_2 / 2.0)
     }
 }
 
 impl<T: Scalar, M: Math<T>> Law<T, M> for Line<T> {
-    fn load(&self, deflection: T) -> T {
-        self.stiffness * M::ninth_root(deflection) * deflection
+    #[inline(always)]
+    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
+        twice_deflection.map(|x| x * M::ninth_root(x.abs()))
     }
-    fn load_and_slope(&self, deflection: T) -> (T, T) {
-        let k_root = self.stiffness * M::ninth_root(deflection);
+    #[inline(always)]
+    fn shape_and_slope(&self, twice_deflection: T) -> (T, T) {
+        let root = M::ninth_root(twice_deflection);
         // The ninth root of 0 is a small number, not 0: unloaded elements must add no stiffness.
-        let slope = if deflection > T::ZERO { T::from_f64(10.0 / 9.0) * k_root } else { T::ZERO };
-        (k_root * deflection, slope)
+        let slope = if twice_deflection > T::ZERO { T::from_f64(20.0 / 9.0) * root } else { T::ZERO };
+        (root * twice_deflection, slope)
+    }
+    #[inline(always)]
+    fn scale(&self) -> T {
+        self.stiffness * T::from_f64(TWO_TO_MINUS_TEN_NINTHS)
     }
 }
 
 impl<T: Scalar, M: Math<T>> Law<T, M> for Power<T> {
-    fn load(&self, deflection: T) -> T {
-        self.stiffness * M::powf(deflection, self.exponent)
+    #[inline(always)]
+    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
+        twice_deflection.map(|x| M::powf(T::HALF * x.abs(), self.exponent).negated_by(x))
     }
-    fn load_and_slope(&self, deflection: T) -> (T, T) {
-        let load = <Self as Law<T, M>>::load(self, deflection);
-        let slope = if deflection > T::ZERO { self.exponent * load / deflection } else { T::ZERO };
-        (load, slope)
+    #[inline(always)]
+    fn shape_and_slope(&self, twice_deflection: T) -> (T, T) {
+        let deflection = T::HALF * twice_deflection;
+        let shape = M::powf(deflection, self.exponent);
+        let slope = if deflection > T::ZERO { self.exponent * shape / deflection } else { T::ZERO };
+        (shape, slope)
+    }
+    #[inline(always)]
+    fn scale(&self) -> T {
+        // The shape halves its argument itself: 2^n would need a power.
+        self.stiffness
     }
 }

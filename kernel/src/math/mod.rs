@@ -14,6 +14,16 @@ use crate::turn::Turn;
 pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
     /// Square root of `x >= 0`.
     fn sqrt(x: T) -> T;
+    /// Square root of each.
+    #[inline(always)]
+    fn sqrt_each<const K: usize>(x: [T; K]) -> [T; K] {
+        x.map(Self::sqrt)
+    }
+    /// `x sqrt|x|` of each: the signed power 3/2.
+    #[inline(always)]
+    fn three_halves<const K: usize>(x: [T; K]) -> [T; K] {
+        x.map(|x| x * Self::sqrt(x.abs()))
+    }
     /// `x^n` for `x >= 0`.
     fn powf(x: T, n: T) -> T;
     /// `x^(1/9)` for `x >= 0`, for the line contact's `x^(10/9)`.
@@ -36,6 +46,14 @@ impl Math<f32> for Exact {
     #[inline]
     fn sqrt(x: f32) -> f32 {
         sqrt::sqrt_f32(x)
+    }
+    #[inline(always)]
+    fn sqrt_each<const K: usize>(x: [f32; K]) -> [f32; K] {
+        sqrt::sqrt_each_f32(x)
+    }
+    #[inline(always)]
+    fn three_halves<const K: usize>(x: [f32; K]) -> [f32; K] {
+        sqrt::three_halves_f32(x)
     }
     #[inline]
     fn powf(x: f32, n: f32) -> f32 {

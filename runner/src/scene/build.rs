@@ -3,12 +3,13 @@
 use super::{Axial, Bearing as BearingScene, Defect, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
-use ballrace::bearing::lumped::{self, Combined, FlexibleRing, HousingPoint};
+use ballrace::bearing::lumped::{self, Combined};
 use ballrace::bearing::surface::{Spall, SpallShape, Surface};
-use ballrace::bearing::{Bearing, Mirrored, Place, Reaction};
+use ballrace::bearing::{Bearing, InCage, Mirrored, Place, Reaction};
 use ballrace::contact::hertz::Material;
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::rotor::{RotorParams, Unbalance};
@@ -258,7 +259,7 @@ fn lumped_axial<T, M, R>(scene: &BearingScene, radial: R) -> Result<AnyBearing<T
 where
     T: Scalar,
     M: Math<T>,
-    R: FlexibleRing<T> + Bearing<T> + 'static,
+    R: FlexibleRing<T> + InCage<T> + Bearing<T> + 'static,
 {
     let Some(axial) = scene.axial else { return Ok(on_housing(scene, radial)) };
     let stiffness = T::from_f64(axial.stiffness);
@@ -276,7 +277,7 @@ fn combined<T, M, R, L>(scene: &BearingScene, radial: R, axial: Axial, law: L) -
 where
     T: Scalar,
     M: Math<T>,
-    R: FlexibleRing<T> + Bearing<T> + 'static,
+    R: FlexibleRing<T> + InCage<T> + Bearing<T> + 'static,
     L: Law<T, M>,
 {
     let axial = lumped::Axial::<T, M, L, _>::try_new(places(scene), law, axial.play, axial.radius)

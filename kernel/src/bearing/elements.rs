@@ -1,0 +1,124 @@
+//! What the rungs with rolling elements have in common: one element's law in, the bearing's answer out.
+
+use super::Reaction;
+use super::place::Arrangement;
+use super::ring::{CageTurn, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum};
+use crate::frame::{Displacement, Stiffness};
+use crate::math::Math;
+use crate::scalar::Scalar;
+use crate::turn::Turn;
+
+/// One family of elements around a ring: what a ball does in its plane.
+pub trait Elements<T: Scalar> {
+    /// The backend.
+    type Math: Math<T>;
+    /// The arrangement of the elements.
+    type Places: Arrangement<T>;
+
+    fn ring(&self) -> &Ring<T, Self::Places>;
+
+    /// What the contacts are multiplied with to give newtons: once for all elements.
+    fn scale(&self) -> T;
+
+    /// The contacts of `K` elements.
+    fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K];
+
+    fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>);
+
+    /// The answer of all elements in the cage's frame.
+    #[inline(always)]
+    fn sum(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+        let ring = self.ring();
+        let rim = ring.at_rim(u);
+        let mut sum = WrenchSum::new();
+        for place in ring.places.table() {
+            if Self::Places::PAIRS {
+                sum.add_pair(place, &self.contacts(Motion::of_pair(place, &rim, cage)));
+            } else {
+                let [contact] = self.contacts([Motion::of(place, &rim, cage)]);
+                sum.add(place, &contact);
+            }
+        }
+        sum.finish(ring.arm, self.scale())
+    }
+}
+
+/// A bearing as seen from the frame that turns with its cage, in which its elements stand still.
+///
+/// For those who have the displacement in that frame, or evaluate often at one cage angle: the sine and cosine and the
+/// rotation of displacement and wrench are what [`super::Bearing`] adds.
+pub trait InCage<T: Scalar> {
+    /// Sine and cosine of the cage's angle.
+    fn turn(cage: Turn) -> CageTurn<T>;
+
+    /// As [`super::Bearing::reaction`] with displacement and wrench in the cage's frame; `cage` only says where damage
+    /// on a race is met.
+    fn reaction_in_cage(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T>;
+
+    /// The same with the tangent, which is turned into the fixed frame by `turn`.
+    fn reaction_in_cage_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        turn: CageTurn<T>,
+    ) -> (Reaction<T>, Stiffness<T>);
+
+    /// As [`super::Bearing::element_loads`] with the displacement in the cage's frame.
+    fn element_loads_in_cage(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]);
+}
+
+#[inline(always)]
+pub(super) fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
+    elements: &E,
+    u: &Displacement<T>,
+    cage: Turn,
+    turn: CageTurn<T>,
+) -> (Reaction<T>, Stiffness<T>) {
+    let ring = elements.ring();
+    let rim = ring.at_rim(u);
+    let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
+    for place in ring.places.each() {
+        let (contact, k) = elements.contact_and_stiffness(Motion::of(&place, &rim, cage));
+        sum.add(&place, &contact);
+        stiffness.add(&place, &k);
+    }
+    (sum.finish(ring.arm, elements.scale()), stiffness.finish(ring.arm, elements.scale(), turn))
+}
+
+pub(super) fn loads<T: Scalar, E: Elements<T>>(elements: &E, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+    let rim = elements.ring().at_rim(u);
+    for (place, load) in elements.ring().places.each().zip(loads) {
+        let [contact] = elements.contacts([Motion::of(&place, &rim, cage)]);
+        *load = elements.scale() * contact.load;
+    }
+}
+
+/// Implements [`InCage`] for types with [`Elements`].
+macro_rules! in_cage_by_elements {
+    ($kind:ty, $math:ty, $($generics:tt)*) => {
+        impl<$($generics)*> $crate::bearing::InCage<T> for $kind {
+            #[inline(always)]
+            fn turn(cage: $crate::Turn) -> (T, T) {
+                <$math as $crate::math::Math<T>>::sin_cos(cage)
+            }
+            #[inline(always)]
+            fn reaction_in_cage(&self, u: &$crate::Displacement<T>, cage: $crate::Turn) -> $crate::bearing::Reaction<T> {
+                $crate::bearing::elements::Elements::sum(self, u, cage)
+            }
+            #[inline]
+            fn reaction_in_cage_and_stiffness(
+                &self,
+                u: &$crate::Displacement<T>,
+                cage: $crate::Turn,
+                turn: (T, T),
+            ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
+                $crate::bearing::elements::reaction_and_stiffness(self, u, cage, turn)
+            }
+            #[inline]
+            fn element_loads_in_cage(&self, u: &$crate::Displacement<T>, cage: $crate::Turn, loads: &mut [T]) {
+                $crate::bearing::elements::loads(self, u, cage, loads);
+            }
+        }
+    };
+}
+pub(super) use in_cage_by_elements;

@@ -1,0 +1,158 @@
+//! A flexible outer ring: Hajzman's `e^T q_S`, the housing displaced point by point.
+
+use super::Reaction;
+use super::elements::Elements;
+use super::lumped::{Axial, Combined, Radial, both};
+use super::place::Arrangement;
+use super::ring::{CageTurn, Contact, Motion, StiffnessSum, WrenchSum, into_cage, out_of_cage};
+use super::surface::Surface;
+use crate::contact::law::Law;
+use crate::frame::{Displacement, Stiffness};
+use crate::math::Math;
+use crate::scalar::Scalar;
+use crate::turn::Turn;
+
+/// The outer ring or housing at one element's contact point, along X, Y, Z.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct HousingPoint<T> {
+    /// Displacement, m.
+    pub displacement: [T; 3],
+    /// Force of the element on the housing, N: an evaluation adds to it.
+    pub reaction: [T; 3],
+}
+
+/// A bearing whose outer ring is displaced point by point (Hajzman's `e^T q_S` term).
+pub trait FlexibleRing<T: Scalar> {
+    /// Force on the inner ring when the housing point of element `j` is displaced as `housing[j]` says, and the
+    /// reaction on that point (action = reaction). Elements past the end of `housing` stand on a rigid ring.
+    fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T>;
+
+    /// The same with the tangent `-d(wrench)/du` while the housing stands still.
+    fn reaction_and_stiffness_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &mut [HousingPoint<T>],
+    ) -> (Reaction<T>, Stiffness<T>);
+}
+
+impl<T: Scalar> HousingPoint<T> {
+    /// Radial (towards `direction`) and axial displacement.
+    #[inline(always)]
+    fn along(&self, (cos, sin): (T, T)) -> (T, T) {
+        let [x, y, z] = self.displacement;
+        (x * cos + y * sin, z)
+    }
+
+    /// Takes the force of a contact, N: that on the inner ring points the other way.
+    #[inline(always)]
+    fn push(&mut self, (cos, sin): (T, T), contact: &Contact<T>, scale: T) {
+        let [x, y, z] = self.reaction;
+        let radial = scale * contact.radial;
+        self.reaction = [x + radial * cos, y + radial * sin, z + scale * contact.axial];
+    }
+}
+
+/// Goes through all elements, each with its motion over that of its housing point; `contact` gives the contact at it.
+fn each_element<T: Scalar, E: Elements<T>>(
+    elements: &E,
+    u: &Displacement<T>,
+    (cage, (sin, cos)): (Turn, CageTurn<T>),
+    housing: &mut [HousingPoint<T>],
+    mut contact: impl FnMut(&super::Place<T>, Motion<T>) -> Contact<T>,
+) {
+    let ring = elements.ring();
+    let rim = ring.at_rim(&into_cage(u, (sin, cos)));
+    let mut points = housing.iter_mut();
+    for place in ring.places.each() {
+        let mut rigid = HousingPoint::default();
+        let point = points.next().unwrap_or(&mut rigid);
+        // The element's direction in the fixed frame, in which the housing point is given.
+        let direction = (cos * place.cos - sin * place.sin, cos * place.sin + sin * place.cos);
+        let (radial, axial) = point.along(direction);
+        let motion = Motion::of(&place, &rim, cage);
+        let motion = Motion { radial: motion.radial - radial, axial: motion.axial - axial, ..motion };
+        point.push(direction, &contact(&place, motion), elements.scale());
+    }
+}
+
+fn reaction<T: Scalar, E: Elements<T>>(
+    elements: &E,
+    u: &Displacement<T>,
+    cage: Turn,
+    housing: &mut [HousingPoint<T>],
+) -> Reaction<T> {
+    let turn = E::Math::sin_cos(cage);
+    let mut sum = WrenchSum::new();
+    each_element(elements, u, (cage, turn), housing, |place, motion| {
+        let [contact] = elements.contacts([motion]);
+        sum.add(place, &contact);
+        contact
+    });
+    let local = sum.finish(elements.ring().arm, elements.scale());
+    Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
+}
+
+fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
+    elements: &E,
+    u: &Displacement<T>,
+    cage: Turn,
+    housing: &mut [HousingPoint<T>],
+) -> (Reaction<T>, Stiffness<T>) {
+    let turn = E::Math::sin_cos(cage);
+    let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
+    each_element(elements, u, (cage, turn), housing, |place, motion| {
+        let (contact, k) = elements.contact_and_stiffness(motion);
+        sum.add(place, &contact);
+        stiffness.add(place, &k);
+        contact
+    });
+    let (arm, scale) = (elements.ring().arm, elements.scale());
+    let local = sum.finish(arm, scale);
+    (Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }, stiffness.finish(arm, scale, turn))
+}
+
+macro_rules! flexible_by_elements {
+    ($kind:ty, $($generics:tt)*) => {
+        impl<$($generics)*> FlexibleRing<T> for $kind {
+            fn reaction_flexible(
+                &self,
+                u: &Displacement<T>,
+                cage: Turn,
+                housing: &mut [HousingPoint<T>],
+            ) -> Reaction<T> {
+                reaction(self, u, cage, housing)
+            }
+            fn reaction_and_stiffness_flexible(
+                &self,
+                u: &Displacement<T>,
+                cage: Turn,
+                housing: &mut [HousingPoint<T>],
+            ) -> (Reaction<T>, Stiffness<T>) {
+                reaction_and_stiffness(self, u, cage, housing)
+            }
+        }
+    };
+}
+
+flexible_by_elements!(
+    Radial<T, M, L, P, S>,
+    T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>
+);
+flexible_by_elements!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>);
+
+impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Combined<A, B> {
+    fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
+        both(self.0.reaction_flexible(u, cage, housing), self.1.reaction_flexible(u, cage, housing))
+    }
+    fn reaction_and_stiffness_flexible(
+        &self,
+        u: &Displacement<T>,
+        cage: Turn,
+        housing: &mut [HousingPoint<T>],
+    ) -> (Reaction<T>, Stiffness<T>) {
+        let (a, ka) = self.0.reaction_and_stiffness_flexible(u, cage, housing);
+        let (b, kb) = self.1.reaction_and_stiffness_flexible(u, cage, housing);
+        (both(a, b), ka + kb)
+    }
+}

@@ -1,0 +1,104 @@
+//! Where the elements stand in the cage: any places, or opposite pairs.
+
+use crate::scalar::Scalar;
+use crate::turn::Turn;
+
+/// One element's place in the cage's frame: where it is when the cage is at angle 0, ready for the hot path.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Place<T> {
+    pub(crate) cos: T,
+    pub(crate) sin: T,
+    pub(crate) azimuth: Turn,
+}
+
+/// The places of `N` elements; the count is a constant of the type.
+///
+/// The bearings take any `AsRef<[Place<T>]>`: an array here, a heap slice where the count is only known at run time.
+pub type Places<T, const N: usize> = [Place<T>; N];
+
+/// The places of `H` elements and of those opposite to them, `2 H` in all.
+///
+/// What opposite elements have in common is computed once: their directions differ by the sign, and where there is
+/// no preload at most one of the two is loaded. Element `j` and `j + H` stand opposite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pairs<T, const H: usize>(Places<T, H>);
+
+impl<T: Scalar> Place<T> {
+    /// At an azimuth. Tables by `libm` in `f64`, rounded once. Set-up time.
+    #[must_use]
+    pub fn at(azimuth: Turn) -> Self {
+        let p = azimuth.radians();
+        Self { cos: T::from_f64(libm::cos(p)), sin: T::from_f64(libm::sin(p)), azimuth }
+    }
+
+    /// Number `j` of `count` evenly spaced ones, number 0 at `first`.
+    #[must_use]
+    pub fn even(first: Turn, j: usize, count: usize) -> Self {
+        Self::at(first.plus(Turn((((j as u128) << 64) / (count.max(1) as u128)) as u64)))
+    }
+
+    /// Seen from the frame turned by pi about X.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        Self { cos: self.cos, sin: -self.sin, azimuth: self.azimuth.reversed() }
+    }
+
+    /// The place on the other side of the shaft.
+    #[must_use]
+    #[inline(always)]
+    pub fn opposite(self) -> Self {
+        Self { cos: -self.cos, sin: -self.sin, azimuth: self.azimuth.opposite() }
+    }
+}
+
+/// `N` evenly spaced places, the first at `first`.
+#[must_use]
+pub fn even_places<T: Scalar, const N: usize>(first: Turn) -> Places<T, N> {
+    core::array::from_fn(|j| Place::even(first, j, N))
+}
+
+/// `2 H` evenly spaced places, the first at `first`.
+#[must_use]
+pub fn even_pairs<T: Scalar, const H: usize>(first: Turn) -> Pairs<T, H> {
+    Pairs(core::array::from_fn(|j| Place::even(first, j, 2 * H)))
+}
+
+impl<T: Scalar, const H: usize> Pairs<T, H> {
+    /// Seen from the frame turned by pi about X.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        Self(self.0.map(Place::mirrored))
+    }
+}
+
+/// How the elements stand; implemented for slices, arrays and vectors of places, and for [`Pairs`].
+pub trait Arrangement<T: Scalar>: Send + Sync {
+    /// Whether each entry of the table stands for itself and the element opposite to it.
+    const PAIRS: bool;
+
+    /// What the hot path goes through.
+    fn table(&self) -> &[Place<T>];
+
+    /// Every element in order.
+    #[inline(always)]
+    fn each(&self) -> impl Iterator<Item = Place<T>> {
+        let opposite = if Self::PAIRS { self.table() } else { &[] };
+        self.table().iter().copied().chain(opposite.iter().map(|place| place.opposite()))
+    }
+}
+
+impl<T: Scalar, A: AsRef<[Place<T>]> + Send + Sync> Arrangement<T> for A {
+    const PAIRS: bool = false;
+    #[inline(always)]
+    fn table(&self) -> &[Place<T>] {
+        self.as_ref()
+    }
+}
+
+impl<T: Scalar, const H: usize> Arrangement<T> for Pairs<T, H> {
+    const PAIRS: bool = true;
+    #[inline(always)]
+    fn table(&self) -> &[Place<T>] {
+        &self.0
+    }
+}
