@@ -4,6 +4,7 @@
 //! library call and exact to the precision.
 
 mod ninth_root;
+mod power;
 mod sqrt;
 mod trig;
 
@@ -24,7 +25,7 @@ pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
     fn three_halves<const K: usize>(x: [T; K]) -> [T; K] {
         x.map(|x| x * Self::sqrt(x.abs()))
     }
-    /// `x^n` for `x >= 0`.
+    /// `x^n` for `x >= 0`, `n >= 1`.
     fn powf(x: T, n: T) -> T;
     /// `x^(1/9)` for `x >= 0`, for the line contact's `x^(10/9)`.
     fn ninth_root(x: T) -> T;
@@ -32,11 +33,11 @@ pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
     fn sin_cos(angle: Turn) -> (T, T);
 }
 
-/// Correctly rounded square root (the target's own where it has one), `libm` powers.
+/// Correctly rounded square root (the target's own where it has one).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Exact;
 
-/// `micromath`: a square root good to 0.18 % and powers good to some per cent, without dividing or iterating.
+/// `micromath`: a square root good to 0.18 %, without dividing or iterating.
 ///
 /// In `f64` it still computes in `f32`: it is meant for targets without a unit for either.
 #[derive(Debug, Clone, Copy, Default)]
@@ -57,7 +58,7 @@ impl Math<f32> for Exact {
     }
     #[inline]
     fn powf(x: f32, n: f32) -> f32 {
-        libm::powf(x, n)
+        power::pow_f32(x, n)
     }
     #[inline]
     fn ninth_root(x: f32) -> f32 {
@@ -97,8 +98,7 @@ impl Math<f32> for Fast {
     }
     #[inline]
     fn powf(x: f32, n: f32) -> f32 {
-        // micromath goes through the logarithm, which has no value at 0.
-        if x > 0.0 { <f32 as micromath::F32Ext>::powf(x, n) } else { 0.0 }
+        power::pow_f32(x, n)
     }
     #[inline]
     fn ninth_root(x: f32) -> f32 {
@@ -128,4 +128,12 @@ impl Math<f64> for Fast {
         let (sin, cos) = trig::sin_cos_f32(angle);
         (f64::from(sin), f64::from(cos))
     }
+}
+
+/// Horner's scheme, the constant term first in `coefficients`.
+#[inline(always)]
+fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {
+    let mut rising = coefficients.into_iter().rev();
+    let highest = rising.next().unwrap_or(T::ZERO);
+    rising.fold(highest, |sum, c| sum * x + c)
 }

@@ -3,6 +3,7 @@
 //! `f32`: the minimax polynomial of degree 9 on a quarter turn (relative 5e-9 before rounding, 2e-7 absolute after it;
 //! exact at the four quarters). `f64`: the Taylor series to degree 17 and 16 (remainder below 1e-19).
 
+use super::polynomial;
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 
@@ -20,14 +21,6 @@ fn unreduce<T: Scalar>(quarter: u64, sin: T, cos: T) -> (T, T) {
     let s = if quarter & 2 == 0 { s } else { -s };
     let c = if (quarter + 1) & 2 == 0 { c } else { -c };
     (s, c)
-}
-
-/// Horner's scheme, the constant term first in `coefficients`.
-#[inline(always)]
-fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {
-    let mut rising = coefficients.into_iter().rev();
-    let highest = rising.next().unwrap_or(T::ZERO);
-    rising.fold(highest, |sum, c| sum * x + c)
 }
 
 /// Both are a sine of at most a quarter turn: `cos(a) = sin(1/4 - |a|)`, `sin(a) = cos(a - 1/4)`, in turns.

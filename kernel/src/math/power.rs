@@ -1,0 +1,48 @@
+//! `x^n` in `f32` by logarithm and exponential of base 2, in a fixed number of instructions.
+//!
+//! Minimax polynomials, 7e-10 and 2e-9 relative; what is left is rounding, 2.3e-7 for `n` from 1 to 2.2. The product of
+//! exponent and `n` is taken in two parts, the larger of them exact: rounded at once it would cost an order of magnitude.
+
+use super::polynomial;
+
+/// `log2((1 + s)/(1 - s)) / s` in `s^2`, constant term first.
+const LOGARITHM: [f32; 4] = [2.885_39, 0.961_798_84, 0.576_714_4, 0.431_735_88];
+
+/// `2^r` on -1/2..1/2, constant term first.
+const EXPONENTIAL: [f32; 7] =
+    [1.0, core::f32::consts::LN_2, 0.240_226_46, 0.055_503_29, 0.009_618_489, 0.001_339_993_1, 0.000_153_458_17];
+
+/// Bits of the square root of 1/2: mantissas are taken from there to twice that.
+const LEAST_MANTISSA: i32 = 0x3f35_04f3;
+
+/// The nearest whole number, as a float: beyond 1.5 * 2^23 a float has no fraction.
+#[inline(always)]
+fn rounded(x: f32) -> f32 {
+    const SHIFT: f32 = 12_582_912.0;
+    (x + SHIFT) - SHIFT
+}
+
+/// `x^n` for `x >= 0`, `n >= 1`; 0 for 0 and what is too small, infinite for what is too large or not finite.
+#[inline]
+pub fn pow_f32(x: f32, n: f32) -> f32 {
+    let bits = x.to_bits() as i32;
+    let exponent = bits.wrapping_sub(LEAST_MANTISSA) >> 23;
+    let m = f32::from_bits(bits.wrapping_sub(exponent << 23) as u32);
+    let s = (m - 1.0) / (m + 1.0);
+    let logarithm = s * polynomial(s * s, LOGARITHM);
+
+    let exponent = exponent as f32;
+    let n_high = f32::from_bits(n.to_bits() & 0xffff_ff00);
+    let high = n_high * exponent;
+    let whole = rounded(high);
+    let low = (high - whole) + ((n - n_high) * exponent + n * logarithm);
+    let more = rounded(low);
+    scaled(polynomial(low - more, EXPONENTIAL), whole + more)
+}
+
+/// `x * 2^k`, `x` about 1 and `k` a whole number; 0 where `k` is -127 or less, infinite from 128 on.
+#[inline(always)]
+fn scaled(x: f32, k: f32) -> f32 {
+    let biased = (k as i32 + 127).clamp(0, 255);
+    x * f32::from_bits((biased as u32) << 23)
+}
