@@ -7,8 +7,8 @@ use ballrace::bearing::surface::{Spall, SpallShape};
 use ballrace::bearing::{Bearing, Places};
 use ballrace::{Exact, Turn};
 
-/// A 6205-size ball bearing with `N` balls and a diametral clearance.
-pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, Places<f64, N>> {
+/// Balls and races of a 6205 with a diametral clearance.
+pub fn deep_groove_geometry(clearance: f64) -> BallBearingGeometry {
     let geometry = BallBearingGeometry {
         ball_diameter: 7.94e-3,
         pitch_diameter: 39.04e-3,
@@ -18,8 +18,12 @@ pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, Places
         ball: BEARING_STEEL,
         race: BEARING_STEEL,
     };
-    let geometry = geometry.with_clearance(clearance).expect("a possible clearance");
-    Angular::try_new(geometry, even_places(Turn::ZERO), Zero::Centred).expect("a possible bearing")
+    geometry.with_clearance(clearance).expect("a possible clearance")
+}
+
+/// A 6205-size ball bearing with `N` balls and a diametral clearance.
+pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, Places<f64, N>> {
+    Angular::try_new(deep_groove_geometry(clearance), even_places(Turn::ZERO), Zero::Centred).expect("a possible bearing")
 }
 
 /// MODEL F4b's geometry: 14 balls of 7 mm on 38.5 mm at 25 degrees, conformity 0.52.

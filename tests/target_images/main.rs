@@ -1,6 +1,6 @@
 //! The kernel on an emulated Cortex-M4F: builds the images of tests/target, runs them, reads what they print.
 //!
-//! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the README's table of counts.
+//! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the README's figures.
 
 mod counts;
 mod firmware;
@@ -31,15 +31,27 @@ fn images() -> &'static Path {
     })
 }
 
+/// One instruction takes 256 ns of the emulated machine's time.
+const COUNTING: &[&str] = &["-icount", "shift=8,align=off,sleep=off"];
+
 /// What an image prints, under instruction counting.
 fn run(image: &str) -> String {
+    run_with(image, COUNTING)
+}
+
+fn run_with(image: &str, arguments: &[&str]) -> String {
+    emulated(&images().join(image), arguments)
+}
+
+fn emulated(image: &Path, arguments: &[&str]) -> String {
     let output = Command::new("qemu-system-arm")
         .args(["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"])
-        .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=8,align=off,sleep=off"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .args(arguments)
         .arg("-kernel")
-        .arg(images().join(image))
+        .arg(image)
         .output()
         .expect("missing: the emulator; type: apt-get install -y --no-install-recommends qemu-system-arm");
-    assert!(output.status.success(), "{image}: {}", String::from_utf8_lossy(&output.stdout));
+    assert!(output.status.success(), "{}: {}", image.display(), String::from_utf8_lossy(&output.stdout));
     String::from_utf8(output.stdout).expect("text")
 }

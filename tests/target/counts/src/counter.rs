@@ -3,6 +3,7 @@
 //! With `-icount shift=8` one instruction takes 256 ns of virtual time, and the system timer counts the core clock of
 //! 25 MHz: 40 ns a tick. So instructions = ticks * 40 / 256, whatever the host does meanwhile.
 
+use core::hint::black_box;
 use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -25,12 +26,13 @@ impl Counter {
         Some(counter)
     }
 
-    /// Instructions of one call, less those of the bracket around it.
+    /// Instructions of one call, less those of the bracket around it. The result is used after the second reading.
     #[inline(always)]
-    pub fn count(&self, work: impl FnOnce()) -> u32 {
+    pub fn count<R>(&self, work: impl FnOnce() -> R) -> u32 {
         let before = SYST::get_current();
-        work();
+        let result = work();
         let after = SYST::get_current();
+        black_box(result);
         let ticks = before.wrapping_sub(after) & 0x00ff_ffff;
         (ticks * 40 + 128) / 256 - self.bracket
     }

@@ -1,0 +1,66 @@
+//! One subject: counted over the inputs, its stack painted, its place in flash told.
+
+use crate::counter::Counter;
+use core::hint::black_box;
+use cortex_m_semihosting::hprintln;
+use cortex_m_stack::{current_stack_in_use, repaint_stack, stack_painted, stack_size};
+
+/// What tells one subject from another in the table.
+#[derive(Clone, Copy)]
+pub struct Name {
+    /// The rung or the model.
+    pub what: &'static str,
+    /// Elements, 0 where it has none.
+    pub elements: usize,
+    /// `f32` or `f64`.
+    pub precision: &'static str,
+    /// `exact` or `fast`.
+    pub math: &'static str,
+    /// Which of its functions.
+    pub function: &'static str,
+}
+
+/// The running counter and how many inputs to count over.
+pub struct Bench {
+    counter: Counter,
+    inputs: u32,
+}
+
+/// Inputs for which the stack is painted, if there are more: painting takes longer than calling.
+const PAINTED: u32 = 3;
+
+impl Bench {
+    /// With the timer running. Call once.
+    pub fn start(inputs: u32) -> Option<Self> {
+        Some(Self { counter: Counter::start()?, inputs })
+    }
+
+    /// Prints `what;elements;precision;math;function;least;most;stack;address`: instructions, bytes, where it begins.
+    ///
+    /// `prepare` makes input number `i`, `call` does nothing but call the function at `address`.
+    #[inline(always)]
+    pub fn measure<I, R>(
+        &self,
+        name: Name,
+        address: *const (),
+        prepare: impl Fn(u32) -> I,
+        mut call: impl FnMut(&mut I) -> R,
+    ) {
+        let (mut least, mut most, mut stack) = (u32::MAX, 0, 0);
+        for i in 1..=self.inputs {
+            let mut input = black_box(prepare(i));
+            if i <= PAINTED && i < self.inputs {
+                repaint_stack();
+                let before = current_stack_in_use();
+                black_box(call(&mut input));
+                stack = stack.max(stack_size() - stack_painted() - before);
+                input = black_box(prepare(i));
+            }
+            let count = self.counter.count(|| call(&mut input));
+            (least, most) = (least.min(count), most.max(count));
+        }
+        let Name { what, elements, precision, math, function } = name;
+        let address = address.addr() & !1; // the lowest bit says Thumb
+        hprintln!("{};{};{};{};{};{};{};{};{}", what, elements, precision, math, function, least, most, stack, address);
+    }
+}

@@ -1,0 +1,30 @@
+//! Everything that is measured.
+
+mod bearings;
+mod rotor;
+
+use crate::inputs::input;
+use crate::measure::{Bench, Name};
+use ballrace::{Exact, Fast, Math, Turn};
+
+/// All subjects, cheapest first.
+pub fn all(bench: &Bench) {
+    sine_and_cosine(bench);
+    bearings::all::<f32, Exact>(bench, "f32", "exact");
+    bearings::all::<f32, Fast>(bench, "f32", "fast");
+    bearings::all::<f64, Exact>(bench, "f64", "exact");
+    bearings::all::<f64, Fast>(bench, "f64", "fast");
+    rotor::all::<f32>(bench, "f32");
+    rotor::all::<f64>(bench, "f64");
+}
+
+#[inline(never)]
+fn sin_cos(angle: Turn) -> (f32, f32) {
+    <Exact as Math<f32>>::sin_cos(angle)
+}
+
+fn sine_and_cosine(bench: &Bench) {
+    let function = "sine and cosine";
+    let name = Name { what: "cage angle", elements: 0, precision: "f32", math: "exact", function };
+    bench.measure(name, sin_cos as *const (), |i| input::<f32>(i).1, |angle| sin_cos(*angle));
+}

@@ -1,0 +1,130 @@
+//! Instructions, modelled cycles, stack and flash of every subject, beside hand-written C, held in the README.
+
+mod fast;
+mod listing;
+mod path;
+mod table;
+mod yardstick;
+
+use listing::Listing;
+use std::path::PathBuf;
+use table::Row;
+
+/// A figure may rise by this share before the test fails, and fall by it before it asks for a new table.
+const MARGIN: f64 = 0.02;
+
+/// One line of the measuring image.
+struct Subject {
+    what: String,
+    elements: u32,
+    precision: String,
+    math: String,
+    function: String,
+    least: u32,
+    most: u32,
+    stack: u32,
+    address: u32,
+}
+
+impl Subject {
+    fn parse(line: &str) -> Self {
+        let cells: Vec<&str> = line.split(';').collect();
+        let [what, elements, precision, math, function, least, most, stack, address] = cells[..] else {
+            panic!("nine cells: {line}")
+        };
+        let number = |text: &str| text.parse().expect("a number");
+        Self {
+            what: what.to_owned(),
+            elements: number(elements),
+            precision: precision.to_owned(),
+            math: math.to_owned(),
+            function: function.to_owned(),
+            least: number(least),
+            most: number(most),
+            stack: number(stack),
+            address: number(address),
+        }
+    }
+}
+
+fn subjects(image: &str, arguments: &[&str]) -> Vec<Subject> {
+    super::run_with(image, arguments).lines().map(Subject::parse).collect()
+}
+
+/// Measures everything: counts over all inputs by one image, path and size of each function by its twin.
+fn measured() -> Vec<Row> {
+    let counted = subjects("counts", super::COUNTING);
+    let (traced, visited) = path::traced();
+    assert_eq!(counted.len(), traced.len(), "both images measure the same");
+    let listing = Listing::of(&super::images().join("trace"));
+    let mut rows = Vec::new();
+    for (count, trace) in counted.iter().zip(&traced) {
+        let name = format!("{} {} {} {} {}", count.what, count.elements, count.precision, count.math, count.function);
+        let path = path::of_call(&visited, trace.address, &name);
+        if count.precision == "f32" {
+            assert_eq!(count.least, count.most, "{name}: the count depends on the input");
+            // The bracket around the call is known to a few instructions: the call itself and its arguments.
+            let around = i64::from(count.most) - path.len() as i64;
+            assert!((0..=16).contains(&around), "{name}: {} counted, {} on its path", count.most, path.len());
+        }
+        rows.push(Row {
+            what: count.what.clone(),
+            elements: count.elements,
+            precision: count.precision.clone(),
+            math: count.math.clone(),
+            function: count.function.clone(),
+            least: count.least,
+            most: count.most,
+            cycles: listing.cycles(path),
+            stack: count.stack,
+            flash: listing.flash(trace.address),
+        });
+    }
+    rows
+}
+
+fn readme() -> PathBuf {
+    super::root().join("README.md")
+}
+
+/// Compilers differ in what they make of the same source: figures are held for the one that wrote the table.
+fn compiler() -> String {
+    let output = std::process::Command::new("rustc").arg("--version").output().expect("rustc runs");
+    String::from_utf8_lossy(&output.stdout).split(" (").next().unwrap_or_default().trim().to_owned()
+}
+
+/// So many instructions, whatever the input: 700 of them, with NaN, infinities, subnormals, lost contact.
+#[test]
+#[ignore = "needs qemu-system-arm, gcc-arm-none-eabi and the target thumbv7em-none-eabihf; tests/run runs it"]
+fn figures_do_not_depend_on_the_input_and_stand_in_the_readme() {
+    let rows = measured();
+    assert!(rows.len() >= 150, "{} subjects", rows.len());
+    let text = std::fs::read_to_string(readme()).expect("a README");
+    let (before, stated, after) = table::split(&text);
+    if std::env::var_os("BALLRACE_WRITE").is_some() {
+        let section = table::section(&compiler(), &rows, &yardstick::rows(), &fast::errors());
+        std::fs::write(readme(), format!("{before}{section}{after}")).expect("the README takes it");
+        return;
+    }
+    if !stated.contains(&format!("Compiled by {},", compiler())) {
+        println!("the README's figures are of another compiler than {}: not compared", compiler());
+        return;
+    }
+    let held = table::read(stated);
+    assert_eq!(held.len(), rows.len(), "the README lists other functions: BALLRACE_WRITE=1 rewrites it");
+    for (stated, found) in held.iter().zip(&rows) {
+        compare(stated, found);
+    }
+    let derived = table::section(&compiler(), &held, &yardstick::rows(), &fast::errors());
+    assert_eq!(stated, derived, "the short tables are those of the full one: BALLRACE_WRITE=1 rewrites them");
+}
+
+fn compare(stated: &Row, found: &Row) {
+    assert_eq!(stated.name(), found.name(), "BALLRACE_WRITE=1 rewrites the README's table");
+    for ((what, stated), (_, found_figure)) in stated.figures().into_iter().zip(found.figures()) {
+        let change = f64::from(found_figure) / f64::from(stated.max(1)) - 1.0;
+        let says = format!("{}: {found_figure} {what}, the README says {stated}", found.name());
+        assert!(change <= MARGIN, "{says}");
+        assert!(change >= -MARGIN, "{says}, more than it takes now: BALLRACE_WRITE=1 rewrites it");
+    }
+}

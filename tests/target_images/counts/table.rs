@@ -1,0 +1,150 @@
+//! The README's section: two short tables and the full one, from which the test reads back.
+
+use super::fast::Errors;
+use super::yardstick::Compiled;
+use std::fmt::Write;
+
+const BEGIN: &str = "<!-- counts:begin -->\n";
+const END: &str = "<!-- counts:end -->";
+const FULL: &str = "| what | N | precision | math | function | instructions | cycles | stack | flash |";
+const ELEMENTS: [u32; 4] = [4, 8, 9, 16];
+
+/// One subject's figures.
+pub struct Row {
+    pub what: String,
+    pub elements: u32,
+    pub precision: String,
+    pub math: String,
+    pub function: String,
+    pub least: u32,
+    pub most: u32,
+    pub cycles: u32,
+    pub stack: u32,
+    pub flash: u32,
+}
+
+impl Row {
+    pub fn name(&self) -> String {
+        let Self { what, elements, precision, math, function, .. } = self;
+        format!("{what} | {elements} | {precision} | {math} | {function}")
+    }
+
+    pub fn figures(&self) -> [(&'static str, u32); 4] {
+        [
+            ("instructions", self.most),
+            ("cycles", self.cycles),
+            ("bytes of stack", self.stack),
+            ("bytes of flash", self.flash),
+        ]
+    }
+
+    fn instructions(&self) -> String {
+        if self.least == self.most { self.most.to_string() } else { format!("{} to {}", self.least, self.most) }
+    }
+
+    fn line(&self) -> String {
+        let Self { cycles, stack, flash, .. } = self;
+        format!("| {} | {} | {cycles} | {stack} | {flash} |", self.name(), self.instructions())
+    }
+
+    fn parse(line: &str) -> Self {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let [what, elements, precision, math, function, instructions, cycles, stack, flash] = cells[..] else {
+            panic!("nine cells: {line}")
+        };
+        let number = |text: &str| text.parse().expect("a number");
+        let (least, most) = instructions.split_once(" to ").unwrap_or((instructions, instructions));
+        Self {
+            what: what.to_owned(),
+            elements: number(elements),
+            precision: precision.to_owned(),
+            math: math.to_owned(),
+            function: function.to_owned(),
+            least: number(least),
+            most: number(most),
+            cycles: number(cycles),
+            stack: number(stack),
+            flash: number(flash),
+        }
+    }
+
+    fn is_hot(&self) -> bool {
+        self.precision == "f32" && self.math == "exact"
+    }
+}
+
+/// The text before the section, the section, the text after it.
+pub fn split(readme: &str) -> (&str, &str, &str) {
+    let begin = readme.find(BEGIN).expect("the README marks where the figures begin") + BEGIN.len();
+    let end = begin + readme[begin..].find(END).expect("and where they end");
+    (&readme[..begin], &readme[begin..end], &readme[end..])
+}
+
+/// The rows of the full table.
+pub fn read(section: &str) -> Vec<Row> {
+    let rows = section.lines().skip_while(|line| *line != FULL).skip(2);
+    rows.take_while(|line| line.starts_with('|')).map(Row::parse).collect()
+}
+
+/// The whole section.
+pub fn section(compiler: &str, rows: &[Row], yardstick: &Compiled, errors: &Errors) -> String {
+    let mut text = format!("Compiled by {compiler}, optimised for speed. Cycles are modelled.\n\n");
+    text += &by_elements(rows);
+    text += &functions(rows, yardstick);
+    text += &format!(
+        "`Fast`, by micromath, is off by at most {:.2} % in the square root, {:.2} % in the radial and {:.2} % in the angular \
+         force.\n\n",
+        100.0 * errors.root,
+        100.0 * errors.radial,
+        100.0 * errors.angular
+    );
+    text += "<details><summary>Every rung, number of elements, precision and math</summary>\n\n";
+    text += &format!("{FULL}\n| --- | --: | --- | --- | --- | --: | --: | --: | --: |\n");
+    for row in rows {
+        writeln!(text, "{}", row.line()).expect("a string takes it");
+    }
+    text + "\n</details>\n"
+}
+
+/// Force of each rung over the number of elements.
+fn by_elements(rows: &[Row]) -> String {
+    let mut text = "| force, f32: instructions (cycles) |".to_owned();
+    for n in ELEMENTS {
+        write!(text, " N = {n} |").expect("a string takes it");
+    }
+    text += "\n| --- | --: | --: | --: | --: |\n";
+    let force = |row: &&Row| row.is_hot() && row.function == "force" && row.elements > 0;
+    let mut done: Vec<&str> = Vec::new();
+    for row in rows.iter().filter(force) {
+        if done.contains(&row.what.as_str()) {
+            continue;
+        }
+        done.push(&row.what);
+        write!(text, "| {} |", row.what).expect("a string takes it");
+        for n in ELEMENTS {
+            let cell = rows.iter().filter(force).find(|other| other.what == row.what && other.elements == n);
+            let cell = cell.map_or("–".to_owned(), |row| format!("{} ({})", row.most, row.cycles));
+            write!(text, " {cell} |").expect("a string takes it");
+        }
+        text += "\n";
+    }
+    text + "\n"
+}
+
+/// What else is asked of 8 or 9 elements, and the yardstick.
+fn functions(rows: &[Row], yardstick: &Compiled) -> String {
+    let mut text = "| f32 | instructions | cycles | stack | flash |\n| --- | --: | --: | --: | --: |\n".to_owned();
+    let shown = |row: &&Row| row.is_hot() && (row.function != "force" || row.elements == 0) && row.elements != 8;
+    let in_cage = |row: &&Row| row.is_hot() && row.function.contains("frame");
+    for row in rows.iter().filter(in_cage).chain(rows.iter().filter(shown)) {
+        let Row { what, elements, function, most, cycles, stack, flash, .. } = row;
+        let what = if *elements == 0 { what.clone() } else { format!("{what}, N = {elements}") };
+        writeln!(text, "| {what}: {function} | {most} | {cycles} | {stack} | {flash} |").expect("a string takes it");
+    }
+    for function in &yardstick.functions {
+        let (name, instructions) = (&function.name, function.instructions);
+        writeln!(text, "| C by {}, N = 8, tables ready: {name} | {instructions} | – | – | – |", yardstick.compiler)
+            .expect("a string takes it");
+    }
+    text + "\n"
+}
