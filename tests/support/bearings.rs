@@ -23,7 +23,8 @@ pub fn deep_groove_geometry(clearance: f64) -> BallBearingGeometry {
 
 /// A 6205-size ball bearing with `N` balls and a diametral clearance.
 pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, Places<f64, N>> {
-    Angular::try_new(deep_groove_geometry(clearance), even_places(Turn::ZERO), Zero::Centred).expect("a possible bearing")
+    Angular::try_new(deep_groove_geometry(clearance), even_places(Turn::ZERO), Zero::Centred)
+        .expect("a possible bearing")
 }
 
 /// MODEL F4b's geometry: 14 balls of 7 mm on 38.5 mm at 25 degrees, conformity 0.52.

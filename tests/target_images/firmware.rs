@@ -32,3 +32,22 @@ fn the_worked_example_runs() {
         last = expected;
     }
 }
+
+/// With the feature `defmt` the same samples come as frames, which decode to the same words.
+#[test]
+#[ignore = "needs qemu-system-arm and the target thumbv7em-none-eabihf; tests/run runs it"]
+fn the_worked_example_logs_by_defmt() {
+    let image = super::images_with_defmt().join("firmware");
+    let elf = std::fs::read(&image).expect("an image");
+    let table = defmt_decoder::Table::parse(&elf).expect("a readable table").expect("a table of defmt");
+    let mut decoder = table.new_stream_decoder();
+    decoder.received(&super::emulated_bytes(&image, super::COUNTING));
+    let mut lines = Vec::new();
+    while let Ok(frame) = decoder.decode() {
+        lines.push(frame.display_message().to_string());
+    }
+    assert_eq!(lines.len(), 33, "{lines:?}");
+    assert!(lines[0].starts_with("0 Wrench { fx: "), "{}", lines[0]);
+    assert_eq!(lines[10].split("Status").nth(1), Some("(1)"), "the bad sample is flagged");
+    assert_eq!(lines[32], "held 1");
+}

@@ -4,6 +4,7 @@
 
 mod counts;
 mod firmware;
+mod smallest;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,19 +17,28 @@ fn root() -> PathBuf {
 /// Builds every image once and gives the folder they are in.
 fn images() -> &'static Path {
     static IMAGES: OnceLock<PathBuf> = OnceLock::new();
-    IMAGES.get_or_init(|| {
-        let crate_folder = root().join("tests/target");
-        let target = root().join("target/images");
-        let built = Command::new(env!("CARGO"))
-            .args(["build", "--release", "--locked", "--target-dir"])
-            .arg(&target)
-            .current_dir(&crate_folder)
-            .env_remove("RUSTFLAGS")
-            .status()
-            .expect("cargo runs");
-        assert!(built.success(), "the images build; missing target? type: rustup target add thumbv7em-none-eabihf");
-        target.join("thumbv7em-none-eabihf/release")
-    })
+    IMAGES.get_or_init(|| build("images", &[]))
+}
+
+/// The images with the kernel's feature `defmt`, and the example logging by it.
+fn images_with_defmt() -> &'static Path {
+    static IMAGES: OnceLock<PathBuf> = OnceLock::new();
+    IMAGES.get_or_init(|| build("images-defmt", &["-p", "firmware", "-p", "smallest", "--features", "defmt"]))
+}
+
+fn build(folder: &str, arguments: &[&str]) -> PathBuf {
+    let target = root().join("target").join(folder);
+    let built = cargo().args(["build", "--release", "--target-dir"]).arg(&target).args(arguments).status();
+    let built = built.expect("cargo runs");
+    assert!(built.success(), "the images build; missing target? type: rustup target add thumbv7em-none-eabihf");
+    target.join("thumbv7em-none-eabihf/release")
+}
+
+/// Cargo in the workspace of the images.
+fn cargo() -> Command {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(root().join("tests/target")).env_remove("RUSTFLAGS");
+    cargo
 }
 
 /// One instruction takes 256 ns of the emulated machine's time.
@@ -44,6 +54,10 @@ fn run_with(image: &str, arguments: &[&str]) -> String {
 }
 
 fn emulated(image: &Path, arguments: &[&str]) -> String {
+    String::from_utf8(emulated_bytes(image, arguments)).expect("text")
+}
+
+fn emulated_bytes(image: &Path, arguments: &[&str]) -> Vec<u8> {
     let output = Command::new("qemu-system-arm")
         .args(["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"])
         .args(["-semihosting-config", "enable=on,target=native"])
@@ -53,5 +67,5 @@ fn emulated(image: &Path, arguments: &[&str]) -> String {
         .output()
         .expect("missing: the emulator; type: apt-get install -y --no-install-recommends qemu-system-arm");
     assert!(output.status.success(), "{}: {}", image.display(), String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stdout).expect("text")
+    output.stdout
 }

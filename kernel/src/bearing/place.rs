@@ -31,6 +31,13 @@ impl<T: Scalar> Place<T> {
         Self { cos: T::from_f64(libm::cos(p)), sin: T::from_f64(libm::sin(p)), azimuth }
     }
 
+    /// From numbers made ready elsewhere: cosine and sine of the azimuth. No arithmetic, so that firmware with constants
+    /// in flash links none of what [`Place::at`] needs.
+    #[must_use]
+    pub const fn ready(cos: T, sin: T, azimuth: Turn) -> Self {
+        Self { cos, sin, azimuth }
+    }
+
     /// Number `j` of `count` evenly spaced ones, number 0 at `first`.
     #[must_use]
     pub fn even(first: Turn, j: usize, count: usize) -> Self {
@@ -64,6 +71,12 @@ pub fn even_pairs<T: Scalar, const H: usize>(first: Turn) -> Pairs<T, H> {
 }
 
 impl<T: Scalar, const H: usize> Pairs<T, H> {
+    /// From the places of one element of each pair.
+    #[must_use]
+    pub const fn new(half: Places<T, H>) -> Self {
+        Self(half)
+    }
+
     /// Seen from the frame turned by pi about X.
     #[must_use]
     pub fn mirrored(self) -> Self {

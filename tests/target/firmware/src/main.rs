@@ -5,6 +5,8 @@
 #![no_std]
 #![no_main]
 
+mod log;
+
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::{Bearing, HeldWrench, Places, even_places};
@@ -15,7 +17,7 @@ use cortex_m::interrupt::{Mutex, free};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::{entry, exception};
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::debug;
 use heapless::spsc::{Producer, Queue};
 use panic_semihosting as _;
 
@@ -101,10 +103,10 @@ fn main() -> ! {
         shaft = sample.shaft;
         // Every sample: fixed cost, no failure.
         let (wrench, status) = bearing.sample(&mut held, &sample.displacement, cage);
-        hprintln!("{},{:.3},{:.3},{:.3},{}", seen, wrench.fx, wrench.fy, wrench.fz, status.bits());
+        log::sample(seen, &wrench, status);
         seen += 1;
     }
-    hprintln!("held,{}", held.held());
+    log::held(held.held());
     done()
 }
 

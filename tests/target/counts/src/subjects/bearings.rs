@@ -89,7 +89,8 @@ impl Rungs<'_> {
     fn bearing<T: Scalar, B: Bearing<T>>(&self, what: &'static str, n: usize, bearing: B) {
         let bearing = black_box(bearing);
         let name = |function| self.name(what, n, function);
-        self.bench.measure(name("force"), force::<T, B> as *const (), input::<T>, |(u, cage)| force(&bearing, u, *cage));
+        self.bench
+            .measure(name("force"), force::<T, B> as *const (), input::<T>, |(u, cage)| force(&bearing, u, *cage));
         if !(self.every && matches!(n, 0 | 8 | 9)) {
             return;
         }
