@@ -6,17 +6,29 @@ mod measure;
 mod section;
 mod subjects;
 
+use measure::{ROUNDS, Times};
+use section::Section;
 use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
-use subjects::Subject;
+use subjects::{BATCH, BATCH_PRELOADED, COLUMNS, ROOTS, Subject};
+
+const SECTION: Section = Section { name: "bench", first_column: "ns a call" };
+
+/// Rows of ratios: the name, what is above, what is below.
+const RATIOS: [(&str, &str, &str); 3] = [
+    ("ratio: batch with play to square roots (aim: at most 1.5)", BATCH, ROOTS),
+    ("ratio: batch with preload to square roots", BATCH_PRELOADED, ROOTS),
+    ("ratio: batch with play to single evaluations", BATCH, "lumped, point contact, N = 8: force"),
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let given = |option: &str| env::args().any(|argument| argument == option);
     let mut subjects = subjects::all()?;
     if given("--check") {
         let text = fs::read_to_string(readme()).map_err(|error| format!("README.md: {error}"))?;
-        section::check(&text, &subjects)?;
+        let expected: Vec<&str> = section::rows(&subjects).into_iter().chain(RATIOS.map(|(name, ..)| name)).collect();
+        SECTION.check(&text, &expected).map_err(|fault| format!("README.md: {fault}"))?;
         println!("README.md: the benchmark table has all its rows");
     } else if given("--bench") {
         write(&mut subjects)?;
@@ -35,11 +47,52 @@ fn readme() -> PathBuf {
 
 fn write(subjects: &mut [Subject]) -> Result<(), Box<dyn Error>> {
     let times = measure::times(subjects);
-    let body = section::text(subjects, &times);
+    let body = body(subjects, &times);
     println!("{body}");
-    match fs::read_to_string(readme()).ok().and_then(|old| section::replaced(&old, &body)) {
-        Some(new) => fs::write(readme(), new)?,
-        None => println!("no README.md with {} and {}: nothing written", section::BEGIN, section::END),
-    }
+    let old = fs::read_to_string(readme())?;
+    fs::write(readme(), SECTION.replaced(&old, &body).ok_or("README.md has no place for the table")?)?;
     Ok(())
+}
+
+/// The section without its marks.
+fn body(subjects: &[Subject], times: &Times) -> String {
+    let place = |row: &str, column: &str| subjects.iter().position(|s| s.row == row && s.column == column);
+    let rows = section::rows_of(subjects, |i| times.median(i), 1);
+    let mut lines = vec![preamble(), String::new(), SECTION.header(), rows];
+    for (name, above, below) in RATIOS {
+        let ratio = |column| times.ratio(place(above, column)?, place(below, column)?);
+        lines.push(section::line(name, COLUMNS.map(|column| section::cell(ratio(column), 2))));
+    }
+    lines.join("\n")
+}
+
+fn preamble() -> String {
+    format!(
+        "{}, {} with {}, {}.\n\
+         Median of {ROUNDS} rounds in which all rows take turns; calls one after another, a call of a batch being one sample.\n\
+         The times are an indication: they change with machine, compiler and load. The ratios, each taken within a round, are\n\
+         the result.",
+        processor(),
+        env::consts::ARCH,
+        vector_unit(),
+        section::compiler(),
+    )
+}
+
+fn processor() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split_once(':'));
+    model.map_or("unknown processor".to_owned(), |(_, name)| name.trim().to_owned())
+}
+
+/// The widest vector instructions that the compiler was allowed to use.
+fn vector_unit() -> &'static str {
+    let units = [
+        ("AVX-512", cfg!(target_feature = "avx512f")),
+        ("AVX2", cfg!(target_feature = "avx2")),
+        ("AVX", cfg!(target_feature = "avx")),
+        ("SSE2", cfg!(target_feature = "sse2")),
+        ("NEON", cfg!(target_feature = "neon")),
+    ];
+    units.into_iter().find(|(_, there)| *there).map_or("no vector unit", |(name, _)| name)
 }

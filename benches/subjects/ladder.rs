@@ -5,7 +5,7 @@ use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::bearing::{Bearing, Places, even_pairs, even_places};
 use ballrace::contact::law::{Line, Point};
 use ballrace::contact::line::roller_stiffness;
 use ballrace::{Displacement, Exact, Math, Scalar, Turn};
@@ -29,8 +29,22 @@ where
 /// The rungs with elements, for 8 and 16 of them.
 pub fn moving<T: Scalar, M: Math<T>>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
     let mut subjects = of_elements::<T, M, 8>(column)?;
+    subjects.extend(of_pairs::<T, M, 4>(column)?);
     subjects.extend(of_elements::<T, M, 16>(column)?);
     Ok(subjects)
+}
+
+/// Opposite pairs, `2 H` elements.
+fn of_pairs<T: Scalar, M: Math<T>, const H: usize>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
+    let point = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
+    let balls = Radial::<T, M, _, _>::try_new(even_pairs::<T, H>(Turn::ZERO), point, RADIAL_PLAY)?;
+    let angular = Angular::<T, M, _>::try_new(geometry()?, even_pairs::<T, H>(Turn::ZERO), Zero::Centred)?;
+    let n = 2 * H;
+    let subjects = [
+        force_and_tangent(&format!("lumped, point contact, pairs, N = {n}"), column, balls),
+        force_and_tangent(&format!("angular, pairs, N = {n}"), column, angular),
+    ];
+    Ok(subjects.into_iter().flatten().collect())
 }
 
 fn of_elements<T: Scalar, M: Math<T>, const N: usize>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
