@@ -4,6 +4,7 @@
 
 mod counts;
 mod firmware;
+mod links;
 mod smallest;
 
 use std::path::{Path, PathBuf};

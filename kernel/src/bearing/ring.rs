@@ -288,32 +288,14 @@ impl<T: Scalar> StiffnessSum<T> {
         let a = self.axial.turned(cage, tilt * arm);
         let [cx, cy] = turned(self.cross_first, cage, scale);
         let [ax, ay] = turned(self.axial_first, cage, tilt);
-        Stiffness::from_row_slice(&[
-            r.cc,
-            r.cs,
-            cx,
-            c.cs,
-            -c.cc, //
-            r.cs,
-            r.ss,
-            cy,
-            c.ss,
-            -c.cs, //
-            cx,
-            cy,
-            scale * self.axial_sum,
-            ay,
-            -ax, //
-            c.cs,
-            c.ss,
-            ay,
-            a.ss,
-            -a.cs, //
-            -c.cc,
-            -c.cs,
-            -ax,
-            -a.cs,
-            a.cc,
-        ])
+        #[rustfmt::skip]
+        let stiffness = Stiffness::new(
+            r.cc, r.cs, cx, c.cs, -c.cc,
+            r.cs, r.ss, cy, c.ss, -c.cs,
+            cx, cy, scale * self.axial_sum, ay, -ax,
+            c.cs, c.ss, ay, a.ss, -a.cs,
+            -c.cc, -c.cs, -ax, -a.cs, a.cc,
+        );
+        stiffness
     }
 }

@@ -35,7 +35,7 @@ pub fn input<T: Scalar>(i: u32) -> (Displacement<T>, Turn) {
     };
     let mut u = [random() * 60e-6, random() * 60e-6, random() * 120e-6, random() * 1e-3, random() * 1e-3];
     let special = |k: u32| SPECIAL.get(k as usize % SPECIAL.len()).copied().unwrap_or(0.0);
-    if i % 3 == 0 {
+    if i.is_multiple_of(3) {
         let k = i / 3;
         if let Some(x) = u.get_mut(k as usize % 5) {
             *x = special(k / 5);

@@ -113,5 +113,7 @@ fn main() -> ! {
 /// Ends the emulator's run.
 fn done() -> ! {
     debug::exit(debug::EXIT_SUCCESS);
-    loop {}
+    loop {
+        core::hint::spin_loop();
+    }
 }

@@ -77,7 +77,7 @@ fn steps<T: Scalar, I: Integrator<T>>(
     let prepare = |i| {
         let (u, angle) = input::<T>(i);
         let state = RotorState::at_rest(u, angle.times(3), [angle, angle.times(5)]);
-        let speed = if i % 7 == 0 { u.u } else { u.w * T::from_f64(1e7) };
+        let speed = if i.is_multiple_of(7) { u.u } else { u.w * T::from_f64(1e7) };
         (state, Drive { angle, speed, acceleration: T::ZERO })
     };
     bench.measure(name, step::<T, I> as *const (), prepare, |(state, drive)| step(integrator, machine, state, drive));

@@ -23,7 +23,11 @@ const PLACES: Pairs<f32, 4> = Pairs::new([
 
 #[entry]
 fn main() -> ! {
-    let Ok(bearing) = Radial::<f32, Exact, _, _>::try_new(PLACES, Point { stiffness: 8e9 }, 5e-6) else { loop {} };
+    let Ok(bearing) = Radial::<f32, Exact, _, _>::try_new(PLACES, Point { stiffness: 8e9 }, 5e-6) else {
+        loop {
+            core::hint::spin_loop();
+        }
+    };
     let mut held = HeldWrench::new();
     loop {
         let (u, cage): (Displacement<f32>, Turn) = black_box((Displacement::default(), Turn::ZERO));

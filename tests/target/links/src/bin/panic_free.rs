@@ -1,0 +1,110 @@
+//! Every hot-path function of the kernel, with inputs that the compiler knows nothing of.
+#![no_std]
+#![no_main]
+
+use ballrace::bearing::angular::Angular;
+use ballrace::bearing::batch::radial_batch;
+use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+use ballrace::bearing::linear::Linear;
+use ballrace::bearing::lumped::{Axial, Combined, Radial};
+use ballrace::bearing::surface::Spall;
+use ballrace::bearing::{HeldWrench, InCage, Mirrored, Pairs, Place, Places};
+use ballrace::contact::law::{Law, Line, Point, Power};
+use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
+use ballrace::rotor::{Drive, Integrator, Machine, Newmark, RotorState, RungeKutta4};
+use ballrace::turn::{Arc, Ratio};
+use ballrace::{Bearing, Displacement, Exact, Fast, Math, Scalar, Stiffness, Turn, Wrench};
+use core::hint::black_box;
+use panic_never as _;
+
+/// A value of any type that the compiler has to take as it is. Nothing runs this image: it is linked, not called.
+fn given<T>() -> T {
+    match black_box(None) {
+        Some(value) => value,
+        None => loop {
+            core::hint::spin_loop();
+        },
+    }
+}
+
+fn bearing<T: Scalar, B: Bearing<T>>() {
+    let (bearing, u, cage, mut held): (B, Displacement<T>, Turn, HeldWrench<T>) = given();
+    black_box(bearing.reaction(&u, cage));
+    black_box(bearing.reaction_and_stiffness(&u, cage));
+    black_box(bearing.sample(&mut held, &u, cage));
+    bearing.element_loads(&u, cage, given::<&mut [T]>());
+    black_box(held.held());
+}
+
+fn in_cage<T: Scalar, B: InCage<T> + Bearing<T>>() {
+    let (bearing, u, cage): (B, Displacement<T>, Turn) = given();
+    black_box(bearing.reaction_in_cage(&u, cage));
+    black_box(bearing.reaction_in_cage_and_stiffness(&u, cage, given()));
+    bearing.element_loads_in_cage(&u, cage, given::<&mut [T]>());
+    self::bearing::<T, B>();
+    self::bearing::<T, Mirrored<B>>();
+}
+
+fn flexible<T: Scalar, B: FlexibleRing<T>>() {
+    let (bearing, u, cage): (B, Displacement<T>, Turn) = given();
+    black_box(bearing.reaction_flexible(&u, cage, given::<&mut [HousingPoint<T>]>()));
+    black_box(bearing.reaction_and_stiffness_flexible(&u, cage, given::<&mut [HousingPoint<T>]>()));
+}
+
+fn lumped<T: Scalar, M: Math<T>, L: Law<T, M>>() {
+    type Slice<T> = &'static [Place<T>];
+    in_cage::<T, Radial<T, M, L, Places<T, 9>>>();
+    in_cage::<T, Radial<T, M, L, Places<T, 9>, Spall<T>>>();
+    in_cage::<T, Radial<T, M, L, Slice<T>>>();
+    in_cage::<T, Radial<T, M, L, Pairs<T, 4>>>();
+    in_cage::<T, Axial<T, M, L, Places<T, 9>>>();
+    in_cage::<T, Axial<T, M, L, Pairs<T, 4>>>();
+    in_cage::<T, Combined<Radial<T, M, L, Places<T, 9>>, Axial<T, M, L, Places<T, 9>>>>();
+    flexible::<T, Radial<T, M, L, Slice<T>>>();
+    flexible::<T, Combined<Radial<T, M, L, Places<T, 9>>, Axial<T, M, L, Places<T, 9>>>>();
+    radial_batch(&given::<Radial<T, M, L, Slice<T>>>(), given(), given(), given());
+}
+
+fn rotor<T: Scalar, M: Math<T>, B: Bearing<T>>() {
+    let (machine, mut state, drive): (Machine<T, M, B, 2>, RotorState<T, 2>, Drive<T>) = given();
+    black_box(given::<RungeKutta4<T>>().step(&machine, &mut state, &drive));
+    black_box(given::<Newmark<T>>().step(&machine, &mut state, &drive));
+    black_box((state, drive.after(given())));
+}
+
+fn functions<T: Scalar, M: Math<T>>() {
+    black_box((M::sqrt(given()), M::powf(given(), given()), M::ninth_root(given()), M::sin_cos(given())));
+    black_box((M::sqrt_each::<9>(given()), M::three_halves::<9>(given())));
+    let (u, f, k): (Displacement<T>, Wrench<T>, Stiffness<T>) = given();
+    black_box((u.mirrored(), u.at_station(given()), u.is_finite(), Displacement::<T>::from_hajzman(given())));
+    black_box((f.mirrored(), f.from_station(given()), f.is_finite(), f.to_hajzman(), f.plus(given())));
+    black_box((mirrored_stiffness(&k), stiffness_from_station(&k, given())));
+    black_box((Arc::from_radians(given::<T>()), given::<Arc>().radians::<T>()));
+}
+
+fn all<T: Scalar, M: Math<T>>() {
+    functions::<T, M>();
+    bearing::<T, Linear<T>>();
+    lumped::<T, M, Point<T>>();
+    lumped::<T, M, Line<T>>();
+    lumped::<T, M, Power<T>>();
+    in_cage::<T, Angular<T, M, Places<T, 9>>>();
+    in_cage::<T, Angular<T, M, &'static [Place<T>], Spall<T>>>();
+    in_cage::<T, Angular<T, M, Pairs<T, 4>>>();
+    rotor::<T, M, Angular<T, M, Places<T, 9>>>();
+    rotor::<T, M, Linear<T>>();
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    all::<f32, Exact>();
+    all::<f32, Fast>();
+    all::<f64, Exact>();
+    all::<f64, Fast>();
+    let (turn, arc, ratio): (Turn, Arc, Ratio) = given();
+    black_box((turn.plus(given()), turn.since(given()), turn.advanced(arc), turn.reversed(), turn.times(given())));
+    black_box((Turn::choose(given(), turn, given()), turn.opposite(), ratio.of(arc)));
+    loop {
+        core::hint::spin_loop();
+    }
+}
