@@ -2,9 +2,12 @@
 //!
 //! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the README's figures.
 
+mod bits;
 mod counts;
+mod deny;
 mod firmware;
 mod links;
+mod roots;
 mod smallest;
 
 use std::path::{Path, PathBuf};
@@ -35,6 +38,22 @@ fn build(folder: &str, arguments: &[&str]) -> PathBuf {
     target.join("thumbv7em-none-eabihf/release")
 }
 
+const HOST: &str = "x86_64-unknown-linux-gnu";
+
+/// Builds the program of one package for any target, and gives it.
+fn build_package(package: &str, target: &str, profile: &str, flags: Option<&str>) -> PathBuf {
+    let folder = root().join("target").join(if flags.is_some() { "images-avx2" } else { "images" });
+    let mut cargo = cargo();
+    cargo.args(["build", "-p", package, "--profile", profile, "--target", target, "--target-dir"]).arg(&folder);
+    if let Some(flags) = flags {
+        cargo.env("RUSTFLAGS", flags);
+    }
+    let built = cargo.status().expect("cargo runs");
+    assert!(built.success(), "{package} builds; missing target? type: rustup target add {target}");
+    let profile_folder = if profile == "dev" { "debug" } else { profile };
+    folder.join(target).join(profile_folder).join(package)
+}
+
 /// Cargo in the workspace of the images.
 fn cargo() -> Command {
     let mut cargo = Command::new(env!("CARGO"));
@@ -59,8 +78,12 @@ fn emulated(image: &Path, arguments: &[&str]) -> String {
 }
 
 fn emulated_bytes(image: &Path, arguments: &[&str]) -> Vec<u8> {
+    emulated_on("mps2-an386", image, arguments)
+}
+
+fn emulated_on(board: &str, image: &Path, arguments: &[&str]) -> Vec<u8> {
     let output = Command::new("qemu-system-arm")
-        .args(["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"])
+        .args(["-M", board, "-nographic", "-monitor", "none", "-serial", "none"])
         .args(["-semihosting-config", "enable=on,target=native"])
         .args(arguments)
         .arg("-kernel")

@@ -4,7 +4,7 @@ mod fast;
 mod listing;
 mod path;
 mod table;
-mod yardstick;
+pub mod yardstick;
 
 use listing::Listing;
 use std::path::PathBuf;

@@ -1,5 +1,6 @@
 //! The hand-written C beside the kernel: compiled and counted in the same run.
 
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// One C function: its name and its instructions.
@@ -8,7 +9,7 @@ pub struct Yardstick {
     pub instructions: u32,
 }
 
-/// With the compiler's version as first entry's company.
+/// All of them, and what compiled them.
 pub struct Compiled {
     pub compiler: String,
     pub functions: Vec<Yardstick>,
@@ -17,10 +18,10 @@ pub struct Compiled {
 const COMPILER: &str = "arm-none-eabi-gcc";
 const MISSING: &str = "missing: the cross compiler; type: apt-get install -y --no-install-recommends gcc-arm-none-eabi";
 
-pub fn rows() -> Compiled {
+/// Compiles it into an image in `folder`.
+pub fn compiled_into(folder: &Path) -> PathBuf {
     let source = super::super::root().join("tests/target/yardstick");
-    let folder = tempfile::tempdir().expect("a folder");
-    let image = folder.path().join("yardstick");
+    let image = folder.join("yardstick");
     let built = Command::new(COMPILER)
         .args(["-O3", "-fno-math-errno", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"])
         .args(["-nostdlib", "-ffreestanding", "-T", "link.ld", "main.c", "forces.c", "-o"])
@@ -29,6 +30,13 @@ pub fn rows() -> Compiled {
         .status()
         .expect(MISSING);
     assert!(built.success(), "the yardstick compiles");
+    image
+}
+
+/// Compiled and counted.
+pub fn rows() -> Compiled {
+    let folder = tempfile::tempdir().expect("a folder");
+    let image = compiled_into(folder.path());
     let printed = super::super::emulated(&image, super::super::COUNTING);
     let functions = printed
         .lines()

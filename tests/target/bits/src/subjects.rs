@@ -1,0 +1,249 @@
+//! Every rung, rotor step and the twin, in `f32` with the math backend `Exact`.
+
+use crate::Sample;
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
+use ballrace::bearing::linear::Linear;
+use ballrace::bearing::lumped::{Axial, Combined, Radial};
+use ballrace::bearing::surface::{Spall, SpallShape};
+use ballrace::bearing::{HeldWrench, Mirrored, Pairs, Places, even_pairs, even_places};
+use ballrace::contact::law::{Line, Point, Power};
+use ballrace::rotor::{
+    Drive, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
+};
+use ballrace::turn::Ratio;
+use ballrace::{Bearing, Displacement, Exact, Math, Stiffness, Turn};
+
+/// FNV-1a over the bits of results.
+#[derive(Clone, Copy)]
+struct Checksum(u64);
+
+impl Checksum {
+    const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+
+    fn add(&mut self, results: impl IntoIterator<Item = f32>) {
+        for x in results {
+            self.add_bits(x.to_bits());
+        }
+    }
+
+    fn add_bits(&mut self, bits: u32) {
+        for byte in bits.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+type Nine = Places<f32, 9>;
+type Ball = Angular<f32, Exact, Nine>;
+type Both = Combined<Radial<f32, Exact, Point<f32>, Nine>, Axial<f32, Exact, Point<f32>, Nine>>;
+
+/// The bearings of all rungs.
+struct Bearings {
+    linear: Linear<f32>,
+    balls: Radial<f32, Exact, Point<f32>, Nine>,
+    preloaded: Radial<f32, Exact, Point<f32>, Nine>,
+    pairs: Radial<f32, Exact, Point<f32>, Pairs<f32, 4>>,
+    rollers: Radial<f32, Exact, Line<f32>, Nine>,
+    power: Radial<f32, Exact, Power<f32>, Nine>,
+    axial: Axial<f32, Exact, Point<f32>, Nine>,
+    angular: Ball,
+    angular_pairs: Angular<f32, Exact, Pairs<f32, 4>>,
+    spalled: Angular<f32, Exact, Nine, Spall<f32>>,
+    facing_back: Mirrored<Ball>,
+}
+
+const COUNT: usize = 12;
+
+impl Bearings {
+    fn try_new() -> Result<Self, InvalidParameter> {
+        let places: Nine = even_places(Turn(0x0123_4567_89ab_cdef));
+        let point = Point { stiffness: 8e9 };
+        let geometry = BallBearingGeometry {
+            ball_diameter: 7.94e-3,
+            pitch_diameter: 39.04e-3,
+            inner_conformity: 0.52,
+            outer_conformity: 0.52,
+            contact_angle: 0.0,
+            ball: BEARING_STEEL,
+            race: BEARING_STEEL,
+        }
+        .with_clearance(10e-6)?;
+        let angular = Angular::try_new(geometry, places, Zero::Centred)?;
+        let spall = Spall::new(Turn::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
+        let (_, tangent) =
+            angular.reaction_and_stiffness(&Displacement { w: 60e-6, ..Displacement::default() }, Turn(0));
+        Ok(Self {
+            linear: Linear::new(tangent),
+            balls: Radial::try_new(places, point, 5e-7)?,
+            preloaded: Radial::try_new(places, point, -2e-6)?,
+            pairs: Radial::try_new(even_pairs(Turn::ZERO), point, 5e-7)?,
+            rollers: Radial::try_new(places, Line { stiffness: 3e8 }, 5e-7)?,
+            power: Radial::try_new(places, Power { stiffness: 2e9, exponent: 1.4 }, 5e-7)?,
+            axial: Axial::try_new(places, point, 5e-6, 0.02)?,
+            angular,
+            angular_pairs: Angular::try_new(geometry, even_pairs(Turn::ZERO), Zero::Centred)?,
+            spalled: angular.with_surface(spall),
+            facing_back: Mirrored(angular),
+        })
+    }
+
+    fn flexible(&self) -> Both {
+        Combined(self.balls, self.axial)
+    }
+
+    fn named<'a>(&'a self, combined: &'a Both) -> [(&'static str, &'a dyn Bearing<f32>); COUNT] {
+        [
+            ("linear", &self.linear),
+            ("radial 3/2", &self.balls),
+            ("radial 3/2, preload", &self.preloaded),
+            ("radial 3/2, pairs", &self.pairs),
+            ("radial 10/9", &self.rollers),
+            ("radial, any power", &self.power),
+            ("axial 3/2", &self.axial),
+            ("radial and axial 3/2", combined),
+            ("angular", &self.angular),
+            ("angular, pairs", &self.angular_pairs),
+            ("angular, spall", &self.spalled),
+            ("angular, mirrored", &self.facing_back),
+        ]
+    }
+}
+
+/// The rotor, its twin along the recording, and what is summed up so far.
+pub struct Subjects {
+    bearings: Bearings,
+    machine: Machine<f32, Exact, Ball, 2>,
+    held: [HeldWrench<f32>; COUNT],
+    forces: [Checksum; COUNT],
+    flexible: Checksum,
+    cage_angle: Checksum,
+    runge_kutta: (RotorState<f32, 2>, Checksum),
+    newmark: (RotorState<f32, 2>, Checksum),
+    residual: Checksum,
+    cage: Turn,
+    last: Option<Sample>,
+    taken: u32,
+}
+
+/// Tangents, loads and the flexible ring are summed up at every so many samples: they cost most without an FPU.
+const SPARSE: u32 = 16;
+/// s between samples.
+const STEP: f32 = 1.0 / 12_800.0;
+const CAGE_RATIO: f64 = 0.398_3;
+
+fn machine(bearing: Ball) -> Result<Machine<f32, Exact, Ball, 2>, InvalidParameter> {
+    let mut damping = [[0.0; 5]; 5];
+    for (i, row) in damping.iter_mut().enumerate() {
+        if let Some(entry) = row.get_mut(i) {
+            *entry = if i < 3 { 400.0 } else { 0.4 };
+        }
+    }
+    let params = RotorParams {
+        mass: 6.0,
+        diametral_inertia: 0.030,
+        polar_inertia: 0.006,
+        damping,
+        stiffness: [0.0; 5],
+        gravity: [0.0, -9.80665, 0.0],
+        load: [0.0, 0.0, 60.0, 0.0, 0.0],
+    };
+    let rotor = RigidRotor::try_new(&params, &[Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 }])?;
+    let at = |station| Mounted { bearing, station, cage_ratio: Ratio::new(CAGE_RATIO) };
+    Ok(Machine { rotor, bearings: [at(-0.1), at(0.1)] })
+}
+
+impl Subjects {
+    /// Nothing taken yet.
+    ///
+    /// # Errors
+    /// None with the parameters above; set-up can always say so.
+    pub fn try_new() -> Result<Self, InvalidParameter> {
+        let bearings = Bearings::try_new()?;
+        let start =
+            RotorState::at_rest(Displacement { w: 60e-6, ..Displacement::default() }, Turn::ZERO, [Turn::ZERO; 2]);
+        Ok(Self {
+            machine: machine(bearings.angular)?,
+            bearings,
+            held: [HeldWrench::new(); COUNT],
+            forces: [Checksum::EMPTY; COUNT],
+            flexible: Checksum::EMPTY,
+            cage_angle: Checksum::EMPTY,
+            runge_kutta: (start, Checksum::EMPTY),
+            newmark: (start, Checksum::EMPTY),
+            residual: Checksum::EMPTY,
+            cage: Turn::ZERO,
+            last: None,
+            taken: 0,
+        })
+    }
+
+    /// The next sample.
+    pub fn take(&mut self, sample: &Sample) {
+        let turned = self.last.map_or(ballrace::turn::Arc::ZERO, |last| sample.shaft.since(last.shaft));
+        self.cage = self.cage.advanced(Ratio::new(CAGE_RATIO).of(turned));
+        let (sin, cos): (f32, f32) = Exact::sin_cos(self.cage);
+        self.cage_angle.add([sin, cos]);
+        self.take_forces(sample);
+        self.take_steps(sample, turned.radians::<f32>() / STEP);
+        self.last = Some(*sample);
+        self.taken += 1;
+    }
+
+    fn take_forces(&mut self, sample: &Sample) {
+        let u = &sample.displacement;
+        let sparse = self.taken.is_multiple_of(SPARSE) && u.is_finite();
+        let combined = self.bearings.flexible();
+        let bearings = self.bearings.named(&combined);
+        for (((_, bearing), held), sum) in bearings.into_iter().zip(&mut self.held).zip(&mut self.forces) {
+            let (wrench, status) = bearing.sample(held, u, self.cage);
+            sum.add(wrench.to_array());
+            sum.add_bits(u32::from(status.bits()));
+            if sparse {
+                let (reaction, tangent): (_, Stiffness<f32>) = bearing.reaction_and_stiffness(u, self.cage);
+                let mut loads = [0.0; 9];
+                bearing.element_loads(u, self.cage, &mut loads);
+                sum.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()).chain(loads));
+            }
+        }
+        if sparse {
+            let point = HousingPoint { displacement: [1e-6, -2e-6, 5e-7], reaction: [0.0; 3] };
+            let mut housing = [point; 9];
+            let (reaction, tangent) = combined.reaction_and_stiffness_flexible(u, self.cage, &mut housing);
+            self.flexible.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()));
+            self.flexible.add(housing.into_iter().flat_map(|point| point.reaction));
+        }
+    }
+
+    /// One step of both integrators along the recording's shaft angle, and what the twin leaves of the sample.
+    fn take_steps(&mut self, sample: &Sample, speed: f32) {
+        let drive = Drive { angle: sample.shaft, speed, acceleration: 0.0 };
+        let (state, sum) = &mut self.runge_kutta;
+        let status = RungeKutta4 { step: STEP }.step(&self.machine, state, &drive);
+        let twin = state.q.to_array();
+        sum.add(twin);
+        sum.add_bits(u32::from(status.bits()));
+        if sample.displacement.is_finite() {
+            let measured = sample.displacement.to_array();
+            self.residual.add(measured.into_iter().zip(twin).map(|(measured, twin)| measured - twin));
+        }
+        let (state, sum) = &mut self.newmark;
+        let status = Newmark { step: STEP, newton_steps: 3 }.step(&self.machine, state, &drive);
+        sum.add(state.q.to_array());
+        sum.add_bits(u32::from(status.bits()));
+    }
+
+    /// Tells each subject's name and checksum.
+    pub fn tell(&self, mut line: impl FnMut(&str, u64)) {
+        let combined = self.bearings.flexible();
+        for ((name, _), sum) in self.bearings.named(&combined).into_iter().zip(self.forces) {
+            line(name, sum.0);
+        }
+        line("flexible ring", self.flexible.0);
+        line("sine and cosine", self.cage_angle.0);
+        line("Runge-Kutta 4", self.runge_kutta.1.0);
+        line("Newmark", self.newmark.1.0);
+        line("twin's residual", self.residual.0);
+    }
+}

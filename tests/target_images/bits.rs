@@ -1,0 +1,134 @@
+//! The same bits everywhere: checksums over a recording on the desktop and on five kinds of microcontroller.
+
+use super::{HOST, build_package};
+use std::path::Path;
+use std::process::Command;
+use std::thread;
+
+/// Samples of the recording that are taken.
+const SAMPLES: usize = 10_240;
+/// Samples spoilt on purpose: the kernel answers them with the last good value.
+const SPOILT: [(usize, usize, f32); 3] = [(100, 0, f32::NAN), (101, 2, f32::INFINITY), (5_000, 4, f32::NEG_INFINITY)];
+
+/// Where an image runs.
+struct Machine {
+    target: &'static str,
+    emulator: &'static str,
+    release_board: &'static str,
+    debug_board: &'static str,
+}
+
+const MACHINES: [Machine; 5] = [
+    arm("thumbv7em-none-eabihf", "mps2-an386", "mps2-an386"),
+    arm("thumbv7em-none-eabi", "mps2-an386", "mps2-an386"),
+    arm("thumbv6m-none-eabi", "microbit", "mps2-an385"),
+    arm("thumbv8m.main-none-eabihf", "mps2-an505", "mps2-an505"),
+    Machine {
+        target: "riscv32imac-unknown-none-elf",
+        emulator: "qemu-system-riscv32",
+        release_board: "virt",
+        debug_board: "virt",
+    },
+];
+
+const fn arm(target: &'static str, release_board: &'static str, debug_board: &'static str) -> Machine {
+    Machine { target, emulator: "qemu-system-arm", release_board, debug_board }
+}
+
+/// The rig's recording with a spall as the images read it: five `f32` and a turn counter a sample.
+fn recording() -> Vec<u8> {
+    let text = include_str!("../recordings/outer-spall.csv");
+    let mut bytes = Vec::new();
+    for (i, line) in text.lines().skip(1).take(SAMPLES).enumerate() {
+        let cells: Vec<f32> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let [_, de_x, de_y, nde_x, nde_y, axial, _] = cells[..] else { panic!("seven columns: {line}") };
+        let micro = |x: f32| x * 1e-6;
+        let tilt = |de: f32, nde: f32| micro(nde - de) / 0.24;
+        let (u, v) = (micro(0.5 * (de_x + nde_x)), micro(0.5 * (de_y + nde_y)));
+        let mut sample = [u, v, micro(axial), -tilt(de_y, nde_y), tilt(de_x, nde_x)];
+        for (at, entry, value) in SPOILT {
+            if at == i {
+                sample[entry] = value;
+            }
+        }
+        // 3000 rpm at 12.8 kHz: 1/256 turn a sample.
+        let turn = (i as u64).wrapping_mul(1 << 56);
+        bytes.extend(sample.iter().flat_map(|x| x.to_le_bytes()).chain(turn.to_le_bytes()));
+    }
+    assert_eq!(bytes.len(), SAMPLES * 28);
+    bytes
+}
+
+/// What a program prints, started beside the recording.
+fn checksums(program: &mut Command, folder: &Path) -> String {
+    let output = program.current_dir(folder).output().expect("missing: an emulator; tests/run names the line to type");
+    assert!(output.status.success(), "{program:?}: {}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn on_board(machine: &Machine, board: &str, image: &Path) -> Command {
+    let mut command = Command::new(machine.emulator);
+    command.args(["-M", board, "-nographic", "-monitor", "none", "-serial", "none"]);
+    command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
+    if machine.emulator.contains("riscv") {
+        command.args(["-bios", "none"]);
+    }
+    command
+}
+
+/// Every run beside the reference: its name and what to start.
+fn runs() -> Vec<(String, Command)> {
+    let mut runs = vec![("x86-64, not optimised".to_owned(), Command::new(build_package("bits", HOST, "dev", None)))];
+    if cfg!(target_arch = "x86_64") && std::arch::is_x86_feature_detected!("avx2") {
+        let image = build_package("bits", HOST, "release", Some("-Ctarget-feature=+avx2,+fma"));
+        runs.push(("x86-64 with AVX2 and FMA".to_owned(), Command::new(image)));
+    } else {
+        println!("no AVX2 here: not compared");
+    }
+    for machine in &MACHINES {
+        for (profile, board) in [("release", machine.release_board), ("dev", machine.debug_board)] {
+            let image = build_package("bits", machine.target, profile, None);
+            runs.push((format!("{}, {profile}", machine.target), on_board(machine, board, &image)));
+        }
+    }
+    runs
+}
+
+#[test]
+#[ignore = "needs qemu-system-arm, qemu-system-misc and five targets; tests/run runs it"]
+fn every_machine_gives_the_same_bits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut bytes = recording();
+    std::fs::write(folder.path().join("recording.bin"), &bytes).expect("the recording is written");
+    let host = build_package("bits", HOST, "release", None);
+    let expected = checksums(&mut Command::new(&host), folder.path());
+    assert!(expected.lines().count() >= 17, "{expected}");
+
+    let runs = std::sync::Mutex::new(runs());
+    let next = || runs.lock().expect("no thread panics while it takes a run").pop();
+    thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some((name, mut run)) = next() {
+                    compare(&name, &checksums(&mut run, folder.path()), &expected);
+                }
+            });
+        }
+    });
+
+    // The comparison can fail: a thousandth of one sample changes all but what follows from the shaft's angle alone.
+    bytes[3_008 * 28 + 1] ^= 0x40;
+    bytes[3_008 * 28 + 9] ^= 0x40;
+    std::fs::write(folder.path().join("recording.bin"), &bytes).expect("the recording is written");
+    let other = checksums(&mut Command::new(&host), folder.path());
+    let same: Vec<&str> = expected.lines().filter(|line| other.contains(line)).collect();
+    assert!(same.len() == 3, "too little depends on the recording: {same:?}");
+}
+
+fn compare(name: &str, found: &str, expected: &str) {
+    println!("{name}");
+    for (found, expected) in found.lines().zip(expected.lines()) {
+        assert_eq!(found, expected, "{name} gives other bits than x86-64");
+    }
+    assert_eq!(found.lines().count(), expected.lines().count(), "{name}: {found}");
+}

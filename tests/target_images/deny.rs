@@ -1,0 +1,40 @@
+//! Instructions that give other bits on another machine are in no image: neither fused nor estimated.
+
+use std::process::Command;
+
+/// Mnemonics of fused multiply-adds and of estimates.
+const ARM: [&str; 6] = ["vfma", "vfms", "vfnma", "vfnms", "vrecp", "vrsqrt"];
+const X86: [&str; 6] = ["vfmadd", "vfmsub", "vfnmadd", "vfnmsub", "rsqrt", "rcpps"];
+
+/// Those of `forbidden` that stand in the code of `image`.
+fn found(objdump: &str, image: &std::path::Path, forbidden: &[&'static str]) -> Vec<&'static str> {
+    let output = Command::new(objdump).args(["-d", "--no-show-raw-insn"]).arg(image).output();
+    let output = output.unwrap_or_else(|error| panic!("missing: {objdump} ({error})"));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.lines().count() > 100, "a disassembly of {}", image.display());
+    let mnemonic = |line: &str| line.split('\t').nth(1).map(|words| words.trim().to_owned());
+    let has = |name: &&str| {
+        text.lines().filter_map(mnemonic).any(|m| m.starts_with(*name) || m.starts_with(&format!("v{name}")))
+    };
+    forbidden.iter().copied().filter(has).collect()
+}
+
+#[test]
+#[ignore = "needs gcc-arm-none-eabi and the target thumbv7em-none-eabihf; tests/run runs it"]
+fn no_fused_and_no_estimated_operations() {
+    let none: Vec<&str> = Vec::new();
+    for image in ["firmware", "counts", "smallest"] {
+        assert_eq!(found("arm-none-eabi-objdump", &super::images().join(image), &ARM), none, "{image}");
+    }
+    let host = super::build_package("bits", super::HOST, "release", Some("-Ctarget-feature=+avx2,+fma"));
+    assert_eq!(found("objdump", &host, &X86), none, "with AVX2 and FMA allowed");
+}
+
+/// The C yardstick is compiled with leave to fuse, and the check sees that it does.
+#[test]
+#[ignore = "needs gcc-arm-none-eabi; tests/run runs it"]
+fn the_check_sees_a_fused_operation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let image = super::counts::yardstick::compiled_into(folder.path());
+    assert_eq!(found("arm-none-eabi-objdump", &image, &ARM)[..1], ["vfma"]);
+}

@@ -1,0 +1,26 @@
+//! The machine's square root against the one in integer arithmetic: correctly rounded both, so the same bits.
+
+use std::process::Command;
+
+fn image(target: &str) -> std::path::PathBuf {
+    super::build_package("roots", target, "release", None)
+}
+
+/// All 2^32 inputs; 20 s on two cores.
+#[test]
+#[ignore = "takes 20 s; tests/run runs it"]
+fn every_root_on_the_desktop() {
+    let output = Command::new(image(super::HOST)).output().expect("the program runs");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(printed.trim(), "4294967296 compared, 0 differ; 0 groups differ");
+}
+
+/// A million inputs and all corners on both targets that have an FPU.
+#[test]
+#[ignore = "needs qemu-system-arm and two targets; tests/run runs it"]
+fn a_dense_set_of_roots_on_the_target() {
+    for (target, board) in [("thumbv7em-none-eabihf", "mps2-an386"), ("thumbv8m.main-none-eabihf", "mps2-an505")] {
+        let printed = String::from_utf8(super::emulated_on(board, &image(target), &[])).expect("text");
+        assert_eq!(printed.trim(), "1081089 compared, 0 differ", "{target}");
+    }
+}
