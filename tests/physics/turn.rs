@@ -38,3 +38,56 @@ fn angles_come_back() {
     assert_eq!(Turn::from_revolutions(-1e-30), Turn::ZERO, "rounds up to a whole turn");
     assert_eq!(Turn::from_revolutions(0.25).times(3), Turn::from_revolutions(0.75));
 }
+
+/// Samples in an hour at 25.6 kHz.
+const HOUR: u64 = 3_600 * 25_600;
+const THIRTY_DAYS: u64 = 30 * 24 * HOUR;
+
+/// An hour of samples, one after another, each a shaft increment and what the cage makes of it.
+fn an_hour(shaft: (Turn, Arc), cage: (Turn, Ratio)) -> (Turn, Turn) {
+    let ((mut shaft, increment), (mut cage, ratio)) = (shaft, cage);
+    for _ in 0..HOUR {
+        let increment = std::hint::black_box(increment);
+        shaft = shaft.advanced(increment);
+        cage = cage.advanced(ratio.of(increment));
+    }
+    (shaft, cage)
+}
+
+/// 30 000 rpm at 25.6 kHz is 5/256 of a turn a sample, exactly: after thirty days not one count of 2^-64 turn is missing.
+///
+/// One hour is stepped sample by sample; the counter forms a group, so the 719 others add the same hour again.
+#[test]
+fn thirty_days_at_full_speed_end_on_exactly_the_turn_they_should() {
+    let increment = Arc(5 << 56);
+    let ratio = Ratio::new(0.398_273);
+    let (shaft, cage) = an_hour((Turn::ZERO, increment), (Turn::ZERO, ratio));
+    let (again, cage_again) = an_hour((shaft, increment), (cage, ratio));
+    assert_eq!((again, cage_again), (shaft.times(2), cage.times(2)), "each hour adds the same");
+
+    let (shaft, cage) = (shaft.times(720), cage.times(720));
+    // In turns: 66 355 200 000 samples * 5/256 is a whole number, 1 296 000 000.
+    assert_eq!(THIRTY_DAYS * 5 % 256, 0);
+    assert_eq!(shaft, Turn::ZERO);
+    // The cage by one product in wide integers: it loses less than a count of 2^-64 turn a sample, 3.6e-9 turn in all.
+    let numerator = (ratio.value() * (1_u64 << 63) as f64) as u128;
+    let turns = THIRTY_DAYS * 5 / 256;
+    let expected = Turn((numerator * 2).wrapping_mul(u128::from(turns)) as u64);
+    let behind = expected.since(cage).0;
+    assert!((0..THIRTY_DAYS as i64).contains(&behind), "{behind} counts behind");
+}
+
+/// A speed that no binary fraction is: the increment is rounded once, by at most 2^-65 turn, and that is all the drift.
+#[test]
+fn thirty_days_at_an_odd_speed_stay_within_the_rounding_of_one_increment() {
+    // 29 998.7 rpm in turns a sample: 299 987 / (10 * 60 * 25 600).
+    let (numerator, denominator) = (299_987_u128, 15_360_000_u128);
+    let increment = Arc(((numerator << 64) / denominator) as i64);
+    let (shaft, _) = an_hour((Turn::ZERO, increment), (Turn::ZERO, Ratio::new(0.4)));
+    let shaft = shaft.times(720);
+    // The true angle in counts: samples * numerator / denominator turns, what is left of whole turns in 2^-64.
+    let left = u128::from(THIRTY_DAYS) * numerator % denominator;
+    let expected = Turn(((left << 64) / denominator) as u64);
+    let behind = expected.since(shaft).0;
+    assert!((0..=THIRTY_DAYS as i64).contains(&behind), "{behind} counts of 2^-64 turn, 3.6e-9 turn at most");
+}
