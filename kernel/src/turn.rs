@@ -7,6 +7,13 @@ use crate::scalar::Scalar;
 /// Adding wraps exactly, so a shaft that turns for years loses nothing, where a growing float would
 /// lose a bit with every doubling. Resolution 2^-64 turn = 3.4e-19 rad. Cost of an addition: two
 /// instructions on a 32-bit target.
+///
+/// ```
+/// use ballrace::Turn;
+/// let quarter = Turn::from_revolutions(0.25);
+/// assert_eq!(quarter.times(4), Turn::ZERO);
+/// assert_eq!(quarter.opposite(), Turn::from_revolutions(0.75));
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turn(pub u64);
@@ -123,6 +130,15 @@ impl Arc {
 /// A constant ratio of two angles, such as cage over shaft, as a fixed-point number below 1 in size.
 ///
 /// A float product would drift by its rounding every turn; this loses at most 2^-64 turn an increment.
+///
+/// ```
+/// use ballrace::Turn;
+/// use ballrace::turn::Ratio;
+/// // The cage turns while the shaft makes an eighth of a turn.
+/// let shaft = Turn::from_revolutions(0.125).since(Turn::ZERO);
+/// let cage = Turn::ZERO.advanced(Ratio::new(0.4).of(shaft));
+/// assert!((cage.revolutions() - 0.05).abs() < 1e-15);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ratio(i64);

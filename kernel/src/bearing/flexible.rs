@@ -22,6 +22,25 @@ pub struct HousingPoint<T> {
 }
 
 /// A bearing whose outer ring is displaced point by point (Hajzman's `e^T q_S` term).
+///
+/// ```
+/// use ballrace::bearing::even_places;
+/// use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+/// use ballrace::bearing::lumped::Radial;
+/// use ballrace::contact::law::Point;
+/// use ballrace::{Displacement, Exact, Turn};
+///
+/// let places = even_places::<f64, 8>(Turn::ZERO);
+/// let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 0.0)?;
+/// // The housing gives way at the ball that is pressed: half the deflection, and the reaction is the housing's.
+/// let mut housing = [HousingPoint::default(); 8];
+/// housing[0].displacement = [1e-6, 0.0, 0.0];
+/// let u = Displacement { u: 2e-6, ..Displacement::default() };
+/// let force = bearing.reaction_flexible(&u, Turn::ZERO, &mut housing).wrench;
+/// let on_housing: f64 = housing.iter().map(|point| point.reaction[0]).sum();
+/// assert!((force.fx + on_housing).abs() < 1e-9);
+/// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
+/// ```
 pub trait FlexibleRing<T: Scalar> {
     /// Force on the inner ring when the housing point of element `j` is displaced as `housing[j]` says, and the
     /// reaction on that point (action = reaction). Elements past the end of `housing` stand on a rigid ring.

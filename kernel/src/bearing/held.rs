@@ -6,6 +6,21 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 
 /// The last good wrench and how many samples were answered with it.
+///
+/// ```
+/// use ballrace::bearing::linear::Linear;
+/// use ballrace::bearing::{Bearing, HeldWrench};
+/// use ballrace::{Displacement, Status, Stiffness, Turn};
+///
+/// let bearing = Linear::new(Stiffness::from_diagonal_element(1e8_f32));
+/// let mut held = HeldWrench::new();
+/// let good = Displacement { u: 1e-6, ..Displacement::default() };
+/// let bad = Displacement { u: f32::NAN, ..Displacement::default() };
+/// let (before, _) = bearing.sample(&mut held, &good, Turn::ZERO);
+/// let (after, status) = bearing.sample(&mut held, &bad, Turn::ZERO);
+/// assert_eq!(before, after);
+/// assert!(status.has(Status::INPUT_NOT_FINITE) && held.held() == 1);
+/// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HeldWrench<T> {
     last: Wrench<T>,

@@ -7,6 +7,16 @@ use crate::scalar::Scalar;
 use crate::turn::Turn;
 
 /// `f = f_0 - K (u - u_0)`: springs about a reference state. Cost: 25 multiplications and additions.
+///
+/// ```
+/// use ballrace::bearing::Bearing;
+/// use ballrace::bearing::linear::Linear;
+/// use ballrace::{Displacement, Stiffness, Turn};
+///
+/// let springs = Linear::new(Stiffness::from_diagonal_element(1e8));
+/// let u = Displacement { v: 1e-6, ..Displacement::default() };
+/// assert_eq!(springs.reaction(&u, Turn::ZERO).wrench.fy, -100.0);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Linear<T: Scalar> {
     stiffness: Stiffness<T>,

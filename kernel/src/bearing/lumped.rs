@@ -22,6 +22,21 @@ use core::marker::PhantomData;
 ///
 /// With [`super::Pairs`] two opposite elements share one power: of the two at most one is loaded, as there is no
 /// preload.
+///
+/// ```
+/// use ballrace::bearing::{Bearing, even_pairs};
+/// use ballrace::bearing::lumped::Radial;
+/// use ballrace::contact::law::Point;
+/// use ballrace::{Displacement, Exact, Turn};
+///
+/// // Eight balls, 1 um of radial play. One ball is pressed by 1 um: 8e9 N/m^1.5 * (1 um)^1.5.
+/// let places = even_pairs::<f64, 4>(Turn::ZERO);
+/// let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 1e-6)?;
+/// let u = Displacement { u: 2e-6, ..Displacement::default() };
+/// let force = bearing.reaction(&u, Turn::ZERO).wrench;
+/// assert!(force.fx < -8.0 && force.fy.abs() < 1e-12);
+/// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Radial<T, M, L, P, S = Smooth> {
     pub(super) ring: Ring<T, P>,
@@ -33,6 +48,19 @@ pub struct Radial<T, M, L, P, S = Smooth> {
 }
 
 /// Axial elements only: a thrust bearing, pushed when the inner ring moves towards +Z.
+///
+/// ```
+/// use ballrace::bearing::{Bearing, even_places};
+/// use ballrace::bearing::lumped::Axial;
+/// use ballrace::contact::law::Line;
+/// use ballrace::{Displacement, Exact, Turn};
+///
+/// let places = even_places::<f32, 12>(Turn::ZERO);
+/// let bearing = Axial::<f32, Exact, _, _>::try_new(places, Line { stiffness: 3e8 }, 0.0, 20e-3)?;
+/// let pushed = Displacement { w: 5e-6, ..Displacement::default() };
+/// assert!(bearing.reaction(&pushed, Turn::ZERO).wrench.fz < 0.0);
+/// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Axial<T, M, L, P> {
     ring: Ring<T, P>,

@@ -31,6 +31,19 @@ pub enum Race {
 }
 
 /// One Hertz point contact, ready for any load.
+///
+/// ```
+/// use ballrace::bearing::geometry::BEARING_STEEL;
+/// use ballrace::contact::hertz::{PointContact, Race, effective_modulus};
+///
+/// // A ball of 7 mm at 25 degrees on a pitch circle of 38.5 mm, groove radius 0.52 of the ball's diameter.
+/// let gamma = 7.0 * 25.0_f64.to_radians().cos() / 38.5;
+/// let modulus = effective_modulus(BEARING_STEEL, BEARING_STEEL);
+/// let inner = PointContact::ball_on_race(Race::Inner, 7e-3, 0.52, gamma, modulus);
+/// assert!((inner.stiffness / 2.393_295_7e10 - 1.0).abs() < 1e-7);
+/// let (_, _, pressure) = inner.ellipse(100.0);
+/// assert!((pressure / 1_264.771e6 - 1.0).abs() < 1e-6);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointContact {
     /// kappa = a/b, 1 or more.

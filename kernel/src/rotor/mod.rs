@@ -36,6 +36,39 @@ pub struct Mounted<T, B> {
 }
 
 /// A rotor and its `N` bearings: the parameters of the hot path.
+///
+/// ```
+/// use ballrace::bearing::linear::Linear;
+/// use ballrace::rotor::{Drive, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4};
+/// use ballrace::turn::Ratio;
+/// use ballrace::{Displacement, Exact, Stiffness, Turn};
+///
+/// let params = RotorParams {
+///     mass: 1.0,
+///     diametral_inertia: 1e-3,
+///     polar_inertia: 5e-4,
+///     damping: [[0.0; 5]; 5],
+///     stiffness: [0.0; 5],
+///     gravity: [0.0; 3],
+///     load: [0.0; 5],
+/// };
+/// let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[])?;
+/// let springs = Linear::new(Stiffness::from_diagonal_element(1e6));
+/// let at = |station| Mounted { bearing: springs, station, cage_ratio: Ratio::new(0.4) };
+/// let machine = Machine { rotor, bearings: [at(-0.1), at(0.1)] };
+///
+/// // 1 kg on 2e6 N/m: let go at 1 um, it is at -1 um half a period later.
+/// let start = Displacement { u: 1e-6, ..Displacement::default() };
+/// let mut state = RotorState::at_rest(start, Turn::ZERO, [Turn::ZERO; 2]);
+/// let half_period = std::f64::consts::PI / 2e6_f64.sqrt();
+/// let standing = Drive { angle: Turn::ZERO, speed: 0.0, acceleration: 0.0 };
+/// for _ in 0..100 {
+///     let status = RungeKutta4 { step: half_period / 100.0 }.step(&machine, &mut state, &standing);
+///     assert!(!status.is_held());
+/// }
+/// assert!((state.q.u + 1e-6).abs() < 1e-13);
+/// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Machine<T: Scalar, M, B, const N: usize> {
     /// The rotor and what acts on it.
