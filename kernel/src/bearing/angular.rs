@@ -29,7 +29,6 @@ pub enum Zero {
 pub struct Angular<T, M, P, S = Smooth> {
     ring: Ring<T, P>,
     law: Point<T>,
-    scale: T,
     /// A
     distance: T,
     /// A^2
@@ -66,8 +65,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>> Angular<T, M, P> {
             Zero::Centred => (0.0, -(a * sin) * (a * sin)),
         };
         Ok(Self {
-            ring: Ring::new(places, geometry.inner_groove_radius()),
-            scale: <Point<T> as Law<T, M>>::scale(&law),
+            ring: Ring::new(places, geometry.inner_groove_radius(), <Point<T> as Law<T, M>>::scale(&law)),
             law,
             distance: T::from_f64(a),
             distance_squared: T::from_f64(a * a),
@@ -83,7 +81,6 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>> Angular<T, M, P> {
         Angular {
             ring: self.ring,
             law: self.law,
-            scale: self.scale,
             distance: self.distance,
             distance_squared: self.distance_squared,
             unloaded: self.unloaded,
@@ -132,10 +129,6 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Elements<T> for An
     #[inline(always)]
     fn ring(&self) -> &Ring<T, P> {
         &self.ring
-    }
-    #[inline(always)]
-    fn scale(&self) -> T {
-        self.scale
     }
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {

@@ -25,11 +25,11 @@ pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]> + 
     input: (&[T], &[T]),
     output: (&mut [T], &mut [T]),
 ) {
-    let Radial { ring, law, scale, play, .. } = bearing;
+    let Radial { ring, law, play, .. } = bearing;
     let turn = M::sin_cos(cage);
     let load = |deflection: T| {
         let [shape] = law.shape([deflection.twice_positive()]);
-        *scale * shape
+        ring.scale * shape
     };
     match one_of_each_pair(ring.places.table()) {
         Some(half) if *play >= T::ZERO => {

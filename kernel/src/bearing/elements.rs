@@ -17,10 +17,7 @@ pub trait Elements<T: Scalar> {
 
     fn ring(&self) -> &Ring<T, Self::Places>;
 
-    /// What the contacts are multiplied with to give newtons: once for all elements.
-    fn scale(&self) -> T;
-
-    /// The contacts of `K` elements.
+    /// The contacts of `K` elements, to be multiplied by the ring's scale.
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K];
 
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>);
@@ -39,7 +36,7 @@ pub trait Elements<T: Scalar> {
                 sum.add(place, &contact);
             }
         }
-        sum.finish(ring.arm, self.scale())
+        sum.finish(ring.arm, ring.scale)
     }
 }
 
@@ -82,14 +79,14 @@ pub(super) fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
         sum.add(&place, &contact);
         stiffness.add(&place, &k);
     }
-    (sum.finish(ring.arm, elements.scale()), stiffness.finish(ring.arm, elements.scale(), turn))
+    (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
 }
 
 pub(super) fn loads<T: Scalar, E: Elements<T>>(elements: &E, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
     let rim = elements.ring().at_rim(u);
     for (place, load) in elements.ring().places.each().zip(loads) {
         let [contact] = elements.contacts([Motion::of(&place, &rim, cage)]);
-        *load = elements.scale() * contact.load;
+        *load = elements.ring().scale * contact.load;
     }
 }
 

@@ -91,7 +91,7 @@ fn each_element<T: Scalar, E: Elements<T>>(
         let (radial, axial) = point.along(direction);
         let motion = Motion::of(&place, &rim, cage);
         let motion = Motion { radial: motion.radial - radial, axial: motion.axial - axial, ..motion };
-        point.push(direction, &contact(&place, motion), elements.scale());
+        point.push(direction, &contact(&place, motion), ring.scale);
     }
 }
 
@@ -108,7 +108,8 @@ fn reaction<T: Scalar, E: Elements<T>>(
         sum.add(place, &contact);
         contact
     });
-    let local = sum.finish(elements.ring().arm, elements.scale());
+    let ring = elements.ring();
+    let local = sum.finish(ring.arm, ring.scale);
     Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
 }
 
@@ -126,9 +127,9 @@ fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
         stiffness.add(place, &k);
         contact
     });
-    let (arm, scale) = (elements.ring().arm, elements.scale());
-    let local = sum.finish(arm, scale);
-    (Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }, stiffness.finish(arm, scale, turn))
+    let ring = elements.ring();
+    let local = sum.finish(ring.arm, ring.scale);
+    (Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }, stiffness.finish(ring.arm, ring.scale, turn))
 }
 
 macro_rules! flexible_by_elements {

@@ -41,7 +41,6 @@ use core::marker::PhantomData;
 pub struct Radial<T, M, L, P, S = Smooth> {
     pub(super) ring: Ring<T, P>,
     pub(super) law: L,
-    pub(super) scale: T,
     pub(super) play: T,
     surface: S,
     math: PhantomData<M>,
@@ -65,7 +64,6 @@ pub struct Radial<T, M, L, P, S = Smooth> {
 pub struct Axial<T, M, L, P> {
     ring: Ring<T, P>,
     law: L,
-    scale: T,
     play: T,
     math: PhantomData<M>,
 }
@@ -83,8 +81,7 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Radial<T, M, L, P> 
         check(true, "radial_play", radial_play, "a finite length")?;
         check(!P::PAIRS || radial_play >= 0.0, "radial_play", radial_play, "0 m or more with opposite pairs")?;
         Ok(Self {
-            ring: Ring::new(places, 0.0),
-            scale: law.scale(),
+            ring: Ring::new(places, 0.0, law.scale()),
             law,
             play: T::from_f64(radial_play),
             surface: Smooth,
@@ -94,7 +91,7 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Radial<T, M, L, P> 
 
     /// The same bearing with damage on its outer race.
     pub fn with_surface<S: Surface<T>>(self, surface: S) -> Radial<T, M, L, P, S> {
-        Radial { ring: self.ring, law: self.law, scale: self.scale, play: self.play, surface, math: PhantomData }
+        Radial { ring: self.ring, law: self.law, play: self.play, surface, math: PhantomData }
     }
 }
 
@@ -106,13 +103,7 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Axial<T, M, L, P> {
     pub fn try_new(places: P, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
         check(true, "axial play", axial_play, "a finite length")?;
         check(radius >= 0.0, "axial radius", radius, "0 m or more")?;
-        Ok(Self {
-            ring: Ring::new(places, radius),
-            scale: law.scale(),
-            law,
-            play: T::from_f64(axial_play),
-            math: PhantomData,
-        })
+        Ok(Self { ring: Ring::new(places, radius, law.scale()), law, play: T::from_f64(axial_play), math: PhantomData })
     }
 }
 
@@ -165,10 +156,6 @@ where
         &self.ring
     }
     #[inline(always)]
-    fn scale(&self) -> T {
-        self.scale
-    }
-    #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
         let shapes = self.law.shape(at.map(|m| (m.radial - self.gap(m.azimuth)).twice_positive()));
         shapes.map(|load| Contact { radial: load, axial: T::NEGATIVE_ZERO, load })
@@ -191,7 +178,7 @@ where
         for place in rest {
             self.add_group(&mut sum, core::array::from_ref(place), u, cage);
         }
-        sum.finish(self.scale)
+        sum.finish(self.ring.scale)
     }
 }
 
@@ -201,10 +188,6 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Elements<T> for Axi
     #[inline(always)]
     fn ring(&self) -> &Ring<T, P> {
         &self.ring
-    }
-    #[inline(always)]
-    fn scale(&self) -> T {
-        self.scale
     }
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {

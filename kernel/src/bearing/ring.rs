@@ -12,11 +12,12 @@ use crate::frame::{Displacement, Stiffness, Wrench};
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 
-/// The elements' places and the lever arm.
+/// The elements' places, the lever arm, and what all contacts are multiplied with to give newtons.
 #[derive(Debug, Clone, Copy)]
 pub struct Ring<T, P> {
     pub(super) places: P,
     pub(super) arm: T,
+    pub(super) scale: T,
 }
 
 /// Displacement of the ring at one element, and where that element stands in the fixed frame.
@@ -44,8 +45,8 @@ pub struct ContactStiffness<T> {
 }
 
 impl<T: Scalar, P: Arrangement<T>> Ring<T, P> {
-    pub(super) fn new(places: P, arm: f64) -> Self {
-        Self { places, arm: T::from_f64(arm) }
+    pub(super) fn new(places: P, arm: f64, scale: T) -> Self {
+        Self { places, arm: T::from_f64(arm), scale }
     }
 
     /// The displacement with its tilt as axial displacement at the radius of the lever arm.

@@ -1,6 +1,6 @@
 //! The path a call takes through the machine code, written down by the emulator.
 
-use super::{Subject, subjects};
+use super::{Name, Subject, subjects};
 
 /// Runs every subject once, one instruction at a time: the subjects, and every address visited.
 pub fn traced() -> (Vec<Subject>, Vec<u32>) {
@@ -15,7 +15,7 @@ pub fn traced() -> (Vec<Subject>, Vec<u32>) {
 }
 
 /// The addresses from the entry of a function to its return, both included.
-pub fn of_call<'a>(visited: &'a [u32], entry: u32, name: &str) -> &'a [u32] {
+pub fn of_call<'a>(visited: &'a [u32], entry: u32, name: &Name) -> &'a [u32] {
     let start = visited.iter().position(|&address| address == entry).unwrap_or_else(|| panic!("{name} is not called"));
     let caller = visited[start - 1];
     let length = visited[start..]

@@ -2,6 +2,7 @@
 
 use super::fast::Errors;
 use super::yardstick::Compiled;
+use super::{Name, number};
 use std::fmt::Write;
 
 const BEGIN: &str = "<!-- counts:begin -->\n";
@@ -11,11 +12,7 @@ const ELEMENTS: [u32; 4] = [4, 8, 9, 16];
 
 /// One subject's figures.
 pub struct Row {
-    pub what: String,
-    pub elements: u32,
-    pub precision: String,
-    pub math: String,
-    pub function: String,
+    pub name: Name,
     pub least: u32,
     pub most: u32,
     pub cycles: u32,
@@ -24,11 +21,6 @@ pub struct Row {
 }
 
 impl Row {
-    pub fn name(&self) -> String {
-        let Self { what, elements, precision, math, function, .. } = self;
-        format!("{what} | {elements} | {precision} | {math} | {function}")
-    }
-
     pub fn figures(&self) -> [(&'static str, u32); 4] {
         [
             ("instructions", self.most),
@@ -44,32 +36,15 @@ impl Row {
 
     fn line(&self) -> String {
         let Self { cycles, stack, flash, .. } = self;
-        format!("| {} | {} | {cycles} | {stack} | {flash} |", self.name(), self.instructions())
+        format!("| {} | {} | {cycles} | {stack} | {flash} |", self.name, self.instructions())
     }
 
     fn parse(line: &str) -> Self {
         let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
-        let [what, elements, precision, math, function, instructions, cycles, stack, flash] = cells[..] else {
-            panic!("nine cells: {line}")
-        };
-        let number = |text: &str| text.parse().expect("a number");
+        let (name, [instructions, cycles, stack, flash]) = Name::parse(&cells);
         let (least, most) = instructions.split_once(" to ").unwrap_or((instructions, instructions));
-        Self {
-            what: what.to_owned(),
-            elements: number(elements),
-            precision: precision.to_owned(),
-            math: math.to_owned(),
-            function: function.to_owned(),
-            least: number(least),
-            most: number(most),
-            cycles: number(cycles),
-            stack: number(stack),
-            flash: number(flash),
-        }
-    }
-
-    fn is_hot(&self) -> bool {
-        self.precision == "f32" && self.math == "exact"
+        let [least, most, cycles, stack, flash] = [least, most, cycles, stack, flash].map(number);
+        Self { name, least, most, cycles, stack, flash }
     }
 }
 
@@ -113,16 +88,17 @@ fn by_elements(rows: &[Row]) -> String {
         write!(text, " N = {n} |").expect("a string takes it");
     }
     text += "\n| --- | --: | --: | --: | --: |\n";
-    let force = |row: &&Row| row.is_hot() && row.function == "force" && row.elements > 0;
+    let force = |row: &&Row| row.name.is_hot() && row.name.function == "force" && row.name.elements > 0;
     let mut done: Vec<&str> = Vec::new();
     for row in rows.iter().filter(force) {
-        if done.contains(&row.what.as_str()) {
+        if done.contains(&row.name.what.as_str()) {
             continue;
         }
-        done.push(&row.what);
-        write!(text, "| {} |", row.what).expect("a string takes it");
+        done.push(&row.name.what);
+        write!(text, "| {} |", row.name.what).expect("a string takes it");
         for n in ELEMENTS {
-            let cell = rows.iter().filter(force).find(|other| other.what == row.what && other.elements == n);
+            let cell =
+                rows.iter().filter(force).find(|other| other.name.what == row.name.what && other.name.elements == n);
             let cell = cell.map_or("–".to_owned(), |row| format!("{} ({})", row.most, row.cycles));
             write!(text, " {cell} |").expect("a string takes it");
         }
@@ -134,10 +110,11 @@ fn by_elements(rows: &[Row]) -> String {
 /// What else is asked of 8 or 9 elements, and the yardstick.
 fn functions(rows: &[Row], yardstick: &Compiled) -> String {
     let mut text = "| f32 | instructions | cycles | stack | flash |\n| --- | --: | --: | --: | --: |\n".to_owned();
-    let shown = |row: &&Row| row.is_hot() && (row.function != "force" || row.elements == 0) && row.elements != 8;
-    let in_cage = |row: &&Row| row.is_hot() && row.function.contains("frame");
+    let other = |name: &Name| name.function != "force" || name.elements == 0;
+    let shown = |row: &&Row| row.name.is_hot() && other(&row.name) && row.name.elements != 8;
+    let in_cage = |row: &&Row| row.name.is_hot() && row.name.function.contains("frame");
     for row in rows.iter().filter(in_cage).chain(rows.iter().filter(shown)) {
-        let Row { what, elements, function, most, cycles, stack, flash, .. } = row;
+        let Row { name: Name { what, elements, function, .. }, most, cycles, stack, flash, .. } = row;
         let what = if *elements == 0 { what.clone() } else { format!("{what}, N = {elements}") };
         writeln!(text, "| {what}: {function} | {most} | {cycles} | {stack} | {flash} |").expect("a string takes it");
     }

@@ -3,17 +3,16 @@
 use crate::Sample;
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
-use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
+use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::surface::{Spall, SpallShape};
 use ballrace::bearing::{HeldWrench, Mirrored, Pairs, Places, even_pairs, even_places};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::rotor::{
-    Drive, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
-};
+use ballrace::rotor::{Drive, Integrator, Newmark, RotorState, RungeKutta4};
 use ballrace::turn::Ratio;
 use ballrace::{Bearing, Displacement, Exact, Math, Stiffness, Turn};
+use rig::{Ball, CAGE_RATIO, Rig, machine};
 
 /// FNV-1a over the bits of results.
 #[derive(Clone, Copy)]
@@ -36,7 +35,6 @@ impl Checksum {
 }
 
 type Nine = Places<f32, 9>;
-type Ball = Angular<f32, Exact, Nine>;
 type Both = Combined<Radial<f32, Exact, Point<f32>, Nine>, Axial<f32, Exact, Point<f32>, Nine>>;
 
 /// The bearings of all rungs.
@@ -48,10 +46,10 @@ struct Bearings {
     rollers: Radial<f32, Exact, Line<f32>, Nine>,
     power: Radial<f32, Exact, Power<f32>, Nine>,
     axial: Axial<f32, Exact, Point<f32>, Nine>,
-    angular: Ball,
+    angular: Ball<f32>,
     angular_pairs: Angular<f32, Exact, Pairs<f32, 4>>,
     spalled: Angular<f32, Exact, Nine, Spall<f32>>,
-    facing_back: Mirrored<Ball>,
+    facing_back: Mirrored<Ball<f32>>,
 }
 
 const COUNT: usize = 12;
@@ -60,16 +58,7 @@ impl Bearings {
     fn try_new() -> Result<Self, InvalidParameter> {
         let places: Nine = even_places(Turn(0x0123_4567_89ab_cdef));
         let point = Point { stiffness: 8e9 };
-        let geometry = BallBearingGeometry {
-            ball_diameter: 7.94e-3,
-            pitch_diameter: 39.04e-3,
-            inner_conformity: 0.52,
-            outer_conformity: 0.52,
-            contact_angle: 0.0,
-            ball: BEARING_STEEL,
-            race: BEARING_STEEL,
-        }
-        .with_clearance(10e-6)?;
+        let geometry = rig::geometry()?;
         let angular = Angular::try_new(geometry, places, Zero::Centred)?;
         let spall = Spall::new(Turn::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
         let (_, tangent) =
@@ -114,7 +103,7 @@ impl Bearings {
 /// The rotor, its twin along the recording, and what is summed up so far.
 pub struct Subjects {
     bearings: Bearings,
-    machine: Machine<f32, Exact, Ball, 2>,
+    machine: Rig<f32>,
     held: [HeldWrench<f32>; COUNT],
     forces: [Checksum; COUNT],
     flexible: Checksum,
@@ -131,28 +120,6 @@ pub struct Subjects {
 const SPARSE: u32 = 16;
 /// s between samples.
 const STEP: f32 = 1.0 / 12_800.0;
-const CAGE_RATIO: f64 = 0.398_3;
-
-fn machine(bearing: Ball) -> Result<Machine<f32, Exact, Ball, 2>, InvalidParameter> {
-    let mut damping = [[0.0; 5]; 5];
-    for (i, row) in damping.iter_mut().enumerate() {
-        if let Some(entry) = row.get_mut(i) {
-            *entry = if i < 3 { 400.0 } else { 0.4 };
-        }
-    }
-    let params = RotorParams {
-        mass: 6.0,
-        diametral_inertia: 0.030,
-        polar_inertia: 0.006,
-        damping,
-        stiffness: [0.0; 5],
-        gravity: [0.0, -9.80665, 0.0],
-        load: [0.0, 0.0, 60.0, 0.0, 0.0],
-    };
-    let rotor = RigidRotor::try_new(&params, &[Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 }])?;
-    let at = |station| Mounted { bearing, station, cage_ratio: Ratio::new(CAGE_RATIO) };
-    Ok(Machine { rotor, bearings: [at(-0.1), at(0.1)] })
-}
 
 impl Subjects {
     /// Nothing taken yet.

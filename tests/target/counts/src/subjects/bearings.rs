@@ -3,7 +3,6 @@
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
 use ballrace::bearing::angular::{Angular, Zero};
-use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{Arrangement, HeldWrench, InCage, Reaction, even_pairs, even_places};
@@ -25,21 +24,6 @@ pub fn all<T: Scalar, M: Math<T>>(bench: &Bench, precision: &'static str, math: 
     rungs.of_pairs::<T, M, _>(4, even_pairs::<T, 2>(Turn::ZERO));
     rungs.of_pairs::<T, M, _>(8, even_pairs::<T, 4>(Turn::ZERO));
     rungs.of_pairs::<T, M, _>(16, even_pairs::<T, 8>(Turn::ZERO));
-}
-
-/// 6205 with 10 um of clearance.
-pub fn geometry() -> Option<BallBearingGeometry> {
-    BallBearingGeometry {
-        ball_diameter: 7.94e-3,
-        pitch_diameter: 39.04e-3,
-        inner_conformity: 0.52,
-        outer_conformity: 0.52,
-        contact_angle: 0.0,
-        ball: BEARING_STEEL,
-        race: BEARING_STEEL,
-    }
-    .with_clearance(10e-6)
-    .ok()
 }
 
 #[inline(never)]
@@ -150,7 +134,7 @@ impl Rungs<'_> {
     }
 
     fn angular<T: Scalar, M: Math<T>, P: Arrangement<T>>(&self, what: &'static str, n: usize, places: P) {
-        let Some(geometry) = geometry() else { return };
+        let Ok(geometry) = rig::geometry() else { return };
         if let Ok(bearing) = Angular::<T, M, _>::try_new(geometry, places, Zero::Centred) {
             self.in_cage(what, n, &bearing);
             self.bearing(what, n, bearing);
