@@ -1,6 +1,7 @@
 //! `ballrace force`: ring displacements in, forces out.
 
-use super::{Format, SceneFault, scene_fault};
+use super::Format;
+use crate::fault::{SceneFault, scene_fault};
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::read::read_file;
 use crate::scene::{Bearing, Linear, Model, Scene, Speed};

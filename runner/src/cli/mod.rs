@@ -4,6 +4,7 @@ pub mod force;
 pub mod replay;
 pub mod simulate;
 
+use crate::fault::SceneFault;
 use crate::recording::error::RecordingError;
 use crate::scene::read::SceneError;
 use anyhow::{Result, bail};
@@ -43,17 +44,6 @@ pub enum Format {
     Json,
     /// Comma-separated values with a header.
     Csv,
-}
-
-/// The command or the scene is wrong, as opposed to work that could not be done.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct SceneFault(pub String);
-
-/// Marks whatever went wrong as the command's or the scene's fault.
-#[must_use]
-pub fn scene_fault(error: &anyhow::Error) -> anyhow::Error {
-    SceneFault(format!("{error:#}")).into()
 }
 
 /// Refuses an output that would take the place of a file that is read, or of another output.

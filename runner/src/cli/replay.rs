@@ -1,6 +1,7 @@
 //! `ballrace replay`
 
 use super::{Format, keep_apart};
+use crate::fault::scene_fault;
 use crate::output::AtomicFile;
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::RotationError;
@@ -101,7 +102,7 @@ fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, PathBuf)> {
             scene.path.display()
         )
     });
-    let recording = recording.map_err(|e| super::scene_fault(&e))?;
+    let recording = recording.map_err(|e| scene_fault(&e))?;
     let path = match (&args.recording, &args.scene) {
         (Some(path), _) => path,
         (None, Some(_)) => &recording.file,

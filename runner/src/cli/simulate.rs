@@ -1,6 +1,7 @@
 //! `ballrace simulate`: the time response of the scene's rotor from its rest position.
 
-use super::{Format, SceneFault, keep_apart, scene_fault};
+use super::{Format, keep_apart};
+use crate::fault::{SceneFault, scene_fault};
 use crate::output::AtomicFile;
 use crate::recording::Row;
 use crate::recording::rotation::Tracker;

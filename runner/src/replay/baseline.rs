@@ -2,7 +2,7 @@
 
 use super::comparison::{Comparison, followed};
 use super::twin::Seat;
-use crate::cli::SceneFault;
+use crate::fault::SceneFault;
 use crate::scene::Probe;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};

@@ -15,7 +15,7 @@ pub mod statistics;
 pub mod timing;
 pub mod twin;
 
-use crate::cli::{SceneFault, scene_fault};
+use crate::fault::{SceneFault, scene_fault};
 use crate::output::AtomicFile;
 use crate::recording::Sample;
 use crate::recording::csv::CsvReader;
