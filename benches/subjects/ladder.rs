@@ -22,7 +22,7 @@ where
     let places: Places<T, 8> = even_places(Turn::ZERO);
     let other = Angular::<T, Exact, _>::try_new(geometry()?, places, Zero::Centred)?;
     let pressed = Displacement { u: T::from_f64(10e-6), w: T::from_f64(20e-6), ..Displacement::default() };
-    let (_, stiffness) = other.reaction_and_stiffness(&pressed, Turn::ZERO);
+    let (_, stiffness) = other.reaction_and_stiffness(&pressed, &Turn::ZERO.into());
     Ok(force_and_tangent("linear", column, Linear::new(stiffness)).into())
 }
 
@@ -70,10 +70,10 @@ where
     B: Bearing<T> + Copy + 'static,
 {
     let force = each_pose(move |u: &Displacement<T>, cage| {
-        black_box(black_box(&bearing).reaction(u, cage));
+        black_box(black_box(&bearing).reaction(u, &cage.into()));
     });
     let tangent = each_pose(move |u: &Displacement<T>, cage| {
-        black_box(black_box(&bearing).reaction_and_stiffness(u, cage));
+        black_box(black_box(&bearing).reaction_and_stiffness(u, &cage.into()));
     });
     [
         Subject { row: format!("{name}: force"), column, calls: INPUTS, run: force },

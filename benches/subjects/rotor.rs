@@ -6,9 +6,8 @@ use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{Places, even_places};
 use ballrace::rotor::{
-    Drive, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
+    Drive, Gear, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
 };
-use ballrace::turn::Ratio;
 use ballrace::{Displacement, Exact, Math, Scalar, Turn};
 use std::hint::black_box;
 
@@ -56,7 +55,7 @@ where
     let geometry = geometry()?;
     let cage = orders(BALLS, geometry.gamma(), geometry.ball_diameter / geometry.pitch_diameter).cage;
     let bearing = BallBearing::try_new(geometry, even_places(Turn::ZERO), Zero::Centred)?;
-    let mounted = |station| Mounted { bearing, station: T::from_f64(station), cage_ratio: Ratio::new(cage) };
+    let mounted = |station| Mounted { bearing, station: T::from_f64(station), gear: Gear::new(cage) };
     let unbalance = Unbalance { moment: 2e-5, angle: 0.0, station: 0.01 };
     Ok(Machine { rotor: RigidRotor::try_new(&rotor(), &[unbalance])?, bearings: [mounted(-0.08), mounted(0.08)] })
 }

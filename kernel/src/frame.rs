@@ -57,6 +57,12 @@ impl<T: Scalar> Displacement<T> {
         Self { u: v, v: w, w: u, thu: psi, thv: theta }
     }
 
+    /// Entry by entry.
+    pub fn plus(self, other: Self) -> Self {
+        let (a, b) = (self, other);
+        Self { u: a.u + b.u, v: a.v + b.v, w: a.w + b.w, thu: a.thu + b.thu, thv: a.thv + b.thv }
+    }
+
     /// Seen from the frame turned by pi about X, in which a bearing facing -Z looks as one facing +Z.
     pub fn mirrored(self) -> Self {
         Self { u: self.u, v: -self.v, w: -self.w, thu: self.thu, thv: -self.thv }

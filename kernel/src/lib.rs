@@ -5,7 +5,9 @@
 pub mod bearing;
 pub mod contact;
 pub mod frame;
+mod lanes;
 pub mod math;
+pub mod rotation;
 pub mod rotor;
 pub mod scalar;
 pub mod status;
@@ -14,6 +16,7 @@ pub mod turn;
 pub use bearing::Bearing;
 pub use frame::{Displacement, Stiffness, Wrench};
 pub use math::{Exact, Fast, Math};
+pub use rotation::Rotation;
 pub use scalar::Scalar;
 pub use status::Status;
 pub use turn::Turn;

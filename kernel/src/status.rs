@@ -14,6 +14,12 @@ impl Status {
     pub const RESULT_NOT_FINITE: Self = Self(2);
     /// No element carries load.
     pub const CONTACT_LOST: Self = Self(4);
+    /// An element did not reach its equilibrium in the steps given: the force is not to be trusted.
+    pub const NOT_SETTLED: Self = Self(8);
+    /// The friction that would balance a gyroscopic moment is more than the contacts can give: the ball would slip.
+    pub const GYROSCOPIC_SLIP: Self = Self(16);
+    /// Outside of what was declared when the bearing's table was made.
+    pub const OUT_OF_TABLE: Self = Self(32);
 
     /// The flags as bits, for logs and tables.
     #[must_use]

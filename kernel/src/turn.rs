@@ -127,7 +127,7 @@ impl Arc {
     }
 }
 
-/// A constant ratio of two angles, such as cage over shaft, as a fixed-point number below 1 in size.
+/// A constant ratio of two angles, such as cage or ball over shaft, as a fixed-point number below 128 in size.
 ///
 /// A float product would drift by its rounding every turn; this loses at most 2^-64 turn an increment.
 ///
@@ -143,23 +143,26 @@ impl Arc {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ratio(i64);
 
+/// Binary digits of a [`Ratio`] after the point: as many as an `f64` just below 8 has.
+const RATIO_DIGITS: u32 = 56;
+
 impl Ratio {
-    /// From a number strictly between -1 and 1 (the caller's duty: outside, it saturates). Set-up time.
+    /// From a number strictly between -128 and 128 (the caller's duty: outside, it saturates). Set-up time.
     #[must_use]
     pub fn new(ratio: f64) -> Self {
-        Self((ratio * (COUNTS_PER_TURN / 2.0)) as i64)
+        Self((ratio * (1_u64 << RATIO_DIGITS) as f64) as i64)
     }
 
-    /// `ratio * arc`.
+    /// `ratio * arc`; beyond half a turn it wraps, as angles do.
     #[must_use]
     #[inline]
     pub const fn of(self, arc: Arc) -> Arc {
-        Arc(((self.0 as i128 * arc.0 as i128) >> 63) as i64)
+        Arc(((self.0 as i128 * arc.0 as i128) >> RATIO_DIGITS) as i64)
     }
 
     /// The ratio as a number.
     #[must_use]
     pub fn value(self) -> f64 {
-        self.0 as f64 / (COUNTS_PER_TURN / 2.0)
+        self.0 as f64 / (1_u64 << RATIO_DIGITS) as f64
     }
 }

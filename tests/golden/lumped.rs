@@ -38,18 +38,18 @@ where
     let wrench = match (case.axial, axial) {
         (Some(given), Some(law)) => {
             let axial = Axial::<T, Exact, A, _>::try_new(places, law, given.play, given.radius).unwrap();
-            axial.element_loads(&u, cage, &mut axial_loads);
-            radial.element_loads(&u, cage, &mut radial_loads);
+            axial.element_loads(&u, &cage.into(), &mut axial_loads);
+            radial.element_loads(&u, &cage.into(), &mut radial_loads);
             let both = Combined(radial, axial);
-            let flexible = both.reaction_flexible(&u, cage, &mut housing).wrench;
+            let flexible = both.reaction_flexible(&u, &cage.into(), &mut housing).wrench;
             if rigid {
-                assert_eq!(flexible, both.reaction(&u, cage).wrench, "a rigid ring is a flexible one at rest");
+                assert_eq!(flexible, both.reaction(&u, &cage.into()).wrench, "a rigid ring is a flexible one at rest");
             }
             flexible
         }
         _ => {
-            radial.element_loads(&u, cage, &mut radial_loads);
-            radial.reaction_flexible(&u, cage, &mut housing).wrench
+            radial.element_loads(&u, &cage.into(), &mut radial_loads);
+            radial.reaction_flexible(&u, &cage.into(), &mut housing).wrench
         }
     };
     let sum = housing.iter().fold([0.0; 3], |s, p| [0, 1, 2].map(|i| s[i] + p.reaction[i].to_f64()));

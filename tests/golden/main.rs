@@ -3,3 +3,4 @@
 mod hertz;
 mod lumped;
 mod published;
+mod quasi_static;

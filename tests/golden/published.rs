@@ -41,7 +41,7 @@ fn settle<const N: usize>(
 ) -> [f64; 5] {
     let mut u = start.to_array();
     for _ in 0..200 {
-        let (reaction, k) = bearing.reaction_and_stiffness(&Displacement::from_array(u), Turn::ZERO);
+        let (reaction, k) = bearing.reaction_and_stiffness(&Displacement::from_array(u), &Turn::ZERO.into());
         let residual: Vec<f64> = reaction.wrench.to_array().iter().zip(load).map(|(f, l)| f + l).collect();
         let regular = k + nalgebra::SMatrix::<f64, 5, 5>::from_diagonal_element(1.0);
         let step = ballrace::rotor::solve(regular, [residual[0], residual[1], residual[2], residual[3], residual[4]]);
@@ -126,7 +126,7 @@ fn harris_218_at_rest() {
     let u = settle(&bearing, [0.0, 0.0, 17_800.0, 0.0, 0.0], start);
     assert!((u[2] * 1e3 - 0.035_981_69).abs() < 1e-8, "{}", u[2]);
     let mut loads = [0.0; 16];
-    bearing.element_loads(&Displacement::from_array(u), Turn::ZERO, &mut loads);
+    bearing.element_loads(&Displacement::from_array(u), &Turn::ZERO.into(), &mut loads);
     for load in loads {
         assert!((load - 1_678.965).abs() < 1e-3, "{load}");
     }

@@ -32,7 +32,7 @@ fn difference<T: Scalar, M: Math<T>, L: Law<T, M>>(places: Vec<Place<T>>, law: L
     radial_batch(&bearing, cage, (&u, &v), (&mut fx, &mut fy));
     let mut largest = 0.0_f64;
     for (i, (&u, &v)) in u.iter().zip(&v).enumerate() {
-        let single = bearing.reaction(&Displacement { u, v, ..Displacement::default() }, cage).wrench;
+        let single = bearing.reaction(&Displacement { u, v, ..Displacement::default() }, &cage.into()).wrench;
         for (one, other) in [(fx[i], single.fx), (fy[i], single.fy)] {
             assert!(one.is_finite());
             largest = largest.max((one.to_f64() - other.to_f64()).abs());

@@ -3,7 +3,7 @@
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::surface::{Spall, SpallShape, Surface};
+use ballrace::bearing::surface::{Part, Spall, SpallShape};
 use ballrace::bearing::{Bearing, Mirrored, Places, even_places};
 use ballrace::contact::hertz::Race;
 use ballrace::contact::law::Point;
@@ -24,7 +24,7 @@ fn displacement() -> impl Strategy<Value = Displacement<f64>> {
 }
 
 fn wrench_of(bearing: &dyn Bearing<f64>, u: Displacement<f64>, cage: Turn) -> [f64; 5] {
-    bearing.reaction(&u, cage).wrench.to_array()
+    bearing.reaction(&u, &cage.into()).wrench.to_array()
 }
 
 /// MODEL F4b, confirmed by a second program; forces to the printed digits.
@@ -55,7 +55,7 @@ fn angular_contact_bearing_of_f4b() {
         assert!((found - printed).abs() < 1e-6, "{found} {printed}");
     }
     let axial = Displacement { w: 10e-6, ..Displacement::default() };
-    let (reaction, k) = angular_contact().reaction_and_stiffness(&axial, Turn::ZERO);
+    let (reaction, k) = angular_contact().reaction_and_stiffness(&axial, &Turn::ZERO.into());
     assert!((reaction.wrench.fz + 499.9601).abs() < 1e-4);
     for (i, j, printed) in [
         (0, 0, 1.517_860e8),
@@ -148,7 +148,7 @@ proptest! {
     fn force_is_monotone(u in displacement(), more in 1.0..1.5_f64) {
         let bearing = Radial::<f64, Exact, _, Places<f64, 9>>::try_new(even_places(Turn::ZERO), Point { stiffness: 8e9 }, 5e-6).unwrap();
         let against = |scale: f64| {
-            let f = bearing.reaction(&Displacement { u: scale * u.u, v: scale * u.v, ..u }, Turn::ZERO).wrench;
+            let f = bearing.reaction(&Displacement { u: scale * u.u, v: scale * u.v, ..u }, &Turn::ZERO.into()).wrench;
             -(f.fx * u.u + f.fy * u.v)
         };
         prop_assert!(against(more) >= against(1.0));
@@ -160,7 +160,7 @@ proptest! {
         let bearing = Radial::<f64, Exact, _, Places<f64, 9>>::try_new(even_places(Turn::ZERO), Point { stiffness: 8e9 }, 2e-6).unwrap();
         let cage = Turn::from_revolutions(angle);
         let mut housing = [HousingPoint { displacement: [x, y, 0.0], reaction: [0.0; 3] }; 9];
-        let flexible = bearing.reaction_flexible(&u, cage, &mut housing).wrench.to_array();
+        let flexible = bearing.reaction_flexible(&u, &cage.into(), &mut housing).wrench.to_array();
         let rigid = wrench_of(&bearing, Displacement { u: u.u - x, v: u.v - y, ..u }, cage);
         prop_assert!(relative_to_largest(&flexible, &rigid) < 1e-9 || rigid.iter().all(|f| f.abs() < 1e-6));
     }
@@ -178,8 +178,8 @@ fn the_first_papers_axes() {
 #[test]
 fn a_spall_takes_deflection_where_it_is() {
     let centre = Turn::from_revolutions(0.75);
-    let half_sine = Spall::new(centre, 0.05_f64, 3e-6, SpallShape::HalfSine);
-    let at = |rad: f64| half_sine.drop_at(centre.plus(Turn::from_radians(rad)));
+    let half_sine = Spall::new(Part::Outer, centre, 0.05_f64, 3e-6, SpallShape::HalfSine);
+    let at = |rad: f64| half_sine.depth_at(centre.plus(Turn::from_radians(rad)));
     assert!((at(0.0) - 3e-6).abs() < 1e-20);
     for s in [-0.9, -0.3, 0.5, 0.99] {
         let expected = 3e-6 * (std::f64::consts::FRAC_PI_2 * s).cos();
@@ -187,8 +187,8 @@ fn a_spall_takes_deflection_where_it_is() {
     }
     assert_eq!(at(0.0501), 0.0);
     assert_eq!(at(-0.0501), 0.0);
-    let step = Spall::new(centre, 0.05_f64, 3e-6, SpallShape::Rectangular);
-    assert_eq!(step.drop_at(centre.plus(Turn::from_radians(0.049))), 3e-6);
+    let step = Spall::new(Part::Outer, centre, 0.05_f64, 3e-6, SpallShape::Rectangular);
+    assert_eq!(step.depth_at(centre.plus(Turn::from_radians(0.049))), 3e-6);
 }
 
 /// In f32 the deflection of a micrometre on a groove distance of 0.3 mm keeps its digits.
@@ -202,7 +202,7 @@ fn single_precision_keeps_small_deflections() {
             Displacement { u: 2e-6 * scale, v: 1e-6 * scale, w: 10e-6 * scale, thu: 1e-4 * scale, thv: -5e-5 * scale };
         let exact = wrench_of(&angular_contact(), u, Turn::ZERO);
         let u32 = Displacement::from_array(u.to_array().map(|x| x as f32));
-        let found = single.reaction(&u32, Turn::ZERO).wrench.to_array().map(f64::from);
+        let found = single.reaction(&u32, &Turn::ZERO.into()).wrench.to_array().map(f64::from);
         let error = relative_to_largest(&found, &exact);
         assert!(error < 3e-6, "at {scale}: {error:e}");
     }

@@ -72,7 +72,7 @@ fn forces() {
     let wrenches = |bearing: &dyn Bearing<f32>| -> Vec<[f64; 5]> {
         let at = |size: f64| {
             let u = [12e-6, 4e-6, 20e-6, 1e-4, -5e-5].map(|x| (x * size) as f32);
-            bearing.reaction(&Displacement::from_array(u), Turn::from_revolutions(0.1)).wrench
+            bearing.reaction(&Displacement::from_array(u), &Turn::from_revolutions(0.1).into()).wrench
         };
         sizes.clone().map(|size| at(size).to_array().map(f64::from)).collect()
     };

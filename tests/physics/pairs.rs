@@ -2,7 +2,7 @@
 
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::surface::{Spall, SpallShape};
+use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
 use ballrace::bearing::{Bearing, InCage, Pairs, Places, even_pairs, even_places};
 use ballrace::contact::law::{Line, Point, Power};
 use ballrace::{Displacement, Exact, Turn};
@@ -20,8 +20,9 @@ fn places() -> Places<f64, 10> {
     even_places(FIRST)
 }
 
-fn spall() -> Spall<f64> {
-    Spall::new(Turn::from_revolutions(0.3), 0.2, 3e-6, SpallShape::HalfSine)
+fn spall() -> Uneven<Exact, [Feature<f64>; 1]> {
+    let centre = Turn::from_revolutions(0.3);
+    Uneven::new([Feature::Spall(Spall::new(Part::Outer, centre, 0.2, 3e-6, SpallShape::HalfSine))])
 }
 
 fn displacement() -> impl Strategy<Value = Displacement<f64>> {
@@ -41,16 +42,16 @@ fn close(x: &[f64], y: &[f64]) -> bool {
 }
 
 fn assert_same(paired: &impl Bearing<f64>, single: &impl Bearing<f64>, u: &Displacement<f64>, cage: Turn) {
-    let (a, ka) = paired.reaction_and_stiffness(u, cage);
-    let (b, kb) = single.reaction_and_stiffness(u, cage);
-    let force = paired.reaction(u, cage);
+    let (a, ka) = paired.reaction_and_stiffness(u, &cage.into());
+    let (b, kb) = single.reaction_and_stiffness(u, &cage.into());
+    let force = paired.reaction(u, &cage.into());
     assert!(close(&force.wrench.to_array(), &b.wrench.to_array()), "{force:?} {b:?}");
     assert!(close(&a.wrench.to_array(), &b.wrench.to_array()), "{a:?} {b:?}");
     assert!(close(&[force.load, a.load], &[b.load; 2]), "{} {} {}", force.load, a.load, b.load);
     assert!(close(ka.as_slice(), kb.as_slice()), "{ka} {kb}");
     let (mut loads, mut expected) = ([0.0; 10], [0.0; 10]);
-    paired.element_loads(u, cage, &mut loads);
-    single.element_loads(u, cage, &mut expected);
+    paired.element_loads(u, &cage.into(), &mut loads);
+    single.element_loads(u, &cage.into(), &mut expected);
     assert!(close(&loads, &expected), "{loads:?} {expected:?}");
 }
 
@@ -93,8 +94,8 @@ proptest! {
         let (sin, cos) = cage.radians().sin_cos();
         let into = |x: f64, y: f64| (cos * x + sin * y, cos * y - sin * x);
         let ((tu, tv), (tthu, tthv)) = (into(u.u, u.v), into(u.thu, u.thv));
-        let local = bearing.reaction_in_cage(&Displacement { u: tu, v: tv, w: u.w, thu: tthu, thv: tthv }, cage).wrench;
-        let fixed = bearing.reaction(&u, cage).wrench;
+        let local = bearing.reaction_in_cage(&Displacement { u: tu, v: tv, w: u.w, thu: tthu, thv: tthv }, &cage.into()).wrench;
+        let fixed = bearing.reaction(&u, &cage.into()).wrench;
         let (fx, fy) = into(fixed.fx, fixed.fy);
         let (mx, my) = into(fixed.mx, fixed.my);
         prop_assert!(close(&local.to_array(), &[fx, fy, fixed.fz, mx, my]));

@@ -4,10 +4,9 @@ use ballrace::bearing::angular::Angular;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::{Bearing, Mirrored, Places};
 use ballrace::rotor::{
-    Drive, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
+    Drive, Gear, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
     equilibrium,
 };
-use ballrace::turn::Ratio;
 use ballrace::{Displacement, Exact, Status, Stiffness, Turn};
 use ballrace_tests::bearings::{angular_contact, deep_groove};
 use ballrace_tests::compare::relative;
@@ -43,12 +42,12 @@ type Springs = Machine<f64, Exact, Linear<f64>, 2>;
 /// Two equal isotropic springs, 1e7 N/m, at +-0.1 m.
 fn on_springs(params: RotorParams, unbalance: &[Unbalance]) -> Springs {
     let k = Stiffness::from_fn(|i, j| if i == j && i < 3 { 1e7 } else { 0.0 });
-    let at = |station| Mounted { bearing: Linear::new(k), station, cage_ratio: Ratio::new(0.0) };
+    let at = |station| Mounted { bearing: Linear::new(k), station, gear: Gear::new(0.0) };
     Machine { rotor: rotor(params, unbalance), bearings: [at(-0.1), at(0.1)] }
 }
 
 fn rig(params: RotorParams, unbalance: &[Unbalance]) -> Machine<f64, Exact, Angular<f64, Exact, Places<f64, 9>>, 2> {
-    let at = |station| Mounted { bearing: deep_groove::<9>(10e-6), station, cage_ratio: Ratio::new(0.4) };
+    let at = |station| Mounted { bearing: deep_groove::<9>(10e-6), station, gear: Gear::new(0.4) };
     Machine { rotor: rotor(params, unbalance), bearings: [at(-0.1), at(0.1)] }
 }
 
@@ -118,7 +117,7 @@ fn both_integrators_agree_on_the_rig() {
     let params = RotorParams { gravity: [0.0, -9.80665, 0.0], load: [0.0, 0.0, 60.0, 0.0, 0.0], ..damped(PARAMS) };
     let unbalance = [Unbalance { moment: 480e-6, angle: 1.2, station: -0.03 }];
     let machine = rig(params, &unbalance);
-    let rest = equilibrium(&machine, &[Turn::ZERO; 2], Displacement::default());
+    let rest = equilibrium(&machine, &[Turn::ZERO.into(); 2], Displacement::default());
     assert!(rest.residual < 1e-9, "{:e}", rest.residual);
     let start = RotorState::at_rest(rest.q, Turn::ZERO, [Turn::ZERO; 2]);
     let end = |h: f64, newmark: bool| {
@@ -140,9 +139,9 @@ fn both_integrators_agree_on_the_rig() {
 #[test]
 fn natural_frequencies_of_a_preloaded_pair() {
     let w0 = Displacement { w: 10.000_495e-6, ..Displacement::default() };
-    let (reaction, plus) = angular_contact().reaction_and_stiffness(&w0, Turn::ZERO);
+    let (reaction, plus) = angular_contact().reaction_and_stiffness(&w0, &Turn::ZERO.into());
     assert!((reaction.wrench.fz + 500.0).abs() < 1e-2, "{}", reaction.wrench.fz);
-    let (_, minus) = Mirrored(angular_contact()).reaction_and_stiffness(&w0.mirrored(), Turn::ZERO);
+    let (_, minus) = Mirrored(angular_contact()).reaction_and_stiffness(&w0.mirrored(), &Turn::ZERO.into());
     let whole = |left: &Stiffness<f64>, right: &Stiffness<f64>| {
         ballrace::frame::stiffness_from_station(left, -0.05) + ballrace::frame::stiffness_from_station(right, 0.05)
     };
@@ -225,8 +224,8 @@ fn angular_acceleration_pushes_along_the_tangent() {
 fn equilibrium_carries_the_load() {
     let params = RotorParams { gravity: [0.0, -9.80665, 0.0], load: [10.0, 0.0, 60.0, 0.5, 0.0], ..PARAMS };
     let machine = rig(params, &[]);
-    let found = equilibrium(&machine, &[Turn::from_revolutions(0.01); 2], Displacement::default());
-    let (wrench, _) = machine.bearing_wrench(&found.q, &[Turn::from_revolutions(0.01); 2]);
+    let found = equilibrium(&machine, &[Turn::from_revolutions(0.01).into(); 2], Displacement::default());
+    let wrench = machine.bearing_reaction(&found.q, &[Turn::from_revolutions(0.01).into(); 2]).wrench;
     let load = machine.rotor.constant_load();
     for (f, l) in wrench.to_array().into_iter().zip(load.to_array()) {
         assert!((f + l).abs() < 1e-7, "{f} {l}");

@@ -5,7 +5,7 @@ use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{Bearing, Mirrored, Places, Reaction, even_places};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::{Displacement, Exact, Stiffness, Turn};
+use ballrace::{Displacement, Exact, Rotation, Stiffness, Turn};
 use ballrace_tests::bearings::{angular_contact, deep_groove, spalled};
 
 /// Loaded states: some elements deep, some off, tilts included.
@@ -24,7 +24,7 @@ fn difference(bearing: &dyn Bearing<f64>, u: [f64; 5], cage: Turn) -> Stiffness<
         let at = |sign: f64| {
             let mut moved = u;
             moved[j] += sign * step;
-            bearing.reaction(&Displacement::from_array(moved), cage).wrench.to_array()
+            bearing.reaction(&Displacement::from_array(moved), &cage.into()).wrench.to_array()
         };
         let (ahead, behind) = (at(1.0), at(-1.0));
         for i in 0..5 {
@@ -48,8 +48,8 @@ fn check(name: &str, bearing: &dyn Bearing<f64>) {
     for (i, state) in STATES.into_iter().enumerate() {
         for degrees in [0.0, 13.0, 200.0] {
             let cage = Turn::from_revolutions(degrees / 360.0);
-            let (reaction, analytic) = bearing.reaction_and_stiffness(&Displacement::from_array(state), cage);
-            let plain = bearing.reaction(&Displacement::from_array(state), cage);
+            let (reaction, analytic) = bearing.reaction_and_stiffness(&Displacement::from_array(state), &cage.into());
+            let plain = bearing.reaction(&Displacement::from_array(state), &cage.into());
             assert_eq!(reaction, plain, "{name}: both ways give the same force");
             let error = mismatch(&analytic, &difference(bearing, state, cage));
             assert!(error < 2e-6, "{name}, state {i}, {degrees} deg: {error:e}");
@@ -88,13 +88,13 @@ fn lumped() {
 struct Displaced<B>(B, [HousingPoint<f64>; 9]);
 
 impl<B: FlexibleRing<f64> + Send + Sync> Bearing<f64> for Displaced<B> {
-    fn reaction(&self, u: &Displacement<f64>, cage: Turn) -> Reaction<f64> {
-        self.0.reaction_flexible(u, cage, &mut self.1.clone())
+    fn reaction(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> Reaction<f64> {
+        self.0.reaction_flexible(u, at, &mut self.1.clone())
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<f64>, cage: Turn) -> (Reaction<f64>, Stiffness<f64>) {
-        self.0.reaction_and_stiffness_flexible(u, cage, &mut self.1.clone())
+    fn reaction_and_stiffness(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+        self.0.reaction_and_stiffness_flexible(u, at, &mut self.1.clone())
     }
-    fn element_loads(&self, _u: &Displacement<f64>, _cage: Turn, _loads: &mut [f64]) {}
+    fn element_loads(&self, _u: &Displacement<f64>, _at: &Rotation<f64>, _loads: &mut [f64]) {}
 }
 
 #[test]
@@ -116,16 +116,17 @@ fn unloaded_elements_add_no_stiffness() {
     for exponent in [1.0, 1.0 + 1e-9, 2.0] {
         let law = Power { stiffness: 1e9, exponent };
         let bearing = Radial::<f64, Exact, _, _>::try_new(places, law, 5e-6).unwrap();
-        let (reaction, k) = bearing.reaction_and_stiffness(&far, Turn::ZERO);
+        let (reaction, k) = bearing.reaction_and_stiffness(&far, &Turn::ZERO.into());
         assert_eq!(reaction.load, 0.0);
         assert_eq!(k, Stiffness::zeros(), "exponent {exponent}");
     }
     let line = Radial::<f64, Exact, _, _>::try_new(places, Line { stiffness: 1e9 }, 5e-6).unwrap();
-    assert_eq!(line.reaction_and_stiffness(&far, Turn::ZERO).1, Stiffness::zeros());
+    assert_eq!(line.reaction_and_stiffness(&far, &Turn::ZERO.into()).1, Stiffness::zeros());
 }
 
 #[test]
 fn linear() {
-    let (_, k) = deep_groove::<9>(10e-6).reaction_and_stiffness(&Displacement::from_array(STATES[0]), Turn::ZERO);
+    let (_, k) =
+        deep_groove::<9>(10e-6).reaction_and_stiffness(&Displacement::from_array(STATES[0]), &Turn::ZERO.into());
     check("springs", &Linear::new(k));
 }

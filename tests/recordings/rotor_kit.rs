@@ -5,9 +5,8 @@
 
 use ballrace::bearing::linear::Linear;
 use ballrace::rotor::{
-    Drive, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
+    Drive, Gear, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
 };
-use ballrace::turn::Ratio;
 use ballrace::{Displacement, Exact, Stiffness, Turn};
 use std::f64::consts::TAU;
 
@@ -35,7 +34,7 @@ fn kit() -> Machine<f64, Exact, Linear<f64>, 2> {
     };
     let unbalance = Unbalance { moment: ECCENTRICITY_UM * 1e-6, angle: ANGLE, station: 0.0 };
     let spring = Stiffness::from_fn(|i, j| if i == j && i < 2 { 0.5 * k } else { 0.0 });
-    let at = |station| Mounted { bearing: Linear::new(spring), station, cage_ratio: Ratio::new(0.0) };
+    let at = |station| Mounted { bearing: Linear::new(spring), station, gear: Gear::new(0.0) };
     Machine { rotor: RigidRotor::try_new(&params, &[unbalance]).unwrap(), bearings: [at(-0.1), at(0.1)] }
 }
 

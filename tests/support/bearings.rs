@@ -3,7 +3,7 @@
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::even_places;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
-use ballrace::bearing::surface::{Spall, SpallShape};
+use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
 use ballrace::bearing::{Bearing, Places};
 use ballrace::{Exact, Turn};
 
@@ -47,6 +47,6 @@ pub fn angular_contact() -> Angular<f64, Exact, Places<f64, 14>> {
 
 /// The deep groove bearing with a spall under the load.
 pub fn spalled() -> impl Bearing<f64> {
-    let spall = Spall::new(Turn::from_revolutions(0.01), 0.3, 2e-6, SpallShape::HalfSine);
-    deep_groove::<9>(10e-6).with_surface(spall)
+    let spall = Spall::new(Part::Outer, Turn::from_revolutions(0.01), 0.3, 2e-6, SpallShape::HalfSine);
+    deep_groove::<9>(10e-6).with_surface(Uneven::<Exact, _>::new([Feature::Spall(spall)]))
 }

@@ -3,6 +3,7 @@
 pub mod bearings;
 pub mod compare;
 pub mod lumped;
+pub mod states;
 
 /// Calls `$body` with the constant `$n` equal to the run-time `$count` (3 to 24, what the golden files use).
 #[macro_export]

@@ -23,7 +23,8 @@ fn the_worked_example_runs() {
         let u = Displacement { u: 8e-6 * cos, v: 8e-6 * sin, w: 20e-6, ..Displacement::default() };
         let cage = Turn::from_revolutions(Ratio::new(0.4).value() * i as f64 / 16.0);
         let bad = i == 10;
-        let expected = if bad { last.clone() } else { bearing.reaction(&u, cage).wrench.to_array()[..3].to_vec() };
+        let expected =
+            if bad { last.clone() } else { bearing.reaction(&u, &cage.into()).wrench.to_array()[..3].to_vec() };
         assert_eq!(row[4] == f64::from(Status::INPUT_NOT_FINITE.bits()), bad, "sample {i}");
         for (found, expected) in row[1..4].iter().zip(&expected) {
             // Single precision, three decimals printed.

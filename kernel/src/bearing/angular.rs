@@ -76,7 +76,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>> Angular<T, M, P> {
         })
     }
 
-    /// The same bearing with damage on its outer race.
+    /// The same bearing with waviness or damage.
     pub fn with_surface<S: Surface<T>>(self, surface: S) -> Angular<T, M, P, S> {
         Angular {
             ring: self.ring,
@@ -97,6 +97,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Angular<T, M, P, S
     /// square root.
     #[inline(always)]
     fn grooves<const K: usize>(&self, at: [Motion<T>; K]) -> [Grooves<T>; K] {
+        let at = at.map(Motion::with_waviness);
         let (r0, z0) = self.unloaded;
         let excess = |m: Motion<T>| {
             let (r, z) = (r0 + m.radial, z0 + m.axial);
@@ -107,7 +108,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Angular<T, M, P, S
         for (groove, m) in grooves.iter_mut().zip(at) {
             groove.radial += m.radial;
             groove.axial += m.axial;
-            let gap = excess(m) / (groove.length + self.distance) - self.surface.drop_at(m.azimuth);
+            let gap = excess(m) / (groove.length + self.distance) + (m.shape.inner + m.shape.outer);
             groove.twice_deflection = gap.twice_positive();
         }
         grooves
@@ -119,13 +120,19 @@ impl<T: Scalar> Grooves<T> {
     #[inline(always)]
     fn contact(&self, load: T) -> Contact<T> {
         let by_length = load / self.length;
-        Contact { radial: by_length * self.radial, axial: by_length * self.axial, load }
+        let axial = by_length * self.axial;
+        Contact { radial: by_length * self.radial, axial, tilting: axial, load }
     }
 }
 
 impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Elements<T> for Angular<T, M, P, S> {
     type Math = M;
     type Places = P;
+    type Surface = S;
+    #[inline(always)]
+    fn surface(&self) -> &S {
+        &self.surface
+    }
     #[inline(always)]
     fn ring(&self) -> &Ring<T, P> {
         &self.ring

@@ -3,8 +3,10 @@
 use super::Reaction;
 use super::place::Arrangement;
 use super::ring::{CageTurn, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum};
+use super::surface::Surface;
 use crate::frame::{Displacement, Stiffness};
 use crate::math::Math;
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 
@@ -14,8 +16,12 @@ pub trait Elements<T: Scalar> {
     type Math: Math<T>;
     /// The arrangement of the elements.
     type Places: Arrangement<T>;
+    /// What the elements run on.
+    type Surface: Surface<T>;
 
     fn ring(&self) -> &Ring<T, Self::Places>;
+
+    fn surface(&self) -> &Self::Surface;
 
     /// The contacts of `K` elements, to be multiplied by the ring's scale.
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K];
@@ -24,15 +30,15 @@ pub trait Elements<T: Scalar> {
 
     /// The answer of all elements in the cage's frame.
     #[inline(always)]
-    fn sum(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+    fn sum(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         let ring = self.ring();
         let rim = ring.at_rim(u);
         let mut sum = WrenchSum::new();
         for place in ring.places.table() {
             if Self::Places::PAIRS {
-                sum.add_pair(place, &self.contacts(Motion::of_pair(place, &rim, cage)));
+                sum.add_pair(place, &self.contacts(Motion::of_pair(place, &rim, at, self.surface())));
             } else {
-                let [contact] = self.contacts([Motion::of(place, &rim, cage)]);
+                let [contact] = self.contacts([Motion::of(place, &rim, at, self.surface())]);
                 sum.add(place, &contact);
             }
         }
@@ -48,44 +54,44 @@ pub trait InCage<T: Scalar> {
     /// Sine and cosine of the cage's angle.
     fn turn(cage: Turn) -> CageTurn<T>;
 
-    /// As [`super::Bearing::reaction`] with displacement and wrench in the cage's frame; `cage` only says where damage
+    /// As [`super::Bearing::reaction`] with displacement and wrench in the cage's frame; `at` only says where damage
     /// on a race is met.
-    fn reaction_in_cage(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T>;
+    fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T>;
 
     /// The same with the tangent, which is turned into the fixed frame by `turn`.
     fn reaction_in_cage_and_stiffness(
         &self,
         u: &Displacement<T>,
-        cage: Turn,
+        at: &Rotation<T>,
         turn: CageTurn<T>,
     ) -> (Reaction<T>, Stiffness<T>);
 
     /// As [`super::Bearing::element_loads`] with the displacement in the cage's frame.
-    fn element_loads_in_cage(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]);
+    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]);
 }
 
 #[inline(always)]
 pub(super) fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    cage: Turn,
+    at: &Rotation<T>,
     turn: CageTurn<T>,
 ) -> (Reaction<T>, Stiffness<T>) {
     let ring = elements.ring();
     let rim = ring.at_rim(u);
     let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
     for place in ring.places.each() {
-        let (contact, k) = elements.contact_and_stiffness(Motion::of(&place, &rim, cage));
+        let (contact, k) = elements.contact_and_stiffness(Motion::of(&place, &rim, at, elements.surface()));
         sum.add(&place, &contact);
         stiffness.add(&place, &k);
     }
     (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
 }
 
-pub(super) fn loads<T: Scalar, E: Elements<T>>(elements: &E, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+pub(super) fn loads<T: Scalar, E: Elements<T>>(elements: &E, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
     let rim = elements.ring().at_rim(u);
     for (place, load) in elements.ring().places.each().zip(loads) {
-        let [contact] = elements.contacts([Motion::of(&place, &rim, cage)]);
+        let [contact] = elements.contacts([Motion::of(&place, &rim, at, elements.surface())]);
         *load = elements.ring().scale * contact.load;
     }
 }
@@ -99,21 +105,21 @@ macro_rules! in_cage_by_elements {
                 <$math as $crate::math::Math<T>>::sin_cos(cage)
             }
             #[inline(always)]
-            fn reaction_in_cage(&self, u: &$crate::Displacement<T>, cage: $crate::Turn) -> $crate::bearing::Reaction<T> {
-                $crate::bearing::elements::Elements::sum(self, u, cage)
+            fn reaction_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>) -> $crate::bearing::Reaction<T> {
+                $crate::bearing::elements::Elements::sum(self, u, at)
             }
             #[inline]
             fn reaction_in_cage_and_stiffness(
                 &self,
                 u: &$crate::Displacement<T>,
-                cage: $crate::Turn,
+                at: &$crate::Rotation<T>,
                 turn: (T, T),
             ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
-                $crate::bearing::elements::reaction_and_stiffness(self, u, cage, turn)
+                $crate::bearing::elements::reaction_and_stiffness(self, u, at, turn)
             }
             #[inline]
-            fn element_loads_in_cage(&self, u: &$crate::Displacement<T>, cage: $crate::Turn, loads: &mut [T]) {
-                $crate::bearing::elements::loads(self, u, cage, loads);
+            fn element_loads_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>, loads: &mut [T]) {
+                $crate::bearing::elements::loads(self, u, at, loads);
             }
         }
     };

@@ -2,15 +2,15 @@
 
 use super::Reaction;
 use super::elements::Elements;
-use super::lumped::{Axial, Combined, Radial, both};
+use super::lumped::{Axial, Combined, Radial};
 use super::place::Arrangement;
 use super::ring::{CageTurn, Contact, Motion, StiffnessSum, WrenchSum, into_cage, out_of_cage};
 use super::surface::Surface;
 use crate::contact::law::Law;
 use crate::frame::{Displacement, Stiffness};
 use crate::math::Math;
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// The outer ring or housing at one element's contact point, along X, Y, Z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,7 +36,7 @@ pub struct HousingPoint<T> {
 /// let mut housing = [HousingPoint::default(); 8];
 /// housing[0].displacement = [1e-6, 0.0, 0.0];
 /// let u = Displacement { u: 2e-6, ..Displacement::default() };
-/// let force = bearing.reaction_flexible(&u, Turn::ZERO, &mut housing).wrench;
+/// let force = bearing.reaction_flexible(&u, &Turn::ZERO.into(), &mut housing).wrench;
 /// let on_housing: f64 = housing.iter().map(|point| point.reaction[0]).sum();
 /// assert!((force.fx + on_housing).abs() < 1e-9);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
@@ -44,13 +44,13 @@ pub struct HousingPoint<T> {
 pub trait FlexibleRing<T: Scalar> {
     /// Force on the inner ring when the housing point of element `j` is displaced as `housing[j]` says, and the
     /// reaction on that point (action = reaction). Elements past the end of `housing` stand on a rigid ring.
-    fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T>;
+    fn reaction_flexible(&self, u: &Displacement<T>, at: &Rotation<T>, housing: &mut [HousingPoint<T>]) -> Reaction<T>;
 
     /// The same with the tangent `-d(wrench)/du` while the housing stands still.
     fn reaction_and_stiffness_flexible(
         &self,
         u: &Displacement<T>,
-        cage: Turn,
+        at: &Rotation<T>,
         housing: &mut [HousingPoint<T>],
     ) -> (Reaction<T>, Stiffness<T>);
 }
@@ -76,7 +76,7 @@ impl<T: Scalar> HousingPoint<T> {
 fn each_element<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    (cage, (sin, cos)): (Turn, CageTurn<T>),
+    (at, (sin, cos)): (&Rotation<T>, CageTurn<T>),
     housing: &mut [HousingPoint<T>],
     mut contact: impl FnMut(&super::Place<T>, Motion<T>) -> Contact<T>,
 ) {
@@ -89,7 +89,7 @@ fn each_element<T: Scalar, E: Elements<T>>(
         // The element's direction in the fixed frame, in which the housing point is given.
         let direction = (cos * place.cos - sin * place.sin, cos * place.sin + sin * place.cos);
         let (radial, axial) = point.along(direction);
-        let motion = Motion::of(&place, &rim, cage);
+        let motion = Motion::of(&place, &rim, at, elements.surface());
         let motion = Motion { radial: motion.radial - radial, axial: motion.axial - axial, ..motion };
         point.push(direction, &contact(&place, motion), ring.scale);
     }
@@ -98,12 +98,12 @@ fn each_element<T: Scalar, E: Elements<T>>(
 fn reaction<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    cage: Turn,
+    at: &Rotation<T>,
     housing: &mut [HousingPoint<T>],
 ) -> Reaction<T> {
-    let turn = E::Math::sin_cos(cage);
+    let turn = E::Math::sin_cos(at.cage);
     let mut sum = WrenchSum::new();
-    each_element(elements, u, (cage, turn), housing, |place, motion| {
+    each_element(elements, u, (at, turn), housing, |place, motion| {
         let [contact] = elements.contacts([motion]);
         sum.add(place, &contact);
         contact
@@ -116,12 +116,12 @@ fn reaction<T: Scalar, E: Elements<T>>(
 fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    cage: Turn,
+    at: &Rotation<T>,
     housing: &mut [HousingPoint<T>],
 ) -> (Reaction<T>, Stiffness<T>) {
-    let turn = E::Math::sin_cos(cage);
+    let turn = E::Math::sin_cos(at.cage);
     let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
-    each_element(elements, u, (cage, turn), housing, |place, motion| {
+    each_element(elements, u, (at, turn), housing, |place, motion| {
         let (contact, k) = elements.contact_and_stiffness(motion);
         sum.add(place, &contact);
         stiffness.add(place, &k);
@@ -138,18 +138,18 @@ macro_rules! flexible_by_elements {
             fn reaction_flexible(
                 &self,
                 u: &Displacement<T>,
-                cage: Turn,
+                at: &Rotation<T>,
                 housing: &mut [HousingPoint<T>],
             ) -> Reaction<T> {
-                reaction(self, u, cage, housing)
+                reaction(self, u, at, housing)
             }
             fn reaction_and_stiffness_flexible(
                 &self,
                 u: &Displacement<T>,
-                cage: Turn,
+                at: &Rotation<T>,
                 housing: &mut [HousingPoint<T>],
             ) -> (Reaction<T>, Stiffness<T>) {
-                reaction_and_stiffness(self, u, cage, housing)
+                reaction_and_stiffness(self, u, at, housing)
             }
         }
     };
@@ -162,17 +162,17 @@ flexible_by_elements!(
 flexible_by_elements!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>);
 
 impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Combined<A, B> {
-    fn reaction_flexible(&self, u: &Displacement<T>, cage: Turn, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
-        both(self.0.reaction_flexible(u, cage, housing), self.1.reaction_flexible(u, cage, housing))
+    fn reaction_flexible(&self, u: &Displacement<T>, at: &Rotation<T>, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
+        self.0.reaction_flexible(u, at, housing).plus(self.1.reaction_flexible(u, at, housing))
     }
     fn reaction_and_stiffness_flexible(
         &self,
         u: &Displacement<T>,
-        cage: Turn,
+        at: &Rotation<T>,
         housing: &mut [HousingPoint<T>],
     ) -> (Reaction<T>, Stiffness<T>) {
-        let (a, ka) = self.0.reaction_and_stiffness_flexible(u, cage, housing);
-        let (b, kb) = self.1.reaction_and_stiffness_flexible(u, cage, housing);
-        (both(a, b), ka + kb)
+        let (a, ka) = self.0.reaction_and_stiffness_flexible(u, at, housing);
+        let (b, kb) = self.1.reaction_and_stiffness_flexible(u, at, housing);
+        (a.plus(b), ka + kb)
     }
 }

@@ -101,6 +101,13 @@ impl BallBearingGeometry {
         0.5 * self.pitch_diameter + offset * libm::cos(self.contact_angle)
     }
 
+    /// R_o, radius of the circle of outer groove centres, m.
+    #[must_use]
+    pub fn outer_groove_radius(&self) -> f64 {
+        let offset = (self.outer_conformity - 0.5) * self.ball_diameter;
+        0.5 * self.pitch_diameter - offset * libm::cos(self.contact_angle)
+    }
+
     /// gamma = D cos(alpha_0) / d_m.
     #[must_use]
     pub fn gamma(&self) -> f64 {

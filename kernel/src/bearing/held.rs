@@ -16,8 +16,8 @@ use crate::status::Status;
 /// let mut held = HeldWrench::new();
 /// let good = Displacement { u: 1e-6, ..Displacement::default() };
 /// let bad = Displacement { u: f32::NAN, ..Displacement::default() };
-/// let (before, _) = bearing.sample(&mut held, &good, Turn::ZERO);
-/// let (after, status) = bearing.sample(&mut held, &bad, Turn::ZERO);
+/// let (before, _) = bearing.sample(&mut held, &good, &Turn::ZERO.into());
+/// let (after, status) = bearing.sample(&mut held, &bad, &Turn::ZERO.into());
 /// assert_eq!(before, after);
 /// assert!(status.has(Status::INPUT_NOT_FINITE) && held.held() == 1);
 /// ```
@@ -47,7 +47,8 @@ impl<T: Scalar> HeldWrench<T> {
         let status = Status::INPUT_NOT_FINITE
             .when(!input_ok)
             .and(Status::RESULT_NOT_FINITE.when(input_ok & !result_ok))
-            .and(Status::CONTACT_LOST.when(input_ok & fresh.load.is_zero()));
+            .and(Status::CONTACT_LOST.when(input_ok & fresh.load.is_zero()))
+            .and(fresh.status.when(input_ok));
         self.held = self.held.saturating_add(u32::from(status.is_held()));
         self.last = Wrench::choose(!status.is_held(), fresh.wrench, self.last);
         (self.last, status)

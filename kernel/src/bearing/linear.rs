@@ -3,8 +3,9 @@
 use super::geometry::{InvalidParameter, check};
 use super::{Bearing, Reaction};
 use crate::frame::{Displacement, Stiffness, Wrench};
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
+use crate::status::Status;
 
 /// `f = f_0 - K (u - u_0)`: springs about a reference state. Cost: 25 multiplications and additions.
 ///
@@ -15,7 +16,7 @@ use crate::turn::Turn;
 ///
 /// let springs = Linear::new(Stiffness::from_diagonal_element(1e8));
 /// let u = Displacement { v: 1e-6, ..Displacement::default() };
-/// assert_eq!(springs.reaction(&u, Turn::ZERO).wrench.fy, -100.0);
+/// assert_eq!(springs.reaction(&u, &Turn::ZERO.into()).wrench.fy, -100.0);
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Linear<T: Scalar> {
@@ -37,7 +38,7 @@ impl<T: Scalar> Linear<T> {
 }
 
 impl<T: Scalar> Bearing<T> for Linear<T> {
-    fn reaction(&self, u: &Displacement<T>, _cage: Turn) -> Reaction<T> {
+    fn reaction(&self, u: &Displacement<T>, _at: &Rotation<T>) -> Reaction<T> {
         let mut f = self.force.to_array();
         let away = u.to_array().into_iter().zip(self.reference.to_array()).map(|(x, x0)| x - x0);
         for (x, column) in away.zip(self.stiffness.column_iter()) {
@@ -46,14 +47,14 @@ impl<T: Scalar> Bearing<T> for Linear<T> {
             }
         }
         // Springs never lose contact: the load is a mark, not a sum.
-        Reaction { wrench: Wrench::from_array(f), load: T::ONE }
+        Reaction { wrench: Wrench::from_array(f), load: T::ONE, status: Status::OK }
     }
 
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-        (self.reaction(u, cage), self.stiffness)
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        (self.reaction(u, at), self.stiffness)
     }
 
-    fn element_loads(&self, _u: &Displacement<T>, _cage: Turn, _loads: &mut [T]) {}
+    fn element_loads(&self, _u: &Displacement<T>, _at: &Rotation<T>, _loads: &mut [T]) {}
 }
 
 /// Two springs of a radial bearing: along the static load and across it, N/m.

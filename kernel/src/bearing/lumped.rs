@@ -9,11 +9,12 @@ use super::elements::{Elements, InCage, in_cage_by_elements};
 use super::geometry::{InvalidParameter, check};
 use super::place::{Arrangement, Place};
 use super::ring::{CageTurn, Contact, ContactStiffness, Motion, RadialSum, Ring, radial};
-use super::surface::{Smooth, Surface};
+use super::surface::{Shape, Smooth, Surface};
 use super::{Reaction, bearing_in_cage};
 use crate::contact::law::Law;
 use crate::frame::{Displacement, Stiffness};
 use crate::math::Math;
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 use core::marker::PhantomData;
@@ -33,7 +34,7 @@ use core::marker::PhantomData;
 /// let places = even_pairs::<f64, 4>(Turn::ZERO);
 /// let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 1e-6)?;
 /// let u = Displacement { u: 2e-6, ..Displacement::default() };
-/// let force = bearing.reaction(&u, Turn::ZERO).wrench;
+/// let force = bearing.reaction(&u, &Turn::ZERO.into()).wrench;
 /// assert!(force.fx < -8.0 && force.fy.abs() < 1e-12);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
@@ -57,7 +58,7 @@ pub struct Radial<T, M, L, P, S = Smooth> {
 /// let places = even_places::<f32, 12>(Turn::ZERO);
 /// let bearing = Axial::<f32, Exact, _, _>::try_new(places, Line { stiffness: 3e8 }, 0.0, 20e-3)?;
 /// let pushed = Displacement { w: 5e-6, ..Displacement::default() };
-/// assert!(bearing.reaction(&pushed, Turn::ZERO).wrench.fz < 0.0);
+/// assert!(bearing.reaction(&pushed, &Turn::ZERO.into()).wrench.fz < 0.0);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
@@ -89,7 +90,7 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Radial<T, M, L, P> 
         })
     }
 
-    /// The same bearing with damage on its outer race.
+    /// The same bearing with waviness or damage; only what is radial counts.
     pub fn with_surface<S: Surface<T>>(self, surface: S) -> Radial<T, M, L, P, S> {
         Radial { ring: self.ring, law: self.law, play: self.play, surface, math: PhantomData }
     }
@@ -113,17 +114,22 @@ const ABREAST: usize = 4;
 impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>> Radial<T, M, L, P, S> {
     /// Radial displacement at which the element touches.
     #[inline(always)]
-    fn gap(&self, azimuth: Turn) -> T {
-        self.play + self.surface.drop_at(azimuth)
+    fn gap(&self, azimuth: Turn, at: &Rotation<T>) -> T {
+        self.gap_of(self.surface.at(azimuth, at))
+    }
+
+    #[inline(always)]
+    fn gap_of(&self, shape: Shape<T>) -> T {
+        self.play - (shape.radial + shape.inner + shape.outer)
     }
 
     /// Twice the deflection at one entry of the table; with pairs, less that of the opposite element.
     #[inline(always)]
-    fn signed(&self, place: &Place<T>, u: &Displacement<T>, cage: Turn) -> T {
+    fn signed(&self, place: &Place<T>, u: &Displacement<T>, at: &Rotation<T>) -> T {
         let radial = radial(place, u);
-        let azimuth = place.azimuth.plus(cage);
-        let here = (radial - self.gap(azimuth)).twice_positive();
-        if P::PAIRS { here + (radial + self.gap(azimuth.opposite())).twice_negative() } else { here }
+        let azimuth = place.azimuth.plus(at.cage);
+        let here = (radial - self.gap(azimuth, at)).twice_positive();
+        if P::PAIRS { here + (radial + self.gap(azimuth.opposite(), at)).twice_negative() } else { here }
     }
 
     #[inline(always)]
@@ -132,9 +138,9 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>> Radi
         sum: &mut RadialSum<T>,
         group: &[Place<T>; K],
         u: &Displacement<T>,
-        cage: Turn,
+        at: &Rotation<T>,
     ) {
-        let shapes = self.law.shape(group.each_ref().map(|place| self.signed(place, u, cage)));
+        let shapes = self.law.shape(group.each_ref().map(|place| self.signed(place, u, at)));
         for (place, shape) in group.iter().zip(shapes) {
             sum.add(place, shape);
         }
@@ -151,32 +157,37 @@ where
 {
     type Math = M;
     type Places = P;
+    type Surface = S;
+    #[inline(always)]
+    fn surface(&self) -> &S {
+        &self.surface
+    }
     #[inline(always)]
     fn ring(&self) -> &Ring<T, P> {
         &self.ring
     }
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
-        let shapes = self.law.shape(at.map(|m| (m.radial - self.gap(m.azimuth)).twice_positive()));
-        shapes.map(|load| Contact { radial: load, axial: T::NEGATIVE_ZERO, load })
+        let shapes = self.law.shape(at.map(|m| (m.radial - self.gap_of(m.shape)).twice_positive()));
+        shapes.map(|load| Contact { radial: load, axial: T::NEGATIVE_ZERO, tilting: T::NEGATIVE_ZERO, load })
     }
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
-        let (load, slope) = self.law.shape_and_slope((at.radial - self.gap(at.azimuth)).twice_positive());
+        let (load, slope) = self.law.shape_and_slope((at.radial - self.gap_of(at.shape)).twice_positive());
         (
-            Contact { radial: load, axial: T::NEGATIVE_ZERO, load },
+            Contact { radial: load, axial: T::NEGATIVE_ZERO, tilting: T::NEGATIVE_ZERO, load },
             ContactStiffness { radial: slope, cross: T::NEGATIVE_ZERO, axial: T::NEGATIVE_ZERO },
         )
     }
     #[inline(always)]
-    fn sum(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
+    fn sum(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         let mut sum = RadialSum::new();
         let (groups, rest) = self.ring.places.table().as_chunks::<ABREAST>();
         for group in groups {
-            self.add_group(&mut sum, group, u, cage);
+            self.add_group(&mut sum, group, u, at);
         }
         for place in rest {
-            self.add_group(&mut sum, core::array::from_ref(place), u, cage);
+            self.add_group(&mut sum, core::array::from_ref(place), u, at);
         }
         sum.finish(self.ring.scale)
     }
@@ -185,6 +196,11 @@ where
 impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Elements<T> for Axial<T, M, L, P> {
     type Math = M;
     type Places = P;
+    type Surface = Smooth;
+    #[inline(always)]
+    fn surface(&self) -> &Smooth {
+        &Smooth
+    }
     #[inline(always)]
     fn ring(&self) -> &Ring<T, P> {
         &self.ring
@@ -192,13 +208,13 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Elements<T> for Axi
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
         let shapes = self.law.shape(at.map(|m| (m.axial - self.play).twice_positive()));
-        shapes.map(|load| Contact { radial: T::NEGATIVE_ZERO, axial: load, load })
+        shapes.map(|load| Contact { radial: T::NEGATIVE_ZERO, axial: load, tilting: load, load })
     }
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
         let (load, slope) = self.law.shape_and_slope((at.axial - self.play).twice_positive());
         (
-            Contact { radial: T::NEGATIVE_ZERO, axial: load, load },
+            Contact { radial: T::NEGATIVE_ZERO, axial: load, tilting: load, load },
             ContactStiffness { radial: T::NEGATIVE_ZERO, cross: T::NEGATIVE_ZERO, axial: slope },
         )
     }
@@ -216,33 +232,29 @@ in_cage_by_elements!(Axial<T, M, L, P>, M, T: Scalar, M: Math<T>, L: Law<T, M>, 
 bearing_in_cage!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>);
 bearing_in_cage!(Combined<A, B>, T: Scalar, A: InCage<T> + Send + Sync, B: InCage<T> + Send + Sync);
 
-pub(super) fn both<T: Scalar>(a: Reaction<T>, b: Reaction<T>) -> Reaction<T> {
-    Reaction { wrench: a.wrench.plus(b.wrench), load: a.load + b.load }
-}
-
 impl<T: Scalar, A: InCage<T>, B: InCage<T>> InCage<T> for Combined<A, B> {
     #[inline(always)]
     fn turn(cage: Turn) -> CageTurn<T> {
         A::turn(cage)
     }
     #[inline(always)]
-    fn reaction_in_cage(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
-        both(self.0.reaction_in_cage(u, cage), self.1.reaction_in_cage(u, cage))
+    fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.0.reaction_in_cage(u, at).plus(self.1.reaction_in_cage(u, at))
     }
     #[inline(always)]
     fn reaction_in_cage_and_stiffness(
         &self,
         u: &Displacement<T>,
-        cage: Turn,
+        at: &Rotation<T>,
         turn: CageTurn<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
-        let (a, ka) = self.0.reaction_in_cage_and_stiffness(u, cage, turn);
-        let (b, kb) = self.1.reaction_in_cage_and_stiffness(u, cage, turn);
-        (both(a, b), ka + kb)
+        let (a, ka) = self.0.reaction_in_cage_and_stiffness(u, at, turn);
+        let (b, kb) = self.1.reaction_in_cage_and_stiffness(u, at, turn);
+        (a.plus(b), ka + kb)
     }
     /// The loads of the first kind only: one entry an element, as the radial ones show the load zone.
     #[inline(always)]
-    fn element_loads_in_cage(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
-        self.0.element_loads_in_cage(u, cage, loads);
+    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.0.element_loads_in_cage(u, at, loads);
     }
 }

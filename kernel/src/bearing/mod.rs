@@ -10,6 +10,7 @@ pub mod kinematics;
 pub mod linear;
 pub mod lumped;
 mod place;
+pub mod quasi_static;
 mod ring;
 pub mod surface;
 
@@ -18,9 +19,9 @@ pub use held::HeldWrench;
 pub use place::{Arrangement, Pairs, Place, Places, even_pairs, even_places};
 
 use crate::frame::{Displacement, Stiffness, Wrench, mirrored_stiffness};
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
-use crate::turn::Turn;
 
 /// What a bearing answers to a displacement.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -30,37 +31,55 @@ pub struct Reaction<T> {
     pub wrench: Wrench<T>,
     /// Sum of the element loads, N: 0 where contact is lost.
     pub load: T,
+    /// What the evaluation has to say of itself.
+    pub status: Status,
+}
+
+impl<T: Scalar> Reaction<T> {
+    /// That of two bearings, or of two kinds of element, together.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            wrench: self.wrench.plus(other.wrench),
+            load: self.load + other.load,
+            status: self.status.and(other.status),
+        }
+    }
+
+    /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
+    pub(crate) fn from_station(self, station: T) -> Self {
+        Self { wrench: self.wrench.from_station(station), ..self }
+    }
 }
 
 /// A bearing: force on the inner ring from the inner ring's displacement relative to the outer ring.
 ///
 /// All methods are pure and of fixed cost; inputs are taken as finite ([`Bearing::sample`] checks them).
 pub trait Bearing<T: Scalar>: Send + Sync {
-    /// Force on the inner ring with the cage at `cage`.
-    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T>;
+    /// Force on the inner ring with the bearing turned as `at` says.
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T>;
 
     /// Force and its tangent `-d(wrench)/du`.
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>);
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>);
 
     /// Load on each element, N, into `loads` as far as both go. A bearing without elements writes nothing.
-    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]);
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]);
 
     /// One sample of a stream: as [`Bearing::reaction`], but NaN, infinite and overflowing samples are
     /// flagged, counted, and answered with the last good wrench.
-    fn sample(&self, held: &mut HeldWrench<T>, u: &Displacement<T>, cage: Turn) -> (Wrench<T>, Status) {
-        held.take(u.is_finite(), || self.reaction(u, cage))
+    fn sample(&self, held: &mut HeldWrench<T>, u: &Displacement<T>, at: &Rotation<T>) -> (Wrench<T>, Status) {
+        held.take(u.is_finite(), || self.reaction(u, at))
     }
 }
 
 impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for &B {
-    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
-        (**self).reaction(u, cage)
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        (**self).reaction(u, at)
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-        (**self).reaction_and_stiffness(u, cage)
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        (**self).reaction_and_stiffness(u, at)
     }
-    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
-        (**self).element_loads(u, cage, loads);
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        (**self).element_loads(u, at, loads);
     }
 }
 
@@ -68,25 +87,25 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for &B {
 macro_rules! bearing_in_cage {
     ($kind:ty, $($generics:tt)*) => {
         impl<$($generics)*> $crate::Bearing<T> for $kind {
-            fn reaction(&self, u: &$crate::Displacement<T>, cage: $crate::Turn) -> $crate::bearing::Reaction<T> {
+            fn reaction(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>) -> $crate::bearing::Reaction<T> {
                 use $crate::bearing::{InCage, ring};
-                let turn = Self::turn(cage);
-                let local = self.reaction_in_cage(&ring::into_cage(u, turn), cage);
+                let turn = Self::turn(at.cage);
+                let local = self.reaction_in_cage(&ring::into_cage(u, turn), at);
                 $crate::bearing::Reaction { wrench: ring::out_of_cage(&local.wrench, turn), ..local }
             }
             fn reaction_and_stiffness(
                 &self,
                 u: &$crate::Displacement<T>,
-                cage: $crate::Turn,
+                at: &$crate::Rotation<T>,
             ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
                 use $crate::bearing::{InCage, ring};
-                let turn = Self::turn(cage);
-                let (local, k) = self.reaction_in_cage_and_stiffness(&ring::into_cage(u, turn), cage, turn);
+                let turn = Self::turn(at.cage);
+                let (local, k) = self.reaction_in_cage_and_stiffness(&ring::into_cage(u, turn), at, turn);
                 ($crate::bearing::Reaction { wrench: ring::out_of_cage(&local.wrench, turn), ..local }, k)
             }
-            fn element_loads(&self, u: &$crate::Displacement<T>, cage: $crate::Turn, loads: &mut [T]) {
+            fn element_loads(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>, loads: &mut [T]) {
                 use $crate::bearing::{InCage, ring};
-                self.element_loads_in_cage(&ring::into_cage(u, Self::turn(cage)), cage, loads);
+                self.element_loads_in_cage(&ring::into_cage(u, Self::turn(at.cage)), at, loads);
             }
         }
     };
@@ -101,15 +120,15 @@ use bearing_in_cage;
 pub struct Mirrored<B>(pub B);
 
 impl<T: Scalar, B: Bearing<T>> Bearing<T> for Mirrored<B> {
-    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
-        let local = self.0.reaction(&u.mirrored(), cage.reversed());
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        let local = self.0.reaction(&u.mirrored(), &at.reversed());
         Reaction { wrench: local.wrench.mirrored(), ..local }
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-        let (local, k) = self.0.reaction_and_stiffness(&u.mirrored(), cage.reversed());
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        let (local, k) = self.0.reaction_and_stiffness(&u.mirrored(), &at.reversed());
         (Reaction { wrench: local.wrench.mirrored(), ..local }, mirrored_stiffness(&k))
     }
-    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
-        self.0.element_loads(&u.mirrored(), cage.reversed(), loads);
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.0.element_loads(&u.mirrored(), &at.reversed(), loads);
     }
 }

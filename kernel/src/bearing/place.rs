@@ -50,6 +50,12 @@ impl<T: Scalar> Place<T> {
         Self { cos: self.cos, sin: -self.sin, azimuth: self.azimuth.reversed() }
     }
 
+    /// Azimuth with the cage at angle 0.
+    #[must_use]
+    pub fn azimuth(&self) -> Turn {
+        self.azimuth
+    }
+
     /// The place on the other side of the shaft.
     #[must_use]
     #[inline(always)]

@@ -8,9 +8,11 @@
 
 use super::Reaction;
 use super::place::{Arrangement, Place};
+use super::surface::{Shape, Surface};
 use crate::frame::{Displacement, Stiffness, Wrench};
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
+use crate::status::Status;
 
 /// The elements' places, the lever arm, and what all contacts are multiplied with to give newtons.
 #[derive(Debug, Clone, Copy)]
@@ -20,12 +22,12 @@ pub struct Ring<T, P> {
     pub(super) scale: T,
 }
 
-/// Displacement of the ring at one element, and where that element stands in the fixed frame.
+/// Displacement of the ring at one element, and what the surfaces do there.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion<T> {
     pub(super) radial: T,
     pub(super) axial: T,
-    pub(super) azimuth: Turn,
+    pub(super) shape: Shape<T>,
 }
 
 /// Force of the ring on one element's contact plane: radial outward and axial, and the load behind it.
@@ -33,6 +35,8 @@ pub struct Motion<T> {
 pub struct Contact<T> {
     pub(super) radial: T,
     pub(super) axial: T,
+    /// What acts at the lever arm: the axial force, and a couple over the arm where there is one.
+    pub(super) tilting: T,
     pub(super) load: T,
 }
 
@@ -68,19 +72,30 @@ fn axial_by_tilt<T: Scalar>(place: &Place<T>, rim: &Displacement<T>) -> T {
 
 impl<T: Scalar> Motion<T> {
     #[inline(always)]
-    pub(super) fn of(place: &Place<T>, rim: &Displacement<T>, cage: Turn) -> Self {
-        let azimuth = place.azimuth.plus(cage);
-        Self { radial: radial(place, rim), axial: axial_by_tilt(place, rim) + rim.w, azimuth }
+    pub(super) fn of<S: Surface<T>>(place: &Place<T>, rim: &Displacement<T>, at: &Rotation<T>, surface: &S) -> Self {
+        let shape = surface.at(place.azimuth.plus(at.cage), at);
+        Self { radial: radial(place, rim), axial: axial_by_tilt(place, rim) + rim.w, shape }
+    }
+
+    /// The groove centres' displacement with that of their waviness.
+    #[inline(always)]
+    pub(super) fn with_waviness(self) -> Self {
+        Self { radial: self.radial + self.shape.radial, axial: self.axial + self.shape.axial, ..self }
     }
 
     /// Of an element and of the one opposite to it.
     #[inline(always)]
-    pub(super) fn of_pair(place: &Place<T>, rim: &Displacement<T>, cage: Turn) -> [Self; 2] {
+    pub(super) fn of_pair<S: Surface<T>>(
+        place: &Place<T>,
+        rim: &Displacement<T>,
+        at: &Rotation<T>,
+        surface: &S,
+    ) -> [Self; 2] {
         let (radial, tilt) = (radial(place, rim), axial_by_tilt(place, rim));
-        let azimuth = place.azimuth.plus(cage);
+        let azimuth = place.azimuth.plus(at.cage);
         [
-            Self { radial, axial: rim.w + tilt, azimuth },
-            Self { radial: -radial, axial: rim.w - tilt, azimuth: azimuth.opposite() },
+            Self { radial, axial: rim.w + tilt, shape: surface.at(azimuth, at) },
+            Self { radial: -radial, axial: rim.w - tilt, shape: surface.at(azimuth.opposite(), at) },
         ]
     }
 }
@@ -134,7 +149,7 @@ impl<T: Scalar> WrenchSum<T> {
     /// Adds `T_j^T` times the contact's force.
     #[inline(always)]
     pub(super) fn add(&mut self, place: &Place<T>, contact: &Contact<T>) {
-        self.add_along(place, contact.radial, contact.axial);
+        self.add_along(place, contact.radial, contact.tilting);
         self.z += contact.axial;
         self.load += contact.load;
     }
@@ -142,17 +157,17 @@ impl<T: Scalar> WrenchSum<T> {
     /// The forces of an element and of the one opposite to it.
     #[inline(always)]
     pub(super) fn add_pair(&mut self, place: &Place<T>, [here, there]: &[Contact<T>; 2]) {
-        self.add_along(place, here.radial - there.radial, here.axial - there.axial);
+        self.add_along(place, here.radial - there.radial, here.tilting - there.tilting);
         self.z += here.axial + there.axial;
         self.load += here.load + there.load;
     }
 
     #[inline(always)]
-    fn add_along(&mut self, place: &Place<T>, radial: T, axial: T) {
+    fn add_along(&mut self, place: &Place<T>, radial: T, tilting: T) {
         self.x += radial * place.cos;
         self.y += radial * place.sin;
-        self.z_sin += axial * place.sin;
-        self.z_cos += axial * place.cos;
+        self.z_sin += tilting * place.sin;
+        self.z_cos += tilting * place.cos;
     }
 
     /// Times `scale`, with the moments by the lever arm: the force on the ring is against that on the elements.
@@ -166,7 +181,7 @@ impl<T: Scalar> WrenchSum<T> {
             mx: -(tilt * self.z_sin),
             my: tilt * self.z_cos,
         };
-        Reaction { wrench, load: scale * self.load }
+        Reaction { wrench, load: scale * self.load, status: Status::OK }
     }
 }
 
@@ -195,7 +210,7 @@ impl<T: Scalar> RadialSum<T> {
     #[inline(always)]
     pub(super) fn finish(&self, scale: T) -> Reaction<T> {
         let wrench = Wrench { fx: -(scale * self.x), fy: -(scale * self.y), ..Wrench::default() };
-        Reaction { wrench, load: scale * self.load }
+        Reaction { wrench, load: scale * self.load, status: Status::OK }
     }
 }
 
@@ -296,6 +311,90 @@ impl<T: Scalar> StiffnessSum<T> {
             cx, cy, scale * self.axial_sum, ay, -ax,
             c.cs, c.ss, ay, a.ss, -a.cs,
             -c.cc, -c.cs, -ax, -a.cs, a.cc,
+        );
+        stiffness
+    }
+}
+
+/// Slopes of one element's force along its radial and axial displacement; not symmetric in general.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactTangent<T> {
+    pub(super) radial: [T; 2],
+    pub(super) axial: [T; 2],
+    pub(super) tilting: [T; 2],
+}
+
+/// Sum of `T_j^T K_j T_j` for elements whose stiffness is not symmetric and whose couple has its own slopes.
+#[derive(Debug, Clone, Copy)]
+pub struct TangentSum<T> {
+    radial_radial: SecondMoment<T>,
+    radial_axial: SecondMoment<T>,
+    tilting_radial: SecondMoment<T>,
+    tilting_axial: SecondMoment<T>,
+    /// Sums of the slopes times the direction.
+    radial_axial_first: [T; 2],
+    axial_radial_first: [T; 2],
+    axial_axial_first: [T; 2],
+    tilting_axial_first: [T; 2],
+    axial_sum: T,
+}
+
+impl<T: Scalar> TangentSum<T> {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        let (none, nothing) = (SecondMoment::new(), [T::NEGATIVE_ZERO; 2]);
+        Self {
+            radial_radial: none,
+            radial_axial: none,
+            tilting_radial: none,
+            tilting_axial: none,
+            radial_axial_first: nothing,
+            axial_radial_first: nothing,
+            axial_axial_first: nothing,
+            tilting_axial_first: nothing,
+            axial_sum: T::NEGATIVE_ZERO,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn add(&mut self, place: &Place<T>, k: &ContactTangent<T>) {
+        let along = |k: T| [k * place.cos, k * place.sin];
+        let add = |sum: &mut [T; 2], [x, y]: [T; 2]| {
+            let [sx, sy] = sum;
+            *sx += x;
+            *sy += y;
+        };
+        let ([rr, rz], [zr, zz], [lr, lz]) = (k.radial, k.axial, k.tilting);
+        self.radial_radial.add(place, along(rr));
+        self.radial_axial.add(place, along(rz));
+        self.tilting_radial.add(place, along(lr));
+        self.tilting_axial.add(place, along(lz));
+        add(&mut self.radial_axial_first, along(rz));
+        add(&mut self.axial_radial_first, along(zr));
+        add(&mut self.axial_axial_first, along(zz));
+        add(&mut self.tilting_axial_first, along(lz));
+        self.axial_sum += zz;
+    }
+
+    /// The stiffness in the fixed frame, with `e`, `t` as in [`StiffnessSum::finish`].
+    #[inline(always)]
+    pub(super) fn finish(&self, arm: T, cage: CageTurn<T>) -> Stiffness<T> {
+        let one = T::ONE;
+        let rr = self.radial_radial.turned(cage, one);
+        let rt = self.radial_axial.turned(cage, arm);
+        let tr = self.tilting_radial.turned(cage, arm);
+        let tt = self.tilting_axial.turned(cage, arm * arm);
+        let [rx, ry] = turned(self.radial_axial_first, cage, one);
+        let [xr, yr] = turned(self.axial_radial_first, cage, one);
+        let [xt, yt] = turned(self.axial_axial_first, cage, arm);
+        let [tx, ty] = turned(self.tilting_axial_first, cage, arm);
+        #[rustfmt::skip]
+        let stiffness = Stiffness::new(
+            rr.cc, rr.cs, rx, rt.cs, -rt.cc,
+            rr.cs, rr.ss, ry, rt.ss, -rt.cs,
+            xr, yr, self.axial_sum, yt, -xt,
+            tr.cs, tr.ss, ty, tt.ss, -tt.cs,
+            -tr.cc, -tr.cs, -tx, -tt.cs, tt.cc,
         );
         stiffness
     }

@@ -1,23 +1,78 @@
-//! What the races are besides round: local damage.
+//! What races and balls are besides round: waviness and local damage, each turning with its own surface (MODEL A.6, D2).
 
+use crate::math::Math;
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::turn::Turn;
+use core::marker::PhantomData;
 
-/// Shape of the outer race as the elements meet it.
-pub trait Surface<T: Scalar>: Copy + Send + Sync + 'static {
-    /// Deflection lost by an element at this azimuth of the fixed frame, m.
-    fn drop_at(&self, azimuth: Turn) -> T;
+/// What the surfaces do to one ball, m: the inner groove centre displaced against the outer one, and what each contact is
+/// pressed the more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shape<T> {
+    /// `p_i - p_o`
+    pub radial: T,
+    /// `q_i - q_o`
+    pub axial: T,
+    /// `w_i` less the depth of damage met at the inner contact.
+    pub inner: T,
+    /// `w_o` less the depth of damage met at the outer contact.
+    pub outer: T,
 }
 
-/// A race without damage; costs no instruction.
+/// The surfaces of a bearing as its balls meet them.
+pub trait Surface<T: Scalar>: Send + Sync {
+    /// At the ball that stands at `azimuth` of the fixed frame.
+    fn at(&self, azimuth: Turn, rotation: &Rotation<T>) -> Shape<T>;
+}
+
+/// Round surfaces without damage; cost no instruction.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Smooth;
 
 impl<T: Scalar> Surface<T> for Smooth {
     #[inline(always)]
-    fn drop_at(&self, _azimuth: Turn) -> T {
-        T::ZERO
+    fn at(&self, _azimuth: Turn, _rotation: &Rotation<T>) -> Shape<T> {
+        // Adding -0 is free: it leaves every number as it is.
+        let nothing = T::NEGATIVE_ZERO;
+        Shape { radial: nothing, axial: nothing, inner: nothing, outer: nothing }
     }
+}
+
+/// Which surface a feature is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Groove of the inner ring.
+    Inner,
+    /// Groove of the outer ring.
+    Outer,
+    /// The balls: waviness is the same on all, damage is on the one whose place in the cage is given.
+    Ball(Turn),
+}
+
+/// Along what a groove's waviness moves its centre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Outward.
+    Radial,
+    /// Towards +Z.
+    Axial,
+}
+
+/// One order of waviness: `amplitude cos(order psi + phase)`, `psi` the azimuth less the surface's own angle; on a ball
+/// its spin angle, opposite at the two contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wave<T> {
+    /// Whose.
+    pub part: Part,
+    /// Ignored on balls.
+    pub direction: Direction,
+    /// Waves around the surface.
+    pub order: u32,
+    /// m.
+    pub amplitude: T,
+    /// Of the wave, a whole turn being one wave.
+    pub phase: Turn,
 }
 
 /// Section of a spall along the race.
@@ -29,9 +84,10 @@ pub enum SpallShape {
     Rectangular,
 }
 
-/// A spall on the outer race.
+/// A spall on a race or on one ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spall<T> {
+    part: Part,
     centre: Turn,
     half_width: T,
     depth: T,
@@ -39,21 +95,14 @@ pub struct Spall<T> {
 }
 
 impl<T: Scalar> Spall<T> {
-    /// Centre azimuth, half width (rad, above 0, at most pi), depth (m).
-    pub fn new(centre: Turn, half_width: T, depth: T, shape: SpallShape) -> Self {
-        Self { centre, half_width, depth, shape }
+    /// Centre (rad from the surface's own zero), half width (rad, above 0, at most pi), depth (m).
+    pub fn new(part: Part, centre: Turn, half_width: T, depth: T, shape: SpallShape) -> Self {
+        Self { part, centre, half_width, depth, shape }
     }
 
-    /// As seen from the frame turned by pi about X.
-    #[must_use]
-    pub fn mirrored(self) -> Self {
-        Self { centre: self.centre.reversed(), ..self }
-    }
-}
-
-impl<T: Scalar> Surface<T> for Spall<T> {
-    fn drop_at(&self, azimuth: Turn) -> T {
-        let away: T = azimuth.since(self.centre).radians();
+    /// Depth at `angle` of the surface, m.
+    pub fn depth_at(&self, angle: Turn) -> T {
+        let away: T = angle.since(self.centre).radians();
         let s = away / self.half_width;
         let inside = s.abs() < T::ONE;
         let height = match self.shape {
@@ -61,6 +110,112 @@ impl<T: Scalar> Surface<T> for Spall<T> {
             SpallShape::HalfSine => cos_half_pi(s),
         };
         if inside { self.depth * height } else { T::ZERO }
+    }
+}
+
+/// One thing on a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Feature<T> {
+    /// An order of waviness.
+    Wave(Wave<T>),
+    /// Local damage.
+    Spall(Spall<T>),
+}
+
+/// Surfaces with any number of features: an array, a slice or a vector of them.
+#[derive(Debug, Clone, Copy)]
+pub struct Uneven<M, A> {
+    features: A,
+    math: PhantomData<M>,
+}
+
+impl<M, A> Uneven<M, A> {
+    /// From the features.
+    pub fn new(features: A) -> Self {
+        Self { features, math: PhantomData }
+    }
+}
+
+impl Part {
+    /// Seen from the frame turned by pi about X.
+    #[must_use]
+    fn mirrored(self) -> Self {
+        match self {
+            Self::Ball(place) => Self::Ball(place.reversed()),
+            race => race,
+        }
+    }
+}
+
+impl<T: Scalar> Feature<T> {
+    /// Seen from the frame turned by pi about X, for a bearing that faces -Z.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        match self {
+            Self::Spall(s) => Self::Spall(Spall { part: s.part.mirrored(), centre: s.centre.reversed(), ..s }),
+            Self::Wave(w) => {
+                let axial = w.direction == Direction::Axial && !matches!(w.part, Part::Ball(_));
+                let amplitude = if axial { -w.amplitude } else { w.amplitude };
+                Self::Wave(Wave { part: w.part.mirrored(), phase: w.phase.reversed(), amplitude, ..w })
+            }
+        }
+    }
+}
+
+/// The angle on a ring's surface of what stands at `azimuth`.
+#[inline(always)]
+fn on_ring(azimuth: Turn, ring: Turn) -> Turn {
+    azimuth.plus(ring.reversed())
+}
+
+impl<T: Scalar> Wave<T> {
+    #[inline(always)]
+    fn add<M: Math<T>>(&self, shape: &mut Shape<T>, azimuth: Turn, rotation: &Rotation<T>) {
+        let height = |psi: Turn| {
+            let (_, cos) = M::sin_cos(psi.times(u64::from(self.order)).plus(self.phase));
+            self.amplitude * cos
+        };
+        let (groove, sign) = match self.part {
+            Part::Inner => (on_ring(azimuth, rotation.inner), T::ONE),
+            Part::Outer => (on_ring(azimuth, rotation.outer), -T::ONE),
+            Part::Ball(_) => {
+                shape.inner += height(rotation.ball);
+                shape.outer += height(rotation.ball.opposite());
+                return;
+            }
+        };
+        match self.direction {
+            Direction::Radial => shape.radial += sign * height(groove),
+            Direction::Axial => shape.axial += sign * height(groove),
+        }
+    }
+}
+
+impl<T: Scalar> Spall<T> {
+    #[inline(always)]
+    fn add(&self, shape: &mut Shape<T>, azimuth: Turn, rotation: &Rotation<T>) {
+        match self.part {
+            Part::Inner => shape.inner -= self.depth_at(on_ring(azimuth, rotation.inner)),
+            Part::Outer => shape.outer -= self.depth_at(on_ring(azimuth, rotation.outer)),
+            Part::Ball(place) if azimuth == place.plus(rotation.cage) => {
+                shape.inner -= self.depth_at(rotation.ball);
+                shape.outer -= self.depth_at(rotation.ball.opposite());
+            }
+            Part::Ball(_) => {}
+        }
+    }
+}
+
+impl<T: Scalar, M: Math<T>, A: AsRef<[Feature<T>]> + Send + Sync> Surface<T> for Uneven<M, A> {
+    fn at(&self, azimuth: Turn, rotation: &Rotation<T>) -> Shape<T> {
+        let mut shape = Smooth.at(azimuth, rotation);
+        for feature in self.features.as_ref() {
+            match feature {
+                Feature::Wave(wave) => wave.add::<M>(&mut shape, azimuth, rotation),
+                Feature::Spall(spall) => spall.add(&mut shape, azimuth, rotation),
+            }
+        }
+        shape
     }
 }
 
@@ -79,10 +234,4 @@ fn cos_half_pi<T: Scalar>(s: T) -> T {
     };
     let ss = s * s;
     TERMS.iter().rev().fold(T::ZERO, |sum, &c| sum * ss + T::from_f64(c))
-}
-
-impl<T: Scalar, S: Surface<T>, const D: usize> Surface<T> for [S; D] {
-    fn drop_at(&self, azimuth: Turn) -> T {
-        self.iter().fold(T::ZERO, |sum, surface| sum + surface.drop_at(azimuth))
-    }
 }

@@ -4,8 +4,8 @@ use super::{Machine, solve};
 use crate::bearing::Bearing;
 use crate::frame::{Displacement, Stiffness};
 use crate::math::Math;
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// The place found, and how well.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,14 +23,14 @@ const ITERATIONS: usize = 150;
 /// How far a free rotor may go in the first iteration, m: the order of bearing clearances.
 const FIRST_STEP: f64 = 2e-5;
 
-/// Static equilibrium with the cages at `cages`, from `start`.
+/// Static equilibrium with the bearings turned as `at` says, from `start`.
 ///
 /// Newton's method on `D q' = r(q)` taken implicitly with a step that grows as the residual falls: far off it is
 /// a damped fall towards contact, where clearance leaves Newton's matrix singular; close by it is Newton's method.
 /// A rotor that nothing holds in some direction keeps a residual: check it.
 pub fn equilibrium<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize>(
     machine: &Machine<T, M, B, N>,
-    cages: &[Turn; N],
+    at: &[Rotation<T>; N],
     start: Displacement<T>,
 ) -> Equilibrium<T> {
     let load = machine.rotor.constant_load();
@@ -45,9 +45,9 @@ pub fn equilibrium<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize>(
     let mut q = start;
     let mut result = Equilibrium { q, stiffness: Stiffness::from_element(T::ZERO), residual: T::ONE };
     for iteration in 0..ITERATIONS {
-        let (bearings, _, tangent) = machine.bearing_wrench_and_stiffness(&q, cages);
+        let (bearings, tangent) = machine.bearing_reaction_and_stiffness(&q, at);
         let zero = Displacement::default();
-        let residual = load.plus(bearings).plus(machine.rotor.internal(&q, &zero, T::ZERO)).to_array();
+        let residual = load.plus(bearings.wrench).plus(machine.rotor.internal(&q, &zero, T::ZERO)).to_array();
         let stiffness = tangent + machine.rotor.effective((T::ZERO, T::ZERO), T::ZERO);
         let relative = size(&residual) / scale;
         if relative < result.residual || iteration == 0 {

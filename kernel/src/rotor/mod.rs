@@ -5,6 +5,7 @@
 
 mod drive;
 mod equilibrium;
+mod gear;
 mod newmark;
 mod rigid;
 mod runge_kutta;
@@ -12,17 +13,19 @@ mod solve;
 
 pub use drive::Drive;
 pub use equilibrium::{Equilibrium, equilibrium};
+pub use gear::{Gear, PartAngles};
 pub use newmark::Newmark;
 pub use rigid::{RigidRotor, RotorParams, Unbalance};
 pub use runge_kutta::RungeKutta4;
 pub use solve::solve;
 
-use crate::bearing::Bearing;
-use crate::frame::{Displacement, Stiffness, Wrench, stiffness_from_station};
+use crate::bearing::{Bearing, Reaction};
+use crate::frame::{Displacement, Stiffness, stiffness_from_station};
 use crate::math::Math;
+use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
-use crate::turn::{Arc, Ratio, Turn};
+use crate::turn::{Arc, Turn};
 
 /// A bearing on the rotor.
 #[derive(Debug, Clone, Copy)]
@@ -31,16 +34,15 @@ pub struct Mounted<T, B> {
     pub bearing: B,
     /// Along Z from the centre of mass, m.
     pub station: T,
-    /// Cage speed over shaft speed.
-    pub cage_ratio: Ratio,
+    /// How its parts follow the shaft.
+    pub gear: Gear<T>,
 }
 
 /// A rotor and its `N` bearings: the parameters of the hot path.
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
-/// use ballrace::rotor::{Drive, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4};
-/// use ballrace::turn::Ratio;
+/// use ballrace::rotor::{Drive, Gear, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4};
 /// use ballrace::{Displacement, Exact, Stiffness, Turn};
 ///
 /// let params = RotorParams {
@@ -54,7 +56,7 @@ pub struct Mounted<T, B> {
 /// };
 /// let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[])?;
 /// let springs = Linear::new(Stiffness::from_diagonal_element(1e6));
-/// let at = |station| Mounted { bearing: springs, station, cage_ratio: Ratio::new(0.4) };
+/// let at = |station| Mounted { bearing: springs, station, gear: Gear::new(0.4) };
 /// let machine = Machine { rotor, bearings: [at(-0.1), at(0.1)] };
 ///
 /// // 1 kg on 2e6 N/m: let go at 1 um, it is at -1 um half a period later.
@@ -86,19 +88,19 @@ pub struct RotorState<T, const N: usize> {
     pub rate: Displacement<T>,
     /// Its second derivative, carried by Newmark from step to step.
     pub acceleration: Displacement<T>,
-    /// Cage angle of each bearing at shaft angle `shaft`.
-    pub cages: [Turn; N],
-    /// Shaft angle up to which the cages have been turned.
+    /// Angles of each bearing's parts at shaft angle `shaft`.
+    pub parts: [PartAngles; N],
+    /// Shaft angle up to which the parts have been turned.
     pub shaft: Turn,
     /// Steps answered with the state held (saturating).
     pub held: u32,
 }
 
 impl<T: Scalar, const N: usize> RotorState<T, N> {
-    /// At rest at `q`, with the shaft and the cages at these angles.
-    pub fn at_rest(q: Displacement<T>, shaft: Turn, cages: [Turn; N]) -> Self {
+    /// At rest at `q`, with the shaft and the bearings' parts (or only their cages) at these angles.
+    pub fn at_rest(q: Displacement<T>, shaft: Turn, parts: [impl Into<PartAngles>; N]) -> Self {
         let zero = Displacement::default();
-        Self { q, rate: zero, acceleration: zero, cages, shaft, held: 0 }
+        Self { q, rate: zero, acceleration: zero, parts: parts.map(Into::into), shaft, held: 0 }
     }
 
     fn is_finite(&self) -> bool {
@@ -120,51 +122,64 @@ pub trait Integrator<T: Scalar> {
 }
 
 impl<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize> Machine<T, M, B, N> {
-    /// Wrench of all bearings on the rotor, taken at its centre of mass, with each cage at `cages`.
-    pub fn bearing_wrench(&self, q: &Displacement<T>, cages: &[Turn; N]) -> (Wrench<T>, T) {
-        self.bearings.iter().zip(cages).fold((Wrench::default(), T::ZERO), |(sum, load), (mounted, &cage)| {
-            let reaction = mounted.bearing.reaction(&q.at_station(mounted.station), cage);
-            (sum.plus(reaction.wrench.from_station(mounted.station)), load + reaction.load)
+    /// What each bearing sees at `drive` with its parts at `parts`.
+    pub fn rotations(&self, parts: &[PartAngles; N], drive: &Drive<T>) -> [Rotation<T>; N] {
+        let mut rotations = [Rotation::default(); N];
+        for ((rotation, mounted), &angles) in rotations.iter_mut().zip(&self.bearings).zip(parts) {
+            *rotation = mounted.gear.rotation(angles, drive);
+        }
+        rotations
+    }
+
+    /// Answer of all bearings on the rotor, taken at its centre of mass: wrench, sum of loads, status.
+    pub fn bearing_reaction(&self, q: &Displacement<T>, at: &[Rotation<T>; N]) -> Reaction<T> {
+        let start = Reaction { load: T::ZERO, ..Reaction::default() };
+        self.bearings.iter().zip(at).fold(start, |sum, (mounted, at)| {
+            let reaction = mounted.bearing.reaction(&q.at_station(mounted.station), at);
+            sum.plus(reaction.from_station(mounted.station))
         })
     }
 
-    /// As [`Machine::bearing_wrench`], with the tangent stiffness at the centre of mass.
-    pub fn bearing_wrench_and_stiffness(&self, q: &Displacement<T>, cages: &[Turn; N]) -> (Wrench<T>, T, Stiffness<T>) {
-        let start = (Wrench::default(), T::ZERO, Stiffness::from_element(T::ZERO));
-        self.bearings.iter().zip(cages).fold(start, |(sum, load, stiffness), (mounted, &cage)| {
-            let (reaction, k) = mounted.bearing.reaction_and_stiffness(&q.at_station(mounted.station), cage);
-            (
-                sum.plus(reaction.wrench.from_station(mounted.station)),
-                load + reaction.load,
-                stiffness + stiffness_from_station(&k, mounted.station),
-            )
+    /// As [`Machine::bearing_reaction`], with the tangent stiffness at the centre of mass.
+    pub fn bearing_reaction_and_stiffness(
+        &self,
+        q: &Displacement<T>,
+        at: &[Rotation<T>; N],
+    ) -> (Reaction<T>, Stiffness<T>) {
+        let start = (Reaction::default(), Stiffness::from_element(T::ZERO));
+        self.bearings.iter().zip(at).fold(start, |(sum, stiffness), (mounted, at)| {
+            let (reaction, k) = mounted.bearing.reaction_and_stiffness(&q.at_station(mounted.station), at);
+            let moved = stiffness_from_station(&k, mounted.station);
+            (sum.plus(reaction.from_station(mounted.station)), stiffness + moved)
         })
     }
 
-    /// The cages after the shaft has gone `arc` further.
-    fn cages_after(&self, cages: &[Turn; N], arc: Arc) -> [Turn; N] {
-        let mut after = *cages;
-        for (cage, mounted) in after.iter_mut().zip(&self.bearings) {
-            *cage = cage.advanced(mounted.cage_ratio.of(arc));
+    /// The bearings' parts after the shaft has gone `arc` further.
+    fn parts_after(&self, parts: &[PartAngles; N], arc: Arc) -> [PartAngles; N] {
+        let mut after = *parts;
+        for (angles, mounted) in after.iter_mut().zip(&self.bearings) {
+            *angles = mounted.gear.after(*angles, arc);
         }
         after
     }
 
-    /// Common end of a step: keeps `next` if it is good, else holds the motion; says which.
-    fn accept(state: &mut RotorState<T, N>, next: RotorState<T, N>, drive_ok: bool, load: T) -> Status {
+    /// Common end of a step: keeps `next` if it is good, else holds the motion; says which. `bearings` is what they
+    /// answered at the end of the step, or close to it.
+    fn accept(state: &mut RotorState<T, N>, next: RotorState<T, N>, drive_ok: bool, bearings: &Reaction<T>) -> Status {
         let result_ok = next.is_finite();
         let status = Status::INPUT_NOT_FINITE
             .when(!drive_ok)
             .and(Status::RESULT_NOT_FINITE.when(drive_ok & !result_ok))
-            .and(Status::CONTACT_LOST.when(drive_ok & load.is_zero()));
+            .and(Status::CONTACT_LOST.when(drive_ok & bearings.load.is_zero()))
+            .and(bearings.status);
         // No branch here: a held step costs what a good one costs.
         let good = !status.is_held();
         state.q = Displacement::choose(good, next.q, state.q);
         state.rate = Displacement::choose(good, next.rate, state.rate);
         state.acceleration = Displacement::choose(good, next.acceleration, state.acceleration);
         state.shaft = Turn::choose(good, next.shaft, state.shaft);
-        for (cage, after) in state.cages.iter_mut().zip(next.cages) {
-            *cage = Turn::choose(good, after, *cage);
+        for (angles, after) in state.parts.iter_mut().zip(next.parts) {
+            *angles = PartAngles::choose(good, after, *angles);
         }
         state.held = state.held.saturating_add(u32::from(!good));
         status

@@ -2,7 +2,7 @@
 //! linear system) and a fixed number of Newton steps with the bearings' analytic tangent.
 
 use super::{Drive, Integrator, Machine, RotorState, solve};
-use crate::bearing::Bearing;
+use crate::bearing::{Bearing, Reaction};
 use crate::frame::Displacement;
 use crate::math::Math;
 use crate::scalar::Scalar;
@@ -29,9 +29,9 @@ impl<T: Scalar> Integrator<T> for Newmark<T> {
         let h = self.step;
         let two_over_h = T::from_f64(2.0) / h;
         let (per_rate, per_acceleration) = (two_over_h, two_over_h * two_over_h);
-        let start = machine.cages_after(&state.cages, drive.angle.since(state.shaft));
+        let start = machine.parts_after(&state.parts, drive.angle.since(state.shaft));
         let end = drive.after(h);
-        let cages = machine.cages_after(&start, drive.arc_after(h));
+        let at = machine.rotations(&machine.parts_after(&start, drive.arc_after(h)), &end);
         let excitation = machine.rotor.excitation(&end);
         let effective = machine.rotor.effective((per_acceleration, per_rate), end.speed);
 
@@ -42,13 +42,13 @@ impl<T: Scalar> Integrator<T> for Newmark<T> {
             *q += h * (*v + T::HALF * h * *a);
             *v += h * *a;
         }
-        let mut load = T::ONE;
+        let mut answer = Reaction { load: T::ONE, ..Reaction::default() };
         for _ in 0..self.newton_steps {
             let (pose, rate) = (Displacement::from_array(q), Displacement::from_array(v));
-            let (bearings, sum, tangent) = machine.bearing_wrench_and_stiffness(&pose, &cages);
-            load = sum;
+            let (bearings, tangent) = machine.bearing_reaction_and_stiffness(&pose, &at);
+            answer = bearings;
             let inertia = machine.rotor.inertia(&Displacement::from_array(a)).to_array();
-            let push = excitation.plus(bearings).plus(machine.rotor.internal(&pose, &rate, end.speed));
+            let push = excitation.plus(bearings.wrench).plus(machine.rotor.internal(&pose, &rate, end.speed));
             let mut residual = push.to_array();
             for (r, ma) in residual.iter_mut().zip(inertia) {
                 *r -= ma;
@@ -64,10 +64,10 @@ impl<T: Scalar> Integrator<T> for Newmark<T> {
             q: Displacement::from_array(q),
             rate: Displacement::from_array(v),
             acceleration: Displacement::from_array(a),
-            cages: start,
+            parts: start,
             shaft: drive.angle,
             held: state.held,
         };
-        Machine::<T, M, B, N>::accept(state, next, drive.is_finite(), load)
+        Machine::<T, M, B, N>::accept(state, next, drive.is_finite(), &answer)
     }
 }

@@ -23,17 +23,18 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
     ) -> Status {
         let h = self.step;
         let half = T::HALF * h;
-        let cages = machine.cages_after(&state.cages, drive.angle.since(state.shaft));
+        let parts = machine.parts_after(&state.parts, drive.angle.since(state.shaft));
         // Slope of (q, q') at the time `dt` into the step.
         let slope = |q: &Displacement<T>, rate: &Displacement<T>, dt: T| {
             let now = drive.after(dt);
-            let turned = machine.cages_after(&cages, drive.arc_after(dt));
-            let (bearings, load) = machine.bearing_wrench(q, &turned);
-            let f = machine.rotor.excitation(&now).plus(bearings).plus(machine.rotor.internal(q, rate, now.speed));
-            (machine.rotor.accelerate(&f), load)
+            let turned = machine.parts_after(&parts, drive.arc_after(dt));
+            let bearings = machine.bearing_reaction(q, &machine.rotations(&turned, &now));
+            let f =
+                machine.rotor.excitation(&now).plus(bearings.wrench).plus(machine.rotor.internal(q, rate, now.speed));
+            (machine.rotor.accelerate(&f), bearings)
         };
         let (q0, v0) = (state.q, state.rate);
-        let (a1, load) = slope(&q0, &v0, T::ZERO);
+        let (a1, bearings) = slope(&q0, &v0, T::ZERO);
         let (q2, v2) = (along(&q0, half, &v0), along(&v0, half, &a1));
         let (a2, _) = slope(&q2, &v2, half);
         let (q3, v3) = (along(&q0, half, &v2), along(&v0, half, &a2));
@@ -44,11 +45,11 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
             q: weighted(&q0, h, [&v0, &v2, &v3, &v4]),
             rate: weighted(&v0, h, [&a1, &a2, &a3, &a4]),
             acceleration: a4,
-            cages,
+            parts,
             shaft: drive.angle,
             held: state.held,
         };
-        Machine::<T, M, B, N>::accept(state, next, drive.is_finite(), load)
+        Machine::<T, M, B, N>::accept(state, next, drive.is_finite(), &bearings)
     }
 }
 

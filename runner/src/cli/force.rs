@@ -4,13 +4,12 @@ use super::Format;
 use crate::fault::{SceneFault, scene_fault};
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::read::read_file;
-use crate::scene::{Bearing, Linear, Model, Scene, Speed};
+use crate::scene::{Bearing, Linear, Model, Scene};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::{Bearing as _, HeldWrench};
-use ballrace::{Displacement, Exact, Fast, Math, Scalar, Status, Turn};
+use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Turn};
 use clap::ValueEnum;
 use serde::Serialize;
-use std::f64::consts::TAU;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -41,6 +40,8 @@ enum ModelName {
     Linear,
     Lumped,
     Angular,
+    QuasiStatic,
+    Tabulated,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -67,8 +68,12 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         Some(ModelName::Linear) => Model::Linear,
         Some(ModelName::Lumped) => Model::Lumped,
         Some(ModelName::Angular) => Model::Angular,
+        Some(ModelName::QuasiStatic) => Model::QuasiStatic,
+        Some(ModelName::Tabulated) => Model::Tabulated,
     };
-    let rows = read_displacements(&args.displacements, &cage_rate(&scene, bearing)?)?;
+    let turning = |time| build::rotation_at(&scene, bearing, time);
+    turning(0.0).map_err(|e| scene_fault(&e))?;
+    let rows = read_displacements(&args.displacements, &turning)?;
     let forces = match (args.precision, args.math) {
         (Precision::F64, MathName::Exact) => forces::<f64, Exact>(&scene, bearing, model, &rows)?,
         (Precision::F64, MathName::Fast) => forces::<f64, Fast>(&scene, bearing, model, &rows)?,
@@ -82,10 +87,10 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     print(&forces, format, digits)
 }
 
-/// One displacement and the cage's angle with it.
+/// One displacement and how the bearing is turned with it.
 struct Row {
     u: [f64; 5],
-    cage: Turn,
+    at: Rotation<f64>,
 }
 
 #[derive(Serialize)]
@@ -103,17 +108,6 @@ struct Force {
     status: String,
 }
 
-/// Revolutions of the cage at a time.
-struct CageRate {
-    ratio: f64,
-    speed: Speed,
-}
-
-fn cage_rate(scene: &Scene, bearing: &Bearing) -> Result<CageRate> {
-    let ratio = build::kinematics(scene, bearing).map_err(|e| scene_fault(&e))?.cage_ratio;
-    Ok(CageRate { ratio, speed: scene.shaft.speed })
-}
-
 fn forces<T, M>(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Row]) -> Result<Vec<Force>>
 where
     T: Scalar,
@@ -123,7 +117,15 @@ where
     let mut held = HeldWrench::new();
     let evaluate = |row: &Row| {
         let u = Displacement::from_array(row.u.map(T::from_f64));
-        let (wrench, status) = kernel.sample(&mut held, &u, row.cage);
+        let at = Rotation {
+            cage: row.at.cage,
+            inner: row.at.inner,
+            outer: row.at.outer,
+            ball: row.at.ball,
+            inner_speed: T::from_f64(row.at.inner_speed),
+            outer_speed: T::from_f64(row.at.outer_speed),
+        };
+        let (wrench, status) = kernel.sample(&mut held, &u, &at);
         let [fx, fy, fz, mx, my] = wrench.to_array().map(Scalar::to_f64);
         Force { fx, fy, fz, mx, my, status: words(status) }
     };
@@ -145,12 +147,15 @@ fn words(status: Status) -> String {
         (Status::INPUT_NOT_FINITE, "input-not-finite"),
         (Status::RESULT_NOT_FINITE, "result-not-finite"),
         (Status::CONTACT_LOST, "contact-lost"),
+        (Status::NOT_SETTLED, "not-settled"),
+        (Status::GYROSCOPIC_SLIP, "gyroscopic-slip"),
+        (Status::OUT_OF_TABLE, "out-of-table"),
     ];
     let set: Vec<&str> = flags.iter().filter(|(flag, _)| status.has(*flag)).map(|(_, word)| *word).collect();
     if set.is_empty() { "ok".to_owned() } else { set.join("+") }
 }
 
-fn read_displacements(path: &Path, cage: &CageRate) -> Result<Vec<Row>> {
+fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64>>) -> Result<Vec<Row>> {
     let name = path.display();
     if path.is_dir() {
         bail!("{name}: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv");
@@ -200,24 +205,17 @@ fn read_displacements(path: &Path, cage: &CageRate) -> Result<Vec<Row>> {
         for (x, &place) in u.iter_mut().zip(&places) {
             *x = cell(place)?;
         }
-        let turned = match (time, angle) {
-            (Some(t), _) => cage.revolutions_at(cell(t)?),
-            (_, Some(a)) => cell(a)? / TAU,
-            _ => 0.0,
-        };
-        if !turned.is_finite() {
+        let t = time.map_or(Ok(0.0), cell)?;
+        let given = angle.map(cell).transpose()?;
+        if !t.is_finite() || given.is_some_and(|a| !a.is_finite()) {
             // The kernel's angles are always finite; what it is to say of the row it says of the displacement.
             u = [f64::NAN; 5];
         }
-        rows.push(Row { u, cage: Turn::from_revolutions(turned) });
+        let at = turning(if t.is_finite() { t } else { 0.0 })?;
+        let cage = given.map_or(at.cage, Turn::from_radians);
+        rows.push(Row { u, at: Rotation { cage, ..at } });
     }
     Ok(rows)
-}
-
-impl CageRate {
-    fn revolutions_at(&self, time: f64) -> f64 {
-        self.ratio * self.speed.revolutions(time)
-    }
 }
 
 fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {

@@ -94,11 +94,11 @@ fn simulate(scene: &Scene, plant: &Plant, samples: u64, rate: f64, path: &Path) 
         let Some(sample) = shaft.pop() else { break };
         let turned = sample.revolution as f64 + sample.angle.revolutions();
         let q = twin.pose();
-        write_row(&mut file, time, plant, twin.as_ref(), turned).with_context(failed)?;
+        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        write_row(&mut file, time, plant, twin.as_ref(), (turned, &drive)).with_context(failed)?;
         for ((low, high), x) in low.iter_mut().zip(&mut high).zip(q.to_array()) {
             (*low, *high) = (low.min(x), high.max(x));
         }
-        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
         held += u64::from(twin.step(&drive).is_held());
         if i % 4096 == 0 {
             bar.set_position(i);
@@ -127,14 +127,21 @@ fn header(plant: &Plant) -> String {
     head
 }
 
-fn write_row(file: &mut AtomicFile, time: f64, plant: &Plant, twin: &dyn Twin, turned: f64) -> std::io::Result<()> {
+fn write_row(
+    file: &mut AtomicFile,
+    time: f64,
+    plant: &Plant,
+    twin: &dyn Twin,
+    (turned, drive): (f64, &Drive<f64>),
+) -> std::io::Result<()> {
     let pose: Displacement<f64> = twin.pose();
     write!(file, "{time:.9e}")?;
     for x in pose.to_array().into_iter().chain(twin.rate().to_array()) {
         write!(file, ",{x:.16e}")?;
     }
     for seat in &plant.seats {
-        let wrench = seat.bearing.reaction(&pose.at_station(seat.station), seat.cage_at(turned)).wrench;
+        let at = seat.rotation(seat.kinematics.parts_at(turned), drive);
+        let wrench = seat.bearing.reaction(&pose.at_station(seat.station), &at).wrench;
         for f in wrench.to_array() {
             write!(file, ",{f:.16e}")?;
         }

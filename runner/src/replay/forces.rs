@@ -6,7 +6,7 @@ use super::statistics::Running;
 use super::twin::Seat;
 use crate::scene::Probe;
 use ballrace::bearing::{Bearing, HeldWrench};
-use ballrace::{Displacement, Status, Turn};
+use ballrace::{Displacement, Rotation, Status, Turn};
 
 /// Bins around the ring in which element loads are gathered.
 pub const AZIMUTH_BINS: usize = 72;
@@ -61,15 +61,15 @@ impl BearingSums {
         seat: &Seat,
         pose: &Displacement<f64>,
         twin: &Displacement<f64>,
-        cage: Turn,
+        at: &Rotation<f64>,
     ) -> Evaluated {
-        let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), cage);
-        let twin = seat.bearing.reaction(&twin.at_station(seat.station), cage).wrench;
+        let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), at);
+        let twin = seat.bearing.reaction(&twin.at_station(seat.station), at).wrench;
         Evaluated { measured: wrench.to_array(), twin: twin.to_array(), sigma: [f64::NAN; 5], status }
     }
 
     /// Adds a sample to the sums; returns the load on element 1.
-    pub fn add(&mut self, seat: &Seat, sample: &Evaluated, poses: [&Displacement<f64>; 2], cage: Turn) -> f64 {
+    pub fn add(&mut self, seat: &Seat, sample: &Evaluated, poses: [&Displacement<f64>; 2], at: &Rotation<f64>) -> f64 {
         self.contact_lost += u64::from(sample.status.has(Status::CONTACT_LOST));
         self.held_samples += u64::from(sample.status.is_held());
         for i in 0..5 {
@@ -81,16 +81,17 @@ impl BearingSums {
                 }
             }
         }
-        let twin_first = self.gather(seat, poses[1], cage, 1);
-        if sample.status.is_held() { twin_first } else { self.gather(seat, poses[0], cage, 0) }
+        let twin_first = self.gather(seat, poses[1], at, 1);
+        if sample.status.is_held() { twin_first } else { self.gather(seat, poses[0], at, 0) }
     }
 
-    fn gather(&mut self, seat: &Seat, pose: &Displacement<f64>, cage: Turn, which: usize) -> f64 {
+    fn gather(&mut self, seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>, which: usize) -> f64 {
         self.loads.fill(0.0);
-        seat.bearing.element_loads(&pose.at_station(seat.station), cage, &mut self.loads);
+        seat.bearing.element_loads(&pose.at_station(seat.station), at, &mut self.loads);
         let n = self.loads.len() as f64;
         for (j, &load) in self.loads.iter().enumerate() {
-            let azimuth = cage.plus(Turn::from_revolutions(seat.first_azimuth / std::f64::consts::TAU + j as f64 / n));
+            let azimuth =
+                at.cage.plus(Turn::from_revolutions(seat.first_azimuth / std::f64::consts::TAU + j as f64 / n));
             let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
             self.around[bin][which].add(load);
             if which == 0 {
@@ -138,9 +139,9 @@ pub fn noise_band(
     solver: &PoseSolver,
     probes: &[Probe],
     pose: &Displacement<f64>,
-    cage: Turn,
+    at: &Rotation<f64>,
 ) -> Option<[f64; 5]> {
-    let here = force_at(seat, pose, cage);
+    let here = force_at(seat, pose, at);
     let mut variance = [0.0; 5];
     for (i, probe) in probes.iter().enumerate() {
         let noise = probe.noise?;
@@ -150,7 +151,7 @@ pub fn noise_band(
             for (x, c) in q.iter_mut().zip(column) {
                 *x += sign * noise * c;
             }
-            force_at(seat, &Displacement::from_array(q), cage)
+            force_at(seat, &Displacement::from_array(q), at)
         };
         let (up, down) = (moved(1.0), moved(-1.0));
         for (k, sum) in variance.iter_mut().enumerate() {
@@ -161,6 +162,6 @@ pub fn noise_band(
     Some(variance.map(f64::sqrt))
 }
 
-fn force_at(seat: &Seat, pose: &Displacement<f64>, cage: Turn) -> [f64; 5] {
-    seat.bearing.reaction(&pose.at_station(seat.station), cage).wrench.to_array()
+fn force_at(seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>) -> [f64; 5] {
+    seat.bearing.reaction(&pose.at_station(seat.station), at).wrench.to_array()
 }

@@ -22,8 +22,7 @@ use crate::recording::csv::CsvReader;
 use crate::recording::rotation::Tracker;
 use crate::scene::{Probe, Rotation, Scene};
 use anyhow::{Context, Result, bail};
-use ballrace::rotor::Drive;
-use ballrace::turn::Ratio;
+use ballrace::rotor::{Drive, PartAngles};
 use ballrace::{Displacement, Turn};
 use baseline::Baseline;
 use comparison::{Angles, Comparison, Seen};
@@ -145,6 +144,8 @@ struct Moving {
     twin: Box<dyn Twin>,
     linear: Box<dyn Twin>,
     cages: Vec<Turn>,
+    /// Angles of all parts of each bearing.
+    parts: Vec<PartAngles>,
     drive: Drive<f64>,
     index: u64,
 }
@@ -166,12 +167,17 @@ impl Way {
         (0..self.steps).map(move |i| from.after(i as f64 * period))
     }
 
-    /// A cage after the way, which ends at the shaft angle `end`.
-    fn cage(&self, cage: Turn, seat: &twin::Seat, end: Turn) -> Turn {
+    /// A bearing's parts after the way, which ends at the shaft angle `end`.
+    fn parts(&self, parts: PartAngles, seat: &twin::Seat, end: Turn) -> PartAngles {
         if self.steps > 1 {
-            return cage.plus(seat.cage_at(self.arc));
+            let gone = seat.kinematics.parts_at(self.arc);
+            return PartAngles {
+                cage: parts.cage.plus(gone.cage),
+                ball: parts.ball.plus(gone.ball),
+                outer: parts.outer.plus(gone.outer),
+            };
         }
-        cage.advanced(Ratio::new(seat.kinematics.cage_ratio).of(end.since(self.from.angle)))
+        seat.kinematics.gear().after(parts, end.since(self.from.angle))
     }
 }
 
@@ -277,15 +283,17 @@ impl<'a> Run<'a> {
         for now in way.drives(1.0 / self.rate) {
             self.twin_held += u64::from(moving.twin.step(&now).is_held());
         }
-        for (cage, seat) in moving.cages.iter_mut().zip(&self.plant.seats) {
-            *cage = way.cage(*cage, seat, sample.angle);
+        for ((parts, cage), seat) in moving.parts.iter_mut().zip(&mut moving.cages).zip(&self.plant.seats) {
+            *parts = way.parts(*parts, seat, sample.angle);
+            *cage = parts.cage;
         }
         let twin_pose = moving.twin.pose();
         // Not a number where any reading is missing: the kernel then holds its last force and says so.
         let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
         self.buffers.evaluated.clear();
-        for ((seat, sums), &cage) in self.plant.seats.iter().zip(&mut self.bearings).zip(&moving.cages) {
-            self.buffers.evaluated.push(sums.evaluate(seat, &pose, &twin_pose, cage));
+        for ((seat, sums), &parts) in self.plant.seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
+            let at = seat.rotation(parts, &drive);
+            self.buffers.evaluated.push(sums.evaluate(seat, &pose, &twin_pose, &at));
         }
         self.ledger.worked(begun);
         for now in way.drives(1.0 / self.rate) {
@@ -321,7 +329,8 @@ impl<'a> Run<'a> {
         Ok(Moving {
             twin: self.plant.run_in(period, revolutions, drive)?,
             linear: self.linear.run_in(period, revolutions, drive)?,
-            cages: self.plant.seats.iter().map(|s| s.cage_at(revolutions)).collect(),
+            cages: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions).cage).collect(),
+            parts: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             drive: *drive,
             index: sample.row.index,
         })
@@ -360,12 +369,13 @@ impl<'a> Run<'a> {
         self.collector.add(sample, &buffers.twin, arc);
         for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
             let (force, cage) = (&mut buffers.evaluated[i], moving.cages[i]);
+            let at = seat.rotation(moving.parts[i], &moving.drive);
             if !force.status.is_held()
-                && let Some(sigma) = noise_band(seat, &self.solver, self.probes, pose, cage)
+                && let Some(sigma) = noise_band(seat, &self.solver, self.probes, pose, &at)
             {
                 force.sigma = sigma;
             }
-            let first_load = sums.add(seat, force, [pose, twin_pose], cage);
+            let first_load = sums.add(seat, force, [pose, twin_pose], &at);
             self.collector.add_force(i, sample.row.time, force, seat, cage, first_load);
         }
         if let Some(file) = &mut self.forces {

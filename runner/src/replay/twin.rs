@@ -4,9 +4,10 @@ use crate::scene::build::{self, AnyBearing, Kinematics};
 use crate::scene::{Linear, Model, Rotor, Scene};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::Bearing;
-use ballrace::rotor::{Drive, Integrator, Machine, Mounted, RigidRotor, RotorState, RungeKutta4, equilibrium};
-use ballrace::turn::Ratio;
-use ballrace::{Displacement, Exact, Status, Stiffness, Turn};
+use ballrace::rotor::{
+    Drive, Integrator, Machine, Mounted, PartAngles, RigidRotor, RotorState, RungeKutta4, equilibrium,
+};
+use ballrace::{Displacement, Exact, Rotation, Status, Stiffness, Turn};
 use std::f64::consts::TAU;
 
 /// Most bearings on one rotor.
@@ -37,10 +38,10 @@ pub struct Seat {
 }
 
 impl Seat {
-    /// Cage angle with the shaft at `revolutions` from its angle 0.
+    /// What the bearing sees with its parts at `parts` and the shaft as `drive` says.
     #[must_use]
-    pub fn cage_at(&self, revolutions: f64) -> Turn {
-        Turn::from_revolutions(self.kinematics.cage_ratio * revolutions)
+    pub fn rotation(&self, parts: PartAngles, drive: &Drive<f64>) -> Rotation<f64> {
+        self.kinematics.gear().rotation(parts, drive)
     }
 }
 
@@ -54,6 +55,8 @@ pub struct Plant {
     /// Tangent stiffness there, at the centre of mass.
     pub stiffness: Stiffness<f64>,
     damping: Stiffness<f64>,
+    /// Speed at which the rotor rests, rad/s.
+    speed: f64,
     /// What the user should know of the making.
     pub notes: Vec<String>,
 }
@@ -85,8 +88,9 @@ impl Plant {
         }
         let seats = scene.bearings.iter().map(|b| seat(scene, b)).collect::<Result<Vec<_>>>()?;
         let none = Stiffness::from_element(0.0);
-        let mut plant =
-            Self { rotor, seats, rest: Displacement::default(), stiffness: none, damping: none, notes: vec![] };
+        let speed = scene.shaft.speed.nominal();
+        let rest = Displacement::default();
+        let mut plant = Self { rotor, seats, rest, stiffness: none, damping: none, speed, notes: vec![] };
         plant.settle()?;
         let linearised: Vec<bool> = scene
             .bearings
@@ -113,7 +117,7 @@ impl Plant {
             rest = self.equilibrium(rest, cages)?.q;
             for (states, seat) in states.iter_mut().zip(&self.seats) {
                 let u = rest.at_station(seat.station);
-                let (reaction, k) = seat.bearing.reaction_and_stiffness(&u, cages(seat));
+                let (reaction, k) = seat.bearing.reaction_and_stiffness(&u, &self.resting(seat, cages(seat)));
                 states.push((u, reaction.wrench, k));
             }
         }
@@ -145,8 +149,14 @@ impl Plant {
         start: Displacement<f64>,
         cages: impl Fn(&Seat) -> Turn,
     ) -> Result<ballrace::rotor::Equilibrium<f64>> {
-        let cages: Vec<Turn> = self.seats.iter().map(cages).collect();
-        self.with_machine(RestTask { start, cages })
+        let at = self.seats.iter().map(|seat| self.resting(seat, cages(seat))).collect();
+        self.with_machine(RestTask { start, at })
+    }
+
+    /// What a bearing sees at the speed of rest with its cage at `cage`.
+    #[must_use]
+    pub fn resting(&self, seat: &Seat, cage: Turn) -> Rotation<f64> {
+        seat.rotation(cage.into(), &Drive { angle: Turn::ZERO, speed: self.speed, acceleration: 0.0 })
     }
 
     fn rigid(&self) -> Result<RigidRotor<f64, Exact>> {
@@ -240,7 +250,7 @@ impl Plant {
         self.with_machine(StartTask {
             rest: self.rest,
             shaft: Turn::from_revolutions(revolutions),
-            cages: self.seats.iter().map(|s| s.cage_at(revolutions)).collect(),
+            parts: self.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             step: sample_period / f64::from(substeps),
             substeps,
         })
@@ -248,7 +258,7 @@ impl Plant {
 }
 
 fn mounted(seat: &Seat) -> Mounted<f64, AnyBearing<f64>> {
-    Mounted { bearing: seat.bearing.clone(), station: seat.station, cage_ratio: Ratio::new(seat.kinematics.cage_ratio) }
+    Mounted { bearing: seat.bearing.clone(), station: seat.station, gear: seat.kinematics.gear() }
 }
 
 fn seat(scene: &Scene, bearing: &crate::scene::Bearing) -> Result<Seat> {
@@ -268,9 +278,18 @@ fn seat(scene: &Scene, bearing: &crate::scene::Bearing) -> Result<Seat> {
         elements: bearing.elements,
         first_azimuth: bearing.first_element_azimuth,
         kinematics,
-        bearing: build::bearing::<f64, Exact>(bearing, model)?,
+        bearing: seated(scene, bearing, model)?,
         description: describe(bearing),
     })
+}
+
+/// The bearing with its preload: displaced as given, or until it answers with the force given.
+fn seated(scene: &Scene, bearing: &crate::scene::Bearing, model: Model) -> Result<AnyBearing<f64>> {
+    let plain = build::bearing::<f64, Exact>(bearing, model)?;
+    match build::preload_offset(scene, bearing, &plain)? {
+        Some(offset) => Ok(build::preloaded(plain, offset)),
+        None => Ok(plain),
+    }
 }
 
 fn describe(bearing: &crate::scene::Bearing) -> String {
@@ -278,8 +297,10 @@ fn describe(bearing: &crate::scene::Bearing) -> String {
         Model::Linear => "linear",
         Model::Lumped => "lumped",
         Model::Angular => "angular",
+        Model::QuasiStatic => "quasi-static",
+        Model::Tabulated => "tabulated",
     };
-    let damage = if bearing.defect.is_empty() { "" } else { ", damaged outer race" };
+    let damage = if bearing.defect.is_empty() { "" } else { ", damaged" };
     format!("{model}, {} elements{damage}", bearing.elements)
 }
 
@@ -288,13 +309,13 @@ trait MachineTask<R> {
     fn run<const N: usize>(self, machine: Machine<f64, Exact, AnyBearing<f64>, N>) -> R;
 }
 
-fn array<const N: usize>(cages: &[Turn]) -> [Turn; N] {
-    std::array::from_fn(|i| cages.get(i).copied().unwrap_or_default())
+fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
+    std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
 }
 
 struct RestTask {
     start: Displacement<f64>,
-    cages: Vec<Turn>,
+    at: Vec<Rotation<f64>>,
 }
 
 impl MachineTask<ballrace::rotor::Equilibrium<f64>> for RestTask {
@@ -302,14 +323,14 @@ impl MachineTask<ballrace::rotor::Equilibrium<f64>> for RestTask {
         self,
         machine: Machine<f64, Exact, AnyBearing<f64>, N>,
     ) -> ballrace::rotor::Equilibrium<f64> {
-        equilibrium(&machine, &array(&self.cages), self.start)
+        equilibrium(&machine, &array(&self.at), self.start)
     }
 }
 
 struct StartTask {
     rest: Displacement<f64>,
     shaft: Turn,
-    cages: Vec<Turn>,
+    parts: Vec<PartAngles>,
     step: f64,
     substeps: u32,
 }
@@ -318,7 +339,7 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
     fn run<const N: usize>(self, machine: Machine<f64, Exact, AnyBearing<f64>, N>) -> Box<dyn Twin> {
         Box::new(RigidTwin {
             machine,
-            state: RotorState::at_rest(self.rest, self.shaft, array::<N>(&self.cages)),
+            state: RotorState::at_rest(self.rest, self.shaft, array::<_, N>(&self.parts)),
             integrator: RungeKutta4 { step: self.step },
             substeps: self.substeps,
         })

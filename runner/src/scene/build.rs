@@ -1,6 +1,8 @@
 //! Scene -> kernel: the one place that knows both.
 
-use super::{Axial, Bearing as BearingScene, Defect, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed};
+use super::{
+    Axial, Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Preload, Rotor, Scene, Speed, Surface,
+};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
@@ -8,12 +10,17 @@ use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::lumped::{self, Combined};
-use ballrace::bearing::surface::{Spall, SpallShape, Surface};
-use ballrace::bearing::{Bearing, InCage, Mirrored, Place, Reaction};
+use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
+use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
+use ballrace::bearing::surface::{self, Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
+use ballrace::bearing::{Arrangement, Bearing, InCage, Mirrored, Place, Reaction};
 use ballrace::contact::hertz::Material;
 use ballrace::contact::law::{Law, Line, Point, Power};
-use ballrace::rotor::{RotorParams, Unbalance};
-use ballrace::{Displacement, Math, Scalar, Stiffness, Turn, Wrench};
+use ballrace::rotor::{
+    Equilibrium, Gear, Machine, Mounted, PartAngles, RigidRotor, RotorParams, Unbalance, equilibrium,
+};
+use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
 use std::sync::Arc;
 
 /// Any rung behind one pointer: how the runner holds bearings whose kind it learns at run time.
@@ -21,14 +28,14 @@ use std::sync::Arc;
 pub struct AnyBearing<T>(pub Arc<dyn Bearing<T>>);
 
 impl<T: Scalar> Bearing<T> for AnyBearing<T> {
-    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
-        self.0.reaction(u, cage)
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.0.reaction(u, at)
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-        self.0.reaction_and_stiffness(u, cage)
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        self.0.reaction_and_stiffness(u, at)
     }
-    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
-        self.0.element_loads(u, cage, loads);
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.0.element_loads(u, at, loads);
     }
 }
 
@@ -41,6 +48,31 @@ pub struct Kinematics {
     pub orders: Orders,
     /// Whether the ball-spin order is known (it needs the geometry).
     pub spin_known: bool,
+    /// Outer ring's speed over shaft speed.
+    pub outer_ratio: f64,
+}
+
+impl Kinematics {
+    /// How the kernel's rotor follows the shaft; balls and outer ring only where they turn.
+    #[must_use]
+    pub fn gear(&self) -> Gear<f64> {
+        let gear = Gear::new(self.cage_ratio);
+        let gear = if self.spin_known { gear.with_ball(self.ball_ratio()) } else { gear };
+        if self.outer_ratio == 0.0 { gear } else { gear.with_outer(self.outer_ratio) }
+    }
+
+    /// Spin of the balls over shaft speed: against the shaft where the inner ring is the faster.
+    #[must_use]
+    pub fn ball_ratio(&self) -> f64 {
+        -self.orders.ball_spin * (1.0 - self.outer_ratio).signum()
+    }
+
+    /// Angles of the parts with the shaft at `revolutions` from its angle 0.
+    #[must_use]
+    pub fn parts_at(&self, revolutions: f64) -> PartAngles {
+        let turned = |ratio: f64| Turn::from_revolutions(ratio * revolutions);
+        PartAngles { cage: turned(self.cage_ratio), ball: turned(self.ball_ratio()), outer: turned(self.outer_ratio) }
+    }
 }
 
 /// Cage ratio and orders of a bearing: from the scene's `cage_ratio`, or by pure rolling from geometry.
@@ -69,7 +101,7 @@ pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics> {
         inner_race: n * (1.0 - cage_ratio),
         ball_spin: spin.unwrap_or(0.0) * (1.0 - outer).abs(),
     };
-    Ok(Kinematics { cage_ratio, orders, spin_known: spin.is_some() })
+    Ok(Kinematics { cage_ratio, orders, spin_known: spin.is_some(), outer_ratio: outer })
 }
 
 fn outer_ratio(scene: &Scene) -> Result<f64> {
@@ -123,6 +155,7 @@ pub fn bearing<T: Scalar, M: Math<T>>(scene: &BearingScene, model: Model) -> Res
         Model::Linear => linear(scene),
         Model::Lumped => lumped::<T, M>(scene),
         Model::Angular => angular::<T, M>(scene),
+        Model::QuasiStatic | Model::Tabulated => Ok(AnyBearing(Arc::new(Unsolved(quasi_static::<T, M>(scene)?)))),
     }
 }
 
@@ -138,58 +171,322 @@ fn facing<T: Scalar>(scene: &BearingScene, bearing: impl Bearing<T> + 'static) -
     if scene.facing == Facing::MinusZ { AnyBearing(Arc::new(Mirrored(bearing))) } else { AnyBearing(Arc::new(bearing)) }
 }
 
-/// All spalls of the outer race as one surface; empty when the race is sound.
-#[derive(Clone, Copy)]
-struct Spalls<T>([Option<Spall<T>>; MOST_DEFECTS]);
+/// Waviness and damage as the kernel takes them; any number of either.
+fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
+    let waves = scene.waviness.iter().map(|w| {
+        Feature::Wave(Wave {
+            part: part(scene, w.surface),
+            direction: if w.axial { Direction::Axial } else { Direction::Radial },
+            order: w.order,
+            amplitude: T::from_f64(w.amplitude),
+            phase: Turn::from_radians(w.phase),
+        })
+    });
+    let spalls = scene.defect.iter().map(|defect| {
+        let shape = match defect.shape {
+            DefectShape::HalfSine => SpallShape::HalfSine,
+            DefectShape::Rectangular => SpallShape::Rectangular,
+        };
+        let centre = Turn::from_radians(defect.azimuth);
+        let (half_width, depth) = (T::from_f64(defect.half_width), T::from_f64(defect.depth));
+        Feature::Spall(Spall::new(part(scene, defect.surface), centre, half_width, depth, shape))
+    });
+    let mirror = |feature: Feature<T>| if scene.facing == Facing::MinusZ { feature.mirrored() } else { feature };
+    waves.chain(spalls).map(mirror).collect()
+}
 
-/// Most entries of `defect`.
-pub(super) const MOST_DEFECTS: usize = 8;
-
-impl<T: Scalar> Surface<T> for Spalls<T> {
-    fn drop_at(&self, azimuth: Turn) -> T {
-        self.0.iter().flatten().fold(T::ZERO, |sum, spall| sum + spall.drop_at(azimuth))
+fn part(scene: &BearingScene, surface: Surface) -> Part {
+    match surface {
+        Surface::Inner => Part::Inner,
+        Surface::Outer => Part::Outer,
+        Surface::Ball(j) => {
+            let first = Turn::from_radians(scene.first_element_azimuth);
+            Part::Ball(Place::<f64>::even(first, j, scene.elements).azimuth())
+        }
     }
 }
 
-fn spalls<T: Scalar>(scene: &BearingScene) -> Result<Option<Spalls<T>>> {
-    if scene.defect.len() > MOST_DEFECTS {
-        bail!("bearing {}: defect: found {} entries, allowed: up to {MOST_DEFECTS}", scene.name, scene.defect.len());
-    }
-    let mut all = [None; MOST_DEFECTS];
-    for (slot, defect) in all.iter_mut().zip(&scene.defect) {
-        *slot = Some(spall(defect, scene.facing));
-    }
-    Ok((!scene.defect.is_empty()).then_some(Spalls(all)))
-}
-
-fn spall<T: Scalar>(defect: &Defect, facing: Facing) -> Spall<T> {
-    let shape = match defect.shape {
-        DefectShape::HalfSine => SpallShape::HalfSine,
-        DefectShape::Rectangular => SpallShape::Rectangular,
-    };
-    let centre = Turn::from_radians(defect.azimuth);
-    let built = Spall::new(centre, T::from_f64(defect.half_width), T::from_f64(defect.depth), shape);
-    if facing == Facing::MinusZ { built.mirrored() } else { built }
+/// Surfaces that are round where the scene names nothing.
+fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<Uneven<M, Vec<Feature<T>>>> {
+    let features = features(scene);
+    (!features.is_empty()).then(|| Uneven::new(features))
 }
 
 fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> {
+    let (geometry, zero) = contact_geometry(scene, "angular")?;
+    let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
+    Ok(match uneven::<T, M>(scene) {
+        None => facing(scene, built),
+        Some(surface) => facing(scene, built.with_surface(surface)),
+    })
+}
+
+/// The geometry of a model with a contact angle, and where its rings stand at zero displacement.
+fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeometry, Zero)> {
     let Some(geometry) = geometry(scene)? else {
         bail!(
-            "bearing {}: model angular: found no geometry, allowed: with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance",
+            "bearing {}: model {model}: found no geometry, allowed: with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance",
             scene.name
         );
     };
     if let Some(super::Geometry { fit: Fit::DiametralClearance(s), .. }) = scene.geometry
         && s < 0.0
     {
-        bail!("bearing {}: diametral_clearance: found {s} m, allowed for model angular: 0 or more", scene.name);
+        bail!("bearing {}: diametral_clearance: found {s} m, allowed for model {model}: 0 or more", scene.name);
     }
-    let zero = if scene.facing == Facing::Both { Zero::Centred } else { Zero::Touching };
-    let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
-    Ok(match spalls(scene)? {
-        None => facing(scene, built),
-        Some(spalls) => facing(scene, built.with_surface(spalls)),
+    Ok((geometry, if scene.facing == Facing::Both { Zero::Centred } else { Zero::Touching }))
+}
+
+/// The balls' inertia as the kernel takes it.
+#[must_use]
+pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
+    InertiaParams {
+        density: scene.geometry.map_or(0.0, |g| g.density),
+        centrifugal: scene.effects.centrifugal,
+        gyroscopic: scene.effects.gyroscopic,
+        control: match scene.effects.control {
+            super::RaceControl::Outer => RaceControl::Outer,
+            super::RaceControl::Inner => RaceControl::Inner,
+        },
+        sharing: match scene.effects.sharing {
+            super::FrictionSharing::Outer => FrictionSharing::Outer,
+            super::FrictionSharing::Equal => FrictionSharing::Equal,
+            super::FrictionSharing::Proportional => FrictionSharing::Proportional,
+        },
+    }
+}
+
+/// A quasi-static bearing with any of its effects, and what it alone can tell.
+pub trait Solved<T: Scalar>: Bearing<T> {
+    /// What each ball does.
+    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>) -> Vec<BallState<T>>;
+}
+
+/// As [`AnyBearing`], with the balls' states.
+pub type AnySolved<T> = Arc<dyn Solved<T>>;
+
+struct SolvedBy<B>(B, usize);
+
+impl<T: Scalar, B: Bearing<T>> Bearing<T> for SolvedBy<B> {
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.0.reaction(u, at)
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        self.0.reaction_and_stiffness(u, at)
+    }
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.0.element_loads(u, at, loads);
+    }
+}
+
+impl<T, M, P, I, F, S> Solved<T> for SolvedBy<QuasiStatic<T, M, P, I, F, S>>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: Arrangement<T>,
+    I: Inertia<T>,
+    F: Film<T>,
+    S: surface::Surface<T>,
+{
+    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>) -> Vec<BallState<T>> {
+        let mut states = vec![BallState::default(); self.1];
+        self.0.ball_states(u, at, &mut states);
+        states
+    }
+}
+
+impl<T, M, P, I, F, S> Solved<T> for SolvedBy<Mirrored<QuasiStatic<T, M, P, I, F, S>>>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: Arrangement<T>,
+    I: Inertia<T>,
+    F: Film<T>,
+    S: surface::Surface<T>,
+{
+    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>) -> Vec<BallState<T>> {
+        let mut states = vec![BallState::default(); self.1];
+        self.0.0.ball_states(&u.mirrored(), &at.reversed(), &mut states);
+        // Angles count towards +Z of the scene.
+        for state in &mut states {
+            let turned = |[cos, sin]: [T; 2]| [cos, -sin];
+            state.inner_direction = turned(state.inner_direction);
+            state.outer_direction = turned(state.outer_direction);
+            state.orbital_speed = -state.orbital_speed;
+        }
+        states
+    }
+}
+
+/// The quasi-static model of one bearing.
+///
+/// # Errors
+/// What the scene does not say for this model, or the kernel refuses.
+pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnySolved<T>> {
+    let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
+    let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
+    let surface = Uneven::<M, _>::new(features(scene));
+    let built = built.with_surface(surface);
+    if scene.effects.centrifugal || scene.effects.gyroscopic {
+        let built = built.with_inertia(&inertia_params(scene)).map_err(|e| named(scene, e))?;
+        with_film(scene, built)
+    } else {
+        with_film(scene, built)
+    }
+}
+
+fn with_film<T, M, P, I, S>(scene: &BearingScene, built: QuasiStatic<T, M, P, I, Dry, S>) -> Result<AnySolved<T>>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: Arrangement<T> + 'static,
+    I: Inertia<T>,
+    S: surface::Surface<T> + 'static,
+{
+    Ok(match scene.effects.film {
+        None => solved(scene, built),
+        Some(super::Lubricant { viscosity, pressure_viscosity }) => {
+            let oil = Lubricant { viscosity, pressure_viscosity };
+            solved(scene, built.with_film(oil).map_err(|e| named(scene, e))?)
+        }
     })
+}
+
+fn solved<T, M, P, I, F, S>(scene: &BearingScene, built: QuasiStatic<T, M, P, I, F, S>) -> AnySolved<T>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: Arrangement<T> + 'static,
+    I: Inertia<T>,
+    F: Film<T>,
+    S: surface::Surface<T> + 'static,
+{
+    if scene.facing == Facing::MinusZ {
+        Arc::new(SolvedBy(Mirrored(built), scene.elements))
+    } else {
+        Arc::new(SolvedBy(built, scene.elements))
+    }
+}
+
+/// Holds a solved bearing as any other.
+struct Unsolved<T>(AnySolved<T>);
+
+impl<T: Scalar> Bearing<T> for Unsolved<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.0.reaction(u, at)
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        self.0.reaction_and_stiffness(u, at)
+    }
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.0.element_loads(u, at, loads);
+    }
+}
+
+/// A bearing that stands displaced by its preload before anything moves.
+struct Preloaded<T> {
+    bearing: AnyBearing<T>,
+    offset: Displacement<T>,
+}
+
+impl<T: Scalar> Preloaded<T> {
+    fn with(&self, u: &Displacement<T>) -> Displacement<T> {
+        u.plus(self.offset)
+    }
+}
+
+impl<T: Scalar> Bearing<T> for Preloaded<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.bearing.reaction(&self.with(u), at)
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        self.bearing.reaction_and_stiffness(&self.with(u), at)
+    }
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.bearing.element_loads(&self.with(u), at, loads);
+    }
+}
+
+/// What a bearing sees at `time` of the scene, from angle 0 at time 0.
+///
+/// # Errors
+/// As [`kinematics`].
+pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<Rotation<f64>> {
+    let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
+    let inner = scene.shaft.speed.revolutions(time);
+    let outer = outer_speed * time / std::f64::consts::TAU;
+    let (cage_ratio, spin) = match geometry(bearing)? {
+        Some(g) => {
+            let orders = orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter);
+            (bearing.cage_ratio.unwrap_or(orders.cage), orders.ball_spin)
+        }
+        None => (bearing.cage_ratio.unwrap_or(0.0), 0.0),
+    };
+    // The outer ring takes the cage along as far as the inner one does not; a cage ratio that is given is for a
+    // resting outer ring.
+    let carried = if cage_ratio > 0.0 { 1.0 - cage_ratio } else { 0.0 };
+    Ok(Rotation {
+        cage: Turn::from_revolutions(cage_ratio * inner + carried * outer),
+        inner: Turn::from_revolutions(inner),
+        outer: Turn::from_revolutions(outer),
+        ball: Turn::from_revolutions(-spin * (inner - outer)),
+        inner_speed,
+        outer_speed,
+    })
+}
+
+/// Displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
+///
+/// # Errors
+/// A preload that the bearing cannot take, or a bearing that carries no thrust.
+pub fn preload_offset(
+    scene: &Scene,
+    bearing: &BearingScene,
+    built: &AnyBearing<f64>,
+) -> Result<Option<Displacement<f64>>> {
+    let Some(preload) = bearing.preload else { return Ok(None) };
+    let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
+    match preload {
+        Preload::Displacement(w) => Ok(Some(Displacement { w: sign * w, ..Displacement::default() })),
+        Preload::Force(force) => {
+            let at = rotation_at(scene, bearing, 0.0)?;
+            let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..at };
+            let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], &at)?;
+            if rest.residual > 1e-6 {
+                bail!(
+                    "{}: bearing {}: preload: found {force} N, which the bearing does not carry along its axis, allowed: a force that it can carry",
+                    scene.path.display(),
+                    bearing.name
+                );
+            }
+            Ok(Some(rest.q))
+        }
+    }
+}
+
+/// Where the inner ring settles under `load` (N, N m), the outer ring held.
+///
+/// # Errors
+/// None that a finite load can cause.
+pub fn loaded(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Result<Equilibrium<f64>> {
+    let params = RotorParams {
+        mass: 1.0,
+        diametral_inertia: 1.0,
+        polar_inertia: 0.0,
+        damping: [[0.0; 5]; 5],
+        stiffness: [0.0; 5],
+        gravity: [0.0; 3],
+        load,
+    };
+    let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
+    let seat = Mounted { bearing: bearing.clone(), station: 0.0, gear: Gear::new(0.0) };
+    let machine = Machine { rotor, bearings: [seat] };
+    Ok(equilibrium(&machine, &[*at], Displacement::default()))
+}
+
+/// `bearing` displaced by `offset` before anything moves.
+pub fn preloaded<T: Scalar>(bearing: AnyBearing<T>, offset: Displacement<T>) -> AnyBearing<T> {
+    AnyBearing(Arc::new(Preloaded { bearing, offset }))
 }
 
 /// Stiffness, exponent and radial play of the lumped law: as the scene gives them, else from geometry.
@@ -249,9 +546,9 @@ where
     L: Law<T, M>,
 {
     let radial = lumped::Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
-    match spalls(scene)? {
+    match uneven::<T, M>(scene) {
         None => lumped_axial::<T, M, _>(scene, radial),
-        Some(spalls) => lumped_axial::<T, M, _>(scene, radial.with_surface(spalls)),
+        Some(surface) => lumped_axial::<T, M, _>(scene, radial.with_surface(surface)),
     }
 }
 
@@ -303,18 +600,18 @@ struct OnHousing<T, B> {
 }
 
 impl<T: Scalar, B: FlexibleRing<T> + Bearing<T>> Bearing<T> for OnHousing<T, B> {
-    fn reaction(&self, u: &Displacement<T>, cage: Turn) -> Reaction<T> {
-        self.bearing.reaction_flexible(u, cage, &mut self.points.clone())
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.bearing.reaction_flexible(u, at, &mut self.points.clone())
     }
 
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-        self.bearing.reaction_and_stiffness_flexible(u, cage, &mut self.points.clone())
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        self.bearing.reaction_and_stiffness_flexible(u, at, &mut self.points.clone())
     }
 
-    fn element_loads(&self, u: &Displacement<T>, cage: Turn, loads: &mut [T]) {
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
         // Load of an element = size of the reaction on its housing point.
         let mut points = self.points.clone();
-        self.bearing.reaction_flexible(u, cage, &mut points);
+        self.bearing.reaction_flexible(u, at, &mut points);
         for (load, point) in loads.iter_mut().zip(&points) {
             let square = point.reaction.iter().map(|r| r.to_f64() * r.to_f64()).sum::<f64>();
             *load = T::from_f64(square.sqrt());
@@ -370,7 +667,7 @@ pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -
 /// A spring bearing in another precision: its tangent and its force at zero displacement say all.
 pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
     let zero = Displacement::default();
-    let (reaction, k) = spring.reaction_and_stiffness(&zero, Turn::ZERO);
+    let (reaction, k) = spring.reaction_and_stiffness(&zero, &Turn::ZERO.into());
     let force = Wrench::from_array(reaction.wrench.to_array().map(T::from_f64));
     AnyBearing(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
 }

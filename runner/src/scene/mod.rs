@@ -62,6 +62,26 @@ pub enum Speed {
 }
 
 impl Speed {
+    /// At `time` (s, 0 or more), rad/s.
+    #[must_use]
+    pub fn at(self, time: f64) -> f64 {
+        match self {
+            Self::Constant(speed) => speed,
+            Self::Ramp { from, to, over } => from + (to - from) * (time / over).min(1.0),
+            Self::Fluctuating { mean, fluctuation, frequency } => {
+                mean * (1.0 + fluctuation * (std::f64::consts::TAU * frequency * time).cos())
+            }
+        }
+    }
+
+    /// The speed at which rest positions and preloads are taken: the constant or mean one, or that before a ramp.
+    #[must_use]
+    pub fn nominal(self) -> f64 {
+        match self {
+            Self::Constant(speed) | Self::Ramp { from: speed, .. } | Self::Fluctuating { mean: speed, .. } => speed,
+        }
+    }
+
     /// Revolutions from time 0 to `time` (s, 0 or more).
     #[must_use]
     pub fn revolutions(self, time: f64) -> f64 {
@@ -141,8 +161,69 @@ pub struct Bearing {
     pub housing_displacement: Vec<[f64; 3]>,
     /// What the linear model is made from; only with `model = "linear"`.
     pub linear: Option<Linear>,
-    /// Local damage of the outer race (`surface = "outer"`).
+    /// Local damage of races and balls.
     pub defect: Vec<Defect>,
+    /// Waviness of races and balls.
+    pub waviness: Vec<Wave>,
+    /// What the quasi-static and tabulated models take into account.
+    pub effects: Effects,
+    /// How the bearing is preloaded.
+    pub preload: Option<Preload>,
+}
+
+/// `effects` with what they need; each is off unless named.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Effects {
+    /// `"centrifugal"`
+    pub centrifugal: bool,
+    /// `"gyroscopic"`
+    pub gyroscopic: bool,
+    /// `"film"`, with the oil of `lubricant`
+    pub film: Option<Lubricant>,
+    /// `race_control`
+    pub control: RaceControl,
+    /// `friction_sharing`
+    pub sharing: FrictionSharing,
+}
+
+/// `race_control`
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RaceControl {
+    /// `"outer"`
+    #[default]
+    Outer,
+    /// `"inner"`
+    Inner,
+}
+
+/// `friction_sharing`
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FrictionSharing {
+    /// `"outer"`
+    #[default]
+    Outer,
+    /// `"equal"`
+    Equal,
+    /// `"proportional"`
+    Proportional,
+}
+
+/// `lubricant`
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubricant {
+    /// Pa s, above 0
+    pub viscosity: f64,
+    /// 1/Pa, above 0
+    pub pressure_viscosity: f64,
+}
+
+/// `preload`, along the thrust direction that the bearing carries
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Preload {
+    /// N, above 0: the inner ring displaced until the bearing answers with this force at the scene's speed
+    Force(f64),
+    /// m, above 0
+    Displacement(f64),
 }
 
 /// `facing`
@@ -165,6 +246,10 @@ pub enum Model {
     Lumped,
     /// Closed-form variable contact angle (MODEL.md A.10).
     Angular,
+    /// Every ball in equilibrium between both races, solved ball by ball (MODEL.md A.1 to A.9).
+    QuasiStatic,
+    /// The same from a table, at a small fixed cost.
+    Tabulated,
 }
 
 /// Ball, races and material of one bearing.
@@ -184,6 +269,8 @@ pub struct Geometry {
     pub youngs_modulus: f64,
     /// 0 or more, below 0.5
     pub poissons_ratio: f64,
+    /// Of the balls, kg/m^3, above 0
+    pub density: f64,
 }
 
 /// Free contact angle, given one way or the other.
@@ -233,10 +320,38 @@ pub enum Linear {
     Of(Model),
 }
 
-/// One entry of `defect`: a spall on the outer race.
+/// Where a defect or a wave is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surface {
+    /// `"inner"`
+    Inner,
+    /// `"outer"`
+    Outer,
+    /// `"ball"` or `"element"`; damage is on this one (0 is the first), waviness on all
+    Ball(usize),
+}
+
+/// One entry of `waviness`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wave {
+    /// Whose.
+    pub surface: Surface,
+    /// `direction = "axial"`; false is radial
+    pub axial: bool,
+    /// Waves around the surface, 1 or more
+    pub order: u32,
+    /// m, above 0
+    pub amplitude: f64,
+    /// rad of the wave
+    pub phase: f64,
+}
+
+/// One entry of `defect`: a spall on a race or a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Defect {
-    /// rad, centre
+    /// Whose.
+    pub surface: Surface,
+    /// rad, centre, from the surface's own zero
     pub azimuth: f64,
     /// rad, above 0
     pub half_width: f64,

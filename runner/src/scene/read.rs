@@ -3,6 +3,7 @@
 //! Here: the file, `[shaft]`, `[rotor]` and `[recording]`. Each `[[bearing]]` is read by its own module.
 
 mod bearing;
+mod effects;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;

@@ -13,7 +13,7 @@ use super::units::{self, Dimension};
 const LONGEST_SHOWN: usize = 60;
 
 /// The models of this version, for the user.
-const MODELS: &str = "linear, lumped, angular";
+const MODELS: &str = "linear, lumped, angular, quasi-static, tabulated";
 
 /// Why a scene was refused: one line that names the file, the line, the key, what was found and what is allowed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -44,7 +44,7 @@ fn force_error(exact: &impl Bearing<f32>, fast: &impl Bearing<f32>) -> f64 {
         let size = 2.0_f64.powf(4.0 * f64::from(i) / 200.0);
         let u = Displacement::from_array([8e-6, 3e-6, 20e-6, 1e-4, -5e-5].map(|x| (x * size) as f32));
         let wrench = |bearing: &dyn Bearing<f32>| {
-            bearing.reaction(&u, Turn::from_revolutions(0.1)).wrench.to_array().map(f64::from)
+            bearing.reaction(&u, &Turn::from_revolutions(0.1).into()).wrench.to_array().map(f64::from)
         };
         relative_to_largest(&wrench(fast), &wrench(exact))
     };

@@ -2,12 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_3, PI};
 
-use super::super::build::MOST_DEFECTS;
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::super::{Axial, Bearing, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model};
+use super::super::{Axial, Bearing, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Surface, Wave};
 
-const KEYS: [&str; 25] = [
+const KEYS: [&str; 31] = [
     "name",
     "station",
     "facing",
@@ -33,14 +32,19 @@ const KEYS: [&str; 25] = [
     "two_spring",
     "linearise",
     "defect",
+    "waviness",
+    "effects",
+    "race_control",
+    "friction_sharing",
+    "lubricant",
+    "preload",
 ];
 
 /// Keys of the scene format that belong to models which are not here.
-const WITHOUT_EFFECT: [&str; 7] =
-    ["effects", "race_control", "friction_sharing", "lubricant", "waviness", "preload", "support"];
+const WITHOUT_EFFECT: [&str; 1] = ["support"];
 
 /// Models of the scene format that are not here.
-const OTHER_MODELS: [&str; 3] = ["quasi-static", "tabulated", "dynamic"];
+const OTHER_MODELS: [&str; 1] = ["dynamic"];
 
 /// Any of these starts a geometry, which then needs the first four and one of the next two.
 const GEOMETRY: [&str; 9] = [
@@ -67,6 +71,8 @@ const YOUNGS_MODULUS: f64 = 206e9;
 const POISSONS_RATIO: f64 = 0.3;
 /// Exponent of the point contact of Hertz, which is also the default of a law given directly.
 const HERTZ_EXPONENT: f64 = 1.5;
+/// Bearing steel, kg/m^3.
+const DENSITY: f64 = 7800.0;
 /// Number of rolling elements that the kernel has room for.
 const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 
@@ -109,7 +115,10 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
         cage_ratio: cage_ratio(table, model, geometry.is_some())?,
         axial: table.read("axial", axial)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
-        defect: defects(table, model)?,
+        defect: defects(table, model, elements)?,
+        waviness: waviness(table, model, elements)?,
+        effects: super::effects::read(table, model)?,
+        preload: super::effects::preload(table, model)?,
         geometry,
         law,
         linear,
@@ -117,9 +126,16 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
 }
 
 fn model(table: &Table<'_>) -> Read<Model> {
-    let wants = "\"linear\", \"lumped\" or \"angular\"";
+    let wants = "\"linear\", \"lumped\", \"angular\", \"quasi-static\" or \"tabulated\"";
     let node = table.required("model", wants)?;
-    rung(&node, "model", &[("linear", Model::Linear), ("lumped", Model::Lumped), ("angular", Model::Angular)])
+    let here = [
+        ("linear", Model::Linear),
+        ("lumped", Model::Lumped),
+        ("angular", Model::Angular),
+        ("quasi-static", Model::QuasiStatic),
+        ("tabulated", Model::Tabulated),
+    ];
+    rung(&node, "model", &here)
 }
 
 /// One of the models that are here; those that are not are told apart from misspelt ones.
@@ -144,7 +160,10 @@ fn elements(table: &Table<'_>) -> Read<usize> {
 
 fn needs(model: Model, linear: Option<&Linear>) -> Needs {
     match (model, linear) {
-        (Model::Angular, _) | (_, Some(Linear::Of(Model::Angular) | Linear::TwoSpring { .. })) => Needs::ContactAngle,
+        (Model::Angular | Model::QuasiStatic | Model::Tabulated, _)
+        | (_, Some(Linear::Of(Model::Angular | Model::QuasiStatic | Model::Tabulated) | Linear::TwoSpring { .. })) => {
+            Needs::ContactAngle
+        }
         (Model::Lumped, _) | (_, Some(Linear::Of(Model::Lumped))) => Needs::Law,
         (Model::Linear, _) => Needs::Nothing,
     }
@@ -170,7 +189,13 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
     if let Some(two_spring) = table.read("two_spring", two_spring)? {
         return Ok(Some(two_spring));
     }
-    let of = |n: &Node<'_>| rung(n, "linearise", &[("angular", Model::Angular), ("lumped", Model::Lumped)]);
+    let of = |n: &Node<'_>| {
+        rung(
+            n,
+            "linearise",
+            &[("angular", Model::Angular), ("lumped", Model::Lumped), ("quasi-static", Model::QuasiStatic)],
+        )
+    };
     Ok(table.read("linearise", of)?.map(Linear::Of))
 }
 
@@ -237,7 +262,6 @@ fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
     let inner_conformity = conformity(table, "inner_conformity")?;
     let outer_conformity = conformity(table, "outer_conformity")?;
     let groove_centres = (inner_conformity + outer_conformity - 1.0) * ball_diameter;
-    check_density(table)?;
     Ok(Some(Geometry {
         ball_diameter,
         pitch_diameter,
@@ -248,6 +272,7 @@ fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
         poissons_ratio: table
             .read("poissons_ratio", |n| n.number("0 or more and below 0.5", |x| (0.0..0.5).contains(&x)))?
             .unwrap_or(POISSONS_RATIO),
+        density: table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(DENSITY),
     }))
 }
 
@@ -276,12 +301,6 @@ fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
 fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
     let range = "above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
     table.required(key, range)?.number(range, |x| x > 0.5 && x <= 1.0)
-}
-
-/// `density` belongs to the description of a bearing, and it is checked; only models with the inertia of the balls
-/// use it, and none of those is here.
-fn check_density(table: &Table<'_>) -> Read<()> {
-    table.read("density", |n| n.positive(Dimension::Density)).map(|_| ())
 }
 
 /// `groove_centres` is the distance A of the groove centres at first contact.
@@ -429,35 +448,80 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Optio
     Err(table.missing("cage_ratio", &wants))
 }
 
-fn defects(table: &Table<'_>, model: Model) -> Read<Vec<Defect>> {
+fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>> {
     let Some(node) = table.optional("defect") else {
         return Ok(Vec::new());
     };
-    if model == Model::Linear {
-        return Err(node.refuse("only with model = \"lumped\" or \"angular\"; remove it"));
-    }
+    check_has_surfaces(&node, model)?;
     let list = node.list("a list of tables { surface, azimuth, half_width, depth, shape }")?;
-    if list.len() > MOST_DEFECTS {
-        return Err(node.fail(format!("{} entries", list.len()), format!("up to {MOST_DEFECTS}")));
-    }
-    list.iter().map(defect).collect()
+    list.iter().map(|node| defect(node, elements)).collect()
 }
 
-fn defect(node: &Node<'_>) -> Read<Defect> {
-    let table = node.table(&["surface", "azimuth", "half_width", "depth", "shape"])?;
-    let surface = table.required("surface", "\"outer\"")?;
-    if let Ok(other) = surface.choice(&["inner", "element", "ball", "cage"].map(|s| (s, s))) {
-        return Err(surface.unsupported(&format!("surface = \"{other}\"")));
+/// Springs have no surfaces.
+fn check_has_surfaces(node: &Node<'_>, model: Model) -> Read<()> {
+    if model == Model::Linear {
+        return Err(node.refuse("only with a model that has rolling elements, not with \"linear\"; remove it"));
     }
-    surface.choice(&[("outer", ())])?;
+    Ok(())
+}
+
+fn defect(node: &Node<'_>, elements: usize) -> Read<Defect> {
+    let table = node.table(&["surface", "azimuth", "half_width", "depth", "shape", "element"])?;
     let shapes = "\"half-sine\" or \"rectangular\"";
     Ok(Defect {
+        surface: surface(&table, elements)?,
         azimuth: table.quantity("azimuth", Dimension::Angle)?,
         half_width: half_width(&table)?,
         depth: table.positive("depth", Dimension::Length)?,
         shape: table
             .required("shape", shapes)?
             .choice(&[("half-sine", DefectShape::HalfSine), ("rectangular", DefectShape::Rectangular)])?,
+    })
+}
+
+/// `surface`, and for a ball which one is damaged: `element`, 1 for the first.
+fn surface(table: &Table<'_>, elements: usize) -> Read<Surface> {
+    let wants = "\"inner\", \"outer\" or \"ball\"";
+    let ball = Surface::Ball(0);
+    let here = [("inner", Surface::Inner), ("outer", Surface::Outer), ("ball", ball), ("element", ball)];
+    let surface = table.required("surface", wants)?.choice(&here)?;
+    let Some(node) = table.optional("element") else {
+        return Ok(surface);
+    };
+    let range = format!("with surface = \"ball\" the damaged one, 1 to {elements}");
+    let number = node.integer(1, elements as i64, &range)?;
+    match (surface, usize::try_from(number)) {
+        (Surface::Ball(_), Ok(number)) => Ok(Surface::Ball(number - 1)),
+        _ => Err(node.refuse(&range)),
+    }
+}
+
+fn waviness(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Wave>> {
+    let Some(node) = table.optional("waviness") else {
+        return Ok(Vec::new());
+    };
+    check_has_surfaces(&node, model)?;
+    let list = node.list("a list of tables { surface, direction, order, amplitude, phase }")?;
+    list.iter().map(|node| wave(node, elements)).collect()
+}
+
+fn wave(node: &Node<'_>, elements: usize) -> Read<Wave> {
+    let table = node.table(&["surface", "direction", "order", "amplitude", "phase"])?;
+    let surface = surface(&table, elements)?;
+    let axial = table.read("direction", |n| n.choice(&[("radial", false), ("axial", true)]))?.unwrap_or(false);
+    if axial && matches!(surface, Surface::Ball(_)) {
+        let wants = "\"radial\" (a ball's waviness is along its contacts); or leave it out";
+        return Err(table.required("direction", wants)?.refuse(wants));
+    }
+    let range = "a whole number from 1 to 10000 (waves around the surface)";
+    let order = table.required("order", range)?;
+    let order = u32::try_from(order.integer(1, 10_000, range)?).map_err(|_| order.refuse(range))?;
+    Ok(Wave {
+        surface,
+        axial,
+        order,
+        amplitude: table.positive("amplitude", Dimension::Length)?,
+        phase: table.read("phase", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
     })
 }
 

@@ -6,7 +6,7 @@ use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::surface::{Spall, SpallShape};
+use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
 use ballrace::bearing::{HeldWrench, Mirrored, Pairs, Places, even_pairs, even_places};
 use ballrace::contact::law::{Line, Point, Power};
 use ballrace::rotor::{Drive, Integrator, Newmark, RotorState, RungeKutta4};
@@ -60,9 +60,9 @@ impl Bearings {
         let point = Point { stiffness: 8e9 };
         let geometry = rig::geometry()?;
         let angular = Angular::try_new(geometry, places, Zero::Centred)?;
-        let spall = Spall::new(Turn::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
+        let spall = Spall::new(Part::Outer, Turn::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
         let (_, tangent) =
-            angular.reaction_and_stiffness(&Displacement { w: 60e-6, ..Displacement::default() }, Turn(0));
+            angular.reaction_and_stiffness(&Displacement { w: 60e-6, ..Displacement::default() }, &Turn(0).into());
         Ok(Self {
             linear: Linear::new(tangent),
             balls: Radial::try_new(places, point, 5e-7)?,
@@ -164,20 +164,20 @@ impl Subjects {
         let combined = self.bearings.flexible();
         let bearings = self.bearings.named(&combined);
         for (((_, bearing), held), sum) in bearings.into_iter().zip(&mut self.held).zip(&mut self.forces) {
-            let (wrench, status) = bearing.sample(held, u, self.cage);
+            let (wrench, status) = bearing.sample(held, u, &self.cage.into());
             sum.add(wrench.to_array());
             sum.add_bits(u32::from(status.bits()));
             if sparse {
-                let (reaction, tangent): (_, Stiffness<f32>) = bearing.reaction_and_stiffness(u, self.cage);
+                let (reaction, tangent): (_, Stiffness<f32>) = bearing.reaction_and_stiffness(u, &self.cage.into());
                 let mut loads = [0.0; 9];
-                bearing.element_loads(u, self.cage, &mut loads);
+                bearing.element_loads(u, &self.cage.into(), &mut loads);
                 sum.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()).chain(loads));
             }
         }
         if sparse {
             let point = HousingPoint { displacement: [1e-6, -2e-6, 5e-7], reaction: [0.0; 3] };
             let mut housing = [point; 9];
-            let (reaction, tangent) = combined.reaction_and_stiffness_flexible(u, self.cage, &mut housing);
+            let (reaction, tangent) = combined.reaction_and_stiffness_flexible(u, &self.cage.into(), &mut housing);
             self.flexible.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()));
             self.flexible.add(housing.into_iter().flat_map(|point| point.reaction));
         }

@@ -102,7 +102,7 @@ fn main() -> ! {
         cage = cage.advanced(ratio.of(sample.shaft.since(shaft)));
         shaft = sample.shaft;
         // Every sample: fixed cost, no failure.
-        let (wrench, status) = bearing.sample(&mut held, &sample.displacement, cage);
+        let (wrench, status) = bearing.sample(&mut held, &sample.displacement, &cage.into());
         log::sample(seen, &wrench, status);
         seen += 1;
     }

@@ -4,8 +4,7 @@
 use ballrace::bearing::Places;
 use ballrace::bearing::angular::Angular;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
-use ballrace::rotor::{Machine, Mounted, RigidRotor, RotorParams, Unbalance};
-use ballrace::turn::Ratio;
+use ballrace::rotor::{Gear, Machine, Mounted, RigidRotor, RotorParams, Unbalance};
 use ballrace::{Exact, Math, Scalar};
 
 /// Nine balls with variable contact angle.
@@ -57,6 +56,6 @@ where
         load: [0.0, 0.0, 60.0, 0.0, 0.0],
     };
     let rotor = RigidRotor::try_new(&params, &[Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 }])?;
-    let at = |station| Mounted { bearing, station: T::from_f64(station), cage_ratio: Ratio::new(CAGE_RATIO) };
+    let at = |station| Mounted { bearing, station: T::from_f64(station), gear: Gear::new(CAGE_RATIO) };
     Ok(Machine { rotor, bearings: [at(-0.1), at(0.1)] })
 }

@@ -28,24 +28,24 @@ pub fn all<T: Scalar, M: Math<T>>(bench: &Bench, precision: &'static str, math: 
 
 #[inline(never)]
 fn force<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Turn) -> Wrench<T> {
-    bearing.reaction(u, cage).wrench
+    bearing.reaction(u, &cage.into()).wrench
 }
 
 #[inline(never)]
 fn in_cage<T: Scalar, B: InCage<T>>(bearing: &B, u: &Displacement<T>, cage: Turn) -> Wrench<T> {
-    bearing.reaction_in_cage(u, cage).wrench
+    bearing.reaction_in_cage(u, &cage.into()).wrench
 }
 
 /// What a radial bearing has to say: two forces.
 #[inline(never)]
 fn radial_in_cage<T: Scalar, B: InCage<T>>(bearing: &B, u: T, v: T, cage: Turn) -> (T, T) {
-    let wrench = bearing.reaction_in_cage(&Displacement { u, v, ..Displacement::default() }, cage).wrench;
+    let wrench = bearing.reaction_in_cage(&Displacement { u, v, ..Displacement::default() }, &cage.into()).wrench;
     (wrench.fx, wrench.fy)
 }
 
 #[inline(never)]
 fn tangent<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
-    bearing.reaction_and_stiffness(u, cage)
+    bearing.reaction_and_stiffness(u, &cage.into())
 }
 
 #[inline(never)]
@@ -55,7 +55,7 @@ fn sample<T: Scalar, B: Bearing<T>>(
     u: &Displacement<T>,
     cage: Turn,
 ) -> (Wrench<T>, Status) {
-    bearing.sample(held, u, cage)
+    bearing.sample(held, u, &cage.into())
 }
 
 struct Rungs<'a> {

@@ -31,6 +31,6 @@ fn main() -> ! {
     let mut held = HeldWrench::new();
     loop {
         let (u, cage): (Displacement<f32>, Turn) = black_box((Displacement::default(), Turn::ZERO));
-        black_box(bearing.sample(&mut held, &u, cage));
+        black_box(bearing.sample(&mut held, &u, &cage.into()));
     }
 }

@@ -1,0 +1,375 @@
+//! One ball between its two races: forces on it at a given place, and how they change as it moves.
+//!
+//! The ball's centre is where it sits when both rings just touch it, displaced by `xi`; the inner groove centre is
+//! displaced by `a` against the outer one. Along the two contacts the gaps are
+//! `|L_o n_0 + xi| - L_o` and `|L_i n_0 + a - xi| - L_i`, written as `(2 L n_0.xi + xi^2)/(l + L)` so that a deflection of a
+//! nanometre is not the difference of two lengths of a millimetre.
+
+use super::film::{Film, FilmConstants, press};
+use super::inertia::{BallInertia, Inertia, InertiaLoads, WithSlopes};
+use crate::lanes::{Lanes, Plane};
+use crate::math::Math;
+use crate::rotation::Rotation;
+use crate::scalar::Scalar;
+use core::marker::PhantomData;
+
+/// Added to a sum of loads that is divided by, N.
+const NO_LOAD: f64 = 1e-12;
+
+/// Constants of all balls of a bearing.
+#[derive(Debug, Clone, Copy)]
+pub struct BallSeat<T> {
+    /// K_i, K_o, N/m^1.5.
+    pub inner_stiffness: T,
+    pub outer_stiffness: T,
+    /// L_i, L_o: groove radius less ball radius, m.
+    pub inner_length: T,
+    pub outer_length: T,
+    /// Direction from the outer to the inner groove centre when the rings just touch the ball.
+    pub axis: Plane<T>,
+    /// D/d_m.
+    pub ratio: T,
+    /// Groove radius over the radius of the circle of groove centres: the lever of the friction couple.
+    pub inner_couple: T,
+    pub outer_couple: T,
+    /// A.
+    pub distance: T,
+    /// K_n, both races in series.
+    pub series: T,
+    /// Share of the outer contact in the static approach.
+    pub outer_share: T,
+    /// Largest move of a Newton step, m.
+    pub longest_step: T,
+    /// Keeps slopes above 0 where a gap is exactly 0, m.
+    pub grain: T,
+}
+
+/// What drives `K` balls: where the inner groove centre is, what the surfaces add to the two gaps, the speeds.
+#[derive(Clone, Copy)]
+pub struct Drive<T, const K: usize> {
+    pub grooves: Plane<Lanes<T, K>>,
+    pub inner_bulge: Lanes<T, K>,
+    pub outer_bulge: Lanes<T, K>,
+    pub speeds: Rotation<T>,
+    /// 0 for a ball off the inner race.
+    pub rolling: Lanes<T, K>,
+}
+
+/// One contact of `K` balls.
+#[derive(Clone, Copy)]
+pub struct Touch<L> {
+    /// From the inner contact through the ball to the outer contact.
+    pub direction: Plane<L>,
+    /// `1/l`.
+    pub inverse_length: L,
+    /// Elastic deflection, m; below 0 it is a gap.
+    pub deflection: L,
+    /// Q, N.
+    pub load: L,
+    /// dQ/d(approach), N/m; that of a deflection of the same size where there is a gap.
+    pub slope: L,
+    /// h, m.
+    pub film: L,
+}
+
+/// All that acts on `K` balls.
+#[derive(Clone, Copy)]
+pub struct Balance<L> {
+    pub outer: Touch<L>,
+    pub inner: Touch<L>,
+    pub inertia: InertiaLoads<L>,
+    /// lambda_o, lambda_i.
+    pub outer_share: L,
+    pub inner_share: L,
+    /// d(lambda_o)/dQ_o = -d(lambda_i)/dQ_o, and the same by Q_i with the sign turned.
+    pub share_by_outer: L,
+    pub share_by_inner: L,
+    /// What is left over, N.
+    pub residual: Plane<L>,
+}
+
+/// A 2 x 2 matrix.
+#[derive(Clone, Copy)]
+pub struct Matrix<L> {
+    pub rr: L,
+    pub rz: L,
+    pub zr: L,
+    pub zz: L,
+}
+
+impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
+    /// `a b^T`
+    #[inline(always)]
+    pub fn outer(a: Plane<Lanes<T, K>>, b: Plane<Lanes<T, K>>) -> Self {
+        Self { rr: a.r * b.r, rz: a.r * b.z, zr: a.z * b.r, zz: a.z * b.z }
+    }
+    #[inline(always)]
+    pub fn plus(self, o: Self) -> Self {
+        Self { rr: self.rr + o.rr, rz: self.rz + o.rz, zr: self.zr + o.zr, zz: self.zz + o.zz }
+    }
+    #[inline(always)]
+    pub fn minus(self, o: Self) -> Self {
+        Self { rr: self.rr - o.rr, rz: self.rz - o.rz, zr: self.zr - o.zr, zz: self.zz - o.zz }
+    }
+    #[inline(always)]
+    pub fn determinant(self) -> Lanes<T, K> {
+        self.rr * self.zz - self.rz * self.zr
+    }
+    #[inline(always)]
+    pub fn trace(self) -> Lanes<T, K> {
+        self.rr + self.zz
+    }
+    #[inline(always)]
+    pub fn times(self, v: Plane<Lanes<T, K>>) -> Plane<Lanes<T, K>> {
+        Plane { r: self.rr * v.r + self.rz * v.z, z: self.zr * v.r + self.zz * v.z }
+    }
+    #[inline(always)]
+    pub fn product(self, o: Self) -> Self {
+        Self {
+            rr: self.rr * o.rr + self.rz * o.zr,
+            rz: self.rr * o.rz + self.rz * o.zz,
+            zr: self.zr * o.rr + self.zz * o.zr,
+            zz: self.zr * o.rz + self.zz * o.zz,
+        }
+    }
+    /// The inverse times the determinant.
+    #[inline(always)]
+    pub fn adjugate(self) -> Self {
+        Self { rr: self.zz, rz: -self.rz, zr: -self.zr, zz: self.rr }
+    }
+    #[inline(always)]
+    pub fn scaled(self, f: Lanes<T, K>) -> Self {
+        Self { rr: self.rr * f, rz: self.rz * f, zr: self.zr * f, zz: self.zz * f }
+    }
+    #[inline(always)]
+    pub fn choose(first: crate::lanes::Mask<K>, a: Self, b: Self) -> Self {
+        Self {
+            rr: Lanes::choose(first, a.rr, b.rr),
+            rz: Lanes::choose(first, a.rz, b.rz),
+            zr: Lanes::choose(first, a.zr, b.zr),
+            zz: Lanes::choose(first, a.zz, b.zz),
+        }
+    }
+}
+
+/// The ball's mechanics with the effects that the type parameters name.
+#[derive(Debug, Clone, Copy)]
+pub struct Ball<T, M, I, F> {
+    pub seat: BallSeat<T>,
+    pub inertia: I,
+    pub film: F,
+    pub math: PhantomData<M>,
+}
+
+/// Place of `K` balls: centre, and the deflections that the film leaves (only kept where there is one).
+#[derive(Clone, Copy)]
+pub struct Position<L> {
+    pub centre: Plane<L>,
+    pub outer_deflection: L,
+    pub inner_deflection: L,
+}
+
+impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
+    /// |v|, a grain where it is nothing: what follows divides by it.
+    #[inline(always)]
+    pub fn length<const K: usize>(&self, v: Plane<Lanes<T, K>>) -> Lanes<T, K> {
+        v.dot(v).sqrt::<M>() + Lanes::all(self.seat.grain)
+    }
+
+    /// Length of `length n_0 + displacement`, its direction, and by how much it is longer than `length`.
+    #[inline(always)]
+    pub fn reach<const K: usize>(
+        &self,
+        length: T,
+        displacement: Plane<Lanes<T, K>>,
+    ) -> (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>) {
+        let rest = Plane { r: Lanes::all(length * self.seat.axis.r), z: Lanes::all(length * self.seat.axis.z) };
+        let reach = rest.plus(displacement);
+        let l = self.length(reach);
+        let both = l + Lanes::all(length);
+        let inverse = Lanes::all(T::ONE) / (l * both);
+        let longer = (displacement.dot(rest.plus(reach))) * (inverse * l);
+        let inverse_length = inverse * both;
+        (reach.times(inverse_length), inverse_length, longer)
+    }
+
+    #[inline(always)]
+    fn touch<const K: usize>(
+        &self,
+        (stiffness, floor): (T, T),
+        (direction, inverse_length, approach): (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>),
+        (films, unit_film, before): (&FilmConstants<T>, Lanes<T, K>, Lanes<T, K>),
+    ) -> Touch<Lanes<T, K>> {
+        let k = Lanes::all(stiffness);
+        let (deflection, by_approach, film) = if F::THERE {
+            let wet = press::<T, M, K>(films, unit_film, (k, Lanes::all(floor)), approach, before);
+            (wet.deflection, wet.slope, wet.film)
+        } else {
+            (approach, Lanes::all(T::ONE), Lanes::all(T::ZERO))
+        };
+        let size = deflection.abs() + Lanes::all(self.seat.grain);
+        let per_metre = k * size.sqrt::<M>();
+        let load = per_metre * deflection.positive();
+        let slope = Lanes::constant(1.5) * per_metre;
+        let slope = if F::THERE { slope * by_approach } else { slope };
+        Touch { direction, inverse_length, deflection, load, slope, film }
+    }
+
+    /// Everything at one position.
+    #[inline(always)]
+    pub fn balance<const K: usize>(&self, drive: &Drive<T, K>, at: &Position<Lanes<T, K>>) -> Balance<Lanes<T, K>> {
+        let seat = &self.seat;
+        let outer = self.reach(seat.outer_length, at.centre);
+        let inner = self.reach(seat.inner_length, drive.grooves.minus(at.centre));
+        let zero = Lanes::all(T::ZERO);
+        let ball: BallInertia<T> = self.inertia.ball();
+        let inertia = if I::CENTRIFUGAL {
+            ball.loads::<I, K>(seat.ratio, &drive.speeds, outer.0, inner.0, drive.rolling)
+        } else {
+            InertiaLoads { orbital: zero, centrifugal: WithSlopes::none(), friction: WithSlopes::none() }
+        };
+        let films = self.film.constants();
+        let (outer_film, inner_film) = if F::THERE {
+            let orbital = if I::CENTRIFUGAL { inertia.orbital } else { self.orbital(&drive.speeds, outer.0, inner.0) };
+            self.unit_films(&drive.speeds, orbital, outer.0, inner.0)
+        } else {
+            (zero, zero)
+        };
+        let outer = (outer.0, outer.1, outer.2 + drive.outer_bulge);
+        let inner = (inner.0, inner.1, inner.2 + drive.inner_bulge);
+        let outer =
+            self.touch((seat.outer_stiffness, films.outer_floor), outer, (&films, outer_film, at.outer_deflection));
+        let mut inner =
+            self.touch((seat.inner_stiffness, films.inner_floor), inner, (&films, inner_film, at.inner_deflection));
+        if I::CENTRIFUGAL {
+            // A ball that the inner ring does not reach has nothing there to step into.
+            inner.slope = inner.slope * drive.rolling;
+        }
+
+        let (mut outer_share, mut inner_share) = (zero, zero);
+        let (mut share_by_outer, mut share_by_inner) = (zero, zero);
+        let mut residual = inner.direction.times(inner.load).minus(outer.direction.times(outer.load));
+        if I::CENTRIFUGAL {
+            residual.r = residual.r + inertia.centrifugal.value;
+        }
+        if I::GYROSCOPIC {
+            let sum = inner.load + outer.load + Lanes::constant(NO_LOAD);
+            let by_load = Lanes::all(ball.by_load) / sum;
+            outer_share = Lanes::all(ball.outer_share) + by_load * outer.load;
+            inner_share = Lanes::all(ball.inner_share) + by_load * inner.load;
+            share_by_outer = by_load / sum * inner.load;
+            share_by_inner = by_load / sum * outer.load;
+            let friction = outer.direction.tangent().times(outer_share);
+            let friction = friction.minus(inner.direction.tangent().times(inner_share));
+            residual = residual.plus(friction.times(inertia.friction.value));
+        }
+        Balance { outer, inner, inertia, outer_share, inner_share, share_by_outer, share_by_inner, residual }
+    }
+
+    /// Orbital speed with the contacts along `outer` and `inner`; that of outer race control for massless balls.
+    #[inline(always)]
+    pub fn orbital<const K: usize>(
+        &self,
+        speeds: &Rotation<T>,
+        outer: Plane<Lanes<T, K>>,
+        inner: Plane<Lanes<T, K>>,
+    ) -> Lanes<T, K> {
+        let rolling = BallInertia { outer_control: T::ONE, ..BallInertia::default() };
+        let ball = if I::CENTRIFUGAL { self.inertia.ball() } else { rolling };
+        ball.orbital_speed(self.seat.ratio, speeds, outer, inner)
+    }
+
+    /// Films under 1 N, outer and inner, at the speeds of rolling.
+    #[inline(always)]
+    pub fn unit_films<const K: usize>(
+        &self,
+        speeds: &Rotation<T>,
+        orbital: Lanes<T, K>,
+        outer: Plane<Lanes<T, K>>,
+        inner: Plane<Lanes<T, K>>,
+    ) -> (Lanes<T, K>, Lanes<T, K>) {
+        let (one, g) = (Lanes::all(T::ONE), Lanes::all(self.seat.ratio));
+        let far = (orbital - Lanes::all(speeds.outer_speed)) * (one + g * outer.r);
+        let near = (Lanes::all(speeds.inner_speed) - orbital) * (one - g * inner.r);
+        self.film.constants().at_speed::<M, K>(far, near)
+    }
+}
+
+/// Slopes of what acts on the ball, split by what moves: `outer` along the ball's centre through the outer contact,
+/// `inner` along the inner groove centre less the ball's centre through the inner one.
+#[derive(Clone, Copy)]
+pub struct Slopes<L> {
+    pub outer: Matrix<L>,
+    pub inner: Matrix<L>,
+}
+
+impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
+    /// `k e e^T + (Q/l)(1 - e e^T)` of one contact.
+    #[inline(always)]
+    fn contact_stiffness(touch: &Touch<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
+        let across = touch.load * touch.inverse_length;
+        let tangent = touch.direction.tangent();
+        Matrix::outer(touch.direction.times(touch.slope), touch.direction)
+            .plus(Matrix::outer(tangent.times(across), tangent))
+    }
+
+    /// `S_o` and `S_i`: the stiffness of the contacts alone.
+    #[inline(always)]
+    pub fn contact_stiffnesses(&self) -> Slopes<Lanes<T, K>> {
+        Slopes { outer: Self::contact_stiffness(&self.outer), inner: Self::contact_stiffness(&self.inner) }
+    }
+
+    /// Slopes of the loads along the approach, outer and inner, 0 where there is a gap.
+    #[inline(always)]
+    pub fn loaded_slopes(&self) -> (Lanes<T, K>, Lanes<T, K>) {
+        let zero = Lanes::all(T::ZERO);
+        let of = |touch: &Touch<Lanes<T, K>>| Lanes::choose(zero.below(touch.deflection), touch.slope, zero);
+        (of(&self.outer), of(&self.inner))
+    }
+
+    /// As [`Self::contact_stiffnesses`] with nothing where there is a gap.
+    #[inline(always)]
+    pub fn loaded_stiffnesses(&self) -> Slopes<Lanes<T, K>> {
+        let (outer, inner) = self.loaded_slopes();
+        Slopes {
+            outer: Self::contact_stiffness(&Touch { slope: outer, ..self.outer }),
+            inner: Self::contact_stiffness(&Touch { slope: inner, ..self.inner }),
+        }
+    }
+
+    /// The same with the inertia loads: minus d(residual)/d(centre) through the outer, d(residual)/d(groove) through the
+    /// inner contact. Their sum is Newton's matrix.
+    #[inline(always)]
+    pub fn slopes<I: Inertia<T>>(&self) -> Slopes<Lanes<T, K>> {
+        let mut slopes = self.contact_stiffnesses();
+        if I::CENTRIFUGAL {
+            let out = |x: Lanes<T, K>| Plane { r: x, z: Lanes::all(T::ZERO) };
+            let mut by_outer = out(self.inertia.centrifugal.outer);
+            let mut by_inner = out(self.inertia.centrifugal.inner);
+            let turn_outer = self.outer.direction.tangent().times(self.outer.inverse_length);
+            let turn_inner = self.inner.direction.tangent().times(self.inner.inverse_length);
+            if I::GYROSCOPIC {
+                let (e_o, e_i) = (self.outer.direction, self.inner.direction);
+                let (t_o, t_i) = (e_o.tangent(), e_i.tangent());
+                let g = self.inertia.friction;
+                let along = t_o.times(self.outer_share).minus(t_i.times(self.inner_share));
+                by_outer = by_outer.plus(along.times(g.outer)).minus(e_o.times(g.value * self.outer_share));
+                by_inner = by_inner.plus(along.times(g.inner)).plus(e_i.times(g.value * self.inner_share));
+                let shift = t_o.plus(t_i).times(g.value);
+                let load_outer = e_o.times(self.outer.slope * self.share_by_outer);
+                let load_inner = e_i.times(self.inner.slope * self.share_by_inner);
+                slopes.outer = slopes.outer.minus(Matrix::outer(shift, load_outer));
+                slopes.inner = slopes.inner.minus(Matrix::outer(shift, load_inner));
+            }
+            slopes.outer = slopes.outer.minus(Matrix::outer(by_outer, turn_outer));
+            slopes.inner = slopes.inner.plus(Matrix::outer(by_inner, turn_inner));
+        }
+        slopes
+    }
+
+    /// Largest load on the ball.
+    #[inline(always)]
+    pub fn largest_load(&self) -> Lanes<T, K> {
+        self.outer.load.larger(self.inner.load).larger(self.inertia.centrifugal.value)
+    }
+}

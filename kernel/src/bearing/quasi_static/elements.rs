@@ -1,0 +1,353 @@
+//! From the rings' displacements to the balls and back.
+
+use super::QuasiStatic;
+use super::ball::{Balance, Ball, Drive, Position};
+use super::film::Film;
+use super::inertia::Inertia;
+use super::solver::Solution;
+use crate::bearing::Reaction;
+use crate::bearing::place::{Arrangement, Place};
+use crate::bearing::ring::{Contact, Motion, WrenchSum};
+use crate::bearing::surface::{Smooth, Surface};
+use crate::frame::{Displacement, Wrench};
+use crate::lanes::{Lanes, Mask, Plane};
+use crate::math::Math;
+use crate::rotation::Rotation;
+use crate::scalar::Scalar;
+use crate::status::Status;
+
+/// Balls that are solved side by side: on the desktop as many as keep its units busy, on a microcontroller one.
+pub const ABREAST: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
+
+/// Friction over load beyond which a contact would slide: the upper end of what oil under pressure gives.
+const TRACTION: f64 = 0.1;
+
+/// Where a ball was: the start of its next solution.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BallPlace<T> {
+    centre: [T; 2],
+    deflections: [T; 2],
+}
+
+/// What one ball does.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BallState<T> {
+    /// Q_i, N.
+    pub inner_load: T,
+    /// Q_o, N.
+    pub outer_load: T,
+    /// Cosine and sine of the inner contact angle.
+    pub inner_direction: [T; 2],
+    /// Cosine and sine of the outer contact angle.
+    pub outer_direction: [T; 2],
+    /// h at the inner contact, m; 0 without film or load.
+    pub inner_film: T,
+    /// h at the outer contact, m.
+    pub outer_film: T,
+    /// F_c, N.
+    pub centrifugal: T,
+    /// M_g, N m, with the sign of the spin.
+    pub gyroscopic_moment: T,
+    /// w_c, rad/s; 0 for massless balls, whose speed nobody asks for.
+    pub orbital_speed: T,
+    /// In equilibrium within the precision's tolerance.
+    pub settled: bool,
+}
+
+/// Displacements of the two rings in the cage's frame, tilts at the radius of the groove centres; the outer ring at rest
+/// costs nothing.
+#[derive(Clone, Copy)]
+pub(super) struct Rims<T> {
+    pub inner: Displacement<T>,
+    pub outer: Option<Displacement<T>>,
+}
+
+/// Forces of the balls on both rings.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct RingReactions<T> {
+    /// On the inner ring.
+    pub inner: Reaction<T>,
+    /// On the outer ring.
+    pub outer: Wrench<T>,
+}
+
+/// Up to `K` places, the last repeated where there are fewer.
+struct Group<T, const K: usize> {
+    places: [Place<T>; K],
+    count: usize,
+}
+
+fn groups<T: Scalar, const K: usize>(places: &impl Arrangement<T>) -> impl Iterator<Item = Group<T, K>> {
+    let mut each = places.each();
+    core::iter::from_fn(move || {
+        let first = each.next()?;
+        let mut group = Group { places: [first; K], count: 1 };
+        let mut last = first;
+        for place in group.places.iter_mut().skip(1) {
+            if let Some(next) = each.next() {
+                last = next;
+                group.count += 1;
+            }
+            *place = last;
+        }
+        Some(group)
+    })
+}
+
+impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> QuasiStatic<T, M, P, I, F, S> {
+    /// The displacements, in the cage's frame, as what the groove centres go by.
+    #[inline(always)]
+    pub(super) fn rims(&self, inner: &Displacement<T>, outer: Option<&Displacement<T>>) -> Rims<T> {
+        let at = |u: &Displacement<T>, arm: T| Displacement { thu: arm * u.thu, thv: arm * u.thv, ..*u };
+        Rims { inner: at(inner, self.inner_arm), outer: outer.map(|u| at(u, self.outer_arm)) }
+    }
+
+    #[inline(always)]
+    fn drive<const K: usize>(&self, places: &[Place<T>; K], rims: &Rims<T>, at: &Rotation<T>) -> Drive<T, K> {
+        let motions = places.each_ref().map(|place| {
+            let motion = Motion::of(place, &rims.inner, at, &self.surface).with_waviness();
+            match &rims.outer {
+                Some(rim) => {
+                    let other = Motion::of(place, rim, at, &Smooth);
+                    Motion { radial: motion.radial - other.radial, axial: motion.axial - other.axial, ..motion }
+                }
+                None => motion,
+            }
+        });
+        Drive {
+            grooves: Plane { r: Lanes(motions.map(|m| m.radial + self.offset)), z: Lanes(motions.map(|m| m.axial)) },
+            inner_bulge: Lanes(motions.map(|m| m.shape.inner)),
+            outer_bulge: Lanes(motions.map(|m| m.shape.outer)),
+            speeds: *at,
+            rolling: Lanes::all(T::ONE),
+        }
+    }
+
+    /// Solves all balls, group by group, and hands each group's solution to `take`.
+    #[inline(always)]
+    pub(super) fn solve_each(
+        &self,
+        rims: &Rims<T>,
+        at: &Rotation<T>,
+        mut take: impl FnMut(&[Place<T>], &Solution<T, ABREAST>),
+    ) {
+        for group in groups::<T, ABREAST>(&self.places) {
+            let mut drive = self.drive(&group.places, rims, at);
+            let solution = self.ball.solve(&mut drive, self.steps);
+            take(group.places.get(..group.count).unwrap_or_default(), &solution);
+        }
+    }
+
+    /// Where a cold start finds the balls.
+    pub(super) fn place(&self, rims: &Rims<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) {
+        let mut groups = balls.chunks_mut(ABREAST);
+        self.solve_each(rims, at, |_, solution| scatter(solution, groups.next().unwrap_or_default()));
+    }
+
+    /// The same from where the balls were, and where they are now.
+    #[inline(always)]
+    fn solve_each_from(
+        &self,
+        rims: &Rims<T>,
+        at: &Rotation<T>,
+        balls: &mut [BallPlace<T>],
+        mut take: impl FnMut(&[Place<T>], &Solution<T, ABREAST>),
+    ) {
+        let groups = groups::<T, ABREAST>(&self.places).zip(balls.chunks_mut(ABREAST));
+        for (group, balls) in groups {
+            let mut drive = self.drive(&group.places, rims, at);
+            let start = gather(balls);
+            drive.rolling = self.ball.rolling(&drive, &start);
+            let solution = self.ball.settle(&drive, &start, self.steps);
+            scatter(&solution, balls);
+            take(group.places.get(..group.count).unwrap_or_default(), &solution);
+        }
+    }
+
+    /// Calls `put` with the state of each ball in order.
+    pub(super) fn states(&self, rims: &Rims<T>, at: &Rotation<T>, mut put: impl FnMut(BallState<T>)) {
+        let diameter = T::from_f64(self.geometry.ball_diameter);
+        self.solve_each(rims, at, |places, solution| {
+            for (_, state) in places.iter().zip(states(solution, diameter)) {
+                put(state);
+            }
+        });
+    }
+
+    /// Reaction on the inner ring, in the cage's frame.
+    #[inline(always)]
+    pub(super) fn inner_reaction(&self, rims: &Rims<T>, at: &Rotation<T>) -> Reaction<T> {
+        let mut sum = InnerSum::new();
+        self.solve_each(rims, at, |places, solution| sum.add(&self.ball, places, solution));
+        sum.finish(self.inner_arm)
+    }
+
+    /// The same from where the balls were.
+    #[inline(always)]
+    pub(super) fn inner_reaction_from(
+        &self,
+        rims: &Rims<T>,
+        at: &Rotation<T>,
+        balls: &mut [BallPlace<T>],
+    ) -> Reaction<T> {
+        let mut sum = InnerSum::new();
+        self.solve_each_from(rims, at, balls, |places, solution| sum.add(&self.ball, places, solution));
+        sum.finish(self.inner_arm)
+    }
+
+    /// Reactions on both rings, in the cage's frame.
+    #[inline(always)]
+    pub(super) fn both_reactions(&self, rims: &Rims<T>, at: &Rotation<T>) -> RingReactions<T> {
+        let (mut inner, mut outer) = (InnerSum::new(), WrenchSum::new());
+        self.solve_each(rims, at, |places, solution| {
+            inner.add(&self.ball, places, solution);
+            for (place, contact) in places.iter().zip(&self.ball.outer_contacts(&solution.balance)) {
+                outer.add(place, contact);
+            }
+        });
+        RingReactions { inner: inner.finish(self.inner_arm), outer: outer.finish(self.outer_arm, T::ONE).wrench }
+    }
+}
+
+/// Sum of what acts on the inner ring, and what the solutions have to say of themselves.
+pub(super) struct InnerSum<T> {
+    forces: WrenchSum<T>,
+    status: Status,
+}
+
+impl<T: Scalar> InnerSum<T> {
+    pub fn new() -> Self {
+        Self { forces: WrenchSum::new(), status: Status::OK }
+    }
+
+    #[inline(always)]
+    pub fn add<M: Math<T>, I: Inertia<T>, F: Film<T>>(
+        &mut self,
+        ball: &Ball<T, M, I, F>,
+        places: &[Place<T>],
+        solution: &Solution<T, ABREAST>,
+    ) {
+        for (place, contact) in places.iter().zip(&ball.inner_contacts(&solution.balance)) {
+            self.forces.add(place, contact);
+        }
+        for (_, settled) in places.iter().zip(solution.settled.0) {
+            self.status = self.status.and(Status::NOT_SETTLED.when(!settled));
+        }
+        if I::GYROSCOPIC {
+            for (_, slips) in places.iter().zip(solution.balance.slips().0) {
+                self.status = self.status.and(Status::GYROSCOPIC_SLIP.when(slips));
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub fn finish(&self, arm: T) -> Reaction<T> {
+        Reaction { status: self.status, ..self.forces.finish(arm, T::ONE) }
+    }
+}
+
+impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
+    /// Force of the inner ring on the balls, less the sign that the sum turns: `Q_i e_i - lambda_i (M_g/D) t_i`, and the
+    /// friction couple.
+    #[inline(always)]
+    fn inner_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> [Contact<T>; K] {
+        let touch = &balance.inner;
+        let mut force = touch.direction.times(touch.load);
+        let mut tilting = force.z;
+        if I::GYROSCOPIC {
+            let friction = balance.inner_share * balance.inertia.friction.value;
+            force = force.minus(touch.direction.tangent().times(friction));
+            tilting = force.z + friction * Lanes::all(self.seat.inner_couple);
+        }
+        contacts(force, tilting, touch.load)
+    }
+
+    /// The same on the outer ring, which is pushed the other way.
+    #[inline(always)]
+    fn outer_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> [Contact<T>; K] {
+        let touch = &balance.outer;
+        let mut force = touch.direction.times(-touch.load);
+        let mut tilting = force.z;
+        if I::GYROSCOPIC {
+            let friction = balance.outer_share * balance.inertia.friction.value;
+            force = force.plus(touch.direction.tangent().times(friction));
+            tilting = force.z + friction * Lanes::all(self.seat.outer_couple);
+        }
+        contacts(force, tilting, touch.load)
+    }
+}
+
+#[inline(always)]
+fn contacts<T: Scalar, const K: usize>(
+    force: Plane<Lanes<T, K>>,
+    tilting: Lanes<T, K>,
+    load: Lanes<T, K>,
+) -> [Contact<T>; K] {
+    let nothing = Contact { radial: T::ZERO, axial: T::ZERO, tilting: T::ZERO, load: T::ZERO };
+    let mut contacts = [nothing; K];
+    let entries = force.r.0.into_iter().zip(force.z.0).zip(tilting.0).zip(load.0);
+    for (contact, (((radial, axial), tilting), load)) in contacts.iter_mut().zip(entries) {
+        *contact = Contact { radial, axial, tilting, load };
+    }
+    contacts
+}
+
+impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
+    /// The friction of a contact is more than it can carry.
+    #[inline(always)]
+    fn slips(&self) -> Mask<K> {
+        let friction = self.inertia.friction.value.abs();
+        let traction = Lanes::constant(TRACTION);
+        let outer = (traction * self.outer.load).below(self.outer_share * friction);
+        let inner = (traction * self.inner.load).below(self.inner_share * friction);
+        outer.or(inner)
+    }
+}
+
+fn gather<T: Scalar, const K: usize>(balls: &[BallPlace<T>]) -> Position<Lanes<T, K>> {
+    let zero = Lanes::all(T::ZERO);
+    let mut position = Position { centre: Plane { r: zero, z: zero }, outer_deflection: zero, inner_deflection: zero };
+    let mut last = BallPlace::default();
+    let mut balls = balls.iter();
+    let lanes = position.centre.r.0.iter_mut().zip(&mut position.centre.z.0);
+    let lanes = lanes.zip(&mut position.outer_deflection.0).zip(&mut position.inner_deflection.0);
+    for (((r, z), outer), inner) in lanes {
+        last = balls.next().copied().unwrap_or(last);
+        [*r, *z] = last.centre;
+        [*outer, *inner] = last.deflections;
+    }
+    position
+}
+
+fn scatter<T: Scalar, const K: usize>(solution: &Solution<T, K>, balls: &mut [BallPlace<T>]) {
+    let at = &solution.at;
+    let centres = at.centre.r.0.into_iter().zip(at.centre.z.0);
+    let deflections = solution.balance.outer.deflection.0.into_iter().zip(solution.balance.inner.deflection.0);
+    for (ball, ((r, z), (outer, inner))) in balls.iter_mut().zip(centres.zip(deflections)) {
+        let good = r.is_finite() & z.is_finite() & outer.is_finite() & inner.is_finite();
+        let keep = |new: T, old: T| T::choose(good, new, old);
+        let ([old_r, old_z], [old_outer, old_inner]) = (ball.centre, ball.deflections);
+        ball.centre = [keep(r, old_r), keep(z, old_z)];
+        ball.deflections = [keep(outer, old_outer), keep(inner, old_inner)];
+    }
+}
+
+fn states<T: Scalar, const K: usize>(solution: &Solution<T, K>, diameter: T) -> [BallState<T>; K] {
+    let balance = &solution.balance;
+    let (inner, outer) = (&balance.inner, &balance.outer);
+    let lane = |lanes: &Lanes<T, K>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
+    let direction = |p: &Plane<Lanes<T, K>>, j| [lane(&p.r, j), lane(&p.z, j)];
+    let film = |film, load: T| if load > T::ZERO { film } else { T::ZERO };
+    core::array::from_fn(|j| BallState {
+        inner_load: lane(&inner.load, j),
+        outer_load: lane(&outer.load, j),
+        inner_direction: direction(&inner.direction, j),
+        outer_direction: direction(&outer.direction, j),
+        inner_film: film(lane(&inner.film, j), lane(&inner.load, j)),
+        outer_film: film(lane(&outer.film, j), lane(&outer.load, j)),
+        centrifugal: lane(&balance.inertia.centrifugal.value, j),
+        gyroscopic_moment: diameter * lane(&balance.inertia.friction.value, j),
+        orbital_speed: lane(&balance.inertia.orbital, j),
+        settled: solution.settled.0.get(j).copied().unwrap_or(false),
+    })
+}

@@ -1,0 +1,245 @@
+//! Rung `quasi-static`: every ball in equilibrium between two rings, solved ball by ball (MODEL A.1 to A.9).
+//!
+//! Two unknowns a ball, the place of its centre in its plane: Hertz contact on both races, and what the type parameters
+//! name: [`inertia`] (centrifugal force, signed gyroscopic moment), [`film`], [`super::surface`]. An effect that is not
+//! named costs no instruction.
+
+mod ball;
+mod bearing;
+mod elements;
+pub mod film;
+pub mod inertia;
+mod solver;
+mod tangent;
+
+pub use elements::{BallPlace, BallState, RingReactions};
+
+use self::ball::{Ball, BallSeat};
+use self::film::{Dry, FilmConstants, HamrockDowson, Lubricant};
+use self::inertia::{BallInertia, Centrifugal, Gyroscopic, InertiaParams, Massless};
+use super::angular::Zero;
+use super::geometry::{BallBearingGeometry, InvalidParameter, check};
+use super::surface::{Smooth, Surface};
+use crate::contact::hertz::{PointContact, Race, in_series};
+use crate::lanes::Plane;
+use crate::scalar::Scalar;
+use core::marker::PhantomData;
+
+/// Newton steps from a cold start that settle what can be settled: twice as many settle one ball in a hundred more of the wildest states.
+pub const COLD_STEPS: u8 = 8;
+
+/// A ball bearing solved ball by ball, with the inertia `I`, the film `F` and the surfaces `S`.
+///
+/// Cost a ball: a first guess, `steps` Newton steps and a last evaluation, whatever the state.
+///
+/// ```
+/// use ballrace::bearing::angular::Zero;
+/// use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+/// use ballrace::bearing::quasi_static::QuasiStatic;
+/// use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
+/// use ballrace::bearing::{Bearing, even_places};
+/// use ballrace::{Displacement, Exact, Rotation, Turn};
+///
+/// // Harris' 218 bearing, pushed by 0.0330 mm at 6000 rpm: it carries 17.8 kN.
+/// let geometry = BallBearingGeometry {
+///     ball_diameter: 22.23e-3,
+///     pitch_diameter: 125.26e-3,
+///     inner_conformity: 11.63 / 22.23,
+///     outer_conformity: 11.63 / 22.23,
+///     contact_angle: 40_f64.to_radians(),
+///     ball: ballrace::contact::hertz::Material { youngs_modulus: 206.91e9, ..BEARING_STEEL },
+///     race: ballrace::contact::hertz::Material { youngs_modulus: 206.91e9, ..BEARING_STEEL },
+/// };
+/// let inertia = InertiaParams {
+///     density: 7800.0,
+///     centrifugal: true,
+///     gyroscopic: true,
+///     control: RaceControl::Outer,
+///     sharing: FrictionSharing::Outer,
+/// };
+/// let places = even_places::<f64, 16>(Turn::ZERO);
+/// let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, places, Zero::Touching)?.with_inertia(&inertia)?;
+/// let turning = Rotation { inner_speed: 6000.0 * std::f64::consts::TAU / 60.0, ..Rotation::default() };
+/// let pushed = Displacement { w: 32.9819e-6, ..Displacement::default() };
+/// let force = bearing.reaction(&pushed, &turning).wrench;
+/// assert!((force.fz / -17_800.0 - 1.0).abs() < 1e-5);
+/// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct QuasiStatic<T, M, P, I = Massless, F = Dry, S = Smooth> {
+    places: P,
+    /// R_i and R_o, m.
+    inner_arm: T,
+    outer_arm: T,
+    /// Outward displacement of the inner groove centres at zero displacement.
+    offset: T,
+    ball: Ball<T, M, I, F>,
+    geometry: BallBearingGeometry,
+    surface: S,
+    steps: u8,
+}
+
+impl<T: Scalar, M, P> QuasiStatic<T, M, P> {
+    /// Balls without mass and film on round races; stiffness by Hertz at the free contact angle. Set-up time.
+    ///
+    /// # Errors
+    /// As [`BallBearingGeometry::checked`].
+    pub fn try_new(geometry: BallBearingGeometry, places: P, zero: Zero) -> Result<Self, InvalidParameter> {
+        let geometry = geometry.checked()?;
+        Ok(Self {
+            places,
+            inner_arm: T::from_f64(geometry.inner_groove_radius()),
+            outer_arm: T::from_f64(geometry.outer_groove_radius()),
+            offset: T::from_f64(offset(&geometry, zero)),
+            ball: Ball { seat: seat(&geometry, zero), inertia: Massless, film: Dry, math: PhantomData },
+            geometry,
+            surface: Smooth,
+            steps: COLD_STEPS,
+        })
+    }
+}
+
+/// `-A (1 - cos(alpha_0))`, half the clearance, where the rings are centred.
+fn offset(geometry: &BallBearingGeometry, zero: Zero) -> f64 {
+    match zero {
+        Zero::Touching => 0.0,
+        Zero::Centred => {
+            let half = libm::sin(0.5 * geometry.contact_angle);
+            -2.0 * geometry.groove_distance() * half * half
+        }
+    }
+}
+
+fn seat<T: Scalar>(geometry: &BallBearingGeometry, zero: Zero) -> BallSeat<T> {
+    let d = geometry.ball_diameter;
+    let (inner, outer) = (geometry.contact(Race::Inner).stiffness, geometry.contact(Race::Outer).stiffness);
+    let (l_i, l_o) = ((geometry.inner_conformity - 0.5) * d, (geometry.outer_conformity - 0.5) * d);
+    let axis = match zero {
+        Zero::Touching => (libm::cos(geometry.contact_angle), libm::sin(geometry.contact_angle)),
+        Zero::Centred => (1.0, 0.0),
+    };
+    let compliance = |k: f64| libm::pow(k, -2.0 / 3.0);
+    let number = T::from_f64;
+    BallSeat {
+        inner_stiffness: number(inner),
+        outer_stiffness: number(outer),
+        inner_length: number(l_i),
+        outer_length: number(l_o),
+        axis: Plane { r: number(axis.0), z: number(axis.1) },
+        ratio: number(d / geometry.pitch_diameter),
+        inner_couple: number(geometry.inner_conformity * d / geometry.inner_groove_radius()),
+        outer_couple: number(geometry.outer_conformity * d / geometry.outer_groove_radius()),
+        distance: number(l_i + l_o),
+        series: number(in_series(inner, outer)),
+        outer_share: number(compliance(outer) / (compliance(outer) + compliance(inner))),
+        longest_step: number(0.4 * l_i.min(l_o)),
+        grain: number(1e-12 * (l_i + l_o)),
+    }
+}
+
+/// The contact and its radius of curvature along the rolling direction, R_x.
+fn rolling_contact(geometry: &BallBearingGeometry, race: Race) -> (PointContact, f64) {
+    let gamma = geometry.gamma();
+    let along = match race {
+        Race::Inner => 0.5 * geometry.ball_diameter * (1.0 - gamma),
+        Race::Outer => 0.5 * geometry.ball_diameter * (1.0 + gamma),
+    };
+    (geometry.contact(race), along)
+}
+
+impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
+    fn with_ball<J, G>(self, ball: Ball<T, M, J, G>) -> QuasiStatic<T, M, P, J, G, S> {
+        QuasiStatic {
+            places: self.places,
+            inner_arm: self.inner_arm,
+            outer_arm: self.outer_arm,
+            offset: self.offset,
+            ball,
+            geometry: self.geometry,
+            surface: self.surface,
+            steps: self.steps,
+        }
+    }
+
+    fn with_loads<J>(self, inertia: J) -> QuasiStatic<T, M, P, J, F, S>
+    where
+        F: Copy,
+    {
+        let Ball { seat, film, math, .. } = self.ball;
+        self.with_ball(Ball { seat, inertia, film, math })
+    }
+
+    /// The same bearing with the balls' inertia: `m_b (d_m/2) w_c^2` outward and the gyroscopic moment, as far as `params`
+    /// says. Where it is known beforehand that there is no gyroscopic moment, [`QuasiStatic::with_centrifugal`] is cheaper.
+    ///
+    /// # Errors
+    /// A density below 0 or not finite.
+    pub fn with_inertia(
+        self,
+        params: &InertiaParams,
+    ) -> Result<QuasiStatic<T, M, P, Gyroscopic<T>, F, S>, InvalidParameter>
+    where
+        F: Copy,
+    {
+        let constants = self.inertia_constants(params)?;
+        Ok(self.with_loads(Gyroscopic(constants)))
+    }
+
+    /// The same bearing with the balls' centrifugal force alone, whatever `params` says of the gyroscopic moment.
+    ///
+    /// # Errors
+    /// A density below 0 or not finite.
+    pub fn with_centrifugal(
+        self,
+        params: &InertiaParams,
+    ) -> Result<QuasiStatic<T, M, P, Centrifugal<T>, F, S>, InvalidParameter>
+    where
+        F: Copy,
+    {
+        let constants = self.inertia_constants(params)?;
+        Ok(self.with_loads(Centrifugal(constants)))
+    }
+
+    fn inertia_constants(&self, params: &InertiaParams) -> Result<BallInertia<T>, InvalidParameter> {
+        check(params.density >= 0.0, "density", params.density, "0 kg/m^3 or more")?;
+        Ok(params.constants(self.geometry.ball_diameter, self.geometry.pitch_diameter))
+    }
+
+    /// The same bearing with an oil film in both contacts of each ball.
+    ///
+    /// # Errors
+    /// A viscosity or pressure-viscosity coefficient that is not above 0.
+    pub fn with_film(self, oil: Lubricant) -> Result<QuasiStatic<T, M, P, I, HamrockDowson<T>, S>, InvalidParameter>
+    where
+        I: Copy,
+    {
+        check(oil.viscosity > 0.0, "viscosity", oil.viscosity, "above 0 Pa s")?;
+        check(oil.pressure_viscosity > 0.0, "pressure_viscosity", oil.pressure_viscosity, "above 0 1/Pa")?;
+        let ((inner, inner_along), (outer, outer_along)) =
+            (rolling_contact(&self.geometry, Race::Inner), rolling_contact(&self.geometry, Race::Outer));
+        let pitch = self.geometry.pitch_diameter;
+        let film = HamrockDowson(FilmConstants::new(oil, (&inner, inner_along), (&outer, outer_along), pitch));
+        let Ball { seat, inertia, math, .. } = self.ball;
+        Ok(self.with_ball(Ball { seat, inertia, film, math }))
+    }
+
+    /// The same bearing with waviness or damage.
+    pub fn with_surface<R: Surface<T>>(self, surface: R) -> QuasiStatic<T, M, P, I, F, R> {
+        QuasiStatic {
+            places: self.places,
+            inner_arm: self.inner_arm,
+            outer_arm: self.outer_arm,
+            offset: self.offset,
+            ball: self.ball,
+            geometry: self.geometry,
+            surface,
+            steps: self.steps,
+        }
+    }
+
+    /// The same bearing with another number of Newton steps: the knob between speed and accuracy.
+    #[must_use]
+    pub fn with_steps(self, steps: u8) -> Self {
+        Self { steps, ..self }
+    }
+}

@@ -1,0 +1,125 @@
+//! The bearing's tangent: the balls eliminated, by implicit differentiation or in the condensed form (MODEL A.9).
+//!
+//! A ball gives way as the inner groove centre moves: with `J_o`, `J_i` the slopes of the force on it through the two
+//! contacts, `d(centre) = (J_o + J_i)^-1 J_i d(groove)`. What acts on the ring is a function of both contacts' loads and
+//! angles; its slopes follow by the chain rule. Without inertia loads this is `S_i (S_i + S_o)^-1 S_o`, symmetric; with them
+//! race control makes it slightly not so. The film's dependence on speed is left out of it.
+
+use super::QuasiStatic;
+use super::ball::{Balance, Ball, Matrix};
+use super::elements::{ABREAST, InnerSum, Rims};
+use super::film::Film;
+use super::inertia::Inertia;
+use crate::bearing::Reaction;
+use crate::bearing::place::Arrangement;
+use crate::bearing::ring::{CageTurn, ContactStiffness, ContactTangent, StiffnessSum, TangentSum};
+use crate::bearing::surface::Surface;
+use crate::frame::Stiffness;
+use crate::lanes::{Lanes, Plane};
+use crate::math::Math;
+use crate::rotation::Rotation;
+use crate::scalar::Scalar;
+
+impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> QuasiStatic<T, M, P, I, F, S> {
+    /// Reaction in the cage's frame, and its tangent in the fixed one.
+    #[inline(always)]
+    pub(super) fn reaction_and_tangent(
+        &self,
+        rims: &Rims<T>,
+        at: &Rotation<T>,
+        turn: CageTurn<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
+        let (mut sum, mut tangent) = (InnerSum::new(), TangentSum::new());
+        self.solve_each(rims, at, |places, solution| {
+            sum.add(&self.ball, places, solution);
+            for (place, k) in places.iter().zip(self.ball.tangents(&solution.balance)) {
+                tangent.add(place, &k);
+            }
+        });
+        (sum.finish(self.inner_arm), tangent.finish(self.inner_arm, turn))
+    }
+
+    /// The condensed tangent `sum T_j^T S_i (S_i + S_o)^-1 S_o T_j` in the fixed frame: the inertia loads held constant.
+    #[inline(always)]
+    pub(super) fn condensed_in_cage(&self, rims: &Rims<T>, at: &Rotation<T>, turn: CageTurn<T>) -> Stiffness<T> {
+        let mut sum = StiffnessSum::new();
+        self.solve_each(rims, at, |places, solution| {
+            for (place, k) in places.iter().zip(condensed(&solution.balance)) {
+                sum.add(place, &k);
+            }
+        });
+        sum.finish(self.inner_arm, T::ONE, turn)
+    }
+}
+
+/// `a^-1`, or nothing where `a` holds nothing.
+#[inline(always)]
+fn inverse<T: Scalar, const K: usize>(a: Matrix<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
+    let (determinant, trace) = (a.determinant(), a.trace());
+    let smallest = Lanes::constant(1e-12) * trace * trace;
+    let size = determinant.abs().larger(smallest).negated_by(determinant);
+    a.adjugate().scaled(Lanes::all(T::ONE) / size)
+}
+
+fn condensed<T: Scalar>(balance: &Balance<Lanes<T, ABREAST>>) -> [ContactStiffness<T>; ABREAST] {
+    let s = balance.loaded_stiffnesses();
+    let whole = balance.contact_stiffnesses();
+    let k = s.inner.product(inverse(whole.outer.plus(whole.inner))).product(s.outer);
+    let lane = |lanes: &Lanes<T, ABREAST>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
+    core::array::from_fn(|j| ContactStiffness {
+        radial: lane(&k.rr, j),
+        cross: T::HALF * (lane(&k.rz, j) + lane(&k.zr, j)),
+        axial: lane(&k.zz, j),
+    })
+}
+
+impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
+    /// Slopes of the force on the inner groove (radial, axial, tilting) along its radial and axial displacement.
+    fn tangents(&self, balance: &Balance<Lanes<T, ABREAST>>) -> [ContactTangent<T>; ABREAST] {
+        let slopes = balance.slopes::<I>();
+        // d(centre)/d(groove)
+        let follow = inverse(slopes.outer.plus(slopes.inner)).product(slopes.inner);
+        let (e_i, t_i) = (balance.inner.direction, balance.inner.direction.tangent());
+        let (e_o, t_o) = (balance.outer.direction, balance.outer.direction.tangent());
+        let loaded = balance.loaded_slopes();
+        // Slopes of loads and angles along the ball's centre (outer) and along groove less centre (inner).
+        let load_i = e_i.times(loaded.1);
+        let angle_i = t_i.times(balance.inner.inverse_length);
+        let load_o = e_o.times(loaded.0);
+        let angle_o = t_o.times(balance.outer.inverse_length);
+
+        let mut by_inner = Matrix::outer(e_i, load_i).plus(Matrix::outer(t_i.times(balance.inner.load), angle_i));
+        let zero = Lanes::all(T::ZERO);
+        let nothing = Plane { r: zero, z: zero };
+        let mut by_outer = Matrix::outer(nothing, nothing);
+        let (mut couple_inner, mut couple_outer) = (nothing, nothing);
+        if I::GYROSCOPIC {
+            let g = balance.inertia.friction;
+            // Slopes of the friction lambda_i M_g/D.
+            let friction_inner =
+                load_i.times(g.value * balance.share_by_inner).plus(angle_i.times(g.inner * balance.inner_share));
+            let friction_outer =
+                angle_o.times(g.outer * balance.inner_share).minus(load_o.times(g.value * balance.share_by_outer));
+            let friction = g.value * balance.inner_share;
+            by_inner =
+                by_inner.minus(Matrix::outer(t_i, friction_inner)).plus(Matrix::outer(e_i.times(friction), angle_i));
+            by_outer = by_outer.minus(Matrix::outer(t_i, friction_outer));
+            let lever = Lanes::all(self.seat.inner_couple);
+            couple_inner = friction_inner.times(lever);
+            couple_outer = friction_outer.times(lever);
+        }
+        // d/d(groove) = by_inner (1 - follow) + by_outer follow
+        let force = by_inner.plus(by_outer.minus(by_inner).product(follow));
+        let between = couple_outer.minus(couple_inner);
+        let couple = couple_inner.plus(Plane {
+            r: between.r * follow.rr + between.z * follow.zr,
+            z: between.r * follow.rz + between.z * follow.zz,
+        });
+        let lane = |lanes: &Lanes<T, ABREAST>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
+        core::array::from_fn(|j| ContactTangent {
+            radial: [lane(&force.rr, j), lane(&force.rz, j)],
+            axial: [lane(&force.zr, j), lane(&force.zz, j)],
+            tilting: [lane(&force.zr, j) + lane(&couple.r, j), lane(&force.zz, j) + lane(&couple.z, j)],
+        })
+    }
+}

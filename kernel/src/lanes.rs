@@ -1,0 +1,169 @@
+//! `K` numbers side by side: the arithmetic of several elements at once, each lane as if it were alone.
+//!
+//! One ball's equilibrium is a long chain of dependent operations; on a desktop processor several of them side by side
+//! keep its units busy. With one lane it is the plain number.
+
+use crate::math::Math;
+use crate::scalar::Scalar;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+#[derive(Debug, Clone, Copy)]
+pub struct Lanes<T, const K: usize>(pub [T; K]);
+
+/// Which lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct Mask<const K: usize>(pub [bool; K]);
+
+impl<T: Scalar, const K: usize> Lanes<T, K> {
+    #[inline(always)]
+    pub fn all(x: T) -> Self {
+        Self([x; K])
+    }
+    #[inline(always)]
+    pub fn constant(x: f64) -> Self {
+        Self([T::from_f64(x); K])
+    }
+    #[inline(always)]
+    fn each(mut self, f: impl Fn(T) -> T) -> Self {
+        for x in &mut self.0 {
+            *x = f(*x);
+        }
+        self
+    }
+    #[inline(always)]
+    fn with(mut self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+        for (x, y) in self.0.iter_mut().zip(other.0) {
+            *x = f(*x, y);
+        }
+        self
+    }
+    #[inline(always)]
+    fn compare(self, other: Self, f: impl Fn(T, T) -> bool) -> Mask<K> {
+        let mut mask = [false; K];
+        for ((m, x), y) in mask.iter_mut().zip(self.0).zip(other.0) {
+            *m = f(x, y);
+        }
+        Mask(mask)
+    }
+    #[inline(always)]
+    pub fn sqrt<M: Math<T>>(self) -> Self {
+        Self(M::sqrt_each(self.0))
+    }
+    #[inline(always)]
+    pub fn power<M: Math<T>>(self, n: T) -> Self {
+        self.each(|x| M::powf(x, n))
+    }
+    #[inline(always)]
+    pub fn two_thirds_roughly(self) -> Self {
+        self.each(T::two_thirds_roughly)
+    }
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        self.each(T::abs)
+    }
+    /// `(x + |x|)/2`
+    #[inline(always)]
+    pub fn positive(self) -> Self {
+        self.each(|x| T::HALF * x.twice_positive())
+    }
+    #[inline(always)]
+    pub fn negated_by(self, sign: Self) -> Self {
+        self.with(sign, T::negated_by)
+    }
+    #[inline(always)]
+    pub fn below(self, other: Self) -> Mask<K> {
+        self.compare(other, |x, y| x < y)
+    }
+    #[inline(always)]
+    pub fn smaller(self, other: Self) -> Self {
+        Self::choose(self.below(other), self, other)
+    }
+    #[inline(always)]
+    pub fn larger(self, other: Self) -> Self {
+        Self::choose(other.below(self), self, other)
+    }
+    #[inline(always)]
+    pub fn choose(first: Mask<K>, a: Self, b: Self) -> Self {
+        let mut chosen = a;
+        for (((x, m), a), b) in chosen.0.iter_mut().zip(first.0).zip(a.0).zip(b.0) {
+            *x = T::choose(m, a, b);
+        }
+        chosen
+    }
+}
+
+impl<const K: usize> Mask<K> {
+    #[inline(always)]
+    pub fn and(mut self, other: Self) -> Self {
+        for (x, y) in self.0.iter_mut().zip(other.0) {
+            *x &= y;
+        }
+        self
+    }
+    #[inline(always)]
+    pub fn or(mut self, other: Self) -> Self {
+        for (x, y) in self.0.iter_mut().zip(other.0) {
+            *x |= y;
+        }
+        self
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl<T: Scalar, const K: usize> $trait for Lanes<T, K> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.with(other, |x, y| x $op y)
+            }
+        }
+    };
+}
+operator!(Add, add, +);
+operator!(Sub, sub, -);
+operator!(Mul, mul, *);
+operator!(Div, div, /);
+
+impl<T: Scalar, const K: usize> Neg for Lanes<T, K> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.each(|x| -x)
+    }
+}
+
+/// Two components in a ball's contact plane: radial outward and axial.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane<L> {
+    pub r: L,
+    pub z: L,
+}
+
+impl<T: Scalar, const K: usize> Plane<Lanes<T, K>> {
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> Lanes<T, K> {
+        self.r * other.r + self.z * other.z
+    }
+    #[inline(always)]
+    pub fn times(self, factor: Lanes<T, K>) -> Self {
+        Self { r: self.r * factor, z: self.z * factor }
+    }
+    #[inline(always)]
+    pub fn plus(self, other: Self) -> Self {
+        Self { r: self.r + other.r, z: self.z + other.z }
+    }
+    #[inline(always)]
+    pub fn minus(self, other: Self) -> Self {
+        Self { r: self.r - other.r, z: self.z - other.z }
+    }
+    /// Turned by a quarter: from a contact's direction to its tangent.
+    #[inline(always)]
+    pub fn tangent(self) -> Self {
+        Self { r: -self.z, z: self.r }
+    }
+    #[inline(always)]
+    pub fn choose(first: Mask<K>, a: Self, b: Self) -> Self {
+        Self { r: Lanes::choose(first, a.r, b.r), z: Lanes::choose(first, a.z, b.z) }
+    }
+}

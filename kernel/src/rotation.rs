@@ -1,0 +1,58 @@
+//! How far the parts of a bearing have turned, and how fast its rings turn.
+
+use crate::scalar::Scalar;
+use crate::turn::Turn;
+
+/// Angles and speeds of a bearing's parts at one instant.
+///
+/// Every rung needs the cage's angle, which says where the elements stand; waviness and local damage also need the
+/// angles of the surfaces they sit on, inertia and film the speeds. From a [`Turn`] it is a bearing at rest with its cage
+/// at that angle.
+///
+/// ```
+/// use ballrace::{Rotation, Turn};
+/// let quarter = Turn::from_revolutions(0.25);
+/// let standing = Rotation::<f64>::from(quarter);
+/// assert_eq!(standing.cage, quarter);
+/// let turning = Rotation { inner_speed: 100.0, inner: quarter, ..standing };
+/// assert_eq!(turning.reversed().inner_speed, -100.0);
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Rotation<T> {
+    /// Cage, and so the elements' places.
+    pub cage: Turn,
+    /// Inner ring.
+    pub inner: Turn,
+    /// Outer ring.
+    pub outer: Turn,
+    /// Balls about their own axes: 0 where their angle 0 touches the inner race.
+    pub ball: Turn,
+    /// w_i, inner ring about +Z, rad/s.
+    pub inner_speed: T,
+    /// w_o, outer ring about +Z, rad/s.
+    pub outer_speed: T,
+}
+
+impl<T: Scalar> From<Turn> for Rotation<T> {
+    #[inline(always)]
+    fn from(cage: Turn) -> Self {
+        Self { cage, ..Self::default() }
+    }
+}
+
+impl<T: Scalar> Rotation<T> {
+    /// Seen from the frame turned by pi about X, in which everything turns the other way.
+    #[must_use]
+    #[inline(always)]
+    pub fn reversed(self) -> Self {
+        Self {
+            cage: self.cage.reversed(),
+            inner: self.inner.reversed(),
+            outer: self.outer.reversed(),
+            ball: self.ball.reversed(),
+            inner_speed: -self.inner_speed,
+            outer_speed: -self.outer_speed,
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! How a bearing's parts follow the shaft.
+
+use super::Drive;
+use crate::rotation::Rotation;
+use crate::scalar::Scalar;
+use crate::turn::{Arc, Ratio, Turn};
+
+/// Speeds of a bearing's parts over the shaft's, which turns the inner ring.
+#[derive(Debug, Clone, Copy)]
+pub struct Gear<T> {
+    cage: Ratio,
+    ball: Option<Ratio>,
+    outer: Option<(Ratio, T)>,
+}
+
+/// Angles of the parts of a bearing that do not turn with the shaft.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PartAngles {
+    /// Of the cage.
+    pub cage: Turn,
+    /// Of the balls about their own axes; stays where nobody asks for it.
+    pub ball: Turn,
+    /// Of the outer ring.
+    pub outer: Turn,
+}
+
+impl From<Turn> for PartAngles {
+    fn from(cage: Turn) -> Self {
+        Self { cage, ..Self::default() }
+    }
+}
+
+impl<T: Scalar> Gear<T> {
+    /// A cage that turns `cage` times as fast as the shaft, the outer ring at rest.
+    #[must_use]
+    pub fn new(cage: f64) -> Self {
+        Self { cage: Ratio::new(cage), ball: None, outer: None }
+    }
+
+    /// Follows the balls' spin too, `ball` times the shaft's speed: for waviness and damage of balls.
+    #[must_use]
+    pub fn with_ball(self, ball: f64) -> Self {
+        Self { ball: Some(Ratio::new(ball)), ..self }
+    }
+
+    /// An outer ring that turns `outer` times as fast as the shaft.
+    #[must_use]
+    pub fn with_outer(self, outer: f64) -> Self {
+        Self { outer: Some((Ratio::new(outer), T::from_f64(outer))), ..self }
+    }
+
+    /// The angles after the shaft has gone `arc` further.
+    #[must_use]
+    pub fn after(&self, angles: PartAngles, arc: Arc) -> PartAngles {
+        PartAngles {
+            cage: angles.cage.advanced(self.cage.of(arc)),
+            ball: self.ball.map_or(angles.ball, |ball| angles.ball.advanced(ball.of(arc))),
+            outer: self.outer.map_or(angles.outer, |(outer, _)| angles.outer.advanced(outer.of(arc))),
+        }
+    }
+
+    /// What a bearing sees whose parts stand at `angles`.
+    #[must_use]
+    pub fn rotation(&self, angles: PartAngles, drive: &Drive<T>) -> Rotation<T> {
+        Rotation {
+            cage: angles.cage,
+            inner: drive.angle,
+            outer: angles.outer,
+            ball: angles.ball,
+            inner_speed: drive.speed,
+            outer_speed: self.outer.map_or(T::ZERO, |(_, ratio)| ratio * drive.speed),
+        }
+    }
+}
+
+impl PartAngles {
+    pub(super) fn choose(first: bool, a: Self, b: Self) -> Self {
+        Self {
+            cage: Turn::choose(first, a.cage, b.cage),
+            ball: Turn::choose(first, a.ball, b.ball),
+            outer: Turn::choose(first, a.outer, b.outer),
+        }
+    }
+}

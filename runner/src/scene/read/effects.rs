@@ -1,0 +1,88 @@
+//! What the quasi-static and tabulated models take into account, and how a bearing is preloaded.
+
+use super::super::table::{Node, Read, Table};
+use super::super::units::Dimension;
+use super::super::{Effects, FrictionSharing, Lubricant, Model, Preload, RaceControl};
+
+/// The values of `effects`.
+#[derive(Clone, Copy, PartialEq)]
+enum Effect {
+    Centrifugal,
+    Gyroscopic,
+    Film,
+}
+
+/// `effects`, `race_control`, `friction_sharing` and `lubricant`.
+pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
+    if !matches!(model, Model::QuasiStatic | Model::Tabulated) {
+        let keys = ["effects", "race_control", "friction_sharing", "lubricant"];
+        return match keys.iter().find_map(|key| table.optional(key)) {
+            Some(node) => Err(node.refuse("only with model = \"quasi-static\" or \"tabulated\"; remove it")),
+            None => Ok(Effects::default()),
+        };
+    }
+    let named = table.read("effects", effects)?.unwrap_or_default();
+    let has = |effect| named.contains(&effect);
+    let control =
+        table.read("race_control", |n| n.choice(&[("outer", RaceControl::Outer), ("inner", RaceControl::Inner)]));
+    let sharing = [
+        ("outer", FrictionSharing::Outer),
+        ("equal", FrictionSharing::Equal),
+        ("proportional", FrictionSharing::Proportional),
+    ];
+    Ok(Effects {
+        centrifugal: has(Effect::Centrifugal),
+        gyroscopic: has(Effect::Gyroscopic),
+        film: film(table, has(Effect::Film))?,
+        control: control?.unwrap_or_default(),
+        sharing: table.read("friction_sharing", |n| n.choice(&sharing))?.unwrap_or_default(),
+    })
+}
+
+fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
+    let wants = "a list of \"centrifugal\", \"gyroscopic\" and \"film\"";
+    let here = [("centrifugal", Effect::Centrifugal), ("gyroscopic", Effect::Gyroscopic), ("film", Effect::Film)];
+    let mut effects = Vec::new();
+    for entry in node.list(wants)? {
+        let effect = entry.choice(&here)?;
+        if effects.contains(&effect) {
+            return Err(entry.refuse("each effect once"));
+        }
+        effects.push(effect);
+    }
+    Ok(effects)
+}
+
+/// The oil is checked wherever it is given, and needed where the film is named.
+fn film(table: &Table<'_>, named: bool) -> Read<Option<Lubricant>> {
+    let oil = table.read("lubricant", |node| {
+        let table = node.table(&["viscosity", "pressure_viscosity"])?;
+        Ok(Lubricant {
+            viscosity: table.positive("viscosity", Dimension::Viscosity)?,
+            pressure_viscosity: table.positive("pressure_viscosity", Dimension::PressureViscosity)?,
+        })
+    })?;
+    let wants = "{ viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }, the oil of the film";
+    match (named, oil) {
+        (true, None) => Err(table.missing("lubricant", wants)),
+        (true, oil) => Ok(oil),
+        (false, _) => Ok(None),
+    }
+}
+
+/// `preload`, for the models that carry thrust by a contact angle.
+pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> {
+    let Some(node) = table.optional("preload") else {
+        return Ok(None);
+    };
+    if matches!(model, Model::Linear | Model::Lumped) {
+        let wants = "only with model = \"angular\", \"quasi-static\" or \"tabulated\" (lumped: a negative radial_play); remove it";
+        return Err(node.refuse(wants));
+    }
+    let inner = node.table(&["force", "displacement"])?;
+    match (inner.optional("force"), inner.optional("displacement")) {
+        (Some(_), None) => Ok(Some(Preload::Force(inner.positive("force", Dimension::Force)?))),
+        (None, Some(_)) => Ok(Some(Preload::Displacement(inner.positive("displacement", Dimension::Length)?))),
+        _ => Err(node.refuse("exactly one of { force = \"500 N\" } and { displacement = \"10 um\" }")),
+    }
+}

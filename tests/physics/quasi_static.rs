@@ -1,0 +1,457 @@
+//! MODEL F12's identities, the limits that recover the cheaper rung, and the tables of F4, F4b and F7.
+
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::bearing::quasi_static::film::{Lubricant, central_film};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, Massless, RaceControl};
+use ballrace::bearing::quasi_static::{BallPlace, BallState, QuasiStatic};
+use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
+use ballrace::bearing::{Bearing, Mirrored, Place, Places, even_places};
+use ballrace::contact::hertz::Race;
+use ballrace::{Displacement, Exact, Rotation, Stiffness, Turn, Wrench};
+use ballrace_tests::bearings::acbb_s_geometry;
+use ballrace_tests::compare::{relative, relative_to_largest};
+use std::f64::consts::TAU;
+
+type Static = QuasiStatic<f64, Exact, Places<f64, 14>>;
+
+const STEEL: InertiaParams = InertiaParams {
+    density: 7800.0,
+    centrifugal: true,
+    gyroscopic: true,
+    control: RaceControl::Outer,
+    sharing: FrictionSharing::Outer,
+};
+const OIL: Lubricant = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
+/// MODEL F4b's displacement.
+const U: Displacement<f64> = Displacement { u: 2e-6, v: 1e-6, w: 10e-6, thu: 1e-4, thv: -5e-5 };
+
+fn plain(first: Turn) -> Static {
+    QuasiStatic::try_new(acbb_s_geometry(), even_places(first), Zero::Touching).unwrap()
+}
+
+/// With everything: inertia and film.
+fn full(params: InertiaParams) -> impl Bearing<f64> {
+    plain(Turn::ZERO).with_inertia(&params).unwrap().with_film(OIL).unwrap()
+}
+
+fn inner_at(rpm: f64) -> Rotation<f64> {
+    Rotation { inner_speed: rpm * TAU / 60.0, ..Rotation::default() }
+}
+
+fn force(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &Rotation<f64>) -> [f64; 5] {
+    bearing.reaction(u, at).wrench.to_array()
+}
+
+#[test]
+fn at_rest_it_is_the_angular_rung() {
+    let angular =
+        Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), even_places::<f64, 14>(Turn::ZERO), Zero::Touching);
+    let (angular, at) = (angular.unwrap(), Rotation::default());
+    let massive = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    for w in [-5e-6, 0.0, 1e-6, 10e-6, 40e-6] {
+        let u = Displacement { w, ..U };
+        let expected = force(&angular, &u, &at);
+        assert!(relative_to_largest(&force(&plain(Turn::ZERO), &u, &at), &expected) < 1e-9);
+        assert!(relative_to_largest(&force(&massive, &u, &at), &expected) < 1e-9, "inertia without motion");
+    }
+}
+
+#[test]
+fn each_effect_vanishes_with_its_cause() {
+    let at = inner_at(12_000.0);
+    let reference = force(&plain(Turn::ZERO), &U, &at);
+    let light = InertiaParams { density: 1e-6, ..STEEL };
+    let light = plain(Turn::ZERO).with_inertia(&light).unwrap();
+    assert!(relative_to_largest(&force(&light, &U, &at), &reference) < 1e-8, "massless balls");
+    let thin = plain(Turn::ZERO).with_film(Lubricant { viscosity: 1e-18, ..OIL }).unwrap();
+    assert!(relative_to_largest(&force(&thin, &U, &at), &reference) < 1e-8, "no viscosity");
+    let centrifugal = plain(Turn::ZERO).with_centrifugal(&STEEL).unwrap();
+    let none = InertiaParams { gyroscopic: false, ..STEEL };
+    let without_moment = plain(Turn::ZERO).with_inertia(&none).unwrap();
+    let difference = relative_to_largest(&force(&without_moment, &U, &at), &force(&centrifugal, &U, &at));
+    assert!(difference < 1e-12, "a value of 0 is as good as a type: {difference:e}");
+}
+
+#[test]
+fn forces_of_model_f4b() {
+    let golden = [-371.623234, -294.353050, -541.887840, -2.942087, 3.641872];
+    let found = force(&plain(Turn::ZERO), &U, &Rotation::default());
+    assert!(relative_to_largest(&found, &golden) < 2e-9, "{found:?}");
+    let golden = [-341.004578, -270.341895, -582.467316, -2.722291, 3.356094];
+    let found = force(&plain(Turn::ZERO).with_inertia(&STEEL).unwrap(), &U, &inner_at(12_000.0));
+    assert!(relative_to_largest(&found, &golden) < 2e-9, "{found:?}");
+}
+
+#[test]
+fn films_of_model_f4b() {
+    let geometry = acbb_s_geometry();
+    let contact = geometry.contact(Race::Inner);
+    let along = 0.5 * geometry.ball_diameter * (1.0 - geometry.gamma());
+    for (load, expected) in [(10.0, 0.474771e-6), (50.0, 0.426239e-6), (100.0, 0.406897e-6)] {
+        let film = central_film(OIL, contact.effective_modulus, along, contact.ellipticity, 2.9416766, load);
+        assert!(relative(film, expected) < 2e-6, "{film}");
+    }
+}
+
+#[test]
+fn a_film_is_that_of_its_own_load_and_speed() {
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap().with_film(OIL).unwrap().with_steps(20);
+    let (geometry, at) = (acbb_s_geometry(), inner_at(6_000.0));
+    let mut balls = [BallState::default(); 14];
+    bearing.ball_states(&U, &at, &mut balls);
+    let (gamma, ratio) = (geometry.gamma(), geometry.ball_diameter / geometry.pitch_diameter);
+    let (inner, outer) = (geometry.contact(Race::Inner), geometry.contact(Race::Outer));
+    for ball in balls.iter().filter(|ball| ball.inner_load > 0.0) {
+        let half = 0.5 * geometry.pitch_diameter;
+        let near = (at.inner_speed - ball.orbital_speed) * half * (1.0 - ratio * ball.inner_direction[0]);
+        let far = ball.orbital_speed * half * (1.0 + ratio * ball.outer_direction[0]);
+        let at_inner = 0.5 * geometry.ball_diameter * (1.0 - gamma);
+        let at_outer = 0.5 * geometry.ball_diameter * (1.0 + gamma);
+        let film = central_film(OIL, inner.effective_modulus, at_inner, inner.ellipticity, near, ball.inner_load);
+        assert!(relative(ball.inner_film, film) < 1e-9, "{} {film}", ball.inner_film);
+        let film = central_film(OIL, outer.effective_modulus, at_outer, outer.ellipticity, far, ball.outer_load);
+        assert!(relative(ball.outer_film, film) < 1e-9, "{} {film}", ball.outer_film);
+    }
+}
+
+#[test]
+fn waviness_pushes_by_the_rule_of_model_f7() {
+    let w0 = Displacement { w: 10e-6, ..Displacement::default() };
+    let with = |order| {
+        let wave =
+            Wave { part: Part::Inner, direction: Direction::Radial, order, amplitude: 0.1e-6, phase: Turn::ZERO };
+        let bearing = plain(Turn::ZERO).with_surface(Uneven::<Exact, _>::new([Feature::Wave(wave)]));
+        bearing.reaction(&w0, &Rotation::default()).wrench
+    };
+    let smooth = plain(Turn::ZERO).reaction(&w0, &Rotation::default()).wrench;
+    for order in [13, 15, 27, 29] {
+        // The largest over a turn of the wave against the balls; at angle 0 the force is along X.
+        let Wrench { fx, fy, fz, mx, my } = with(order);
+        assert!(relative(fx.hypot(fy), 15.17842) < 2e-3, "order {order}: {fx} {fy}");
+        assert!(relative(mx.hypot(my), 0.1468268) < 2e-3, "order {order}: {mx} {my}");
+        assert!((fz - smooth.fz).abs() < 0.1);
+    }
+    for order in [14, 28] {
+        assert!(((with(order).fz - smooth.fz).abs() - 15.19).abs() < 0.05, "order {order}");
+    }
+    for order in [2, 12, 16] {
+        let Wrench { fx, fy, .. } = with(order);
+        assert!(fx.hypot(fy) < 1e-6, "order {order}: silent");
+    }
+}
+
+#[test]
+fn waves_turn_with_their_own_surface() {
+    let bearing = |part, order| {
+        let wave =
+            Wave { part, direction: Direction::Axial, order, amplitude: 1e-6, phase: Turn::from_revolutions(0.1) };
+        plain(Turn::ZERO).with_surface(Uneven::<Exact, _>::new([Feature::Wave(wave)]))
+    };
+    let still = Rotation::default();
+    let quarter = Turn::from_revolutions(0.25);
+    let turned = |at: Rotation<f64>, part, order| force(&bearing(part, order), &U, &at);
+    // Twelve waves on a ring look alike after a quarter of a turn of it, and of nothing else.
+    let rings =
+        [(Part::Inner, Rotation { inner: quarter, ..still }), (Part::Outer, Rotation { outer: quarter, ..still })];
+    for (part, at) in rings {
+        assert!(relative_to_largest(&turned(at, part, 12), &turned(still, part, 12)) < 1e-12);
+        assert!(relative_to_largest(&turned(at, part, 13), &turned(still, part, 13)) > 1e-4);
+    }
+    let spun = Rotation { ball: quarter, ..still };
+    assert!(
+        relative_to_largest(&turned(spun, Part::Ball(Turn::ZERO), 4), &turned(still, Part::Ball(Turn::ZERO), 4))
+            < 1e-12
+    );
+    assert!(
+        relative_to_largest(&turned(spun, Part::Ball(Turn::ZERO), 2), &turned(still, Part::Ball(Turn::ZERO), 2)) > 1e-4
+    );
+}
+
+#[test]
+fn damage_is_met_on_its_own_surface() {
+    let with = |part| {
+        let spall = Spall::new(part, Turn::ZERO, 0.05, 3e-6, SpallShape::Rectangular);
+        plain(Turn::ZERO).with_surface(Uneven::<Exact, _>::new([Feature::Spall(spall)]))
+    };
+    let at = Rotation::default();
+    let sound = force(&plain(Turn::ZERO), &U, &at)[0];
+    for part in [Part::Inner, Part::Outer, Part::Ball(Turn::ZERO)] {
+        assert!((force(&with(part), &U, &at)[0] - sound).abs() > 1.0, "{part:?}");
+    }
+    // Turned away from every ball, the inner race's damage is not met; the ball meets its own twice a turn.
+    let between = Rotation { inner: Turn::from_revolutions(0.5 / 14.0), ..at };
+    assert_eq!(force(&with(Part::Inner), &U, &between)[0], sound);
+    let opposite = Rotation { ball: Turn::from_revolutions(0.5), ..at };
+    let sideways = Rotation { ball: Turn::from_revolutions(0.25), ..at };
+    assert!((force(&with(Part::Ball(Turn::ZERO)), &U, &opposite)[0] - sound).abs() > 1.0);
+    assert_eq!(force(&with(Part::Ball(Turn::ZERO)), &U, &sideways)[0], sound);
+}
+
+#[test]
+fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
+    let bearing = plain(Turn::ZERO).with_inertia(&InertiaParams { sharing: FrictionSharing::Equal, ..STEEL }).unwrap();
+    for rpm in [0.0, 12_000.0] {
+        let at = Rotation { cage: Turn::from_revolutions(0.3), ..inner_at(rpm) };
+        let both = bearing.ring_reactions(&U, &Displacement::default(), &at);
+        assert_eq!(both.inner.wrench, bearing.reaction(&U, &at).wrench);
+        let mut balls = [BallState::default(); 14];
+        bearing.ball_states(&U, &at, &mut balls);
+        let mut expected = [0.0; 2];
+        for (j, ball) in balls.iter().enumerate() {
+            let azimuth = TAU * (0.3 + j as f64 / 14.0);
+            expected[0] += ball.centrifugal * azimuth.cos();
+            expected[1] += ball.centrifugal * azimuth.sin();
+        }
+        let (f_in, f_out) = (both.inner.wrench, both.outer);
+        assert!((f_in.fx + f_out.fx - expected[0]).abs() < 1e-6, "{rpm} rpm");
+        assert!((f_in.fy + f_out.fy - expected[1]).abs() < 1e-6, "{rpm} rpm");
+        assert!((f_in.fz + f_out.fz).abs() < 1e-6, "{rpm} rpm");
+        if rpm == 0.0 {
+            // Moments about one point: the groove planes stand A sin(alpha_0) + w apart; lever arms of undeformed surfaces
+            // are off by 0.15 % (MODEL A.9).
+            let apart = acbb_s_geometry().groove_distance() * acbb_s_geometry().contact_angle.sin() + U.w;
+            assert!((f_in.mx - apart * f_in.fy + f_out.mx).abs() < 3e-3 * f_in.mx.abs());
+            assert!((f_in.my + apart * f_in.fx + f_out.my).abs() < 3e-3 * f_in.my.abs());
+        }
+    }
+}
+
+#[test]
+fn only_the_rings_displacement_against_each_other_counts() {
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let at = inner_at(9_000.0);
+    let common = Displacement { u: 1e-4, v: -2e-4, w: 5e-5, thu: 0.0, thv: 0.0 };
+    let apart = bearing.ring_reactions(&U, &Displacement::default(), &at);
+    let moved = bearing.ring_reactions(&U.plus(common), &common, &at);
+    assert!(relative_to_largest(&moved.inner.wrench.to_array(), &apart.inner.wrench.to_array()) < 1e-9);
+}
+
+#[test]
+fn turning_by_a_pitch_changes_nothing() {
+    let bearing = full(STEEL);
+    let at = inner_at(15_000.0);
+    let turned = Rotation { cage: Turn::from_revolutions(1.0 / 14.0), ..at };
+    assert!(relative_to_largest(&force(&bearing, &U, &turned), &force(&bearing, &U, &at)) < 1e-9);
+}
+
+#[test]
+fn reversing_the_rotation_changes_nothing() {
+    let bearing = full(InertiaParams { sharing: FrictionSharing::Proportional, ..STEEL });
+    let at = inner_at(15_000.0);
+    assert!(relative_to_largest(&force(&bearing, &U, &at.reversed()), &force(&bearing, &U, &at)) < 1e-9);
+}
+
+#[test]
+fn equal_relative_speed_with_the_outer_ring_turning_shares_the_spin_but_not_the_orbit() {
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let speed = 12_000.0 * TAU / 60.0;
+    let state = |at: Rotation<f64>| {
+        let mut balls = [BallState::default(); 14];
+        bearing.ball_states(&Displacement { w: 10e-6, ..Displacement::default() }, &at, &mut balls);
+        balls[0]
+    };
+    let inner = state(inner_at(12_000.0));
+    let outer = state(Rotation { outer_speed: -speed, ..Rotation::default() });
+    assert!((inner.orbital_speed - (speed + outer.orbital_speed)).abs() < 0.02 * speed, "the frames differ by w");
+    assert!(outer.centrifugal > 1.5 * inner.centrifugal, "the outer ring carries the balls along faster");
+}
+
+#[test]
+fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
+    let wave = Wave { part: Part::Outer, direction: Direction::Axial, order: 5, amplitude: 1e-6, phase: Turn(77) };
+    let forward = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let forward = forward.with_surface(Uneven::<Exact, _>::new([Feature::Wave(wave)]));
+    let places = even_places::<f64, 14>(Turn::ZERO).map(Place::mirrored);
+    let backward = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let backward = backward.with_inertia(&STEEL).unwrap();
+    let seen = Wave { amplitude: -wave.amplitude, ..wave };
+    let backward = Mirrored(backward.with_surface(Uneven::<Exact, _>::new([Feature::Wave(seen).mirrored()])));
+    let at = Rotation { cage: Turn::from_revolutions(0.21), outer: Turn(5), ..inner_at(12_000.0) };
+    // Reflected in its plane a bearing faces the other way; rotation about Z looks the same in that mirror.
+    let reflected = Displacement { w: -U.w, thu: -U.thu, thv: -U.thv, ..U };
+    let Wrench { fx, fy, fz, mx, my } = forward.reaction(&U, &at).wrench;
+    let found = backward.reaction(&reflected, &at).wrench.to_array();
+    let apart = relative_to_largest(&found, &[fx, fy, -fz, -mx, -my]);
+    assert!(apart < 1e-9, "{apart:e}");
+}
+
+#[test]
+fn no_work_around_a_closed_way_at_rest() {
+    let bearing = plain(Turn::ZERO).with_film(OIL).unwrap();
+    let at = Rotation::default();
+    let steps = 400;
+    let path = |t: f64| Displacement {
+        u: 4e-6 * (TAU * t).cos(),
+        v: 3e-6 * (TAU * t).sin(),
+        w: 10e-6 + 3e-6 * (2.0 * TAU * t).sin(),
+        thu: 1e-4 * (TAU * t).sin(),
+        thv: 1e-4 * (TAU * t).cos(),
+    };
+    let (mut work, mut size) = (0.0, 0.0);
+    for i in 0..steps {
+        let (a, b) = (path(f64::from(i) / f64::from(steps)), path(f64::from(i + 1) / f64::from(steps)));
+        let middle = path((f64::from(i) + 0.5) / f64::from(steps));
+        let part: f64 = force(&bearing, &middle, &at)
+            .iter()
+            .zip(b.to_array().iter().zip(a.to_array()))
+            .map(|(f, (b, a))| f * (b - a))
+            .sum();
+        work += part;
+        size += part.abs();
+    }
+    assert!(work.abs() < 1e-6 * size, "{work:e} of {size:e}");
+}
+
+/// Central differences with the balls settled to rounding.
+fn differences(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &Rotation<f64>) -> Stiffness<f64> {
+    let mut k = Stiffness::zeros();
+    for j in 0..5 {
+        let h = if j < 3 { 1e-9 } else { 1e-7 };
+        let moved = |sign: f64| {
+            let mut q = u.to_array();
+            q[j] += sign * h;
+            force(bearing, &Displacement::from_array(q), at)
+        };
+        let (up, down) = (moved(1.0), moved(-1.0));
+        for i in 0..5 {
+            k[(i, j)] = -(up[i] - down[i]) / (2.0 * h);
+        }
+    }
+    k
+}
+
+/// Largest difference, each entry over the geometric mean of its diagonals.
+fn apart(a: &Stiffness<f64>, b: &Stiffness<f64>) -> f64 {
+    let scale = |i: usize, j: usize| (b[(i, i)] * b[(j, j)]).abs().sqrt();
+    (0..5)
+        .flat_map(|i| (0..5).map(move |j| (i, j)))
+        .map(|(i, j)| (a[(i, j)] - b[(i, j)]).abs() / scale(i, j))
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn tangents_against_differences() {
+    println!("speed, sharing: implicit, condensed against differences; asymmetry");
+    for (rpm, allowed) in [(0.0, 1e-6), (6_000.0, 1e-6), (12_000.0, 1e-6), (24_000.0, 1e-6)] {
+        for (control, sharing) in [
+            (RaceControl::Outer, FrictionSharing::Outer),
+            (RaceControl::Outer, FrictionSharing::Proportional),
+            (RaceControl::Inner, FrictionSharing::Equal),
+        ] {
+            let params = InertiaParams { control, sharing, ..STEEL };
+            let bearing = plain(Turn::ZERO).with_inertia(&params).unwrap().with_steps(20);
+            let at = Rotation { cage: Turn::from_revolutions(0.13), ..inner_at(rpm) };
+            let (_, implicit) = bearing.reaction_and_stiffness(&U, &at);
+            let condensed = bearing.condensed_stiffness(&U, &at);
+            let numeric = differences(&bearing, &U, &at);
+            let (by_implicit, by_condensed) = (apart(&implicit, &numeric), apart(&condensed, &numeric));
+            let skew = apart(&implicit, &implicit.transpose());
+            println!("{rpm} rpm, {control:?} {sharing:?}: {by_implicit:.1e}, {by_condensed:.1e}; {skew:.1e}");
+            assert!(by_implicit < allowed, "{by_implicit:e}");
+            assert!(by_condensed < 1e-6_f64.max(0.05 * (rpm / 12_000.0).powi(2)), "{by_condensed:e}");
+        }
+    }
+}
+
+#[test]
+fn the_tangent_of_model_f4b() {
+    let (reaction, k) = plain(Turn::ZERO)
+        .reaction_and_stiffness(&Displacement { w: 10e-6, ..Displacement::default() }, &Rotation::default());
+    assert!(relative(reaction.wrench.fz, -499.9601) < 1e-6);
+    for (i, j, expected) in [
+        (0, 0, 1.517860e8),
+        (1, 1, 1.517860e8),
+        (2, 2, 8.053702e7),
+        (3, 3, 1.511936e4),
+        (0, 4, -1.468288e6),
+        (1, 3, 1.468288e6),
+    ] {
+        assert!(relative(k[(i, j)], expected) < 1e-6, "{i} {j}: {}", k[(i, j)]);
+    }
+}
+
+#[test]
+fn from_where_the_balls_were_few_steps_do() {
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let exact = bearing.with_steps(30);
+    let mut balls = [BallPlace::default(); 14];
+    let path = |i: u32| {
+        let t = f64::from(i) / 100.0;
+        let u = Displacement { u: 3e-6 * (TAU * t).cos(), v: 3e-6 * (TAU * t).sin(), ..U };
+        (u, Rotation { cage: Turn::from_revolutions(0.4 * t), ..inner_at(12_000.0) })
+    };
+    for steps in [2, 3, 4] {
+        let (u, at) = path(0);
+        bearing.place_balls(&u, &at, &mut balls);
+        let warm = bearing.with_steps(steps);
+        let mut worst = 0.0_f64;
+        for i in 1..200 {
+            let (u, at) = path(i);
+            let found = warm.reaction_from(&u, &at, &mut balls).wrench.to_array();
+            worst = worst.max(relative_to_largest(&found, &force(&exact, &u, &at)));
+        }
+        println!("warm, {steps} steps: {worst:.1e}");
+        assert!(worst < [1e-6, 1e-9, 1e-9][usize::from(steps) - 2]);
+    }
+}
+
+#[test]
+fn harris_218_of_model_f4() {
+    let material = ballrace::contact::hertz::Material { youngs_modulus: 206.91e9, poissons_ratio: 0.3 };
+    let geometry = BallBearingGeometry {
+        ball_diameter: 22.23e-3,
+        pitch_diameter: 125.26e-3,
+        inner_conformity: 11.63 / 22.23,
+        outer_conformity: 11.63 / 22.23,
+        contact_angle: 40_f64.to_radians(),
+        ball: material,
+        race: material,
+    };
+    let bearing = |params: &InertiaParams| {
+        let bearing =
+            QuasiStatic::<f64, Exact, _>::try_new(geometry, even_places::<f64, 16>(Turn::ZERO), Zero::Touching);
+        bearing.unwrap().with_inertia(params).unwrap()
+    };
+    // rpm, axial load N, displacement um, inner and outer load N, angles deg, F_c N, M_g N m, orbit over shaft.
+    let rows = [
+        (3000.0, 8900.0, 22.196, 822.496, 861.778, 42.5548, 39.3110, 52.473, -0.14780, 0.434983),
+        (6000.0, 8900.0, 12.331, 759.645, 922.342, 47.0753, 33.9771, 220.029, -0.54670, 0.445361),
+        (6000.0, 17800.0, 32.982, 1581.092, 1738.303, 44.7188, 38.0376, 213.239, -0.58417, 0.438436),
+        (10000.0, 17800.0, 14.852, 1453.232, 1921.601, 49.9546, 31.3329, 637.408, -1.47367, 0.454813),
+        (15000.0, 17800.0, -47.835, 1329.730, 2714.293, 56.7866, 19.2263, 1758.267, -2.57423, 0.503588),
+    ];
+    for (rpm, load, um, q_i, q_o, a_i, a_o, f_c, m_g, orbit) in rows {
+        let at = inner_at(rpm);
+        let u = Displacement { w: um * 1e-6, ..Displacement::default() };
+        let found = bearing(&STEEL).reaction(&u, &at).wrench.fz;
+        assert!(relative(found, -load) < 2e-4, "{rpm}: {found}");
+        let mut balls = [BallState::default(); 16];
+        bearing(&STEEL).ball_states(&u, &at, &mut balls);
+        let ball = balls[3];
+        let angle = |[c, s]: [f64; 2]| s.atan2(c).to_degrees();
+        let pairs = [
+            (ball.inner_load, q_i),
+            (ball.outer_load, q_o),
+            (angle(ball.inner_direction), a_i),
+            (angle(ball.outer_direction), a_o),
+            (ball.centrifugal, f_c),
+            (ball.gyroscopic_moment, m_g),
+            (ball.orbital_speed / at.inner_speed, orbit),
+        ];
+        for (found, expected) in pairs {
+            assert!(relative(found, expected) < 2e-4, "{rpm} rpm: {found} {expected}");
+        }
+    }
+    // Inner race control and equal sharing, 10 000 rpm.
+    let inner = InertiaParams { control: RaceControl::Inner, sharing: FrictionSharing::Equal, ..STEEL };
+    let u = Displacement { w: 24.884e-6, ..Displacement::default() };
+    let mut balls = [BallState::default(); 16];
+    bearing(&inner).ball_states(&u, &inner_at(10_000.0), &mut balls);
+    assert!(relative(balls[0].inner_load, 1408.773) < 1e-4 && relative(balls[0].gyroscopic_moment, -2.45803) < 1e-4);
+}
+
+#[test]
+fn an_effect_without_a_name_is_not_there() {
+    assert_eq!(size_of::<Massless>(), 0);
+}
