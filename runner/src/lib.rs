@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod equilibrium;
 pub mod fault;
 pub mod output;
 pub mod recording;

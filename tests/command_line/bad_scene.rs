@@ -187,24 +187,24 @@ fn two_bearings_of_one_name() {
 }
 
 #[test]
-fn more_defects_than_there_is_room_for() {
-    let one = "{ surface = \"outer\", azimuth = 0, half_width = 0.05, depth = \"3 um\", shape = \"half-sine\" }, ";
-    let swapped = format!("poissons_ratio = 0.3\ndefect = [{}]", one.repeat(9));
-    let text = scene(&[("poissons_ratio = 0.3", &swapped)]);
-    refused(text, &["scene.toml:29: bearing[0].defect: found 9 entries, allowed: up to 8"]);
+fn effects_where_no_model_has_them() {
+    let text = scene(&[("poissons_ratio = 0.3", "poissons_ratio = 0.3\neffects = [\"film\"]")]);
+    refused(
+        text,
+        &["scene.toml:29: bearing[0].effects: found [\"film\"], allowed: only with model = \"quasi-static\""],
+    );
+}
+
+#[test]
+fn film_without_oil() {
+    let text = scene(&[("model = \"angular\"", "model = \"quasi-static\"\neffects = [\"film\"]")]);
+    refused(text, &["bearing[0].lubricant: found no such key", "viscosity = \"0.04 Pa s\""]);
 }
 
 #[test]
 fn model_that_is_not_here() {
-    let wants = "bearing[0].model: model = \"quasi-static\" is part of the scene format, but this version does not";
-    refused_with("\"angular\"", "\"quasi-static\"", &[wants]);
-}
-
-#[test]
-fn outer_ring_that_turns_under_a_changing_shaft() {
-    let speed = "speed = { from = 0, to = \"3000 rpm\", over = \"1 s\" }\nouter_speed = \"100 rpm\"";
-    let text = scene(&[("speed = \"3000 rpm\"", speed)]);
-    refused(text, &["scene.toml: shaft.outer_speed: found ", "allowed: an outer speed only with one constant"]);
+    let wants = "bearing[0].model: model = \"dynamic\" is part of the scene format, but this version does not";
+    refused_with("\"angular\"", "\"dynamic\"", &[wants]);
 }
 
 /// `replay` refuses the demonstration's scene with these probes, naming `why`.

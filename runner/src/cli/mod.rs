@@ -1,5 +1,6 @@
 //! The commands, one file each, thin; and what a failure means for the exit code.
 
+pub mod equilibrium;
 pub mod force;
 pub mod replay;
 pub mod simulate;
@@ -31,6 +32,8 @@ pub enum Command {
     Replay(replay::Args),
     /// Forces of a bearing for given ring displacements.
     Force(force::Args),
+    /// Where the rotor or a bearing settles, and what each element then carries.
+    Equilibrium(equilibrium::Args),
     /// Time response of the scene's rotor.
     Simulate(simulate::Args),
 }
@@ -79,6 +82,7 @@ pub fn run(cli: &Cli) -> ExitCode {
     let done = match &cli.command {
         Command::Replay(args) => replay::run(args, cli.format),
         Command::Force(args) => force::run(args, cli.format),
+        Command::Equilibrium(args) => equilibrium::run(args, cli.format),
         Command::Simulate(args) => simulate::run(args, cli.format),
     };
     match done {

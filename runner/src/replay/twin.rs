@@ -31,6 +31,8 @@ pub struct Seat {
     pub first_azimuth: f64,
     /// How the elements go round.
     pub kinematics: Kinematics,
+    /// Displacement by preload, before anything moves.
+    pub offset: Displacement<f64>,
     /// The scene's model.
     pub bearing: AnyBearing<f64>,
     /// The model in words.
@@ -54,6 +56,8 @@ pub struct Plant {
     pub rest: Displacement<f64>,
     /// Tangent stiffness there, at the centre of mass.
     pub stiffness: Stiffness<f64>,
+    /// Part of the load that rest leaves unbalanced.
+    pub residual: f64,
     damping: Stiffness<f64>,
     /// Speed at which the rotor rests, rad/s.
     speed: f64,
@@ -90,7 +94,8 @@ impl Plant {
         let none = Stiffness::from_element(0.0);
         let speed = scene.shaft.speed.nominal();
         let rest = Displacement::default();
-        let mut plant = Self { rotor, seats, rest, stiffness: none, damping: none, speed, notes: vec![] };
+        let mut plant =
+            Self { rotor, seats, rest, stiffness: none, residual: 0.0, damping: none, speed, notes: vec![] };
         plant.settle()?;
         let linearised: Vec<bool> = scene
             .bearings
@@ -141,6 +146,7 @@ impl Plant {
         }
         self.rest = found.q;
         self.stiffness = found.stiffness;
+        self.residual = found.residual;
         Ok(())
     }
 
@@ -272,23 +278,29 @@ fn seat(scene: &Scene, bearing: &crate::scene::Bearing) -> Result<Seat> {
     if !moving {
         kinematics.cage_ratio = 0.0;
     }
+    let (seated, offset) = seated(scene, bearing, model)?;
     Ok(Seat {
         name: bearing.name.clone(),
         station: bearing.station,
         elements: bearing.elements,
         first_azimuth: bearing.first_element_azimuth,
         kinematics,
-        bearing: seated(scene, bearing, model)?,
+        offset,
+        bearing: seated,
         description: describe(bearing),
     })
 }
 
 /// The bearing with its preload: displaced as given, or until it answers with the force given.
-fn seated(scene: &Scene, bearing: &crate::scene::Bearing, model: Model) -> Result<AnyBearing<f64>> {
+fn seated(
+    scene: &Scene,
+    bearing: &crate::scene::Bearing,
+    model: Model,
+) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
     let plain = build::bearing::<f64, Exact>(bearing, model)?;
     match build::preload_offset(scene, bearing, &plain)? {
-        Some(offset) => Ok(build::preloaded(plain, offset)),
-        None => Ok(plain),
+        Some(offset) => Ok((build::preloaded(plain, offset), offset)),
+        None => Ok((plain, Displacement::default())),
     }
 }
 

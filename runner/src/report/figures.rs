@@ -1,6 +1,7 @@
 //! The pictures of the report, one SVG element each.
 
 mod axis;
+mod balance;
 mod canvas;
 mod force;
 mod line;
@@ -9,6 +10,8 @@ mod orbit;
 mod ring;
 mod spectrum;
 mod trace;
+
+pub(super) use balance::balance;
 
 use crate::replay::outcome::Outcome;
 use anyhow::Result;

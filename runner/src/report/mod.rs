@@ -1,6 +1,7 @@
 //! Reports of a replay: a page for people, text for the terminal, JSON and CSV for programs.
 
 mod csv;
+pub mod equilibrium;
 mod figures;
 #[cfg(test)]
 pub(crate) mod fixture;

@@ -18,7 +18,7 @@ use ballrace::bearing::{Arrangement, Bearing, InCage, Mirrored, Place, Reaction}
 use ballrace::contact::hertz::Material;
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::rotor::{
-    Equilibrium, Gear, Machine, Mounted, PartAngles, RigidRotor, RotorParams, Unbalance, equilibrium,
+    Equilibrium, Gear, Machine, Mounted, PartAngles, RigidRotor, RotorParams, Unbalance, equilibrium, solve,
 };
 use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
 use std::sync::Arc;
@@ -345,7 +345,7 @@ where
 {
     Ok(match scene.effects.film {
         None => solved(scene, built),
-        Some(super::Lubricant { viscosity, pressure_viscosity }) => {
+        Some(super::Lubricant { viscosity, pressure_viscosity, .. }) => {
             let oil = Lubricant { viscosity, pressure_viscosity };
             solved(scene, built.with_film(oil).map_err(|e| named(scene, e))?)
         }
@@ -481,7 +481,41 @@ pub fn loaded(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> 
     let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
     let seat = Mounted { bearing: bearing.clone(), station: 0.0, gear: Gear::new(0.0) };
     let machine = Machine { rotor, bearings: [seat] };
-    Ok(equilibrium(&machine, &[*at], Displacement::default()))
+    // From where the bearing just carries thrust Newton's method needs a few steps; where that does not lead to rest, the
+    // damped fall from zero displacement does.
+    let start = thrust_start(bearing, load, at);
+    let settled = (0..NEWTON_STEPS).try_fold(start, |u, _| newton_step(bearing, load, at, u));
+    let start = settled.unwrap_or_default();
+    let found = equilibrium(&machine, &[*at], start);
+    Ok(if found.residual > 1e-6 { equilibrium(&machine, &[*at], Displacement::default()) } else { found })
+}
+
+/// Newton steps tried first.
+const NEWTON_STEPS: usize = 12;
+/// Axial displacements tried for a start, m.
+const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
+
+/// The first axial displacement at which the bearing carries the axial load, if there is one.
+fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Displacement<f64> {
+    let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
+    let carries = |u: &Displacement<f64>| bearing.reaction(u, at).wrench.fz.abs() >= load[2].abs();
+    THRUST_STARTS.map(along).into_iter().find(carries).unwrap_or_default()
+}
+
+/// One step of Newton's method; nothing where it leads nowhere.
+fn newton_step(
+    bearing: &AnyBearing<f64>,
+    load: [f64; 5],
+    at: &Rotation<f64>,
+    u: Displacement<f64>,
+) -> Option<Displacement<f64>> {
+    let (reaction, k) = bearing.reaction_and_stiffness(&u, at);
+    let mut residual = reaction.wrench.to_array();
+    for (r, f) in residual.iter_mut().zip(load) {
+        *r += f;
+    }
+    let next = u.plus(Displacement::from_array(solve(k, residual)));
+    next.is_finite().then_some(next)
 }
 
 /// `bearing` displaced by `offset` before anything moves.

@@ -215,6 +215,8 @@ pub struct Lubricant {
     pub viscosity: f64,
     /// 1/Pa, above 0
     pub pressure_viscosity: f64,
+    /// m, rms of ball and race together, above 0: what the film ratio is taken over
+    pub roughness: Option<f64>,
 }
 
 /// `preload`, along the thrust direction that the bearing carries

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 const WIDTH: f64 = 620.0;
 /// Middle and radius of the polar picture.
-const MIDDLE: Point = (142.0, 184.0);
+pub(super) const MIDDLE: Point = (142.0, 184.0);
 const RADIUS: f64 = 112.0;
 /// Largest load, from the machine.
 const LARGEST: Stroke = Stroke(RESIDUAL, 1.2);
@@ -54,7 +54,7 @@ fn legend() -> [(Key, &'static str); 3] {
 }
 
 /// Circles of equal load and the four directions.
-fn rings(canvas: &mut Canvas, radial: &Axis) -> Result<()> {
+pub(super) fn rings(canvas: &mut Canvas, radial: &Axis) -> Result<()> {
     for (name, angle) in [("0\u{b0} (+X)", 0.0), ("90\u{b0} (+Y)", 90.0), ("180\u{b0}", 180.0), ("270\u{b0}", 270.0)] {
         let radians: f64 = f64::to_radians(angle);
         canvas.line(&[MIDDLE, around(radians, 1.0)], Stroke(GRID, 0.75))?;
@@ -96,7 +96,8 @@ fn unloaded(loads: &ElementLoads) -> f64 {
     diagonals.into_iter().min_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(FRAC_PI_2)
 }
 
-fn around(azimuth: f64, share: f64) -> Point {
+/// The point of the polar picture at an azimuth, `share` of the radius out.
+pub(super) fn around(azimuth: f64, share: f64) -> Point {
     (MIDDLE.0 + RADIUS * share * azimuth.cos(), MIDDLE.1 - RADIUS * share * azimuth.sin())
 }
 

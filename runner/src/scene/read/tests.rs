@@ -353,7 +353,7 @@ fn angular_bearing_out_of_range() {
     let angle = "contact_angle = \"15 deg\"";
     assert_refused(LEAST, &[
         ("name = \"A\"", "", &["bearing[0].name: found no such key"]),
-        ("model = \"angular\"", "", &["bearing[0].model", "\"linear\", \"lumped\" or \"angular\""]),
+        ("model = \"angular\"", "", &["bearing[0].model", "\"linear\", \"lumped\", \"angular\", \"quasi-static\" or \"tabulated\""]),
         ("model = \"angular\"", "model = \"anguler\"", &["found \"anguler\", allowed: \"linear\" or \"lumped\" or \"angular\""]),
         ("elements = 8", "elements = 2", &["found 2, allowed: a whole number from 3 to 64"]),
         ("elements = 8", "elements = 65", &["from 3 to 64"]),
@@ -461,7 +461,7 @@ fn linear_bearing() {
         (named, "", &["bearing[0]: found model = \"linear\" with none of", "exactly one of stiffness_matrix"]),
         (named, "linearise = \"angular\"\ntwo_spring = { static_load = 1 }", &["found 2 of stiffness_matrix, two_spring, linearise"]),
         (named, "linearise = \"linear\"", &["\"angular\" or \"lumped\""]),
-        (named, "linearise = \"quasi-static\"", &["linearise = \"quasi-static\" is part of the scene format"]),
+        (named, "linearise = \"dynamic\"", &["linearise = \"dynamic\" is part of the scene format"]),
         (named, "linearise = \"lumped\"", &["bearing[0].radial_play"]),
         (named, "two_spring = { static_load = 0 }", &["two_spring.static_load", "a force above 0"]),
         (named, "two_spring = 3", &["two_spring: found 3, allowed: a table with the keys static_load"]),
@@ -470,7 +470,7 @@ fn linear_bearing() {
         (named, "stiffness_matrix = [1, 2, 3, 4, 5]", &["stiffness_matrix[0]: found 1"]),
         (named, &matrix.replace("2 N/rad", "2 N/m"), &["stiffness_matrix[0][4]", "a force per angle"]),
         (named, "linearise = \"angular\"\nstiffness = 1", &["only with model = \"lumped\""]),
-        (named, "linearise = \"angular\"\ndefect = []", &["bearing[0].defect", "\"lumped\" or \"angular\""]),
+        (named, "linearise = \"angular\"\ndefect = []", &["bearing[0].defect", "only with a model that has rolling elements"]),
     ]);
     let sprung = with(&linear, named, "two_spring = { static_load = 500 }");
     assert_refused(&sprung, &[("elements = 8", "elements = 7", &["bearing[0].elements: found 7, allowed: 8 to 16 with two_spring"])]);
@@ -482,30 +482,24 @@ fn linear_bearing() {
 #[test]
 #[rustfmt::skip] // a table
 fn keys_of_models_that_are_not_here() {
-    let sentence = "is part of the scene format, but no model of this version uses it; remove it (models here: linear, lumped, angular)";
-    for (key, value) in [
-        ("effects", "[\"centrifugal\"]"),
-        ("race_control", "\"outer\""),
-        ("friction_sharing", "\"outer\""),
-        ("lubricant", "{ viscosity = \"0.04 Pa s\" }"),
-        ("waviness", "[]"),
-        ("preload", "{ force = \"500 N\" }"),
-        ("support", "{ mass = \"2 kg\" }"),
-    ] {
-        let shown = refusal(&format!("{LEAST}{key} = {value}\n"));
-        assert_eq!(shown, format!("machines/pump.toml:13: bearing[0].{key}: {key} {sentence}"));
-    }
-    for model in ["quasi-static", "tabulated", "dynamic"] {
-        let shown = refusal(&with(LEAST, "\"angular\"", &format!("\"{model}\"")));
-        assert!(shown.ends_with(&format!(
-            ":6: bearing[0].model: model = \"{model}\" is part of the scene format, but this version does not have that \
-             model (models here: linear, lumped, angular)"
-        )), "{shown}");
-    }
+    let here = "(models here: linear, lumped, angular, quasi-static, tabulated)";
+    let shown = refusal(&format!("{LEAST}support = {{ mass = \"2 kg\" }}\n"));
+    let sentence = "support is part of the scene format, but no model of this version uses it; remove it";
+    assert_eq!(shown, format!("machines/pump.toml:13: bearing[0].support: {sentence} {here}"));
+    let shown = refusal(&with(LEAST, "\"angular\"", "\"dynamic\""));
+    assert!(shown.ends_with(&format!(
+        ":6: bearing[0].model: model = \"dynamic\" is part of the scene format, but this version does not have that model {here}"
+    )), "{shown}");
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn surfaces() {
     let defect = "defect = [{ surface = \"outer\", azimuth = 0, half_width = 0.1, depth = 1e-6, shape = \"rectangular\" }]";
     assert_refused(&format!("{LEAST}{defect}\n"), &[
-        ("\"outer\"", "\"inner\"", &["defect[0].surface: surface = \"inner\"", sentence]),
-        ("\"outer\"", "\"outside\"", &["found \"outside\", allowed: \"outer\""]),
+        ("\"outer\"", "\"outer\", element = 1", &["defect[0].element: found 1, allowed: with surface = \"ball\""]),
+        ("\"outer\"", "\"ball\", element = 9", &["found 9, allowed: with surface = \"ball\" the damaged one, 1 to 8"]),
+        ("\"outer\"", "\"outside\"", &["found \"outside\", allowed: \"inner\" or \"outer\" or \"ball\""]),
         ("\"rectangular\"", "\"round\"", &["\"half-sine\" or \"rectangular\""]),
         ("half_width = 0.1", "half_width = 0", &["above 0 and at most 180 deg"]),
         ("half_width = 0.1", "half_width = 3.2", &["above 0 and at most 180 deg"]),
@@ -513,8 +507,34 @@ fn keys_of_models_that_are_not_here() {
         (", shape = \"rectangular\"", "", &["defect[0].shape: found no such key"]),
         ("depth = 1e-6", "deep = 1e-6", &["defect[0].deep: found an unknown key"]),
     ]);
-    let nine = defect.replace("[{", &format!("[{}{{", format!("{}, ", &defect[10..defect.len() - 1]).repeat(8)));
-    assert!(refusal(&format!("{LEAST}{nine}\n")).contains("bearing[0].defect: found 9 entries, allowed: up to 8"));
+    let wave = "waviness = [{ surface = \"inner\", order = 13, amplitude = \"0.1 um\" }]";
+    assert_refused(&format!("{LEAST}{wave}\n"), &[
+        ("order = 13", "order = 0", &["waviness[0].order: found 0, allowed: a whole number from 1 to 10000"]),
+        ("\"inner\"", "\"ball\", direction = \"axial\"", &["waviness[0].direction: found \"axial\", allowed: \"radial\""]),
+        ("\"0.1 um\"", "0", &["a length above 0"]),
+        ("order = 13, ", "", &["waviness[0].order: found no such key"]),
+    ]);
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn effects_and_preload() {
+    let text = with(LEAST, "\"angular\"", "\"quasi-static\"");
+    let full = format!("{text}effects = [\"centrifugal\", \"gyroscopic\", \"film\"]\nrace_control = \"inner\"\n\
+        friction_sharing = \"proportional\"\nlubricant = {{ viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }}\n\
+        preload = {{ force = \"500 N\" }}\n");
+    let bearing = &read(&full).unwrap().bearings[0];
+    assert!(bearing.effects.centrifugal && bearing.effects.gyroscopic && bearing.effects.film.is_some());
+    assert_eq!(bearing.preload, Some(super::super::Preload::Force(500.0)));
+    assert_refused(&full, &[
+        ("\"gyroscopic\"", "\"centrifugal\"", &["effects[1]: found \"centrifugal\", allowed: each effect once"]),
+        ("\"gyroscopic\"", "\"gyroskopic\"", &["effects[1]: found \"gyroskopic\""]),
+        ("race_control = \"inner\"", "race_control = \"both\"", &["\"outer\" or \"inner\""]),
+        ("viscosity = \"0.04 Pa s\"", "viscosity = \"0.04 Pa\"", &["lubricant.viscosity"]),
+        ("{ force = \"500 N\" }", "{ force = \"500 N\", displacement = 0 }", &["preload: found", "exactly one of"]),
+        ("{ force = \"500 N\" }", "{}", &["exactly one of"]),
+        ("\"quasi-static\"", "\"angular\"", &["only with model = \"quasi-static\" or \"tabulated\"; remove it"]),
+    ]);
 }
 
 #[test]

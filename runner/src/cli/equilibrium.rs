@@ -1,0 +1,95 @@
+//! `ballrace equilibrium`: where the rotor or a bearing settles.
+
+use super::{Format, keep_apart};
+use crate::equilibrium::{Element, settle};
+use crate::fault::scene_fault;
+use crate::output::AtomicFile;
+use crate::report;
+use crate::scene::read::read_file;
+use anyhow::{Result, bail};
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+
+/// What `equilibrium` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file.
+    scene: PathBuf,
+    /// One bearing alone, its outer ring held, instead of the rotor.
+    #[arg(long, value_name = "NAME")]
+    bearing: Option<String>,
+    /// Load on that bearing's inner ring: FX,FY,FZ,MX,MY in N and N m (a preload force of the scene is added).
+    #[arg(long, value_name = "LOAD", allow_hyphen_values = true)]
+    load: Option<String>,
+    /// HTML page with the load distribution and the contact angles.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What is wrong with scene or load.
+pub fn run(args: &Args, format: Format) -> Result<()> {
+    let scene = read_file(&args.scene)?;
+    if let Some(path) = &args.report {
+        keep_apart(&[("--report", path)], &[&args.scene])?;
+    }
+    let load = args.load.as_deref().map(load).transpose().map_err(|e| scene_fault(&e))?;
+    let settled = settle(&scene, args.bearing.as_deref(), load).map_err(|e| scene_fault(&e))?;
+    if let Some(path) = &args.report {
+        AtomicFile::write(path, &report::equilibrium::html(&settled)?)?;
+    }
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    match format {
+        Format::Json => {
+            serde_json::to_writer_pretty(&mut out, &settled)?;
+            writeln!(out)?;
+        }
+        Format::Csv => csv(&mut out, &settled.elements)?,
+        Format::Text => out.write_all(report::equilibrium::text(&settled).as_bytes())?,
+    }
+    if format == Format::Text
+        && let Some(path) = &args.report
+    {
+        writeln!(out, "Written: {}", path.display())?;
+    }
+    Ok(out.flush()?)
+}
+
+fn load(text: &str) -> Result<[f64; 5]> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match <[f64; 5]>::try_from(numbers) {
+        Ok(load) if load.iter().all(|x| x.is_finite()) && text.split(',').count() == 5 => Ok(load),
+        _ => {
+            bail!("--load: found {text:?}, allowed: five numbers FX,FY,FZ,MX,MY in N and N m, such as 0,-500,1000,0,0")
+        }
+    }
+}
+
+fn csv(out: &mut impl Write, elements: &[Element]) -> Result<()> {
+    writeln!(
+        out,
+        "bearing,number,azimuth,inner_load,outer_load,inner_angle,outer_angle,inner_pressure,outer_pressure,inner_film,outer_film,film_ratio"
+    )?;
+    let maybe = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.16e}"));
+    for e in elements {
+        writeln!(
+            out,
+            "{},{},{:.16e},{:.16e},{:.16e},{},{},{},{},{:.16e},{:.16e},{}",
+            e.bearing,
+            e.number,
+            e.azimuth,
+            e.inner_load,
+            e.outer_load,
+            maybe(e.inner_angle),
+            maybe(e.outer_angle),
+            maybe(e.inner_pressure),
+            maybe(e.outer_pressure),
+            e.inner_film,
+            e.outer_film,
+            maybe(e.film_ratio)
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,353 @@
+//! Where a bearing or a rotor settles, and what each element then carries.
+
+use crate::replay::twin::{Plant, Seat};
+use crate::scene::build::{self, AnyBearing};
+use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
+use anyhow::{Result, bail};
+use ballrace::bearing::Bearing;
+use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::bearing::quasi_static::BallState;
+use ballrace::bearing::quasi_static::film::{Lubricant as Oil, minimum_film};
+use ballrace::contact::hertz::Race;
+use ballrace::{Displacement, Exact, Rotation, Stiffness, Turn};
+use nalgebra::SMatrix;
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+/// All that `equilibrium` says, SI units.
+#[derive(Debug, Clone, Serialize)]
+pub struct Settled {
+    /// The scene's name.
+    pub scene: String,
+    /// Of the shaft, rad/s.
+    pub speed: f64,
+    /// Of the inner ring against the outer where one bearing stands alone, of the centre of mass on a rotor.
+    pub displacement: [f64; 5],
+    /// Of the bearings on the inner ring or the rotor, N and N m.
+    pub force: [f64; 5],
+    /// Tangent, at the same point.
+    pub stiffness: [[f64; 5]; 5],
+    /// Elements of all bearings.
+    pub elements: Vec<Element>,
+    /// Of the rotor at this speed, undamped; empty without a rotor.
+    pub natural_frequencies_hz: Vec<f64>,
+    /// Each bearing by itself.
+    pub bearings: Vec<BearingSettled>,
+    /// Largest part of the load that is left unbalanced.
+    pub residual: f64,
+    /// Time of the solution, s.
+    pub solving_seconds: f64,
+    /// What changes when an effect is switched off.
+    pub effects: Vec<EffectShare>,
+}
+
+/// One bearing in its place.
+#[derive(Debug, Clone, Serialize)]
+pub struct BearingSettled {
+    /// The scene's name.
+    pub name: String,
+    /// Inner ring against outer ring, with the preload.
+    pub displacement: [f64; 5],
+    /// On the inner ring.
+    pub force: [f64; 5],
+    /// Tangent.
+    pub stiffness: [[f64; 5]; 5],
+}
+
+/// One rolling element.
+#[derive(Debug, Clone, Serialize)]
+pub struct Element {
+    /// Whose.
+    pub bearing: String,
+    /// From 1.
+    pub number: usize,
+    /// rad from +X towards +Y.
+    pub azimuth: f64,
+    /// N.
+    pub inner_load: f64,
+    /// N.
+    pub outer_load: f64,
+    /// rad; not there for an element without contact angles.
+    pub inner_angle: Option<f64>,
+    /// rad.
+    pub outer_angle: Option<f64>,
+    /// Peak pressure, Pa.
+    pub inner_pressure: Option<f64>,
+    /// Peak pressure, Pa.
+    pub outer_pressure: Option<f64>,
+    /// Central film, m.
+    pub inner_film: f64,
+    /// Central film, m.
+    pub outer_film: f64,
+    /// Least film over roughness (lambda), the smaller of both contacts; where the scene says the roughness.
+    pub film_ratio: Option<f64>,
+    /// Centrifugal force, N.
+    pub centrifugal: f64,
+    /// Gyroscopic moment, N m.
+    pub gyroscopic_moment: f64,
+}
+
+/// How much one effect mattered: the equilibrium without it less that with it.
+#[derive(Debug, Clone, Serialize)]
+pub struct EffectShare {
+    /// `centrifugal`, `gyroscopic` or `film`.
+    pub effect: String,
+    /// Change of displacement, m and rad.
+    pub displacement: [f64; 5],
+    /// Relative change of the diagonal of the stiffness.
+    pub stiffness: [f64; 5],
+    /// Relative change of the largest load on an element.
+    pub largest_load: f64,
+}
+
+/// Settles the scene's rotor, or one of its bearings under a load (N, N m) on the inner ring.
+///
+/// # Errors
+/// Nothing to settle under, or what the scene does not say.
+pub fn settle(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
+    let alone = scene.rotor.is_none() || bearing.is_some() || load.is_some();
+    let settle = |scene: &Scene| if alone { settle_bearing(scene, bearing, load) } else { settle_rotor(scene) };
+    let mut settled = settle(scene)?;
+    for (effect, off) in EFFECTS {
+        let mut without = scene.clone();
+        let named = without.bearings.iter_mut().fold(false, |named, b| off(&mut b.effects) | named);
+        if named {
+            settled.effects.push(share(effect, &settled, &settle(&without)?));
+        }
+    }
+    Ok(settled)
+}
+
+/// Switches an effect off; whether it was on.
+type Switch = fn(&mut Effects) -> bool;
+
+const EFFECTS: [(&str, Switch); 3] = [
+    ("centrifugal", |e| std::mem::replace(&mut e.centrifugal, false)),
+    ("gyroscopic", |e| std::mem::replace(&mut e.gyroscopic, false)),
+    ("film", |e| e.film.take().is_some()),
+];
+
+fn share(effect: &str, with: &Settled, without: &Settled) -> EffectShare {
+    let largest = |s: &Settled| s.elements.iter().map(|e| e.inner_load.max(e.outer_load)).fold(0.0, f64::max);
+    EffectShare {
+        effect: effect.to_owned(),
+        displacement: std::array::from_fn(|i| without.displacement[i] - with.displacement[i]),
+        stiffness: std::array::from_fn(|i| without.stiffness[i][i] / with.stiffness[i][i] - 1.0),
+        largest_load: largest(without) / largest(with) - 1.0,
+    }
+}
+
+fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
+    let of = build::pick(scene, name)?;
+    let built = build::bearing::<f64, Exact>(of, of.model)?;
+    let at = resting(scene, of)?;
+    let begun = Instant::now();
+    let (u, residual) = match (load, of.preload) {
+        (None, Some(Preload::Displacement(_))) => (build::preload_offset(scene, of, &built)?.unwrap_or_default(), 0.0),
+        (load, preload) => {
+            let Some(total) = total_load(of, load, preload) else {
+                bail!(
+                    "{}: bearing {}: found neither a rotor, a preload nor --load, allowed: one of them, or there is nothing to settle under",
+                    scene.path.display(),
+                    of.name
+                );
+            };
+            let rest = build::loaded(&built, total, &at)?;
+            (rest.q, rest.residual)
+        }
+    };
+    let solving_seconds = begun.elapsed().as_secs_f64();
+    let one = bearing_settled(&of.name, &built, &u, &u, &at);
+    Ok(Settled {
+        scene: scene.name.clone(),
+        speed: at.inner_speed,
+        displacement: one.displacement,
+        force: one.force,
+        stiffness: one.stiffness,
+        elements: elements(of, &built, &u, &at)?,
+        natural_frequencies_hz: vec![],
+        bearings: vec![one],
+        residual,
+        solving_seconds,
+        effects: vec![],
+    })
+}
+
+/// The load given and the preload together; none where neither is.
+fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload: Option<Preload>) -> Option<[f64; 5]> {
+    let sign = if of.facing == crate::scene::Facing::MinusZ { -1.0 } else { 1.0 };
+    match (load, preload) {
+        (load, Some(Preload::Force(force))) => {
+            let mut total = load.unwrap_or_default();
+            total[2] += sign * force;
+            Some(total)
+        }
+        (load, _) => load,
+    }
+}
+
+fn resting(scene: &Scene, of: &BearingScene) -> Result<Rotation<f64>> {
+    let at = build::rotation_at(scene, of, 0.0)?;
+    Ok(Rotation { inner_speed: scene.shaft.speed.nominal(), ..at })
+}
+
+fn rows(k: &Stiffness<f64>) -> [[f64; 5]; 5] {
+    std::array::from_fn(|i| std::array::from_fn(|j| k[(i, j)]))
+}
+
+/// `bearing` answers to `moved`, its rings stand `total` apart.
+fn bearing_settled(
+    name: &str,
+    bearing: &AnyBearing<f64>,
+    moved: &Displacement<f64>,
+    total: &Displacement<f64>,
+    at: &Rotation<f64>,
+) -> BearingSettled {
+    let (reaction, k) = bearing.reaction_and_stiffness(moved, at);
+    BearingSettled {
+        name: name.to_owned(),
+        displacement: total.to_array(),
+        force: reaction.wrench.to_array(),
+        stiffness: rows(&k),
+    }
+}
+
+fn settle_rotor(scene: &Scene) -> Result<Settled> {
+    let begun = Instant::now();
+    let plant = Plant::try_new(scene)?;
+    let solving_seconds = begun.elapsed().as_secs_f64();
+    let speed = scene.shaft.speed.nominal();
+    let (mut bearings, mut all) = (Vec::new(), Vec::new());
+    let mut force = [0.0; 5];
+    for (of, seat) in scene.bearings.iter().zip(&plant.seats) {
+        let at = plant.resting(seat, Turn::ZERO);
+        let (moved, total) = places(&plant, seat);
+        let one = bearing_settled(&seat.name, &seat.bearing, &moved, &total, &at);
+        let wrench = ballrace::Wrench::from_array(one.force).from_station(seat.station).to_array();
+        for (sum, f) in force.iter_mut().zip(wrench) {
+            *sum += f;
+        }
+        let plain = build::bearing::<f64, Exact>(of, model_with_elements(of))?;
+        all.extend(elements(of, &plain, &total, &at)?);
+        bearings.push(one);
+    }
+    Ok(Settled {
+        scene: scene.name.clone(),
+        speed,
+        displacement: plant.rest.to_array(),
+        force,
+        stiffness: rows(&plant.stiffness),
+        elements: all,
+        natural_frequencies_hz: natural_frequencies(&plant, speed),
+        bearings,
+        residual: plant.residual,
+        solving_seconds,
+        effects: vec![],
+    })
+}
+
+/// Displacement of a bearing by the rotor's motion, and with its preload.
+fn places(plant: &Plant, seat: &Seat) -> (Displacement<f64>, Displacement<f64>) {
+    let moved = plant.rest.at_station(seat.station);
+    (moved, moved.plus(seat.offset))
+}
+
+/// A linear bearing has the elements of what it is linearised from.
+fn model_with_elements(of: &BearingScene) -> Model {
+    match &of.linear {
+        Some(crate::scene::Linear::Of(source)) => *source,
+        _ => of.model,
+    }
+}
+
+/// Undamped natural frequencies of `M q'' + w G q' + K q = 0`, Hz, lowest first; those of free directions are 0.
+#[must_use]
+pub fn natural_frequencies(plant: &Plant, speed: f64) -> Vec<f64> {
+    let rotor = plant.rotor();
+    let mass = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
+    let mut system = SMatrix::<f64, 10, 10>::zeros();
+    for i in 0..5 {
+        system[(i, i + 5)] = 1.0;
+        for j in 0..5 {
+            system[(i + 5, j)] = -plant.stiffness[(i, j)] / mass[i];
+        }
+    }
+    let gyroscopic = speed * rotor.polar_inertia / rotor.diametral_inertia;
+    system[(8, 9)] = -gyroscopic;
+    system[(9, 8)] = gyroscopic;
+    let mut frequencies: Vec<f64> =
+        system.complex_eigenvalues().iter().map(|value| value.im / TAU).filter(|f| *f > 0.0).collect();
+    frequencies.sort_by(f64::total_cmp);
+    frequencies
+}
+
+/// What each element of a bearing does with its rings `u` apart.
+fn elements(
+    of: &BearingScene,
+    bearing: &AnyBearing<f64>,
+    u: &Displacement<f64>,
+    at: &Rotation<f64>,
+) -> Result<Vec<Element>> {
+    let geometry = build::geometry(of)?;
+    let states = match of.model {
+        Model::QuasiStatic | Model::Tabulated | Model::Angular => {
+            Some(build::quasi_static::<f64, Exact>(of)?.ball_states(u, at))
+        }
+        _ => None,
+    };
+    let mut loads = vec![0.0; of.elements];
+    bearing.element_loads(u, at, &mut loads);
+    let pitch = TAU / of.elements as f64;
+    let element = |(j, &load): (usize, &f64)| {
+        let state = states.as_ref().and_then(|states| states.get(j));
+        let azimuth = (of.first_element_azimuth + at.cage.radians() + pitch * j as f64).rem_euclid(TAU);
+        element(of, (j + 1, azimuth), load, state, geometry.as_ref(), at)
+    };
+    Ok(loads.iter().enumerate().map(element).collect())
+}
+
+fn element(
+    of: &BearingScene,
+    (number, azimuth): (usize, f64),
+    load: f64,
+    state: Option<&BallState<f64>>,
+    geometry: Option<&BallBearingGeometry>,
+    at: &Rotation<f64>,
+) -> Element {
+    let (inner_load, outer_load) = state.map_or((load, load), |s| (s.inner_load, s.outer_load));
+    let pressure = |race, load: f64| geometry.map(|g| if load > 0.0 { g.contact(race).ellipse(load).2 } else { 0.0 });
+    let angle = |load: f64, [cos, sin]: [f64; 2]| (load > 0.0).then(|| sin.atan2(cos));
+    Element {
+        bearing: of.name.clone(),
+        number,
+        azimuth,
+        inner_load,
+        outer_load,
+        inner_angle: state.and_then(|s| angle(inner_load, s.inner_direction)),
+        outer_angle: state.and_then(|s| angle(outer_load, s.outer_direction)),
+        inner_pressure: pressure(Race::Inner, inner_load),
+        outer_pressure: pressure(Race::Outer, outer_load),
+        inner_film: state.map_or(0.0, |s| s.inner_film),
+        outer_film: state.map_or(0.0, |s| s.outer_film),
+        film_ratio: state.zip(geometry).zip(of.effects.film).and_then(|((s, g), oil)| film_ratio(s, g, oil, at)),
+        centrifugal: state.map_or(0.0, |s| s.centrifugal),
+        gyroscopic_moment: state.map_or(0.0, |s| s.gyroscopic_moment),
+    }
+}
+
+/// Least film over roughness of the worse contact (MODEL D10).
+fn film_ratio(s: &BallState<f64>, g: &BallBearingGeometry, lubricant: Lubricant, at: &Rotation<f64>) -> Option<f64> {
+    let roughness = lubricant.roughness?;
+    let oil = Oil { viscosity: lubricant.viscosity, pressure_viscosity: lubricant.pressure_viscosity };
+    let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
+    let half = 0.5 * g.pitch_diameter;
+    let near = (at.inner_speed - s.orbital_speed).abs() * half * (1.0 - ratio * s.inner_direction[0]);
+    let far = (s.orbital_speed - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);
+    let least = |race, along: f64, speed, load: f64| {
+        (load > 0.0).then(|| minimum_film(oil, &g.contact(race), along, speed, load))
+    };
+    let inner = least(Race::Inner, 0.5 * g.ball_diameter * (1.0 - gamma), near, s.inner_load);
+    let outer = least(Race::Outer, 0.5 * g.ball_diameter * (1.0 + gamma), far, s.outer_load);
+    [inner, outer].into_iter().flatten().reduce(f64::min).map(|h| h / roughness)
+}
