@@ -56,6 +56,10 @@ pub trait Scalar:
     /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.
     fn counts_of_radians(self) -> i64;
 
+    /// The whole part of `self`, 0 to `most`; NaN gives 0.
+    fn index(self, most: usize) -> usize;
+    /// A small whole number, exactly.
+    fn from_index(i: usize) -> Self;
     /// `x^(2/3)` to 0.2 %, `x >= 0`: a first guess of a Hertz deflection.
     fn two_thirds_roughly(self) -> Self;
 
@@ -126,6 +130,14 @@ impl Scalar for f32 {
         ((counts >> 32) as i32) as Self * SCALE
     }
     #[inline]
+    fn index(self, most: usize) -> usize {
+        (self as u32 as usize).min(most)
+    }
+    #[inline]
+    fn from_index(i: usize) -> Self {
+        i as u32 as Self
+    }
+    #[inline]
     fn two_thirds_roughly(self) -> Self {
         two_thirds_roughly(self)
     }
@@ -175,6 +187,14 @@ impl Scalar for f64 {
     #[inline]
     fn radians_of_counts(counts: i64) -> Self {
         counts as Self * (core::f64::consts::TAU / COUNTS_64)
+    }
+    #[inline]
+    fn index(self, most: usize) -> usize {
+        (self as u32 as usize).min(most)
+    }
+    #[inline]
+    fn from_index(i: usize) -> Self {
+        i as u32 as Self
     }
     #[inline]
     fn two_thirds_roughly(self) -> Self {

@@ -13,6 +13,7 @@ mod place;
 pub mod quasi_static;
 mod ring;
 pub mod surface;
+pub mod tabulated;
 
 pub use elements::InCage;
 pub use held::HeldWrench;

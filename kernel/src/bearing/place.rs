@@ -121,3 +121,36 @@ impl<T: Scalar, const H: usize> Arrangement<T> for Pairs<T, H> {
         &self.0
     }
 }
+
+/// Elements that are computed side by side: on the desktop as many as keep its units busy, on a microcontroller one.
+pub(super) const ABREAST: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
+
+/// Up to `K` places, the last repeated where there are fewer.
+pub(super) struct Group<T, const K: usize> {
+    pub places: [Place<T>; K],
+    count: usize,
+}
+
+impl<T, const K: usize> Group<T, K> {
+    /// Without the repetitions.
+    pub fn real(&self) -> &[Place<T>] {
+        self.places.get(..self.count).unwrap_or_default()
+    }
+}
+
+pub(super) fn groups<T: Scalar, const K: usize>(places: &impl Arrangement<T>) -> impl Iterator<Item = Group<T, K>> {
+    let mut each = places.each();
+    core::iter::from_fn(move || {
+        let first = each.next()?;
+        let mut group = Group { places: [first; K], count: 1 };
+        let mut last = first;
+        for place in group.places.iter_mut().skip(1) {
+            if let Some(next) = each.next() {
+                last = next;
+                group.count += 1;
+            }
+            *place = last;
+        }
+        Some(group)
+    })
+}

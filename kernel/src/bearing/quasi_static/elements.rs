@@ -6,7 +6,7 @@ use super::film::Film;
 use super::inertia::Inertia;
 use super::solver::Solution;
 use crate::bearing::Reaction;
-use crate::bearing::place::{Arrangement, Place};
+use crate::bearing::place::{ABREAST, Arrangement, Place, groups};
 use crate::bearing::ring::{Contact, Motion, WrenchSum};
 use crate::bearing::surface::{Smooth, Surface};
 use crate::frame::{Displacement, Wrench};
@@ -16,8 +16,8 @@ use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// Balls that are solved side by side: on the desktop as many as keep its units busy, on a microcontroller one.
-pub const ABREAST: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
+/// Steps that settle a ball for a table, where time does not count.
+const SAMPLING_STEPS: u8 = 40;
 
 /// Friction over load beyond which a contact would slide: the upper end of what oil under pressure gives.
 const TRACTION: f64 = 0.1;
@@ -71,29 +71,6 @@ pub struct RingReactions<T> {
     pub outer: Wrench<T>,
 }
 
-/// Up to `K` places, the last repeated where there are fewer.
-struct Group<T, const K: usize> {
-    places: [Place<T>; K],
-    count: usize,
-}
-
-fn groups<T: Scalar, const K: usize>(places: &impl Arrangement<T>) -> impl Iterator<Item = Group<T, K>> {
-    let mut each = places.each();
-    core::iter::from_fn(move || {
-        let first = each.next()?;
-        let mut group = Group { places: [first; K], count: 1 };
-        let mut last = first;
-        for place in group.places.iter_mut().skip(1) {
-            if let Some(next) = each.next() {
-                last = next;
-                group.count += 1;
-            }
-            *place = last;
-        }
-        Some(group)
-    })
-}
-
 impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> QuasiStatic<T, M, P, I, F, S> {
     /// The displacements, in the cage's frame, as what the groove centres go by.
     #[inline(always)]
@@ -134,7 +111,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
         for group in groups::<T, ABREAST>(&self.places) {
             let mut drive = self.drive(&group.places, rims, at);
             let solution = self.ball.solve(&mut drive, self.steps);
-            take(group.places.get(..group.count).unwrap_or_default(), &solution);
+            take(group.real(), &solution);
         }
     }
 
@@ -160,8 +137,43 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
             drive.rolling = self.ball.rolling(&drive, &start);
             let solution = self.ball.settle(&drive, &start, self.steps);
             scatter(&solution, balls);
-            take(group.places.get(..group.count).unwrap_or_default(), &solution);
+            take(group.real(), &solution);
         }
+    }
+
+    /// What one ball does with its groove centres `approach` further apart than where they just touch it, along a line at
+    /// the angle whose sine is `sin`: load of the inner contact (N), sine of the turn from that line to the contact, friction
+    /// at the inner contact (N); and whether it is settled. Round surfaces.
+    ///
+    /// Where the inner ring does not reach the ball the load is below 0, as it would go on if the contact could pull: what
+    /// the outer race and the centrifugal force need to move the ball aside by the gap. So it has no kink there.
+    pub(in crate::bearing) fn ball_at(&self, approach: T, sin: T, at: &Rotation<T>) -> ([T; 3], bool) {
+        let seat = &self.ball.seat;
+        let cos = M::sqrt(T::ONE - sin * sin);
+        let length = seat.distance + approach;
+        let all = Lanes::<T, 1>::all;
+        let zero = all(T::ZERO);
+        let mut drive = Drive {
+            grooves: Plane {
+                r: all(length * cos - seat.distance * seat.axis.r),
+                z: all(length * sin - seat.distance * seat.axis.z),
+            },
+            inner_bulge: zero,
+            outer_bulge: zero,
+            speeds: *at,
+            rolling: all(T::ONE),
+        };
+        let solution = self.ball.solve(&mut drive, SAMPLING_STEPS);
+        let balance = &solution.balance;
+        let direction = balance.inner.direction;
+        let turn = all(cos) * direction.z - all(sin) * direction.r;
+        let friction = balance.inner_share * balance.inertia.friction.value;
+        let aside = balance.outer.direction.tangent().dot(direction);
+        let per_metre = balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::constant(1e-3));
+        let gap = per_metre * (balance.inner.deflection - balance.inner.deflection.positive());
+        let load = balance.inner.load + gap;
+        let ([load], [turn], [friction], [settled]) = (load.0, turn.0, friction.0, solution.settled.0);
+        ([load, turn, friction], settled)
     }
 
     /// Calls `put` with the state of each ball in order.
@@ -277,8 +289,9 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     }
 }
 
+/// Forces and tilting as contacts, ball by ball.
 #[inline(always)]
-fn contacts<T: Scalar, const K: usize>(
+pub fn contacts<T: Scalar, const K: usize>(
     force: Plane<Lanes<T, K>>,
     tilting: Lanes<T, K>,
     load: Lanes<T, K>,

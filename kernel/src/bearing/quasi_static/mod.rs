@@ -12,7 +12,10 @@ pub mod inertia;
 mod solver;
 mod tangent;
 
+pub(in crate::bearing) use ball::Matrix;
+pub(in crate::bearing) use elements::contacts;
 pub use elements::{BallPlace, BallState, RingReactions};
+pub(in crate::bearing) use tangent::contact_tangents;
 
 use self::ball::{Ball, BallSeat};
 use self::film::{Dry, FilmConstants, HamrockDowson, Lubricant};
@@ -145,6 +148,36 @@ fn rolling_contact(geometry: &BallBearingGeometry, race: Race) -> (PointContact,
         Race::Outer => 0.5 * geometry.ball_diameter * (1.0 + gamma),
     };
     (geometry.contact(race), along)
+}
+
+/// Numbers of the bearing that its table needs besides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TableSeat<T> {
+    /// Lever of the friction couple over the arm.
+    pub couple: T,
+    /// A, m.
+    pub distance: T,
+    /// Direction of the line of groove centres where the rings just touch the ball: cosine and sine.
+    pub axis: [T; 2],
+    /// Outward displacement of the inner groove centres at zero displacement, m.
+    pub offset: T,
+    /// R_i, m.
+    pub arm: T,
+}
+
+impl<M, P, I, F, S> QuasiStatic<f64, M, P, I, F, S> {
+    /// What a table of this bearing needs besides its nodes, rounded once.
+    #[must_use]
+    pub fn table_seat<T: Scalar>(&self) -> TableSeat<T> {
+        let seat = &self.ball.seat;
+        TableSeat {
+            couple: T::from_f64(seat.inner_couple),
+            distance: T::from_f64(seat.distance),
+            axis: [T::from_f64(seat.axis.r), T::from_f64(seat.axis.z)],
+            offset: T::from_f64(self.offset),
+            arm: T::from_f64(self.inner_arm),
+        }
+    }
 }
 
 impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {

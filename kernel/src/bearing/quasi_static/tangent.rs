@@ -7,11 +7,11 @@
 
 use super::QuasiStatic;
 use super::ball::{Balance, Ball, Matrix};
-use super::elements::{ABREAST, InnerSum, Rims};
+use super::elements::{InnerSum, Rims};
 use super::film::Film;
 use super::inertia::Inertia;
 use crate::bearing::Reaction;
-use crate::bearing::place::Arrangement;
+use crate::bearing::place::{ABREAST, Arrangement};
 use crate::bearing::ring::{CageTurn, ContactStiffness, ContactTangent, StiffnessSum, TangentSum};
 use crate::bearing::surface::Surface;
 use crate::frame::Stiffness;
@@ -115,11 +115,20 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             r: between.r * follow.rr + between.z * follow.zr,
             z: between.r * follow.rz + between.z * follow.zz,
         });
-        let lane = |lanes: &Lanes<T, ABREAST>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
-        core::array::from_fn(|j| ContactTangent {
-            radial: [lane(&force.rr, j), lane(&force.rz, j)],
-            axial: [lane(&force.zr, j), lane(&force.zz, j)],
-            tilting: [lane(&force.zr, j) + lane(&couple.r, j), lane(&force.zz, j) + lane(&couple.z, j)],
-        })
+        contact_tangents(force, couple)
     }
+}
+
+/// Slopes of a force and of its couple, ball by ball.
+#[inline(always)]
+pub fn contact_tangents<T: Scalar, const K: usize>(
+    force: Matrix<Lanes<T, K>>,
+    couple: Plane<Lanes<T, K>>,
+) -> [ContactTangent<T>; K] {
+    let lane = |lanes: &Lanes<T, K>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
+    core::array::from_fn(|j| ContactTangent {
+        radial: [lane(&force.rr, j), lane(&force.rz, j)],
+        axial: [lane(&force.zr, j), lane(&force.zz, j)],
+        tilting: [lane(&force.zr, j) + lane(&couple.r, j), lane(&force.zz, j) + lane(&couple.z, j)],
+    })
 }
