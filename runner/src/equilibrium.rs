@@ -140,7 +140,7 @@ fn share(effect: &str, with: &Settled, without: &Settled) -> EffectShare {
 
 fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
     let of = build::pick(scene, name)?;
-    let built = build::bearing::<f64, Exact>(of, of.model)?;
+    let built = build::bearing::<f64, Exact>(scene, of, of.model)?;
     let at = resting(scene, of)?;
     let begun = Instant::now();
     let (u, residual) = match (load, of.preload) {
@@ -228,7 +228,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         for (sum, f) in force.iter_mut().zip(wrench) {
             *sum += f;
         }
-        let plain = build::bearing::<f64, Exact>(of, model_with_elements(of))?;
+        let plain = build::bearing::<f64, Exact>(scene, of, model_with_elements(of))?;
         all.extend(elements(of, &plain, &total, &at)?);
         bearings.push(one);
     }
@@ -342,8 +342,11 @@ fn film_ratio(s: &BallState<f64>, g: &BallBearingGeometry, lubricant: Lubricant,
     let oil = Oil { viscosity: lubricant.viscosity, pressure_viscosity: lubricant.pressure_viscosity };
     let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
     let half = 0.5 * g.pitch_diameter;
-    let near = (at.inner_speed - s.orbital_speed).abs() * half * (1.0 - ratio * s.inner_direction[0]);
-    let far = (s.orbital_speed - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);
+    // A massless ball has no speed of its own to tell: that of the ideal cage.
+    let ideal = at.outer_speed + 0.5 * (at.inner_speed - at.outer_speed) * (1.0 - gamma);
+    let orbital = if s.centrifugal > 0.0 { s.orbital_speed } else { ideal };
+    let near = (at.inner_speed - orbital).abs() * half * (1.0 - ratio * s.inner_direction[0]);
+    let far = (orbital - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);
     let least = |race, along: f64, speed, load: f64| {
         (load > 0.0).then(|| minimum_film(oil, &g.contact(race), along, speed, load))
     };

@@ -3,6 +3,7 @@
 //! Data flows one way: recording -> displacement at each bearing -> force -> twin -> residual -> report.
 #![forbid(unsafe_code)]
 
+pub mod bake;
 pub mod cli;
 pub mod equilibrium;
 pub mod fault;

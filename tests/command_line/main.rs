@@ -4,6 +4,8 @@ mod bad_command;
 mod bad_output;
 mod bad_recording;
 mod bad_scene;
+mod bake;
+mod equilibrium;
 mod force;
 mod long;
 mod replay;

@@ -2,6 +2,7 @@
 //!
 //! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the README's figures.
 
+mod baked;
 mod bits;
 mod counts;
 mod deny;

@@ -50,6 +50,12 @@ impl<T: Scalar> Place<T> {
         Self { cos: self.cos, sin: -self.sin, azimuth: self.azimuth.reversed() }
     }
 
+    /// Cosine and sine of the azimuth.
+    #[must_use]
+    pub fn direction(&self) -> (T, T) {
+        (self.cos, self.sin)
+    }
+
     /// Azimuth with the cage at angle 0.
     #[must_use]
     pub fn azimuth(&self) -> Turn {

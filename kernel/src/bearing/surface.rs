@@ -94,12 +94,19 @@ pub struct Spall<T> {
     shape: SpallShape,
 }
 
-impl<T: Scalar> Spall<T> {
+impl<T: Copy> Spall<T> {
     /// Centre (rad from the surface's own zero), half width (rad, above 0, at most pi), depth (m).
-    pub fn new(part: Part, centre: Turn, half_width: T, depth: T, shape: SpallShape) -> Self {
+    pub const fn new(part: Part, centre: Turn, half_width: T, depth: T, shape: SpallShape) -> Self {
         Self { part, centre, half_width, depth, shape }
     }
 
+    /// Surface, centre, half width, depth and section, as [`Spall::new`] takes them.
+    pub fn parts(&self) -> (Part, Turn, T, T, SpallShape) {
+        (self.part, self.centre, self.half_width, self.depth, self.shape)
+    }
+}
+
+impl<T: Scalar> Spall<T> {
     /// Depth at `angle` of the surface, m.
     pub fn depth_at(&self, angle: Turn) -> T {
         let away: T = angle.since(self.centre).radians();
@@ -131,7 +138,7 @@ pub struct Uneven<M, A> {
 
 impl<M, A> Uneven<M, A> {
     /// From the features.
-    pub fn new(features: A) -> Self {
+    pub const fn new(features: A) -> Self {
         Self { features, math: PhantomData }
     }
 }

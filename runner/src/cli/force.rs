@@ -139,7 +139,7 @@ fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model)
         let seat = plant.seats.iter().find(|s| s.name == bearing.name).context("the bearing has a seat")?;
         return Ok(build::spring_of(&seat.bearing));
     }
-    build::bearing::<T, M>(bearing, model).with_context(|| scene.path.display().to_string())
+    build::bearing::<T, M>(scene, bearing, model).with_context(|| scene.path.display().to_string())
 }
 
 fn words(status: Status) -> String {

@@ -1,5 +1,6 @@
 //! The commands, one file each, thin; and what a failure means for the exit code.
 
+pub mod bake;
 pub mod equilibrium;
 pub mod force;
 pub mod replay;
@@ -32,6 +33,8 @@ pub enum Command {
     Replay(replay::Args),
     /// Forces of a bearing for given ring displacements.
     Force(force::Args),
+    /// A scene's bearings as Rust constants for firmware.
+    Bake(bake::Args),
     /// Where the rotor or a bearing settles, and what each element then carries.
     Equilibrium(equilibrium::Args),
     /// Time response of the scene's rotor.
@@ -82,6 +85,7 @@ pub fn run(cli: &Cli) -> ExitCode {
     let done = match &cli.command {
         Command::Replay(args) => replay::run(args, cli.format),
         Command::Force(args) => force::run(args, cli.format),
+        Command::Bake(args) => bake::run(args, cli.format),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format),
         Command::Simulate(args) => simulate::run(args, cli.format),
     };

@@ -297,7 +297,7 @@ fn seated(
     bearing: &crate::scene::Bearing,
     model: Model,
 ) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
-    let plain = build::bearing::<f64, Exact>(bearing, model)?;
+    let plain = build::bearing::<f64, Exact>(scene, bearing, model)?;
     match build::preload_offset(scene, bearing, &plain)? {
         Some(offset) => Ok((build::preloaded(plain, offset), offset)),
         None => Ok((plain, Displacement::default())),

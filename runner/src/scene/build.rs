@@ -12,10 +12,11 @@ use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::lumped::{self, Combined};
 use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
-use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
+use ballrace::bearing::quasi_static::{BallState, QuasiStatic, TableSeat};
 use ballrace::bearing::surface::{self, Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
+use ballrace::bearing::tabulated::{Domain, Grid, Table, Tabulated, fill};
 use ballrace::bearing::{Arrangement, Bearing, InCage, Mirrored, Place, Reaction};
-use ballrace::contact::hertz::Material;
+use ballrace::contact::hertz::{Material, Race};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::rotor::{
     Equilibrium, Gear, Machine, Mounted, PartAngles, RigidRotor, RotorParams, Unbalance, equilibrium, solve,
@@ -150,16 +151,19 @@ fn named(bearing: &BearingScene, error: InvalidParameter) -> anyhow::Error {
 ///
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.
-pub fn bearing<T: Scalar, M: Math<T>>(scene: &BearingScene, model: Model) -> Result<AnyBearing<T>> {
+pub fn bearing<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<T>> {
     match model {
-        Model::Linear => linear(scene),
-        Model::Lumped => lumped::<T, M>(scene),
-        Model::Angular => angular::<T, M>(scene),
-        Model::QuasiStatic | Model::Tabulated => Ok(AnyBearing(Arc::new(Unsolved(quasi_static::<T, M>(scene)?)))),
+        Model::Linear => linear(of),
+        Model::Lumped => lumped::<T, M>(of),
+        Model::Angular => angular::<T, M>(of),
+        Model::QuasiStatic => Ok(AnyBearing(Arc::new(Unsolved(quasi_static::<T, M>(of)?)))),
+        Model::Tabulated => tabulated::<T, M>(scene, of),
     }
 }
 
-fn places<T: Scalar>(scene: &BearingScene) -> Vec<Place<T>> {
+/// Where the elements stand; mirrored where the bearing faces -Z.
+#[must_use]
+pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<Place<T>> {
     let first = Turn::from_radians(scene.first_element_azimuth);
     let place = |j| Place::even(first, j, scene.elements);
     let mirror = |p: Place<T>| if scene.facing == Facing::MinusZ { p.mirrored() } else { p };
@@ -172,7 +176,8 @@ fn facing<T: Scalar>(scene: &BearingScene, bearing: impl Bearing<T> + 'static) -
 }
 
 /// Waviness and damage as the kernel takes them; any number of either.
-fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
+#[must_use]
+pub fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
     let waves = scene.waviness.iter().map(|w| {
         Feature::Wave(Wave {
             part: part(scene, w.surface),
@@ -366,6 +371,114 @@ where
     } else {
         Arc::new(SolvedBy(built, scene.elements))
     }
+}
+
+/// A bearing's table: what it was made for, its shape, its nodes, and what it needs besides.
+pub struct MadeTable {
+    /// What it was made for.
+    pub domain: Domain,
+    /// Whether its speed is the outer ring's.
+    pub by_outer: bool,
+    /// Shape.
+    pub grid: Grid<f64>,
+    /// Nodes; the third number is the friction, where the inner contact has one.
+    pub nodes: Vec<[f64; 3]>,
+    /// The rest.
+    pub seat: TableSeat<f64>,
+    /// Whether the third number is needed.
+    pub friction: bool,
+}
+
+/// Samples the quasi-static model of one bearing.
+///
+/// # Errors
+/// As [`quasi_static`], and a table that cannot be made.
+pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
+    let (geometry, zero) = contact_geometry(of, "tabulated")?;
+    let (domain, by_outer) = domain(scene, of, &geometry)?;
+    let one = [Place::at(Turn::ZERO)];
+    let plain = QuasiStatic::<f64, ballrace::Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
+    let seat = plain.table_seat();
+    let grid = domain.grid().map_err(|e| named(of, e))?;
+    let mut nodes = vec![[0.0; 3]; grid.len()];
+    let oil = of.effects.film.map(|f| Lubricant { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity });
+    let massive = of.effects.centrifugal || of.effects.gyroscopic;
+    let inertia = inertia_params(of);
+    let open = match (massive, oil) {
+        (false, None) => fill(&plain, &domain, &grid, &mut nodes, || {}),
+        (false, Some(oil)) => fill(&plain.with_film(oil).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes, || {}),
+        (true, None) => {
+            fill(&plain.with_inertia(&inertia).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes, || {})
+        }
+        (true, Some(oil)) => {
+            let full = plain.with_inertia(&inertia).and_then(|b| b.with_film(oil)).map_err(|e| named(of, e))?;
+            fill(&full, &domain, &grid, &mut nodes, || {})
+        }
+    };
+    if open > 0 {
+        bail!(
+            "{}: bearing {}: table: found {open} of {} states in which a ball has no equilibrium, allowed: none; a smaller approach, angle or speed range in table = {{ ... }} leaves them out",
+            scene.path.display(),
+            of.name,
+            grid.len()
+        );
+    }
+    let friction = of.effects.gyroscopic && of.effects.sharing != super::FrictionSharing::Outer;
+    Ok(MadeTable { domain, by_outer, grid, nodes, seat, friction })
+}
+
+/// Peak pressure up to which a table goes unless the scene says otherwise, Pa: the static limit of ISO 76.
+const TABLE_PRESSURE: f64 = 4.2e9;
+/// Contact angles to either side of the free one, rad.
+const TABLE_ANGLES: f64 = 0.4;
+/// Speeds about a constant one.
+const TABLE_SPEEDS: [f64; 2] = [0.5, 1.5];
+
+/// What the table of a bearing is made for: what the scene says, else up to the static limit, about its angle and speed.
+fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(Domain, bool)> {
+    let given = of.table.unwrap_or_default();
+    let contact = geometry.contact(Race::Inner);
+    let (_, _, pressure) = contact.ellipse(1.0);
+    let load = (TABLE_PRESSURE / pressure).powi(3);
+    let most = (load / geometry.stiffness()).powf(2.0 / 3.0);
+    let free = if of.facing == Facing::Both { [0.0, geometry.contact_angle] } else { [geometry.contact_angle; 2] };
+    let widest = if of.facing == Facing::Both { free[1] + TABLE_ANGLES } else { TABLE_ANGLES };
+    let angles = [(free[0] - widest).max(-1.3), (free[1] + TABLE_ANGLES).min(1.3)];
+    let (inner, outer) = (scene.shaft.speed, scene.shaft.outer_speed);
+    let about = |speed: f64| TABLE_SPEEDS.map(|part| part * speed.abs());
+    let by_outer = inner == Speed::Constant(0.0) && outer != 0.0;
+    let speeds = match inner {
+        _ if by_outer => about(outer),
+        Speed::Constant(speed) => about(speed),
+        Speed::Ramp { from, to, .. } => [from.abs().min(to.abs()), from.abs().max(to.abs())],
+        Speed::Fluctuating { mean, fluctuation, .. } => [1.0 - fluctuation, 1.0 + fluctuation].map(|p| p * mean.abs()),
+    };
+    let turning = if by_outer { [0.0, 1.0] } else { [1.0, outer_ratio(scene)?] };
+    // Without inertia and film the speed does not matter: one layer.
+    let still = of.effects == super::Effects::default();
+    let mut intervals = given.intervals.unwrap_or([32, 16, 32]);
+    let speed = given.speed.unwrap_or(speeds);
+    if still && given.intervals.is_none() {
+        intervals[2] = 1;
+    }
+    let approach = given.approach.unwrap_or([-0.5 * most, most]);
+    Ok((Domain { approach, angle: given.angle.unwrap_or(angles), speed, turning, intervals }, by_outer))
+}
+
+fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>> {
+    let made = table(scene, of)?;
+    if made.friction { looked_up::<T, M, 3>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
+}
+
+fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &MadeTable) -> Result<AnyBearing<T>> {
+    let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node[i]));
+    let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
+    let table = Table::new(made.grid.rounded::<T>(), nodes);
+    let bearing = Tabulated::<T, M, _, _, F>::new(places(of), made.seat.rounded(), table, made.by_outer);
+    Ok(match uneven::<T, M>(of) {
+        None => facing(of, bearing),
+        Some(surface) => facing(of, bearing.with_surface(surface)),
+    })
 }
 
 /// Holds a solved bearing as any other.

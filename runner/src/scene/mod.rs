@@ -169,6 +169,21 @@ pub struct Bearing {
     pub effects: Effects,
     /// How the bearing is preloaded.
     pub preload: Option<Preload>,
+    /// What the table of the tabulated model is made for, as far as the scene says.
+    pub table: Option<TableRange>,
+}
+
+/// `table = { approach = [..], angle = [..], speed = [..], intervals = [..] }`
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TableRange {
+    /// m: least and greatest approach of the rings along the line of groove centres
+    pub approach: Option<[f64; 2]>,
+    /// rad: of that line
+    pub angle: Option<[f64; 2]>,
+    /// rad/s, 0 or more
+    pub speed: Option<[f64; 2]>,
+    /// along approach, angle and speed
+    pub intervals: Option<[usize; 3]>,
 }
 
 /// `effects` with what they need; each is off unless named.

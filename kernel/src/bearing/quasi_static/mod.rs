@@ -165,18 +165,27 @@ pub struct TableSeat<T> {
     pub arm: T,
 }
 
-impl<M, P, I, F, S> QuasiStatic<f64, M, P, I, F, S> {
-    /// What a table of this bearing needs besides its nodes, rounded once.
+impl TableSeat<f64> {
+    /// The same in another precision, rounded once.
     #[must_use]
-    pub fn table_seat<T: Scalar>(&self) -> TableSeat<T> {
-        let seat = &self.ball.seat;
+    pub fn rounded<T: Scalar>(&self) -> TableSeat<T> {
         TableSeat {
-            couple: T::from_f64(seat.inner_couple),
-            distance: T::from_f64(seat.distance),
-            axis: [T::from_f64(seat.axis.r), T::from_f64(seat.axis.z)],
+            couple: T::from_f64(self.couple),
+            distance: T::from_f64(self.distance),
+            axis: self.axis.map(T::from_f64),
             offset: T::from_f64(self.offset),
-            arm: T::from_f64(self.inner_arm),
+            arm: T::from_f64(self.arm),
         }
+    }
+}
+
+impl<M, P, I, F, S> QuasiStatic<f64, M, P, I, F, S> {
+    /// What a table of this bearing needs besides its nodes.
+    #[must_use]
+    pub fn table_seat(&self) -> TableSeat<f64> {
+        let seat = &self.ball.seat;
+        let axis = [seat.axis.r, seat.axis.z];
+        TableSeat { couple: seat.inner_couple, distance: seat.distance, axis, offset: self.offset, arm: self.inner_arm }
     }
 }
 

@@ -6,7 +6,7 @@ use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{Axial, Bearing, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Surface, Wave};
 
-const KEYS: [&str; 31] = [
+const KEYS: [&str; 32] = [
     "name",
     "station",
     "facing",
@@ -38,6 +38,7 @@ const KEYS: [&str; 31] = [
     "friction_sharing",
     "lubricant",
     "preload",
+    "table",
 ];
 
 /// Keys of the scene format that belong to models which are not here.
@@ -119,6 +120,7 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
         waviness: waviness(table, model, elements)?,
         effects: super::effects::read(table, model)?,
         preload: super::effects::preload(table, model)?,
+        table: super::effects::table_range(table, model)?,
         geometry,
         law,
         linear,

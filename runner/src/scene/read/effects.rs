@@ -2,7 +2,7 @@
 
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::super::{Effects, FrictionSharing, Lubricant, Model, Preload, RaceControl};
+use super::super::{Effects, FrictionSharing, Lubricant, Model, Preload, RaceControl, TableRange};
 
 /// The values of `effects`.
 #[derive(Clone, Copy, PartialEq)]
@@ -86,4 +86,36 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
         (None, Some(_)) => Ok(Some(Preload::Displacement(inner.positive("displacement", Dimension::Length)?))),
         _ => Err(node.refuse("exactly one of { force = \"500 N\" } and { displacement = \"10 um\" }")),
     }
+}
+
+/// `table`, of the tabulated model (and of the quasi-static one, which may be asked for its table).
+pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableRange>> {
+    let Some(node) = table.optional("table") else {
+        return Ok(None);
+    };
+    if !matches!(model, Model::QuasiStatic | Model::Tabulated) {
+        return Err(node.refuse("only with model = \"tabulated\" or \"quasi-static\"; remove it"));
+    }
+    let inner = node.table(&["approach", "angle", "speed", "intervals"])?;
+    let pair = |key: &str, dimension: Dimension| {
+        inner.read(key, |n| {
+            let range: [f64; 2] = n.array("a list of two: the least and the greatest", |_, e| e.quantity(dimension))?;
+            if range[0] <= range[1] { Ok(range) } else { Err(n.refuse("the least first, then the greatest")) }
+        })
+    };
+    let intervals = inner.read("intervals", |n| {
+        let wants = "a list of three whole numbers from 1 to 1000: along approach, angle and speed";
+        let list = n.list(wants)?;
+        let count = |n: &Node<'_>| n.integer(1, 1000, wants).map(|i| usize::try_from(i).unwrap_or(1));
+        match list.as_slice() {
+            [a, b, c] => Ok([count(a)?, count(b)?, count(c)?]),
+            _ => Err(n.refuse(wants)),
+        }
+    })?;
+    Ok(Some(TableRange {
+        approach: pair("approach", Dimension::Length)?,
+        angle: pair("angle", Dimension::Angle)?,
+        speed: pair("speed", Dimension::Speed)?,
+        intervals,
+    }))
 }

@@ -1,0 +1,210 @@
+//! A scene's bearings as Rust constants for firmware: places, table, surfaces, ready for the kernel without arithmetic.
+
+use crate::scene::build::{self, MadeTable};
+use crate::scene::{Bearing, Facing, Model, Scene};
+use anyhow::{Result, bail};
+use ballrace::Exact;
+use ballrace::bearing::surface::{Direction, Feature, Part, SpallShape};
+use ballrace::bearing::tabulated::Axis;
+use std::fmt::Write;
+
+/// Rust source with one module for each bearing of `names` (all where it is empty), and what was made.
+///
+/// # Errors
+/// A model that has no table, or a table that cannot be made.
+pub fn bake(scene: &Scene, name: Option<&str>) -> Result<(String, Vec<Baked>)> {
+    let chosen: Vec<&Bearing> = match name {
+        Some(_) => vec![build::pick(scene, name)?],
+        None => scene.bearings.iter().collect(),
+    };
+    let mut source = head(scene);
+    let mut all = Vec::new();
+    for of in chosen {
+        let (text, baked) = module(scene, of)?;
+        source += &text;
+        all.push(baked);
+    }
+    Ok((source, all))
+}
+
+/// One bearing, made.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Baked {
+    /// The scene's name of the bearing.
+    pub bearing: String,
+    /// The module's name.
+    pub module: String,
+    /// Nodes of the table.
+    pub nodes: usize,
+    /// Of flash that the table takes.
+    pub bytes: usize,
+}
+
+fn head(scene: &Scene) -> String {
+    format!(
+        "//! Made by `ballrace bake` from the scene {:?}. Do not edit: bake the scene again.\n\
+         #![allow(unused_imports, clippy::excessive_precision, clippy::unreadable_literal)]\n",
+        scene.name
+    )
+}
+
+/// A name that Rust takes for a module.
+fn identifier(name: &str) -> String {
+    let letters = name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
+    format!("bearing_{}", letters.collect::<String>())
+}
+
+fn module(scene: &Scene, of: &Bearing) -> Result<(String, Baked)> {
+    if !matches!(of.model, Model::Tabulated | Model::QuasiStatic) {
+        bail!(
+            "{}: bearing {}: model: found one without a table, allowed for bake: \"tabulated\" or \"quasi-static\"",
+            scene.path.display(),
+            of.name
+        );
+    }
+    let made = build::table(scene, of)?;
+    let fields = if made.friction { 3 } else { 2 };
+    let module = identifier(&of.name);
+    let mut out = String::new();
+    writeln!(out, "\n/// Bearing {:?}.\npub mod {module} {{", of.name)?;
+    constants(&mut out, scene, of, &made, fields)?;
+    bearing_function(&mut out, of, fields)?;
+    writeln!(out, "}}")?;
+    let nodes = made.nodes.len();
+    Ok((out, Baked { bearing: of.name.clone(), module, nodes, bytes: nodes * fields * 4 }))
+}
+
+fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fields: usize) -> Result<()> {
+    let kinematics = build::kinematics(scene, of)?;
+    let seat = made.seat.rounded::<f32>();
+    let grid = made.grid.rounded::<f32>();
+    let plain = build::bearing::<f64, Exact>(scene, of, Model::QuasiStatic)?;
+    let offset = build::preload_offset(scene, of, &plain)?.unwrap_or_default().to_array().map(|x| x as f32);
+    let features = build::features::<f32>(of);
+    let mut uses = vec!["Displacement", "Exact", "Turn"];
+    uses.sort_unstable();
+    writeln!(out, "    use ballrace::bearing::Place;")?;
+    writeln!(out, "    use ballrace::bearing::quasi_static::TableSeat;")?;
+    if !features.is_empty() {
+        writeln!(
+            out,
+            "    use ballrace::bearing::surface::{{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave}};"
+        )?;
+    }
+    if of.facing == Facing::MinusZ {
+        writeln!(out, "    use ballrace::bearing::Mirrored;")?;
+    }
+    writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
+    writeln!(out, "    use ballrace::{{{}}};\n", uses.join(", "))?;
+    writeln!(
+        out,
+        "    /// Along Z from the rotor's centre of mass, m.\n    pub const STATION: f32 = {:?};",
+        of.station as f32
+    )?;
+    writeln!(out, "    /// Cage, ball and outer ring over shaft.")?;
+    writeln!(out, "    pub const CAGE_RATIO: f64 = {:?};", kinematics.cage_ratio)?;
+    writeln!(out, "    /// See [`CAGE_RATIO`].\n    pub const BALL_RATIO: f64 = {:?};", kinematics.ball_ratio())?;
+    writeln!(out, "    /// See [`CAGE_RATIO`].\n    pub const OUTER_RATIO: f64 = {:?};", kinematics.outer_ratio)?;
+    let [u, v, w, thu, thv] = offset;
+    writeln!(out, "    /// By preload, to be added to every displacement.")?;
+    writeln!(
+        out,
+        "    pub const OFFSET: Displacement<f32> = Displacement {{ u: {u:?}, v: {v:?}, w: {w:?}, thu: {thu:?}, thv: {thv:?} }};"
+    )?;
+    let places = build::places::<f32>(of);
+    writeln!(out, "    /// The elements.\n    pub const PLACES: [Place<f32>; {}] = [", places.len())?;
+    for place in places {
+        let (cos, sin) = place.direction();
+        writeln!(out, "        Place::ready({cos:?}, {sin:?}, Turn(0x{:016x})),", place.azimuth().0)?;
+    }
+    writeln!(out, "    ];")?;
+    writeln!(
+        out,
+        "    const SEAT: TableSeat<f32> = TableSeat {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
+        seat.couple, seat.distance, seat.axis, seat.offset, seat.arm
+    )?;
+    writeln!(out, "    const GRID: Grid<f32> = Grid {{")?;
+    for (name, axis) in [("approach", &grid.approach), ("angle", &grid.angle), ("speed", &grid.speed)] {
+        writeln!(out, "        {name}: {},", axis_text(axis))?;
+    }
+    writeln!(out, "    }};\n    const BY_OUTER: bool = {};", made.by_outer)?;
+    if !features.is_empty() {
+        writeln!(out, "    const FEATURES: [Feature<f32>; {}] = [", features.len())?;
+        for feature in &features {
+            writeln!(out, "        {},", feature_text(feature))?;
+        }
+        writeln!(out, "    ];")?;
+    }
+    writeln!(out, "    /// The table: {} bytes of flash.", made.nodes.len() * fields * 4)?;
+    writeln!(out, "    #[rustfmt::skip]\n    pub static NODES: [Node<f32, {fields}>; {}] = [", made.nodes.len())?;
+    for row in made.nodes.chunks(6) {
+        let text: Vec<String> = row.iter().map(|node| node_text(node, fields)).collect();
+        writeln!(out, "        {},", text.join(", "))?;
+    }
+    writeln!(out, "    ];\n")?;
+    Ok(())
+}
+
+fn node_text(node: &[f64; 3], fields: usize) -> String {
+    let numbers: Vec<String> = node.iter().take(fields).map(|x| format!("{:?}", *x as f32)).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+fn axis_text(axis: &Axis<f32>) -> String {
+    let [low, high] = axis.range;
+    format!(
+        "Axis {{ count: {}, origin: {:?}, density: {:?}, range: [{low:?}, {high:?}] }}",
+        axis.count, axis.origin, axis.density
+    )
+}
+
+fn part_text(part: Part) -> String {
+    match part {
+        Part::Inner => "Part::Inner".to_owned(),
+        Part::Outer => "Part::Outer".to_owned(),
+        Part::Ball(place) => format!("Part::Ball(Turn(0x{:016x}))", place.0),
+    }
+}
+
+fn feature_text(feature: &Feature<f32>) -> String {
+    match feature {
+        Feature::Wave(w) => format!(
+            "Feature::Wave(Wave {{ part: {}, direction: Direction::{}, order: {}, amplitude: {:?}, phase: Turn(0x{:016x}) }})",
+            part_text(w.part),
+            if w.direction == Direction::Axial { "Axial" } else { "Radial" },
+            w.order,
+            w.amplitude,
+            w.phase.0
+        ),
+        Feature::Spall(s) => {
+            let (part, centre, half_width, depth, shape) = s.parts();
+            let shape = if shape == SpallShape::HalfSine { "HalfSine" } else { "Rectangular" };
+            format!(
+                "Feature::Spall(Spall::new({}, Turn(0x{:016x}), {half_width:?}, {depth:?}, SpallShape::{shape}))",
+                part_text(part),
+                centre.0
+            )
+        }
+    }
+}
+
+fn bearing_function(out: &mut String, of: &Bearing, fields: usize) -> Result<()> {
+    let n = of.elements;
+    let features = of.waviness.len() + of.defect.len();
+    let surface = if features > 0 { format!(", Uneven<Exact, [Feature<f32>; {features}]>") } else { String::new() };
+    let kind = format!("Tabulated<f32, Exact, [Place<f32>; {n}], &'static [Node<f32, {fields}>], {fields}{surface}>");
+    let kind = if of.facing == Facing::MinusZ { format!("Mirrored<{kind}>") } else { kind };
+    writeln!(out, "    /// The bearing's type.\n    pub type Baked = {kind};\n")?;
+    let mut value = "Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER)".to_owned();
+    if features > 0 {
+        value += ".with_surface(Uneven::new(FEATURES))";
+    }
+    if of.facing == Facing::MinusZ {
+        value = format!("Mirrored({value})");
+    }
+    writeln!(
+        out,
+        "    /// The bearing, ready for the hot path.\n    #[must_use]\n    pub fn bearing() -> Baked {{\n        {value}\n    }}"
+    )?;
+    Ok(())
+}

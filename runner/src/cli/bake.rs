@@ -1,0 +1,55 @@
+//! `ballrace bake`: a scene as constants for firmware.
+
+use super::{Format, keep_apart};
+use crate::bake::{Baked, bake};
+use crate::fault::scene_fault;
+use crate::output::AtomicFile;
+use crate::scene::read::read_file;
+use anyhow::Result;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// What `bake` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file.
+    scene: PathBuf,
+    /// Rust source to write.
+    #[arg(short, long, value_name = "F.rs")]
+    output: PathBuf,
+    /// One bearing only.
+    #[arg(long, value_name = "NAME")]
+    bearing: Option<String>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What is wrong with the scene, or an output that cannot be written.
+pub fn run(args: &Args, format: Format) -> Result<()> {
+    let scene = read_file(&args.scene)?;
+    keep_apart(&[("--output", &args.output)], &[&args.scene])?;
+    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(|e| scene_fault(&e))?;
+    AtomicFile::write(&args.output, &source)?;
+    print(&baked, args, format)
+}
+
+fn print(baked: &[Baked], args: &Args, format: Format) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match format {
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(baked)?)?,
+        Format::Csv => {
+            writeln!(out, "bearing,module,nodes,bytes")?;
+            for Baked { bearing, module, nodes, bytes } in baked {
+                writeln!(out, "{bearing},{module},{nodes},{bytes}")?;
+            }
+        }
+        Format::Text => {
+            for Baked { bearing, module, nodes, bytes } in baked {
+                writeln!(out, "Bearing {bearing}: module {module}, table of {nodes} nodes, {bytes} bytes of flash")?;
+            }
+            writeln!(out, "Written: {}", args.output.display())?;
+        }
+    }
+    Ok(out.flush()?)
+}

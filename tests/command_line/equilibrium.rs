@@ -1,0 +1,126 @@
+//! `ballrace equilibrium`: published equilibria, natural frequencies, the page.
+
+use serde_json::Value;
+
+use crate::support::{Desk, list, number};
+
+const BALLS: &str = "model = \"quasi-static\"\nelements = 14\nball_diameter = \"7 mm\"\npitch_diameter = \"38.5 mm\"\n\
+                     inner_conformity = 0.52\nouter_conformity = 0.52\ncontact_angle = \"25 deg\"\n";
+
+/// MODEL F8: a rigid rotor on two of F4b's bearings, facing as given.
+fn rotor(rpm: u32, facing: [&str; 2], more: &str) -> String {
+    let bearing = |name: &str, station: &str, facing: &str| {
+        format!(
+            "[[bearing]]\nname = \"{name}\"\nstation = \"{station}\"\nfacing = \"{facing}\"\n{BALLS}preload = {{ force = \"500 N\" }}\n{more}"
+        )
+    };
+    format!(
+        "name = \"F8\"\n[shaft]\nspeed = \"{rpm} rpm\"\n[rotor]\nmass = 2\ndiametral_inertia = 4e-3\npolar_inertia = 2e-3\n\
+         damping = [0, 0, 0, 0, 0]\ngravity = [0, 0, 0]\n{}{}",
+        bearing("L", "-50 mm", facing[0]),
+        bearing("R", "50 mm", facing[1])
+    )
+}
+
+fn settled(scene: &str, more: &[&str]) -> Value {
+    let desk = Desk::empty();
+    desk.put("scene.toml", scene);
+    desk.done(&[&["equilibrium", "scene.toml", "--format", "json"], more].concat()).json()
+}
+
+#[test]
+fn natural_frequencies_of_model_f8() {
+    let back_to_back = ["+z", "-z"];
+    for (rpm, facing, expected) in [
+        (0, back_to_back, [1428.3188, 1960.8358, 1960.8358, 2618.6353, 2618.6353]),
+        (0, ["-z", "+z"], [1428.3188, 1771.4210, 1771.4210, 1960.8358, 1960.8358]),
+        (12_000, back_to_back, [1428.3188, 1960.8358, 1960.8358, 2569.1126, 2669.1126]),
+        (12_000, ["-z", "+z"], [1428.3188, 1722.1265, 1822.1265, 1960.8358, 1960.8358]),
+        (30_000, back_to_back, [1428.3188, 1960.8358, 1960.8358, 2496.6170, 2746.6170]),
+    ] {
+        let outcome = settled(&rotor(rpm, facing, ""), &[]);
+        let found = list(&outcome, "natural_frequencies_hz");
+        assert_eq!(found.len(), 5);
+        for (found, expected) in found.iter().zip(expected) {
+            let found = found.as_f64().unwrap();
+            assert!((found / expected - 1.0).abs() < 1e-6, "{rpm} rpm {facing:?}: {found} {expected}");
+        }
+        let preload = outcome["bearings"][0]["displacement"][2].as_f64().unwrap().abs();
+        assert!((preload - 10.000495e-6).abs() < 1e-11, "{preload}");
+        assert!(number(&outcome, "/residual") < 1e-9);
+    }
+}
+
+/// Harris' 218 as a scene.
+fn harris(effects: &str) -> String {
+    format!(
+        "name = \"218\"\n[shaft]\nspeed = \"10000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nfacing = \"+z\"\n\
+         model = \"quasi-static\"\nelements = 16\nball_diameter = \"22.23 mm\"\npitch_diameter = \"125.26 mm\"\n\
+         inner_conformity = 0.523166891587944\nouter_conformity = 0.523166891587944\ncontact_angle = \"40 deg\"\n\
+         youngs_modulus = \"206.91 GPa\"\npreload = {{ force = \"17800 N\" }}\n{effects}"
+    )
+}
+
+#[test]
+fn harris_218_under_its_load() {
+    let outcome = settled(&harris("effects = [\"centrifugal\", \"gyroscopic\"]\n"), &[]);
+    assert!((outcome["displacement"][2].as_f64().unwrap() - 14.8523e-6).abs() < 1e-10);
+    let elements = list(&outcome, "elements");
+    assert_eq!(elements.len(), 16);
+    for element in elements {
+        for (key, expected) in [("inner_load", 1453.232), ("outer_load", 1921.601)] {
+            assert!((element[key].as_f64().unwrap() / expected - 1.0).abs() < 1e-5);
+        }
+        for (key, degrees) in [("inner_angle", 49.9546_f64), ("outer_angle", 31.3329)] {
+            assert!((element[key].as_f64().unwrap().to_degrees() - degrees).abs() < 1e-3);
+        }
+    }
+    let effects: Vec<&str> = list(&outcome, "effects").iter().map(|e| e["effect"].as_str().unwrap()).collect();
+    assert_eq!(effects, ["centrifugal", "gyroscopic"]);
+    // At rest it settles at 35.98169 um: what both effects do together.
+    let rest = settled(&harris(""), &[]);
+    assert!((rest["displacement"][2].as_f64().unwrap() - 35.98169e-6).abs() < 1e-10);
+}
+
+#[test]
+fn the_table_settles_where_the_balls_do() {
+    let effects = "effects = [\"centrifugal\", \"gyroscopic\"]\n";
+    let load = ["--load", "3000,0,0,0,0"];
+    let solved = settled(&harris(effects), &load);
+    let looked_up = settled(&harris(effects).replace("\"quasi-static\"", "\"tabulated\""), &load);
+    for i in 0..3 {
+        let (a, b) = (solved["displacement"][i].as_f64().unwrap(), looked_up["displacement"][i].as_f64().unwrap());
+        assert!((a - b).abs() < 2e-8, "{i}: {a} {b}");
+        let (a, b) = (solved["stiffness"][i][i].as_f64().unwrap(), looked_up["stiffness"][i][i].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 2e-2, "{i}: {a} {b}");
+    }
+}
+
+#[test]
+fn text_and_page() {
+    let desk = Desk::empty();
+    let oil =
+        "lubricant = { viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\", roughness = \"0.1 um\" }\n";
+    desk.put("scene.toml", harris(&format!("effects = [\"film\"]\n{oil}")));
+    let out = desk.done(&["equilibrium", "scene.toml", "--report", "page.html"]).out;
+    for part in ["Bearing A", "film, um", "ratio", "What each effect does", "Solved in", "Written: page.html"] {
+        assert!(out.contains(part), "{part}: {out}");
+    }
+    assert!(desk.read("page.html").contains("<svg"));
+    let csv = desk.done(&["equilibrium", "scene.toml", "--format", "csv"]).out;
+    assert_eq!(csv.lines().count(), 17);
+}
+
+#[test]
+fn what_cannot_settle() {
+    let desk = Desk::empty();
+    let scene = harris("");
+    desk.put("scene.toml", scene.replace("preload = { force = \"17800 N\" }\n", ""));
+    desk.refused(&["equilibrium", "scene.toml"], 2, &["found neither a rotor, a preload nor --load"]);
+    desk.put("scene.toml", &scene);
+    desk.refused(
+        &["equilibrium", "scene.toml", "--load", "1,2,3"],
+        2,
+        &["--load: found \"1,2,3\", allowed: five numbers"],
+    );
+}

@@ -1,0 +1,36 @@
+use ballrace::bearing::Bearing;
+use ballrace::{Displacement, Rotation, Turn};
+
+#[path = "../target/baked/src/bearings.rs"]
+#[rustfmt::skip]
+mod bearings;
+
+/// The same as in the image.
+fn displacement(i: u16) -> Displacement<f32> {
+    let part = f32::from(i) / 64.0;
+    let half = if i < 32 { part } else { 1.0 - part };
+    Displacement { u: 6e-6 * half, v: 4e-6 * (0.25 - half), w: 5e-6 + 4e-6 * part, thu: 1e-4 * half, thv: -5e-5 * part }
+}
+
+fn line(name: &str, i: u16, bearing: &impl Bearing<f32>, u: &Displacement<f32>) -> String {
+    let turn = Turn(u64::from(i) << 57);
+    let at = Rotation { cage: turn, inner: turn.times(3), inner_speed: 1256.0, ..Rotation::default() };
+    let reaction = bearing.reaction(u, &at);
+    let bits: Vec<String> = reaction.wrench.to_array().iter().map(|f| format!("{:08x}", f.to_bits())).collect();
+    format!("{name},{i},{},{}\n", bits.join(","), reaction.status.bits())
+}
+
+/// Firmware with a baked scene prints the bits that the desktop computes from the same constants.
+#[test]
+#[ignore = "needs qemu-system-arm and the target thumbv7em-none-eabihf; tests/run runs it"]
+fn a_baked_scene_gives_the_same_bits() {
+    let (de, nde) = (bearings::bearing_de::bearing(), bearings::bearing_nde::bearing());
+    let mut expected = String::new();
+    for i in 0..64 {
+        let u = displacement(i);
+        expected += &line("DE", i, &de, &u);
+        expected += &line("NDE", i, &nde, &u.mirrored());
+    }
+    assert!(expected.lines().all(|l| l.ends_with(",0")), "inside both tables:\n{expected}");
+    assert_eq!(super::run("baked"), expected);
+}
