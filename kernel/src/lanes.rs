@@ -61,6 +61,11 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     pub fn abs(self) -> Self {
         self.each(T::abs)
     }
+    /// `x + |x|`
+    #[inline(always)]
+    pub fn twice_positive(self) -> Self {
+        self.each(T::twice_positive)
+    }
     /// `(x + |x|)/2`
     #[inline(always)]
     pub fn positive(self) -> Self {

@@ -45,6 +45,10 @@ pub trait Scalar:
     fn abs(self) -> Self;
     /// Negated where `sign` has its sign bit set.
     fn negated_by(self, sign: Self) -> Self;
+    /// `self`, its sign bit also set where that of `other` is.
+    fn with_sign_of(self, other: Self) -> Self;
+    /// The sign bit.
+    fn has_sign(self) -> bool;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
     /// +0 or -0, seen in the bits: a comparison of floats invites a branch.
@@ -112,6 +116,14 @@ impl Scalar for f32 {
         Self::from_bits(self.to_bits() ^ (sign.to_bits() & 0x8000_0000))
     }
     #[inline]
+    fn with_sign_of(self, other: Self) -> Self {
+        Self::from_bits(self.to_bits() | (other.to_bits() & 0x8000_0000))
+    }
+    #[inline]
+    fn has_sign(self) -> bool {
+        self.to_bits() >> 31 != 0
+    }
+    #[inline]
     fn is_finite(self) -> bool {
         self.to_bits() & 0x7f80_0000 != 0x7f80_0000
     }
@@ -170,6 +182,14 @@ impl Scalar for f64 {
     #[inline]
     fn negated_by(self, sign: Self) -> Self {
         Self::from_bits(self.to_bits() ^ (sign.to_bits() & 0x8000_0000_0000_0000))
+    }
+    #[inline]
+    fn with_sign_of(self, other: Self) -> Self {
+        Self::from_bits(self.to_bits() | (other.to_bits() & 0x8000_0000_0000_0000))
+    }
+    #[inline]
+    fn has_sign(self) -> bool {
+        self.to_bits() >> 63 != 0
     }
     #[inline]
     fn is_finite(self) -> bool {

@@ -127,7 +127,8 @@ where
         };
         for (i, node) in row.iter_mut().enumerate() {
             let x = coordinate(&grid.approach, i);
-            let (fields, settled) = bearing.ball_at(x * x.abs(), sin, &at);
+            let ([load, turn, friction], settled) = bearing.ball_at(x * x.abs(), sin, &at);
+            let fields = [0.5 * load, turn, friction];
             for (entry, field) in node.iter_mut().zip(fields) {
                 *entry = field;
             }

@@ -120,13 +120,14 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let approach = rest.plus(apart).dot(a) * (inverse * length) + bulges;
         let line = apart.times(inverse_length);
         let root = approach.abs().sqrt::<M>().negated_by(approach);
-        let mut values = [Value { fields: [T::ZERO; F], inside: true }; K];
+        let mut values = [Value { fields: [T::ZERO; F], inside: T::ZERO }; K];
         for ((value, x), sin) in values.iter_mut().zip(root.0).zip(line.z.0) {
             *value = self.table.value(speed, x, sin);
         }
         let field = |k: usize| Lanes(values.map(|v| v.fields.get(k).copied().unwrap_or(T::ZERO)));
-        let (load, sine, friction) = (field(0).positive(), field(1), field(2));
-        let cosine = (all(T::ONE) - sine * sine).abs().sqrt::<M>();
+        // The table holds half the load.
+        let (load, sine, friction) = (field(0).twice_positive(), field(1), field(2));
+        let cosine = (all(T::ONE) - sine * sine).sqrt::<M>();
         let contact = line.times(cosine).plus(line.tangent().times(sine));
         Looked { line, inverse_length, root, load, contact, turn: Plane { r: cosine, z: sine }, friction, values }
     }
@@ -167,7 +168,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let gap = balls.load.below(Lanes::constant(f64::MIN_POSITIVE));
         let zero = all(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
-        let load = Plane::choose(gap, nothing, slope(0));
+        let load = Plane::choose(gap, nothing, slope(0).times(Lanes::constant(2.0)));
         // The contact turns with the line and by d(asin w) = dw/sqrt(1 - w^2).
         let turning = across.times(balls.inverse_length).plus(slope(1).times(all(T::ONE) / balls.turn.r));
         let (e, t) = (balls.contact, balls.contact.tangent());
@@ -194,15 +195,18 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     #[inline(always)]
     fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         let (speed, rim) = (self.at_speed(at), self.rim(u));
-        let (mut sum, mut inside) = (WrenchSum::new(), true);
+        let (mut sum, mut inside) = (WrenchSum::new(), T::ZERO);
         for group in groups::<T, ABREAST>(&self.places) {
             let balls = self.look(&speed, &group.places, &rim, at);
-            inside &= balls.values.iter().all(|v| v.inside);
+            inside = balls.values.iter().fold(inside, |inside, v| inside.with_sign_of(v.inside));
             for (place, contact) in group.real().iter().zip(&self.contacts(&balls)) {
                 sum.add(place, contact);
             }
         }
-        Reaction { status: Status::OUT_OF_TABLE.when(!inside), ..sum.finish(self.seat.arm, T::ONE) }
+        Reaction {
+            status: Status::OUT_OF_TABLE.when(inside.with_sign_of(speed.inside()).has_sign()),
+            ..sum.finish(self.seat.arm, T::ONE)
+        }
     }
 
     #[inline]
@@ -213,17 +217,20 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         turn: CageTurn<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
         let (speed, rim) = (self.at_speed(at), self.rim(u));
-        let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), true);
+        let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), T::ZERO);
         for group in groups::<T, ABREAST>(&self.places) {
             let balls = self.look(&speed, &group.places, &rim, at);
-            inside &= balls.values.iter().all(|v| v.inside);
+            inside = balls.values.iter().fold(inside, |inside, v| inside.with_sign_of(v.inside));
             let tangents = self.tangents(&speed, &balls);
             for ((place, contact), k) in group.real().iter().zip(&self.contacts(&balls)).zip(&tangents) {
                 sum.add(place, contact);
                 tangent.add(place, k);
             }
         }
-        let reaction = Reaction { status: Status::OUT_OF_TABLE.when(!inside), ..sum.finish(self.seat.arm, T::ONE) };
+        let reaction = Reaction {
+            status: Status::OUT_OF_TABLE.when(inside.with_sign_of(speed.inside()).has_sign()),
+            ..sum.finish(self.seat.arm, T::ONE)
+        };
         (reaction, tangent.finish(self.seat.arm, turn))
     }
 

@@ -9,7 +9,7 @@
 
 use crate::scalar::Scalar;
 
-/// One entry of the table: load (N) and sine of the turn, and with `F = 3` the friction, which is 0 at the inner
+/// One entry of the table: half the load (N; twice a positive part needs no branch) and sine of the turn, and with `F = 3` the friction, which is 0 at the inner
 /// contact where there is no gyroscopic moment or the outer race carries it all.
 pub type Node<T, const F: usize> = [T; F];
 
@@ -37,35 +37,38 @@ pub struct Grid<T> {
     pub speed: Axis<T>,
 }
 
-/// Place on an axis: the first of the nodes concerned, the way to the next, and whether it is within the range.
+/// Place on an axis: the first of the nodes concerned, their weights and slopes, and a number that is below 0 outside of
+/// the range: signs can be gathered without a branch.
 #[derive(Clone, Copy)]
 pub struct Spot<T, const W: usize> {
     pub first: usize,
     pub weights: [T; W],
     pub slopes: [T; W],
-    pub inside: bool,
+    pub inside: T,
 }
 
 impl<T: Scalar> Axis<T> {
+    /// Not below 0 within the range.
     #[inline(always)]
-    fn is_inside(&self, x: T) -> bool {
+    fn inside(&self, x: T) -> T {
         let [low, high] = self.range;
-        (low <= x) & (x <= high)
+        (x - low) * (high - x)
     }
 
     /// Weights of a quadratic B-spline on the three nodes around `x`.
     #[inline(always)]
     pub fn quadratic(&self, x: T) -> Spot<T, 3> {
         let place = (x - self.origin) * self.density;
-        let nearest = T::index(place + T::HALF, self.count.wrapping_sub(2)).max(1);
-        let t = place - T::from_index(nearest);
-        let (before, after) = (T::HALF - t, T::HALF + t);
+        let first = T::index(place - T::HALF, self.count.wrapping_sub(3));
+        // From half before to half after the middle one of the three.
+        let after = place - T::HALF - T::from_index(first);
+        let before = T::ONE - after;
         let outer = [T::HALF * before * before, T::HALF * after * after];
         Spot {
-            first: nearest.wrapping_sub(1),
+            first,
             weights: [outer[0], T::ONE - outer[0] - outer[1], outer[1]],
             slopes: [-before * self.density, (before - after) * self.density, after * self.density],
-            inside: self.is_inside(x),
+            inside: self.inside(x),
         }
     }
 
@@ -75,7 +78,7 @@ impl<T: Scalar> Axis<T> {
         let place = (x - self.origin) * self.density;
         let first = T::index(place, self.count.wrapping_sub(2));
         let t = place - T::from_index(first);
-        Spot { first, weights: [T::ONE - t, t], slopes: [-self.density, self.density], inside: self.is_inside(x) }
+        Spot { first, weights: [T::ONE - t, t], slopes: [-self.density, self.density], inside: self.inside(x) }
     }
 }
 
@@ -83,7 +86,8 @@ impl<T: Scalar> Axis<T> {
 #[derive(Clone, Copy)]
 pub struct Value<T, const F: usize> {
     pub fields: Node<T, F>,
-    pub inside: bool,
+    /// Its sign bit is set outside; the speed has its own ([`AtSpeed::inside`]).
+    pub inside: T,
 }
 
 /// A grid and its nodes.
@@ -97,6 +101,14 @@ pub struct Table<T, A, const F: usize> {
 #[derive(Clone, Copy)]
 pub struct AtSpeed<T> {
     spot: Spot<T, 2>,
+}
+
+impl<T: Scalar> AtSpeed<T> {
+    /// Its sign bit is set outside of the declared speeds.
+    #[inline(always)]
+    pub(super) fn inside(&self) -> T {
+        self.spot.inside
+    }
 }
 
 impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
@@ -129,33 +141,27 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         at: &AtSpeed<T>,
         (angle, by_angle): (usize, [T; 3]),
         (approach, by_approach): (usize, [T; 3]),
-    ) -> (Node<T, F>, bool) {
+    ) -> (Node<T, F>, T) {
         let (nx, na) = (self.grid.approach.count, self.grid.angle.count);
-        let nodes = self.nodes.as_ref();
-        let start = at.spot.first.wrapping_mul(na).wrapping_add(angle).wrapping_mul(nx).wrapping_add(approach);
-        let mut sum = [T::ZERO; F];
-        let mut there = true;
-        for (k, by_speed) in at.spot.weights.into_iter().enumerate() {
-            let layer = start.wrapping_add(k.wrapping_mul(na).wrapping_mul(nx));
-            for (j, weight) in by_angle.into_iter().enumerate() {
-                let row = layer.wrapping_add(j.wrapping_mul(nx));
-                let Some(three) = nodes.get(row..).and_then(<[Node<T, F>]>::first_chunk::<3>) else {
-                    there = false;
-                    continue;
-                };
-                let mut along = [T::ZERO; F];
-                for (node, w) in three.iter().zip(by_approach) {
-                    for (s, value) in along.iter_mut().zip(node) {
-                        *s += w * *value;
-                    }
-                }
-                let weight = by_speed * weight;
-                for (s, value) in sum.iter_mut().zip(along) {
-                    *s += weight * value;
-                }
-            }
+        let layer = at.spot.first.wrapping_mul(na).wrapping_add(angle).wrapping_mul(nx).wrapping_add(approach);
+        let next = layer.wrapping_add(na.wrapping_mul(nx));
+        let [slow, fast] = at.spot.weights;
+        let both = self.patch(layer, by_angle, by_approach).zip(self.patch(next, by_angle, by_approach));
+        match both {
+            Some((below, above)) => (mixed([slow, fast], [below, above]), T::ZERO),
+            None => ([T::ZERO; F], T::NEGATIVE_ZERO),
         }
-        (sum, there)
+    }
+
+    /// Weighted sum of the nine nodes of one speed from `start` on; nothing where the table ends before them.
+    #[inline(always)]
+    fn patch(&self, start: usize, by_angle: [T; 3], by_approach: [T; 3]) -> Option<Node<T, F>> {
+        let nx = self.grid.approach.count;
+        let near = self.nodes.as_ref().get(start..)?;
+        let middle = near.get(nx..)?;
+        let far = middle.get(nx..)?;
+        let along = |row: &[Node<T, F>]| row.first_chunk::<3>().map(|three| mixed(by_approach, *three));
+        Some(mixed(by_angle, [along(near)?, along(middle)?, along(far)?]))
     }
 
     /// At the signed root `x` of the approach and the sine `sin` of the angle.
@@ -163,7 +169,8 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     pub(super) fn value(&self, at: &AtSpeed<T>, x: T, sin: T) -> Value<T, F> {
         let (approach, angle) = (self.grid.approach.quadratic(x), self.grid.angle.quadratic(sin));
         let (fields, there) = self.sum(at, (angle.first, angle.weights), (approach.first, approach.weights));
-        Value { fields, inside: there & at.spot.inside & approach.inside & angle.inside }
+        let inside = there.with_sign_of(approach.inside).with_sign_of(angle.inside);
+        Value { fields, inside }
     }
 
     /// Slopes of the quantities along `x` and along `sin`.
@@ -174,4 +181,16 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         let (across, _) = self.sum(at, (angle.first, angle.slopes), (approach.first, approach.weights));
         (along, across)
     }
+}
+
+/// Sum of nodes times weights.
+#[inline(always)]
+fn mixed<T: Scalar, const F: usize, const W: usize>(weights: [T; W], nodes: [Node<T, F>; W]) -> Node<T, F> {
+    let mut sum = [T::NEGATIVE_ZERO; F];
+    for (node, w) in nodes.into_iter().zip(weights) {
+        for (s, value) in sum.iter_mut().zip(node) {
+            *s += w * value;
+        }
+    }
+    sum
 }

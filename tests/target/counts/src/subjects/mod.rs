@@ -1,5 +1,6 @@
 //! Everything that is measured.
 
+mod balls;
 mod bearings;
 mod rotor;
 
@@ -14,6 +15,7 @@ pub fn all(bench: &Bench) {
     bearings::all::<f32, Fast>(bench, "f32", "fast");
     bearings::all::<f64, Exact>(bench, "f64", "exact");
     bearings::all::<f64, Fast>(bench, "f64", "fast");
+    balls::all(bench);
     rotor::all::<f32>(bench, "f32");
     rotor::all::<f64>(bench, "f64");
 }
