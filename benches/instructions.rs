@@ -12,6 +12,7 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
+use subjects::balls::PLAIN_C;
 use subjects::{COLUMNS, Subject};
 
 const SECTION: Section = Section { name: "callgrind", first_column: "instructions a call" };
@@ -23,6 +24,8 @@ const MARGIN: f64 = 0.02;
 fn main() -> Result<(), Box<dyn Error>> {
     let given = |option: &str| env::args().any(|argument| argument == option);
     let mut subjects = subjects::all()?;
+    // Another program's instructions are not counted.
+    subjects.retain(|subject| subject.row != PLAIN_C);
     if given(COUNTED) || !given("--bench") && !given("--check") {
         subjects.iter_mut().for_each(counted);
     } else if given("--check") {

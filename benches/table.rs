@@ -11,12 +11,16 @@ use section::Section;
 use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
+use subjects::balls::{COLD, LOOKED_UP, PLAIN_C, WARM};
 use subjects::{BATCH, BATCH_PRELOADED, COLUMNS, ROOTS, Subject};
 
 const SECTION: Section = Section { name: "bench", first_column: "ns a call" };
 
 /// Rows of ratios: the name, what is above, what is below.
-const RATIOS: [(&str, &str, &str); 3] = [
+const RATIOS: [(&str, &str, &str); 6] = [
+    ("ratio: quasi-static cold to plain C (aim: below 1)", COLD, PLAIN_C),
+    ("ratio: quasi-static from the last sample to cold (aim: at most 0.5)", WARM, COLD),
+    ("ratio: tabulated to quasi-static cold (aim: at most 0.1)", LOOKED_UP, COLD),
     ("ratio: batch with play to square roots (aim: at most 1.5)", BATCH, ROOTS),
     ("ratio: batch with preload to square roots", BATCH_PRELOADED, ROOTS),
     ("ratio: batch with play to single evaluations", BATCH, "lumped, point contact, N = 8: force"),

@@ -1,6 +1,7 @@
 //! What is measured: every rung of the ladder, the batch beside its limit, one step of the rotor.
 
 mod arrays;
+pub mod balls;
 mod ladder;
 mod rotor;
 
@@ -40,6 +41,7 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
     subjects.extend(ladder::moving::<f32, Fast>(single_fast)?);
     subjects.extend(arrays::batches_and_limit::<f64>(double, f64::sqrt)?);
     subjects.extend(arrays::batches_and_limit::<f32>(single, f32::sqrt)?);
+    subjects.extend(balls::all()?);
     subjects.extend(rotor::steps::<f64>(double)?);
     subjects.extend(rotor::steps::<f32>(single)?);
     Ok(side_by_side(subjects))

@@ -43,7 +43,7 @@ pub struct Baked {
 fn head(scene: &Scene) -> String {
     format!(
         "//! Made by `ballrace bake` from the scene {:?}. Do not edit: bake the scene again.\n\
-         #![allow(unused_imports, clippy::excessive_precision, clippy::unreadable_literal)]\n",
+         #![allow(dead_code, unused_imports, clippy::excessive_precision, clippy::unreadable_literal)]\n",
         scene.name
     )
 }

@@ -8,5 +8,6 @@ mod quasi_static;
 mod rotor;
 mod solver;
 mod status;
+mod tabulated;
 mod tangent;
 mod turn;

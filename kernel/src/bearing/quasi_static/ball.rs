@@ -167,6 +167,8 @@ pub struct Position<L> {
     pub centre: Plane<L>,
     pub outer_deflection: L,
     pub inner_deflection: L,
+    /// 1 where a gap at the inner contact may be about to close, 0 where it stays open.
+    pub inner_closing: L,
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
@@ -242,8 +244,9 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let mut inner =
             self.touch((seat.inner_stiffness, films.inner_floor), inner, (&films, inner_film, at.inner_deflection));
         if I::CENTRIFUGAL {
-            // A ball that the inner ring does not reach has nothing there to step into.
-            inner.slope = inner.slope * drive.rolling;
+            // A ball that the inner ring does not reach, or did not reach before, has nothing there to step into.
+            let zero = Lanes::all(T::ZERO);
+            inner.slope = Lanes::choose(inner.deflection.below(zero), inner.slope * at.inner_closing, inner.slope);
         }
 
         let (mut outer_share, mut inner_share) = (zero, zero);

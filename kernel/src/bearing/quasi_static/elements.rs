@@ -17,7 +17,9 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 
 /// Steps that settle a ball for a table, where time does not count.
-const SAMPLING_STEPS: u8 = 40;
+const SAMPLING_STEPS: u8 = 60;
+/// Unbalanced force over largest load that a table's error hides.
+const SAMPLED: f64 = 1e-6;
 
 /// Friction over load beyond which a contact would slide: the upper end of what oil under pressure gives.
 const TRACTION: f64 = 0.1;
@@ -172,7 +174,8 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
         let per_metre = balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::constant(1e-3));
         let gap = per_metre * (balance.inner.deflection - balance.inner.deflection.positive());
         let load = balance.inner.load + gap;
-        let ([load], [turn], [friction], [settled]) = (load.0, turn.0, friction.0, solution.settled.0);
+        let ([load], [turn], [friction]) = (load.0, turn.0, friction.0);
+        let [settled] = balance.is_settled(T::from_f64(SAMPLED)).0;
         ([load, turn, friction], settled)
     }
 
@@ -319,7 +322,12 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
 
 fn gather<T: Scalar, const K: usize>(balls: &[BallPlace<T>]) -> Position<Lanes<T, K>> {
     let zero = Lanes::all(T::ZERO);
-    let mut position = Position { centre: Plane { r: zero, z: zero }, outer_deflection: zero, inner_deflection: zero };
+    let mut position = Position {
+        centre: Plane { r: zero, z: zero },
+        outer_deflection: zero,
+        inner_deflection: zero,
+        inner_closing: Lanes::all(T::ONE),
+    };
     let mut last = BallPlace::default();
     let mut balls = balls.iter();
     let lanes = position.centre.r.0.iter_mut().zip(&mut position.centre.z.0);

@@ -66,13 +66,16 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             push = Lanes::choose(over, push, balance.residual.dot(step));
             cuts = Lanes::choose(over, cuts + one, zero);
             at.centre = base.plus(way.times(part));
+            if I::CENTRIFUGAL {
+                at.inner_closing = Lanes::choose(balance.inner.deflection.below(zero), zero, drive.rolling);
+            }
             if F::THERE {
                 at.outer_deflection = balance.outer.deflection;
                 at.inner_deflection = balance.inner.deflection;
             }
         }
         let balance = self.balance(drive, &at);
-        let settled = self.is_settled(&balance);
+        let settled = balance.is_settled(T::SETTLED);
         Solution { at, balance, settled }
     }
 
@@ -98,14 +101,6 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let length = step.dot(step).sqrt::<M>();
         let longest = Lanes::all(self.seat.longest_step);
         step.times(longest / length.larger(longest))
-    }
-
-    /// The residual is below the precision's tolerance times the largest load.
-    #[inline(always)]
-    pub fn is_settled<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Mask<K> {
-        let allowed = Lanes::all(T::SETTLED) * balance.largest_load() + Lanes::constant(1e-12);
-        let residual = balance.residual;
-        residual.dot(residual).below(allowed * allowed)
     }
 
     /// 1 for the balls at `at` that the inner ring reaches, 0 for those it does not.
@@ -169,7 +164,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         if !I::CENTRIFUGAL {
             // Pressed by both rings alike, or free in the middle of what room it has.
             let share = approach * Lanes::all(seat.outer_share);
-            return self.position(direction.times(outer_length + share), share, approach - share);
+            return self.position(direction.times(outer_length + share), [share, approach - share], one);
         }
 
         // A ball that the inner ring does not reach sits at the bottom of the outer race.
@@ -216,7 +211,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         }
         let centre = Plane::choose(unreached, alone, Plane::choose(idle, free, centre));
         let outer_deflection = Lanes::choose(unreached, alone_deflection, outer_deflection);
-        self.position(centre, outer_deflection, inner_deflection)
+        self.position(centre, [outer_deflection, inner_deflection], drive.rolling)
     }
 
     /// The position of a centre given from the outer groove centre.
@@ -224,12 +219,21 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     fn position<const K: usize>(
         &self,
         centre: Plane<Lanes<T, K>>,
-        outer_deflection: Lanes<T, K>,
-        inner_deflection: Lanes<T, K>,
+        [outer_deflection, inner_deflection]: [Lanes<T, K>; 2],
+        inner_closing: Lanes<T, K>,
     ) -> Position<Lanes<T, K>> {
         let seat = &self.seat;
         let rest =
             Plane { r: Lanes::all(seat.outer_length * seat.axis.r), z: Lanes::all(seat.outer_length * seat.axis.z) };
-        Position { centre: centre.minus(rest), outer_deflection, inner_deflection }
+        Position { centre: centre.minus(rest), outer_deflection, inner_deflection, inner_closing }
+    }
+}
+
+impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
+    /// The residual is below `tolerance` times the largest load.
+    #[inline(always)]
+    pub fn is_settled(&self, tolerance: T) -> Mask<K> {
+        let allowed = Lanes::all(tolerance) * self.largest_load() + Lanes::constant(1e-12);
+        self.residual.dot(self.residual).below(allowed * allowed)
     }
 }

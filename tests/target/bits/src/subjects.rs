@@ -6,12 +6,15 @@ use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
+use ballrace::bearing::quasi_static::QuasiStatic;
+use ballrace::bearing::quasi_static::film::{HamrockDowson, Lubricant};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams, RaceControl};
 use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
-use ballrace::bearing::{HeldWrench, Mirrored, Pairs, Places, even_pairs, even_places};
+use ballrace::bearing::{HeldWrench, Mirrored, Pairs, Places, Reaction, even_pairs, even_places};
 use ballrace::contact::law::{Line, Point, Power};
 use ballrace::rotor::{Drive, Integrator, Newmark, RotorState, RungeKutta4};
 use ballrace::turn::Ratio;
-use ballrace::{Bearing, Displacement, Exact, Math, Stiffness, Turn};
+use ballrace::{Bearing, Displacement, Exact, Math, Rotation, Stiffness, Turn};
 use rig::{Ball, CAGE_RATIO, Rig, machine};
 
 /// FNV-1a over the bits of results.
@@ -34,7 +37,12 @@ impl Checksum {
     }
 }
 
+#[path = "../../baked/src/bearings.rs"]
+#[rustfmt::skip]
+mod baked;
+
 type Nine = Places<f32, 9>;
+type Solved = QuasiStatic<f32, Exact, Nine, Gyroscopic<f32>, HamrockDowson<f32>>;
 type Both = Combined<Radial<f32, Exact, Point<f32>, Nine>, Axial<f32, Exact, Point<f32>, Nine>>;
 
 /// The bearings of all rungs.
@@ -48,8 +56,10 @@ struct Bearings {
     axial: Axial<f32, Exact, Point<f32>, Nine>,
     angular: Ball<f32>,
     angular_pairs: Angular<f32, Exact, Pairs<f32, 4>>,
-    spalled: Angular<f32, Exact, Nine, Spall<f32>>,
+    spalled: Angular<f32, Exact, Nine, Uneven<Exact, [Feature<f32>; 1]>>,
     facing_back: Mirrored<Ball<f32>>,
+    solved: Solved,
+    looked_up: baked::bearing_nde::Baked,
 }
 
 const COUNT: usize = 12;
@@ -63,7 +73,17 @@ impl Bearings {
         let spall = Spall::new(Part::Outer, Turn::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
         let (_, tangent) =
             angular.reaction_and_stiffness(&Displacement { w: 60e-6, ..Displacement::default() }, &Turn(0).into());
+        let inertia = InertiaParams {
+            density: 7800.0,
+            centrifugal: true,
+            gyroscopic: true,
+            control: RaceControl::Inner,
+            sharing: FrictionSharing::Proportional,
+        };
+        let oil = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
         Ok(Self {
+            solved: QuasiStatic::try_new(geometry, places, Zero::Centred)?.with_inertia(&inertia)?.with_film(oil)?,
+            looked_up: baked::bearing_nde::bearing(),
             linear: Linear::new(tangent),
             balls: Radial::try_new(places, point, 5e-7)?,
             preloaded: Radial::try_new(places, point, -2e-6)?,
@@ -73,7 +93,7 @@ impl Bearings {
             axial: Axial::try_new(places, point, 5e-6, 0.02)?,
             angular,
             angular_pairs: Angular::try_new(geometry, even_pairs(Turn::ZERO), Zero::Centred)?,
-            spalled: angular.with_surface(spall),
+            spalled: angular.with_surface(Uneven::new([Feature::Spall(spall)])),
             facing_back: Mirrored(angular),
         })
     }
@@ -107,6 +127,8 @@ pub struct Subjects {
     held: [HeldWrench<f32>; COUNT],
     forces: [Checksum; COUNT],
     flexible: Checksum,
+    solved: Checksum,
+    looked_up: Checksum,
     cage_angle: Checksum,
     runge_kutta: (RotorState<f32, 2>, Checksum),
     newmark: (RotorState<f32, 2>, Checksum),
@@ -136,6 +158,8 @@ impl Subjects {
             held: [HeldWrench::new(); COUNT],
             forces: [Checksum::EMPTY; COUNT],
             flexible: Checksum::EMPTY,
+            solved: Checksum::EMPTY,
+            looked_up: Checksum::EMPTY,
             cage_angle: Checksum::EMPTY,
             runge_kutta: (start, Checksum::EMPTY),
             newmark: (start, Checksum::EMPTY),
@@ -153,6 +177,9 @@ impl Subjects {
         let (sin, cos): (f32, f32) = Exact::sin_cos(self.cage);
         self.cage_angle.add([sin, cos]);
         self.take_forces(sample);
+        if self.taken.is_multiple_of(SPARSE) && sample.displacement.is_finite() {
+            self.take_balls(sample, turned.radians::<f32>() / STEP);
+        }
         self.take_steps(sample, turned.radians::<f32>() / STEP);
         self.last = Some(*sample);
         self.taken += 1;
@@ -183,6 +210,20 @@ impl Subjects {
         }
     }
 
+    /// The rungs whose balls are in equilibrium, in few of the samples: they cost most of all.
+    fn take_balls(&mut self, sample: &Sample, speed: f32) {
+        let at = Rotation { cage: self.cage, inner: sample.shaft, inner_speed: speed, ..Rotation::default() };
+        let u = &sample.displacement;
+        let add = |sum: &mut Checksum, (reaction, tangent): (Reaction<f32>, Stiffness<f32>)| {
+            sum.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()));
+            sum.add_bits(u32::from(reaction.status.bits()));
+        };
+        add(&mut self.looked_up, self.bearings.looked_up.reaction_and_stiffness(u, &at));
+        if self.taken.is_multiple_of(4 * SPARSE) {
+            add(&mut self.solved, self.bearings.solved.reaction_and_stiffness(u, &at));
+        }
+    }
+
     /// One step of both integrators along the recording's shaft angle, and what the twin leaves of the sample.
     fn take_steps(&mut self, sample: &Sample, speed: f32) {
         let drive = Drive { angle: sample.shaft, speed, acceleration: 0.0 };
@@ -208,6 +249,8 @@ impl Subjects {
             line(name, sum.0);
         }
         line("flexible ring", self.flexible.0);
+        line("quasi-static, gyroscopic, film", self.solved.0);
+        line("tabulated", self.looked_up.0);
         line("sine and cosine", self.cage_angle.0);
         line("Runge-Kutta 4", self.runge_kutta.1.0);
         line("Newmark", self.newmark.1.0);

@@ -7,13 +7,17 @@ use ballrace::bearing::batch::radial_batch;
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::surface::Spall;
+use ballrace::bearing::quasi_static::film::{Dry, Film, HamrockDowson};
+use ballrace::bearing::quasi_static::inertia::{Centrifugal, Gyroscopic, Inertia, Massless};
+use ballrace::bearing::quasi_static::{BallPlace, BallState, QuasiStatic};
+use ballrace::bearing::surface::{Feature, Uneven};
+use ballrace::bearing::tabulated::{Node, Tabulated};
 use ballrace::bearing::{HeldWrench, InCage, Mirrored, Pairs, Place, Places};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
 use ballrace::rotor::{Drive, Integrator, Machine, Newmark, RotorState, RungeKutta4};
 use ballrace::turn::{Arc, Ratio};
-use ballrace::{Bearing, Displacement, Exact, Fast, Math, Scalar, Stiffness, Turn, Wrench};
+use ballrace::{Bearing, Displacement, Exact, Fast, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
 use core::hint::black_box;
 use panic_never as _;
 
@@ -28,11 +32,11 @@ fn given<T>() -> T {
 }
 
 fn bearing<T: Scalar, B: Bearing<T>>() {
-    let (bearing, u, cage, mut held): (B, Displacement<T>, Turn, HeldWrench<T>) = given();
-    black_box(bearing.reaction(&u, &cage.into()));
-    black_box(bearing.reaction_and_stiffness(&u, &cage.into()));
-    black_box(bearing.sample(&mut held, &u, &cage.into()));
-    bearing.element_loads(&u, &cage.into(), given::<&mut [T]>());
+    let (bearing, u, at, mut held): (B, Displacement<T>, Rotation<T>, HeldWrench<T>) = given();
+    black_box(bearing.reaction(&u, &at));
+    black_box(bearing.reaction_and_stiffness(&u, &at));
+    black_box(bearing.sample(&mut held, &u, &at));
+    bearing.element_loads(&u, &at, given::<&mut [T]>());
     black_box(held.held());
 }
 
@@ -40,7 +44,7 @@ fn in_cage<T: Scalar, B: InCage<T> + Bearing<T>>() {
     let (bearing, u, cage): (B, Displacement<T>, Turn) = given();
     black_box(bearing.reaction_in_cage(&u, &cage.into()));
     black_box(bearing.reaction_in_cage_and_stiffness(&u, &cage.into(), given()));
-    bearing.element_loads_in_cage(&u, cage, given::<&mut [T]>());
+    bearing.element_loads_in_cage(&u, &given(), given::<&mut [T]>());
     self::bearing::<T, B>();
     self::bearing::<T, Mirrored<B>>();
 }
@@ -54,7 +58,7 @@ fn flexible<T: Scalar, B: FlexibleRing<T>>() {
 fn lumped<T: Scalar, M: Math<T>, L: Law<T, M>>() {
     type Slice<T> = &'static [Place<T>];
     in_cage::<T, Radial<T, M, L, Places<T, 9>>>();
-    in_cage::<T, Radial<T, M, L, Places<T, 9>, Spall<T>>>();
+    in_cage::<T, Radial<T, M, L, Places<T, 9>, Uneven<M, [Feature<T>; 2]>>>();
     in_cage::<T, Radial<T, M, L, Slice<T>>>();
     in_cage::<T, Radial<T, M, L, Pairs<T, 4>>>();
     in_cage::<T, Axial<T, M, L, Places<T, 9>>>();
@@ -70,6 +74,23 @@ fn rotor<T: Scalar, M: Math<T>, B: Bearing<T>>() {
     black_box(given::<RungeKutta4<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Newmark<T>>().step(&machine, &mut state, &drive));
     black_box((state, drive.after(given())));
+}
+
+fn solved<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>>() {
+    type Features<T> = [Feature<T>; 2];
+    in_cage::<T, QuasiStatic<T, M, Places<T, 9>, I, F>>();
+    in_cage::<T, QuasiStatic<T, M, &'static [Place<T>], I, F, Uneven<M, Features<T>>>>();
+    let (bearing, u, at): (QuasiStatic<T, M, Places<T, 9>, I, F>, Displacement<T>, Rotation<T>) = given();
+    black_box(bearing.ring_reactions(&u, &given(), &at));
+    black_box(bearing.condensed_stiffness(&u, &at));
+    bearing.ball_states(&u, &at, given::<&mut [BallState<T>]>());
+    bearing.place_balls(&u, &at, given::<&mut [BallPlace<T>]>());
+    black_box(bearing.reaction_from(&u, &at, given::<&mut [BallPlace<T>]>()));
+}
+
+fn looked_up<T: Scalar, M: Math<T>, const F: usize>() {
+    in_cage::<T, Tabulated<T, M, Places<T, 9>, &'static [Node<T, F>], F>>();
+    in_cage::<T, Tabulated<T, M, Pairs<T, 4>, &'static [Node<T, F>], F, Uneven<M, [Feature<T>; 2]>>>();
 }
 
 fn functions<T: Scalar, M: Math<T>>() {
@@ -89,8 +110,14 @@ fn all<T: Scalar, M: Math<T>>() {
     lumped::<T, M, Line<T>>();
     lumped::<T, M, Power<T>>();
     in_cage::<T, Angular<T, M, Places<T, 9>>>();
-    in_cage::<T, Angular<T, M, &'static [Place<T>], Spall<T>>>();
+    in_cage::<T, Angular<T, M, &'static [Place<T>], Uneven<M, &'static [Feature<T>]>>>();
     in_cage::<T, Angular<T, M, Pairs<T, 4>>>();
+    solved::<T, M, Massless, Dry>();
+    solved::<T, M, Centrifugal<T>, HamrockDowson<T>>();
+    solved::<T, M, Gyroscopic<T>, Dry>();
+    solved::<T, M, Gyroscopic<T>, HamrockDowson<T>>();
+    looked_up::<T, M, 2>();
+    looked_up::<T, M, 3>();
     rotor::<T, M, Angular<T, M, Places<T, 9>>>();
     rotor::<T, M, Linear<T>>();
 }

@@ -1,0 +1,169 @@
+//! Sixteen balls of Harris' 218 bearing in equilibrium: solved, from where they were, looked up, and in plain C.
+
+use super::{INPUTS, Subject, scattered};
+use ballrace::bearing::angular::Zero;
+use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams, RaceControl};
+use ballrace::bearing::quasi_static::{BallPlace, QuasiStatic};
+use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
+use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::contact::hertz::Material;
+use ballrace::{Displacement, Exact, Rotation, Turn};
+use std::f64::consts::TAU;
+use std::hint::black_box;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+/// From a cold start.
+pub const COLD: &str = "quasi-static, inertia, N = 16: force, cold";
+/// Few steps from where the balls were at the last sample.
+pub const WARM: &str = "quasi-static, inertia, N = 16: force, 3 steps from the last sample";
+/// From the table.
+pub const LOOKED_UP: &str = "tabulated, N = 16: force";
+/// Six plain Newton steps in C.
+pub const PLAIN_C: &str = "plain C, 6 Newton steps, N = 16: force, cold";
+
+type Massive = QuasiStatic<f64, Exact, Places<f64, 16>, Gyroscopic<f64>>;
+type LookedUp = Tabulated<f64, Exact, Places<f64, 16>, Vec<Node<f64, 2>>, 2>;
+
+const SPEED: f64 = 10_000.0 * TAU / 60.0;
+const WARM_STEPS: u8 = 3;
+
+fn solved() -> Result<Massive, InvalidParameter> {
+    let material = Material { youngs_modulus: 206.91e9, ..BEARING_STEEL };
+    let geometry = BallBearingGeometry {
+        ball_diameter: 22.23e-3,
+        pitch_diameter: 125.26e-3,
+        inner_conformity: 11.63 / 22.23,
+        outer_conformity: 11.63 / 22.23,
+        contact_angle: 40_f64.to_radians(),
+        ball: material,
+        race: material,
+    };
+    let inertia = InertiaParams {
+        density: 7800.0,
+        centrifugal: true,
+        gyroscopic: true,
+        control: RaceControl::Outer,
+        sharing: FrictionSharing::Outer,
+    };
+    QuasiStatic::try_new(geometry, even_places(Turn::ZERO), Zero::Touching)?.with_inertia(&inertia)
+}
+
+fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
+    let domain = Domain {
+        approach: [-60e-6, 100e-6],
+        angle: [20_f64.to_radians(), 60_f64.to_radians()],
+        speed: [0.2 * SPEED, 2.0 * SPEED],
+        turning: [1.0, 0.0],
+        intervals: [32, 16, 32],
+    };
+    let grid = domain.grid()?;
+    let mut nodes = vec![[0.0; 2]; grid.len()];
+    fill(bearing, &domain, &grid, &mut nodes, || {});
+    Ok(Tabulated::new(even_places(Turn::ZERO), bearing.table_seat(), Table::new(grid, nodes), false))
+}
+
+/// About the equilibrium under 17.8 kN of thrust, with radial load and tilt.
+fn poses() -> Vec<Displacement<f64>> {
+    let pose = |i| {
+        let [u, v] = [0.618, 0.414].map(|stride| 10e-6 * scattered(i, stride));
+        let [thu, thv] = [0.236, 0.303].map(|stride| 1e-4 * scattered(i, stride));
+        Displacement { u, v, w: 15e-6 + 5e-6 * scattered(i, 0.732), thu, thv }
+    };
+    (0..INPUTS).map(pose).collect()
+}
+
+fn each(row: &str, evaluate: impl Fn(&Displacement<f64>, &Rotation<f64>) + 'static) -> Subject {
+    let (poses, at) = (poses(), Rotation { inner_speed: SPEED, ..Rotation::default() });
+    let run = Box::new(move || {
+        for u in &poses {
+            evaluate(black_box(u), black_box(&at));
+        }
+    });
+    Subject { row: row.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
+}
+
+/// All four; without a C compiler the last one is left out.
+pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
+    let bearing = solved()?;
+    let table = looked_up(&bearing)?;
+    let mut subjects = vec![
+        each(COLD, move |u, at| {
+            black_box(bearing.reaction(u, at));
+        }),
+        warm(bearing),
+        each(LOOKED_UP, move |u, at| {
+            black_box(table.reaction(u, at));
+        }),
+    ];
+    subjects.extend(plain_c());
+    Ok(subjects)
+}
+
+/// A smooth way through the poses, each ball starting where it was.
+fn warm(bearing: Massive) -> Subject {
+    let bearing = bearing.with_steps(WARM_STEPS);
+    let at = Rotation { inner_speed: SPEED, ..Rotation::default() };
+    let mut balls = [BallPlace::default(); 16];
+    let pose = |i: u32| {
+        let angle = TAU * f64::from(i) / f64::from(INPUTS);
+        Displacement { u: 8e-6 * angle.cos(), v: 8e-6 * angle.sin(), w: 15e-6, thu: 5e-5, thv: 0.0 }
+    };
+    let poses: Vec<_> = (0..INPUTS).map(pose).collect();
+    bearing.place_balls(&pose(0), &at, &mut balls);
+    let run = Box::new(move || {
+        for u in &poses {
+            black_box(bearing.reaction_from(black_box(u), black_box(&at), &mut balls));
+        }
+    });
+    Subject { row: WARM.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
+}
+
+/// Passes over the poses that one run of the C program makes: what the pipe costs is then below a hundredth.
+const PASSES: u32 = 8;
+
+/// The C program, told through its input to go through the poses.
+struct Yardstick {
+    child: Child,
+    orders: ChildStdin,
+    answers: BufReader<ChildStdout>,
+    _folder: tempfile::TempDir,
+}
+
+impl Drop for Yardstick {
+    fn drop(&mut self) {
+        // It ends when its input does; whether it had ended already does not matter.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn plain_c() -> Option<Subject> {
+    let mut yardstick = start_yardstick()?;
+    let run = Box::new(move || {
+        let told = writeln!(yardstick.orders, "{PASSES}").and_then(|()| yardstick.orders.flush());
+        let mut answer = String::new();
+        let read = yardstick.answers.read_line(&mut answer);
+        black_box((told.is_ok(), read.is_ok(), answer));
+    });
+    Some(Subject { row: PLAIN_C.to_owned(), column: super::COLUMNS[0], calls: INPUTS * PASSES, run })
+}
+
+fn start_yardstick() -> Option<Yardstick> {
+    let folder = tempfile::tempdir().ok()?;
+    let program = folder.path().join("yardstick");
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/yardstick/quasi_static.c");
+    let built = Command::new("cc").args(["-O3", "-fno-math-errno", source, "-o"]).arg(&program).arg("-lm").status();
+    if !built.is_ok_and(|status| status.success()) {
+        eprintln!("no C compiler: the row of plain C is left out; type: apt-get install -y gcc");
+        return None;
+    }
+    let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
+    let (mut orders, answers) = (child.stdin.take()?, BufReader::new(child.stdout.take()?));
+    writeln!(orders, "{INPUTS}").ok()?;
+    for Displacement { u, v, w, thu, thv } in poses() {
+        writeln!(orders, "{u:e} {v:e} {w:e} {thu:e} {thv:e}").ok()?;
+    }
+    Some(Yardstick { child, orders, answers, _folder: folder })
+}

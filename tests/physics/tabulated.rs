@@ -1,0 +1,270 @@
+//! The table against the balls it was made from: at most 1e-4 of the largest load over the declared domain, edge of contact
+//! and a factor of ten in speed included.
+
+use ballrace::bearing::angular::Zero;
+use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+use ballrace::bearing::quasi_static::QuasiStatic;
+use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams, RaceControl};
+use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
+use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
+use ballrace::bearing::{Bearing, Place, Places, even_places};
+use ballrace::contact::hertz::Material;
+use ballrace::{Displacement, Exact, Rotation, Scalar, Status, Turn};
+use ballrace_tests::bearings::acbb_s_geometry;
+use ballrace_tests::states::Random;
+use std::f64::consts::TAU;
+
+const RPM: f64 = TAU / 60.0;
+const STEEL: InertiaParams = InertiaParams {
+    density: 7800.0,
+    centrifugal: true,
+    gyroscopic: true,
+    control: RaceControl::Outer,
+    sharing: FrictionSharing::Outer,
+};
+
+type Solved<F> = QuasiStatic<f64, Exact, [Place<f64>; 1], Gyroscopic<f64>, F>;
+type LookedUp<T, const F: usize> = Tabulated<T, Exact, [Place<T>; 1], Vec<Node<T, F>>, F>;
+
+fn harris() -> BallBearingGeometry {
+    let material = Material { youngs_modulus: 206.91e9, ..BEARING_STEEL };
+    BallBearingGeometry {
+        ball_diameter: 22.23e-3,
+        pitch_diameter: 125.26e-3,
+        inner_conformity: 11.63 / 22.23,
+        outer_conformity: 11.63 / 22.23,
+        contact_angle: 40_f64.to_radians(),
+        ball: material,
+        race: material,
+    }
+}
+
+fn solved(geometry: BallBearingGeometry, params: &InertiaParams) -> Solved<Dry> {
+    let one = [Place::at(Turn::ZERO)];
+    QuasiStatic::try_new(geometry, one, Zero::Touching).unwrap().with_inertia(params).unwrap()
+}
+
+/// 1000 to 10 000 rpm, 20 to 60 degrees, from 60 um of room to 100 um of approach.
+fn domain(intervals: [usize; 3]) -> Domain {
+    Domain {
+        approach: [-60e-6, 100e-6],
+        angle: [20_f64.to_radians(), 60_f64.to_radians()],
+        speed: [1_000.0 * RPM, 10_000.0 * RPM],
+        turning: [1.0, 0.0],
+        intervals,
+    }
+}
+
+fn looked_up<T: Scalar, L: Film<f64>, const F: usize>(bearing: &Solved<L>, domain: &Domain) -> LookedUp<T, F>
+where
+    Exact: ballrace::Math<T>,
+{
+    let grid = domain.grid().unwrap();
+    let mut nodes = vec![[0.0; F]; grid.len()];
+    assert_eq!(fill(bearing, domain, &grid, &mut nodes, || {}), 0, "every ball of the domain settles");
+    let nodes = nodes.into_iter().map(|node| node.map(T::from_f64)).collect();
+    Tabulated::new([Place::at(Turn::ZERO)], bearing.table_seat().rounded(), Table::new(grid.rounded(), nodes), false)
+}
+
+/// A displacement of the one ball's inner groove centre by approach and angle, and a speed, all within the domain.
+fn state(random: &mut Random, geometry: &BallBearingGeometry, domain: &Domain) -> (Displacement<f64>, Rotation<f64>) {
+    let [s0, s1] = domain.approach;
+    // Half of them about the edge of contact.
+    let s = if random.unit() < 0.5 { random.between(s0, s1) } else { random.between(0.1 * s0, 0.1 * s1) };
+    let (angle, speed) =
+        (random.between(domain.angle[0], domain.angle[1]), random.between(domain.speed[0], domain.speed[1]));
+    let (a, free) = (geometry.groove_distance(), geometry.contact_angle);
+    let u = (a + s) * angle.cos() - a * free.cos();
+    let w = (a + s) * angle.sin() - a * free.sin();
+    (Displacement { u, w, ..Displacement::default() }, Rotation { inner_speed: speed, ..Rotation::default() })
+}
+
+/// Median, 99 % and largest error over the largest load met.
+fn errors<T: Scalar, L: Film<f64>, const F: usize>(
+    bearing: &Solved<L>,
+    table: &LookedUp<T, F>,
+    domain: &Domain,
+    geometry: &BallBearingGeometry,
+) -> [f64; 3]
+where
+    Exact: ballrace::Math<T>,
+{
+    let truth = bearing.with_steps(40);
+    let mut random = Random(0x5eed);
+    let (mut largest, mut errors) = (0.0_f64, Vec::new());
+    for _ in 0..20_000 {
+        let (u, at) = state(&mut random, geometry, domain);
+        let expected = truth.reaction(&u, &at);
+        assert!(!expected.status.has(Status::NOT_SETTLED));
+        let rounded = Displacement::from_array(u.to_array().map(T::from_f64));
+        let speed = Rotation { inner_speed: T::from_f64(at.inner_speed), ..Rotation::default() };
+        let found = table.reaction(&rounded, &speed);
+        assert_eq!(found.status, Status::OK, "{u:?} {at:?}");
+        let difference = |i: usize| expected.wrench.to_array()[i] - found.wrench.to_array()[i].to_f64();
+        let arm = geometry.inner_groove_radius();
+        errors.push(difference(0).hypot(difference(2)).max(difference(4).abs() / arm));
+        largest = largest.max(expected.load);
+    }
+    errors.sort_by(f64::total_cmp);
+    [errors[10_000], errors[19_800], errors[19_999]].map(|e| e / largest)
+}
+
+fn shown(errors: [f64; 3]) -> String {
+    errors.map(|e| format!("{e:.1e}")).join(", ")
+}
+
+#[test]
+fn within_a_ten_thousandth_of_the_largest_load() {
+    println!("sharing | error in f64: median, 99 %, largest | in f32");
+    for sharing in [FrictionSharing::Outer, FrictionSharing::Proportional] {
+        let bearing = solved(harris(), &InertiaParams { sharing, ..STEEL });
+        let domain = domain([32, 16, 32]);
+        let double = errors(&bearing, &looked_up::<f64, _, 3>(&bearing, &domain), &domain, &harris());
+        let single = errors(&bearing, &looked_up::<f32, _, 3>(&bearing, &domain), &domain, &harris());
+        println!("{sharing:?} | {} | {}", shown(double), shown(single));
+        assert!(double[2] < 1e-4 && single[2] < 1e-4, "{} {}", shown(double), shown(single));
+    }
+}
+
+#[test]
+fn with_a_film_too() {
+    let oil = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
+    let bearing = solved(harris(), &STEEL).with_film(oil).unwrap();
+    let domain = domain([32, 16, 32]);
+    let found = errors(&bearing, &looked_up::<f64, _, 2>(&bearing, &domain), &domain, &harris());
+    println!("with a film: {}", shown(found));
+    assert!(found[2] < 2e-4 && found[1] < 1e-4, "{}", shown(found));
+}
+
+#[test]
+fn size_against_error() {
+    let bearing = solved(harris(), &STEEL);
+    println!("intervals | nodes | kB in f32 | error: median, 99 %, largest");
+    let mut last = f64::INFINITY;
+    for intervals in [[8, 4, 8], [16, 8, 16], [32, 16, 32], [64, 32, 64]] {
+        let domain = domain(intervals);
+        let table = looked_up::<f64, _, 2>(&bearing, &domain);
+        let nodes = table.table().nodes().len();
+        let found = errors(&bearing, &table, &domain, &harris());
+        println!("{intervals:?} | {nodes} | {:.0} | {}", nodes as f64 * 8e-3, shown(found));
+        assert!(found[2] < last, "a larger table is truer");
+        last = found[2];
+    }
+}
+
+#[test]
+fn outside_of_what_it_was_made_for_is_said() {
+    let bearing = solved(harris(), &STEEL);
+    let domain = domain([16, 8, 8]);
+    let table = looked_up::<f64, _, 2>(&bearing, &domain);
+    let at = Rotation { inner_speed: 5_000.0 * RPM, ..Rotation::default() };
+    let inside = Displacement { w: 20e-6, ..Displacement::default() };
+    assert_eq!(table.reaction(&inside, &at).status, Status::OK);
+    let outside = [
+        (Displacement { w: 400e-6, ..inside }, at),
+        (Displacement { w: -300e-6, u: -300e-6, ..inside }, at),
+        (Displacement { u: 900e-6, w: -700e-6, ..inside }, at),
+        (inside, Rotation { inner_speed: 900.0 * RPM, ..at }),
+        (inside, Rotation { inner_speed: 10_100.0 * RPM, ..at }),
+        (inside, Rotation::default()),
+    ];
+    for (u, at) in outside {
+        assert_eq!(table.reaction(&u, &at).status, Status::OUT_OF_TABLE, "{u:?} {at:?}");
+    }
+    let backwards = Rotation { inner_speed: -at.inner_speed, ..at };
+    assert_eq!(table.reaction(&inside, &backwards), table.reaction(&inside, &at), "either way round");
+    let odd = Displacement { u: f64::NAN, ..inside };
+    assert!(!table.reaction(&odd, &at).wrench.is_finite());
+}
+
+#[test]
+fn tangents_against_differences() {
+    let bearing = solved(acbb_s_geometry(), &InertiaParams { sharing: FrictionSharing::Equal, ..STEEL });
+    let domain = Domain { approach: [-10e-6, 30e-6], angle: [0.1, 0.8], ..domain([32, 16, 16]) };
+    let table = looked_up::<f64, _, 3>(&bearing, &domain);
+    let mut random = Random(0xabc);
+    for _ in 0..200 {
+        let (u, at) = state(&mut random, &acbb_s_geometry(), &domain);
+        let (reaction, k) = table.reaction_and_stiffness(&u, &at);
+        assert_eq!(reaction, table.reaction(&u, &at));
+        if reaction.load < 1.0 {
+            continue;
+        }
+        for j in 0..5 {
+            let h = if j < 3 { 1e-10 } else { 1e-8 };
+            let force = |sign: f64| {
+                let mut q = u.to_array();
+                q[j] += sign * h;
+                table.reaction(&Displacement::from_array(q), &at).wrench.to_array()
+            };
+            let (up, down) = (force(1.0), force(-1.0));
+            for i in 0..5 {
+                let numeric = -(up[i] - down[i]) / (2.0 * h);
+                let scale = (k[(0, 0)].abs() + k[(2, 2)].abs())
+                    * [1.0, 0.02][usize::from(i > 2)]
+                    * [1.0, 0.02][usize::from(j > 2)];
+                assert!((k[(i, j)] - numeric).abs() < 2e-4 * scale, "{i} {j}: {} {numeric}", k[(i, j)]);
+            }
+        }
+    }
+}
+
+#[test]
+fn waviness_and_damage_enter_as_shifts() {
+    let places: Places<f64, 9> = even_places(Turn::ZERO);
+    let wave =
+        Wave { part: Part::Inner, direction: Direction::Radial, order: 10, amplitude: 0.5e-6, phase: Turn::ZERO };
+    let ball = Wave { part: Part::Ball(Turn::ZERO), order: 2, ..wave };
+    let spall = Spall::new(Part::Outer, Turn::from_revolutions(0.9), 0.1, 2e-6, SpallShape::HalfSine);
+    let features = [Feature::Wave(wave), Feature::Wave(ball), Feature::Spall(spall)];
+    let uneven = || Uneven::<Exact, _>::new(features);
+    let one = solved(acbb_s_geometry(), &STEEL);
+    let domain = Domain { approach: [-10e-6, 30e-6], angle: [0.1, 0.8], ..domain([32, 16, 16]) };
+    let LookedUpParts { table, seat } = parts(&one, &domain);
+    let table = Tabulated::<f64, Exact, _, _, 2>::new(places, seat, table, false).with_surface(uneven());
+    let truth = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let truth = truth.with_inertia(&STEEL).unwrap().with_surface(uneven());
+    for i in 0..50 {
+        let turn = Turn::from_revolutions(f64::from(i) / 50.0);
+        let at = Rotation {
+            cage: turn,
+            inner: turn.times(3),
+            ball: turn.times(7),
+            inner_speed: 800.0,
+            ..Rotation::default()
+        };
+        let u = Displacement { u: 2e-6, v: -1e-6, w: 10e-6, thu: 1e-4, thv: 0.0 };
+        let (a, b) = (table.reaction(&u, &at), truth.reaction(&u, &at));
+        assert_eq!(a.status, Status::OK);
+        for (x, y) in a.wrench.to_array().into_iter().zip(b.wrench.to_array()) {
+            assert!((x - y).abs() < 2e-3 * b.load / 9.0 * 9.0_f64.sqrt(), "{x} {y}");
+        }
+    }
+}
+
+struct LookedUpParts {
+    table: Table<f64, Vec<Node<f64, 2>>, 2>,
+    seat: ballrace::bearing::quasi_static::TableSeat<f64>,
+}
+
+fn parts(bearing: &Solved<Dry>, domain: &Domain) -> LookedUpParts {
+    let made = looked_up::<f64, _, 2>(bearing, domain);
+    let table = Table::new(*made.table().grid(), made.table().nodes().to_vec());
+    LookedUpParts { table, seat: *made.seat() }
+}
+
+#[test]
+fn a_domain_that_cannot_be_is_refused() {
+    let good = domain([8, 8, 8]);
+    for bad in [
+        Domain { approach: [1e-6, 1e-6], ..good },
+        Domain { angle: [0.5, 0.4], ..good },
+        Domain { angle: [0.0, 1.6], ..good },
+        Domain { speed: [-1.0, 5.0], ..good },
+        Domain { intervals: [0, 8, 8], ..good },
+        Domain { speed: [f64::NAN, 5.0], ..good },
+    ] {
+        assert!(bad.grid().is_err(), "{bad:?}");
+    }
+}
