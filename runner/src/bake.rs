@@ -81,8 +81,6 @@ fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fi
     let plain = build::bearing::<f64, Exact>(scene, of, Model::QuasiStatic)?;
     let offset = build::preload_offset(scene, of, &plain)?.unwrap_or_default().to_array().map(|x| x as f32);
     let features = build::features::<f32>(of);
-    let mut uses = vec!["Displacement", "Exact", "Turn"];
-    uses.sort_unstable();
     writeln!(out, "    use ballrace::bearing::Place;")?;
     writeln!(out, "    use ballrace::bearing::quasi_static::TableSeat;")?;
     if !features.is_empty() {
@@ -95,7 +93,7 @@ fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fi
         writeln!(out, "    use ballrace::bearing::Mirrored;")?;
     }
     writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
-    writeln!(out, "    use ballrace::{{{}}};\n", uses.join(", "))?;
+    writeln!(out, "    use ballrace::{{Displacement, Exact, Turn}};\n")?;
     writeln!(
         out,
         "    /// Along Z from the rotor's centre of mass, m.\n    pub const STATION: f32 = {:?};",

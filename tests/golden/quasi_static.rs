@@ -151,3 +151,52 @@ fn every_ball() {
         }
     }
 }
+
+/// Harris' 218 bearing under 17.8 kN of thrust: `published.json` has what three independent programs found.
+#[test]
+fn harris_218_at_speed() {
+    let published: serde_json::Value = serde_json::from_str(include_str!("published.json")).unwrap();
+    let published = &published["harris_218_computed"];
+    let input = |key: &str| published["inputs"][key].as_f64().unwrap();
+    let diameter = input("ball_diameter");
+    let material = Material { youngs_modulus: input("youngs_modulus"), poissons_ratio: input("poissons_ratio") };
+    let geometry = BallBearingGeometry {
+        ball_diameter: diameter,
+        pitch_diameter: input("pitch_diameter"),
+        inner_conformity: input("groove_radius") / diameter,
+        outer_conformity: input("groove_radius") / diameter,
+        contact_angle: input("contact_angle_deg").to_radians(),
+        ball: material,
+        race: material,
+    };
+    let inertia = InertiaParams {
+        density: input("density"),
+        centrifugal: true,
+        gyroscopic: true,
+        control: RaceControl::Outer,
+        sharing: FrictionSharing::Outer,
+    };
+    let places: Vec<Place<f64>> = (0..16).map(|j| Place::even(Turn::ZERO, j, 16)).collect();
+    let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, places, Zero::Touching).unwrap();
+    let bearing = bearing.with_inertia(&inertia).unwrap();
+    let cases = published["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 4);
+    for case in cases {
+        let figure = |key: &str| case[key].as_f64().unwrap();
+        let at = Rotation { inner_speed: figure("rpm") * std::f64::consts::TAU / 60.0, ..Rotation::default() };
+        let u = Displacement { w: figure("delta_a_um") * 1e-6, ..Displacement::default() };
+        let reaction = bearing.reaction(&u, &at);
+        assert!((reaction.wrench.fz / -input("axial_load_N") - 1.0).abs() < 5e-5, "{}", reaction.wrench.fz);
+        let mut balls = [BallState::default(); 16];
+        bearing.ball_states(&u, &at, &mut balls);
+        let degrees = |[cos, sin]: [f64; 2]| sin.atan2(cos).to_degrees();
+        for (found, expected) in [
+            (balls[5].inner_load, figure("inner_load_N")),
+            (balls[5].outer_load, figure("outer_load_N")),
+            (degrees(balls[5].inner_direction), figure("inner_angle_deg")),
+            (degrees(balls[5].outer_direction), figure("outer_angle_deg")),
+        ] {
+            assert!((found / expected - 1.0).abs() < 5e-5, "{} rpm: {found} {expected}", figure("rpm"));
+        }
+    }
+}

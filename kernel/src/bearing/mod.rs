@@ -47,7 +47,7 @@ impl<T: Scalar> Reaction<T> {
     }
 
     /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
-    pub(crate) fn from_station(self, station: T) -> Self {
+    pub(crate) fn moved_from(self, station: T) -> Self {
         Self { wrench: self.wrench.from_station(station), ..self }
     }
 }

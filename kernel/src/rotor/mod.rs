@@ -136,7 +136,7 @@ impl<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize> Machine<T, M, B, N> {
         let start = Reaction { load: T::ZERO, ..Reaction::default() };
         self.bearings.iter().zip(at).fold(start, |sum, (mounted, at)| {
             let reaction = mounted.bearing.reaction(&q.at_station(mounted.station), at);
-            sum.plus(reaction.from_station(mounted.station))
+            sum.plus(reaction.moved_from(mounted.station))
         })
     }
 
@@ -150,7 +150,7 @@ impl<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize> Machine<T, M, B, N> {
         self.bearings.iter().zip(at).fold(start, |(sum, stiffness), (mounted, at)| {
             let (reaction, k) = mounted.bearing.reaction_and_stiffness(&q.at_station(mounted.station), at);
             let moved = stiffness_from_station(&k, mounted.station);
-            (sum.plus(reaction.from_station(mounted.station)), stiffness + moved)
+            (sum.plus(reaction.moved_from(mounted.station)), stiffness + moved)
         })
     }
 

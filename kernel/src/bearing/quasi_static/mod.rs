@@ -82,6 +82,9 @@ pub struct QuasiStatic<T, M, P, I = Massless, F = Dry, S = Smooth> {
     steps: u8,
 }
 
+/// A bearing with one more effect, or why not.
+pub type Made<T, M, P, I, F, S> = Result<QuasiStatic<T, M, P, I, F, S>, InvalidParameter>;
+
 impl<T: Scalar, M, P> QuasiStatic<T, M, P> {
     /// Balls without mass and film on round races; stiffness by Hertz at the free contact angle. Set-up time.
     ///
@@ -219,7 +222,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     pub fn with_inertia(
         self,
         params: &InertiaParams,
-    ) -> Result<QuasiStatic<T, M, P, Gyroscopic<T>, F, S>, InvalidParameter>
+    ) -> Made<T, M, P, Gyroscopic<T>, F, S>
     where
         F: Copy,
     {
@@ -234,7 +237,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     pub fn with_centrifugal(
         self,
         params: &InertiaParams,
-    ) -> Result<QuasiStatic<T, M, P, Centrifugal<T>, F, S>, InvalidParameter>
+    ) -> Made<T, M, P, Centrifugal<T>, F, S>
     where
         F: Copy,
     {
@@ -251,7 +254,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// A viscosity or pressure-viscosity coefficient that is not above 0.
-    pub fn with_film(self, oil: Lubricant) -> Result<QuasiStatic<T, M, P, I, HamrockDowson<T>, S>, InvalidParameter>
+    pub fn with_film(self, oil: Lubricant) -> Made<T, M, P, I, HamrockDowson<T>, S>
     where
         I: Copy,
     {

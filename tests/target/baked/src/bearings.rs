@@ -1,5 +1,5 @@
 //! Made by `ballrace bake` from the scene "spindle". Do not edit: bake the scene again.
-#![allow(unused_imports, clippy::excessive_precision, clippy::unreadable_literal)]
+#![allow(dead_code, unused_imports, clippy::excessive_precision, clippy::unreadable_literal)]
 
 /// Bearing "DE".
 pub mod bearing_de {
