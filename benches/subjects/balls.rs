@@ -3,7 +3,7 @@
 use super::{INPUTS, Subject, scattered};
 use ballrace::bearing::angular::Zero;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
-use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams, RaceControl};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, OuterControlled, RaceControl};
 use ballrace::bearing::quasi_static::{BallPlace, QuasiStatic};
 use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
 use ballrace::bearing::{Bearing, Places, even_places};
@@ -23,7 +23,7 @@ pub const LOOKED_UP: &str = "tabulated, N = 16: force";
 /// Six plain Newton steps in C.
 pub const PLAIN_C: &str = "plain C, 6 Newton steps, N = 16: force, cold";
 
-type Massive = QuasiStatic<f64, Exact, Places<f64, 16>, Gyroscopic<f64>>;
+type Massive = QuasiStatic<f64, Exact, Places<f64, 16>, OuterControlled<f64>>;
 type LookedUp = Tabulated<f64, Exact, Places<f64, 16>, Vec<Node<f64, 2>>, 2>;
 
 const SPEED: f64 = 10_000.0 * TAU / 60.0;
@@ -47,7 +47,7 @@ fn solved() -> Result<Massive, InvalidParameter> {
         control: RaceControl::Outer,
         sharing: FrictionSharing::Outer,
     };
-    QuasiStatic::try_new(geometry, even_places(Turn::ZERO), Zero::Touching)?.with_inertia(&inertia)
+    QuasiStatic::try_new(geometry, even_places(Turn::ZERO), Zero::Touching)?.with_outer_control(&inertia)
 }
 
 fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {

@@ -81,11 +81,11 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     }
     #[inline(always)]
     pub fn smaller(self, other: Self) -> Self {
-        Self::choose(self.below(other), self, other)
+        self.with(other, T::smaller)
     }
     #[inline(always)]
     pub fn larger(self, other: Self) -> Self {
-        Self::choose(other.below(self), self, other)
+        self.with(other, T::larger)
     }
     #[inline(always)]
     pub fn choose(first: Mask<K>, a: Self, b: Self) -> Self {

@@ -55,6 +55,25 @@ pub trait Scalar:
     fn is_zero(self) -> bool;
     /// `a` if `first`, else `b`, by masks: the same instructions either way.
     fn choose(first: bool, a: Self, b: Self) -> Self;
+    /// The smaller of two, `other` where either is NaN; no branch.
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        // A desktop processor has an instruction for it, which the compiler finds in this form only.
+        if cfg!(target_arch = "x86_64") {
+            if self < other { self } else { other }
+        } else {
+            Self::choose(self < other, self, other)
+        }
+    }
+    /// The larger of two, `other` where either is NaN; no branch.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if cfg!(target_arch = "x86_64") {
+            if self > other { self } else { other }
+        } else {
+            Self::choose(self > other, self, other)
+        }
+    }
     /// Radians of an arc given in counts of 2^-64 turn; `f32` looks at the upper 32 bits only.
     fn radians_of_counts(counts: i64) -> Self;
     /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.

@@ -74,6 +74,17 @@ fn each_effect_vanishes_with_its_cause() {
 }
 
 #[test]
+fn the_usual_choice_as_a_type_is_the_same_as_by_value() {
+    let (general, usual) = (plain(Turn::ZERO).with_inertia(&STEEL), plain(Turn::ZERO).with_outer_control(&STEEL));
+    let (general, usual) = (general.unwrap(), usual.unwrap());
+    let at = inner_at(12_000.0);
+    let (a, ka) = general.reaction_and_stiffness(&U, &at);
+    let (b, kb) = usual.reaction_and_stiffness(&U, &at);
+    assert!(relative_to_largest(&a.wrench.to_array(), &b.wrench.to_array()) < 1e-12);
+    assert!(apart(&ka, &kb) < 1e-9);
+}
+
+#[test]
 fn forces_of_model_f4b() {
     let golden = [-371.623234, -294.353050, -541.887840, -2.942087, 3.641872];
     let found = force(&plain(Turn::ZERO), &U, &Rotation::default());

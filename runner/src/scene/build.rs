@@ -332,7 +332,16 @@ pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnySo
     let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
     let surface = Uneven::<M, _>::new(features(scene));
     let built = built.with_surface(surface);
-    if scene.effects.centrifugal || scene.effects.gyroscopic {
+    let usual = InertiaParams {
+        centrifugal: true,
+        gyroscopic: true,
+        control: RaceControl::Outer,
+        sharing: FrictionSharing::Outer,
+        ..inertia_params(scene)
+    };
+    if inertia_params(scene) == usual {
+        with_film(scene, built.with_outer_control(&usual).map_err(|e| named(scene, e))?)
+    } else if scene.effects.centrifugal || scene.effects.gyroscopic {
         let built = built.with_inertia(&inertia_params(scene)).map_err(|e| named(scene, e))?;
         with_film(scene, built)
     } else {

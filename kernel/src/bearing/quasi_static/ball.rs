@@ -255,13 +255,17 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         if I::CENTRIFUGAL {
             residual.r = residual.r + inertia.centrifugal.value;
         }
-        if I::GYROSCOPIC {
-            let sum = inner.load + outer.load + Lanes::constant(NO_LOAD);
-            let by_load = Lanes::all(ball.by_load) / sum;
+        if I::GYROSCOPIC && I::BY_OUTER_RACE {
+            outer_share = Lanes::constant(2.0);
+            let friction = outer.direction.tangent().times(outer_share * inertia.friction.value);
+            residual = residual.plus(friction);
+        } else if I::GYROSCOPIC {
+            let inverse = Lanes::all(T::ONE) / (inner.load + outer.load + Lanes::constant(NO_LOAD));
+            let by_load = Lanes::all(ball.by_load) * inverse;
             outer_share = Lanes::all(ball.outer_share) + by_load * outer.load;
             inner_share = Lanes::all(ball.inner_share) + by_load * inner.load;
-            share_by_outer = by_load / sum * inner.load;
-            share_by_inner = by_load / sum * outer.load;
+            share_by_outer = by_load * inverse * inner.load;
+            share_by_inner = by_load * inverse * outer.load;
             let friction = outer.direction.tangent().times(outer_share);
             let friction = friction.minus(inner.direction.tangent().times(inner_share));
             residual = residual.plus(friction.times(inertia.friction.value));
@@ -355,14 +359,19 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
                 let (e_o, e_i) = (self.outer.direction, self.inner.direction);
                 let (t_o, t_i) = (e_o.tangent(), e_i.tangent());
                 let g = self.inertia.friction;
-                let along = t_o.times(self.outer_share).minus(t_i.times(self.inner_share));
-                by_outer = by_outer.plus(along.times(g.outer)).minus(e_o.times(g.value * self.outer_share));
-                by_inner = by_inner.plus(along.times(g.inner)).plus(e_i.times(g.value * self.inner_share));
-                let shift = t_o.plus(t_i).times(g.value);
-                let load_outer = e_o.times(self.outer.slope * self.share_by_outer);
-                let load_inner = e_i.times(self.inner.slope * self.share_by_inner);
-                slopes.outer = slopes.outer.minus(Matrix::outer(shift, load_outer));
-                slopes.inner = slopes.inner.minus(Matrix::outer(shift, load_inner));
+                by_outer = by_outer.minus(e_o.times(g.value * self.outer_share));
+                let mut along = t_o.times(self.outer_share);
+                if !I::BY_OUTER_RACE {
+                    along = along.minus(t_i.times(self.inner_share));
+                    by_inner = by_inner.plus(e_i.times(g.value * self.inner_share));
+                    let shift = t_o.plus(t_i).times(g.value);
+                    let load_outer = e_o.times(self.outer.slope * self.share_by_outer);
+                    let load_inner = e_i.times(self.inner.slope * self.share_by_inner);
+                    slopes.outer = slopes.outer.minus(Matrix::outer(shift, load_outer));
+                    slopes.inner = slopes.inner.minus(Matrix::outer(shift, load_inner));
+                }
+                by_outer = by_outer.plus(along.times(g.outer));
+                by_inner = by_inner.plus(along.times(g.inner));
             }
             slopes.outer = slopes.outer.minus(Matrix::outer(by_outer, turn_outer));
             slopes.inner = slopes.inner.plus(Matrix::outer(by_inner, turn_inner));

@@ -40,6 +40,8 @@ pub trait Inertia<T: Scalar>: Copy + Send + Sync + 'static {
     const CENTRIFUGAL: bool;
     /// Whether there is a gyroscopic moment.
     const GYROSCOPIC: bool;
+    /// Whether the outer race controls the spin and carries all friction: less to compute.
+    const BY_OUTER_RACE: bool;
 
     /// The numbers behind them.
     fn ball(&self) -> BallInertia<T>;
@@ -53,7 +55,11 @@ pub struct Massless;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Centrifugal<T>(pub(super) BallInertia<T>);
 
-/// Gyroscopic moment, with or without the centrifugal force.
+/// Both under outer race control with all friction at the outer race, the usual choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OuterControlled<T>(pub(super) BallInertia<T>);
+
+/// Gyroscopic moment, with or without the centrifugal force, under any control and sharing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gyroscopic<T>(pub(super) BallInertia<T>);
 
@@ -75,6 +81,7 @@ pub struct BallInertia<T> {
 impl<T: Scalar> Inertia<T> for Massless {
     const CENTRIFUGAL: bool = false;
     const GYROSCOPIC: bool = false;
+    const BY_OUTER_RACE: bool = true;
     #[inline(always)]
     fn ball(&self) -> BallInertia<T> {
         BallInertia::default()
@@ -84,6 +91,17 @@ impl<T: Scalar> Inertia<T> for Massless {
 impl<T: Scalar> Inertia<T> for Centrifugal<T> {
     const CENTRIFUGAL: bool = true;
     const GYROSCOPIC: bool = false;
+    const BY_OUTER_RACE: bool = false;
+    #[inline(always)]
+    fn ball(&self) -> BallInertia<T> {
+        self.0
+    }
+}
+
+impl<T: Scalar> Inertia<T> for OuterControlled<T> {
+    const CENTRIFUGAL: bool = true;
+    const GYROSCOPIC: bool = true;
+    const BY_OUTER_RACE: bool = true;
     #[inline(always)]
     fn ball(&self) -> BallInertia<T> {
         self.0
@@ -93,6 +111,7 @@ impl<T: Scalar> Inertia<T> for Centrifugal<T> {
 impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
     const CENTRIFUGAL: bool = true;
     const GYROSCOPIC: bool = true;
+    const BY_OUTER_RACE: bool = false;
     #[inline(always)]
     fn ball(&self) -> BallInertia<T> {
         self.0
@@ -225,20 +244,28 @@ impl<T: Scalar> BallInertia<T> {
         let inverse = WithSlopes { value: inverse, outer: -turn, inner: turn };
 
         let near = one - g * inner.r;
-        let slip = WithSlopes {
-            value: by_outer * near + by_inner * (c - g * outer.r),
-            outer: by_inner * (s + g * outer.z),
-            inner: by_outer * g * inner.z - by_inner * s,
+        let slip = if I::BY_OUTER_RACE {
+            WithSlopes { value: near, outer: Lanes::all(T::ZERO), inner: g * inner.z }
+        } else {
+            WithSlopes {
+                value: by_outer * near + by_inner * (c - g * outer.r),
+                outer: by_inner * (s + g * outer.z),
+                inner: by_outer * g * inner.z - by_inner * s,
+            }
         };
         let excess = slip.times(inverse).scaled(relative);
         let orbital = WithSlopes { value: Lanes::all(speeds.outer_speed) + excess.value, ..excess };
         let centrifugal = orbital.times(orbital).scaled(Lanes::all(self.centrifugal));
         let friction = if I::GYROSCOPIC {
             let far = one + g * outer.r;
-            let lever = WithSlopes {
-                value: by_outer * near * outer.z + by_inner * far * inner.z,
-                outer: by_outer * near * outer.r - by_inner * g * outer.z * inner.z,
-                inner: by_outer * g * inner.z * outer.z + by_inner * far * inner.r,
+            let lever = if I::BY_OUTER_RACE {
+                WithSlopes { value: near * outer.z, outer: near * outer.r, inner: g * inner.z * outer.z }
+            } else {
+                WithSlopes {
+                    value: by_outer * near * outer.z + by_inner * far * inner.z,
+                    outer: by_outer * near * outer.r - by_inner * g * outer.z * inner.z,
+                    inner: by_outer * g * inner.z * outer.z + by_inner * far * inner.r,
+                }
             };
             let factor = Lanes::all(self.gyroscopic) * relative * rolling;
             lever.times(inverse).times(orbital).scaled(factor)

@@ -19,7 +19,9 @@ pub(in crate::bearing) use tangent::contact_tangents;
 
 use self::ball::{Ball, BallSeat};
 use self::film::{Dry, FilmConstants, HamrockDowson, Lubricant};
-use self::inertia::{BallInertia, Centrifugal, Gyroscopic, InertiaParams, Massless};
+use self::inertia::{
+    BallInertia, Centrifugal, FrictionSharing, Gyroscopic, InertiaParams, Massless, OuterControlled, RaceControl,
+};
 use super::angular::Zero;
 use super::geometry::{BallBearingGeometry, InvalidParameter, check};
 use super::surface::{Smooth, Surface};
@@ -219,10 +221,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// A density below 0 or not finite.
-    pub fn with_inertia(
-        self,
-        params: &InertiaParams,
-    ) -> Made<T, M, P, Gyroscopic<T>, F, S>
+    pub fn with_inertia(self, params: &InertiaParams) -> Made<T, M, P, Gyroscopic<T>, F, S>
     where
         F: Copy,
     {
@@ -230,14 +229,25 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(self.with_loads(Gyroscopic(constants)))
     }
 
+    /// The same bearing with centrifugal force and gyroscopic moment under outer race control, all friction at the outer
+    /// race, whatever `params` says of control and sharing: as [`QuasiStatic::with_inertia`] with these, a quarter cheaper.
+    ///
+    /// # Errors
+    /// A density below 0 or not finite.
+    pub fn with_outer_control(self, params: &InertiaParams) -> Made<T, M, P, OuterControlled<T>, F, S>
+    where
+        F: Copy,
+    {
+        let by_outer = InertiaParams { control: RaceControl::Outer, sharing: FrictionSharing::Outer, ..*params };
+        let constants = self.inertia_constants(&by_outer)?;
+        Ok(self.with_loads(OuterControlled(constants)))
+    }
+
     /// The same bearing with the balls' centrifugal force alone, whatever `params` says of the gyroscopic moment.
     ///
     /// # Errors
     /// A density below 0 or not finite.
-    pub fn with_centrifugal(
-        self,
-        params: &InertiaParams,
-    ) -> Made<T, M, P, Centrifugal<T>, F, S>
+    pub fn with_centrifugal(self, params: &InertiaParams) -> Made<T, M, P, Centrifugal<T>, F, S>
     where
         F: Copy,
     {

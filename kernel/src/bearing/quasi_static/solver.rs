@@ -51,7 +51,6 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let one = Lanes::all(T::ONE);
         let zero = Lanes::all(T::ZERO);
         let mut at = *start;
-        let mut base = at.centre;
         let mut way = Plane { r: zero, z: zero };
         let (mut part, mut push, mut cuts) = (zero, zero, zero);
         for _ in 0..steps {
@@ -61,11 +60,12 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let shorter = (push / (push - along)).larger(Lanes::constant(0.1)).smaller(Lanes::constant(0.7));
             let step = self.newton_step(&balance);
             way = Plane::choose(over, way, step);
-            base = Plane::choose(over, base, at.centre);
+            // Back along the last way to where the secant says, or on along the new one.
+            let further = Lanes::choose(over, part * (shorter - one), one);
             part = Lanes::choose(over, part * shorter, one);
             push = Lanes::choose(over, push, balance.residual.dot(step));
             cuts = Lanes::choose(over, cuts + one, zero);
-            at.centre = base.plus(way.times(part));
+            at.centre = at.centre.plus(way.times(further));
             if I::CENTRIFUGAL {
                 at.inner_closing = Lanes::choose(balance.inner.deflection.below(zero), zero, drive.rolling);
             }
@@ -98,9 +98,9 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let trace = matrix.trace();
         let determinant = determinant.larger(Lanes::constant(1e-12) * trace * trace);
         let step = matrix.adjugate().times(balance.residual).times(Lanes::all(T::ONE) / determinant);
-        let length = step.dot(step).sqrt::<M>();
         let longest = Lanes::all(self.seat.longest_step);
-        step.times(longest / length.larger(longest))
+        let within = |x: Lanes<T, K>| x.smaller(longest).larger(-longest);
+        Plane { r: within(step.r), z: within(step.z) }
     }
 
     /// 1 for the balls at `at` that the inner ring reaches, 0 for those it does not.

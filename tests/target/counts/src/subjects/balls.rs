@@ -81,7 +81,10 @@ pub fn all(bench: &Bench) {
     if let Ok(centrifugal) = plain.with_centrifugal(&STEEL) {
         bearing(bench, "quasi-static, centrifugal", 8, centrifugal);
     }
-    let Ok(massive) = plain.with_inertia(&STEEL) else { return };
+    if let Ok(general) = plain.with_inertia(&STEEL) {
+        bearing(bench, "quasi-static, gyroscopic, any control", 8, general);
+    }
+    let Ok(massive) = plain.with_outer_control(&STEEL) else { return };
     bearing(bench, "quasi-static, gyroscopic", 8, massive);
     if let Ok(wet) = massive.with_film(Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 }) {
         bearing(bench, "quasi-static, gyroscopic, film", 8, wet);
@@ -106,7 +109,7 @@ pub fn all(bench: &Bench) {
     bearing(bench, "tabulated, friction, wave, spall, mirrored", 9, bearing_nde::bearing());
 }
 
-type Massive = QuasiStatic<f32, Exact, Places<f32, 8>, ballrace::bearing::quasi_static::inertia::Gyroscopic<f32>>;
+type Massive = QuasiStatic<f32, Exact, Places<f32, 8>, ballrace::bearing::quasi_static::inertia::OuterControlled<f32>>;
 
 #[inline(never)]
 fn warm(bearing: &Massive, balls: &mut [BallPlace<f32>; 8], u: &Displacement<f32>, at: &Rotation<f32>) -> Wrench<f32> {

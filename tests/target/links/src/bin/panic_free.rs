@@ -8,7 +8,7 @@ use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::film::{Dry, Film, HamrockDowson};
-use ballrace::bearing::quasi_static::inertia::{Centrifugal, Gyroscopic, Inertia, Massless};
+use ballrace::bearing::quasi_static::inertia::{Centrifugal, Gyroscopic, Inertia, Massless, OuterControlled};
 use ballrace::bearing::quasi_static::{BallPlace, BallState, QuasiStatic};
 use ballrace::bearing::surface::{Feature, Uneven};
 use ballrace::bearing::tabulated::{Node, Tabulated};
@@ -114,7 +114,7 @@ fn all<T: Scalar, M: Math<T>>() {
     in_cage::<T, Angular<T, M, Pairs<T, 4>>>();
     solved::<T, M, Massless, Dry>();
     solved::<T, M, Centrifugal<T>, HamrockDowson<T>>();
-    solved::<T, M, Gyroscopic<T>, Dry>();
+    solved::<T, M, OuterControlled<T>, Dry>();
     solved::<T, M, Gyroscopic<T>, HamrockDowson<T>>();
     looked_up::<T, M, 2>();
     looked_up::<T, M, 3>();
