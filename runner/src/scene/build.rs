@@ -441,7 +441,9 @@ const TABLE_PRESSURE: f64 = 4.2e9;
 /// Contact angles to either side of the free one, rad.
 const TABLE_ANGLES: f64 = 0.4;
 /// Speeds about a constant one.
-const TABLE_SPEEDS: [f64; 2] = [0.5, 1.5];
+const TABLE_SPEEDS: [f64; 2] = [0.8, 1.2];
+/// Intervals along approach and angle, and along the speed about a constant one and over one that changes.
+const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
 
 /// What the table of a bearing is made for: what the scene says, else up to the static limit, about its angle and speed.
 fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(Domain, bool)> {
@@ -463,13 +465,19 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
         Speed::Fluctuating { mean, fluctuation, .. } => [1.0 - fluctuation, 1.0 + fluctuation].map(|p| p * mean.abs()),
     };
     let turning = if by_outer { [0.0, 1.0] } else { [1.0, outer_ratio(scene)?] };
-    // Without inertia and film the speed does not matter: one layer.
-    let still = of.effects == super::Effects::default();
-    let mut intervals = given.intervals.unwrap_or([32, 16, 32]);
     let speed = given.speed.unwrap_or(speeds);
-    if still && given.intervals.is_none() {
-        intervals[2] = 1;
-    }
+    let ([approach, angle], about_one, over_many) = TABLE_INTERVALS;
+    // Without inertia and film the speed does not matter.
+    let still = of.effects == super::Effects::default();
+    let narrow = matches!(inner, Speed::Constant(_)) && given.speed.is_none();
+    let layers = if still {
+        1
+    } else if narrow {
+        about_one
+    } else {
+        over_many
+    };
+    let intervals = given.intervals.unwrap_or([approach, angle, layers]);
     let approach = given.approach.unwrap_or([-0.5 * most, most]);
     Ok((Domain { approach, angle: given.angle.unwrap_or(angles), speed, turning, intervals }, by_outer))
 }
