@@ -292,7 +292,9 @@ fn elements(
     let geometry = build::geometry(of)?;
     let states = match of.model {
         Model::QuasiStatic | Model::Tabulated | Model::Angular => {
-            Some(build::quasi_static::<f64, Exact>(of)?.ball_states(u, at))
+            let mut states = vec![BallState::default(); of.elements];
+            build::quasi_static::<f64, Exact>(of)?.ball_states(u, at, &mut states);
+            Some(states)
         }
         _ => None,
     };

@@ -1,7 +1,6 @@
 //! MODEL F12's identities, the limits that recover the cheaper rung, and the tables of F4, F4b and F7.
 
 use ballrace::bearing::angular::{Angular, Zero};
-use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Lubricant, central_film};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, Massless, RaceControl};
 use ballrace::bearing::quasi_static::{BallPlace, BallState, QuasiStatic};
@@ -9,19 +8,12 @@ use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Un
 use ballrace::bearing::{Bearing, Mirrored, Place, Places, even_places};
 use ballrace::contact::hertz::Race;
 use ballrace::{Displacement, Exact, Rotation, Stiffness, Turn, Wrench};
-use ballrace_tests::bearings::acbb_s_geometry;
+use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry, harris_218_geometry};
 use ballrace_tests::compare::{relative, relative_to_largest};
 use std::f64::consts::TAU;
 
 type Static = QuasiStatic<f64, Exact, Places<f64, 14>>;
 
-const STEEL: InertiaParams = InertiaParams {
-    density: 7800.0,
-    centrifugal: true,
-    gyroscopic: true,
-    control: RaceControl::Outer,
-    sharing: FrictionSharing::Outer,
-};
 const OIL: Lubricant = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
 /// MODEL F4b's displacement.
 const U: Displacement<f64> = Displacement { u: 2e-6, v: 1e-6, w: 10e-6, thu: 1e-4, thv: -5e-5 };
@@ -48,7 +40,7 @@ fn at_rest_it_is_the_angular_rung() {
     let angular =
         Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), even_places::<f64, 14>(Turn::ZERO), Zero::Touching);
     let (angular, at) = (angular.unwrap(), Rotation::default());
-    let massive = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let massive = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     for w in [-5e-6, 0.0, 1e-6, 10e-6, 40e-6] {
         let u = Displacement { w, ..U };
         let expected = force(&angular, &u, &at);
@@ -61,13 +53,13 @@ fn at_rest_it_is_the_angular_rung() {
 fn each_effect_vanishes_with_its_cause() {
     let at = inner_at(12_000.0);
     let reference = force(&plain(Turn::ZERO), &U, &at);
-    let light = InertiaParams { density: 1e-6, ..STEEL };
+    let light = InertiaParams { density: 1e-6, ..STEEL_BALLS };
     let light = plain(Turn::ZERO).with_inertia(&light).unwrap();
     assert!(relative_to_largest(&force(&light, &U, &at), &reference) < 1e-8, "massless balls");
     let thin = plain(Turn::ZERO).with_film(Lubricant { viscosity: 1e-18, ..OIL }).unwrap();
     assert!(relative_to_largest(&force(&thin, &U, &at), &reference) < 1e-8, "no viscosity");
-    let centrifugal = plain(Turn::ZERO).with_centrifugal(&STEEL).unwrap();
-    let none = InertiaParams { gyroscopic: false, ..STEEL };
+    let centrifugal = plain(Turn::ZERO).with_centrifugal(&STEEL_BALLS).unwrap();
+    let none = InertiaParams { gyroscopic: false, ..STEEL_BALLS };
     let without_moment = plain(Turn::ZERO).with_inertia(&none).unwrap();
     let difference = relative_to_largest(&force(&without_moment, &U, &at), &force(&centrifugal, &U, &at));
     assert!(difference < 1e-12, "a value of 0 is as good as a type: {difference:e}");
@@ -75,7 +67,8 @@ fn each_effect_vanishes_with_its_cause() {
 
 #[test]
 fn the_usual_choice_as_a_type_is_the_same_as_by_value() {
-    let (general, usual) = (plain(Turn::ZERO).with_inertia(&STEEL), plain(Turn::ZERO).with_outer_control(&STEEL));
+    let (general, usual) =
+        (plain(Turn::ZERO).with_inertia(&STEEL_BALLS), plain(Turn::ZERO).with_outer_control(&STEEL_BALLS));
     let (general, usual) = (general.unwrap(), usual.unwrap());
     let at = inner_at(12_000.0);
     let (a, ka) = general.reaction_and_stiffness(&U, &at);
@@ -90,7 +83,7 @@ fn forces_of_model_f4b() {
     let found = force(&plain(Turn::ZERO), &U, &Rotation::default());
     assert!(relative_to_largest(&found, &golden) < 2e-9, "{found:?}");
     let golden = [-341.004578, -270.341895, -582.467316, -2.722291, 3.356094];
-    let found = force(&plain(Turn::ZERO).with_inertia(&STEEL).unwrap(), &U, &inner_at(12_000.0));
+    let found = force(&plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap(), &U, &inner_at(12_000.0));
     assert!(relative_to_largest(&found, &golden) < 2e-9, "{found:?}");
 }
 
@@ -107,7 +100,7 @@ fn films_of_model_f4b() {
 
 #[test]
 fn a_film_is_that_of_its_own_load_and_speed() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap().with_film(OIL).unwrap().with_steps(20);
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap().with_film(OIL).unwrap().with_steps(20);
     let (geometry, at) = (acbb_s_geometry(), inner_at(6_000.0));
     let mut balls = [BallState::default(); 14];
     bearing.ball_states(&U, &at, &mut balls);
@@ -201,7 +194,8 @@ fn damage_is_met_on_its_own_surface() {
 
 #[test]
 fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
-    let bearing = plain(Turn::ZERO).with_inertia(&InertiaParams { sharing: FrictionSharing::Equal, ..STEEL }).unwrap();
+    let bearing =
+        plain(Turn::ZERO).with_inertia(&InertiaParams { sharing: FrictionSharing::Equal, ..STEEL_BALLS }).unwrap();
     for rpm in [0.0, 12_000.0] {
         let at = Rotation { cage: Turn::from_revolutions(0.3), ..inner_at(rpm) };
         let both = bearing.ring_reactions(&U, &Displacement::default(), &at);
@@ -230,7 +224,7 @@ fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
 
 #[test]
 fn only_the_rings_displacement_against_each_other_counts() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let at = inner_at(9_000.0);
     let common = Displacement { u: 1e-4, v: -2e-4, w: 5e-5, thu: 0.0, thv: 0.0 };
     let apart = bearing.ring_reactions(&U, &Displacement::default(), &at);
@@ -240,7 +234,7 @@ fn only_the_rings_displacement_against_each_other_counts() {
 
 #[test]
 fn turning_by_a_pitch_changes_nothing() {
-    let bearing = full(STEEL);
+    let bearing = full(STEEL_BALLS);
     let at = inner_at(15_000.0);
     let turned = Rotation { cage: Turn::from_revolutions(1.0 / 14.0), ..at };
     assert!(relative_to_largest(&force(&bearing, &U, &turned), &force(&bearing, &U, &at)) < 1e-9);
@@ -248,14 +242,14 @@ fn turning_by_a_pitch_changes_nothing() {
 
 #[test]
 fn reversing_the_rotation_changes_nothing() {
-    let bearing = full(InertiaParams { sharing: FrictionSharing::Proportional, ..STEEL });
+    let bearing = full(InertiaParams { sharing: FrictionSharing::Proportional, ..STEEL_BALLS });
     let at = inner_at(15_000.0);
     assert!(relative_to_largest(&force(&bearing, &U, &at.reversed()), &force(&bearing, &U, &at)) < 1e-9);
 }
 
 #[test]
 fn equal_relative_speed_with_the_outer_ring_turning_shares_the_spin_but_not_the_orbit() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let speed = 12_000.0 * TAU / 60.0;
     let state = |at: Rotation<f64>| {
         let mut balls = [BallState::default(); 14];
@@ -271,11 +265,11 @@ fn equal_relative_speed_with_the_outer_ring_turning_shares_the_spin_but_not_the_
 #[test]
 fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
     let wave = Wave { part: Part::Outer, direction: Direction::Axial, order: 5, amplitude: 1e-6, phase: Turn(77) };
-    let forward = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let forward = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let forward = forward.with_surface(Uneven::<Exact, _>::new([Feature::Wave(wave)]));
     let places = even_places::<f64, 14>(Turn::ZERO).map(Place::mirrored);
     let backward = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
-    let backward = backward.with_inertia(&STEEL).unwrap();
+    let backward = backward.with_inertia(&STEEL_BALLS).unwrap();
     let seen = Wave { amplitude: -wave.amplitude, ..wave };
     let backward = Mirrored(backward.with_surface(Uneven::<Exact, _>::new([Feature::Wave(seen).mirrored()])));
     let at = Rotation { cage: Turn::from_revolutions(0.21), outer: Turn(5), ..inner_at(12_000.0) };
@@ -350,7 +344,7 @@ fn tangents_against_differences() {
             (RaceControl::Outer, FrictionSharing::Proportional),
             (RaceControl::Inner, FrictionSharing::Equal),
         ] {
-            let params = InertiaParams { control, sharing, ..STEEL };
+            let params = InertiaParams { control, sharing, ..STEEL_BALLS };
             let bearing = plain(Turn::ZERO).with_inertia(&params).unwrap().with_steps(20);
             let at = Rotation { cage: Turn::from_revolutions(0.13), ..inner_at(rpm) };
             let (_, implicit) = bearing.reaction_and_stiffness(&U, &at);
@@ -384,7 +378,7 @@ fn the_tangent_of_model_f4b() {
 
 #[test]
 fn from_where_the_balls_were_few_steps_do() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL).unwrap();
+    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let exact = bearing.with_steps(30);
     let mut balls = [BallPlace::default(); 14];
     let path = |i: u32| {
@@ -409,16 +403,7 @@ fn from_where_the_balls_were_few_steps_do() {
 
 #[test]
 fn harris_218_of_model_f4() {
-    let material = ballrace::contact::hertz::Material { youngs_modulus: 206.91e9, poissons_ratio: 0.3 };
-    let geometry = BallBearingGeometry {
-        ball_diameter: 22.23e-3,
-        pitch_diameter: 125.26e-3,
-        inner_conformity: 11.63 / 22.23,
-        outer_conformity: 11.63 / 22.23,
-        contact_angle: 40_f64.to_radians(),
-        ball: material,
-        race: material,
-    };
+    let geometry = harris_218_geometry();
     let bearing = |params: &InertiaParams| {
         let bearing =
             QuasiStatic::<f64, Exact, _>::try_new(geometry, even_places::<f64, 16>(Turn::ZERO), Zero::Touching);
@@ -435,10 +420,10 @@ fn harris_218_of_model_f4() {
     for (rpm, load, um, q_i, q_o, a_i, a_o, f_c, m_g, orbit) in rows {
         let at = inner_at(rpm);
         let u = Displacement { w: um * 1e-6, ..Displacement::default() };
-        let found = bearing(&STEEL).reaction(&u, &at).wrench.fz;
+        let found = bearing(&STEEL_BALLS).reaction(&u, &at).wrench.fz;
         assert!(relative(found, -load) < 2e-4, "{rpm}: {found}");
         let mut balls = [BallState::default(); 16];
-        bearing(&STEEL).ball_states(&u, &at, &mut balls);
+        bearing(&STEEL_BALLS).ball_states(&u, &at, &mut balls);
         let ball = balls[3];
         let angle = |[c, s]: [f64; 2]| s.atan2(c).to_degrees();
         let pairs = [
@@ -455,7 +440,7 @@ fn harris_218_of_model_f4() {
         }
     }
     // Inner race control and equal sharing, 10 000 rpm.
-    let inner = InertiaParams { control: RaceControl::Inner, sharing: FrictionSharing::Equal, ..STEEL };
+    let inner = InertiaParams { control: RaceControl::Inner, sharing: FrictionSharing::Equal, ..STEEL_BALLS };
     let u = Displacement { w: 24.884e-6, ..Displacement::default() };
     let mut balls = [BallState::default(); 16];
     bearing(&inner).ball_states(&u, &inner_at(10_000.0), &mut balls);

@@ -2,43 +2,22 @@
 //! and a factor of ten in speed included.
 
 use ballrace::bearing::angular::Zero;
-use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
-use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams, RaceControl};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams};
 use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
 use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
 use ballrace::bearing::{Bearing, Place, Places, even_places};
-use ballrace::contact::hertz::Material;
 use ballrace::{Displacement, Exact, Rotation, Scalar, Status, Turn};
-use ballrace_tests::bearings::acbb_s_geometry;
+use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry, harris_218_geometry};
 use ballrace_tests::states::Random;
 use std::f64::consts::TAU;
 
 const RPM: f64 = TAU / 60.0;
-const STEEL: InertiaParams = InertiaParams {
-    density: 7800.0,
-    centrifugal: true,
-    gyroscopic: true,
-    control: RaceControl::Outer,
-    sharing: FrictionSharing::Outer,
-};
 
 type Solved<F> = QuasiStatic<f64, Exact, [Place<f64>; 1], Gyroscopic<f64>, F>;
 type LookedUp<T, const F: usize> = Tabulated<T, Exact, [Place<T>; 1], Vec<Node<T, F>>, F>;
-
-fn harris() -> BallBearingGeometry {
-    let material = Material { youngs_modulus: 206.91e9, ..BEARING_STEEL };
-    BallBearingGeometry {
-        ball_diameter: 22.23e-3,
-        pitch_diameter: 125.26e-3,
-        inner_conformity: 11.63 / 22.23,
-        outer_conformity: 11.63 / 22.23,
-        contact_angle: 40_f64.to_radians(),
-        ball: material,
-        race: material,
-    }
-}
 
 fn solved(geometry: BallBearingGeometry, params: &InertiaParams) -> Solved<Dry> {
     let one = [Place::at(Turn::ZERO)];
@@ -118,10 +97,10 @@ fn shown(errors: [f64; 3]) -> String {
 fn within_a_ten_thousandth_of_the_largest_load() {
     println!("sharing | error in f64: median, 99 %, largest | in f32");
     for sharing in [FrictionSharing::Outer, FrictionSharing::Proportional] {
-        let bearing = solved(harris(), &InertiaParams { sharing, ..STEEL });
+        let bearing = solved(harris_218_geometry(), &InertiaParams { sharing, ..STEEL_BALLS });
         let domain = domain([32, 16, 32]);
-        let double = errors(&bearing, &looked_up::<f64, _, 3>(&bearing, &domain), &domain, &harris());
-        let single = errors(&bearing, &looked_up::<f32, _, 3>(&bearing, &domain), &domain, &harris());
+        let double = errors(&bearing, &looked_up::<f64, _, 3>(&bearing, &domain), &domain, &harris_218_geometry());
+        let single = errors(&bearing, &looked_up::<f32, _, 3>(&bearing, &domain), &domain, &harris_218_geometry());
         println!("{sharing:?} | {} | {}", shown(double), shown(single));
         assert!(double[2] < 1e-4 && single[2] < 1e-4, "{} {}", shown(double), shown(single));
     }
@@ -130,23 +109,23 @@ fn within_a_ten_thousandth_of_the_largest_load() {
 #[test]
 fn with_a_film_too() {
     let oil = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
-    let bearing = solved(harris(), &STEEL).with_film(oil).unwrap();
+    let bearing = solved(harris_218_geometry(), &STEEL_BALLS).with_film(oil).unwrap();
     let domain = domain([32, 16, 32]);
-    let found = errors(&bearing, &looked_up::<f64, _, 2>(&bearing, &domain), &domain, &harris());
+    let found = errors(&bearing, &looked_up::<f64, _, 2>(&bearing, &domain), &domain, &harris_218_geometry());
     println!("with a film: {}", shown(found));
     assert!(found[2] < 2e-4 && found[1] < 1e-4, "{}", shown(found));
 }
 
 #[test]
 fn size_against_error() {
-    let bearing = solved(harris(), &STEEL);
+    let bearing = solved(harris_218_geometry(), &STEEL_BALLS);
     println!("intervals | nodes | kB in f32 | error: median, 99 %, largest");
     let mut last = f64::INFINITY;
     for intervals in [[8, 4, 8], [16, 8, 16], [32, 16, 32], [64, 32, 64]] {
         let domain = domain(intervals);
         let table = looked_up::<f64, _, 2>(&bearing, &domain);
         let nodes = table.table().nodes().len();
-        let found = errors(&bearing, &table, &domain, &harris());
+        let found = errors(&bearing, &table, &domain, &harris_218_geometry());
         println!("{intervals:?} | {nodes} | {:.0} | {}", nodes as f64 * 8e-3, shown(found));
         assert!(found[2] < last, "a larger table is truer");
         last = found[2];
@@ -155,7 +134,7 @@ fn size_against_error() {
 
 #[test]
 fn outside_of_what_it_was_made_for_is_said() {
-    let bearing = solved(harris(), &STEEL);
+    let bearing = solved(harris_218_geometry(), &STEEL_BALLS);
     let domain = domain([16, 8, 8]);
     let table = looked_up::<f64, _, 2>(&bearing, &domain);
     let at = Rotation { inner_speed: 5_000.0 * RPM, ..Rotation::default() };
@@ -180,7 +159,7 @@ fn outside_of_what_it_was_made_for_is_said() {
 
 #[test]
 fn tangents_against_differences() {
-    let bearing = solved(acbb_s_geometry(), &InertiaParams { sharing: FrictionSharing::Equal, ..STEEL });
+    let bearing = solved(acbb_s_geometry(), &InertiaParams { sharing: FrictionSharing::Equal, ..STEEL_BALLS });
     let domain = Domain { approach: [-10e-6, 30e-6], angle: [0.1, 0.8], ..domain([32, 16, 16]) };
     let table = looked_up::<f64, _, 3>(&bearing, &domain);
     let mut random = Random(0xabc);
@@ -219,12 +198,12 @@ fn waviness_and_damage_enter_as_shifts() {
     let spall = Spall::new(Part::Outer, Turn::from_revolutions(0.9), 0.1, 2e-6, SpallShape::HalfSine);
     let features = [Feature::Wave(wave), Feature::Wave(ball), Feature::Spall(spall)];
     let uneven = || Uneven::<Exact, _>::new(features);
-    let one = solved(acbb_s_geometry(), &STEEL);
+    let one = solved(acbb_s_geometry(), &STEEL_BALLS);
     let domain = Domain { approach: [-10e-6, 30e-6], angle: [0.1, 0.8], ..domain([32, 16, 16]) };
     let LookedUpParts { table, seat } = parts(&one, &domain);
     let table = Tabulated::<f64, Exact, _, _, 2>::new(places, seat, table, false).with_surface(uneven());
     let truth = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
-    let truth = truth.with_inertia(&STEEL).unwrap().with_surface(uneven());
+    let truth = truth.with_inertia(&STEEL_BALLS).unwrap().with_surface(uneven());
     for i in 0..50 {
         let turn = Turn::from_revolutions(f64::from(i) / 50.0);
         let at = Rotation {

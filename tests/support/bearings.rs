@@ -3,8 +3,10 @@
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::even_places;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
 use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
 use ballrace::bearing::{Bearing, Places};
+use ballrace::contact::hertz::Material;
 use ballrace::{Exact, Turn};
 
 /// Balls and races of a 6205 with a diametral clearance.
@@ -39,6 +41,29 @@ pub fn acbb_s_geometry() -> BallBearingGeometry {
         race: BEARING_STEEL,
     }
 }
+
+/// Harris' 218 bearing of MODEL F4.
+pub fn harris_218_geometry() -> BallBearingGeometry {
+    let material = Material { youngs_modulus: 206.91e9, ..BEARING_STEEL };
+    BallBearingGeometry {
+        ball_diameter: 22.23e-3,
+        pitch_diameter: 125.26e-3,
+        inner_conformity: 11.63 / 22.23,
+        outer_conformity: 11.63 / 22.23,
+        contact_angle: 40_f64.to_radians(),
+        ball: material,
+        race: material,
+    }
+}
+
+/// Steel balls with centrifugal force and gyroscopic moment, outer race control.
+pub const STEEL_BALLS: InertiaParams = InertiaParams {
+    density: 7800.0,
+    centrifugal: true,
+    gyroscopic: true,
+    control: RaceControl::Outer,
+    sharing: FrictionSharing::Outer,
+};
 
 /// MODEL F4b's bearing.
 pub fn angular_contact() -> Angular<f64, Exact, Places<f64, 14>> {

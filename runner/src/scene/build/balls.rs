@@ -1,0 +1,238 @@
+//! The rungs whose balls are in equilibrium: solved ball by ball, and looked up in a table made from that.
+
+use super::{AnyBearing, contact_geometry, facing, features, named, outer_ratio, places, uneven};
+use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
+use anyhow::{Result, bail};
+use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
+use ballrace::bearing::quasi_static::{BallState, QuasiStatic, TableSeat};
+use ballrace::bearing::surface::{Surface, Uneven};
+use ballrace::bearing::tabulated::{Domain, Grid, Table, Tabulated, fill};
+use ballrace::bearing::{Arrangement, Bearing, Mirrored, Place};
+use ballrace::contact::hertz::Race;
+use ballrace::{Displacement, Math, Rotation, Scalar, Turn};
+use std::sync::Arc;
+
+/// The balls' inertia as the kernel takes it.
+#[must_use]
+pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
+    InertiaParams {
+        density: scene.geometry.map_or(0.0, |g| g.density),
+        centrifugal: scene.effects.centrifugal,
+        gyroscopic: scene.effects.gyroscopic,
+        control: match scene.effects.control {
+            crate::scene::RaceControl::Outer => RaceControl::Outer,
+            crate::scene::RaceControl::Inner => RaceControl::Inner,
+        },
+        sharing: match scene.effects.sharing {
+            crate::scene::FrictionSharing::Outer => FrictionSharing::Outer,
+            crate::scene::FrictionSharing::Equal => FrictionSharing::Equal,
+            crate::scene::FrictionSharing::Proportional => FrictionSharing::Proportional,
+        },
+    }
+}
+
+/// A quasi-static bearing with any of its effects, and what it alone can tell.
+pub trait Solved<T: Scalar>: Bearing<T> {
+    /// What each ball does, as many as `states` takes.
+    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]);
+}
+
+impl<T, M, P, I, F, S> Solved<T> for QuasiStatic<T, M, P, I, F, S>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: Arrangement<T>,
+    I: Inertia<T>,
+    F: Film<T>,
+    S: Surface<T>,
+{
+    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]) {
+        QuasiStatic::ball_states(self, u, at, states);
+    }
+}
+
+impl<T: Scalar, B: Solved<T>> Solved<T> for Mirrored<B> {
+    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]) {
+        self.0.ball_states(&u.mirrored(), &at.reversed(), states);
+        // Angles count towards +Z of the scene.
+        for state in states {
+            let turned = |[cos, sin]: [T; 2]| [cos, -sin];
+            state.inner_direction = turned(state.inner_direction);
+            state.outer_direction = turned(state.outer_direction);
+            state.orbital_speed = -state.orbital_speed;
+        }
+    }
+}
+
+/// The quasi-static model of one bearing.
+///
+/// # Errors
+/// What the scene does not say for this model, or the kernel refuses.
+pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>> {
+    let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
+    let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
+    let surface = Uneven::<M, _>::new(features(scene));
+    let built = built.with_surface(surface);
+    let usual = InertiaParams {
+        centrifugal: true,
+        gyroscopic: true,
+        control: RaceControl::Outer,
+        sharing: FrictionSharing::Outer,
+        ..inertia_params(scene)
+    };
+    if inertia_params(scene) == usual {
+        with_film(scene, built.with_outer_control(&usual).map_err(|e| named(scene, e))?)
+    } else if scene.effects.centrifugal || scene.effects.gyroscopic {
+        let built = built.with_inertia(&inertia_params(scene)).map_err(|e| named(scene, e))?;
+        with_film(scene, built)
+    } else {
+        with_film(scene, built)
+    }
+}
+
+fn with_film<T, M, P, I, S>(scene: &BearingScene, built: QuasiStatic<T, M, P, I, Dry, S>) -> Result<Arc<dyn Solved<T>>>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: Arrangement<T> + 'static,
+    I: Inertia<T>,
+    S: Surface<T> + 'static,
+{
+    Ok(match scene.effects.film {
+        None => solved(scene, built),
+        Some(crate::scene::Lubricant { viscosity, pressure_viscosity, .. }) => {
+            let oil = Lubricant { viscosity, pressure_viscosity };
+            solved(scene, built.with_film(oil).map_err(|e| named(scene, e))?)
+        }
+    })
+}
+
+fn solved<T, M, P, I, F, S>(scene: &BearingScene, built: QuasiStatic<T, M, P, I, F, S>) -> Arc<dyn Solved<T>>
+where
+    T: Scalar,
+    M: Math<T>,
+    P: Arrangement<T> + 'static,
+    I: Inertia<T>,
+    F: Film<T>,
+    S: Surface<T> + 'static,
+{
+    if scene.facing == Facing::MinusZ { Arc::new(Mirrored(built)) } else { Arc::new(built) }
+}
+
+/// A bearing's table: what it was made for, its shape, its nodes, and what it needs besides.
+pub struct MadeTable {
+    /// What it was made for.
+    pub domain: Domain,
+    /// Whether its speed is the outer ring's.
+    pub by_outer: bool,
+    /// Shape.
+    pub grid: Grid<f64>,
+    /// Nodes; the third number is the friction, where the inner contact has one.
+    pub nodes: Vec<[f64; 3]>,
+    /// The rest.
+    pub seat: TableSeat<f64>,
+    /// Whether the third number is needed.
+    pub friction: bool,
+}
+
+/// Samples the quasi-static model of one bearing.
+///
+/// # Errors
+/// As [`quasi_static`], and a table that cannot be made.
+pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
+    let (geometry, zero) = contact_geometry(of, "tabulated")?;
+    let (domain, by_outer) = domain(scene, of, &geometry)?;
+    let one = [Place::at(Turn::ZERO)];
+    let plain = QuasiStatic::<f64, ballrace::Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
+    let seat = plain.table_seat();
+    let grid = domain.grid().map_err(|e| named(of, e))?;
+    let mut nodes = vec![[0.0; 3]; grid.len()];
+    let oil = of.effects.film.map(|f| Lubricant { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity });
+    let massive = of.effects.centrifugal || of.effects.gyroscopic;
+    let inertia = inertia_params(of);
+    let open = match (massive, oil) {
+        (false, None) => fill(&plain, &domain, &grid, &mut nodes, || {}),
+        (false, Some(oil)) => fill(&plain.with_film(oil).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes, || {}),
+        (true, None) => {
+            fill(&plain.with_inertia(&inertia).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes, || {})
+        }
+        (true, Some(oil)) => {
+            let full = plain.with_inertia(&inertia).and_then(|b| b.with_film(oil)).map_err(|e| named(of, e))?;
+            fill(&full, &domain, &grid, &mut nodes, || {})
+        }
+    };
+    if open > 0 {
+        bail!(
+            "{}: bearing {}: table: found {open} of {} states in which a ball has no equilibrium, allowed: none; a smaller approach, angle or speed range in table = {{ ... }} leaves them out",
+            scene.path.display(),
+            of.name,
+            grid.len()
+        );
+    }
+    let friction = of.effects.gyroscopic && of.effects.sharing != crate::scene::FrictionSharing::Outer;
+    Ok(MadeTable { domain, by_outer, grid, nodes, seat, friction })
+}
+
+/// Peak pressure up to which a table goes unless the scene says otherwise, Pa: the static limit of ISO 76.
+const TABLE_PRESSURE: f64 = 4.2e9;
+/// Contact angles to either side of the free one, rad.
+const TABLE_ANGLES: f64 = 0.4;
+/// Speeds about a constant one.
+const TABLE_SPEEDS: [f64; 2] = [0.8, 1.2];
+/// Intervals along approach and angle, and along the speed about a constant one and over one that changes.
+const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
+
+/// What the table of a bearing is made for: what the scene says, else up to the static limit, about its angle and speed.
+fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(Domain, bool)> {
+    let given = of.table.unwrap_or_default();
+    let contact = geometry.contact(Race::Inner);
+    let (_, _, pressure) = contact.ellipse(1.0);
+    let load = (TABLE_PRESSURE / pressure).powi(3);
+    let most = (load / geometry.stiffness()).powf(2.0 / 3.0);
+    let free = if of.facing == Facing::Both { [0.0, geometry.contact_angle] } else { [geometry.contact_angle; 2] };
+    let widest = if of.facing == Facing::Both { free[1] + TABLE_ANGLES } else { TABLE_ANGLES };
+    let angles = [(free[0] - widest).max(-1.3), (free[1] + TABLE_ANGLES).min(1.3)];
+    let (inner, outer) = (scene.shaft.speed, scene.shaft.outer_speed);
+    let about = |speed: f64| TABLE_SPEEDS.map(|part| part * speed.abs());
+    let by_outer = inner == Speed::Constant(0.0) && outer != 0.0;
+    let speeds = match inner {
+        _ if by_outer => about(outer),
+        Speed::Constant(speed) => about(speed),
+        Speed::Ramp { from, to, .. } => [from.abs().min(to.abs()), from.abs().max(to.abs())],
+        Speed::Fluctuating { mean, fluctuation, .. } => [1.0 - fluctuation, 1.0 + fluctuation].map(|p| p * mean.abs()),
+    };
+    let turning = if by_outer { [0.0, 1.0] } else { [1.0, outer_ratio(scene)?] };
+    let speed = given.speed.unwrap_or(speeds);
+    let ([approach, angle], about_one, over_many) = TABLE_INTERVALS;
+    // Without inertia and film the speed does not matter.
+    let still = of.effects == crate::scene::Effects::default();
+    let narrow = matches!(inner, Speed::Constant(_)) && given.speed.is_none();
+    let layers = if still {
+        1
+    } else if narrow {
+        about_one
+    } else {
+        over_many
+    };
+    let intervals = given.intervals.unwrap_or([approach, angle, layers]);
+    let approach = given.approach.unwrap_or([-0.5 * most, most]);
+    Ok((Domain { approach, angle: given.angle.unwrap_or(angles), speed, turning, intervals }, by_outer))
+}
+
+pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>> {
+    let made = table(scene, of)?;
+    if made.friction { looked_up::<T, M, 3>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
+}
+
+fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &MadeTable) -> Result<AnyBearing<T>> {
+    let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node[i]));
+    let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
+    let table = Table::new(made.grid.rounded::<T>(), nodes);
+    let bearing = Tabulated::<T, M, _, _, F>::new(places(of), made.seat.rounded(), table, made.by_outer);
+    Ok(match uneven::<T, M>(of) {
+        None => facing(of, bearing),
+        Some(surface) => facing(of, bearing.with_surface(surface)),
+    })
+}

@@ -1,0 +1,150 @@
+//! How a bearing turns at one instant, where it settles under a load, and its preload.
+
+use super::{AnyBearing, geometry};
+use crate::scene::{Bearing as BearingScene, Facing, Preload, Scene};
+use anyhow::{Result, bail};
+use ballrace::bearing::kinematics::orders;
+use ballrace::bearing::{Bearing, Reaction};
+use ballrace::rotor::{Equilibrium, Gear, Machine, Mounted, RigidRotor, RotorParams, equilibrium, solve};
+use ballrace::{Displacement, Rotation, Scalar, Stiffness, Turn};
+use std::sync::Arc;
+
+/// A bearing that stands displaced by its preload before anything moves.
+struct Preloaded<T> {
+    bearing: AnyBearing<T>,
+    offset: Displacement<T>,
+}
+
+impl<T: Scalar> Preloaded<T> {
+    fn with(&self, u: &Displacement<T>) -> Displacement<T> {
+        u.plus(self.offset)
+    }
+}
+
+impl<T: Scalar> Bearing<T> for Preloaded<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.bearing.reaction(&self.with(u), at)
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        self.bearing.reaction_and_stiffness(&self.with(u), at)
+    }
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.bearing.element_loads(&self.with(u), at, loads);
+    }
+}
+
+/// What a bearing sees at `time` of the scene, from angle 0 at time 0.
+///
+/// # Errors
+/// As [`kinematics`].
+pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<Rotation<f64>> {
+    let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
+    let inner = scene.shaft.speed.revolutions(time);
+    let outer = outer_speed * time / std::f64::consts::TAU;
+    let (cage_ratio, spin) = match geometry(bearing)? {
+        Some(g) => {
+            let orders = orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter);
+            (bearing.cage_ratio.unwrap_or(orders.cage), orders.ball_spin)
+        }
+        None => (bearing.cage_ratio.unwrap_or(0.0), 0.0),
+    };
+    // The outer ring takes the cage along as far as the inner one does not; a cage ratio that is given is for a
+    // resting outer ring.
+    let carried = if cage_ratio > 0.0 { 1.0 - cage_ratio } else { 0.0 };
+    Ok(Rotation {
+        cage: Turn::from_revolutions(cage_ratio * inner + carried * outer),
+        inner: Turn::from_revolutions(inner),
+        outer: Turn::from_revolutions(outer),
+        ball: Turn::from_revolutions(-spin * (inner - outer)),
+        inner_speed,
+        outer_speed,
+    })
+}
+
+/// Displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
+///
+/// # Errors
+/// A preload that the bearing cannot take, or a bearing that carries no thrust.
+pub fn preload_offset(
+    scene: &Scene,
+    bearing: &BearingScene,
+    built: &AnyBearing<f64>,
+) -> Result<Option<Displacement<f64>>> {
+    let Some(preload) = bearing.preload else { return Ok(None) };
+    let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
+    match preload {
+        Preload::Displacement(w) => Ok(Some(Displacement { w: sign * w, ..Displacement::default() })),
+        Preload::Force(force) => {
+            let at = rotation_at(scene, bearing, 0.0)?;
+            let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..at };
+            let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], &at)?;
+            if rest.residual > 1e-6 {
+                bail!(
+                    "{}: bearing {}: preload: found {force} N, which the bearing does not carry along its axis, allowed: a force that it can carry",
+                    scene.path.display(),
+                    bearing.name
+                );
+            }
+            Ok(Some(rest.q))
+        }
+    }
+}
+
+/// Where the inner ring settles under `load` (N, N m), the outer ring held.
+///
+/// # Errors
+/// None that a finite load can cause.
+pub fn loaded(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Result<Equilibrium<f64>> {
+    let params = RotorParams {
+        mass: 1.0,
+        diametral_inertia: 1.0,
+        polar_inertia: 0.0,
+        damping: [[0.0; 5]; 5],
+        stiffness: [0.0; 5],
+        gravity: [0.0; 3],
+        load,
+    };
+    let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
+    let seat = Mounted { bearing: bearing.clone(), station: 0.0, gear: Gear::new(0.0) };
+    let machine = Machine { rotor, bearings: [seat] };
+    // From where the bearing just carries thrust Newton's method needs a few steps; where that does not lead to rest, the
+    // damped fall from zero displacement does.
+    let start = thrust_start(bearing, load, at);
+    let settled = (0..NEWTON_STEPS).try_fold(start, |u, _| newton_step(bearing, load, at, u));
+    let start = settled.unwrap_or_default();
+    let found = equilibrium(&machine, &[*at], start);
+    Ok(if found.residual > 1e-6 { equilibrium(&machine, &[*at], Displacement::default()) } else { found })
+}
+
+/// Newton steps tried first.
+const NEWTON_STEPS: usize = 12;
+/// Axial displacements tried for a start, m.
+const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
+
+/// The first axial displacement at which the bearing carries the axial load, if there is one.
+fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Displacement<f64> {
+    let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
+    let carries = |u: &Displacement<f64>| bearing.reaction(u, at).wrench.fz.abs() >= load[2].abs();
+    THRUST_STARTS.map(along).into_iter().find(carries).unwrap_or_default()
+}
+
+/// One step of Newton's method; nothing where it leads nowhere.
+fn newton_step(
+    bearing: &AnyBearing<f64>,
+    load: [f64; 5],
+    at: &Rotation<f64>,
+    u: Displacement<f64>,
+) -> Option<Displacement<f64>> {
+    let (reaction, k) = bearing.reaction_and_stiffness(&u, at);
+    let mut residual = reaction.wrench.to_array();
+    for (r, f) in residual.iter_mut().zip(load) {
+        *r += f;
+    }
+    let next = u.plus(Displacement::from_array(solve(k, residual)));
+    next.is_finite().then_some(next)
+}
+
+/// `bearing` displaced by `offset` before anything moves.
+pub fn preloaded<T: Scalar>(bearing: AnyBearing<T>, offset: Displacement<T>) -> AnyBearing<T> {
+    AnyBearing(Arc::new(Preloaded { bearing, offset }))
+}
