@@ -2,6 +2,9 @@
 //!
 //! One ball's equilibrium is a long chain of dependent operations; on a desktop processor several of them side by side
 //! keep its units busy. With one lane it is the plain number.
+//!
+//! The loops count by hand: a `for` over zipped arrays says the same in twenty times the code, of which the compiler then
+//! has a few hundred thousand copies to take apart in every program that holds all kinds of ball.
 
 use crate::math::Math;
 use crate::scalar::Scalar;
@@ -25,23 +28,29 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     }
     #[inline(always)]
     fn each(mut self, f: impl Fn(T) -> T) -> Self {
-        for x in &mut self.0 {
-            *x = f(*x);
+        let mut i = 0;
+        while i < K {
+            self.0[i] = f(self.0[i]);
+            i += 1;
         }
         self
     }
     #[inline(always)]
     fn with(mut self, other: Self, f: impl Fn(T, T) -> T) -> Self {
-        for (x, y) in self.0.iter_mut().zip(other.0) {
-            *x = f(*x, y);
+        let mut i = 0;
+        while i < K {
+            self.0[i] = f(self.0[i], other.0[i]);
+            i += 1;
         }
         self
     }
     #[inline(always)]
     fn compare(self, other: Self, f: impl Fn(T, T) -> bool) -> Mask<K> {
         let mut mask = [false; K];
-        for ((m, x), y) in mask.iter_mut().zip(self.0).zip(other.0) {
-            *m = f(x, y);
+        let mut i = 0;
+        while i < K {
+            mask[i] = f(self.0[i], other.0[i]);
+            i += 1;
         }
         Mask(mask)
     }
@@ -90,8 +99,10 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     #[inline(always)]
     pub fn choose(first: Mask<K>, a: Self, b: Self) -> Self {
         let mut chosen = a;
-        for (((x, m), a), b) in chosen.0.iter_mut().zip(first.0).zip(a.0).zip(b.0) {
-            *x = T::choose(m, a, b);
+        let mut i = 0;
+        while i < K {
+            chosen.0[i] = T::choose(first.0[i], a.0[i], b.0[i]);
+            i += 1;
         }
         chosen
     }
@@ -100,15 +111,19 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
 impl<const K: usize> Mask<K> {
     #[inline(always)]
     pub fn and(mut self, other: Self) -> Self {
-        for (x, y) in self.0.iter_mut().zip(other.0) {
-            *x &= y;
+        let mut i = 0;
+        while i < K {
+            self.0[i] &= other.0[i];
+            i += 1;
         }
         self
     }
     #[inline(always)]
     pub fn or(mut self, other: Self) -> Self {
-        for (x, y) in self.0.iter_mut().zip(other.0) {
-            *x |= y;
+        let mut i = 0;
+        while i < K {
+            self.0[i] |= other.0[i];
+            i += 1;
         }
         self
     }

@@ -38,7 +38,8 @@ pub struct Reaction<T> {
 
 impl<T: Scalar> Reaction<T> {
     /// That of two bearings, or of two kinds of element, together.
-    pub(crate) fn plus(self, other: Self) -> Self {
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
         Self {
             wrench: self.wrench.plus(other.wrench),
             load: self.load + other.load,

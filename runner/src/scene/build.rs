@@ -1,32 +1,38 @@
 //! Scene -> kernel: the one place that knows both.
 
 mod balls;
+mod lumped;
 mod preload;
 
 pub use balls::{MadeTable, Solved, inertia_params, quasi_static, table};
 pub use preload::{loaded, preload_offset, preloaded, rotation_at};
 
-use super::{Axial, Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
+use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::angular::{Angular, Zero};
-use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
-use ballrace::bearing::lumped::{self, Combined};
 use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
-use ballrace::bearing::{Bearing, InCage, Mirrored, Place, Reaction};
+use ballrace::bearing::{Bearing, Mirrored, Place, Reaction};
 use ballrace::contact::hertz::Material;
-use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::rotor::{Gear, PartAngles, RotorParams, Unbalance};
 use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
 use std::sync::Arc;
 
-/// Any rung behind one pointer: how the runner holds bearings whose kind it learns at run time.
-#[derive(Clone)]
-pub struct AnyBearing<T>(pub Arc<dyn Bearing<T>>);
+/// A bearing behind a shared pointer.
+pub struct Shared<B: ?Sized>(pub Arc<B>);
 
-impl<T: Scalar> Bearing<T> for AnyBearing<T> {
+/// Any rung behind one pointer: how the runner holds bearings whose kind it learns at run time.
+pub type AnyBearing<T> = Shared<dyn Bearing<T>>;
+
+impl<B: ?Sized> Clone for Shared<B> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for Shared<B> {
     fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         self.0.reaction(u, at)
     }
@@ -152,9 +158,9 @@ fn named(bearing: &BearingScene, error: InvalidParameter) -> anyhow::Error {
 pub fn bearing<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<T>> {
     match model {
         Model::Linear => linear(of),
-        Model::Lumped => lumped::<T, M>(of),
+        Model::Lumped => lumped::lumped::<T, M>(of),
         Model::Angular => angular::<T, M>(of),
-        Model::QuasiStatic => Ok(AnyBearing(quasi_static::<T, M>(of)?)),
+        Model::QuasiStatic => Ok(Shared(quasi_static::<T, M>(of)?)),
         Model::Tabulated => balls::tabulated::<T, M>(scene, of),
     }
 }
@@ -168,9 +174,10 @@ pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<Place<T>> {
     (0..scene.elements).map(place).map(mirror).collect()
 }
 
-/// Turned about X by pi where the bearing faces -Z.
+/// Turned about X by pi where the bearing faces -Z. Behind the pointer already, so that no kind is compiled twice.
 fn facing<T: Scalar>(scene: &BearingScene, bearing: impl Bearing<T> + 'static) -> AnyBearing<T> {
-    if scene.facing == Facing::MinusZ { AnyBearing(Arc::new(Mirrored(bearing))) } else { AnyBearing(Arc::new(bearing)) }
+    let bearing: AnyBearing<T> = Shared(Arc::new(bearing));
+    if scene.facing == Facing::MinusZ { Shared(Arc::new(Mirrored(bearing))) } else { bearing }
 }
 
 /// Waviness and damage as the kernel takes them; any number of either.
@@ -240,141 +247,11 @@ fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeo
     Ok((geometry, if scene.facing == Facing::Both { Zero::Centred } else { Zero::Touching }))
 }
 
-/// Stiffness, exponent and radial play of the lumped law: as the scene gives them, else from geometry.
-fn lumped_law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
-    let geometry = geometry(scene)?;
-    let law = scene.law;
-    let Some(stiffness) = law.and_then(|l| l.stiffness).or_else(|| geometry.map(|g| g.stiffness())) else {
-        bail!(
-            "bearing {}: model lumped: found no stiffness, allowed: stiffness, or the geometry it follows from",
-            scene.name
-        );
-    };
-    let from_clearance = scene.geometry.and_then(|g| match g.fit {
-        Fit::DiametralClearance(s) => Some(0.5 * s),
-        Fit::ContactAngle(_) => None,
-    });
-    let Some(play) = law.and_then(|l| l.radial_play).or(from_clearance) else {
-        bail!(
-            "bearing {}: model lumped: found no radial_play, allowed: radial_play or diametral_clearance",
-            scene.name
-        );
-    };
-    Ok((stiffness, law.map_or(1.5, |l| l.exponent), play))
-}
-
-fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> {
-    let (stiffness, exponent, play) = lumped_law(scene)?;
-    let stiffness = T::from_f64(stiffness);
-    match exponent_kind(exponent) {
-        Exponent::Point => lumped_radial::<T, M, _>(scene, Point { stiffness }, play),
-        Exponent::Line => lumped_radial::<T, M, _>(scene, Line { stiffness }, play),
-        Exponent::Other => lumped_radial::<T, M, _>(scene, Power { stiffness, exponent: T::from_f64(exponent) }, play),
-    }
-}
-
-enum Exponent {
-    Point,
-    Line,
-    Other,
-}
-
-/// 3/2 and 10/9 (also as a decimal of four digits or more) have laws without a power function.
-fn exponent_kind(exponent: f64) -> Exponent {
-    if exponent == 1.5 {
-        Exponent::Point
-    } else if (exponent - 10.0 / 9.0).abs() < 1.2e-4 {
-        Exponent::Line
-    } else {
-        Exponent::Other
-    }
-}
-
-fn lumped_radial<T, M, L>(scene: &BearingScene, law: L, play: f64) -> Result<AnyBearing<T>>
-where
-    T: Scalar,
-    M: Math<T>,
-    L: Law<T, M>,
-{
-    let radial = lumped::Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
-    match uneven::<T, M>(scene) {
-        None => lumped_axial::<T, M, _>(scene, radial),
-        Some(surface) => lumped_axial::<T, M, _>(scene, radial.with_surface(surface)),
-    }
-}
-
-fn lumped_axial<T, M, R>(scene: &BearingScene, radial: R) -> Result<AnyBearing<T>>
-where
-    T: Scalar,
-    M: Math<T>,
-    R: FlexibleRing<T> + InCage<T> + Bearing<T> + 'static,
-{
-    let Some(axial) = scene.axial else { return Ok(on_housing(scene, radial)) };
-    let stiffness = T::from_f64(axial.stiffness);
-    match exponent_kind(axial.exponent) {
-        Exponent::Point => combined::<T, M, _, _>(scene, radial, axial, Point { stiffness }),
-        Exponent::Line => combined::<T, M, _, _>(scene, radial, axial, Line { stiffness }),
-        Exponent::Other => {
-            let exponent = T::from_f64(axial.exponent);
-            combined::<T, M, _, _>(scene, radial, axial, Power { stiffness, exponent })
-        }
-    }
-}
-
-fn combined<T, M, R, L>(scene: &BearingScene, radial: R, axial: Axial, law: L) -> Result<AnyBearing<T>>
-where
-    T: Scalar,
-    M: Math<T>,
-    R: FlexibleRing<T> + InCage<T> + Bearing<T> + 'static,
-    L: Law<T, M>,
-{
-    let axial = lumped::Axial::<T, M, L, _>::try_new(places(scene), law, axial.play, axial.radius)
-        .map_err(|e| named(scene, e))?;
-    Ok(on_housing(scene, Combined(radial, axial)))
-}
-
-fn on_housing<T: Scalar>(scene: &BearingScene, bearing: impl FlexibleRing<T> + Bearing<T> + 'static) -> AnyBearing<T> {
-    if scene.housing_displacement.is_empty() {
-        return facing(scene, bearing);
-    }
-    let mirror = scene.facing == Facing::MinusZ;
-    let point = |&[x, y, z]: &[f64; 3]| if mirror { [x, -y, -z] } else { [x, y, z] };
-    let displaced = |p| HousingPoint { displacement: point(p).map(T::from_f64), reaction: [T::ZERO; 3] };
-    let points = scene.housing_displacement.iter().map(displaced).collect();
-    facing(scene, OnHousing { bearing, points })
-}
-
-/// A bearing on a housing that stands displaced: Hajzman's flexible outer ring with given `q_S`.
-struct OnHousing<T, B> {
-    bearing: B,
-    points: Vec<HousingPoint<T>>,
-}
-
-impl<T: Scalar, B: FlexibleRing<T> + Bearing<T>> Bearing<T> for OnHousing<T, B> {
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
-        self.bearing.reaction_flexible(u, at, &mut self.points.clone())
-    }
-
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
-        self.bearing.reaction_and_stiffness_flexible(u, at, &mut self.points.clone())
-    }
-
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
-        // Load of an element = size of the reaction on its housing point.
-        let mut points = self.points.clone();
-        self.bearing.reaction_flexible(u, at, &mut points);
-        for (load, point) in loads.iter_mut().zip(&points) {
-            let square = point.reaction.iter().map(|r| r.to_f64() * r.to_f64()).sum::<f64>();
-            *load = T::from_f64(square.sqrt());
-        }
-    }
-}
-
 fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>> {
     match &scene.linear {
         Some(Linear::Matrix(rows)) => {
             let k = Stiffness::from_fn(|i, j| T::from_f64(rows[i][j]));
-            Ok(AnyBearing(Arc::new(LinearBearing::new(k))))
+            Ok(Shared(Arc::new(LinearBearing::new(k))))
         }
         Some(Linear::TwoSpring { static_load }) => {
             let Some(g) = geometry(scene)? else {
@@ -386,7 +263,7 @@ fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>> {
             let springs = two_spring_ball(scene.elements, g.ball_diameter, *static_load, g.contact_angle)
                 .map_err(|e| named(scene, e))?;
             // Along the static load: gravity acts along Y.
-            Ok(AnyBearing(Arc::new(LinearBearing::new(springs.stiffness(std::f64::consts::FRAC_PI_2)))))
+            Ok(Shared(Arc::new(LinearBearing::new(springs.stiffness(std::f64::consts::FRAC_PI_2)))))
         }
         Some(Linear::Of(_)) => bail!(
             "bearing {}: linearise: found a bearing taken alone, allowed: in a scene with a [rotor], whose rest position it is linearised at",
@@ -412,7 +289,7 @@ pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -
         }
         k += tangent * weight;
     }
-    AnyBearing(Arc::new(LinearBearing::about(k, Displacement::from_array(u), Wrench::from_array(f))))
+    Shared(Arc::new(LinearBearing::about(k, Displacement::from_array(u), Wrench::from_array(f))))
 }
 
 /// A spring bearing in another precision: its tangent and its force at zero displacement say all.
@@ -420,7 +297,7 @@ pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
     let zero = Displacement::default();
     let (reaction, k) = spring.reaction_and_stiffness(&zero, &Turn::ZERO.into());
     let force = Wrench::from_array(reaction.wrench.to_array().map(T::from_f64));
-    AnyBearing(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
+    Shared(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
 }
 
 /// Parameters of the rotor with the damping matrix `extra` besides its own diagonal one.

@@ -1,6 +1,6 @@
 //! The rungs whose balls are in equilibrium: solved ball by ball, and looked up in a table made from that.
 
-use super::{AnyBearing, contact_geometry, facing, features, named, outer_ratio, places, uneven};
+use super::{AnyBearing, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
 use anyhow::{Result, bail};
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -53,9 +53,9 @@ where
     }
 }
 
-impl<T: Scalar, B: Solved<T>> Solved<T> for Mirrored<B> {
+impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
     fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]) {
-        self.0.ball_states(&u.mirrored(), &at.reversed(), states);
+        self.0.0.ball_states(&u.mirrored(), &at.reversed(), states);
         // Angles count towards +Z of the scene.
         for state in states {
             let turned = |[cos, sin]: [T; 2]| [cos, -sin];
@@ -118,7 +118,8 @@ where
     F: Film<T>,
     S: Surface<T> + 'static,
 {
-    if scene.facing == Facing::MinusZ { Arc::new(Mirrored(built)) } else { Arc::new(built) }
+    let built: Arc<dyn Solved<T>> = Arc::new(built);
+    if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built }
 }
 
 /// A bearing's table: what it was made for, its shape, its nodes, and what it needs besides.

@@ -1,6 +1,6 @@
 //! How a bearing turns at one instant, where it settles under a load, and its preload.
 
-use super::{AnyBearing, geometry};
+use super::{AnyBearing, Shared, geometry};
 use crate::scene::{Bearing as BearingScene, Facing, Preload, Scene};
 use anyhow::{Result, bail};
 use ballrace::bearing::kinematics::orders;
@@ -36,7 +36,7 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
 /// What a bearing sees at `time` of the scene, from angle 0 at time 0.
 ///
 /// # Errors
-/// As [`kinematics`].
+/// As [`kinematics`](super::kinematics).
 pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<Rotation<f64>> {
     let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
     let inner = scene.shaft.speed.revolutions(time);
@@ -146,5 +146,5 @@ fn newton_step(
 
 /// `bearing` displaced by `offset` before anything moves.
 pub fn preloaded<T: Scalar>(bearing: AnyBearing<T>, offset: Displacement<T>) -> AnyBearing<T> {
-    AnyBearing(Arc::new(Preloaded { bearing, offset }))
+    Shared(Arc::new(Preloaded { bearing, offset }))
 }
