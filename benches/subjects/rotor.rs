@@ -16,7 +16,7 @@ const STEP: f64 = 1e-5;
 const SPEED: f64 = 300.0;
 
 type BallBearing<T> = Angular<T, Exact, Places<T, BALLS>>;
-type Rotor<T> = Machine<T, Exact, BallBearing<T>, 2>;
+type Rotor<T> = Machine<RigidRotor<T, Exact>, Mounted<T, BallBearing<T>>, 2>;
 
 /// Both integrators.
 pub fn steps<T: Scalar>(column: &'static str) -> Result<[Subject; 2], InvalidParameter>

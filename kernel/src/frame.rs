@@ -84,6 +84,12 @@ impl<T: Scalar> Displacement<T> {
     }
 }
 
+impl<T> From<Displacement<T>> for [T; 5] {
+    fn from(d: Displacement<T>) -> Self {
+        [d.u, d.v, d.w, d.thu, d.thv]
+    }
+}
+
 impl<T: Scalar> Wrench<T> {
     /// The five entries in order.
     pub fn to_array(self) -> [T; 5] {

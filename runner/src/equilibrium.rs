@@ -1,6 +1,6 @@
 //! Where a bearing or a rotor settles, and what each element then carries.
 
-use crate::replay::twin::{Plant, Seat};
+use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
 use anyhow::{Result, bail};
@@ -9,8 +9,8 @@ use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, minimum_film};
 use ballrace::contact::hertz::Race;
-use ballrace::{Displacement, Exact, Rotation, Stiffness, Turn};
-use nalgebra::SMatrix;
+use ballrace::{Displacement, Exact, Rotation, Turn};
+use nalgebra::DMatrix;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -154,7 +154,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
                 );
             };
             let rest = build::loaded(&built, total, &at)?;
-            (rest.q, rest.residual)
+            (rest.displacement(), rest.residual)
         }
     };
     let solving_seconds = begun.elapsed().as_secs_f64();
@@ -192,7 +192,9 @@ fn resting(scene: &Scene, of: &BearingScene) -> Result<Rotation<f64>> {
     Ok(Rotation { inner_speed: scene.shaft.speed.nominal(), ..at })
 }
 
-fn rows(k: &Stiffness<f64>) -> [[f64; 5]; 5] {
+fn rows<S: nalgebra::RawStorage<f64, R, C>, R: nalgebra::Dim, C: nalgebra::Dim>(
+    k: &nalgebra::Matrix<f64, R, C, S>,
+) -> [[f64; 5]; 5] {
     std::array::from_fn(|i| std::array::from_fn(|j| k[(i, j)]))
 }
 
@@ -220,9 +222,9 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     let speed = scene.shaft.speed.nominal();
     let (mut bearings, mut all) = (Vec::new(), Vec::new());
     let mut force = [0.0; 5];
-    for (of, seat) in scene.bearings.iter().zip(&plant.seats) {
+    for (i, (of, seat)) in scene.bearings.iter().zip(&plant.seats).enumerate() {
         let at = plant.resting(seat, Turn::ZERO);
-        let (moved, total) = places(&plant, seat);
+        let (moved, total) = places(&plant, i);
         let one = bearing_settled(&seat.name, &seat.bearing, &moved, &total, &at);
         let wrench = ballrace::Wrench::from_array(one.force).from_station(seat.station).to_array();
         for (sum, f) in force.iter_mut().zip(wrench) {
@@ -235,11 +237,11 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     Ok(Settled {
         scene: scene.name.clone(),
         speed,
-        displacement: plant.rest.to_array(),
+        displacement: plant.rest_pose().to_array(),
         force,
         stiffness: rows(&plant.stiffness),
         elements: all,
-        natural_frequencies_hz: natural_frequencies(&plant, speed),
+        natural_frequencies_hz: natural_frequencies(&plant, speed)?,
         bearings,
         residual: plant.residual,
         solving_seconds,
@@ -248,9 +250,9 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
 }
 
 /// Displacement of a bearing by the rotor's motion, and with its preload.
-fn places(plant: &Plant, seat: &Seat) -> (Displacement<f64>, Displacement<f64>) {
-    let moved = plant.rest.at_station(seat.station);
-    (moved, moved.plus(seat.offset))
+fn places(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f64>) {
+    let moved = plant.displacement(i, &plant.rest);
+    (moved, moved.plus(plant.seats.get(i).map_or_else(Displacement::default, |s| s.offset)))
 }
 
 /// A linear bearing has the elements of what it is linearised from.
@@ -262,24 +264,25 @@ fn model_with_elements(of: &BearingScene) -> Model {
 }
 
 /// Undamped natural frequencies of `M q'' + w G q' + K q = 0`, Hz, lowest first; those of free directions are 0.
-#[must_use]
-pub fn natural_frequencies(plant: &Plant, speed: f64) -> Vec<f64> {
-    let rotor = plant.rotor();
-    let mass = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
-    let mut system = SMatrix::<f64, 10, 10>::zeros();
-    for i in 0..5 {
-        system[(i, i + 5)] = 1.0;
-        for j in 0..5 {
-            system[(i + 5, j)] = -plant.stiffness[(i, j)] / mass[i];
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn natural_frequencies(plant: &Plant, speed: f64) -> Result<Vec<f64>> {
+    let (scales, n) = (plant.scales()?, plant.layout.order);
+    let Some(inverse) = scales.mass.try_inverse() else { bail!("found a mass matrix without an inverse") };
+    let (stiffness, gyroscopic) = (&inverse * &plant.stiffness, &inverse * scales.gyroscopic * speed);
+    let mut system = DMatrix::<f64>::zeros(2 * n, 2 * n);
+    for i in 0..n {
+        system[(i, i + n)] = 1.0;
+        for j in 0..n {
+            system[(i + n, j)] = -stiffness[(i, j)];
+            system[(i + n, j + n)] = -gyroscopic[(i, j)];
         }
     }
-    let gyroscopic = speed * rotor.polar_inertia / rotor.diametral_inertia;
-    system[(8, 9)] = -gyroscopic;
-    system[(9, 8)] = gyroscopic;
     let mut frequencies: Vec<f64> =
         system.complex_eigenvalues().iter().map(|value| value.im / TAU).filter(|f| *f > 0.0).collect();
     frequencies.sort_by(f64::total_cmp);
-    frequencies
+    Ok(frequencies)
 }
 
 /// What each element of a bearing does with its rings `u` apart.
@@ -300,10 +303,9 @@ fn elements(
     };
     let mut loads = vec![0.0; of.elements];
     bearing.element_loads(u, at, &mut loads);
-    let pitch = TAU / of.elements as f64;
     let element = |(j, &load): (usize, &f64)| {
         let state = states.as_ref().and_then(|states| states.get(j));
-        let azimuth = (of.first_element_azimuth + at.cage.radians() + pitch * j as f64).rem_euclid(TAU);
+        let azimuth = build::place::<f64>(of, j).azimuth().plus(at.cage).radians();
         element(of, (j + 1, azimuth), load, state, geometry.as_ref(), at)
     };
     Ok(loads.iter().enumerate().map(element).collect())

@@ -8,6 +8,7 @@ pub mod cli;
 pub mod equilibrium;
 pub mod fault;
 pub mod output;
+pub mod plant;
 pub mod recording;
 pub mod replay;
 pub mod report;

@@ -3,6 +3,7 @@
 mod batch;
 mod bearings;
 mod fast;
+mod general;
 mod pairs;
 mod quasi_static;
 mod rotor;

@@ -16,7 +16,7 @@ const ECCENTRICITY_UM: f64 = 0.932_176;
 const ANGLE: f64 = -1.398_047; // rad, of the unbalance
 const RUN_OUT_UM: (f64, f64) = (0.613_162, -1.152_853);
 
-fn kit() -> Machine<f64, Exact, Linear<f64>, 2> {
+fn kit() -> Machine<RigidRotor<f64, Exact>, Mounted<f64, Linear<f64>>, 2> {
     let k = NATURAL * NATURAL;
     let c = 2.0 * DAMPING_RATIO * NATURAL;
     let mut damping = [[0.0; 5]; 5];
@@ -39,7 +39,7 @@ fn kit() -> Machine<f64, Exact, Linear<f64>, 2> {
 }
 
 /// Settled 1X vector at a speed, um, as amplitude times e^(-i lag), from one turn of the integrated motion.
-fn response(machine: &Machine<f64, Exact, Linear<f64>, 2>, speed: f64) -> (f64, f64) {
+fn response(machine: &Machine<RigidRotor<f64, Exact>, Mounted<f64, Linear<f64>>, 2>, speed: f64) -> (f64, f64) {
     let per_turn = 400;
     let step = TAU / speed / f64::from(per_turn);
     let integrator = RungeKutta4 { step };
@@ -49,8 +49,8 @@ fn response(machine: &Machine<f64, Exact, Linear<f64>, 2>, speed: f64) -> (f64, 
     for i in 0..(turns + 1) * per_turn {
         let angle = Turn::from_revolutions(f64::from(i % per_turn) / f64::from(per_turn));
         if i >= turns * per_turn {
-            cos += state.q.u * angle.radians().cos() * 2e6 / f64::from(per_turn);
-            sin += state.q.u * angle.radians().sin() * 2e6 / f64::from(per_turn);
+            cos += state.q[0] * angle.radians().cos() * 2e6 / f64::from(per_turn);
+            sin += state.q[0] * angle.radians().sin() * 2e6 / f64::from(per_turn);
         }
         integrator.step(machine, &mut state, &Drive { angle, speed, acceleration: 0.0 });
     }

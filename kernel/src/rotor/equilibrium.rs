@@ -1,21 +1,29 @@
 //! Where the rotor rests: the static equilibrium of its constant load and its bearings.
 
-use super::{Machine, solve};
-use crate::bearing::Bearing;
-use crate::frame::{Displacement, Stiffness};
-use crate::math::Math;
+use super::vector::{add, all_finite, along};
+use super::{Coupling, Machine, System, solve};
+use crate::frame::Displacement;
 use crate::rotation::Rotation;
 use crate::scalar::Scalar;
+use nalgebra::SMatrix;
 
 /// The place found, and how well.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Equilibrium<T: Scalar> {
-    /// Displacement of the centre of mass.
-    pub q: Displacement<T>,
-    /// Tangent stiffness of rotor springs and bearings there, at the centre of mass.
-    pub stiffness: Stiffness<T>,
-    /// Largest unbalanced entry (moments over the bearing span) over the load and what the elements carry; 0 is perfect.
+pub struct Equilibrium<T: Scalar, const D: usize> {
+    /// The coordinates: of a rigid rotor, the displacement of its centre of mass.
+    pub q: [T; D],
+    /// Tangent stiffness of the system and its bearings there.
+    pub stiffness: SMatrix<T, D, D>,
+    /// Largest unbalanced entry (moments over the radius of gyration) over the load and what the elements carry; 0 is
+    /// perfect.
     pub residual: T,
+}
+
+impl<T: Scalar> Equilibrium<T, 5> {
+    /// Displacement of a rigid rotor's centre of mass.
+    pub fn displacement(&self) -> Displacement<T> {
+        Displacement::from_array(self.q)
+    }
 }
 
 /// Iterations at most; the usual are 10 to 40. Set-up, not the hot path: it ends when nothing is left to balance.
@@ -26,29 +34,40 @@ const FIRST_STEP: f64 = 2e-5;
 /// Static equilibrium with the bearings turned as `at` says, from `start`.
 ///
 /// Newton's method on `D q' = r(q)` taken implicitly with a step that grows as the residual falls: far off it is
-/// a damped fall towards contact, where clearance leaves Newton's matrix singular; close by it is Newton's method.
+/// a damped fall towards contact, where clearance leaves Newton's matrix singular; close by it is Newton's method. The
+/// drag `D` is in proportion to the masses.
 /// A rotor that nothing holds in some direction keeps a residual: check it.
-pub fn equilibrium<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize>(
-    machine: &Machine<T, M, B, N>,
+pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+    machine: &Machine<R, C, N>,
     at: &[Rotation<T>; N],
-    start: Displacement<T>,
-) -> Equilibrium<T> {
+    start: impl Into<[T; D]>,
+) -> Equilibrium<T, D> {
     let load = machine.rotor.constant_load();
-    let span = machine.bearings.iter().fold(T::ZERO, |s, b| s + b.station.abs()) + T::from_f64(1e-3);
-    let scale = load.to_array().into_iter().fold(T::ZERO, |s, f| s + f.abs()) + T::from_f64(1e-9);
-    let weights = [T::ONE, T::ONE, T::ONE, T::ONE / span, T::ONE / span];
-    let drag = scale / T::from_f64(FIRST_STEP);
-    let size = |r: &[T; 5]| {
-        r.iter().zip(weights).fold(T::ZERO, |m, (&x, w)| if (x * w).abs() > m { (x * w).abs() } else { m })
+    let mass = machine.rotor.effective([T::ONE, T::ZERO, T::ZERO], T::ZERO);
+    let mut shares = [T::ZERO; D];
+    for (i, share) in shares.iter_mut().enumerate() {
+        *share = mass[(i, i)];
+    }
+    let heaviest = shares.iter().fold(T::ZERO, |most, &m| m.larger(most));
+    shares = shares.map(|m| m / heaviest);
+    // A force on a small share counts as the force on the whole mass that moves it as much.
+    let size = |r: &[T; D]| {
+        r.iter().zip(&shares).fold(T::ZERO, |most, (&x, &share)| {
+            let weight = T::ONE / T::from_f64(libm::sqrt(share.to_f64()));
+            (x * weight).abs().larger(most)
+        })
     };
+    let scale = load.iter().fold(T::ZERO, |s, f| s + f.abs()) + T::from_f64(1e-9);
+    let drag = scale / T::from_f64(FIRST_STEP);
 
-    let mut q = start;
-    let mut result = Equilibrium { q, stiffness: Stiffness::from_element(T::ZERO), residual: T::ONE };
+    let mut q = start.into();
+    let mut result = Equilibrium { q, stiffness: SMatrix::from_element(T::ZERO), residual: T::ONE };
     for iteration in 0..ITERATIONS {
-        let (bearings, tangent) = machine.bearing_reaction_and_stiffness(&q, at);
-        let zero = Displacement::default();
-        let residual = load.plus(bearings.wrench).plus(machine.rotor.internal(&q, &zero, T::ZERO)).to_array();
-        let stiffness = tangent + machine.rotor.effective((T::ZERO, T::ZERO), T::ZERO);
+        let (bearings, tangent) = machine.push_and_stiffness(&q, at);
+        let mut residual = load;
+        add(&mut residual, &bearings.force);
+        add(&mut residual, &machine.rotor.internal(&q, &[T::ZERO; D], T::ZERO));
+        let stiffness = tangent + machine.rotor.effective([T::ZERO, T::ZERO, T::ONE], T::ZERO);
         let relative = size(&residual) / (scale + bearings.load);
         if relative < result.residual || iteration == 0 {
             result = Equilibrium { q, stiffness, residual: relative };
@@ -57,17 +76,12 @@ pub fn equilibrium<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize>(
             break;
         }
         let mut matrix = stiffness;
-        for (i, w) in weights.into_iter().enumerate() {
+        for (i, &share) in shares.iter().enumerate() {
             // A trace of drag stays so that a direction that nothing holds stays where it is.
-            matrix[(i, i)] += drag * (relative + T::from_f64(1e-12)) / (w * w);
+            matrix[(i, i)] += drag * (relative + T::from_f64(1e-12)) * share;
         }
-        let step = solve(matrix, residual);
-        let mut next = q.to_array();
-        for (x, dx) in next.iter_mut().zip(step) {
-            *x += dx;
-        }
-        let next = Displacement::from_array(next);
-        if next.is_finite() {
+        let next = along(&q, T::ONE, &solve(matrix, residual));
+        if all_finite(&next) {
             q = next;
         }
     }

@@ -1,42 +1,46 @@
-//! A rigid rotor of five degrees of freedom on bearings, and its integrators.
+//! Rotors on bearings, and the integrators that move them.
 //!
-//! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6) with `q = [u v w thu thv]` of the centre
-//! of mass. A bearing at station `z` sees `u + z thv`, `v - z thu` and answers with a wrench moved back.
+//! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6). A [`System`] is the linear side and what excites
+//! it: [`RigidRotor`], five coordinates `q = [u v w thu thv]` of the centre of mass, at the least cost; [`General`], any
+//! coordinates from matrices, among them the rigid rotor on flexible [`supported`] bearings and a reduced finite-element
+//! rotor. A [`Coupling`] is what pushes on the coordinates: a bearing [`Mounted`] on a rigid rotor or [`Attached`] to any
+//! coordinates, and [`MovingBalls`], whose balls are coordinates themselves.
 
+mod coupling;
 mod drive;
 mod equilibrium;
 mod gear;
+mod general;
+mod moving_balls;
 mod newmark;
 mod rigid;
 mod runge_kutta;
 mod solve;
+mod supported;
+mod system;
+mod vector;
+mod verlet;
 
+pub use coupling::{Attached, Attachment, Coupling, Geared, Mounted};
 pub use drive::Drive;
 pub use equilibrium::{Equilibrium, equilibrium};
 pub use gear::{Gear, PartAngles};
+pub use general::{General, InvalidMatrix, Matrices};
+pub use moving_balls::{MovingBalls, MovingBallsParams};
 pub use newmark::Newmark;
 pub use rigid::{RigidRotor, RotorParams, Unbalance};
 pub use runge_kutta::RungeKutta4;
 pub use solve::solve;
+pub use supported::{Support, supported};
+pub use system::System;
+pub use verlet::Verlet;
 
-use crate::bearing::{Bearing, Reaction};
-use crate::frame::{Displacement, Stiffness, stiffness_from_station};
-use crate::math::Math;
+use crate::frame::Displacement;
 use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
 use crate::turn::{Arc, Turn};
-
-/// A bearing on the rotor.
-#[derive(Debug, Clone, Copy)]
-pub struct Mounted<T, B> {
-    /// What it answers to a displacement.
-    pub bearing: B,
-    /// Along Z from the centre of mass, m.
-    pub station: T,
-    /// How its parts follow the shaft.
-    pub gear: Gear<T>,
-}
+use nalgebra::SMatrix;
 
 /// A rotor and its `N` bearings: the parameters of the hot path.
 ///
@@ -68,26 +72,26 @@ pub struct Mounted<T, B> {
 ///     let status = RungeKutta4 { step: half_period / 100.0 }.step(&machine, &mut state, &standing);
 ///     assert!(!status.is_held());
 /// }
-/// assert!((state.q.u + 1e-6).abs() < 1e-13);
+/// assert!((state.displacement().u + 1e-6).abs() < 1e-13);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Machine<T: Scalar, M, B, const N: usize> {
-    /// The rotor and what acts on it.
-    pub rotor: RigidRotor<T, M>,
-    /// Its bearings.
-    pub bearings: [Mounted<T, B>; N],
+pub struct Machine<R, C, const N: usize> {
+    /// The rotor and what acts on it: a [`System`].
+    pub rotor: R,
+    /// Its bearings: each a [`Coupling`].
+    pub bearings: [C; N],
 }
 
 /// What changes from step to step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RotorState<T, const N: usize> {
-    /// Displacement of the centre of mass.
-    pub q: Displacement<T>,
-    /// Its rate, per second.
-    pub rate: Displacement<T>,
-    /// Its second derivative, carried by Newmark from step to step.
-    pub acceleration: Displacement<T>,
+pub struct RotorState<T, const D: usize, const N: usize> {
+    /// The coordinates: of a rigid rotor, the displacement of its centre of mass.
+    pub q: [T; D],
+    /// Their rate, per second.
+    pub rate: [T; D],
+    /// Their second derivative, carried by Newmark from step to step.
+    pub acceleration: [T; D],
     /// Angles of each bearing's parts at shaft angle `shaft`.
     pub parts: [PartAngles; N],
     /// Shaft angle up to which the parts have been turned.
@@ -96,15 +100,22 @@ pub struct RotorState<T, const N: usize> {
     pub held: u32,
 }
 
-impl<T: Scalar, const N: usize> RotorState<T, N> {
+impl<T: Scalar, const D: usize, const N: usize> RotorState<T, D, N> {
     /// At rest at `q`, with the shaft and the bearings' parts (or only their cages) at these angles.
-    pub fn at_rest(q: Displacement<T>, shaft: Turn, parts: [impl Into<PartAngles>; N]) -> Self {
-        let zero = Displacement::default();
-        Self { q, rate: zero, acceleration: zero, parts: parts.map(Into::into), shaft, held: 0 }
+    pub fn at_rest(q: impl Into<[T; D]>, shaft: Turn, parts: [impl Into<PartAngles>; N]) -> Self {
+        let zero = [T::ZERO; D];
+        Self { q: q.into(), rate: zero, acceleration: zero, parts: parts.map(Into::into), shaft, held: 0 }
     }
 
     fn is_finite(&self) -> bool {
-        self.q.is_finite() & self.rate.is_finite() & self.acceleration.is_finite()
+        vector::all_finite(&self.q) & vector::all_finite(&self.rate) & vector::all_finite(&self.acceleration)
+    }
+}
+
+impl<T: Scalar, const N: usize> RotorState<T, 5, N> {
+    /// Displacement of a rigid rotor's centre of mass.
+    pub fn displacement(&self) -> Displacement<T> {
+        Displacement::from_array(self.q)
     }
 }
 
@@ -113,75 +124,107 @@ pub trait Integrator<T: Scalar> {
     /// From the state at the start of the step, whose shaft moves as `drive` says, to its end.
     ///
     /// A drive or result that is not finite leaves motion as it was, flagged and counted.
-    fn step<M: Math<T>, B: Bearing<T>, const N: usize>(
+    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<T, M, B, N>,
-        state: &mut RotorState<T, N>,
+        machine: &Machine<R, C, N>,
+        state: &mut RotorState<T, D, N>,
         drive: &Drive<T>,
     ) -> Status;
 }
 
-impl<T: Scalar, M: Math<T>, B: Bearing<T>, const N: usize> Machine<T, M, B, N> {
+/// What all bearings of a machine answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Push<T, const D: usize> {
+    /// Forces on the coordinates.
+    pub force: [T; D],
+    /// Sum of the element loads, N: 0 where contact is lost.
+    pub load: T,
+    /// What the evaluation has to say of itself.
+    pub status: Status,
+}
+
+impl<R, C, const N: usize> Machine<R, C, N> {
     /// What each bearing sees at `drive` with its parts at `parts`.
-    pub fn rotations(&self, parts: &[PartAngles; N], drive: &Drive<T>) -> [Rotation<T>; N] {
+    pub fn rotations<T: Scalar>(&self, parts: &[PartAngles; N], drive: &Drive<T>) -> [Rotation<T>; N]
+    where
+        C: Geared<T>,
+    {
         let mut rotations = [Rotation::default(); N];
-        for ((rotation, mounted), &angles) in rotations.iter_mut().zip(&self.bearings).zip(parts) {
-            *rotation = mounted.gear.rotation(angles, drive);
+        for ((rotation, bearing), &angles) in rotations.iter_mut().zip(&self.bearings).zip(parts) {
+            *rotation = bearing.gear().rotation(angles, drive);
         }
         rotations
     }
 
-    /// Answer of all bearings on the rotor, taken at its centre of mass: wrench, sum of loads, status.
-    pub fn bearing_reaction(&self, q: &Displacement<T>, at: &[Rotation<T>; N]) -> Reaction<T> {
-        let start = Reaction { load: T::ZERO, ..Reaction::default() };
-        self.bearings.iter().zip(at).fold(start, |sum, (mounted, at)| {
-            let reaction = mounted.bearing.reaction(&q.at_station(mounted.station), at);
-            sum.plus(reaction.moved_from(mounted.station))
-        })
+    /// Forces of all bearings on the coordinates, sum of loads, status.
+    pub fn push<T: Scalar, const D: usize>(&self, q: &[T; D], at: &[Rotation<T>; N]) -> Push<T, D>
+    where
+        C: Coupling<T, D>,
+    {
+        let mut sum = Push { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
+        for (bearing, at) in self.bearings.iter().zip(at) {
+            let (load, status) = bearing.push(q, at, &mut sum.force);
+            sum.load += load;
+            sum.status = sum.status.and(status);
+        }
+        sum
     }
 
-    /// As [`Machine::bearing_reaction`], with the tangent stiffness at the centre of mass.
-    pub fn bearing_reaction_and_stiffness(
+    /// As [`Machine::push`], with the tangent stiffness `-df/dq`.
+    pub fn push_and_stiffness<T: Scalar, const D: usize>(
         &self,
-        q: &Displacement<T>,
+        q: &[T; D],
         at: &[Rotation<T>; N],
-    ) -> (Reaction<T>, Stiffness<T>) {
-        let start = (Reaction::default(), Stiffness::from_element(T::ZERO));
-        self.bearings.iter().zip(at).fold(start, |(sum, stiffness), (mounted, at)| {
-            let (reaction, k) = mounted.bearing.reaction_and_stiffness(&q.at_station(mounted.station), at);
-            let moved = stiffness_from_station(&k, mounted.station);
-            (sum.plus(reaction.moved_from(mounted.station)), stiffness + moved)
-        })
+    ) -> (Push<T, D>, SMatrix<T, D, D>)
+    where
+        C: Coupling<T, D>,
+    {
+        let mut sum = Push { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
+        let mut stiffness = SMatrix::from_element(T::ZERO);
+        for (bearing, at) in self.bearings.iter().zip(at) {
+            let (load, status) = bearing.push_with_stiffness(q, at, &mut sum.force, &mut stiffness);
+            sum.load += load;
+            sum.status = sum.status.and(status);
+        }
+        (sum, stiffness)
     }
 
     /// The bearings' parts after the shaft has gone `arc` further.
-    fn parts_after(&self, parts: &[PartAngles; N], arc: Arc) -> [PartAngles; N] {
+    fn parts_after<T: Scalar>(&self, parts: &[PartAngles; N], arc: Arc) -> [PartAngles; N]
+    where
+        C: Geared<T>,
+    {
         let mut after = *parts;
-        for (angles, mounted) in after.iter_mut().zip(&self.bearings) {
-            *angles = mounted.gear.after(*angles, arc);
+        for (angles, bearing) in after.iter_mut().zip(&self.bearings) {
+            *angles = bearing.gear().after(*angles, arc);
         }
         after
     }
+}
 
-    /// Common end of a step: keeps `next` if it is good, else holds the motion; says which. `bearings` is what they
-    /// answered at the end of the step, or close to it.
-    fn accept(state: &mut RotorState<T, N>, next: RotorState<T, N>, drive_ok: bool, bearings: &Reaction<T>) -> Status {
-        let result_ok = next.is_finite();
-        let status = Status::INPUT_NOT_FINITE
-            .when(!drive_ok)
-            .and(Status::RESULT_NOT_FINITE.when(drive_ok & !result_ok))
-            .and(Status::CONTACT_LOST.when(drive_ok & bearings.load.is_zero()))
-            .and(bearings.status);
-        // No branch here: a held step costs what a good one costs.
-        let good = !status.is_held();
-        state.q = Displacement::choose(good, next.q, state.q);
-        state.rate = Displacement::choose(good, next.rate, state.rate);
-        state.acceleration = Displacement::choose(good, next.acceleration, state.acceleration);
-        state.shaft = Turn::choose(good, next.shaft, state.shaft);
-        for (angles, after) in state.parts.iter_mut().zip(next.parts) {
-            *angles = PartAngles::choose(good, after, *angles);
-        }
-        state.held = state.held.saturating_add(u32::from(!good));
-        status
+/// Common end of a step: keeps `next` if it is good, else holds the motion; says which. `load` and `status` are what the
+/// bearings answered at the end of the step, or close to it.
+fn accept<T: Scalar, const D: usize, const N: usize>(
+    state: &mut RotorState<T, D, N>,
+    next: &RotorState<T, D, N>,
+    drive_ok: bool,
+    (load, status): (T, Status),
+) -> Status {
+    let result_ok = next.is_finite();
+    let status = Status::INPUT_NOT_FINITE
+        .when(!drive_ok)
+        .and(Status::RESULT_NOT_FINITE.when(drive_ok & !result_ok))
+        .and(Status::CONTACT_LOST.when(drive_ok & load.is_zero()))
+        .and(status);
+    // No branch here: a held step costs what a good one costs.
+    let good = !status.is_held();
+    vector::take_if(good, &mut state.q, &next.q);
+    vector::take_if(good, &mut state.rate, &next.rate);
+    vector::take_if(good, &mut state.acceleration, &next.acceleration);
+    state.shaft = Turn::choose(good, next.shaft, state.shaft);
+    for (angles, after) in state.parts.iter_mut().zip(next.parts) {
+        *angles = PartAngles::choose(good, after, *angles);
     }
+    state.held = state.held.saturating_add(u32::from(!good));
+    status
 }

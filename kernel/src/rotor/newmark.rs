@@ -1,14 +1,12 @@
 //! Newmark-beta with beta = 1/4, gamma = 1/2 (the trapezium rule: no numerical damping, any step stable for a
 //! linear system) and a fixed number of Newton steps with the bearings' analytic tangent.
 
-use super::{Drive, Integrator, Machine, RotorState, solve};
-use crate::bearing::{Bearing, Reaction};
-use crate::frame::Displacement;
-use crate::math::Math;
+use super::vector::{add, add_scaled};
+use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept, solve};
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// Fixed step and fixed number of Newton steps. Cost: that many bearing tangents and 5 x 5 solutions.
+/// Fixed step and fixed number of Newton steps. Cost: that many bearing tangents and solutions of `D` equations.
 ///
 /// Source: Newmark (1959); used with Newton's method on rotors by Harsha et al. (2004).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,10 +18,10 @@ pub struct Newmark<T> {
 }
 
 impl<T: Scalar> Integrator<T> for Newmark<T> {
-    fn step<M: Math<T>, B: Bearing<T>, const N: usize>(
+    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<T, M, B, N>,
-        state: &mut RotorState<T, N>,
+        machine: &Machine<R, C, N>,
+        state: &mut RotorState<T, D, N>,
         drive: &Drive<T>,
     ) -> Status {
         let h = self.step;
@@ -33,41 +31,29 @@ impl<T: Scalar> Integrator<T> for Newmark<T> {
         let end = drive.after(h);
         let at = machine.rotations(&machine.parts_after(&start, drive.arc_after(h)), &end);
         let excitation = machine.rotor.excitation(&end);
-        let effective = machine.rotor.effective((per_acceleration, per_rate), end.speed);
+        let effective = machine.rotor.effective([per_acceleration, per_rate, T::ONE], end.speed);
 
-        let mut a = state.acceleration.to_array();
-        let mut v = state.rate.to_array();
-        let mut q = state.q.to_array();
+        let mut a = state.acceleration;
+        let mut v = state.rate;
+        let mut q = state.q;
         for ((q, v), a) in q.iter_mut().zip(&mut v).zip(&a) {
             *q += h * (*v + T::HALF * h * *a);
             *v += h * *a;
         }
-        let mut answer = Reaction { load: T::ONE, ..Reaction::default() };
+        let mut answer = (T::ONE, Status::OK);
         for _ in 0..self.newton_steps {
-            let (pose, rate) = (Displacement::from_array(q), Displacement::from_array(v));
-            let (bearings, tangent) = machine.bearing_reaction_and_stiffness(&pose, &at);
-            answer = bearings;
-            let inertia = machine.rotor.inertia(&Displacement::from_array(a)).to_array();
-            let push = excitation.plus(bearings.wrench).plus(machine.rotor.internal(&pose, &rate, end.speed));
-            let mut residual = push.to_array();
-            for (r, ma) in residual.iter_mut().zip(inertia) {
-                *r -= ma;
-            }
+            let (bearings, tangent) = machine.push_and_stiffness(&q, &at);
+            answer = (bearings.load, bearings.status);
+            let mut residual = excitation;
+            add(&mut residual, &bearings.force);
+            add(&mut residual, &machine.rotor.internal(&q, &v, end.speed));
+            add_scaled(&mut residual, -T::ONE, &machine.rotor.inertia(&a));
             let correction = solve(effective + tangent, residual);
-            for (((q, v), a), dq) in q.iter_mut().zip(&mut v).zip(&mut a).zip(correction) {
-                *q += dq;
-                *v += per_rate * dq;
-                *a += per_acceleration * dq;
-            }
+            add(&mut q, &correction);
+            add_scaled(&mut v, per_rate, &correction);
+            add_scaled(&mut a, per_acceleration, &correction);
         }
-        let next = RotorState {
-            q: Displacement::from_array(q),
-            rate: Displacement::from_array(v),
-            acceleration: Displacement::from_array(a),
-            parts: start,
-            shaft: drive.angle,
-            held: state.held,
-        };
-        Machine::<T, M, B, N>::accept(state, next, drive.is_finite(), &answer)
+        let next = RotorState { q, rate: v, acceleration: a, parts: start, shaft: drive.angle, held: state.held };
+        accept(state, &next, drive.is_finite(), answer)
     }
 }

@@ -1,8 +1,8 @@
 //! The rigid rotor: inertia, gyroscopic coupling, damping, gravity, load, unbalance.
 
-use super::Drive;
+use super::{Drive, System};
 use crate::bearing::geometry::{InvalidParameter, check};
-use crate::frame::{Displacement, Stiffness, Wrench};
+use crate::frame::Stiffness;
 use crate::math::Math;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
@@ -37,6 +37,27 @@ pub struct RotorParams {
     pub load: [f64; 5],
 }
 
+impl RotorParams {
+    /// # Errors
+    /// The first quantity out of its range.
+    pub(super) fn check(&self) -> Result<(), InvalidParameter> {
+        let RotorParams { mass, diametral_inertia: diametral, polar_inertia: polar, .. } = *self;
+        check(mass > 0.0, "mass", mass, "above 0 kg")?;
+        check(diametral > 0.0, "diametral_inertia", diametral, "above 0 kg m^2")?;
+        check((0.0..=2.0 * diametral).contains(&polar), "polar_inertia", polar, "0 to twice the diametral inertia")?;
+        for &value in self.damping.iter().flatten() {
+            check(true, "damping", value, "a finite number")?;
+        }
+        for &value in &self.stiffness {
+            check(value >= 0.0, "stiffness", value, "0 or more")?;
+        }
+        for &value in self.gravity.iter().chain(&self.load) {
+            check(true, "gravity and load", value, "a finite number")?;
+        }
+        Ok(())
+    }
+}
+
 /// A rigid rotor, ready for the hot path.
 #[derive(Debug, Clone, Copy)]
 pub struct RigidRotor<T: Scalar, M> {
@@ -58,19 +79,8 @@ impl<T: Scalar, M: Math<T>> RigidRotor<T, M> {
     /// # Errors
     /// The first quantity out of its range.
     pub fn try_new(params: &RotorParams, unbalances: &[Unbalance]) -> Result<Self, InvalidParameter> {
+        params.check()?;
         let RotorParams { mass, diametral_inertia: diametral, polar_inertia: polar, .. } = *params;
-        check(mass > 0.0, "mass", mass, "above 0 kg")?;
-        check(diametral > 0.0, "diametral_inertia", diametral, "above 0 kg m^2")?;
-        check((0.0..=2.0 * diametral).contains(&polar), "polar_inertia", polar, "0 to twice the diametral inertia")?;
-        for &value in params.damping.iter().flatten() {
-            check(true, "damping", value, "a finite number")?;
-        }
-        for &value in &params.stiffness {
-            check(value >= 0.0, "stiffness", value, "0 or more")?;
-        }
-        for &value in params.gravity.iter().chain(&params.load) {
-            check(true, "gravity and load", value, "a finite number")?;
-        }
         let (force, couple) = sum_unbalances(unbalances)?;
         let masses = [mass, mass, mass, diametral, diametral];
         let [gx, gy, gz] = params.gravity.map(|g| g * mass);
@@ -89,14 +99,15 @@ impl<T: Scalar, M: Math<T>> RigidRotor<T, M> {
             math: PhantomData,
         })
     }
+}
 
-    /// Gravity and the constant load, at the centre of mass.
-    pub fn constant_load(&self) -> Wrench<T> {
-        Wrench::from_array(self.constant)
+impl<T: Scalar, M: Math<T>> System<T, 5> for RigidRotor<T, M> {
+    fn constant_load(&self) -> [T; 5] {
+        self.constant
     }
 
-    /// Excitation `f_E`: the constant load and the unbalance, `m e (w^2 e_r - a e_t)` and its couple.
-    pub fn excitation(&self, drive: &Drive<T>) -> Wrench<T> {
+    /// The constant load and the unbalance, `m e (w^2 e_r - a e_t)` and its couple.
+    fn excitation(&self, drive: &Drive<T>) -> [T; 5] {
         let turn = M::sin_cos(drive.angle);
         let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
         let rotating = |[x, y]: [T; 2]| {
@@ -105,48 +116,46 @@ impl<T: Scalar, M: Math<T>> RigidRotor<T, M> {
             (w2 * rx + a * ry, w2 * ry - a * rx)
         };
         let ((fx, fy), (cx, cy)) = (rotating(self.unbalance), rotating(self.couple));
-        Wrench::from_array(self.constant).plus(Wrench { fx, fy, fz: T::ZERO, mx: -cy, my: cx })
+        let [x, y, z, mx, my] = self.constant;
+        [x + fx, y + fy, z, mx - cy, my + cx]
     }
 
-    /// `-(B + w G) q' - K q`, where `G[thu, thv] = I_p = -G[thv, thu]` for a spin about +Z.
-    pub fn internal(&self, q: &Displacement<T>, rate: &Displacement<T>, speed: T) -> Wrench<T> {
+    /// Where `G[thu, thv] = I_p = -G[thv, thu]` for a spin about +Z.
+    fn internal(&self, q: &[T; 5], rate: &[T; 5], speed: T) -> [T; 5] {
         let mut f = [T::ZERO; 5];
-        for (x, column) in rate.to_array().into_iter().zip(self.damping.column_iter()) {
+        for (&x, column) in rate.iter().zip(self.damping.column_iter()) {
             for (entry, &b) in f.iter_mut().zip(column.iter()) {
                 *entry -= b * x;
             }
         }
-        for ((entry, k), x) in f.iter_mut().zip(self.stiffness).zip(q.to_array()) {
+        for ((entry, k), &x) in f.iter_mut().zip(self.stiffness).zip(q) {
             *entry -= k * x;
         }
         let spin = self.polar_inertia * speed;
-        let wrench = Wrench::from_array(f);
-        Wrench { mx: wrench.mx - spin * rate.thv, my: wrench.my + spin * rate.thu, ..wrench }
+        let ([fx, fy, fz, mx, my], [.., thu, thv]) = (f, *rate);
+        [fx, fy, fz, mx - spin * thv, my + spin * thu]
     }
 
-    /// `M^-1 f`.
-    pub fn accelerate(&self, f: &Wrench<T>) -> Displacement<T> {
-        let mut a = f.to_array();
+    fn accelerate(&self, f: &[T; 5]) -> [T; 5] {
+        let mut a = *f;
         for (entry, inverse) in a.iter_mut().zip(self.inverse_mass) {
             *entry *= inverse;
         }
-        Displacement::from_array(a)
+        a
     }
 
-    /// `M a`.
-    pub(super) fn inertia(&self, a: &Displacement<T>) -> Wrench<T> {
-        let mut f = a.to_array();
+    fn inertia(&self, a: &[T; 5]) -> [T; 5] {
+        let mut f = *a;
         for (entry, m) in f.iter_mut().zip(self.mass) {
             *entry *= m;
         }
-        Wrench::from_array(f)
+        f
     }
 
-    /// `m M + c (B + w G) + k K` entry by entry: what an implicit step has to solve with.
-    pub(super) fn effective(&self, (m, c): (T, T), speed: T) -> Stiffness<T> {
+    fn effective(&self, [m, c, k]: [T; 3], speed: T) -> Stiffness<T> {
         let mut j = self.damping * c;
-        for (i, (mass, k)) in self.mass.into_iter().zip(self.stiffness).enumerate() {
-            j[(i, i)] += m * mass + k;
+        for (i, (mass, stiffness)) in self.mass.into_iter().zip(self.stiffness).enumerate() {
+            j[(i, i)] += m * mass + k * stiffness;
         }
         let spin = c * self.polar_inertia * speed;
         j[(3, 4)] += spin;
@@ -155,7 +164,7 @@ impl<T: Scalar, M: Math<T>> RigidRotor<T, M> {
     }
 }
 
-fn sum_unbalances(unbalances: &[Unbalance]) -> Result<([f64; 2], [f64; 2]), InvalidParameter> {
+pub(super) fn sum_unbalances(unbalances: &[Unbalance]) -> Result<([f64; 2], [f64; 2]), InvalidParameter> {
     let (mut force, mut couple) = ([0.0; 2], [0.0; 2]);
     for one in unbalances {
         check(one.moment >= 0.0, "unbalance moment", one.moment, "0 kg m or more")?;

@@ -1,9 +1,7 @@
 //! The classical Runge-Kutta method of order 4.
 
-use super::{Drive, Integrator, Machine, RotorState};
-use crate::bearing::Bearing;
-use crate::frame::Displacement;
-use crate::math::Math;
+use super::vector::along;
+use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept, vector};
 use crate::scalar::Scalar;
 use crate::status::Status;
 
@@ -15,23 +13,24 @@ pub struct RungeKutta4<T> {
 }
 
 impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
-    fn step<M: Math<T>, B: Bearing<T>, const N: usize>(
+    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<T, M, B, N>,
-        state: &mut RotorState<T, N>,
+        machine: &Machine<R, C, N>,
+        state: &mut RotorState<T, D, N>,
         drive: &Drive<T>,
     ) -> Status {
         let h = self.step;
         let half = T::HALF * h;
         let parts = machine.parts_after(&state.parts, drive.angle.since(state.shaft));
         // Slope of (q, q') at the time `dt` into the step.
-        let slope = |q: &Displacement<T>, rate: &Displacement<T>, dt: T| {
+        let slope = |q: &[T; D], rate: &[T; D], dt: T| {
             let now = drive.after(dt);
             let turned = machine.parts_after(&parts, drive.arc_after(dt));
-            let bearings = machine.bearing_reaction(q, &machine.rotations(&turned, &now));
-            let f =
-                machine.rotor.excitation(&now).plus(bearings.wrench).plus(machine.rotor.internal(q, rate, now.speed));
-            (machine.rotor.accelerate(&f), bearings)
+            let bearings = machine.push(q, &machine.rotations(&turned, &now));
+            let mut f = machine.rotor.excitation(&now);
+            vector::add(&mut f, &bearings.force);
+            vector::add(&mut f, &machine.rotor.internal(q, rate, now.speed));
+            (machine.rotor.accelerate(&f), (bearings.load, bearings.status))
         };
         let (q0, v0) = (state.q, state.rate);
         let (a1, bearings) = slope(&q0, &v0, T::ZERO);
@@ -49,21 +48,12 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
             shaft: drive.angle,
             held: state.held,
         };
-        Machine::<T, M, B, N>::accept(state, next, drive.is_finite(), &bearings)
+        accept(state, &next, drive.is_finite(), bearings)
     }
-}
-
-/// `x + h k`.
-fn along<T: Scalar>(x: &Displacement<T>, h: T, k: &Displacement<T>) -> Displacement<T> {
-    let mut sum = x.to_array();
-    for (entry, slope) in sum.iter_mut().zip(k.to_array()) {
-        *entry += h * slope;
-    }
-    Displacement::from_array(sum)
 }
 
 /// `x + h/6 (k1 + 2 k2 + 2 k3 + k4)`.
-fn weighted<T: Scalar>(x: &Displacement<T>, h: T, [k1, k2, k3, k4]: [&Displacement<T>; 4]) -> Displacement<T> {
+fn weighted<T: Scalar, const D: usize>(x: &[T; D], h: T, [k1, k2, k3, k4]: [&[T; D]; 4]) -> [T; D] {
     let sixth = h * T::from_f64(1.0 / 6.0);
     let third = h * T::from_f64(1.0 / 3.0);
     along(&along(&along(&along(x, sixth, k1), third, k2), third, k3), sixth, k4)

@@ -135,7 +135,7 @@ where
 /// The bearing; one linearised from another model takes its springs from the rotor's rest.
 fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
     if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
-        let plant = crate::replay::twin::Plant::try_new(scene)?;
+        let plant = crate::plant::Plant::try_new(scene)?;
         let seat = plant.seats.iter().find(|s| s.name == bearing.name).context("the bearing has a seat")?;
         return Ok(build::spring_of(&seat.bearing));
     }

@@ -3,15 +3,13 @@
 use super::{Format, keep_apart};
 use crate::fault::{SceneFault, scene_fault};
 use crate::output::AtomicFile;
+use crate::plant::{Plant, Twin};
 use crate::recording::Row;
 use crate::recording::rotation::Tracker;
-use crate::replay::twin::{Plant, Twin};
 use crate::scene::read::read_file;
 use crate::scene::units::{Dimension, parse};
 use crate::scene::{Rotation, Scene};
 use anyhow::{Context, Result, bail};
-use ballrace::Displacement;
-use ballrace::bearing::Bearing;
 use ballrace::rotor::Drive;
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -118,7 +116,12 @@ fn simulate(scene: &Scene, plant: &Plant, samples: u64, rate: f64, path: &Path) 
 }
 
 fn header(plant: &Plant) -> String {
-    let mut head = "t,u,v,w,thu,thv,u_dot,v_dot,w_dot,thu_dot,thv_dot".to_owned();
+    let mut head = "t".to_owned();
+    for rate in ["", "_dot"] {
+        for name in plant.layout.names(&plant.seats) {
+            head += &format!(",{name}{rate}");
+        }
+    }
     for seat in &plant.seats {
         for entry in ["FX", "FY", "FZ", "MX", "MY"] {
             head += &format!(",{}_{entry}", seat.name);
@@ -134,15 +137,13 @@ fn write_row(
     twin: &dyn Twin,
     (turned, drive): (f64, &Drive<f64>),
 ) -> std::io::Result<()> {
-    let pose: Displacement<f64> = twin.pose();
     write!(file, "{time:.9e}")?;
-    for x in pose.to_array().into_iter().chain(twin.rate().to_array()) {
+    for x in twin.coordinates().iter().chain(twin.rates()) {
         write!(file, ",{x:.16e}")?;
     }
-    for seat in &plant.seats {
+    for (i, seat) in plant.seats.iter().enumerate() {
         let at = seat.rotation(seat.kinematics.parts_at(turned), drive);
-        let wrench = seat.bearing.reaction(&pose.at_station(seat.station), &at).wrench;
-        for f in wrench.to_array() {
+        for f in twin.wrench(i, &at).to_array() {
             write!(file, ",{f:.16e}")?;
         }
     }

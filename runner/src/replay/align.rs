@@ -5,7 +5,7 @@
 //! the twin's rate gives the lag by least squares. It is bounded by half a sample, so it never hides a real phase error.
 
 use super::pose::reading;
-use super::twin::Twin;
+use crate::plant::Twin;
 use crate::recording::Sample;
 use ballrace::Displacement;
 use ballrace::rotor::Drive;

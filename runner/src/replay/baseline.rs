@@ -1,8 +1,8 @@
 //! What a machine in good order leaves of its residual: remembered by `--learn`, judged against by `--baseline`.
 
 use super::comparison::{Comparison, followed};
-use super::twin::Seat;
 use crate::fault::SceneFault;
+use crate::plant::Seat;
 use crate::scene::Probe;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@ use super::lines::{Demodulator, Line};
 use super::outcome::{BallPassLine, Baseline, Baselines, Motion, ProbeOutcome};
 use super::spectrum::Welch;
 use super::statistics::Sums;
-use super::twin::Seat;
+use crate::plant::Seat;
 use crate::scene::{Direction, Probe};
 use ballrace::math::Math;
 use ballrace::{Exact, Turn};

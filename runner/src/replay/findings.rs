@@ -4,7 +4,7 @@ use super::baseline::Baseline;
 use super::comparison::{Comparison, INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
 use super::locate::Locator;
 use super::outcome::{Finding, FindingKind, ProbeOutcome, Standing};
-use super::twin::Seat;
+use crate::plant::Seat;
 use crate::scene::{Direction, Probe};
 
 const UM: f64 = 1e6;

@@ -3,7 +3,7 @@
 use super::outcome::{BearingOrders, BearingOutcome, ForceFigures};
 use super::pose::PoseSolver;
 use super::statistics::Running;
-use super::twin::Seat;
+use crate::plant::Seat;
 use crate::scene::Probe;
 use ballrace::bearing::{Bearing, HeldWrench};
 use ballrace::{Displacement, Rotation, Status, Turn};

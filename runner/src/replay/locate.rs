@@ -8,7 +8,7 @@
 use super::comparison::{Angles, followed};
 use super::forces::Evaluated;
 use super::lines::{Demodulator, Line};
-use super::twin::Plant;
+use crate::plant::Plant;
 use ballrace::Displacement;
 
 /// Amplitudes of cosine and sine.

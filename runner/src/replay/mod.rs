@@ -13,10 +13,10 @@ pub mod pose;
 pub mod spectrum;
 pub mod statistics;
 pub mod timing;
-pub mod twin;
 
 use crate::fault::{SceneFault, scene_fault};
 use crate::output::AtomicFile;
+use crate::plant::{Plant, Seat, Twin, only_rigid};
 use crate::recording::Sample;
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::Tracker;
@@ -37,7 +37,6 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 use timing::Ledger;
-use twin::{Plant, Twin};
 
 /// What the user asked of a replay.
 #[derive(Default)]
@@ -168,7 +167,7 @@ impl Way {
     }
 
     /// A bearing's parts after the way, which ends at the shaft angle `end`.
-    fn parts(&self, parts: PartAngles, seat: &twin::Seat, end: Turn) -> PartAngles {
+    fn parts(&self, parts: PartAngles, seat: &Seat, end: Turn) -> PartAngles {
         if self.steps > 1 {
             let gone = seat.kinematics.parts_at(self.arc);
             return PartAngles {
@@ -187,7 +186,7 @@ struct ForcesFile {
 }
 
 impl ForcesFile {
-    fn create(path: &Path, seats: &[twin::Seat]) -> Result<Self> {
+    fn create(path: &Path, seats: &[Seat]) -> Result<Self> {
         let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string() };
         let mut head = "time_s".to_owned();
         for seat in seats {
@@ -214,6 +213,7 @@ impl ForcesFile {
 
 impl<'a> Run<'a> {
     fn try_new(scene: &Scene, probes: &'a [Probe], rate: f64, options: &Options) -> Result<Self> {
+        only_rigid(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
         let linear = plant.linearised(&vec![true; plant.seats.len()])?;
         let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();

@@ -3,7 +3,7 @@
 use super::comparison::Comparison;
 use super::forces::{AZIMUTH_BINS, BearingSums, Evaluated};
 use super::outcome::{ElementLoads, ForceTrace, FullSpectrum, HalfSpectrum, MarkedLine, Orbit, Pictures, Trace};
-use super::twin::Seat;
+use crate::plant::Seat;
 use crate::recording::Sample;
 use crate::scene::{Direction, Probe};
 use ballrace::Turn;

@@ -8,6 +8,7 @@ pub use balls::{MadeTable, Solved, inertia_params, quasi_static, table};
 pub use preload::{loaded, preload_offset, preloaded, rotation_at};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
+use crate::plant::Balls;
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
@@ -15,8 +16,8 @@ use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
 use ballrace::bearing::{Bearing, Mirrored, Place, Reaction};
-use ballrace::contact::hertz::Material;
-use ballrace::rotor::{Gear, PartAngles, RotorParams, Unbalance};
+use ballrace::contact::hertz::{Material, Race};
+use ballrace::rotor::{Gear, MovingBallsParams, PartAngles, RotorParams, Support, Unbalance};
 use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
 use std::sync::Arc;
 
@@ -158,7 +159,8 @@ fn named(bearing: &BearingScene, error: InvalidParameter) -> anyhow::Error {
 pub fn bearing<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<T>> {
     match model {
         Model::Linear => linear(of),
-        Model::Lumped => lumped::lumped::<T, M>(of),
+        // What moving balls come to where their mass does not matter.
+        Model::Lumped | Model::Dynamic => lumped::lumped::<T, M>(of),
         Model::Angular => angular::<T, M>(of),
         Model::QuasiStatic => Ok(Shared(quasi_static::<T, M>(of)?)),
         Model::Tabulated => balls::tabulated::<T, M>(scene, of),
@@ -168,10 +170,19 @@ pub fn bearing<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene, model: M
 /// Where the elements stand; mirrored where the bearing faces -Z.
 #[must_use]
 pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<Place<T>> {
-    let first = Turn::from_radians(scene.first_element_azimuth);
-    let place = |j| Place::even(first, j, scene.elements);
     let mirror = |p: Place<T>| if scene.facing == Facing::MinusZ { p.mirrored() } else { p };
-    (0..scene.elements).map(place).map(mirror).collect()
+    (0..scene.elements).map(|j| place(scene, j)).map(mirror).collect()
+}
+
+/// Where element `j` (0 is the first) stands with the cage at angle 0: as the scene says, else evenly spaced; carried
+/// aside by a cage whose centre is not the one it turns about (MODEL C6). In the cage's frame that offset stands still.
+#[must_use]
+pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> Place<T> {
+    let even = || Place::<f64>::even(Turn::from_radians(scene.first_element_azimuth), j, scene.elements).azimuth();
+    let azimuth =
+        scene.element_azimuths.get(j).map_or_else(even, |&a| Turn::from_radians(scene.first_element_azimuth + a));
+    let aside = scene.cage_runout.map_or(0.0, |r| -r.offset / r.radius * (azimuth.radians() - r.angle).sin());
+    Place::at(azimuth.plus(Turn::from_radians(aside)))
 }
 
 /// Turned about X by pi where the bearing faces -Z. Behind the pointer already, so that no kind is compiled twice.
@@ -209,10 +220,7 @@ fn part(scene: &BearingScene, surface: Surface) -> Part {
     match surface {
         Surface::Inner => Part::Inner,
         Surface::Outer => Part::Outer,
-        Surface::Ball(j) => {
-            let first = Turn::from_radians(scene.first_element_azimuth);
-            Part::Ball(Place::<f64>::even(first, j, scene.elements).azimuth())
-        }
+        Surface::Ball(j) => Part::Ball(place::<f64>(scene, j).azimuth()),
     }
 }
 
@@ -300,24 +308,50 @@ pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
     Shared(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
 }
 
-/// Parameters of the rotor with the damping matrix `extra` besides its own diagonal one.
+/// The rotor as the kernel takes it.
 #[must_use]
-pub fn rotor_params(rotor: &Rotor, extra: &Stiffness<f64>) -> RotorParams {
-    let mut damping = [[0.0; 5]; 5];
-    for (i, row) in damping.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = extra[(i, j)] + if i == j { rotor.damping[i] } else { 0.0 };
-        }
-    }
+pub fn rotor_params(rotor: &Rotor) -> RotorParams {
     RotorParams {
         mass: rotor.mass,
         diametral_inertia: rotor.diametral_inertia,
         polar_inertia: rotor.polar_inertia,
-        damping,
+        damping: std::array::from_fn(|i| std::array::from_fn(|j| if i == j { rotor.damping[i] } else { 0.0 })),
         stiffness: rotor.stiffness,
         gravity: rotor.gravity,
         load: rotor.load,
     }
+}
+
+/// A support as the kernel takes it.
+#[must_use]
+pub fn support(support: &super::Support) -> Support {
+    let ([x, y], cross, c) = (support.stiffness, support.cross_stiffness, support.damping);
+    Support { mass: support.mass, stiffness: [[x, cross], [cross, y]], damping: [[c, 0.0], [0.0, c]] }
+}
+
+/// What the `dynamic` model of a bearing needs besides the lumped one.
+///
+/// # Errors
+/// No geometry, from which the balls' mass and contact stiffness come.
+pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls> {
+    let Some(geometry) = geometry(of)? else {
+        bail!("bearing {}: model dynamic: found no geometry, allowed: with ball_diameter and the others", of.name)
+    };
+    let gravity = scene.rotor.as_ref().map_or([0.0; 3], |r| r.gravity);
+    let density = of.geometry.map_or(0.0, |g| g.density);
+    let (_, _, radial_play) = lumped::law(of)?;
+    Ok(Balls {
+        params: MovingBallsParams {
+            stiffness: [Race::Inner, Race::Outer].map(|race| geometry.contact(race).stiffness),
+            pitch_radius: 0.5 * geometry.pitch_diameter,
+            radial_play,
+            ball_mass: density * std::f64::consts::PI / 6.0 * geometry.ball_diameter.powi(3),
+            cage_ratio: kinematics(scene, of)?.cage_ratio,
+            gravity: [gravity[0], gravity[1]],
+        },
+        damping: of.element_damping,
+        places: places(of),
+    })
 }
 
 /// The rotor's unbalances as the kernel takes them.

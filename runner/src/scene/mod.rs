@@ -25,6 +25,37 @@ pub struct Scene {
     pub bearings: Vec<Bearing>,
     /// `[recording]`
     pub recording: Option<Recording>,
+    /// `[integration]`
+    pub integration: Integration,
+}
+
+/// `[integration]`: how motion is computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Integration {
+    /// `method`
+    pub method: Method,
+    /// `step`, s: the longest; from the highest natural frequency when absent
+    pub step: Option<f64>,
+}
+
+/// `method`
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// `"runge-kutta"`: order 4, four evaluations a step
+    RungeKutta,
+    /// `"newmark"`: implicit, stable at any step
+    Newmark {
+        /// `newton_steps`
+        newton_steps: u8,
+    },
+    /// `"verlet"`: symplectic, one evaluation a step
+    Verlet,
+}
+
+impl Default for Integration {
+    fn default() -> Self {
+        Self { method: Method::RungeKutta, step: None }
+    }
 }
 
 /// `[shaft]`: how the shaft turns.
@@ -171,6 +202,38 @@ pub struct Bearing {
     pub preload: Option<Preload>,
     /// What the table of the tabulated model is made for, as far as the scene says.
     pub table: Option<TableRange>,
+    /// `support`: what holds the outer ring, when it gives way.
+    pub support: Option<Support>,
+    /// `element_azimuths`, rad, at shaft angle 0; empty where the elements are evenly spaced.
+    pub element_azimuths: Vec<f64>,
+    /// `cage_runout`
+    pub cage_runout: Option<CageRunout>,
+    /// `element_damping` of the dynamic model, N s/m on each element's radial motion.
+    pub element_damping: f64,
+}
+
+/// `support = { mass, stiffness_x, stiffness_y, stiffness_xy, damping }`
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Support {
+    /// kg, above 0
+    pub mass: f64,
+    /// N/m along X and Y, above 0
+    pub stiffness: [f64; 2],
+    /// N/m between X and Y
+    pub cross_stiffness: f64,
+    /// N s/m along both, 0 or more
+    pub damping: f64,
+}
+
+/// `cage_runout = { offset, angle, radius }`: the cage turns about a point beside its centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CageRunout {
+    /// m, 0 or more
+    pub offset: f64,
+    /// rad, direction of the offset at shaft angle 0
+    pub angle: f64,
+    /// m, of the elements' circle; half the pitch diameter when absent
+    pub radius: f64,
 }
 
 /// `table = { approach = [..], angle = [..], speed = [..], intervals = [..] }`
@@ -267,6 +330,26 @@ pub enum Model {
     QuasiStatic,
     /// The same from a table, at a small fixed cost.
     Tabulated,
+    /// Elements with a mass of their own that moves along their radius (MODEL.md C4).
+    Dynamic,
+}
+
+impl Model {
+    /// All of them, cheapest first, as a scene names them.
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("linear", Self::Linear),
+        ("lumped", Self::Lumped),
+        ("angular", Self::Angular),
+        ("quasi-static", Self::QuasiStatic),
+        ("tabulated", Self::Tabulated),
+        ("dynamic", Self::Dynamic),
+    ];
+
+    /// As a scene names it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, model)| *model == self).map_or("", |(name, _)| name)
+    }
 }
 
 /// Ball, races and material of one bearing.

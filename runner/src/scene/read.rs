@@ -17,7 +17,9 @@ use toml_edit::{Document, TomlError};
 pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
-use super::{Bearing, Clock, Direction, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, Unbalance};
+use super::{
+    Bearing, Clock, Direction, Integration, Method, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, Unbalance,
+};
 
 /// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
 const LARGEST_FILE: u64 = 4 << 20;
@@ -49,7 +51,7 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
         return Err(SceneError::file(path, "an empty file"));
     }
     let source = Source { text, file: path };
-    let keys = ["name", "shaft", "rotor", "bearing", "recording"];
+    let keys = ["name", "shaft", "rotor", "bearing", "recording", "integration"];
     scene(&Table::root(source, document.as_table(), &keys)?, path)
 }
 
@@ -93,7 +95,20 @@ fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
         rotor: root.read("rotor", rotor)?,
         bearings: bearings(root)?,
         recording: root.read("recording", |n| recording(n, path))?,
+        integration: root.read("integration", integration)?.unwrap_or_default(),
     })
+}
+
+fn integration(node: &Node<'_>) -> Read<Integration> {
+    let table = node.table(&["method", "step", "newton_steps"])?;
+    let newton_steps = table.read("newton_steps", |n| n.integer(1, 20, "a whole number from 1 to 20"))?;
+    let newmark = Method::Newmark { newton_steps: newton_steps.and_then(|n| u8::try_from(n).ok()).unwrap_or(2) };
+    let methods = [("runge-kutta", Method::RungeKutta), ("newmark", newmark), ("verlet", Method::Verlet)];
+    let method = table.read("method", |n| n.choice(&methods))?.unwrap_or(Method::RungeKutta);
+    if newton_steps.is_some() && method != newmark {
+        return Err(table.required("newton_steps", "")?.refuse("only with method = \"newmark\"; remove it"));
+    }
+    Ok(Integration { method, step: table.read("step", |n| n.positive(Dimension::Time))? })
 }
 
 /// The name of a scene that gives itself none.

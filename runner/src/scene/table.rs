@@ -12,9 +12,6 @@ use super::units::{self, Dimension};
 /// Longest value that an error repeats, in characters.
 const LONGEST_SHOWN: usize = 60;
 
-/// The models of this version, for the user.
-const MODELS: &str = "linear, lumped, angular, quasi-static, tabulated";
-
 /// Why a scene was refused: one line that names the file, the line, the key, what was found and what is allowed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.sentence())]
@@ -132,21 +129,6 @@ impl<'a> Node<'a> {
     /// An error that repeats this value.
     pub fn refuse(&self, allowed: impl Into<String>) -> SceneError {
         self.fail(self.shown(), allowed)
-    }
-
-    /// A value that the scene format knows and this version does not.
-    pub fn unsupported(&self, what: &str) -> SceneError {
-        self.not_here(what, "no model of this version uses it; remove it")
-    }
-
-    /// A model that the scene format knows and this version does not.
-    pub fn absent_model(&self, what: &str) -> SceneError {
-        self.not_here(what, "this version does not have that model")
-    }
-
-    fn not_here(&self, what: &str, why: &str) -> SceneError {
-        let sentence = format!("{what} is part of the scene format, but {why} (models here: {MODELS})");
-        self.fail(sentence, "")
     }
 
     /// The value as the file has it, on one line.
@@ -298,16 +280,11 @@ impl<'a> Node<'a> {
 
     /// A table with none but these keys.
     pub fn table(&self, keys: &[&str]) -> Read<Table<'a>> {
-        self.table_of(keys, &[])
-    }
-
-    /// A table with none but these keys, where some others are part of the format without having an effect yet.
-    pub fn table_of(&self, keys: &[&str], without_effect: &[&str]) -> Read<Table<'a>> {
         let Content::Table(content) = self.content else {
             return Err(self.refuse(format!("a table with the keys {}", keys.join(", "))));
         };
         let table = Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content };
-        table.check_keys(keys, without_effect)?;
+        table.check_keys(keys)?;
         Ok(table)
     }
 }
@@ -324,7 +301,7 @@ impl<'a> Table<'a> {
     /// The whole document.
     pub fn root(source: Source<'a>, content: &'a dyn TableLike, keys: &[&str]) -> Read<Self> {
         let table = Self { source, path: String::new(), span: 0..0, content };
-        table.check_keys(keys, &[])?;
+        table.check_keys(keys)?;
         Ok(table)
     }
 
@@ -390,13 +367,10 @@ impl<'a> Table<'a> {
     }
 
     /// Unknown keys are looked for first: a misspelt key would otherwise be reported as a missing one.
-    fn check_keys(&self, keys: &[&str], without_effect: &[&str]) -> Read<()> {
+    fn check_keys(&self, keys: &[&str]) -> Read<()> {
         for (key, _) in self.content.iter() {
             if keys.contains(&key) {
                 continue;
-            }
-            if let Some(node) = self.optional(key).filter(|_| without_effect.contains(&key)) {
-                return Err(node.unsupported(key));
             }
             return Err(self.unknown(key, keys));
         }

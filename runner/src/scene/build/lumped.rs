@@ -94,7 +94,7 @@ pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyB
 }
 
 /// Stiffness, exponent and radial play: as the scene gives them, else from geometry.
-fn law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
+pub(super) fn law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
     let geometry = geometry(scene)?;
     let law = scene.law;
     let Some(stiffness) = law.and_then(|l| l.stiffness).or_else(|| geometry.map(|g| g.stiffness())) else {

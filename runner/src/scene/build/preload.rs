@@ -85,7 +85,7 @@ pub fn preload_offset(
                     bearing.name
                 );
             }
-            Ok(Some(rest.q))
+            Ok(Some(rest.displacement()))
         }
     }
 }
@@ -94,10 +94,11 @@ pub fn preload_offset(
 ///
 /// # Errors
 /// None that a finite load can cause.
-pub fn loaded(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Result<Equilibrium<f64>> {
+pub fn loaded(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Result<Equilibrium<f64, 5>> {
     let params = RotorParams {
+        // Only the way of the fall depends on these.
         mass: 1.0,
-        diametral_inertia: 1.0,
+        diametral_inertia: 1e-4,
         polar_inertia: 0.0,
         damping: [[0.0; 5]; 5],
         stiffness: [0.0; 5],

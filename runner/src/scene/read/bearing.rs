@@ -4,9 +4,11 @@ use std::f64::consts::{FRAC_PI_3, PI};
 
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::super::{Axial, Bearing, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Surface, Wave};
+use super::super::{
+    Axial, Bearing, CageRunout, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Support, Surface, Wave,
+};
 
-const KEYS: [&str; 32] = [
+const KEYS: [&str; 36] = [
     "name",
     "station",
     "facing",
@@ -39,13 +41,11 @@ const KEYS: [&str; 32] = [
     "lubricant",
     "preload",
     "table",
+    "support",
+    "element_azimuths",
+    "cage_runout",
+    "element_damping",
 ];
-
-/// Keys of the scene format that belong to models which are not here.
-const WITHOUT_EFFECT: [&str; 1] = ["support"];
-
-/// Models of the scene format that are not here.
-const OTHER_MODELS: [&str; 1] = ["dynamic"];
 
 /// Any of these starts a geometry, which then needs the first four and one of the next two.
 const GEOMETRY: [&str; 9] = [
@@ -82,7 +82,7 @@ const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
 
 /// A bearing's table with its keys checked.
 pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
-    node.table_of(&KEYS, &WITHOUT_EFFECT)
+    node.table(&KEYS)
 }
 
 /// What a bearing is computed with, which decides the keys that it needs and refuses.
@@ -106,6 +106,7 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
     check_law(table, needs, geometry.as_ref(), law.as_ref())?;
     check_two_spring(table, elements, linear.as_ref())?;
     check_fit_on_pitch_circle(table, elements, geometry.as_ref())?;
+    check_dynamic(table, model, geometry.as_ref())?;
     Ok(Bearing {
         name: table.required("name", wants)?.text(wants)?.to_owned(),
         station: table.quantity("station", Dimension::Length)?,
@@ -121,6 +122,10 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
         effects: super::effects::read(table, model)?,
         preload: super::effects::preload(table, model)?,
         table: super::effects::table_range(table, model)?,
+        support: table.read("support", support)?,
+        element_azimuths: table.read("element_azimuths", |n| azimuths(n, elements))?.unwrap_or_default(),
+        cage_runout: table.read("cage_runout", |n| cage_runout(n, geometry.as_ref()))?,
+        element_damping: element_damping(table, model)?,
         geometry,
         law,
         linear,
@@ -128,25 +133,8 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
 }
 
 fn model(table: &Table<'_>) -> Read<Model> {
-    let wants = "\"linear\", \"lumped\", \"angular\", \"quasi-static\" or \"tabulated\"";
-    let node = table.required("model", wants)?;
-    let here = [
-        ("linear", Model::Linear),
-        ("lumped", Model::Lumped),
-        ("angular", Model::Angular),
-        ("quasi-static", Model::QuasiStatic),
-        ("tabulated", Model::Tabulated),
-    ];
-    rung(&node, "model", &here)
-}
-
-/// One of the models that are here; those that are not are told apart from misspelt ones.
-fn rung(node: &Node<'_>, key: &str, here: &[(&str, Model)]) -> Read<Model> {
-    let others = OTHER_MODELS.map(|name| (name, name));
-    match node.choice(&others) {
-        Ok(other) => Err(node.absent_model(&format!("{key} = \"{other}\""))),
-        Err(_) => node.choice(here),
-    }
+    let wants = "\"linear\", \"lumped\", \"angular\", \"quasi-static\", \"tabulated\" or \"dynamic\"";
+    table.required("model", wants)?.choice(&Model::ALL)
 }
 
 fn facing(node: &Node<'_>) -> Read<Facing> {
@@ -166,7 +154,7 @@ fn needs(model: Model, linear: Option<&Linear>) -> Needs {
         | (_, Some(Linear::Of(Model::Angular | Model::QuasiStatic | Model::Tabulated) | Linear::TwoSpring { .. })) => {
             Needs::ContactAngle
         }
-        (Model::Lumped, _) | (_, Some(Linear::Of(Model::Lumped))) => Needs::Law,
+        (Model::Lumped | Model::Dynamic, _) | (_, Some(Linear::Of(Model::Lumped))) => Needs::Law,
         (Model::Linear, _) => Needs::Nothing,
     }
 }
@@ -192,11 +180,7 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
         return Ok(Some(two_spring));
     }
     let of = |n: &Node<'_>| {
-        rung(
-            n,
-            "linearise",
-            &[("angular", Model::Angular), ("lumped", Model::Lumped), ("quasi-static", Model::QuasiStatic)],
-        )
+        n.choice(&[("angular", Model::Angular), ("lumped", Model::Lumped), ("quasi-static", Model::QuasiStatic)])
     };
     Ok(table.read("linearise", of)?.map(Linear::Of))
 }
@@ -448,6 +432,68 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Optio
     }
     let wants = format!("{range}; without geometry it must be given (0 for elements that stand still)");
     Err(table.missing("cage_ratio", &wants))
+}
+
+fn support(node: &Node<'_>) -> Read<Support> {
+    let table = node.table(&["mass", "stiffness_x", "stiffness_y", "stiffness_xy", "damping"])?;
+    let stiffness =
+        [table.positive("stiffness_x", Dimension::Stiffness)?, table.positive("stiffness_y", Dimension::Stiffness)?];
+    let most = (stiffness[0] * stiffness[1]).sqrt();
+    let range = format!("below {most} N/m in size, or the support gives way in some direction by itself");
+    let cross = table.read("stiffness_xy", |n| n.within(Dimension::Stiffness, &range, |k| k.abs() < most))?;
+    Ok(Support {
+        mass: table.positive("mass", Dimension::Mass)?,
+        stiffness,
+        cross_stiffness: cross.unwrap_or(0.0),
+        damping: table.read("damping", |n| n.not_negative(Dimension::Damping))?.unwrap_or(0.0),
+    })
+}
+
+fn azimuths(node: &Node<'_>, elements: usize) -> Read<Vec<f64>> {
+    let wants = format!("a list of {elements} angles, the azimuth of each rolling element at shaft angle 0");
+    let list = node.list(&wants)?;
+    if list.len() != elements {
+        return Err(node.fail(format!("a list of {}", list.len()), wants));
+    }
+    list.iter().map(|entry| entry.quantity(Dimension::Angle)).collect()
+}
+
+fn cage_runout(node: &Node<'_>, geometry: Option<&Geometry>) -> Read<CageRunout> {
+    let table = node.table(&["offset", "angle", "radius"])?;
+    let given = table.read("radius", |n| n.positive(Dimension::Length))?;
+    let Some(radius) = given.or(geometry.map(|g| 0.5 * g.pitch_diameter)) else {
+        return Err(table.missing("radius", "the radius of the elements' circle, or the bearing's geometry"));
+    };
+    let range = format!("0 or more and below a tenth of the elements' circle ({radius} m)");
+    let wants = Dimension::Length.allowed(&range);
+    Ok(CageRunout {
+        offset: table
+            .required("offset", &wants)?
+            .within(Dimension::Length, &range, |e| (0.0..0.1 * radius).contains(&e))?,
+        angle: table.read("angle", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
+        radius,
+    })
+}
+
+fn element_damping(table: &Table<'_>, model: Model) -> Read<f64> {
+    if model != Model::Dynamic {
+        refuse(table, &["element_damping"], "only with model = \"dynamic\"; remove it")?;
+    }
+    Ok(table.read("element_damping", |n| n.not_negative(Dimension::Damping))?.unwrap_or(0.0))
+}
+
+/// Balls with a mass need their geometry, and move in the plane of the bearing on round races.
+fn check_dynamic(table: &Table<'_>, model: Model, geometry: Option<&Geometry>) -> Read<()> {
+    if model != Model::Dynamic {
+        return Ok(());
+    }
+    if geometry.is_none() {
+        let wants =
+            "the geometry of the bearing, from which model = \"dynamic\" has mass and contact stiffness of a ball";
+        return Err(table.missing("ball_diameter", wants));
+    }
+    let keys = ["stiffness", "exponent", "axial", "housing_displacement", "defect", "waviness", "preload"];
+    refuse(table, &keys, "not with model = \"dynamic\", whose balls move in one plane on round races; remove it")
 }
 
 fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>> {

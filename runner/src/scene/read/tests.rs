@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
-use super::super::{Axial, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model};
+use super::super::{Axial, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Support};
 use super::*;
 
 /// The example of the scene format with the keys that this version has.
@@ -353,7 +353,7 @@ fn angular_bearing_out_of_range() {
     let angle = "contact_angle = \"15 deg\"";
     assert_refused(LEAST, &[
         ("name = \"A\"", "", &["bearing[0].name: found no such key"]),
-        ("model = \"angular\"", "", &["bearing[0].model", "\"linear\", \"lumped\", \"angular\", \"quasi-static\" or \"tabulated\""]),
+        ("model = \"angular\"", "", &["bearing[0].model", "\"linear\", \"lumped\", \"angular\", \"quasi-static\", \"tabulated\" or \"dynamic\""]),
         ("model = \"angular\"", "model = \"anguler\"", &["found \"anguler\", allowed: \"linear\" or \"lumped\" or \"angular\""]),
         ("elements = 8", "elements = 2", &["found 2, allowed: a whole number from 3 to 64"]),
         ("elements = 8", "elements = 65", &["from 3 to 64"]),
@@ -461,7 +461,7 @@ fn linear_bearing() {
         (named, "", &["bearing[0]: found model = \"linear\" with none of", "exactly one of stiffness_matrix"]),
         (named, "linearise = \"angular\"\ntwo_spring = { static_load = 1 }", &["found 2 of stiffness_matrix, two_spring, linearise"]),
         (named, "linearise = \"linear\"", &["\"angular\" or \"lumped\""]),
-        (named, "linearise = \"dynamic\"", &["linearise = \"dynamic\" is part of the scene format"]),
+        (named, "linearise = \"dynamic\"", &["found \"dynamic\", allowed: \"angular\" or \"lumped\" or \"quasi-static\""]),
         (named, "linearise = \"lumped\"", &["bearing[0].radial_play"]),
         (named, "two_spring = { static_load = 0 }", &["two_spring.static_load", "a force above 0"]),
         (named, "two_spring = 3", &["two_spring: found 3, allowed: a table with the keys static_load"]),
@@ -481,15 +481,41 @@ fn linear_bearing() {
 
 #[test]
 #[rustfmt::skip] // a table
-fn keys_of_models_that_are_not_here() {
-    let here = "(models here: linear, lumped, angular, quasi-static, tabulated)";
-    let shown = refusal(&format!("{LEAST}support = {{ mass = \"2 kg\" }}\n"));
-    let sentence = "support is part of the scene format, but no model of this version uses it; remove it";
-    assert_eq!(shown, format!("machines/pump.toml:13: bearing[0].support: {sentence} {here}"));
-    let shown = refusal(&with(LEAST, "\"angular\"", "\"dynamic\""));
-    assert!(shown.ends_with(&format!(
-        ":6: bearing[0].model: model = \"dynamic\" is part of the scene format, but this version does not have that model {here}"
-    )), "{shown}");
+fn supports_spacing_and_cage() {
+    let text = format!(
+        "{LEAST}support = {{ mass = \"2 kg\", stiffness_x = 1e8, stiffness_y = 4e8, stiffness_xy = 1e7, damping = 200 }}\n\
+         element_azimuths = [0, 1, 2, 3, 4, 5, 5.5, 6]\ncage_runout = {{ offset = \"5 um\", angle = \"90 deg\" }}\n"
+    );
+    let bearing = read(&text).unwrap().bearings.remove(0);
+    let support = Support { mass: 2.0, stiffness: [1e8, 4e8], cross_stiffness: 1e7, damping: 200.0 };
+    assert_eq!(bearing.support, Some(support));
+    assert_eq!(bearing.element_azimuths[6], 5.5);
+    assert_eq!(bearing.cage_runout.map(|r| (r.offset, r.radius)), Some((5e-6, 0.025)));
+    assert_refused(&text, &[
+        ("stiffness_xy = 1e7", "stiffness_xy = 3e8", &["support.stiffness_xy: found 300000000", "below 200000000 N/m in size"]),
+        ("mass = \"2 kg\"", "mass = 0", &["support.mass", "above 0"]),
+        ("damping = 200", "dampin = 200", &["support.dampin: found an unknown key (did you mean damping?)"]),
+        ("[0, 1, 2, 3, 4, 5, 5.5, 6]", "[0, 1]", &["element_azimuths: found a list of 2, allowed: a list of 8 angles"]),
+        ("\"5 um\"", "\"5 mm\"", &["cage_runout.offset", "below a tenth of the elements' circle (0.025 m)"]),
+        ("support", "element_damping = 1\nsupport", &["element_damping: found 1, allowed: only with model = \"dynamic\""]),
+    ]);
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn moving_elements_and_integration() {
+    let text = with(LEAST, "contact_angle = \"15 deg\"", "diametral_clearance = \"5 um\"\nelement_damping = 30");
+    let text = with(&text, "\"angular\"", "\"dynamic\"")
+        + "[integration]\nmethod = \"newmark\"\nstep = \"10 us\"\nnewton_steps = 4\n";
+    let scene = read(&text).unwrap();
+    assert_eq!((scene.bearings[0].model, scene.bearings[0].element_damping), (Model::Dynamic, 30.0));
+    assert_eq!(scene.integration, Integration { method: Method::Newmark { newton_steps: 4 }, step: Some(1e-5) });
+    assert_refused(&text, &[
+        ("element_damping = 30", "waviness = []", &["waviness", "not with model = \"dynamic\""]),
+        ("\"newmark\"", "\"verlet\"", &["integration.newton_steps: found 4, allowed: only with method = \"newmark\""]),
+        ("\"newmark\"", "\"euler\"", &["found \"euler\", allowed: \"runge-kutta\" or \"newmark\" or \"verlet\""]),
+        ("step = \"10 us\"", "step = 0", &["integration.step", "above 0"]),
+    ]);
 }
 
 #[test]

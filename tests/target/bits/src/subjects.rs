@@ -130,8 +130,8 @@ pub struct Subjects {
     solved: Checksum,
     looked_up: Checksum,
     cage_angle: Checksum,
-    runge_kutta: (RotorState<f32, 2>, Checksum),
-    newmark: (RotorState<f32, 2>, Checksum),
+    runge_kutta: (RotorState<f32, 5, 2>, Checksum),
+    newmark: (RotorState<f32, 5, 2>, Checksum),
     residual: Checksum,
     cage: Turn,
     last: Option<Sample>,
@@ -229,7 +229,7 @@ impl Subjects {
         let drive = Drive { angle: sample.shaft, speed, acceleration: 0.0 };
         let (state, sum) = &mut self.runge_kutta;
         let status = RungeKutta4 { step: STEP }.step(&self.machine, state, &drive);
-        let twin = state.q.to_array();
+        let twin = state.q;
         sum.add(twin);
         sum.add_bits(u32::from(status.bits()));
         if sample.displacement.is_finite() {
@@ -238,7 +238,7 @@ impl Subjects {
         }
         let (state, sum) = &mut self.newmark;
         let status = Newmark { step: STEP, newton_steps: 3 }.step(&self.machine, state, &drive);
-        sum.add(state.q.to_array());
+        sum.add(state.q);
         sum.add_bits(u32::from(status.bits()));
     }
 

@@ -10,7 +10,7 @@ use ballrace::{Exact, Math, Scalar};
 /// Nine balls with variable contact angle.
 pub type Ball<T> = Angular<T, Exact, Places<T, 9>>;
 /// A rigid rotor on two of them.
-pub type Rig<T> = Machine<T, Exact, Ball<T>, 2>;
+pub type Rig<T> = Machine<RigidRotor<T, Exact>, Mounted<T, Ball<T>>, 2>;
 
 /// Cage speed over shaft speed of the bearing below.
 pub const CAGE_RATIO: f64 = 0.398_3;
@@ -32,21 +32,16 @@ pub fn geometry() -> Result<BallBearingGeometry, InvalidParameter> {
     .with_clearance(10e-6)
 }
 
-/// 6 kg on two bearings 0.2 m apart, with an unbalance and an axial load.
-///
-/// # Errors
-/// As [`geometry`].
-pub fn machine<T: Scalar>(bearing: Ball<T>) -> Result<Rig<T>, InvalidParameter>
-where
-    Exact: Math<T>,
-{
+/// 6 kg with an axial load.
+#[must_use]
+pub fn params() -> RotorParams {
     let mut damping = [[0.0; 5]; 5];
     for (i, row) in damping.iter_mut().enumerate() {
         if let Some(entry) = row.get_mut(i) {
             *entry = if i < 3 { 400.0 } else { 0.4 };
         }
     }
-    let params = RotorParams {
+    RotorParams {
         mass: 6.0,
         diametral_inertia: 0.030,
         polar_inertia: 0.006,
@@ -54,8 +49,18 @@ where
         stiffness: [0.0; 5],
         gravity: [0.0, -9.80665, 0.0],
         load: [0.0, 0.0, 60.0, 0.0, 0.0],
-    };
-    let rotor = RigidRotor::try_new(&params, &[Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 }])?;
+    }
+}
+
+/// The rotor on two bearings 0.2 m apart, with an unbalance.
+///
+/// # Errors
+/// As [`geometry`].
+pub fn machine<T: Scalar>(bearing: Ball<T>) -> Result<Rig<T>, InvalidParameter>
+where
+    Exact: Math<T>,
+{
+    let rotor = RigidRotor::try_new(&params(), &[Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 }])?;
     let at = |station| Mounted { bearing, station: T::from_f64(station), gear: Gear::new(CAGE_RATIO) };
     Ok(Machine { rotor, bearings: [at(-0.1), at(0.1)] })
 }

@@ -5,10 +5,13 @@ use crate::measure::{Bench, Name};
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::even_places;
 use ballrace::bearing::geometry::InvalidParameter;
-use ballrace::rotor::{Drive, Integrator, Newmark, RotorState, RungeKutta4};
+use ballrace::rotor::{
+    Attached, Attachment, Coupling, Drive, Gear, General, Integrator, InvalidMatrix, Machine, Newmark, RotorState,
+    RungeKutta4, Support, System, Verlet, supported,
+};
 use ballrace::{Exact, Math, Scalar, Status, Turn};
 use core::hint::black_box;
-use rig::{Rig, geometry, machine};
+use rig::{Ball, CAGE_RATIO, Rig, geometry, machine, params};
 
 pub fn all<T: Scalar>(bench: &Bench, precision: &'static str)
 where
@@ -16,8 +19,14 @@ where
 {
     let Ok(rig) = black_box(rig::<T>()) else { return };
     let dt = T::from_f64(2e-5);
-    steps(bench, precision, "Runge-Kutta 4 step", &rig, &RungeKutta4 { step: dt });
-    steps(bench, precision, "Newmark step, 3 Newton steps", &rig, &Newmark { step: dt, newton_steps: 3 });
+    let (rigid, newmark) = ("rotor on two angular bearings", Newmark { step: dt, newton_steps: 3 });
+    steps(bench, (rigid, precision, "Runge-Kutta 4 step"), &rig, &RungeKutta4 { step: dt });
+    steps(bench, (rigid, precision, "Verlet step"), &rig, &Verlet { step: dt });
+    steps(bench, (rigid, precision, "Newmark step, 3 Newton steps"), &rig, &newmark);
+    let Ok(rig) = black_box(supported_rig::<T>()) else { return };
+    let soft = "the same in two supports, nine coordinates";
+    steps(bench, (soft, precision, "Verlet step"), &rig, &Verlet { step: dt });
+    steps(bench, (soft, precision, "Newmark step, 3 Newton steps"), &rig, &newmark);
 }
 
 fn rig<T: Scalar>() -> Result<Rig<T>, InvalidParameter>
@@ -28,34 +37,49 @@ where
 }
 
 #[inline(never)]
-fn step<T: Scalar, I: Integrator<T>>(
+fn step<T: Scalar, I: Integrator<T>, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
     integrator: &I,
-    machine: &Rig<T>,
-    state: &mut RotorState<T, 2>,
+    machine: &Machine<R, C, 2>,
+    state: &mut RotorState<T, D, 2>,
     drive: &Drive<T>,
-) -> Status
-where
-    Exact: Math<T>,
-{
+) -> Status {
     integrator.step(machine, state, drive)
 }
 
-fn steps<T: Scalar, I: Integrator<T>>(
-    bench: &Bench,
-    precision: &'static str,
-    function: &'static str,
-    machine: &Rig<T>,
-    integrator: &I,
-) where
+/// The same rotor with its two bearings in supports: nine coordinates from matrices.
+fn supported_rig<T: Scalar>() -> Result<Machine<General<T, Exact, 9>, Attached<T, Ball<T>, 9>, 2>, InvalidParameter>
+where
     Exact: Math<T>,
 {
-    let what = "rotor on two angular bearings";
+    let bearing = Angular::try_new(geometry()?, even_places(Turn::ZERO), Zero::Centred)?;
+    let support = Support { mass: 2.0, stiffness: [[3e7, 0.0], [0.0, 2e7]], damping: [[200.0, 0.0], [0.0, 200.0]] };
+    let matrices = supported::<9>(&params(), &[], &[support; 2])?;
+    let refused = |e: InvalidMatrix| InvalidParameter { name: e.matrix, found: e.found, allowed: e.allowed };
+    let at = |i: usize, station| Attached {
+        bearing,
+        attachment: Attachment::on_rigid_rotor(station, Some(5 + 2 * i)),
+        gear: Gear::new(CAGE_RATIO),
+    };
+    Ok(Machine { rotor: General::try_new(&matrices).map_err(refused)?, bearings: [at(0, -0.1), at(1, 0.1)] })
+}
+
+fn steps<T: Scalar, I: Integrator<T>, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
+    bench: &Bench,
+    (what, precision, function): (&'static str, &'static str, &'static str),
+    machine: &Machine<R, C, 2>,
+    integrator: &I,
+) {
     let name = Name { what, elements: 9, precision, math: "exact", function };
     let prepare = |i| {
         let (u, angle) = input::<T>(i);
-        let state = RotorState::at_rest(u, angle.times(3), [angle, angle.times(5)]);
+        let mut q = [T::ZERO; D];
+        for (entry, x) in q.iter_mut().zip(u.to_array()) {
+            *entry = x;
+        }
+        let state = RotorState::at_rest(q, angle.times(3), [angle, angle.times(5)]);
         let speed = if i.is_multiple_of(7) { u.u } else { u.w * T::from_f64(1e7) };
         (state, Drive { angle, speed, acceleration: T::ZERO })
     };
-    bench.measure(name, step::<T, I> as *const (), prepare, |(state, drive)| step(integrator, machine, state, drive));
+    let entry = step::<T, I, R, C, D> as *const ();
+    bench.measure(name, entry, prepare, |(state, drive)| step(integrator, machine, state, drive));
 }

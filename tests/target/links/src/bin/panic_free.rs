@@ -15,7 +15,10 @@ use ballrace::bearing::tabulated::{Node, Tabulated};
 use ballrace::bearing::{HeldWrench, InCage, Mirrored, Pairs, Place, Places};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
-use ballrace::rotor::{Drive, Integrator, Machine, Newmark, RotorState, RungeKutta4};
+use ballrace::rotor::{
+    Attached, Coupling, Drive, General, Integrator, Machine, Mounted, MovingBalls, Newmark, RigidRotor, RotorState,
+    RungeKutta4, System, Verlet,
+};
 use ballrace::turn::{Arc, Ratio};
 use ballrace::{Bearing, Displacement, Exact, Fast, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
 use core::hint::black_box;
@@ -69,11 +72,17 @@ fn lumped<T: Scalar, M: Math<T>, L: Law<T, M>>() {
     radial_batch(&given::<Radial<T, M, L, Slice<T>>>(), given(), given(), given());
 }
 
-fn rotor<T: Scalar, M: Math<T>, B: Bearing<T>>() {
-    let (machine, mut state, drive): (Machine<T, M, B, 2>, RotorState<T, 2>, Drive<T>) = given();
+fn steps<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>() {
+    let (machine, mut state, drive): (Machine<R, C, 2>, RotorState<T, D, 2>, Drive<T>) = given();
     black_box(given::<RungeKutta4<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Newmark<T>>().step(&machine, &mut state, &drive));
+    black_box(given::<Verlet<T>>().step(&machine, &mut state, &drive));
     black_box((state, drive.after(given())));
+}
+
+fn rotor<T: Scalar, M: Math<T>, B: Bearing<T>>() {
+    steps::<T, RigidRotor<T, M>, Mounted<T, B>, 5>();
+    steps::<T, General<T, M, 9>, Attached<T, B, 9>, 9>();
 }
 
 fn solved<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>>() {
@@ -121,6 +130,7 @@ fn all<T: Scalar, M: Math<T>>() {
     looked_up::<T, M, 3>();
     rotor::<T, M, Angular<T, M, Places<T, 9>>>();
     rotor::<T, M, Linear<T>>();
+    steps::<T, General<T, M, 14>, MovingBalls<T, M, Places<T, 9>, 14>, 14>();
 }
 
 #[cortex_m_rt::entry]

@@ -1,0 +1,179 @@
+//! How bearings push on a system's coordinates.
+
+use super::Gear;
+use crate::bearing::{Bearing, Reaction};
+use crate::frame::{Displacement, Stiffness, stiffness_from_station};
+use crate::rotation::Rotation;
+use crate::scalar::Scalar;
+use crate::status::Status;
+use nalgebra::SMatrix;
+
+/// Something whose parts follow the shaft.
+pub trait Geared<T> {
+    /// How.
+    fn gear(&self) -> &Gear<T>;
+}
+
+/// Something that pushes on the coordinates of a system: `f_B(q, t)` of Hajzman's eq. (6), or a share of it.
+pub trait Coupling<T: Scalar, const D: usize>: Geared<T> {
+    /// Adds its forces on the coordinates at `q` to `f`; gives the sum of its loads and what it has to say.
+    fn push(&self, q: &[T; D], at: &Rotation<T>, f: &mut [T; D]) -> (T, Status);
+
+    /// The same, and adds the tangent `-df/dq` to `k`.
+    fn push_with_stiffness(
+        &self,
+        q: &[T; D],
+        at: &Rotation<T>,
+        f: &mut [T; D],
+        k: &mut SMatrix<T, D, D>,
+    ) -> (T, Status);
+}
+
+/// A bearing on a rigid rotor whose outer ring stands still.
+#[derive(Debug, Clone, Copy)]
+pub struct Mounted<T, B> {
+    /// What it answers to a displacement.
+    pub bearing: B,
+    /// Along Z from the centre of mass, m.
+    pub station: T,
+    /// How its parts follow the shaft.
+    pub gear: Gear<T>,
+}
+
+impl<T, B> Geared<T> for Mounted<T, B> {
+    fn gear(&self) -> &Gear<T> {
+        &self.gear
+    }
+}
+
+fn add_wrench<T: Scalar>(f: &mut [T; 5], reaction: Reaction<T>, station: T) -> (T, Status) {
+    let moved = reaction.moved_from(station);
+    super::vector::add(f, &moved.wrench.to_array());
+    (moved.load, moved.status)
+}
+
+impl<T: Scalar, B: Bearing<T>> Coupling<T, 5> for Mounted<T, B> {
+    fn push(&self, q: &[T; 5], at: &Rotation<T>, f: &mut [T; 5]) -> (T, Status) {
+        let u = Displacement::from_array(*q).at_station(self.station);
+        add_wrench(f, self.bearing.reaction(&u, at), self.station)
+    }
+
+    fn push_with_stiffness(
+        &self,
+        q: &[T; 5],
+        at: &Rotation<T>,
+        f: &mut [T; 5],
+        k: &mut SMatrix<T, 5, 5>,
+    ) -> (T, Status) {
+        let u = Displacement::from_array(*q).at_station(self.station);
+        let (reaction, stiffness) = self.bearing.reaction_and_stiffness(&u, at);
+        *k += stiffness_from_station(&stiffness, self.station);
+        add_wrench(f, reaction, self.station)
+    }
+}
+
+/// Which combination of a system's coordinates is the displacement of a bearing's inner ring against its outer ring:
+/// `u = T q`. The rows of `T` are Hajzman's extended vectors gathered in the order of [`Displacement`]; the forces on
+/// the coordinates are `T^T f`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attachment<T: Scalar, const D: usize>(pub(super) SMatrix<T, 5, D>);
+
+impl<T: Scalar, const D: usize> Attachment<T, D> {
+    /// From the five extended vectors.
+    #[must_use]
+    pub fn new(extended: &[[f64; D]; 5]) -> Self {
+        Self(SMatrix::from_fn(|i, j| T::from_f64(extended.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0))))
+    }
+
+    /// On a rigid rotor that is the system's first five coordinates, at `station` along Z from its centre of mass; with
+    /// the outer ring on the coordinates `housing` and the next one (along X and Y) where there is one.
+    #[must_use]
+    pub fn on_rigid_rotor(station: f64, housing: Option<usize>) -> Self {
+        let one = |hit: bool| f64::from(u8::from(hit));
+        Self(SMatrix::from_fn(|i, j| {
+            let rotor = match (i, j) {
+                (0, 4) => station,
+                (1, 3) => -station,
+                _ => one(i == j),
+            };
+            let outer = housing.map_or(0.0, |first| one(i < 2 && j == first + i));
+            T::from_f64(rotor - outer)
+        }))
+    }
+
+    /// `T q`. Cost: `5 D` multiplications.
+    #[must_use]
+    pub fn displacement(&self, q: &[T; D]) -> Displacement<T> {
+        let mut u = [T::ZERO; 5];
+        for (&x, column) in q.iter().zip(self.0.column_iter()) {
+            for (entry, &t) in u.iter_mut().zip(column.iter()) {
+                *entry += t * x;
+            }
+        }
+        Displacement::from_array(u)
+    }
+
+    /// `f += T^T wrench`.
+    pub(super) fn spread(&self, wrench: &[T; 5], f: &mut [T; D]) {
+        for (entry, column) in f.iter_mut().zip(self.0.column_iter()) {
+            for (&w, &t) in wrench.iter().zip(column.iter()) {
+                *entry += t * w;
+            }
+        }
+    }
+
+    /// `k += T^T stiffness T`. Cost: `5 D (5 + D)` multiplications.
+    pub(super) fn spread_stiffness(&self, stiffness: &Stiffness<T>, k: &mut SMatrix<T, D, D>) {
+        for (mut column, extended) in k.column_iter_mut().zip(self.0.column_iter()) {
+            let mut wrench = [T::ZERO; 5];
+            for (&t, of) in extended.iter().zip(stiffness.column_iter()) {
+                for (entry, &stiffness) in wrench.iter_mut().zip(of.iter()) {
+                    *entry += stiffness * t;
+                }
+            }
+            for (entry, extended) in column.iter_mut().zip(self.0.column_iter()) {
+                for (&w, &t) in wrench.iter().zip(extended.iter()) {
+                    *entry += t * w;
+                }
+            }
+        }
+    }
+}
+
+/// A bearing on any coordinates of a system.
+#[derive(Debug, Clone, Copy)]
+pub struct Attached<T: Scalar, B, const D: usize> {
+    /// What it answers to a displacement.
+    pub bearing: B,
+    /// Where.
+    pub attachment: Attachment<T, D>,
+    /// How its parts follow the shaft.
+    pub gear: Gear<T>,
+}
+
+impl<T: Scalar, B, const D: usize> Geared<T> for Attached<T, B, D> {
+    fn gear(&self) -> &Gear<T> {
+        &self.gear
+    }
+}
+
+impl<T: Scalar, B: Bearing<T>, const D: usize> Coupling<T, D> for Attached<T, B, D> {
+    fn push(&self, q: &[T; D], at: &Rotation<T>, f: &mut [T; D]) -> (T, Status) {
+        let reaction = self.bearing.reaction(&self.attachment.displacement(q), at);
+        self.attachment.spread(&reaction.wrench.to_array(), f);
+        (reaction.load, reaction.status)
+    }
+
+    fn push_with_stiffness(
+        &self,
+        q: &[T; D],
+        at: &Rotation<T>,
+        f: &mut [T; D],
+        k: &mut SMatrix<T, D, D>,
+    ) -> (T, Status) {
+        let (reaction, stiffness) = self.bearing.reaction_and_stiffness(&self.attachment.displacement(q), at);
+        self.attachment.spread_stiffness(&stiffness, k);
+        self.attachment.spread(&reaction.wrench.to_array(), f);
+        (reaction.load, reaction.status)
+    }
+}

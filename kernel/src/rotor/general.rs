@@ -1,0 +1,229 @@
+//! Any linear system from its matrices: a reduced finite-element rotor, a rotor with its supports.
+
+use super::{Drive, System};
+use crate::math::Math;
+use crate::scalar::Scalar;
+use core::fmt;
+use core::marker::PhantomData;
+use nalgebra::SMatrix;
+
+/// What an engineer says of a linear system of `D` coordinates, SI units. Coordinates that nothing uses take
+/// [`Matrices::idle`]'s entries: a mass of 1 and nothing else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Matrices<const D: usize> {
+    /// M, symmetric and positive definite.
+    pub mass: SMatrix<f64, D, D>,
+    /// B, symmetric.
+    pub damping: SMatrix<f64, D, D>,
+    /// G, skew-symmetric, to be multiplied by the shaft speed.
+    pub gyroscopic: SMatrix<f64, D, D>,
+    /// K, symmetric.
+    pub stiffness: SMatrix<f64, D, D>,
+    /// Weight and constant load on each coordinate.
+    pub load: [f64; D],
+    /// Unbalance on each coordinate: `w^2 (c cos(theta) + s sin(theta))` for `[c, s]`, kg m.
+    pub unbalance: [[f64; 2]; D],
+}
+
+impl<const D: usize> Matrices<D> {
+    /// A mass of 1 on each coordinate and nothing else.
+    #[must_use]
+    pub fn idle() -> Self {
+        let none = SMatrix::from_element(0.0);
+        Self {
+            mass: SMatrix::from_fn(|i, j| f64::from(u8::from(i == j))),
+            damping: none,
+            gyroscopic: none,
+            stiffness: none,
+            load: [0.0; D],
+            unbalance: [[0.0; 2]; D],
+        }
+    }
+
+    /// Adds an unbalance of `moment` kg m at `angle` from the keyphasor mark, in a plane that moves along X with the
+    /// coordinate `x` and along Y with the coordinate `y`. Coordinates beyond the system are left out.
+    #[must_use]
+    pub fn with_unbalance(mut self, (x, y): (usize, usize), moment: f64, angle: f64) -> Self {
+        let (c, s) = (moment * libm::cos(angle), moment * libm::sin(angle));
+        for (at, [a, b]) in [(x, [c, -s]), (y, [s, c])] {
+            if let Some([cos, sin]) = self.unbalance.get_mut(at) {
+                *cos += a;
+                *sin += b;
+            }
+        }
+        self
+    }
+}
+
+/// An entry that does not fit its matrix. Rows and columns count from 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InvalidMatrix {
+    /// `M`, `B`, `G` or `K`.
+    pub matrix: &'static str,
+    /// Row of the entry.
+    pub row: usize,
+    /// Column of the entry.
+    pub column: usize,
+    /// What was found there.
+    pub found: f64,
+    /// What was found at the mirrored place.
+    pub mirrored: f64,
+    /// What is allowed, in words.
+    pub allowed: &'static str,
+}
+
+impl fmt::Display for InvalidMatrix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { matrix, row, column, found, mirrored, allowed } = self;
+        write!(
+            f,
+            "{matrix}: found {found} at row {row}, column {column} and {mirrored} at row {column}, column {row}, allowed: {allowed}"
+        )
+    }
+}
+
+impl core::error::Error for InvalidMatrix {}
+
+/// Two mirrored entries may differ by this part of the larger.
+const SAME: f64 = 1e-6;
+/// Entries below this part of the matrix's largest are rounding.
+const NOTHING: f64 = 1e-14;
+
+/// `sign` 1 asks for symmetry, -1 for skew-symmetry.
+fn check_mirror<const D: usize>(
+    matrix: &'static str,
+    entries: &SMatrix<f64, D, D>,
+    sign: f64,
+) -> Result<(), InvalidMatrix> {
+    let largest = entries.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let allowed =
+        if sign > 0.0 { "a symmetric matrix of finite numbers" } else { "a skew-symmetric matrix of finite numbers" };
+    for i in 0..D {
+        for j in 0..=i {
+            let (found, mirrored) = (entries[(i, j)], entries[(j, i)]);
+            let off = (found - sign * mirrored).abs();
+            let near = off <= (SAME * found.abs().max(mirrored.abs())).max(NOTHING * largest);
+            if !(near && found.is_finite() && mirrored.is_finite()) {
+                return Err(InvalidMatrix { matrix, row: i + 1, column: j + 1, found, mirrored, allowed });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A linear system of any fixed order, ready for the hot path. Cost of its forces: three products of matrix and vector.
+#[derive(Debug, Clone, Copy)]
+pub struct General<T: Scalar, M, const D: usize> {
+    mass: SMatrix<T, D, D>,
+    inverse_mass: SMatrix<T, D, D>,
+    damping: SMatrix<T, D, D>,
+    gyroscopic: SMatrix<T, D, D>,
+    stiffness: SMatrix<T, D, D>,
+    constant: [T; D],
+    unbalance: [[T; 2]; D],
+    math: PhantomData<M>,
+}
+
+impl<T: Scalar, M: Math<T>, const D: usize> General<T, M, D> {
+    /// From matrices.
+    ///
+    /// # Errors
+    /// The first entry that breaks a matrix's symmetry or is not finite; a mass matrix that is not positive definite.
+    pub fn try_new(matrices: &Matrices<D>) -> Result<Self, InvalidMatrix> {
+        check_mirror("M", &matrices.mass, 1.0)?;
+        check_mirror("B", &matrices.damping, 1.0)?;
+        check_mirror("G", &matrices.gyroscopic, -1.0)?;
+        check_mirror("K", &matrices.stiffness, 1.0)?;
+        let inverse_mass = inverse(&matrices.mass)?;
+        let round = |x: f64| T::from_f64(x);
+        Ok(Self {
+            mass: matrices.mass.map(round),
+            inverse_mass: inverse_mass.map(round),
+            damping: matrices.damping.map(round),
+            gyroscopic: matrices.gyroscopic.map(round),
+            stiffness: matrices.stiffness.map(round),
+            constant: matrices.load.map(round),
+            unbalance: matrices.unbalance.map(|both| both.map(round)),
+            math: PhantomData,
+        })
+    }
+}
+
+/// Of a symmetric matrix, by elimination in the given order: its pivots are positive where the matrix is definite.
+fn inverse<const D: usize>(mass: &SMatrix<f64, D, D>) -> Result<SMatrix<f64, D, D>, InvalidMatrix> {
+    let mut left = *mass;
+    let mut right = SMatrix::<f64, D, D>::from_fn(|i, j| f64::from(u8::from(i == j)));
+    for k in 0..D {
+        let pivot = left[(k, k)];
+        if pivot.is_nan() || pivot <= 0.0 {
+            let (row, found) = (k + 1, mass[(k, k)]);
+            let allowed = "a positive definite matrix, which this one is not with that coordinate";
+            return Err(InvalidMatrix { matrix: "M", row, column: row, found, mirrored: found, allowed });
+        }
+        for j in 0..D {
+            left[(k, j)] /= pivot;
+            right[(k, j)] /= pivot;
+        }
+        for i in (0..D).filter(|&i| i != k) {
+            let factor = left[(i, k)];
+            for j in 0..D {
+                let (above, beside) = (left[(k, j)], right[(k, j)]);
+                left[(i, j)] -= factor * above;
+                right[(i, j)] -= factor * beside;
+            }
+        }
+    }
+    Ok(right)
+}
+
+/// `f += scale A x`.
+fn add_product<T: Scalar, const D: usize>(f: &mut [T; D], scale: T, a: &SMatrix<T, D, D>, x: &[T; D]) {
+    for (&x, column) in x.iter().zip(a.column_iter()) {
+        let x = scale * x;
+        for (entry, &a) in f.iter_mut().zip(column.iter()) {
+            *entry += a * x;
+        }
+    }
+}
+
+impl<T: Scalar, M: Math<T>, const D: usize> System<T, D> for General<T, M, D> {
+    fn constant_load(&self) -> [T; D] {
+        self.constant
+    }
+
+    fn excitation(&self, drive: &Drive<T>) -> [T; D] {
+        let (sin, cos) = M::sin_cos(drive.angle);
+        let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
+        // A change of speed pushes against the way: m e a (e_r turned back by a quarter).
+        let (by_cos, by_sin) = (w2 * cos + a * sin, w2 * sin - a * cos);
+        let mut f = self.constant;
+        for (entry, &[c, s]) in f.iter_mut().zip(&self.unbalance) {
+            *entry += by_cos * c + by_sin * s;
+        }
+        f
+    }
+
+    fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
+        let mut f = [T::ZERO; D];
+        add_product(&mut f, -T::ONE, &self.damping, rate);
+        add_product(&mut f, -speed, &self.gyroscopic, rate);
+        add_product(&mut f, -T::ONE, &self.stiffness, q);
+        f
+    }
+
+    fn accelerate(&self, f: &[T; D]) -> [T; D] {
+        let mut a = [T::ZERO; D];
+        add_product(&mut a, T::ONE, &self.inverse_mass, f);
+        a
+    }
+
+    fn inertia(&self, a: &[T; D]) -> [T; D] {
+        let mut f = [T::ZERO; D];
+        add_product(&mut f, T::ONE, &self.mass, a);
+        f
+    }
+
+    fn effective(&self, [m, c, k]: [T; 3], speed: T) -> SMatrix<T, D, D> {
+        self.mass * m + self.damping * c + self.gyroscopic * (c * speed) + self.stiffness * k
+    }
+}

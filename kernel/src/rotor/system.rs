@@ -1,0 +1,27 @@
+//! What is linear of a machine, and what excites it.
+
+use super::Drive;
+use crate::scalar::Scalar;
+use nalgebra::SMatrix;
+
+/// A linear mechanical system of `D` coordinates under a turning excitation:
+/// `M q'' + (B + w G) q' + K q = f_E(t)` (Hajzman, eq. 6 without its bearings).
+pub trait System<T: Scalar, const D: usize> {
+    /// The part of `f_E` that does not change: weight and constant load.
+    fn constant_load(&self) -> [T; D];
+
+    /// `f_E`, weight and unbalance with the shaft as `drive` says.
+    fn excitation(&self, drive: &Drive<T>) -> [T; D];
+
+    /// `-(B + w G) q' - K q`.
+    fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D];
+
+    /// `M^-1 f`.
+    fn accelerate(&self, f: &[T; D]) -> [T; D];
+
+    /// `M a`.
+    fn inertia(&self, a: &[T; D]) -> [T; D];
+
+    /// `m M + c (B + w G) + k K` for `[m, c, k]`: what an implicit step has to solve with.
+    fn effective(&self, parts: [T; 3], speed: T) -> SMatrix<T, D, D>;
+}

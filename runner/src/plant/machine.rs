@@ -1,0 +1,170 @@
+//! The kernel's machine of as many coordinates and bearings as a scene has: both are constants of its type.
+
+use super::system::RIGID;
+use super::{Plant, Seat};
+use crate::scene::build::{self, AnyBearing, Shared};
+use anyhow::{Context, Result, bail};
+use ballrace::bearing::{Bearing, Place, Reaction};
+use ballrace::rotor::{
+    Attached, Attachment, Coupling, Gear, Geared, General, Machine, Mounted, MovingBalls, RigidRotor, System,
+};
+use ballrace::{Displacement, Exact, Rotation, Status, Stiffness};
+use nalgebra::SMatrix;
+use std::sync::Arc;
+
+/// Most bearings on one rotor.
+pub const MOST_BEARINGS: usize = 8;
+/// Most coordinates of a system.
+pub const LARGEST: usize = 128;
+
+/// A coupling that can also say what its bearing does alone.
+pub trait Fit<const D: usize>: Coupling<f64, D> {
+    /// Force on the inner ring.
+    fn reaction(&self, q: &[f64; D], at: &Rotation<f64>) -> Reaction<f64>;
+}
+
+/// Something to do with a machine of any size.
+pub trait MachineTask<R> {
+    /// Does it.
+    fn run<S, C, const D: usize, const N: usize>(self, machine: Machine<S, C, N>) -> R
+    where
+        S: System<f64, D> + 'static,
+        C: Fit<D> + 'static;
+}
+
+/// A place without a bearing.
+struct Nothing;
+
+impl Bearing<f64> for Nothing {
+    fn reaction(&self, _u: &Displacement<f64>, _at: &Rotation<f64>) -> Reaction<f64> {
+        Reaction::default()
+    }
+    fn reaction_and_stiffness(&self, _u: &Displacement<f64>, _at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+        (Reaction::default(), Stiffness::from_element(0.0))
+    }
+    fn element_loads(&self, _u: &Displacement<f64>, _at: &Rotation<f64>, _loads: &mut [f64]) {}
+}
+
+impl Fit<5> for Mounted<f64, AnyBearing<f64>> {
+    fn reaction(&self, q: &[f64; 5], at: &Rotation<f64>) -> Reaction<f64> {
+        self.bearing.reaction(&Displacement::from_array(*q).at_station(self.station), at)
+    }
+}
+
+/// A bearing on any coordinates, or one whose balls are coordinates.
+pub enum Fitted<const D: usize> {
+    /// The first.
+    Bearing(Attached<f64, AnyBearing<f64>, D>),
+    /// The second.
+    Balls(Box<MovingBalls<f64, Exact, Vec<Place<f64>>, D>>),
+}
+
+impl<const D: usize> Geared<f64> for Fitted<D> {
+    fn gear(&self) -> &Gear<f64> {
+        match self {
+            Self::Bearing(bearing) => bearing.gear(),
+            Self::Balls(balls) => balls.gear(),
+        }
+    }
+}
+
+impl<const D: usize> Coupling<f64, D> for Fitted<D> {
+    fn push(&self, q: &[f64; D], at: &Rotation<f64>, f: &mut [f64; D]) -> (f64, Status) {
+        match self {
+            Self::Bearing(bearing) => bearing.push(q, at, f),
+            Self::Balls(balls) => balls.push(q, at, f),
+        }
+    }
+    fn push_with_stiffness(
+        &self,
+        q: &[f64; D],
+        at: &Rotation<f64>,
+        f: &mut [f64; D],
+        k: &mut SMatrix<f64, D, D>,
+    ) -> (f64, Status) {
+        match self {
+            Self::Bearing(bearing) => bearing.push_with_stiffness(q, at, f, k),
+            Self::Balls(balls) => balls.push_with_stiffness(q, at, f, k),
+        }
+    }
+}
+
+impl<const D: usize> Fit<D> for Fitted<D> {
+    fn reaction(&self, q: &[f64; D], at: &Rotation<f64>) -> Reaction<f64> {
+        match self {
+            Self::Bearing(bearing) => bearing.bearing.reaction(&bearing.attachment.displacement(q), at),
+            Self::Balls(balls) => balls.reaction(q, at),
+        }
+    }
+}
+
+impl Plant {
+    /// Runs `task` with the machine of as many coordinates and bearings as the scene has, or a few idle ones more: what
+    /// is idle changes nothing, and each pair of counts is a machine of its own in the program.
+    pub(super) fn with_machine<R>(&self, task: impl MachineTask<R>) -> Result<R> {
+        match (self.layout.order, self.seats.len()) {
+            (RIGID, 1) => self.rigid::<R, 1>(task),
+            (RIGID, 2) => self.rigid::<R, 2>(task),
+            (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(task),
+            (..=9, _) => self.general::<R, 9>(task),
+            (..=16, _) => self.general::<R, 16>(task),
+            (..=32, _) => self.general::<R, 32>(task),
+            (..=64, _) => self.general::<R, 64>(task),
+            (..=LARGEST, _) => self.general::<R, LARGEST>(task),
+            (order, _) => bail!("found a system of {order} coordinates, allowed: up to {LARGEST}"),
+        }
+    }
+
+    fn rigid<R, const N: usize>(&self, task: impl MachineTask<R>) -> Result<R> {
+        let mut params = build::rotor_params(&self.rotor);
+        for (i, row) in params.damping.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += self.damping[(i, j)];
+            }
+        }
+        let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(&self.rotor)).context("[rotor]")?;
+        let bearings = std::array::from_fn(|i| match self.seats.get(i) {
+            Some(seat) => {
+                Mounted { bearing: seat.bearing.clone(), station: seat.station, gear: seat.kinematics.gear() }
+            }
+            None => Mounted { bearing: nothing(), station: 0.0, gear: Gear::new(0.0) },
+        });
+        Ok(task.run::<_, _, RIGID, N>(Machine { rotor, bearings }))
+    }
+
+    fn general<R, const D: usize>(&self, task: impl MachineTask<R>) -> Result<R> {
+        let matrices = self.layout.matrices::<D>(&self.rotor, &self.seats, &self.damping)?;
+        let rotor = General::<f64, Exact, D>::try_new(&matrices)?;
+        let fitted = |i: usize| match self.seats.get(i) {
+            Some(seat) => self.fitted(i, seat),
+            None => Ok(Fitted::Bearing(Attached {
+                bearing: nothing(),
+                attachment: Attachment::on_rigid_rotor(0.0, None),
+                gear: Gear::new(0.0),
+            })),
+        };
+        let all = (0..MOST_BEARINGS).map(fitted).collect::<Result<Vec<_>>>()?;
+        let Ok(bearings) = <[Fitted<D>; MOST_BEARINGS]>::try_from(all) else {
+            bail!("found another count of bearings")
+        };
+        Ok(task.run::<_, _, D, MOST_BEARINGS>(Machine { rotor, bearings }))
+    }
+
+    fn fitted<const D: usize>(&self, i: usize, seat: &Seat) -> Result<Fitted<D>> {
+        let (attachment, gear) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.gear());
+        let first = self.layout.balls.get(i).copied().flatten();
+        Ok(match (&seat.balls, first) {
+            (Some(balls), Some(first)) => {
+                let places = (balls.places.clone(), first);
+                let moving = MovingBalls::try_new(&balls.params, (attachment, gear), places)
+                    .with_context(|| format!("bearing {}", seat.name))?;
+                Fitted::Balls(Box::new(moving))
+            }
+            _ => Fitted::Bearing(Attached { bearing: seat.bearing.clone(), attachment, gear }),
+        })
+    }
+}
+
+fn nothing() -> AnyBearing<f64> {
+    Shared(Arc::new(Nothing))
+}

@@ -1,0 +1,280 @@
+//! The plant: the scene's rotor on the scene's bearings, where it rests, and how fast it can move.
+
+mod machine;
+mod seat;
+mod system;
+mod twin;
+
+pub use machine::{LARGEST, MOST_BEARINGS};
+pub use seat::{Balls, Seat};
+pub use system::{Layout, Scales, only_rigid};
+pub use twin::{Twin, first_five};
+
+use crate::scene::build;
+use crate::scene::{Integration, Linear, Method, Model, Rotor, Scene};
+use anyhow::{Result, bail};
+use ballrace::bearing::Bearing;
+use ballrace::rotor::{Drive, Equilibrium, Machine, System, equilibrium};
+use ballrace::{Displacement, Rotation, Turn};
+use machine::{Fit, MachineTask};
+use nalgebra::DMatrix;
+use std::f64::consts::TAU;
+use twin::{StartTask, array};
+
+/// Rest positions over one ball pitch that a linearised bearing is the mean of.
+const PITCH_SAMPLES: u32 = 16;
+
+/// Rotor and bearings of a scene, and where they rest.
+#[derive(Clone)]
+pub struct Plant {
+    rotor: Rotor,
+    integration: Integration,
+    /// Which coordinate is what.
+    pub layout: Layout,
+    /// The bearings, with linearised ones made.
+    pub seats: Vec<Seat>,
+    /// Coordinates at rest under the constant load, cages at angle 0.
+    pub rest: Vec<f64>,
+    /// Tangent stiffness there.
+    pub stiffness: DMatrix<f64>,
+    /// Part of the load that rest leaves unbalanced.
+    pub residual: f64,
+    damping: DMatrix<f64>,
+    /// Speed at which the rotor rests, rad/s.
+    speed: f64,
+    /// What the user should know of the making.
+    pub notes: Vec<String>,
+}
+
+impl Plant {
+    /// From a scene with a rotor.
+    ///
+    /// # Errors
+    /// No rotor, too many bearings, what the kernel refuses, a rotor that nothing holds.
+    pub fn try_new(scene: &Scene) -> Result<Self> {
+        let Some(rotor) = scene.rotor.clone() else {
+            bail!(
+                "{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compute",
+                scene.path.display()
+            );
+        };
+        if scene.bearings.len() > MOST_BEARINGS {
+            bail!("{}: bearing: found {}, allowed: up to {MOST_BEARINGS}", scene.path.display(), scene.bearings.len());
+        }
+        let seats = scene.bearings.iter().map(|b| Seat::new(scene, b)).collect::<Result<Vec<_>>>()?;
+        let layout = Layout::new(&scene.bearings, &seats);
+        let none = DMatrix::zeros(layout.order, layout.order);
+        let mut plant = Self {
+            rotor,
+            integration: scene.integration,
+            rest: vec![0.0; layout.order],
+            layout,
+            seats,
+            stiffness: none.clone(),
+            residual: 0.0,
+            damping: none,
+            speed: scene.shaft.speed.nominal(),
+            notes: vec![],
+        };
+        plant.settle()?;
+        let linearised: Vec<bool> = scene
+            .bearings
+            .iter()
+            .map(|b| b.model == Model::Linear && matches!(b.linear, Some(Linear::Of(_))))
+            .collect();
+        if linearised.contains(&true) {
+            plant = plant.linearised(&linearised)?;
+        }
+        plant.damping = &plant.stiffness * plant.rotor.proportional_damping;
+        // A bearing's tangent may be a little off symmetry at speed; damping is not.
+        plant.damping = 0.5 * (&plant.damping + plant.damping.transpose());
+        Ok(plant)
+    }
+
+    /// The same plant on springs: each bearing marked in `which` replaced by its mean tangent over a ball pitch.
+    ///
+    /// # Errors
+    /// As [`Plant::try_new`].
+    pub fn linearised(&self, which: &[bool]) -> Result<Self> {
+        let mut states = vec![Vec::new(); self.seats.len()];
+        let mut rest = self.rest.clone();
+        for i in 0..PITCH_SAMPLES {
+            let part = f64::from(i) / f64::from(PITCH_SAMPLES);
+            let cages = |seat: &Seat| Turn::from_revolutions(part / seat.elements as f64);
+            rest = self.equilibrium(rest, cages)?.coordinates;
+            for (i, (states, seat)) in states.iter_mut().zip(&self.seats).enumerate() {
+                let u = self.displacement(i, &rest);
+                let (reaction, k) = seat.bearing.reaction_and_stiffness(&u, &self.resting(seat, cages(seat)));
+                states.push((u, reaction.wrench, k));
+            }
+        }
+        let mut plant = Self { notes: vec![], ..self.clone() };
+        for ((seat, states), &linear) in plant.seats.iter_mut().zip(&states).zip(which) {
+            if linear {
+                seat.bearing = build::linearised(states);
+            }
+        }
+        plant.settle()?;
+        Ok(plant)
+    }
+
+    fn settle(&mut self) -> Result<()> {
+        let found = self.equilibrium(vec![0.0; self.layout.order], |_| Turn::ZERO)?;
+        if found.residual > 1e-6 {
+            self.notes.push(format!(
+                "The rotor finds no rest under its constant load ({:.1e} of the load is left unbalanced): nothing holds it in some direction.",
+                found.residual
+            ));
+        }
+        self.rest = found.coordinates;
+        self.stiffness = found.stiffness;
+        self.residual = found.residual;
+        Ok(())
+    }
+
+    fn equilibrium(&self, start: Vec<f64>, cages: impl Fn(&Seat) -> Turn) -> Result<Rest> {
+        let at = self.seats.iter().map(|seat| self.resting(seat, cages(seat))).collect();
+        self.with_machine(RestTask { start, at })
+    }
+
+    /// What a bearing sees at the speed of rest with its cage at `cage`.
+    #[must_use]
+    pub fn resting(&self, seat: &Seat, cage: Turn) -> Rotation<f64> {
+        seat.rotation(cage.into(), &Drive { angle: Turn::ZERO, speed: self.speed, acceleration: 0.0 })
+    }
+
+    /// Displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
+    #[must_use]
+    pub fn displacement(&self, i: usize, coordinates: &[f64]) -> Displacement<f64> {
+        let station = self.seats.get(i).map_or(0.0, |s| s.station);
+        let u = first_five(coordinates).at_station(station);
+        let housing = self.layout.housings.get(i).copied().flatten();
+        let outer = |k: usize| housing.and_then(|first| coordinates.get(first + k)).copied().unwrap_or(0.0);
+        Displacement { u: u.u - outer(0), v: u.v - outer(1), ..u }
+    }
+
+    /// Where the rotor's centre of mass rests.
+    #[must_use]
+    pub fn rest_pose(&self) -> Displacement<f64> {
+        first_five(&self.rest)
+    }
+
+    /// The scene's rotor.
+    #[must_use]
+    pub fn rotor(&self) -> &Rotor {
+        &self.rotor
+    }
+
+    /// Damping that is proportional to stiffness, besides the rotor's own.
+    #[must_use]
+    pub fn damping(&self) -> &DMatrix<f64> {
+        &self.damping
+    }
+
+    /// The system's matrices without its bearings.
+    ///
+    /// # Errors
+    /// What the kernel refuses.
+    pub fn scales(&self) -> Result<Scales> {
+        self.layout.scales(&self.rotor, &self.seats, &self.damping)
+    }
+
+    /// Highest natural frequency at rest, rad/s: an upper bound, the trace of M^-1 K.
+    #[must_use]
+    pub fn highest_frequency(&self) -> f64 {
+        let Ok(scales) = self.scales() else { return 0.0 };
+        (0..self.layout.order).map(|i| self.stiffness[(i, i)] / scales.mass[(i, i)]).sum::<f64>().max(0.0).sqrt()
+    }
+
+    /// Time in which a start from rest dies down to 1e-5, s: from the weakest damping of the rotor, at least 0.2 s, at
+    /// most 10 s.
+    #[must_use]
+    pub fn settling_time(&self) -> f64 {
+        let Ok(scales) = self.scales() else { return 0.2 };
+        let rate = (0..system::RIGID)
+            .map(|i| 0.5 * scales.damping[(i, i)] / scales.mass[(i, i)])
+            .fold(f64::INFINITY, f64::min);
+        (1e5_f64.ln() / rate).clamp(0.2, 10.0)
+    }
+
+    /// Integration steps that one sample period needs.
+    #[must_use]
+    pub fn substeps(&self, sample_period: f64) -> u32 {
+        let step = self.integration.step.unwrap_or_else(|| {
+            // The trace overestimates the highest frequency, which leaves room for contact that stiffens under load.
+            self.integration.method.largest_phase() / self.highest_frequency().max(1e-9)
+        });
+        (sample_period / step * (1.0 - 1e-9)).ceil().clamp(1.0, 10_000.0) as u32
+    }
+
+    /// A twin at the given revolutions of the shaft, already run in at that speed from rest.
+    ///
+    /// # Errors
+    /// What the kernel refuses.
+    pub fn run_in(&self, sample_period: f64, revolutions: f64, drive: &Drive<f64>) -> Result<Box<dyn Twin>> {
+        let samples = (self.settling_time() / sample_period).ceil();
+        let before = samples * sample_period * drive.speed / TAU;
+        let mut twin = self.start(sample_period, revolutions - before)?;
+        let steady = Drive { acceleration: 0.0, ..*drive };
+        for i in 0..samples as u64 {
+            let left = (samples - i as f64) * sample_period * drive.speed / TAU;
+            twin.step(&Drive { angle: drive.angle.plus(Turn::from_revolutions(-left)), ..steady });
+        }
+        Ok(twin)
+    }
+
+    /// A twin at rest with the shaft at the given revolutions.
+    ///
+    /// # Errors
+    /// What the kernel refuses.
+    pub fn start(&self, sample_period: f64, revolutions: f64) -> Result<Box<dyn Twin>> {
+        let substeps = self.substeps(sample_period);
+        self.with_machine(StartTask {
+            rest: self.rest.clone(),
+            shaft: Turn::from_revolutions(revolutions),
+            parts: self.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
+            step: sample_period / f64::from(substeps),
+            substeps,
+            method: self.integration.method,
+        })
+    }
+}
+
+impl Method {
+    /// Product of step and highest natural frequency: Runge-Kutta's relative frequency error there is its 4th power over
+    /// 120, 5e-4, Newmark's and Verlet's its square over 12 and 24, 3e-3 and 2e-3, and far less where the rotor moves.
+    const fn largest_phase(self) -> f64 {
+        match self {
+            Self::RungeKutta => 0.5,
+            Self::Newmark { .. } | Self::Verlet => 0.2,
+        }
+    }
+}
+
+/// Where the coordinates settle.
+struct Rest {
+    coordinates: Vec<f64>,
+    stiffness: DMatrix<f64>,
+    residual: f64,
+}
+
+struct RestTask {
+    start: Vec<f64>,
+    at: Vec<Rotation<f64>>,
+}
+
+impl MachineTask<Rest> for RestTask {
+    fn run<S, C, const D: usize, const N: usize>(self, machine: Machine<S, C, N>) -> Rest
+    where
+        S: System<f64, D> + 'static,
+        C: Fit<D> + 'static,
+    {
+        let n = self.start.len();
+        let found: Equilibrium<f64, D> = equilibrium(&machine, &array::<_, N>(&self.at), array::<_, D>(&self.start));
+        Rest {
+            coordinates: found.q.get(..n).unwrap_or_default().to_vec(),
+            stiffness: DMatrix::from_fn(n, n, |i, j| found.stiffness[(i, j)]),
+            residual: found.residual,
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Which coordinates a scene's system has, and its matrices.
+
+use super::Seat;
+use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
+use anyhow::{Context, Result, bail};
+use ballrace::rotor::{Attachment, Matrices, RotorParams, supported};
+use nalgebra::DMatrix;
+
+/// Coordinates of a rigid rotor.
+pub const RIGID: usize = 5;
+
+/// The coordinates in order: five of the rotor, two of each support, one of each moving ball.
+#[derive(Clone)]
+pub struct Layout {
+    /// First coordinate of each bearing's support, where it has one.
+    pub housings: Vec<Option<usize>>,
+    /// First coordinate of each bearing's moving balls, where it has them.
+    pub balls: Vec<Option<usize>>,
+    /// How many in all.
+    pub order: usize,
+    supports: Vec<Support>,
+}
+
+impl Layout {
+    /// That of a scene with a rigid rotor.
+    pub fn new(bearings: &[BearingScene], seats: &[Seat]) -> Self {
+        let mut order = RIGID;
+        let mut next = |count: usize| {
+            let first = order;
+            order += count;
+            first
+        };
+        let housings = bearings.iter().map(|b| b.support.map(|_| next(2))).collect();
+        let balls = seats.iter().map(|s| s.balls.as_ref().map(|_| next(s.elements))).collect();
+        let supports = bearings.iter().filter_map(|b| b.support).collect();
+        Self { housings, balls, order, supports }
+    }
+
+    /// Five coordinates and nothing else.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        self.order == RIGID
+    }
+
+    /// The coordinates' names: `u v w thu thv`, `DE_support_u`, `DE_element_1`.
+    #[must_use]
+    pub fn names(&self, seats: &[Seat]) -> Vec<String> {
+        let mut names: Vec<String> = ["u", "v", "w", "thu", "thv"].map(str::to_owned).to_vec();
+        for (seat, housing) in seats.iter().zip(&self.housings) {
+            if housing.is_some() {
+                names.extend(["u", "v"].map(|along| format!("{}_support_{along}", seat.name)));
+            }
+        }
+        for (seat, first) in seats.iter().zip(&self.balls) {
+            if first.is_some() {
+                names.extend((1..=seat.elements).map(|j| format!("{}_element_{j}", seat.name)));
+            }
+        }
+        names
+    }
+
+    /// How bearing `i` at `station` is attached.
+    #[must_use]
+    pub fn attachment<const D: usize>(&self, i: usize, station: f64) -> Attachment<f64, D> {
+        Attachment::on_rigid_rotor(station, self.housings.get(i).copied().flatten())
+    }
+
+    /// The system's matrices in a machine of `D` coordinates, with the damping matrix `extra` besides the scene's own.
+    ///
+    /// # Errors
+    /// What the kernel refuses; a system of more coordinates.
+    pub fn matrices<const D: usize>(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Matrices<D>> {
+        if self.order > D {
+            bail!("found a system of {} coordinates, allowed: up to {D}", self.order);
+        }
+        let unbalances = build::unbalances(rotor);
+        let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
+        let params: RotorParams = build::rotor_params(rotor);
+        let mut matrices = supported::<D>(&params, &unbalances, &supports).context("[rotor]")?;
+        for (seat, first) in seats.iter().zip(&self.balls) {
+            let (Some(balls), Some(first)) = (&seat.balls, *first) else { continue };
+            for i in first..first + seat.elements {
+                matrices.mass[(i, i)] = balls.params.ball_mass;
+                matrices.damping[(i, i)] = balls.damping;
+            }
+        }
+        for i in 0..self.order {
+            for j in 0..self.order {
+                matrices.damping[(i, j)] += extra[(i, j)];
+            }
+        }
+        Ok(matrices)
+    }
+
+    /// The masses on the diagonal, for the scales of time.
+    ///
+    /// # Errors
+    /// As [`Layout::matrices`].
+    pub fn scales(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
+        let all = self.matrices::<{ super::machine::LARGEST }>(rotor, seats, extra)?;
+        let n = self.order;
+        let part = |from: &nalgebra::SMatrix<f64, { super::machine::LARGEST }, { super::machine::LARGEST }>| {
+            DMatrix::from_fn(n, n, |i, j| from[(i, j)])
+        };
+        Ok(Scales { mass: part(&all.mass), damping: part(&all.damping), gyroscopic: part(&all.gyroscopic) })
+    }
+}
+
+/// The matrices of a system as long as its coordinates are.
+pub struct Scales {
+    /// M.
+    pub mass: DMatrix<f64>,
+    /// B with the proportional damping.
+    pub damping: DMatrix<f64>,
+    /// G.
+    pub gyroscopic: DMatrix<f64>,
+}
+
+/// Refuses a scene whose system has more than the five coordinates of a rigid rotor.
+///
+/// # Errors
+/// Such a scene.
+pub fn only_rigid(scene: &Scene, command: &str) -> Result<()> {
+    let more = |b: &&BearingScene| b.support.is_some() || b.model == crate::scene::Model::Dynamic;
+    match scene.bearings.iter().find(more) {
+        Some(b) => bail!(
+            "{}: bearing {}: found a support or model = \"dynamic\", allowed with {command}: a rotor of five coordinates; simulate takes them",
+            scene.path.display(),
+            b.name
+        ),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,111 @@
+//! The digital twin: a plant that moves, driven by the shaft angle alone.
+
+use super::machine::{Fit, MachineTask};
+use crate::scene::Method;
+use ballrace::rotor::{Drive, Integrator, Machine, Newmark, PartAngles, RotorState, RungeKutta4, System, Verlet};
+use ballrace::{Displacement, Rotation, Status, Turn, Wrench};
+
+/// One twin, whatever its coordinates and bearings.
+pub trait Twin {
+    /// One sample period further, the shaft moving as `drive` says.
+    fn step(&mut self, drive: &Drive<f64>) -> Status;
+    /// The coordinates now.
+    fn coordinates(&self) -> &[f64];
+    /// Their rates.
+    fn rates(&self) -> &[f64];
+    /// Force of bearing `i` on its inner ring now, turned as `at` says.
+    fn wrench(&self, i: usize, at: &Rotation<f64>) -> Wrench<f64>;
+    /// Puts coordinates and rates, as many as given, in the place of the present ones.
+    fn place(&mut self, coordinates: &[f64], rates: &[f64]);
+
+    /// Displacement of a rigid rotor's centre of mass now.
+    fn pose(&self) -> Displacement<f64> {
+        first_five(self.coordinates())
+    }
+    /// Its rate.
+    fn rate(&self) -> Displacement<f64> {
+        first_five(self.rates())
+    }
+}
+
+/// The rotor's displacement of a rigid rotor's coordinates.
+#[must_use]
+pub fn first_five(coordinates: &[f64]) -> Displacement<f64> {
+    let mut five = [0.0; 5];
+    for (entry, &x) in five.iter_mut().zip(coordinates) {
+        *entry = x;
+    }
+    Displacement::from_array(five)
+}
+
+/// As many of `all` as there are places, the rest zero.
+pub(super) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
+    std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
+}
+
+/// Starts a twin at rest.
+pub(super) struct StartTask {
+    pub rest: Vec<f64>,
+    pub shaft: Turn,
+    pub parts: Vec<PartAngles>,
+    pub step: f64,
+    pub substeps: u32,
+    pub method: Method,
+}
+
+impl MachineTask<Box<dyn Twin>> for StartTask {
+    fn run<S, C, const D: usize, const N: usize>(self, machine: Machine<S, C, N>) -> Box<dyn Twin>
+    where
+        S: System<f64, D> + 'static,
+        C: Fit<D> + 'static,
+    {
+        Box::new(Moving {
+            machine,
+            state: RotorState::at_rest(array::<f64, D>(&self.rest), self.shaft, array::<_, N>(&self.parts)),
+            coordinates: self.rest.len(),
+            step: self.step,
+            substeps: self.substeps,
+            method: self.method,
+        })
+    }
+}
+
+struct Moving<S, C, const D: usize, const N: usize> {
+    machine: Machine<S, C, N>,
+    state: RotorState<f64, D, N>,
+    /// Those that are not idle.
+    coordinates: usize,
+    step: f64,
+    substeps: u32,
+    method: Method,
+}
+
+impl<S: System<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
+    fn step(&mut self, drive: &Drive<f64>) -> Status {
+        let (step, machine, state) = (self.step, &self.machine, &mut self.state);
+        (0..self.substeps).fold(Status::OK, |status, i| {
+            let now = drive.after(f64::from(i) * step);
+            status.and(match self.method {
+                Method::RungeKutta => RungeKutta4 { step }.step(machine, state, &now),
+                Method::Newmark { newton_steps } => Newmark { step, newton_steps }.step(machine, state, &now),
+                Method::Verlet => Verlet { step }.step(machine, state, &now),
+            })
+        })
+    }
+    fn coordinates(&self) -> &[f64] {
+        self.state.q.get(..self.coordinates).unwrap_or_default()
+    }
+    fn rates(&self) -> &[f64] {
+        self.state.rate.get(..self.coordinates).unwrap_or_default()
+    }
+    fn wrench(&self, i: usize, at: &Rotation<f64>) -> Wrench<f64> {
+        self.machine.bearings.get(i).map_or_else(Wrench::default, |b| b.reaction(&self.state.q, at).wrench)
+    }
+    fn place(&mut self, coordinates: &[f64], rates: &[f64]) {
+        for (to, from) in [(&mut self.state.q, coordinates), (&mut self.state.rate, rates)] {
+            for (entry, &x) in to.iter_mut().zip(from) {
+                *entry = x;
+            }
+        }
+    }
+}
