@@ -7,6 +7,7 @@ pub mod bake;
 pub mod cli;
 pub mod equilibrium;
 pub mod fault;
+pub mod motion;
 pub mod output;
 pub mod plant;
 pub mod recording;

@@ -4,6 +4,7 @@ pub mod bake;
 pub mod equilibrium;
 pub mod force;
 pub mod replay;
+pub mod scenes;
 pub mod simulate;
 
 use crate::fault::SceneFault;
@@ -39,6 +40,8 @@ pub enum Command {
     Equilibrium(equilibrium::Args),
     /// Time response of the scene's rotor.
     Simulate(simulate::Args),
+    /// The scenes that come with the program.
+    Scenes(scenes::Args),
 }
 
 /// `--format`
@@ -88,6 +91,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Bake(args) => bake::run(args, cli.format),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format),
         Command::Simulate(args) => simulate::run(args, cli.format),
+        Command::Scenes(args) => scenes::run(args, cli.format),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

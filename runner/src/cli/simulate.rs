@@ -2,15 +2,13 @@
 
 use super::{Format, keep_apart};
 use crate::fault::{SceneFault, scene_fault};
+use crate::motion::{self, Moment, Span};
 use crate::output::AtomicFile;
-use crate::plant::{Plant, Twin};
-use crate::recording::Row;
-use crate::recording::rotation::Tracker;
+use crate::plant::Plant;
+use crate::scene::Scene;
 use crate::scene::read::read_file;
 use crate::scene::units::{Dimension, parse};
-use crate::scene::{Rotation, Scene};
 use anyhow::{Context, Result, bail};
-use ballrace::rotor::Drive;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
@@ -30,6 +28,9 @@ pub struct Args {
     /// Samples per second, e.g. "12.8 kHz".
     #[arg(long, value_name = "R")]
     rate: String,
+    /// Time left out at the start, while the motion settles, e.g. "1 s".
+    #[arg(long, value_name = "T")]
+    settle: Option<String>,
     /// CSV file to write: t, displacement, velocity, the force of each bearing (SI).
     #[arg(short, long, value_name = "F")]
     output: PathBuf,
@@ -43,6 +44,7 @@ struct Summary {
     steps_per_sample: u32,
     held_samples: u64,
     peak_to_peak_um: [f64; 3],
+    mean_um: [f64; 3],
     output: String,
 }
 
@@ -54,13 +56,18 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let duration = option("--duration", &args.duration, Dimension::Time)?;
     let rate = option("--rate", &args.rate, Dimension::Frequency)?;
-    let samples = (duration * rate).round();
-    if !(1.0..=MOST_SAMPLES).contains(&samples) {
-        bail!(SceneFault(format!("--duration, --rate: found {samples} samples, allowed: 1 to {MOST_SAMPLES:e}")));
+    let settle = args.settle.as_ref().map(|text| option("--settle", text, Dimension::Time)).transpose()?;
+    let (samples, settle) = ((duration * rate).round(), (settle.unwrap_or(0.0) * rate).round());
+    if !(1.0..=MOST_SAMPLES).contains(&(samples + settle)) {
+        bail!(SceneFault(format!(
+            "--duration, --settle, --rate: found {} samples, allowed: 1 to {MOST_SAMPLES:e}",
+            samples + settle
+        )));
     }
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
     let plant = Plant::try_new(&scene).map_err(|e| scene_fault(&e))?;
-    let summary = simulate(&scene, &plant, samples as u64, rate, &args.output)?;
+    let span = Span { rate, settle: settle as u64, samples: samples as u64 };
+    let summary = simulate(&scene, &plant, span, &args.output)?;
     print(&summary, &plant.notes, format)
 }
 
@@ -76,41 +83,41 @@ fn option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
     Ok(value)
 }
 
-fn simulate(scene: &Scene, plant: &Plant, samples: u64, rate: f64, path: &Path) -> Result<Summary> {
-    let period = 1.0 / rate;
+fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Summary> {
     let mut file = AtomicFile::create(path)?;
     let failed = || format!("{}: this file cannot be written", path.display());
     writeln!(file, "{}", header(plant)).with_context(failed)?;
-    let mut twin = plant.start(period, 0.0).map_err(|e| scene_fault(&e))?;
-    let bar = if std::io::stderr().is_terminal() { ProgressBar::new(samples) } else { ProgressBar::hidden() };
-    let (mut low, mut high, mut held) = ([f64::MAX; 3], [f64::MIN; 3], 0);
-    // The scene's speed profile as a recording without columns would follow it.
-    let mut shaft = Tracker::new(&Rotation::Scene, rate, scene.shaft.speed);
-    for i in 0..samples {
-        let time = i as f64 * period;
-        shaft.push(Row { index: i, time, ..Row::default() })?;
-        let Some(sample) = shaft.pop() else { break };
-        let turned = sample.revolution as f64 + sample.angle.revolutions();
-        let q = twin.pose();
-        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
-        write_row(&mut file, time, plant, twin.as_ref(), (turned, &drive)).with_context(failed)?;
-        for ((low, high), x) in low.iter_mut().zip(&mut high).zip(q.to_array()) {
-            (*low, *high) = (low.min(x), high.max(x));
-        }
-        held += u64::from(twin.step(&drive).is_held());
-        if i % 4096 == 0 {
-            bar.set_position(i);
-        }
-    }
+    let total = span.settle + span.samples;
+    let bar = if std::io::stderr().is_terminal() { ProgressBar::new(total) } else { ProgressBar::hidden() };
+    let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
+    let mut told = span.settle;
+    let (held, _) = motion::run(
+        scene,
+        plant,
+        span,
+        |_| {},
+        |now| {
+            write_row(&mut file, now).with_context(failed)?;
+            for (i, x) in now.twin.pose().to_array().into_iter().take(3).enumerate() {
+                (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
+            }
+            told += 1;
+            if told.is_multiple_of(4096) {
+                bar.set_position(told);
+            }
+            Ok(())
+        },
+    )?;
     bar.finish_and_clear();
     file.finish()?;
     Ok(Summary {
         scene: scene.name.clone(),
-        samples,
-        rate_hz: rate,
-        steps_per_sample: plant.substeps(period),
+        samples: span.samples,
+        rate_hz: span.rate,
+        steps_per_sample: plant.substeps(1.0 / span.rate),
         held_samples: held,
         peak_to_peak_um: std::array::from_fn(|i| (high[i] - low[i]) * 1e6),
+        mean_um: sum.map(|s| s / span.samples as f64 * 1e6),
         output: path.display().to_string(),
     })
 }
@@ -130,20 +137,13 @@ fn header(plant: &Plant) -> String {
     head
 }
 
-fn write_row(
-    file: &mut AtomicFile,
-    time: f64,
-    plant: &Plant,
-    twin: &dyn Twin,
-    (turned, drive): (f64, &Drive<f64>),
-) -> std::io::Result<()> {
-    write!(file, "{time:.9e}")?;
-    for x in twin.coordinates().iter().chain(twin.rates()) {
+fn write_row(file: &mut AtomicFile, now: &Moment<'_>) -> std::io::Result<()> {
+    write!(file, "{:.9e}", now.time)?;
+    for x in now.twin.coordinates().iter().chain(now.twin.rates()) {
         write!(file, ",{x:.16e}")?;
     }
-    for (i, seat) in plant.seats.iter().enumerate() {
-        let at = seat.rotation(seat.kinematics.parts_at(turned), drive);
-        for f in twin.wrench(i, &at).to_array() {
+    for i in 0..now.plant.seats.len() {
+        for f in now.wrench(i).to_array() {
             write!(file, ",{f:.16e}")?;
         }
     }
@@ -152,13 +152,19 @@ fn write_row(
 
 fn print(summary: &Summary, notes: &[String], format: Format) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    let [x, y, z] = summary.peak_to_peak_um;
+    let ([x, y, z], [mean_x, mean_y, mean_z]) = (summary.peak_to_peak_um, summary.mean_um);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(summary)?)?,
         Format::Csv => {
-            writeln!(out, "samples,rate_hz,steps_per_sample,held_samples,u_um_pp,v_um_pp,w_um_pp")?;
+            writeln!(
+                out,
+                "samples,rate_hz,steps_per_sample,held_samples,u_um_pp,v_um_pp,w_um_pp,u_um_mean,v_um_mean,w_um_mean"
+            )?;
             let Summary { samples, rate_hz, steps_per_sample, held_samples, .. } = summary;
-            writeln!(out, "{samples},{rate_hz},{steps_per_sample},{held_samples},{x},{y},{z}")?;
+            writeln!(
+                out,
+                "{samples},{rate_hz},{steps_per_sample},{held_samples},{x},{y},{z},{mean_x},{mean_y},{mean_z}"
+            )?;
         }
         Format::Text => {
             writeln!(
@@ -166,7 +172,8 @@ fn print(summary: &Summary, notes: &[String], format: Format) -> Result<()> {
                 "{}: {} samples at {} Hz, {} steps a sample",
                 summary.scene, summary.samples, summary.rate_hz, summary.steps_per_sample
             )?;
-            writeln!(out, "Centre of mass, um pp: X {x:.3}, Y {y:.3}, Z {z:.3}")?;
+            writeln!(out, "Centre of mass, um peak to peak: X {x:.4}, Y {y:.4}, Z {z:.4}")?;
+            writeln!(out, "                um mean:         X {mean_x:.4}, Y {mean_y:.4}, Z {mean_z:.4}")?;
             if summary.held_samples > 0 {
                 writeln!(out, "The motion overflowed and was held for {} samples.", summary.held_samples)?;
             }

@@ -47,7 +47,9 @@ fn step<T: Scalar, I: Integrator<T>, R: System<T, D>, C: Coupling<T, D>, const D
 }
 
 /// The same rotor with its two bearings in supports: nine coordinates from matrices.
-fn supported_rig<T: Scalar>() -> Result<Machine<General<T, Exact, 9>, Attached<T, Ball<T>, 9>, 2>, InvalidParameter>
+type SupportedRig<T> = Machine<General<T, Exact, 9>, Attached<T, Ball<T>, 9>, 2>;
+
+fn supported_rig<T: Scalar>() -> Result<SupportedRig<T>, InvalidParameter>
 where
     Exact: Math<T>,
 {

@@ -1,0 +1,77 @@
+//! The time response of a scene's rotor from its rest position, sample by sample.
+
+use crate::fault::scene_fault;
+use crate::plant::{Plant, Twin};
+use crate::recording::Row;
+use crate::recording::rotation::Tracker;
+use crate::scene::{Rotation, Scene};
+use anyhow::Result;
+use ballrace::Wrench;
+use ballrace::rotor::Drive;
+
+/// How long and how fast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Samples per second.
+    pub rate: f64,
+    /// Samples that are left out at the start.
+    pub settle: u64,
+    /// Samples that are told.
+    pub samples: u64,
+}
+
+/// One sample of the response.
+pub struct Moment<'a> {
+    /// s from the start of the scene.
+    pub time: f64,
+    /// Revolutions of the shaft since then.
+    pub turned: f64,
+    /// How the shaft moves.
+    pub drive: Drive<f64>,
+    /// Where the rotor is.
+    pub twin: &'a dyn Twin,
+    /// Its bearings.
+    pub plant: &'a Plant,
+}
+
+impl Moment<'_> {
+    /// Force of bearing `i` on its inner ring.
+    #[must_use]
+    pub fn wrench(&self, i: usize) -> Wrench<f64> {
+        self.plant.seats.get(i).map_or_else(Wrench::default, |seat| {
+            self.twin.wrench(i, &seat.rotation(seat.kinematics.parts_at(self.turned), &self.drive))
+        })
+    }
+}
+
+/// Runs the scene's rotor from rest, or from where `start` puts it, and tells each sample after the settling ones.
+/// Returns how many steps overflowed and were held, and the twin at the end.
+///
+/// # Errors
+/// What the kernel refuses, and what `tell` gives.
+pub fn run(
+    scene: &Scene,
+    plant: &Plant,
+    span: Span,
+    start: impl FnOnce(&mut dyn Twin),
+    mut tell: impl FnMut(&Moment<'_>) -> Result<()>,
+) -> Result<(u64, Box<dyn Twin>)> {
+    let period = 1.0 / span.rate;
+    let mut twin = plant.start(period, 0.0).map_err(|e| scene_fault(&e))?;
+    start(twin.as_mut());
+    let mut held = 0;
+    // The scene's speed profile as a recording without columns would follow it.
+    let mut shaft = Tracker::new(&Rotation::Scene, span.rate, scene.shaft.speed);
+    for i in 0..span.settle + span.samples {
+        let time = i as f64 * period;
+        shaft.push(Row { index: i, time, ..Row::default() })?;
+        let Some(sample) = shaft.pop() else { break };
+        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        if i >= span.settle {
+            let turned = sample.revolution as f64 + sample.angle.revolutions();
+            tell(&Moment { time, turned, drive, twin: twin.as_ref(), plant })?;
+        }
+        held += u64::from(twin.step(&drive).is_held());
+    }
+    Ok((held, twin))
+}
