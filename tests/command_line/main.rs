@@ -9,6 +9,7 @@ mod equilibrium;
 mod force;
 mod long;
 mod replay;
+mod scenes;
 mod simulate;
 mod support;
 mod truth;

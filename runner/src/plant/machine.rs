@@ -32,6 +32,9 @@ pub trait MachineTask<R> {
         C: Fit<D> + 'static;
 }
 
+/// Which of a seat's bearings the machine holds.
+pub(super) type Hold = fn(&Seat) -> AnyBearing<f64>;
+
 /// A place without a bearing.
 struct Nothing;
 
@@ -101,21 +104,21 @@ impl<const D: usize> Fit<D> for Fitted<D> {
 impl Plant {
     /// Runs `task` with the machine of as many coordinates and bearings as the scene has, or a few idle ones more: what
     /// is idle changes nothing, and each pair of counts is a machine of its own in the program.
-    pub(super) fn with_machine<R>(&self, task: impl MachineTask<R>) -> Result<R> {
+    pub(super) fn with_machine<R>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
         match (self.layout.order, self.seats.len()) {
-            (RIGID, 1) => self.rigid::<R, 1>(task),
-            (RIGID, 2) => self.rigid::<R, 2>(task),
-            (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(task),
-            (..=9, _) => self.general::<R, 9>(task),
-            (..=16, _) => self.general::<R, 16>(task),
-            (..=32, _) => self.general::<R, 32>(task),
-            (..=64, _) => self.general::<R, 64>(task),
-            (..=LARGEST, _) => self.general::<R, LARGEST>(task),
+            (RIGID, 1) => self.rigid::<R, 1>(hold, task),
+            (RIGID, 2) => self.rigid::<R, 2>(hold, task),
+            (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
+            (..=9, _) => self.general::<R, 9>(hold, task),
+            (..=16, _) => self.general::<R, 16>(hold, task),
+            (..=32, _) => self.general::<R, 32>(hold, task),
+            (..=64, _) => self.general::<R, 64>(hold, task),
+            (..=LARGEST, _) => self.general::<R, LARGEST>(hold, task),
             (order, _) => bail!("found a system of {order} coordinates, allowed: up to {LARGEST}"),
         }
     }
 
-    fn rigid<R, const N: usize>(&self, task: impl MachineTask<R>) -> Result<R> {
+    fn rigid<R, const N: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
         let mut params = build::rotor_params(&self.rotor);
         for (i, row) in params.damping.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
@@ -124,19 +127,17 @@ impl Plant {
         }
         let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(&self.rotor)).context("[rotor]")?;
         let bearings = std::array::from_fn(|i| match self.seats.get(i) {
-            Some(seat) => {
-                Mounted { bearing: seat.bearing.clone(), station: seat.station, gear: seat.kinematics.gear() }
-            }
+            Some(seat) => Mounted { bearing: hold(seat), station: seat.station, gear: seat.kinematics.gear() },
             None => Mounted { bearing: nothing(), station: 0.0, gear: Gear::new(0.0) },
         });
         Ok(task.run::<_, _, RIGID, N>(Machine { rotor, bearings }))
     }
 
-    fn general<R, const D: usize>(&self, task: impl MachineTask<R>) -> Result<R> {
+    fn general<R, const D: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
         let matrices = self.layout.matrices::<D>(&self.rotor, &self.seats, &self.damping)?;
         let rotor = General::<f64, Exact, D>::try_new(&matrices)?;
         let fitted = |i: usize| match self.seats.get(i) {
-            Some(seat) => self.fitted(i, seat),
+            Some(seat) => self.fitted(i, seat, hold),
             None => Ok(Fitted::Bearing(Attached {
                 bearing: nothing(),
                 attachment: Attachment::on_rigid_rotor(0.0, None),
@@ -150,7 +151,7 @@ impl Plant {
         Ok(task.run::<_, _, D, MOST_BEARINGS>(Machine { rotor, bearings }))
     }
 
-    fn fitted<const D: usize>(&self, i: usize, seat: &Seat) -> Result<Fitted<D>> {
+    fn fitted<const D: usize>(&self, i: usize, seat: &Seat, hold: Hold) -> Result<Fitted<D>> {
         let (attachment, gear) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.gear());
         let first = self.layout.balls.get(i).copied().flatten();
         Ok(match (&seat.balls, first) {
@@ -160,7 +161,7 @@ impl Plant {
                     .with_context(|| format!("bearing {}", seat.name))?;
                 Fitted::Balls(Box::new(moving))
             }
-            _ => Fitted::Bearing(Attached { bearing: seat.bearing.clone(), attachment, gear }),
+            _ => Fitted::Bearing(Attached { bearing: hold(seat), attachment, gear }),
         })
     }
 }

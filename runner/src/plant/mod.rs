@@ -4,6 +4,7 @@ mod machine;
 mod seat;
 mod system;
 mod twin;
+mod warm;
 
 pub use machine::{LARGEST, MOST_BEARINGS};
 pub use seat::{Balls, Seat};
@@ -111,7 +112,7 @@ impl Plant {
         let mut plant = Self { notes: vec![], ..self.clone() };
         for ((seat, states), &linear) in plant.seats.iter_mut().zip(&states).zip(which) {
             if linear {
-                seat.bearing = build::linearised(states);
+                seat.replace(build::linearised(states));
             }
         }
         plant.settle()?;
@@ -134,7 +135,7 @@ impl Plant {
 
     fn equilibrium(&self, start: Vec<f64>, cages: impl Fn(&Seat) -> Turn) -> Result<Rest> {
         let at = self.seats.iter().map(|seat| self.resting(seat, cages(seat))).collect();
-        self.with_machine(RestTask { start, at })
+        self.with_machine(Seat::cold, RestTask { start, at })
     }
 
     /// What a bearing sees at the speed of rest with its cage at `cage`.
@@ -229,14 +230,15 @@ impl Plant {
     /// What the kernel refuses.
     pub fn start(&self, sample_period: f64, revolutions: f64) -> Result<Box<dyn Twin>> {
         let substeps = self.substeps(sample_period);
-        self.with_machine(StartTask {
+        let task = StartTask {
             rest: self.rest.clone(),
             shaft: Turn::from_revolutions(revolutions),
             parts: self.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             step: sample_period / f64::from(substeps),
             substeps,
             method: self.integration.method,
-        })
+        };
+        self.with_machine(Seat::moving, task)
     }
 }
 

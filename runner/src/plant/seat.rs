@@ -1,11 +1,12 @@
 //! A bearing in its place on the rotor.
 
-use crate::scene::build::{self, AnyBearing, Kinematics};
+use super::warm::{ColdAndFew, WARM_STEPS, Warm};
+use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
 use anyhow::Result;
-use ballrace::bearing::Bearing;
 use ballrace::rotor::{Drive, MovingBallsParams, PartAngles};
-use ballrace::{Displacement, Exact, Rotation, Wrench};
+use ballrace::{Displacement, Exact, Rotation};
+use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
 #[derive(Clone)]
@@ -28,6 +29,8 @@ pub struct Seat {
     pub description: String,
     /// Balls that are coordinates of the system.
     pub balls: Option<Balls>,
+    /// The quasi-static model cold and with the few steps of a warm start.
+    solved: Option<ColdAndFew>,
 }
 
 /// What the `dynamic` model needs besides.
@@ -67,6 +70,7 @@ impl Seat {
             offset,
             bearing: seated,
             description: describe(bearing),
+            solved: (bearing.model == Model::QuasiStatic).then(|| solved(bearing)).transpose()?,
             balls: (model == Model::Dynamic).then(|| build::moving_balls(scene, bearing)).transpose()?,
         })
     }
@@ -77,11 +81,31 @@ impl Seat {
         self.kinematics.gear().rotation(parts, drive)
     }
 
-    /// Force on the inner ring at a displacement of the rotor's centre of mass, the outer ring at rest.
-    #[must_use]
-    pub fn wrench(&self, pose: &Displacement<f64>, at: &Rotation<f64>) -> Wrench<f64> {
-        self.bearing.reaction(&pose.at_station(self.station), at).wrench
+    /// Puts another bearing in the place of the scene's.
+    pub fn replace(&mut self, bearing: AnyBearing<f64>) {
+        self.bearing = bearing;
+        self.solved = None;
     }
+
+    /// The bearing whose answers depend on nothing that was before.
+    #[must_use]
+    pub fn cold(&self) -> AnyBearing<f64> {
+        self.bearing.clone()
+    }
+
+    /// The bearing for one twin: the quasi-static one remembers where its balls were.
+    #[must_use]
+    pub fn moving(&self) -> AnyBearing<f64> {
+        match &self.solved {
+            Some(solved) => Shared(Arc::new(Warm::new(solved.clone(), self.offset))),
+            None => self.bearing.clone(),
+        }
+    }
+}
+
+fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
+    let cold = build::quasi_static::<f64, Exact>(bearing)?;
+    Ok(ColdAndFew { cold, few: build::solved_in::<f64, Exact>(bearing, WARM_STEPS)? })
 }
 
 /// The bearing with its preload: displaced as given, or until it answers with the force given.

@@ -4,7 +4,7 @@ mod balls;
 mod lumped;
 mod preload;
 
-pub use balls::{MadeTable, Solved, inertia_params, quasi_static, table};
+pub use balls::{MadeTable, Solved, inertia_params, quasi_static, solved_in, table};
 pub use preload::{loaded, preload_offset, preloaded, rotation_at};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};

@@ -6,10 +6,10 @@ use anyhow::{Result, bail};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
-use ballrace::bearing::quasi_static::{BallState, QuasiStatic, TableSeat};
+use ballrace::bearing::quasi_static::{BallPlace, BallState, COLD_STEPS, QuasiStatic, TableSeat};
 use ballrace::bearing::surface::{Surface, Uneven};
 use ballrace::bearing::tabulated::{Domain, Grid, Table, Tabulated, fill};
-use ballrace::bearing::{Arrangement, Bearing, Mirrored, Place};
+use ballrace::bearing::{Arrangement, Bearing, Mirrored, Place, Reaction};
 use ballrace::contact::hertz::Race;
 use ballrace::{Displacement, Math, Rotation, Scalar, Turn};
 use std::sync::Arc;
@@ -37,6 +37,12 @@ pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
 pub trait Solved<T: Scalar>: Bearing<T> {
     /// What each ball does, as many as `states` takes.
     fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]);
+
+    /// Puts the balls where a cold start finds them.
+    fn place_balls(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]);
+
+    /// The reaction from where the balls were at the last sample.
+    fn reaction_from(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) -> Reaction<T>;
 }
 
 impl<T, M, P, I, F, S> Solved<T> for QuasiStatic<T, M, P, I, F, S>
@@ -51,6 +57,12 @@ where
     fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]) {
         QuasiStatic::ball_states(self, u, at, states);
     }
+    fn place_balls(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) {
+        QuasiStatic::place_balls(self, u, at, balls);
+    }
+    fn reaction_from(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) -> Reaction<T> {
+        QuasiStatic::reaction_from(self, u, at, balls)
+    }
 }
 
 impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
@@ -64,6 +76,13 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
             state.orbital_speed = -state.orbital_speed;
         }
     }
+    fn place_balls(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) {
+        self.0.0.place_balls(&u.mirrored(), &at.reversed(), balls);
+    }
+    fn reaction_from(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) -> Reaction<T> {
+        let local = self.0.0.reaction_from(&u.mirrored(), &at.reversed(), balls);
+        Reaction { wrench: local.wrench.mirrored(), ..local }
+    }
 }
 
 /// The quasi-static model of one bearing.
@@ -71,8 +90,17 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.
 pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>> {
+    solved_in::<T, M>(scene, COLD_STEPS)
+}
+
+/// The same with another number of Newton steps.
+///
+/// # Errors
+/// As [`quasi_static`].
+pub fn solved_in<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<T>>> {
     let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
     let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
+    let built = built.with_steps(steps);
     let surface = Uneven::<M, _>::new(features(scene));
     let built = built.with_surface(surface);
     let usual = InertiaParams {

@@ -1,0 +1,64 @@
+//! A quasi-static bearing that moves on from its last sample.
+
+use crate::scene::build::Solved;
+use ballrace::bearing::quasi_static::BallPlace;
+use ballrace::bearing::{Bearing, Reaction};
+use ballrace::{Displacement, Rotation, Status, Stiffness};
+use std::sync::{Arc, Mutex};
+
+/// Newton steps of a warm start: from the last sample they come to rounding.
+pub const WARM_STEPS: u8 = 3;
+
+/// One model twice.
+#[derive(Clone)]
+pub struct ColdAndFew {
+    /// With the steps of a cold start.
+    pub cold: Arc<dyn Solved<f64>>,
+    /// With [`WARM_STEPS`].
+    pub few: Arc<dyn Solved<f64>>,
+}
+
+/// Remembers where its balls were: for one twin, whose samples follow each other. What it answers differs from a cold
+/// start by less than a settled ball's residual; where the last sample does not lead to balance it starts cold.
+pub struct Warm {
+    solved: ColdAndFew,
+    offset: Displacement<f64>,
+    balls: Mutex<Vec<BallPlace<f64>>>,
+}
+
+impl Warm {
+    /// `offset` is the displacement by preload.
+    pub fn new(solved: ColdAndFew, offset: Displacement<f64>) -> Self {
+        Self { solved, offset, balls: Mutex::default() }
+    }
+
+    fn start(&self, u: &Displacement<f64>, at: &Rotation<f64>, balls: &mut Vec<BallPlace<f64>>) -> Reaction<f64> {
+        balls.resize(BALLS, BallPlace::default());
+        self.solved.cold.place_balls(u, at, balls);
+        self.solved.cold.reaction_from(u, at, balls)
+    }
+}
+
+/// Room for as many balls as a scene may have.
+const BALLS: usize = 64;
+
+impl Bearing<f64> for Warm {
+    fn reaction(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> Reaction<f64> {
+        let u = &u.plus(self.offset);
+        // A twin belongs to one thread; a poisoned memory is as good a start as any.
+        let mut balls = self.balls.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if balls.is_empty() {
+            return self.start(u, at, &mut balls);
+        }
+        let found = self.solved.few.reaction_from(u, at, &mut balls);
+        if found.status.has(Status::NOT_SETTLED) { self.start(u, at, &mut balls) } else { found }
+    }
+
+    fn reaction_and_stiffness(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+        self.solved.cold.reaction_and_stiffness(&u.plus(self.offset), at)
+    }
+
+    fn element_loads(&self, u: &Displacement<f64>, at: &Rotation<f64>, loads: &mut [f64]) {
+        self.solved.cold.element_loads(&u.plus(self.offset), at, loads);
+    }
+}
