@@ -14,3 +14,4 @@ pub mod recording;
 pub mod replay;
 pub mod report;
 pub mod scene;
+pub mod sweep;

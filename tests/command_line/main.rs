@@ -12,4 +12,5 @@ mod replay;
 mod scenes;
 mod simulate;
 mod support;
+mod sweep;
 mod truth;

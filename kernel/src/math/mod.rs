@@ -64,7 +64,7 @@ impl Math<f32> for Exact {
     fn ninth_root(x: f32) -> f32 {
         ninth_root::ninth_root_f32(x)
     }
-    #[inline]
+    #[inline(always)]
     fn sin_cos(angle: Turn) -> (f32, f32) {
         trig::sin_cos_f32(angle)
     }
@@ -104,7 +104,7 @@ impl Math<f32> for Fast {
     fn ninth_root(x: f32) -> f32 {
         ninth_root::ninth_root_f32(x)
     }
-    #[inline]
+    #[inline(always)]
     fn sin_cos(angle: Turn) -> (f32, f32) {
         trig::sin_cos_f32(angle)
     }

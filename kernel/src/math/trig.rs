@@ -24,7 +24,8 @@ fn unreduce<T: Scalar>(quarter: u64, sin: T, cos: T) -> (T, T) {
 }
 
 /// Both are a sine of at most a quarter turn: `cos(a) = sin(1/4 - |a|)`, `sin(a) = cos(a - 1/4)`, in turns.
-#[inline]
+// By hand: the inliner's mind changes with the program around it, and four instructions with it.
+#[inline(always)]
 pub fn sin_cos_f32(angle: Turn) -> (f32, f32) {
     const QUARTER: i32 = 1 << 30;
     const TURNS: f32 = 1.0 / 4_294_967_296.0;

@@ -35,7 +35,9 @@ pub fn all_finite<T: Scalar, const D: usize>(x: &[T; D]) -> bool {
 /// `x` becomes `next` if `good`, the same instructions either way.
 #[inline(always)]
 pub fn take_if<T: Scalar, const D: usize>(good: bool, x: &mut [T; D], next: &[T; D]) {
-    for (entry, &other) in x.iter_mut().zip(next) {
-        *entry = T::choose(good, other, *entry);
+    // Hidden from the optimiser, which would see that there is nothing to store where nothing changes, and branch.
+    let kept = core::hint::black_box(*x);
+    for ((entry, &other), old) in x.iter_mut().zip(next).zip(kept) {
+        *entry = T::choose(good, other, old);
     }
 }

@@ -6,6 +6,7 @@ pub mod force;
 pub mod replay;
 pub mod scenes;
 pub mod simulate;
+pub mod sweep;
 
 use crate::fault::SceneFault;
 use crate::recording::error::RecordingError;
@@ -40,6 +41,8 @@ pub enum Command {
     Equilibrium(equilibrium::Args),
     /// Time response of the scene's rotor.
     Simulate(simulate::Args),
+    /// A scene over ranges of its keys: response curve, bifurcation diagram, waterfall.
+    Sweep(sweep::Args),
     /// The scenes that come with the program.
     Scenes(scenes::Args),
 }
@@ -91,6 +94,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Bake(args) => bake::run(args, cli.format),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format),
         Command::Simulate(args) => simulate::run(args, cli.format),
+        Command::Sweep(args) => sweep::run(args, cli.format),
         Command::Scenes(args) => scenes::run(args, cli.format),
     };
     match done {

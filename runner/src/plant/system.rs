@@ -1,10 +1,10 @@
 //! Which coordinates a scene's system has, and its matrices.
 
-use super::Seat;
+use super::{LARGEST, Seat};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Attachment, Matrices, RotorParams, supported};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SMatrix};
 
 /// Coordinates of a rigid rotor.
 pub const RIGID: usize = 5;
@@ -92,16 +92,22 @@ impl Layout {
         Ok(matrices)
     }
 
-    /// The masses on the diagonal, for the scales of time.
+    /// The same, as large as the system is.
     ///
     /// # Errors
     /// As [`Layout::matrices`].
     pub fn scales(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
-        let all = self.matrices::<{ super::machine::LARGEST }>(rotor, seats, extra)?;
+        match self.order {
+            ..=9 => self.scales_of::<9>(rotor, seats, extra),
+            ..=32 => self.scales_of::<32>(rotor, seats, extra),
+            _ => self.scales_of::<LARGEST>(rotor, seats, extra),
+        }
+    }
+
+    fn scales_of<const D: usize>(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
+        let all = self.matrices::<D>(rotor, seats, extra)?;
         let n = self.order;
-        let part = |from: &nalgebra::SMatrix<f64, { super::machine::LARGEST }, { super::machine::LARGEST }>| {
-            DMatrix::from_fn(n, n, |i, j| from[(i, j)])
-        };
+        let part = |from: &SMatrix<f64, D, D>| DMatrix::from_fn(n, n, |i, j| from[(i, j)]);
         Ok(Scales { mass: part(&all.mass), damping: part(&all.damping), gyroscopic: part(&all.gyroscopic) })
     }
 }

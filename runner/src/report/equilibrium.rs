@@ -1,6 +1,6 @@
 //! The equilibrium for people: a text for the terminal, a page with pictures.
 
-use super::figures::balance;
+use super::figures::{Picture, balance};
 use super::number::alone;
 use crate::equilibrium::{EffectShare, Element, Settled};
 use anyhow::Result;
@@ -8,7 +8,7 @@ use minijinja::{Environment, context};
 use std::fmt::Write;
 
 /// The page's template, filled by [`html`].
-const PAGE: &str = include_str!("equilibrium.html");
+const PAGE: &str = include_str!("page.html");
 /// Cells of a bar.
 const BAR: usize = 24;
 
@@ -120,16 +120,20 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
 /// # Errors
 /// None is known; those of the template and the pictures.
 pub fn html(settled: &Settled) -> Result<String> {
-    let mut environment = Environment::new();
-    environment.add_template("page.html", PAGE)?;
     let pictures =
         settled.bearings.iter().map(|b| balance(&b.name, &of(settled, &b.name))).collect::<Result<Vec<_>>>()?;
+    page(&settled.scene, "equilibrium", &pictures, &text(settled))
+}
+
+/// A page of pictures and words.
+pub(super) fn page(scene: &str, what: &str, pictures: &[Picture], words: &str) -> Result<String> {
+    let mut environment = Environment::new();
+    environment.add_template("page.html", PAGE)?;
     let figures: Vec<_> = pictures
         .iter()
         .map(
             |p| context! { title => p.title.as_str(), note => p.note.as_str(), svg => minijinja::Value::from_safe_string(p.svg.clone()) },
         )
         .collect();
-    let words = text(settled);
-    Ok(environment.get_template("page.html")?.render(context! { scene => settled.scene.as_str(), figures, words })?)
+    Ok(environment.get_template("page.html")?.render(context! { scene, what, figures, words })?)
 }

@@ -9,9 +9,11 @@ mod mark;
 mod orbit;
 mod ring;
 mod spectrum;
+mod sweep;
 mod trace;
 
 pub(super) use balance::balance;
+pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 
 use crate::replay::outcome::Outcome;
 use anyhow::Result;

@@ -7,6 +7,7 @@ mod figures;
 pub(crate) mod fixture;
 mod html;
 mod number;
+pub mod sweep;
 mod text;
 mod words;
 

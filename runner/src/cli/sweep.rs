@@ -1,0 +1,229 @@
+//! `ballrace sweep`: a scene over ranges of its keys.
+
+use super::{Format, keep_apart};
+use crate::fault::SceneFault;
+use crate::output::AtomicFile;
+use crate::report;
+use crate::scene::read::read_file;
+use crate::scene::units::{Dimension, parse};
+use crate::sweep::{self, Axis, Chain, Follow, Journal, Measure, Plan, Row};
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+/// What `sweep` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file.
+    scene: PathBuf,
+    /// A key of the scene and its values, e.g. shaft.speed=500rpm..10000rpm:200 (200 of them), with a step
+    /// 500rpm..10000rpm:50rpm, or a list 7,9,11. May be given several times; the first runs fastest.
+    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    over: Vec<String>,
+    /// Name of the results: NAME.csv, NAME.parquet, NAME-sections.csv, NAME.html, and NAME.journal until they are there.
+    #[arg(short, long, value_name = "NAME")]
+    output: PathBuf,
+    /// Time left out at each point while the motion settles, e.g. "1 s"; from the rotor's damping where not given.
+    #[arg(long, value_name = "T")]
+    settle: Option<String>,
+    /// Section periods measured at each point.
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    periods: u32,
+    /// Where the section of the motion is taken.
+    #[arg(long, value_enum, default_value_t = Section::BallPass)]
+    section: Section,
+    /// Whether each point starts where the one before it ended: one way along the first key, or both ways.
+    #[arg(long, value_enum, default_value_t = Follow::None)]
+    follow: Follow,
+    /// The largest Lyapunov exponent too, at twice the cost.
+    #[arg(long)]
+    lyapunov: bool,
+    /// This part of the work only, e.g. 3/16: leaves NAME.shard-3-of-16, to be put together by --merge.
+    #[arg(long, value_name = "K/N", conflicts_with = "merge")]
+    shard: Option<String>,
+    /// Puts the shards together that lie beside NAME.
+    #[arg(long)]
+    merge: bool,
+    /// Points at a time; as many as the machine has processors where not given.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+}
+
+/// `--section`
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Section {
+    /// Once a ball pass of the first bearing.
+    BallPass,
+    /// Once a turn of the shaft.
+    Shaft,
+}
+
+#[derive(Serialize)]
+struct Summary {
+    scene: String,
+    points: usize,
+    computed: usize,
+    taken_over: usize,
+    written: Vec<String>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What is wrong with scene, options or files.
+pub fn run(args: &Args, format: Format) -> Result<()> {
+    let scene = read_file(&args.scene)?;
+    let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
+    let axes = args.over.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>>>()?;
+    let settle = args.settle.as_ref().map(|text| time(text)).transpose()?;
+    let measure = Measure {
+        settle,
+        periods: args.periods as usize,
+        by_shaft: args.section == Section::Shaft,
+        lyapunov: args.lyapunov,
+    };
+    let plan = Plan { text, path: args.scene.clone(), axes, follow: args.follow, measure };
+    // All that can be known to be wrong is said before hours of work.
+    for point in [0, plan.points() - 1] {
+        plan.scene(&plan.values(point))?;
+    }
+    let [table, columns, section, page] = ["csv", "parquet", "sections", "html"].map(|end| named(&args.output, end));
+    let outputs = [&table, &columns, &section, &page].map(|path| ("--output", path.as_path()));
+    keep_apart(&outputs, &[&args.scene])?;
+    if let Some(shard) = &args.shard {
+        return one_shard(args, &plan, shard, format);
+    }
+    let (done, computed, journal) = if args.merge {
+        (merged(&args.output, &plan)?, 0, None)
+    } else {
+        let path = named(&args.output, "journal");
+        let all: Vec<usize> = (0..plan.chains()).collect();
+        let (journal, computed) = work(args, &plan, &all, &path)?;
+        (journal.done, computed, Some(path))
+    };
+    let rows: Vec<&Row> = done.values().flat_map(|chain: &Chain| &chain.rows).collect();
+    write(&table, |out| sweep::csv(out, &plan.axes, &rows))?;
+    write(&section, |out| sweep::sections(out, &rows))?;
+    let mut bytes = Vec::new();
+    sweep::parquet(&mut bytes, &plan.axes, &rows)?;
+    write(&columns, |out| Ok(out.write_all(&bytes)?))?;
+    let html = report::sweep::html(&scene.name, &plan.axes, &rows)?;
+    write(&page, |out| Ok(out.write_all(html.as_bytes())?))?;
+    if let Some(journal) = journal {
+        std::fs::remove_file(&journal).with_context(|| journal.display().to_string())?;
+    }
+    let written = [&table, &columns, &section, &page].map(|path| path.display().to_string()).to_vec();
+    let summary =
+        Summary { scene: scene.name, points: rows.len(), computed, taken_over: rows.len() - computed, written };
+    print(&summary, &plan.axes, &rows, format)
+}
+
+fn time(text: &str) -> Result<f64> {
+    let allowed = || SceneFault(format!("--settle: found {text:?}, allowed: {}", Dimension::Time.allowed("0 or more")));
+    let value = text.parse::<f64>().or_else(|_| parse(text, Dimension::Time)).map_err(|_| allowed())?;
+    if !(value >= 0.0 && value.is_finite()) {
+        bail!(allowed());
+    }
+    Ok(value)
+}
+
+/// NAME with an ending; a name that has one of the endings already loses it.
+fn named(output: &Path, end: &str) -> PathBuf {
+    let name = output.to_string_lossy();
+    let stem = [".csv", ".parquet", ".html"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
+    PathBuf::from(if end == "sections" { format!("{stem}-sections.csv") } else { format!("{stem}.{end}") })
+}
+
+fn write(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> Result<()>) -> Result<()> {
+    let mut file = AtomicFile::create(path)?;
+    fill(&mut file).with_context(|| format!("{}: this file cannot be written", path.display()))?;
+    file.finish()
+}
+
+fn work(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Journal, usize)> {
+    let journal = Journal::open(path, plan.identity()?)?;
+    let before: usize = journal.done.values().map(|chain| chain.rows.len()).sum();
+    let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok().map(Into::into)).unwrap_or(1);
+    let bar =
+        if std::io::stderr().is_terminal() { ProgressBar::new(chains.len() as u64) } else { ProgressBar::hidden() };
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} points, {eta} left") {
+        bar.set_style(style);
+    }
+    bar.set_position(journal.done.len() as u64);
+    let run = plan.run(chains, journal, jobs, || bar.inc(1));
+    bar.finish_and_clear();
+    // A sweep that never began leaves nothing to go on from.
+    if run.is_err() && sweep::read(path, &plan.identity()?).is_ok_and(|done| done.is_empty()) {
+        std::fs::remove_file(path).with_context(|| path.display().to_string())?;
+    }
+    let journal = run?;
+    let after: usize = journal.done.values().map(|chain| chain.rows.len()).sum();
+    Ok((journal, after - before))
+}
+
+fn shard_path(output: &Path, k: usize, n: usize) -> PathBuf {
+    named(output, &format!("shard-{k}-of-{n}"))
+}
+
+fn one_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()> {
+    let parsed = shard.split_once('/').and_then(|(k, n)| Some((k.parse::<usize>().ok()?, n.parse::<usize>().ok()?)));
+    let Some((k, n)) = parsed.filter(|(k, n)| (1..=*n).contains(k)) else {
+        bail!(SceneFault(format!("--shard: found {shard:?}, allowed: K/N with K from 1 to N, such as 3/16")));
+    };
+    let mine: Vec<usize> = (0..plan.chains()).filter(|number| number % n == k - 1).collect();
+    let path = shard_path(&args.output, k, n);
+    let (journal, computed) = work(args, plan, &mine, &path)?;
+    let points: usize = journal.done.values().map(|chain| chain.rows.len()).sum();
+    let summary = Summary {
+        scene: args.scene.display().to_string(),
+        points,
+        computed,
+        taken_over: points - computed,
+        written: vec![path.display().to_string()],
+    };
+    print(&summary, &plan.axes, &[], format)
+}
+
+/// What the shards beside NAME hold, all of it.
+fn merged(output: &Path, plan: &Plan) -> Result<BTreeMap<usize, Chain>> {
+    let start = named(output, "shard-");
+    let folder = start.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let prefix = start.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let mut all = BTreeMap::new();
+    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    for entry in entries {
+        let path = entry?.path();
+        if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix)) {
+            all.extend(sweep::read(&path, &plan.identity()?)?);
+        }
+    }
+    let missing = (0..plan.chains()).filter(|number| !all.contains_key(number)).count();
+    if missing > 0 {
+        bail!(
+            "{}: found {} of {} parts in files {prefix}K-of-N, allowed: all of them; {missing} are missing",
+            folder.display(),
+            plan.chains() - missing,
+            plan.chains()
+        );
+    }
+    Ok(all)
+}
+
+fn print(summary: &Summary, axes: &[Axis], rows: &[&Row], format: Format) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match format {
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(summary)?)?,
+        Format::Csv => sweep::csv(&mut out, axes, rows)?,
+        Format::Text => {
+            let Summary { scene, points, computed, taken_over, .. } = summary;
+            writeln!(out, "{scene}: {points} points, {computed} computed now, {taken_over} taken over")?;
+            for path in &summary.written {
+                writeln!(out, "Written: {path}")?;
+            }
+        }
+    }
+    Ok(out.flush()?)
+}

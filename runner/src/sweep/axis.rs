@@ -1,0 +1,215 @@
+//! `--over KEY=FROM..TO:HOW`: which key of a scene takes which values, and a scene with them put in.
+
+use crate::fault::SceneFault;
+use anyhow::{Result, bail};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+
+/// Most values of one key.
+const MOST_VALUES: usize = 100_000;
+
+/// One key and its values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// As `shaft.speed` or `bearing[0].radial_play`; a bearing also by its name, `bearing.DE.radial_play`.
+    pub key: String,
+    /// In `unit`.
+    pub values: Vec<f64>,
+    /// As the ends carry it; empty for plain numbers.
+    pub unit: String,
+}
+
+impl Axis {
+    /// From `KEY=FROM..TO:COUNT`, `KEY=FROM..TO:STEP` with the unit of the ends, or `KEY=A,B,C`.
+    ///
+    /// # Errors
+    /// What cannot be understood, with what is allowed.
+    pub fn parse(text: &str) -> Result<Self> {
+        let fault = |why: String| SceneFault(format!("--over: found {text:?}, {why}"));
+        let allowed = "allowed: KEY=FROM..TO:COUNT (such as shaft.speed=500rpm..10000rpm:200), a step with its unit in place of the count, or KEY=A,B,C";
+        let Some((key, range)) = text.split_once('=') else { bail!(fault(allowed.to_owned())) };
+        let (numbers, unit) = match range.split_once("..") {
+            Some((from, rest)) => {
+                let Some((to, how)) = rest.rsplit_once(':') else { bail!(fault(allowed.to_owned())) };
+                let ends = [quantity(from), quantity(to), quantity(how)];
+                let [Some((from, a)), Some((to, b)), Some((how, c))] = ends else { bail!(fault(allowed.to_owned())) };
+                if a != b {
+                    bail!(fault(format!("allowed: one unit for both ends, here {a:?} and {b:?}")));
+                }
+                if c.is_empty() && how.fract() == 0.0 {
+                    (by_count(from, to, how).map_err(fault)?, a)
+                } else if c == a {
+                    (by_step(from, to, how).map_err(fault)?, a)
+                } else {
+                    bail!(fault(format!("allowed: a whole count, or a step in {a:?}")));
+                }
+            }
+            None => {
+                let all: Option<Vec<(f64, String)>> = range.split(',').map(quantity).collect();
+                let Some(all) = all else { bail!(fault(allowed.to_owned())) };
+                let unit = all.first().map(|(_, unit)| unit.clone()).unwrap_or_default();
+                if all.iter().any(|(_, other)| *other != unit) {
+                    bail!(fault("allowed: one unit for all values".to_owned()));
+                }
+                (all.into_iter().map(|(number, _)| number).collect(), unit)
+            }
+        };
+        Ok(Self { key: key.trim().to_owned(), values: numbers, unit })
+    }
+
+    /// The value as a scene writes it.
+    #[must_use]
+    pub fn written(&self, value: f64) -> Value {
+        if !self.unit.is_empty() {
+            Value::from(format!("{value} {}", self.unit))
+        } else if value.fract() == 0.0 && value.abs() < 1e15 {
+            Value::from(value as i64)
+        } else {
+            Value::from(value)
+        }
+    }
+}
+
+/// A number and its unit.
+fn quantity(text: &str) -> Option<(f64, String)> {
+    let text = text.trim();
+    let number_end = |end: &usize| text.get(..*end).is_some_and(|head| head.trim().parse::<f64>().is_ok());
+    let end = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end)).find(number_end)?;
+    let number = text.get(..end)?.trim().parse::<f64>().ok().filter(|x| x.is_finite())?;
+    Some((number, text.get(end..)?.trim().to_owned()))
+}
+
+fn by_count(from: f64, to: f64, count: f64) -> std::result::Result<Vec<f64>, String> {
+    if !(2.0..=MOST_VALUES as f64).contains(&count) {
+        return Err(format!("allowed: a count of 2 to {MOST_VALUES}"));
+    }
+    let last = count - 1.0;
+    // The ends exactly, whatever the step rounds to.
+    Ok((0..count as usize).map(|i| from + (to - from) * (i as f64 / last)).collect())
+}
+
+fn by_step(from: f64, to: f64, step: f64) -> std::result::Result<Vec<f64>, String> {
+    let count = ((to - from) / step * (1.0 + 1e-12)).floor() + 1.0;
+    if !(1.0..=MOST_VALUES as f64).contains(&count) {
+        return Err(format!("allowed: a step that leads from the one end to the other in at most {MOST_VALUES}"));
+    }
+    Ok((0..count as usize).map(|i| from + step * i as f64).collect())
+}
+
+/// One part of a key: a name, or a place in a list.
+enum Part<'a> {
+    Name(&'a str),
+    Place(usize),
+}
+
+fn parts(key: &str) -> Option<Vec<Part<'_>>> {
+    let mut all = Vec::new();
+    for word in key.split('.') {
+        let (name, places) = word.split_once('[').map_or((word, None), |(name, rest)| (name, Some(rest)));
+        all.push(Part::Name(name));
+        for place in places.into_iter().flat_map(|rest| rest.split('[')) {
+            all.push(Part::Place(place.strip_suffix(']')?.parse().ok()?));
+        }
+    }
+    Some(all)
+}
+
+/// Puts `value` at `key` of a scene.
+///
+/// # Errors
+/// A key that leads nowhere.
+pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<()> {
+    let found = parts(key).is_some_and(|parts| in_table(document.as_table_mut(), &parts, value));
+    if !found {
+        bail!(SceneFault(format!(
+            "--over: found the key {key:?}, allowed: a key of the scene, such as shaft.speed, bearing[0].radial_play or bearing.DE.radial_play"
+        )));
+    }
+    Ok(())
+}
+
+fn in_table(table: &mut dyn TableLike, parts: &[Part<'_>], value: Value) -> bool {
+    match parts {
+        [Part::Name(name)] => {
+            table.insert(name, Item::Value(value));
+            true
+        }
+        [Part::Name(name), rest @ ..] => table.get_mut(name).is_some_and(|item| in_item(item, rest, value)),
+        _ => false,
+    }
+}
+
+fn in_item(item: &mut Item, parts: &[Part<'_>], value: Value) -> bool {
+    if let Some(tables) = item.as_array_of_tables_mut() {
+        let at = match parts.first() {
+            Some(Part::Place(i)) => Some(*i),
+            Some(Part::Name(name)) => tables.iter().position(|t| t.get("name").and_then(Item::as_str) == Some(name)),
+            None => None,
+        };
+        let (table, rest) = (at.and_then(|i| tables.get_mut(i)), parts.get(1..).unwrap_or_default());
+        return table.is_some_and(|table| in_table(table, rest, value));
+    }
+    if let (Some(Part::Place(_)), Some(inside)) = (parts.first(), item.as_value_mut()) {
+        return in_value(inside, parts, value);
+    }
+    item.as_table_like_mut().is_some_and(|table| in_table(table, parts, value))
+}
+
+fn in_value(inside: &mut Value, parts: &[Part<'_>], value: Value) -> bool {
+    match parts {
+        [] => {
+            *inside = value;
+            true
+        }
+        [Part::Place(i), rest @ ..] => {
+            inside.as_array_mut().and_then(|array| array.get_mut(*i)).is_some_and(|entry| in_value(entry, rest, value))
+        }
+        [Part::Name(_), ..] => inside.as_inline_table_mut().is_some_and(|table| in_table(table, parts, value)),
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges() {
+        let speed = Axis::parse("shaft.speed=500rpm..10000rpm:3").unwrap();
+        assert_eq!((speed.key.as_str(), speed.unit.as_str()), ("shaft.speed", "rpm"));
+        assert_eq!(speed.values, [500.0, 5250.0, 10_000.0]);
+        assert_eq!(Axis::parse("a=0 um..10 um:2.5um").unwrap().values, [0.0, 2.5, 5.0, 7.5, 10.0]);
+        assert!(Axis::parse("a=10..-10:-5 ").unwrap_err().to_string().contains("a count of 2"));
+        assert_eq!(Axis::parse("a=7,9,11").unwrap().values, [7.0, 9.0, 11.0]);
+        assert_eq!(Axis::parse("a=7").unwrap().values, [7.0]);
+        for bad in [
+            "a",
+            "a=",
+            "a=1..2",
+            "a=1um..2mm:3",
+            "a=1um..2um:3mm",
+            "a=1,2um",
+            "a=x..2:3",
+            "a=1..2:1",
+            "a=1um..2um:-1um",
+        ] {
+            assert!(Axis::parse(bad).unwrap_err().to_string().contains("allowed"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn keys() {
+        let text = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"DE\"\nradial_play = 1\nwaviness = [{ order = 3 }]\n[rotor]\nload = [0, 1, 2]\n";
+        let with = |key: &str| {
+            let mut document: DocumentMut = text.parse().unwrap();
+            put(&mut document, key, Value::from("5 um")).map(|()| document.to_string())
+        };
+        for key in ["bearing[0].radial_play", "bearing.DE.radial_play"] {
+            assert!(with(key).unwrap().contains("radial_play = \"5 um\""), "{key}");
+        }
+        assert!(with("bearing[0].waviness[0].order").unwrap().contains("[{ order = \"5 um\" }]"));
+        assert!(with("rotor.load[1]").unwrap().contains("[0, \"5 um\", 2]"));
+        for bad in ["bearing[1].radial_play", "bearing.NDE.radial_play", "rotor.load[9]", "rotors.mass", "[", "a["] {
+            assert!(with(bad).is_err(), "{bad}");
+        }
+    }
+}

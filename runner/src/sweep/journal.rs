@@ -1,0 +1,92 @@
+//! What a sweep has found so far, on disk line by line: it goes on from there after a stop, and shards are put together
+//! from there.
+
+use super::Chain;
+use anyhow::{Context, Result, bail};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// First line of a journal.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Head {
+    /// Of scene, axes and what is measured.
+    sweep: String,
+}
+
+/// A journal under way.
+pub struct Journal {
+    file: File,
+    path: PathBuf,
+    /// What it holds already, by the chain's number.
+    pub done: BTreeMap<usize, Chain>,
+}
+
+/// What a journal holds.
+///
+/// # Errors
+/// A file that cannot be read, that is none, or that belongs to another sweep.
+pub fn read(path: &Path, sweep: &str) -> Result<BTreeMap<usize, Chain>> {
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("{}: this file cannot be read", path.display()))?;
+    let mut lines = whole_lines(&text);
+    let head: Option<Head> = lines.next().and_then(|line| serde_json::from_str(line).ok());
+    let Some(head) = head else {
+        bail!("{}: found no results of a sweep, allowed: a file that sweep has written", path.display())
+    };
+    if head.sweep != sweep {
+        bail!(
+            "{}: found results of another scene, range or measure, allowed: those of this sweep; remove the file or choose another -o",
+            path.display()
+        );
+    }
+    let mut done = BTreeMap::new();
+    for (i, line) in lines.enumerate() {
+        let chain: Chain = serde_json::from_str(line)
+            .with_context(|| format!("{}: line {}: found no result of a sweep", path.display(), i + 2))?;
+        done.insert(chain.number, chain);
+    }
+    Ok(done)
+}
+
+/// A program that is stopped may leave half a line at the end.
+fn whole_lines(text: &str) -> impl Iterator<Item = &str> {
+    text.get(..text.rfind('\n').map_or(0, |end| end + 1)).unwrap_or_default().lines()
+}
+
+impl Journal {
+    /// Opens the journal of `sweep`, begun or new.
+    ///
+    /// # Errors
+    /// As [`read`], or a file that cannot be written.
+    pub fn open(path: &Path, sweep: String) -> Result<Self> {
+        let failed = || format!("{}: this file cannot be written", path.display());
+        let done = if path.exists() { read(path, &sweep)? } else { BTreeMap::new() };
+        let mut text = serde_json::to_string(&Head { sweep })? + "\n";
+        for chain in done.values() {
+            text += &serde_json::to_string(chain)?;
+            text.push('\n');
+        }
+        // Written anew, so that half a line at the end is gone.
+        std::fs::write(path, text).with_context(failed)?;
+        let file = OpenOptions::new().append(true).open(path).with_context(failed)?;
+        Ok(Self { file, path: path.to_owned(), done })
+    }
+
+    /// Adds a chain; it is on disk when this returns.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn add(&mut self, chain: Chain) -> Result<()> {
+        let line = serde_json::to_string(&chain)? + "\n";
+        let failed = || format!("{}: this file cannot be written", self.path.display());
+        self.file.write_all(line.as_bytes()).with_context(failed)?;
+        self.file.sync_data().with_context(failed)?;
+        // As a reader will have it: what is told does not depend on whether the sweep was stopped in between.
+        let chain: Chain = serde_json::from_str(line.trim_end())?;
+        self.done.insert(chain.number, chain);
+        Ok(())
+    }
+}

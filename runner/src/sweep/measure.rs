@@ -1,0 +1,242 @@
+//! One point of a sweep: the scene's rotor run until it has settled, and what its motion is then.
+
+use crate::motion::{self, Moment, Span};
+use crate::plant::{Plant, Twin};
+use crate::scene::Scene;
+use anyhow::Result;
+use realfft::RealFftPlanner;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Samples of one section period.
+const A_PERIOD: usize = 128;
+/// Longest period that is looked for, in section periods.
+const LONGEST_PERIOD: usize = 12;
+/// A motion repeats where it comes back to this part of its size.
+const SAME: f64 = 2e-3;
+/// Values of the spectrum kept for the waterfall, and how many section frequencies they span.
+const SPECTRUM: (usize, f64) = (160, 4.0);
+/// Distance at which the neighbour of a Lyapunov exponent is held, over the motion's size.
+const NEIGHBOUR: f64 = 1e-7;
+
+/// What is asked of every point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measure {
+    /// s left out at the start; from the damping where absent.
+    pub settle: Option<f64>,
+    /// Section periods measured.
+    pub periods: usize,
+    /// Whether the section is taken once a turn of the shaft instead of once a ball pass.
+    pub by_shaft: bool,
+    /// Whether the largest Lyapunov exponent is wanted.
+    pub lyapunov: bool,
+}
+
+/// What the motion is at one point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Of the shaft, rpm.
+    pub speed_rpm: f64,
+    /// Steps that overflowed.
+    pub held: u64,
+    /// um along X, Y, Z.
+    pub peak_to_peak: [f64; 3],
+    /// um along X, Y, Z.
+    pub mean: [f64; 3],
+    /// Amplitudes along X and Y, um: at the shaft's speed, at the ball pass, at a half and at a third of the section's
+    /// frequency.
+    pub lines: [[f64; 2]; 4],
+    /// After how many section periods the motion repeats; none within twelve.
+    pub period: Option<usize>,
+    /// 1/s.
+    pub lyapunov: Option<f64>,
+    /// X and Y at each section, um.
+    pub section: Vec<[f64; 2]>,
+    /// Amplitude along X over multiples of the section's frequency, um: the highest of each strip.
+    pub spectrum: Vec<f64>,
+}
+
+/// Where one run left off and the next may begin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    coordinates: Vec<f64>,
+    rates: Vec<f64>,
+}
+
+/// Frequency at which the section is taken, Hz, and the ball pass of the first bearing that has one.
+fn frequencies(scene: &Scene, plant: &Plant, by_shaft: bool) -> (f64, f64) {
+    let shaft = scene.shaft.speed.nominal().abs() / TAU;
+    let pass = plant.seats.iter().map(|s| s.kinematics.orders.outer_race * shaft).find(|f| *f > 0.0);
+    let section = if by_shaft { shaft } else { pass.unwrap_or(shaft) };
+    (section, pass.unwrap_or(0.0))
+}
+
+/// Runs one point, from rest or from `start`.
+///
+/// # Errors
+/// A shaft that stands still; what the kernel refuses.
+pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<(Figures, State)> {
+    let plant = Plant::try_new(scene)?;
+    let (section, pass) = frequencies(scene, &plant, asked.by_shaft);
+    if section <= 0.0 {
+        anyhow::bail!(
+            "{}: shaft.speed: found a shaft that stands still, allowed in a sweep: one that turns",
+            scene.path.display()
+        );
+    }
+    let rate = section * A_PERIOD as f64;
+    let settle = asked.settle.unwrap_or_else(|| plant.settling_time());
+    // Whole periods, so that the section is taken at the same place at every point.
+    let settle = (settle * section).ceil() as u64 * A_PERIOD as u64;
+    let span = Span { rate, settle, samples: (asked.periods * A_PERIOD) as u64 };
+    let mut path = Path::default();
+    let mut neighbour = Neighbour::default();
+    let begin = |twin: &mut dyn Twin| {
+        if let Some(state) = start {
+            twin.place(&state.coordinates, &state.rates);
+        }
+    };
+    let (held, twin) = motion::run(scene, &plant, span, begin, |now| {
+        path.add(now);
+        if asked.lyapunov { neighbour.follow(now, 1.0 / rate) } else { Ok(()) }
+    })?;
+    let shaft = scene.shaft.speed.nominal() / TAU;
+    let figures = Figures {
+        speed_rpm: shaft * 60.0,
+        held,
+        peak_to_peak: path.along.each_ref().map(|x| spread(x)),
+        mean: path.along.each_ref().map(|x| x.iter().sum::<f64>() / x.len().max(1) as f64),
+        lines: [shaft.abs(), pass, section / 2.0, section / 3.0].map(|hz| path.line(hz / rate)),
+        period: path.period(),
+        lyapunov: asked.lyapunov.then(|| neighbour.exponent()),
+        section: path.section(),
+        spectrum: path.spectrum(asked.periods),
+    };
+    Ok((figures, State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() }))
+}
+
+fn spread(x: &[f64]) -> f64 {
+    let (low, high) = x.iter().fold((f64::MAX, f64::MIN), |(low, high), &x| (low.min(x), high.max(x)));
+    if x.is_empty() { 0.0 } else { high - low }
+}
+
+/// The motion of the centre of mass, um.
+#[derive(Default)]
+struct Path {
+    along: [Vec<f64>; 3],
+}
+
+impl Path {
+    fn add(&mut self, now: &Moment<'_>) {
+        for (along, x) in self.along.iter_mut().zip(now.twin.pose().to_array()) {
+            along.push(x * 1e6);
+        }
+    }
+
+    /// Amplitude along X and Y at a frequency in cycles a sample, under a Hann window.
+    fn line(&self, frequency: f64) -> [f64; 2] {
+        let amplitude = |x: &[f64]| {
+            let n = x.len() as f64;
+            let mean = x.iter().sum::<f64>() / n;
+            let (mut re, mut im) = (0.0, 0.0);
+            for (i, x) in x.iter().enumerate() {
+                let window = 1.0 - (TAU * i as f64 / n).cos();
+                let (sin, cos) = (TAU * frequency * i as f64).sin_cos();
+                re += window * (x - mean) * cos;
+                im += window * (x - mean) * sin;
+            }
+            2.0 / n * re.hypot(im)
+        };
+        if frequency > 0.0 { [amplitude(&self.along[0]), amplitude(&self.along[1])] } else { [0.0; 2] }
+    }
+
+    fn section(&self) -> Vec<[f64; 2]> {
+        let [x, y, _] = &self.along;
+        x.iter().zip(y).step_by(A_PERIOD).map(|(x, y)| [*x, *y]).collect()
+    }
+
+    fn period(&self) -> Option<usize> {
+        let [x, y, _] = &self.along;
+        let size = spread(x).max(spread(y));
+        (1..=LONGEST_PERIOD).find(|&k| {
+            let apart = |x: &[f64]| {
+                let later = x.get(k * A_PERIOD..).unwrap_or_default();
+                x.iter().zip(later).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+            };
+            apart(x).max(apart(y)) <= SAME * size
+        })
+    }
+
+    fn spectrum(&self, periods: usize) -> Vec<f64> {
+        let x = &self.along[0];
+        let n = x.len();
+        let mean = x.iter().sum::<f64>() / n.max(1) as f64;
+        let fft = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+        let (mut input, mut output) = (fft.make_input_vec(), fft.make_output_vec());
+        for (i, (slot, x)) in input.iter_mut().zip(x).enumerate() {
+            *slot = (1.0 - (TAU * i as f64 / n as f64).cos()) * (x - mean);
+        }
+        // Lengths are the plan's own.
+        if fft.process(&mut input, &mut output).is_err() {
+            return vec![];
+        }
+        let (count, span) = SPECTRUM;
+        let bin = |k: usize| (k as f64 / count as f64 * span * periods as f64).round() as usize;
+        let strip = |k: usize| {
+            let strip = output.get(bin(k)..bin(k + 1).max(bin(k) + 1)).unwrap_or_default();
+            strip.iter().map(|c| 2.0 / n as f64 * c.norm()).fold(0.0, f64::max)
+        };
+        (0..count).map(strip).collect()
+    }
+}
+
+/// A second twin close to the first, put back to its distance every period: Benettin's method.
+#[derive(Default)]
+struct Neighbour {
+    twin: Option<Box<dyn Twin>>,
+    steps: usize,
+    grown: f64,
+    time: f64,
+    size: f64,
+}
+
+impl Neighbour {
+    /// Called before the first twin takes the step that `now` drives.
+    fn follow(&mut self, now: &Moment<'_>, period: f64) -> Result<()> {
+        let Some(twin) = &mut self.twin else {
+            let mut twin = now.plant.start(period, now.turned)?;
+            self.size = now.twin.coordinates().iter().fold(0.0_f64, |most, x| most.max(x.abs())).max(1e-9);
+            let mut coordinates = now.twin.coordinates().to_vec();
+            if let Some(first) = coordinates.first_mut() {
+                *first += NEIGHBOUR * self.size;
+            }
+            twin.place(&coordinates, now.twin.rates());
+            twin.step(&now.drive);
+            self.twin = Some(twin);
+            return Ok(());
+        };
+        self.steps += 1;
+        if self.steps.is_multiple_of(A_PERIOD) {
+            let frequency = now.plant.highest_frequency();
+            let away = |mine: &[f64], other: &[f64], scale: f64| -> Vec<f64> {
+                mine.iter().zip(other).map(|(a, b)| (a - b) * scale).collect()
+            };
+            let q = away(twin.coordinates(), now.twin.coordinates(), 1.0);
+            let v = away(twin.rates(), now.twin.rates(), 1.0 / frequency);
+            let distance = q.iter().chain(&v).map(|x| x * x).sum::<f64>().sqrt();
+            let back = NEIGHBOUR * self.size / distance.max(f64::MIN_POSITIVE);
+            self.grown -= back.ln();
+            self.time += A_PERIOD as f64 * period;
+            let near = |other: &[f64], away: &[f64], scale: f64| -> Vec<f64> {
+                other.iter().zip(away).map(|(x, d)| x + d * back * scale).collect()
+            };
+            twin.place(&near(now.twin.coordinates(), &q, 1.0), &near(now.twin.rates(), &v, frequency));
+        }
+        twin.step(&now.drive);
+        Ok(())
+    }
+
+    fn exponent(&self) -> f64 {
+        if self.time > 0.0 { self.grown / self.time } else { 0.0 }
+    }
+}

@@ -1,0 +1,172 @@
+//! `ballrace sweep`: its points are those of `simulate`, and a sweep in parts is the sweep in one.
+
+use crate::support::{Desk, numbers};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::RowAccessor;
+use serde_json::Value;
+
+const SPEEDS: &str = "shaft.speed=1000rpm..5000rpm:9";
+
+/// A desk with a shipped scene.
+fn desk(scene: &str) -> Desk {
+    let desk = Desk::empty();
+    desk.put("scene.toml", Desk::empty().done(&["scenes", scene]).out);
+    desk
+}
+
+fn sweep(desk: &Desk, more: &[&str]) -> Value {
+    let args = ["sweep", "scene.toml", "--settle", "0.3 s", "--periods", "16", "--format", "json"];
+    desk.done(&[&args[..], more].concat()).json()
+}
+
+/// A column of `NAME.csv`; an empty cell is none.
+fn column(desk: &Desk, file: &str, name: &str) -> Vec<Option<f64>> {
+    let text = desk.read(file);
+    let mut lines = text.lines();
+    let at = lines.next().unwrap().split(',').position(|h| h == name).unwrap_or_else(|| panic!("{name} in {text}"));
+    lines.map(|line| line.split(',').nth(at).unwrap().parse().ok()).collect()
+}
+
+#[test]
+fn points_are_those_of_simulate() {
+    let desk = desk("tiwari-balanced");
+    let summary = sweep(&desk, &["--over", SPEEDS, "-o", "a"]);
+    assert_eq!((summary["points"].as_u64(), summary["computed"].as_u64()), (Some(9), Some(9)));
+    assert_eq!(desk.files(), ["a-sections.csv", "a.csv", "a.html", "a.parquet", "scene.toml"]);
+    let speeds = column(&desk, "a.csv", "shaft.speed_rpm");
+    assert_eq!(speeds[1], Some(1500.0));
+    // MODEL F5: 0.05206 and 0.79116 um peak to peak, 7.54058 mean, at 1500 rpm; the sampling is coarser here.
+    let at = |name: &str| column(&desk, "a.csv", name)[1].unwrap();
+    assert!((at("u_peak_to_peak_um") - 0.05206).abs() < 3e-4, "{}", at("u_peak_to_peak_um"));
+    assert!((at("v_peak_to_peak_um") - 0.79116).abs() < 2e-3, "{}", at("v_peak_to_peak_um"));
+    assert!((at("u_mean_um") - 7.54058).abs() < 1e-4 && at("period") == 1.0);
+    // The line holds most of the motion, its multiples the rest.
+    assert!((0.5..1.0).contains(&(2.0 * at("v_ball_pass_um") / 0.79116)), "{}", at("v_ball_pass_um"));
+    let (header, sections) = numbers(&desk.read("a-sections.csv").replace("rest", "0"));
+    assert_eq!((header.len(), sections.len()), (5, 9 * 16));
+    let page = desk.read("a.html");
+    assert_eq!(page.matches("<svg").count(), 3);
+    for word in ["Response", "Bifurcation", "Waterfall"] {
+        assert!(page.contains(word));
+    }
+}
+
+#[test]
+fn parquet_holds_what_the_table_holds() {
+    let desk = desk("tiwari-balanced");
+    sweep(&desk, &["--over", "shaft.speed=1000rpm,8000rpm", "--over", "bearing.A.radial_play=3um,10um", "-o", "a"]);
+    let file = SerializedFileReader::new(std::fs::File::open(desk.path("a.parquet")).unwrap()).unwrap();
+    let names: Vec<String> =
+        file.metadata().file_metadata().schema().get_fields().iter().map(|f| f.name().to_owned()).collect();
+    assert_eq!(names.join(","), desk.read("a.csv").lines().next().unwrap());
+    let which = |name: &str| names.iter().position(|n| n == name).unwrap();
+    let mean: Vec<Option<f64>> =
+        file.get_row_iter(None).unwrap().map(|row| row.unwrap().get_double(which("u_mean_um")).ok()).collect();
+    assert_eq!(mean, column(&desk, "a.csv", "u_mean_um"));
+    let play = column(&desk, "a.csv", "bearing.A.radial_play_um");
+    assert_eq!(play, [Some(3.0), Some(3.0), Some(10.0), Some(10.0)]);
+}
+
+const RESULTS: [&str; 3] = [".csv", ".parquet", "-sections.csv"];
+
+fn bytes(desk: &Desk, name: &str) -> Vec<Vec<u8>> {
+    RESULTS.map(|end| std::fs::read(desk.path(&format!("{name}{end}"))).unwrap()).to_vec()
+}
+
+#[test]
+fn shards_put_together_are_the_whole() {
+    let desk = desk("tiwari-balanced");
+    sweep(&desk, &["--over", SPEEDS, "-o", "whole"]);
+    for shard in ["1/3", "2/3"] {
+        sweep(&desk, &["--over", SPEEDS, "-o", "parts", "--shard", shard]);
+    }
+    let merge =
+        ["sweep", "scene.toml", "--settle", "0.3 s", "--periods", "16", "--over", SPEEDS, "-o", "parts", "--merge"];
+    desk.refused(&merge, 1, &["found 6 of 9 parts", "3 are missing"]);
+    sweep(&desk, &["--over", SPEEDS, "-o", "parts", "--shard", "3/3"]);
+    desk.done(&merge);
+    assert!(bytes(&desk, "whole") == bytes(&desk, "parts"));
+    assert!(desk.files().contains(&"parts.shard-3-of-3".to_owned()));
+}
+
+#[test]
+fn goes_on_where_it_stopped() {
+    let desk = desk("tiwari-balanced");
+    sweep(&desk, &["--over", SPEEDS, "-o", "whole"]);
+    sweep(&desk, &["--over", SPEEDS, "-o", "again", "--shard", "1/1"]);
+    // Stopped in the middle of the sixth point's line.
+    let journal = desk.read("again.shard-1-of-1");
+    let five: usize = journal.split_inclusive('\n').take(6).map(str::len).sum();
+    desk.put("again.journal", &journal[..five + 100]);
+    let summary = sweep(&desk, &["--over", SPEEDS, "-o", "again"]);
+    assert_eq!((summary["computed"].as_u64(), summary["taken_over"].as_u64()), (Some(4), Some(5)));
+    assert!(bytes(&desk, "whole") == bytes(&desk, "again"));
+    assert!(!desk.files().contains(&"again.journal".to_owned()), "{:?}", desk.files());
+    // Results of another sweep are not taken for this one's.
+    desk.put("other.journal", &journal);
+    let other = ["sweep", "scene.toml", "--over", "shaft.speed=1000rpm..5000rpm:8", "-o", "other"];
+    desk.refused(&other, 1, &["other.journal: found results of another scene, range or measure"]);
+}
+
+#[test]
+fn there_and_back() {
+    let desk = desk("tiwari-balanced");
+    sweep(
+        &desk,
+        &[
+            "--over",
+            "shaft.speed=2000rpm..4000rpm:3",
+            "--over",
+            "bearing[0].radial_play=3um,10um",
+            "--follow",
+            "both",
+            "-o",
+            "a",
+        ],
+    );
+    let text = desk.read("a.csv");
+    let way = |line: &str| line.split(',').take(2).collect::<Vec<_>>().join(" ");
+    let ways: Vec<String> = text.lines().skip(1).map(way).collect();
+    let expected =
+        ["0 up", "1 up", "2 up", "2 down", "1 down", "0 down", "3 up", "4 up", "5 up", "5 down", "4 down", "3 down"];
+    assert_eq!(ways, expected);
+}
+
+/// A motion of period one has neighbours that come closer; one that never repeats has neighbours that part.
+#[test]
+fn lyapunov_exponent_tells_chaos() {
+    let desk = desk("lioulios-fluctuation");
+    let text = desk.read("scene.toml");
+    let text = text.replace("{ mean = \"2000 rpm\", fluctuation = 0.02, frequency = \"7 Hz\" }", "\"2000 rpm\"");
+    desk.put("scene.toml", text);
+    let at = |speed: &str, play: &str| {
+        let (speed, play) = (format!("shaft.speed={speed}"), format!("bearing[0].radial_play={play}"));
+        let args = ["sweep", "scene.toml", "--settle", "2 s", "--periods", "512", "--lyapunov", "-o", "a"];
+        desk.done(&[&args[..], &["--over", &speed, "--over", &play]].concat());
+        (column(&desk, "a.csv", "lyapunov_per_s")[0].unwrap(), column(&desk, "a.csv", "period")[0])
+    };
+    let (regular, chaotic) = (at("6000rpm", "10um"), at("10000rpm", "20um"));
+    println!("exponents, 1/s: period one {:.1}, aperiodic {:.1}", regular.0, chaotic.0);
+    // Neighbours of a regular motion come closer at the rate of the damping, c/(2 m) = 200/1.2.
+    assert!(regular.1 == Some(1.0) && (regular.0 + 200.0 / 1.2).abs() < 2.0, "{regular:?}");
+    assert!(chaotic.1.is_none() && chaotic.0 > 10.0, "{chaotic:?}");
+}
+
+#[test]
+fn what_cannot_be_swept_is_refused() {
+    let desk = desk("tiwari-balanced");
+    let refused = |over: &str, code: i32, parts: &[&str]| {
+        desk.refused(&["sweep", "scene.toml", "-o", "a", "--over", over], code, parts);
+    };
+    refused("shaft.speed", 2, &["--over: found \"shaft.speed\"", "KEY=FROM..TO:COUNT"]);
+    refused("shaft.sped=1rpm..2rpm:3", 2, &["shaft.sped", "unknown key (did you mean speed?)"]);
+    refused("bearing.B.radial_play=1um..2um:3", 2, &["found the key \"bearing.B.radial_play\""]);
+    refused("shaft.speed=1mm..2mm:3", 2, &["found \"1 mm\"", "a speed of rotation"]);
+    refused("bearing[0].elements=2..9:8", 2, &["found 2, allowed: a whole number from 3 to 64"]);
+    refused("shaft.speed=0,0", 1, &["shaft.speed", "a shaft that stands still"]);
+    desk.refused(
+        &["sweep", "scene.toml", "-o", "a", "--over", SPEEDS, "--shard", "4/3"],
+        2,
+        &["--shard: found \"4/3\""],
+    );
+}
