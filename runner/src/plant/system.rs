@@ -99,7 +99,7 @@ impl Layout {
     pub fn scales(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
         match self.order {
             ..=9 => self.scales_of::<9>(rotor, seats, extra),
-            ..=32 => self.scales_of::<32>(rotor, seats, extra),
+            10..=32 => self.scales_of::<32>(rotor, seats, extra),
             _ => self.scales_of::<LARGEST>(rotor, seats, extra),
         }
     }

@@ -152,7 +152,7 @@ fn named(bearing: &BearingScene, error: InvalidParameter) -> anyhow::Error {
 }
 
 /// The rung `model` of one bearing. A linear rung that is made from another one needs the rotor's equilibrium
-/// (see [`crate::replay::twin`]) and is refused here.
+/// (see [`crate::plant`]) and is refused here.
 ///
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.

@@ -101,7 +101,7 @@ pub fn sections(out: &mut impl Write, rows: &[&Row]) -> Result<()> {
     Ok(())
 }
 
-/// The table of [`csv`] as Parquet, uncompressed.
+/// The table of [`csv()`] as Parquet, uncompressed.
 ///
 /// # Errors
 /// What the writer gives.
