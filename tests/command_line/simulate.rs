@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, numbers, scene};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, numbers, recorded, scene};
 
 /// Turns of the demonstration's shaft a second.
 const SPEED: f64 = 50.0;
@@ -129,4 +129,68 @@ fn summary_in_three_formats() {
     assert_eq!((head[0].as_str(), rows.len(), rows[0][0]), ("samples", 1, 500.0));
     let text = of("text").out;
     assert!(text.contains("500 samples") && text.contains("Written: motion.csv"), "{text}");
+}
+
+/// What each of the rig's five probes reads of a row of the simulation, um.
+fn probes(row: &[f64]) -> [f64; 5] {
+    let (u, v, w, thu, thv) = (row[POSE], row[POSE + 1], row[POSE + 2], row[POSE + 3], row[POSE + 4]);
+    let at = |z: f64| [u + z * thv, v - z * thu];
+    let ([a, b], [c, d]) = (at(-0.12), at(0.12));
+    [a, b, c, d, w].map(|x| x * 1e6)
+}
+
+/// Amplitude at a frequency under a Hann window.
+fn line(x: &[f64], hz: f64) -> f64 {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    let (mut re, mut im) = (0.0, 0.0);
+    for (i, x) in x.iter().enumerate() {
+        let window = 1.0 - (TAU * i as f64 / n).cos();
+        let (sin, cos) = (TAU * hz * i as f64 / RATE).sin_cos();
+        (re, im) = (re + window * (x - mean) * cos, im + window * (x - mean) * sin);
+    }
+    2.0 / n * re.hypot(im)
+}
+
+/// The rig's facts alone give the statistics of its recordings: mean, peak to peak, 1X and ball-pass amplitude of every
+/// probe within 2 % or the probes' noise of 0.03 um.
+#[test]
+fn statistics_of_the_rig() {
+    const SIGMA: f64 = 0.03;
+    // By the balls' rolling at their free contact angle: cos = 1 - s/(2 A).
+    const COS: f64 = 1.0 - 10e-6 / (2.0 * 0.04 * 7.94e-3);
+    const PASS: f64 = SPEED * 9.0 * 0.5 * (1.0 - 7.94 / 39.04 * COS);
+    for name in ["healthy", "unbalanced", "outer-spall"] {
+        let desk = Desk::empty();
+        let scene = recorded(&format!("{name}.toml"));
+        desk.done(&["simulate", &scene, "--settle", "1 s", "--duration", "1 s", "--rate", "12.8 kHz", "-o", "m.csv"]);
+        let (_, rows) = numbers(&desk.read("m.csv"));
+        let recording = match name {
+            "healthy" => DEMO_RECORDING.to_owned(),
+            name => std::fs::read_to_string(recorded(&format!("{name}.csv"))).unwrap(),
+        };
+        let (_, measured) = numbers(&recording);
+        // The recordings begin with a start that has not died out.
+        let measured = &measured[measured.len() / 2..];
+        for probe in 0..5 {
+            let mine: Vec<f64> = rows.iter().map(|row| probes(row)[probe]).collect();
+            let other: Vec<f64> = measured.iter().map(|row| row[1 + probe]).collect();
+            let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+            let spread =
+                |x: &[f64]| x.iter().fold(f64::MIN, |m, &x| m.max(x)) - x.iter().fold(f64::MAX, |m, &x| m.min(x));
+            let near = |what: &str, mine: f64, other: f64, noise: f64| {
+                println!("{name}, probe {probe}: {what} {mine:.4} um, recorded {other:.4}");
+                assert!(
+                    (mine - other).abs() < (0.02 * other.abs()).max(noise),
+                    "{name} {probe} {what}: {mine} {other}"
+                );
+            };
+            let few = SIGMA * (2.0 / other.len() as f64).sqrt();
+            near("mean", mean(&mine), mean(&other), 4.0 * few);
+            // Noise raises both ends: by four sigma each over so many samples, by less where the motion is large.
+            near("peak to peak", spread(&mine), spread(&other), 8.0 * SIGMA);
+            near("1X", line(&mine, SPEED), line(&other, SPEED), 4.0 * few);
+            near("ball pass", line(&mine, PASS), line(&other, PASS), 4.0 * few);
+        }
+    }
 }
