@@ -1,5 +1,6 @@
 //! Where a bearing or a rotor settles, and what each element then carries.
 
+use crate::campbell::modes;
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
@@ -10,9 +11,7 @@ use ballrace::bearing::quasi_static::BallState;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, minimum_film};
 use ballrace::contact::hertz::Race;
 use ballrace::{Displacement, Exact, Rotation, Turn};
-use nalgebra::DMatrix;
 use serde::Serialize;
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 /// All that `equilibrium` says, SI units.
@@ -241,7 +240,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         force,
         stiffness: rows(&plant.stiffness),
         elements: all,
-        natural_frequencies_hz: natural_frequencies(&plant, speed)?,
+        natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
         bearings,
         residual: plant.residual,
         solving_seconds,
@@ -261,28 +260,6 @@ fn model_with_elements(of: &BearingScene) -> Model {
         Some(crate::scene::Linear::Of(source)) => *source,
         _ => of.model,
     }
-}
-
-/// Undamped natural frequencies of `M q'' + w G q' + K q = 0`, Hz, lowest first; those of free directions are 0.
-///
-/// # Errors
-/// What the kernel refuses.
-pub fn natural_frequencies(plant: &Plant, speed: f64) -> Result<Vec<f64>> {
-    let (scales, n) = (plant.scales()?, plant.layout.order);
-    let Some(inverse) = scales.mass.try_inverse() else { bail!("found a mass matrix without an inverse") };
-    let (stiffness, gyroscopic) = (&inverse * &plant.stiffness, &inverse * scales.gyroscopic * speed);
-    let mut system = DMatrix::<f64>::zeros(2 * n, 2 * n);
-    for i in 0..n {
-        system[(i, i + n)] = 1.0;
-        for j in 0..n {
-            system[(i + n, j)] = -stiffness[(i, j)];
-            system[(i + n, j + n)] = -gyroscopic[(i, j)];
-        }
-    }
-    let mut frequencies: Vec<f64> =
-        system.complex_eigenvalues().iter().map(|value| value.im / TAU).filter(|f| *f > 0.0).collect();
-    frequencies.sort_by(f64::total_cmp);
-    Ok(frequencies)
 }
 
 /// What each element of a bearing does with its rings `u` apart.

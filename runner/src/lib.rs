@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod campbell;
 pub mod cli;
 pub mod equilibrium;
 pub mod fault;

@@ -1,6 +1,7 @@
 //! `ballrace equilibrium`: published equilibria, natural frequencies, the page.
 
 use serde_json::Value;
+use std::f64::consts::TAU;
 
 use crate::support::{Desk, list, number};
 
@@ -123,4 +124,55 @@ fn what_cannot_settle() {
         2,
         &["--load: found \"1,2,3\", allowed: five numbers"],
     );
+}
+
+/// MODEL F8 as a table over speed: the tilting pair splits, backward below and forward above; the others stay.
+#[test]
+fn campbell_table_of_model_f8() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", rotor(0, ["+z", "-z"], ""));
+    let all: Value = desk
+        .done(&[
+            "campbell",
+            "scene.toml",
+            "--speeds",
+            "0rpm,12000rpm,30000rpm",
+            "--report",
+            "c.html",
+            "--format",
+            "json",
+        ])
+        .json();
+    let modes = |i: usize| all[i]["modes"].as_array().unwrap().clone();
+    for (i, (low, high)) in [(1, (2569.1126, 2669.1126)), (2, (2496.6170, 2746.6170))] {
+        let modes = modes(i);
+        assert_eq!(modes.len(), 5);
+        for (mode, hz, whirl) in [(3, low, "backward"), (4, high, "forward")] {
+            let found = modes[mode]["frequency_hz"].as_f64().unwrap();
+            assert!((found - hz).abs() < 1e-6 * hz, "{found} {hz}");
+            assert_eq!(modes[mode]["whirl"], whirl);
+        }
+        assert!((modes[0]["frequency_hz"].as_f64().unwrap() - 1428.3188).abs() < 2e-3);
+    }
+    // Started the other way round, the shaft's own direction is the other one.
+    let back: Value = desk.done(&["campbell", "scene.toml", "--speeds=-12000rpm", "--format", "json"]).json();
+    assert_eq!((&back[0]["modes"][3]["whirl"], &back[0]["modes"][4]["whirl"]), (&"forward".into(), &"backward".into()));
+    let text = desk.done(&["campbell", "scene.toml", "--speeds", "0rpm..30000rpm:1000rpm"]).out;
+    assert_eq!(text.lines().count(), 33, "{text}");
+    assert_eq!(desk.read("c.html").matches("<svg").count(), 1);
+    desk.refused(&["campbell", "scene.toml", "--speeds", "0mm..1mm:3"], 2, &["--speeds", "a speed of rotation"]);
+}
+
+/// Damping by hand: one spring and one damper, `c/(2 sqrt(k m))`.
+#[test]
+fn campbell_table_knows_damping() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", Desk::empty().done(&["scenes", "two-spring-rotor"]).out);
+    let all: Value = desk.done(&["campbell", "scene.toml", "--speeds", "3000rpm", "--format", "json"]).json();
+    let along = 2.0 * 1.009_062_69e8_f64;
+    let expected = 1000.0 / (2.0 * (along * 100.0).sqrt());
+    let modes = all[0]["modes"].as_array().unwrap();
+    let found = modes.iter().find(|m| (m["frequency_hz"].as_f64().unwrap() - (along / 100.0).sqrt() / TAU).abs() < 0.1);
+    let ratio = found.unwrap()["damping_ratio"].as_f64().unwrap();
+    assert!((ratio - expected).abs() < 1e-6, "{ratio} {expected}");
 }

@@ -1,6 +1,7 @@
 //! The commands, one file each, thin; and what a failure means for the exit code.
 
 pub mod bake;
+pub mod campbell;
 pub mod equilibrium;
 pub mod force;
 pub mod replay;
@@ -41,6 +42,8 @@ pub enum Command {
     Equilibrium(equilibrium::Args),
     /// Time response of the scene's rotor.
     Simulate(simulate::Args),
+    /// Natural frequencies, damping and whirl of the rotor over the shaft's speed.
+    Campbell(campbell::Args),
     /// A scene over ranges of its keys: response curve, bifurcation diagram, waterfall.
     Sweep(sweep::Args),
     /// The scenes that come with the program.
@@ -94,6 +97,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Bake(args) => bake::run(args, cli.format),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format),
         Command::Simulate(args) => simulate::run(args, cli.format),
+        Command::Campbell(args) => campbell::run(args, cli.format),
         Command::Sweep(args) => sweep::run(args, cli.format),
         Command::Scenes(args) => scenes::run(args, cli.format),
     };

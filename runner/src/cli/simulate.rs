@@ -13,6 +13,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Most samples of one simulation.
 const MOST_SAMPLES: f64 = 1e9;
@@ -45,6 +46,8 @@ struct Summary {
     held_samples: u64,
     peak_to_peak_um: [f64; 3],
     mean_um: [f64; 3],
+    computing_seconds: f64,
+    times_real_time: f64,
     output: String,
 }
 
@@ -91,6 +94,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new(total) } else { ProgressBar::hidden() };
     let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
     let mut told = span.settle;
+    let begun = Instant::now();
     let (held, _) = motion::run(
         scene,
         plant,
@@ -108,6 +112,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
             Ok(())
         },
     )?;
+    let seconds = begun.elapsed().as_secs_f64();
     bar.finish_and_clear();
     file.finish()?;
     Ok(Summary {
@@ -118,6 +123,8 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
         held_samples: held,
         peak_to_peak_um: std::array::from_fn(|i| (high[i] - low[i]) * 1e6),
         mean_um: sum.map(|s| s / span.samples as f64 * 1e6),
+        computing_seconds: seconds,
+        times_real_time: total as f64 / span.rate / seconds,
         output: path.display().to_string(),
     })
 }
@@ -174,6 +181,11 @@ fn print(summary: &Summary, notes: &[String], format: Format) -> Result<()> {
             )?;
             writeln!(out, "Centre of mass, um peak to peak: X {x:.4}, Y {y:.4}, Z {z:.4}")?;
             writeln!(out, "                um mean:         X {mean_x:.4}, Y {mean_y:.4}, Z {mean_z:.4}")?;
+            writeln!(
+                out,
+                "Computed in {:.2} s, {:.1} times as fast as the machine turns.",
+                summary.computing_seconds, summary.times_real_time
+            )?;
             if summary.held_samples > 0 {
                 writeln!(out, "The motion overflowed and was held for {} samples.", summary.held_samples)?;
             }

@@ -2,6 +2,7 @@
 
 mod axis;
 mod balance;
+mod campbell;
 mod canvas;
 mod force;
 mod line;
@@ -13,6 +14,7 @@ mod sweep;
 mod trace;
 
 pub(super) use balance::balance;
+pub(super) use campbell::diagram;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 
 use crate::replay::outcome::Outcome;

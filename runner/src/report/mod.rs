@@ -1,5 +1,6 @@
 //! Reports of a replay: a page for people, text for the terminal, JSON and CSV for programs.
 
+pub mod campbell;
 mod csv;
 pub mod equilibrium;
 mod figures;

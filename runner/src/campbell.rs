@@ -1,0 +1,115 @@
+//! Natural frequencies, damping and whirl of a scene's rotor over the shaft's speed, linearised at rest at each speed.
+
+use crate::plant::Plant;
+use crate::scene::{Scene, Speed};
+use anyhow::{Context, Result};
+use nalgebra::{Complex, DMatrix, DVector};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// One speed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AtSpeed {
+    /// Of the shaft.
+    pub speed_rpm: f64,
+    /// Lowest frequency first; directions that nothing holds have none.
+    pub modes: Vec<Mode>,
+}
+
+/// One mode.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Mode {
+    /// Damped natural frequency, Hz.
+    pub frequency_hz: f64,
+    /// Damping over critical damping.
+    pub damping_ratio: f64,
+    /// Which way the rotor goes round.
+    pub whirl: Whirl,
+}
+
+/// Which way the rotor goes round in a mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Whirl {
+    /// With the shaft's positive direction.
+    Forward,
+    /// Against it.
+    Backward,
+    /// Along a line.
+    Straight,
+}
+
+/// Modes closer than this part of their frequency are taken for one pair, whose whirl is not theirs alone.
+const PAIR: f64 = 1e-7;
+/// Tilts count as the way of a point so far from the centre of mass, m.
+const LEVER: f64 = 0.1;
+/// A whirl of less than this part of the motion is a line.
+const ROUND: f64 = 1e-3;
+
+/// The modes at each speed (rad/s).
+///
+/// # Errors
+/// A scene without a rotor, what the kernel refuses.
+pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
+    let at = |&speed: &f64| -> Result<AtSpeed> {
+        let mut turning = scene.clone();
+        turning.shaft.speed = Speed::Constant(speed);
+        let modes = modes(&Plant::try_new(&turning)?, speed, true)?;
+        Ok(AtSpeed { speed_rpm: speed * 60.0 / TAU, modes })
+    };
+    speeds.iter().map(at).collect()
+}
+
+/// Modes of `M q'' + (B + w G) q' + K q = 0`, with or without `B`, lowest frequency first.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
+    let (scales, n) = (plant.scales()?, plant.layout.order);
+    let inverse = scales.mass.try_inverse().context("found a mass matrix without an inverse")?;
+    let stiffness = &inverse * &plant.stiffness;
+    let damping = &inverse * (scales.damping * f64::from(u8::from(damped)) + scales.gyroscopic * speed);
+    let mut system = DMatrix::<f64>::zeros(2 * n, 2 * n);
+    system.view_mut((0, n), (n, n)).fill_with_identity();
+    system.view_mut((n, 0), (n, n)).copy_from(&(-stiffness));
+    system.view_mut((n, n), (n, n)).copy_from(&(-damping));
+    let mut values: Vec<Complex<f64>> = system.complex_eigenvalues().iter().copied().filter(|v| v.im > 0.0).collect();
+    values.sort_by(|a, b| a.im.total_cmp(&b.im));
+    let alone = |i: usize| {
+        let near = |j: Option<usize>| {
+            j.and_then(|j| values.get(j)).zip(values.get(i)).is_some_and(|(a, b)| (a - b).norm() < PAIR * b.norm())
+        };
+        !near(i.checked_sub(1)) && !near(i.checked_add(1))
+    };
+    let mode = |(i, value): (usize, &Complex<f64>)| Mode {
+        frequency_hz: value.im / TAU,
+        damping_ratio: -value.re / value.norm(),
+        whirl: if alone(i) { whirl(&system, *value, n) } else { Whirl::Straight },
+    };
+    Ok(values.iter().enumerate().map(mode).collect())
+}
+
+/// From the mode's shape by inverse iteration.
+fn whirl(system: &DMatrix<f64>, value: Complex<f64>, n: usize) -> Whirl {
+    let size = 2 * n;
+    let shift = value * Complex::new(1.0 + 1e-8, 1e-9);
+    let shifted = DMatrix::from_fn(size, size, |i, j| {
+        Complex::from(system[(i, j)]) - if i == j { shift } else { Complex::from(0.0) }
+    });
+    let factors = shifted.lu();
+    let mut shape = DVector::from_fn(size, |i, _| Complex::new(1.0, 0.37 * i as f64));
+    for _ in 0..4 {
+        let Some(next) = factors.solve(&shape) else { return Whirl::Straight };
+        shape = next.unscale(next.norm().max(f64::MIN_POSITIVE));
+    }
+    // A vector (x, y) e^(i w t) turns forward where x y* has a positive imaginary part; tilts turn as (thv, -thu) does.
+    let turning = |x: Complex<f64>, y: Complex<f64>| ((x * y.conj()).im, x.norm_sqr() + y.norm_sqr());
+    let [along, tilting] = [turning(shape[0], shape[1]), turning(shape[4], -shape[3])];
+    let share = |(turn, all): (f64, f64)| if all > 0.0 { 2.0 * turn / all } else { 0.0 };
+    let larger = if along.1 > tilting.1 * LEVER * LEVER { along } else { tilting };
+    match share(larger) {
+        turn if turn > ROUND => Whirl::Forward,
+        turn if turn < -ROUND => Whirl::Backward,
+        _ => Whirl::Straight,
+    }
+}
