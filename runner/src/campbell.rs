@@ -84,14 +84,14 @@ pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     let mode = |(i, value): (usize, &Complex<f64>)| Mode {
         frequency_hz: value.im / TAU,
         damping_ratio: -value.re / value.norm(),
-        whirl: if alone(i) { whirl(&system, *value, n) } else { Whirl::Straight },
+        whirl: if alone(i) { whirl(&system, *value, plant) } else { Whirl::Straight },
     };
     Ok(values.iter().enumerate().map(mode).collect())
 }
 
 /// From the mode's shape by inverse iteration.
-fn whirl(system: &DMatrix<f64>, value: Complex<f64>, n: usize) -> Whirl {
-    let size = 2 * n;
+fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
+    let size = system.nrows();
     let shift = value * Complex::new(1.0 + 1e-8, 1e-9);
     let shifted = DMatrix::from_fn(size, size, |i, j| {
         Complex::from(system[(i, j)]) - if i == j { shift } else { Complex::from(0.0) }
@@ -104,7 +104,10 @@ fn whirl(system: &DMatrix<f64>, value: Complex<f64>, n: usize) -> Whirl {
     }
     // A vector (x, y) e^(i w t) turns forward where x y* has a positive imaginary part; tilts turn as (thv, -thu) does.
     let turning = |x: Complex<f64>, y: Complex<f64>| ((x * y.conj()).im, x.norm_sqr() + y.norm_sqr());
-    let [along, tilting] = [turning(shape[0], shape[1]), turning(shape[4], -shape[3])];
+    let part = |of: fn(&Complex<f64>) -> f64| plant.pose(&shape.iter().map(of).collect::<Vec<f64>>()).to_array();
+    let (re, im) = (part(|z| z.re), part(|z| z.im));
+    let at = |i: usize| Complex::new(re[i], im[i]);
+    let [along, tilting] = [turning(at(0), at(1)), turning(at(4), -at(3))];
     let share = |(turn, all): (f64, f64)| if all > 0.0 { 2.0 * turn / all } else { 0.0 };
     let larger = if along.1 > tilting.1 * LEVER * LEVER { along } else { tilting };
     match share(larger) {

@@ -105,7 +105,7 @@ pub struct EffectShare {
 /// # Errors
 /// Nothing to settle under, or what the scene does not say.
 pub fn settle(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
-    let alone = scene.rotor.is_none() || bearing.is_some() || load.is_some();
+    let alone = (scene.rotor.is_none() && scene.system.is_none()) || bearing.is_some() || load.is_some();
     let settle = |scene: &Scene| if alone { settle_bearing(scene, bearing, load) } else { settle_rotor(scene) };
     let mut settled = settle(scene)?;
     for (effect, off) in EFFECTS {
@@ -194,7 +194,7 @@ fn resting(scene: &Scene, of: &BearingScene) -> Result<Rotation<f64>> {
 fn rows<S: nalgebra::RawStorage<f64, R, C>, R: nalgebra::Dim, C: nalgebra::Dim>(
     k: &nalgebra::Matrix<f64, R, C, S>,
 ) -> [[f64; 5]; 5] {
-    std::array::from_fn(|i| std::array::from_fn(|j| k[(i, j)]))
+    std::array::from_fn(|i| std::array::from_fn(|j| k.get((i, j)).copied().unwrap_or(0.0)))
 }
 
 /// `bearing` answers to `moved`, its rings stand `total` apart.
@@ -236,7 +236,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     Ok(Settled {
         scene: scene.name.clone(),
         speed,
-        displacement: plant.rest_pose().to_array(),
+        displacement: plant.pose(&plant.rest).to_array(),
         force,
         stiffness: rows(&plant.stiffness),
         elements: all,

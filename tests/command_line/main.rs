@@ -13,4 +13,5 @@ mod scenes;
 mod simulate;
 mod support;
 mod sweep;
+mod system;
 mod truth;

@@ -102,7 +102,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
         |_| {},
         |now| {
             write_row(&mut file, now).with_context(failed)?;
-            for (i, x) in now.twin.pose().to_array().into_iter().take(3).enumerate() {
+            for (i, x) in now.plant.pose(now.twin.coordinates()).to_array().into_iter().take(3).enumerate() {
                 (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
             }
             told += 1;

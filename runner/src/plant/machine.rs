@@ -105,7 +105,8 @@ impl Plant {
     /// Runs `task` with the machine of as many coordinates and bearings as the scene has, or a few idle ones more: what
     /// is idle changes nothing, and each pair of counts is a machine of its own in the program.
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
-        match (self.layout.order, self.seats.len()) {
+        let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
+        match (order, self.seats.len()) {
             (RIGID, 1) => self.rigid::<R, 1>(hold, task),
             (RIGID, 2) => self.rigid::<R, 2>(hold, task),
             (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
@@ -119,13 +120,14 @@ impl Plant {
     }
 
     fn rigid<R, const N: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
-        let mut params = build::rotor_params(&self.rotor);
+        let Some(rotor) = &self.rotor else { bail!("found no rotor") };
+        let mut params = build::rotor_params(rotor);
         for (i, row) in params.damping.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 *entry += self.damping[(i, j)];
             }
         }
-        let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(&self.rotor)).context("[rotor]")?;
+        let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(rotor)).context("[rotor]")?;
         let bearings = std::array::from_fn(|i| match self.seats.get(i) {
             Some(seat) => Mounted { bearing: hold(seat), station: seat.station, gear: seat.kinematics.gear() },
             None => Mounted { bearing: nothing(), station: 0.0, gear: Gear::new(0.0) },
@@ -134,8 +136,8 @@ impl Plant {
     }
 
     fn general<R, const D: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
-        let matrices = self.layout.matrices::<D>(&self.rotor, &self.seats, &self.damping)?;
-        let rotor = General::<f64, Exact, D>::try_new(&matrices)?;
+        let matrices = self.layout.matrices::<D>(self.rotor.as_ref(), &self.seats, &self.damping)?;
+        let rotor = General::<f64, Exact, D>::try_new(&matrices).context("[system]")?;
         let fitted = |i: usize| match self.seats.get(i) {
             Some(seat) => self.fitted(i, seat, hold),
             None => Ok(Fitted::Bearing(Attached {

@@ -1,11 +1,13 @@
 //! The plant: the scene's rotor on the scene's bearings, where it rests, and how fast it can move.
 
+mod given;
 mod machine;
 mod seat;
 mod system;
 mod twin;
 mod warm;
 
+pub use given::Given;
 pub use machine::{LARGEST, MOST_BEARINGS};
 pub use seat::{Balls, Seat};
 pub use system::{Layout, Scales, only_rigid};
@@ -28,7 +30,8 @@ const PITCH_SAMPLES: u32 = 16;
 /// Rotor and bearings of a scene, and where they rest.
 #[derive(Clone)]
 pub struct Plant {
-    rotor: Rotor,
+    rotor: Option<Rotor>,
+    proportional_damping: f64,
     integration: Integration,
     /// Which coordinate is what.
     pub layout: Layout,
@@ -53,20 +56,26 @@ impl Plant {
     /// # Errors
     /// No rotor, too many bearings, what the kernel refuses, a rotor that nothing holds.
     pub fn try_new(scene: &Scene) -> Result<Self> {
-        let Some(rotor) = scene.rotor.clone() else {
+        if scene.rotor.is_none() && scene.system.is_none() {
             bail!(
                 "{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compute",
                 scene.path.display()
             );
-        };
+        }
         if scene.bearings.len() > MOST_BEARINGS {
             bail!("{}: bearing: found {}, allowed: up to {MOST_BEARINGS}", scene.path.display(), scene.bearings.len());
         }
         let seats = scene.bearings.iter().map(|b| Seat::new(scene, b)).collect::<Result<Vec<_>>>()?;
-        let layout = Layout::new(&scene.bearings, &seats);
+        let layout = match &scene.system {
+            Some(system) => Layout::given(Given::read(scene, system)?, seats.len()),
+            None => Layout::new(&scene.bearings, &seats),
+        };
+        let by_rotor = scene.rotor.as_ref().map(|r| r.proportional_damping);
+        let proportional_damping = by_rotor.or(scene.system.as_ref().map(|s| s.proportional_damping)).unwrap_or(0.0);
         let none = DMatrix::zeros(layout.order, layout.order);
         let mut plant = Self {
-            rotor,
+            rotor: scene.rotor.clone(),
+            proportional_damping,
             integration: scene.integration,
             rest: vec![0.0; layout.order],
             layout,
@@ -86,7 +95,7 @@ impl Plant {
         if linearised.contains(&true) {
             plant = plant.linearised(&linearised)?;
         }
-        plant.damping = &plant.stiffness * plant.rotor.proportional_damping;
+        plant.damping = &plant.stiffness * plant.proportional_damping;
         // A bearing's tangent may be a little off symmetry at speed; damping is not.
         plant.damping = 0.5 * (&plant.damping + plant.damping.transpose());
         Ok(plant)
@@ -147,6 +156,10 @@ impl Plant {
     /// Displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
     #[must_use]
     pub fn displacement(&self, i: usize, coordinates: &[f64]) -> Displacement<f64> {
+        if let Some(extended) = self.layout.given.as_ref().and_then(|given| given.extended.get(i)) {
+            let product = |row: &Vec<f64>| row.iter().zip(coordinates).map(|(t, q)| t * q).sum();
+            return Displacement::from_array(extended.each_ref().map(product));
+        }
         let station = self.seats.get(i).map_or(0.0, |s| s.station);
         let u = first_five(coordinates).at_station(station);
         let housing = self.layout.housings.get(i).copied().flatten();
@@ -154,16 +167,17 @@ impl Plant {
         Displacement { u: u.u - outer(0), v: u.v - outer(1), ..u }
     }
 
-    /// Where the rotor's centre of mass rests.
+    /// What stands for the motion as a whole: that of a rigid rotor's centre of mass, of a given system that of its first
+    /// bearing.
     #[must_use]
-    pub fn rest_pose(&self) -> Displacement<f64> {
-        first_five(&self.rest)
+    pub fn pose(&self, coordinates: &[f64]) -> Displacement<f64> {
+        if self.layout.given.is_some() { self.displacement(0, coordinates) } else { first_five(coordinates) }
     }
 
-    /// The scene's rotor.
+    /// The scene's rotor, where it has one.
     #[must_use]
-    pub fn rotor(&self) -> &Rotor {
-        &self.rotor
+    pub fn rotor(&self) -> Option<&Rotor> {
+        self.rotor.as_ref()
     }
 
     /// Damping that is proportional to stiffness, besides the rotor's own.
@@ -177,13 +191,19 @@ impl Plant {
     /// # Errors
     /// What the kernel refuses.
     pub fn scales(&self) -> Result<Scales> {
-        self.layout.scales(&self.rotor, &self.seats, &self.damping)
+        self.layout.scales(self.rotor.as_ref(), &self.seats, &self.damping)
     }
 
     /// Highest natural frequency at rest, rad/s: an upper bound, the trace of M^-1 K.
     #[must_use]
     pub fn highest_frequency(&self) -> f64 {
         let Ok(scales) = self.scales() else { return 0.0 };
+        if self.layout.given.is_some() {
+            // The trace of many coordinates is no bound worth having: the highest itself, with the same room above it.
+            let Some(inverse) = scales.mass.try_inverse() else { return 0.0 };
+            let squares = (inverse * &self.stiffness).complex_eigenvalues();
+            return (1.5 * squares.iter().fold(0.0_f64, |most, square| most.max(square.re))).sqrt();
+        }
         (0..self.layout.order).map(|i| self.stiffness[(i, i)] / scales.mass[(i, i)]).sum::<f64>().max(0.0).sqrt()
     }
 
@@ -192,9 +212,9 @@ impl Plant {
     #[must_use]
     pub fn settling_time(&self) -> f64 {
         let Ok(scales) = self.scales() else { return 0.2 };
-        let rate = (0..system::RIGID)
-            .map(|i| 0.5 * scales.damping[(i, i)] / scales.mass[(i, i)])
-            .fold(f64::INFINITY, f64::min);
+        let coordinates = if self.layout.given.is_some() { self.layout.order } else { system::RIGID };
+        let rate =
+            (0..coordinates).map(|i| 0.5 * scales.damping[(i, i)] / scales.mass[(i, i)]).fold(f64::INFINITY, f64::min);
         (1e5_f64.ln() / rate).clamp(0.2, 10.0)
     }
 

@@ -1,10 +1,11 @@
 //! Which coordinates a scene's system has, and its matrices.
 
-use super::{LARGEST, Seat};
+use super::{Given, LARGEST, Seat};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Attachment, Matrices, RotorParams, supported};
 use nalgebra::{DMatrix, SMatrix};
+use std::sync::Arc;
 
 /// Coordinates of a rigid rotor.
 pub const RIGID: usize = 5;
@@ -18,6 +19,8 @@ pub struct Layout {
     pub balls: Vec<Option<usize>>,
     /// How many in all.
     pub order: usize,
+    /// The system, where the scene gives its matrices instead of a rotor.
+    pub given: Option<Arc<Given>>,
     supports: Vec<Support>,
 }
 
@@ -33,18 +36,28 @@ impl Layout {
         let housings = bearings.iter().map(|b| b.support.map(|_| next(2))).collect();
         let balls = seats.iter().map(|s| s.balls.as_ref().map(|_| next(s.elements))).collect();
         let supports = bearings.iter().filter_map(|b| b.support).collect();
-        Self { housings, balls, order, supports }
+        Self { housings, balls, order, given: None, supports }
+    }
+
+    /// That of a scene with matrices.
+    pub fn given(given: Given, bearings: usize) -> Self {
+        let none = vec![None; bearings];
+        let order = given.order();
+        Self { housings: none.clone(), balls: none, order, given: Some(Arc::new(given)), supports: vec![] }
     }
 
     /// Five coordinates and nothing else.
     #[must_use]
     pub fn is_rigid(&self) -> bool {
-        self.order == RIGID
+        self.order == RIGID && self.given.is_none()
     }
 
-    /// The coordinates' names: `u v w thu thv`, `DE_support_u`, `DE_element_1`.
+    /// The coordinates' names: `u v w thu thv`, `DE_support_u`, `DE_element_1`; of given matrices `q1`, `q2`.
     #[must_use]
     pub fn names(&self, seats: &[Seat]) -> Vec<String> {
+        if self.given.is_some() {
+            return (1..=self.order).map(|i| format!("q{i}")).collect();
+        }
         let mut names: Vec<String> = ["u", "v", "w", "thu", "thv"].map(str::to_owned).to_vec();
         for (seat, housing) in seats.iter().zip(&self.housings) {
             if housing.is_some() {
@@ -62,6 +75,10 @@ impl Layout {
     /// How bearing `i` at `station` is attached.
     #[must_use]
     pub fn attachment<const D: usize>(&self, i: usize, station: f64) -> Attachment<f64, D> {
+        if let Some(extended) = self.given.as_ref().and_then(|given| given.extended.get(i)) {
+            let row = |k: usize| std::array::from_fn(|j| extended[k].get(j).copied().unwrap_or(0.0));
+            return Attachment::new(&std::array::from_fn(row));
+        }
         Attachment::on_rigid_rotor(station, self.housings.get(i).copied().flatten())
     }
 
@@ -69,14 +86,24 @@ impl Layout {
     ///
     /// # Errors
     /// What the kernel refuses; a system of more coordinates.
-    pub fn matrices<const D: usize>(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Matrices<D>> {
+    pub fn matrices<const D: usize>(
+        &self,
+        rotor: Option<&Rotor>,
+        seats: &[Seat],
+        extra: &DMatrix<f64>,
+    ) -> Result<Matrices<D>> {
         if self.order > D {
             bail!("found a system of {} coordinates, allowed: up to {D}", self.order);
         }
-        let unbalances = build::unbalances(rotor);
-        let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
-        let params: RotorParams = build::rotor_params(rotor);
-        let mut matrices = supported::<D>(&params, &unbalances, &supports).context("[rotor]")?;
+        let mut matrices = match (&self.given, rotor) {
+            (Some(given), _) => given.matrices(),
+            (None, Some(rotor)) => {
+                let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
+                let params: RotorParams = build::rotor_params(rotor);
+                supported::<D>(&params, &build::unbalances(rotor), &supports).context("[rotor]")?
+            }
+            (None, None) => bail!("found neither a rotor nor a system"),
+        };
         for (seat, first) in seats.iter().zip(&self.balls) {
             let (Some(balls), Some(first)) = (&seat.balls, *first) else { continue };
             for i in first..first + seat.elements {
@@ -96,7 +123,7 @@ impl Layout {
     ///
     /// # Errors
     /// As [`Layout::matrices`].
-    pub fn scales(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
+    pub fn scales(&self, rotor: Option<&Rotor>, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
         match self.order {
             ..=9 => self.scales_of::<9>(rotor, seats, extra),
             10..=32 => self.scales_of::<32>(rotor, seats, extra),
@@ -104,7 +131,7 @@ impl Layout {
         }
     }
 
-    fn scales_of<const D: usize>(&self, rotor: &Rotor, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
+    fn scales_of<const D: usize>(&self, rotor: Option<&Rotor>, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
         let all = self.matrices::<D>(rotor, seats, extra)?;
         let n = self.order;
         let part = |from: &SMatrix<f64, D, D>| DMatrix::from_fn(n, n, |i, j| from[(i, j)]);
@@ -127,6 +154,12 @@ pub struct Scales {
 /// # Errors
 /// Such a scene.
 pub fn only_rigid(scene: &Scene, command: &str) -> Result<()> {
+    if scene.system.is_some() {
+        bail!(
+            "{}: [system]: found matrices, allowed with {command}: a [rotor] of five coordinates; simulate takes them",
+            scene.path.display()
+        );
+    }
     let more = |b: &&BearingScene| b.support.is_some() || b.model == crate::scene::Model::Dynamic;
     match scene.bearings.iter().find(more) {
         Some(b) => bail!(

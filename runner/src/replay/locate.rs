@@ -102,7 +102,7 @@ impl Locator {
 impl Plant {
     /// Force that bearings have to give for the motion `pose` at the angular frequency `omega`: phasors in, phasors out.
     fn force_for(&self, pose: &[Phasor; 5], omega: f64, speed: f64) -> [Phasor; 5] {
-        let rotor = self.rotor();
+        let Some(rotor) = self.rotor() else { return *pose };
         let masses = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
         // The rate of A cos + B sin is w (B cos - A sin).
         let rate: [Phasor; 5] = pose.map(|[a, b]| [omega * b, -omega * a]);

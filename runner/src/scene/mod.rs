@@ -4,6 +4,7 @@
 //! `build` turns those into kernel types. Nothing else in the runner knows both.
 
 pub mod build;
+pub mod matrix;
 pub mod read;
 mod table;
 pub mod units;
@@ -21,6 +22,8 @@ pub struct Scene {
     pub shaft: Shaft,
     /// `[rotor]`
     pub rotor: Option<Rotor>,
+    /// `[system]`, instead of a rotor
+    pub system: Option<System>,
     /// `[[bearing]]`, at least one
     pub bearings: Vec<Bearing>,
     /// `[recording]`
@@ -154,6 +157,40 @@ pub struct Rotor {
     pub unbalance: Vec<Unbalance>,
 }
 
+/// `[system]`: any linear system by its matrices, such as a reduced finite-element rotor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct System {
+    /// M, a file
+    pub mass: PathBuf,
+    /// B, a file
+    pub damping: Option<PathBuf>,
+    /// G, a file, to be multiplied by the speed
+    pub gyroscopic: Option<PathBuf>,
+    /// K, a file
+    pub stiffness: PathBuf,
+    /// Constant load on each coordinate, a file
+    pub load: Option<PathBuf>,
+    /// s, times the stiffness of system and bearings; 0 or more
+    pub proportional_damping: f64,
+    /// Unbalances; empty when it is balanced.
+    pub unbalance: Vec<SystemUnbalance>,
+}
+
+/// One entry of a system's `unbalance`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SystemUnbalance {
+    /// kg m, 0 or more
+    pub moment: f64,
+    /// rad, from the keyphasor mark in the direction of positive rotation
+    pub angle: f64,
+    /// Coordinates along X and Y of its plane, from 0
+    pub at: [usize; 2],
+}
+
+/// `coordinates` of a bearing on a system: which coordinate each of `u v w thu thv` is, from 1, negative where it counts
+/// the other way, 0 where there is none.
+pub type Coordinates = [i64; 5];
+
 /// One entry of `unbalance`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unbalance {
@@ -202,6 +239,10 @@ pub struct Bearing {
     pub preload: Option<Preload>,
     /// What the table of the tabulated model is made for, as far as the scene says.
     pub table: Option<TableRange>,
+    /// `coordinates`: of the inner ring, on a `[system]`
+    pub coordinates: Option<Coordinates>,
+    /// `housing_coordinates`: of the outer ring, on a `[system]`, when it moves.
+    pub housing_coordinates: Option<Coordinates>,
     /// `support`: what holds the outer ring, when it gives way.
     pub support: Option<Support>,
     /// `element_azimuths`, rad, at shaft angle 0; empty where the elements are evenly spaced.

@@ -18,7 +18,8 @@ pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
 use super::{
-    Bearing, Clock, Direction, Integration, Method, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, Unbalance,
+    Bearing, Clock, Direction, Integration, Method, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, System,
+    SystemUnbalance, Unbalance,
 };
 
 /// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
@@ -51,7 +52,7 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
         return Err(SceneError::file(path, "an empty file"));
     }
     let source = Source { text, file: path };
-    let keys = ["name", "shaft", "rotor", "bearing", "recording", "integration"];
+    let keys = ["name", "shaft", "rotor", "system", "bearing", "recording", "integration"];
     scene(&Table::root(source, document.as_table(), &keys)?, path)
 }
 
@@ -93,6 +94,7 @@ fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
         path: path.to_owned(),
         shaft: shaft(&root.required("shaft", "a table [shaft] with speed")?)?,
         rotor: root.read("rotor", rotor)?,
+        system: root.read("system", |n| system(n, root, path))?,
         bearings: bearings(root)?,
         recording: root.read("recording", |n| recording(n, path))?,
         integration: root.read("integration", integration)?.unwrap_or_default(),
@@ -152,6 +154,44 @@ fn speed_fluctuating(table: &Table<'_>) -> Read<Speed> {
         mean: table.quantity("mean", Dimension::Speed)?,
         fluctuation: table.required("fluctuation", range)?.number(range, |x| (0.0..1.0).contains(&x))?,
         frequency: table.positive("frequency", Dimension::Frequency)?,
+    })
+}
+
+fn system(node: &Node<'_>, root: &Table<'_>, scene: &Path) -> Read<System> {
+    if root.has("rotor") {
+        return Err(node.fail("both [rotor] and [system]", "one of them: a system has its rotor in its matrices"));
+    }
+    let table =
+        node.table(&["mass", "damping", "gyroscopic", "stiffness", "load", "proportional_damping", "unbalance"])?;
+    let wants = "the name of a Matrix Market or NPY file, relative to the scene's folder";
+    let file = |n: &Node<'_>| Ok(scene.parent().unwrap_or(Path::new("")).join(n.text(wants)?));
+    let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
+    let unbalances = |n: &Node<'_>| {
+        let list = n.list("a list of tables { moment, angle, x, y }")?;
+        list.iter().map(system_unbalance).collect::<Read<Vec<_>>>()
+    };
+    Ok(System {
+        mass: file(&table.required("mass", wants)?)?,
+        damping: table.read("damping", file)?,
+        gyroscopic: table.read("gyroscopic", file)?,
+        stiffness: file(&table.required("stiffness", wants)?)?,
+        load: table.read("load", file)?,
+        proportional_damping: table.read("proportional_damping", time)?.unwrap_or(0.0),
+        unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
+    })
+}
+
+fn system_unbalance(node: &Node<'_>) -> Read<SystemUnbalance> {
+    let table = node.table(&["moment", "angle", "x", "y"])?;
+    let wants = "the number of a coordinate, 1 for the first";
+    let coordinate = |key: &str| -> Read<usize> {
+        let node = table.required(key, wants)?;
+        usize::try_from(node.integer(1, 128, wants)? - 1).map_err(|_| node.refuse(wants))
+    };
+    Ok(SystemUnbalance {
+        moment: table.not_negative("moment", Dimension::Unbalance)?,
+        angle: table.quantity("angle", Dimension::Angle)?,
+        at: [coordinate("x")?, coordinate("y")?],
     })
 }
 
@@ -235,7 +275,7 @@ fn bearings(root: &Table<'_>) -> Read<Vec<Bearing>> {
     let mut bearings: Vec<Bearing> = Vec::new();
     for node in node.list(wants)? {
         let table = bearing::table(&node)?;
-        let bearing = bearing::read(&table)?;
+        let bearing = bearing::read(&table, root.has("system"))?;
         if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {
             let own = format!("a name of its own (bearing[{other}] has this one)");
             return Err(table.required("name", &own)?.refuse(own));

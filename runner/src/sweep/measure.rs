@@ -128,7 +128,7 @@ struct Path {
 
 impl Path {
     fn add(&mut self, now: &Moment<'_>) {
-        for (along, x) in self.along.iter_mut().zip(now.twin.pose().to_array()) {
+        for (along, x) in self.along.iter_mut().zip(now.plant.pose(now.twin.coordinates()).to_array()) {
             along.push(x * 1e6);
         }
     }

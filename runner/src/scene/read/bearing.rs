@@ -5,10 +5,11 @@ use std::f64::consts::{FRAC_PI_3, PI};
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
-    Axial, Bearing, CageRunout, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Support, Surface, Wave,
+    Axial, Bearing, CageRunout, Coordinates, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Support,
+    Surface, Wave,
 };
 
-const KEYS: [&str; 36] = [
+const KEYS: [&str; 38] = [
     "name",
     "station",
     "facing",
@@ -45,6 +46,8 @@ const KEYS: [&str; 36] = [
     "element_azimuths",
     "cage_runout",
     "element_damping",
+    "coordinates",
+    "housing_coordinates",
 ];
 
 /// Any of these starts a geometry, which then needs the first four and one of the next two.
@@ -97,7 +100,7 @@ enum Needs {
 }
 
 /// Reads and checks one bearing.
-pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
+pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
     let wants = "a name, such as \"DE\"";
     let model = model(table)?;
     let linear = linear(table, model)?;
@@ -109,7 +112,7 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
     check_dynamic(table, model, geometry.as_ref())?;
     Ok(Bearing {
         name: table.required("name", wants)?.text(wants)?.to_owned(),
-        station: table.quantity("station", Dimension::Length)?,
+        station: station(table, on_system)?,
         facing: table.read("facing", facing)?.unwrap_or(Facing::Both),
         model,
         elements,
@@ -122,6 +125,8 @@ pub(super) fn read(table: &Table<'_>) -> Read<Bearing> {
         effects: super::effects::read(table, model)?,
         preload: super::effects::preload(table, model)?,
         table: super::effects::table_range(table, model)?,
+        coordinates: coordinates(table, "coordinates", on_system)?,
+        housing_coordinates: coordinates(table, "housing_coordinates", on_system)?,
         support: table.read("support", support)?,
         element_azimuths: table.read("element_azimuths", |n| azimuths(n, elements))?.unwrap_or_default(),
         cage_runout: table.read("cage_runout", |n| cage_runout(n, geometry.as_ref()))?,
@@ -432,6 +437,30 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Optio
     }
     let wants = format!("{range}; without geometry it must be given (0 for elements that stand still)");
     Err(table.missing("cage_ratio", &wants))
+}
+
+/// Along a rigid rotor; on a system the coordinates say where the bearing is.
+fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
+    if !on_system {
+        return table.quantity("station", Dimension::Length);
+    }
+    let why = "not on a [system], whose matrices hold the supports and whose coordinates say the place; remove it";
+    refuse(table, &["station", "support"], why)?;
+    table.required("coordinates", COORDINATES)?;
+    Ok(0.0)
+}
+
+const COORDINATES: &str = "5 numbers of coordinates, for the displacement along X, Y, Z and the tilt about X, Y: 1 is the \
+                           first, a negative one counts the other way, 0 is none; such as [5, 6, 0, -8, 7]";
+
+fn coordinates(table: &Table<'_>, key: &str, on_system: bool) -> Read<Option<Coordinates>> {
+    let Some(node) = table.optional(key) else { return Ok(None) };
+    if !on_system {
+        return Err(node.refuse("only with a [system]; remove it"));
+    }
+    let list = node.list(COORDINATES)?;
+    let numbers: Vec<i64> = list.iter().map(|entry| entry.integer(-128, 128, COORDINATES)).collect::<Read<_>>()?;
+    <Coordinates>::try_from(numbers).map(Some).map_err(|_| node.refuse(COORDINATES))
 }
 
 fn support(node: &Node<'_>) -> Read<Support> {

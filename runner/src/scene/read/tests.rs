@@ -490,9 +490,10 @@ fn supports_spacing_and_cage() {
     let support = Support { mass: 2.0, stiffness: [1e8, 4e8], cross_stiffness: 1e7, damping: 200.0 };
     assert_eq!(bearing.support, Some(support));
     assert_eq!(bearing.element_azimuths[6], 5.5);
-    assert_eq!(bearing.cage_runout.map(|r| (r.offset, r.radius)), Some((5e-6, 0.025)));
+    let cage = bearing.cage_runout.unwrap();
+    assert!(near(cage.offset, 5e-6) && near(cage.radius, 0.025));
     assert_refused(&text, &[
-        ("stiffness_xy = 1e7", "stiffness_xy = 3e8", &["support.stiffness_xy: found 300000000", "below 200000000 N/m in size"]),
+        ("stiffness_xy = 1e7", "stiffness_xy = 3e8", &["support.stiffness_xy: found 3e8", "below 200000000 N/m in size"]),
         ("mass = \"2 kg\"", "mass = 0", &["support.mass", "above 0"]),
         ("damping = 200", "dampin = 200", &["support.dampin: found an unknown key (did you mean damping?)"]),
         ("[0, 1, 2, 3, 4, 5, 5.5, 6]", "[0, 1]", &["element_azimuths: found a list of 2, allowed: a list of 8 angles"]),
@@ -509,7 +510,8 @@ fn moving_elements_and_integration() {
         + "[integration]\nmethod = \"newmark\"\nstep = \"10 us\"\nnewton_steps = 4\n";
     let scene = read(&text).unwrap();
     assert_eq!((scene.bearings[0].model, scene.bearings[0].element_damping), (Model::Dynamic, 30.0));
-    assert_eq!(scene.integration, Integration { method: Method::Newmark { newton_steps: 4 }, step: Some(1e-5) });
+    assert_eq!(scene.integration.method, Method::Newmark { newton_steps: 4 });
+    assert!(near(scene.integration.step.unwrap(), 1e-5));
     assert_refused(&text, &[
         ("element_damping = 30", "waviness = []", &["waviness", "not with model = \"dynamic\""]),
         ("\"newmark\"", "\"verlet\"", &["integration.newton_steps: found 4, allowed: only with method = \"newmark\""]),

@@ -1,0 +1,168 @@
+//! `[system]`: a rotor given by its matrices, from Matrix Market and NPY files.
+
+use crate::support::{DEMO_SCENE, Desk, numbers, swap};
+use std::fmt::Write;
+
+/// The demonstration's rotor as matrices, with its two bearings at stations -0.1 and 0.1 m of a rigid body: coordinates
+/// are those of two points on the axis, X and Y at each, then Z.
+///
+/// With `a, b` the displacements at -0.1 and 0.1 m: `u = (a + b)/2`, `thv = (b - a)/0.2`, and `thu = (c - d)/0.2` of Y.
+const HALF: f64 = 0.1;
+const MASS: [f64; 3] = [6.0, 0.030, 0.006];
+
+/// `T^T diag T` for the pair of coordinates of one direction: translation and tilt.
+fn pair(along: f64, tilt: f64) -> [[f64; 2]; 2] {
+    let (s, t) = (along / 4.0, tilt / (4.0 * HALF * HALF));
+    [[s + t, s - t], [s - t, s + t]]
+}
+
+/// 5 x 5 over X at both points, Y at both, Z.
+fn whole(along: f64, tilt: f64, axial: f64) -> [[f64; 5]; 5] {
+    let mut all = [[0.0; 5]; 5];
+    let block = pair(along, tilt);
+    for i in 0..2 {
+        for j in 0..2 {
+            all[i][j] = block[i][j];
+            all[2 + i][2 + j] = block[i][j];
+        }
+    }
+    all[4][4] = axial;
+    all
+}
+
+/// `G[thu, thv] = I_p`: of X on Y through both tilts. thv = (b - a)/0.2, thu = (c - d)/0.2 with c, d along Y.
+fn gyroscopic() -> [[f64; 5]; 5] {
+    let mut all = [[0.0; 5]; 5];
+    let thv = [-1.0, 1.0, 0.0, 0.0, 0.0].map(|x: f64| x / (2.0 * HALF));
+    let thu = [0.0, 0.0, 1.0, -1.0, 0.0].map(|x: f64| x / (2.0 * HALF));
+    for i in 0..5 {
+        for j in 0..5 {
+            all[i][j] = MASS[2] * (thu[i] * thv[j] - thv[i] * thu[j]);
+        }
+    }
+    all
+}
+
+fn market(matrix: &[[f64; 5]; 5], kind: &str) -> String {
+    let mut entries = String::new();
+    let mut count = 0;
+    for (i, row) in matrix.iter().enumerate() {
+        for (j, x) in row.iter().enumerate() {
+            let told = match kind {
+                "symmetric" => j <= i,
+                "skew-symmetric" => j < i,
+                _ => true,
+            };
+            if told && *x != 0.0 {
+                count += 1;
+                writeln!(entries, "{} {} {x:e}", i + 1, j + 1).unwrap();
+            }
+        }
+    }
+    format!("%%MatrixMarket matrix coordinate real {kind}\n% of a test\n5 5 {count}\n{entries}")
+}
+
+/// NPY version 1, float64, in the order of rows.
+fn npy(numbers: &[f64], shape: &str) -> Vec<u8> {
+    let head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+    let padded = format!("{head:<117}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend(u16::try_from(padded.len()).unwrap().to_le_bytes());
+    bytes.extend(padded.bytes());
+    bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    bytes
+}
+
+/// The demonstration on its matrices; its unbalance of one plane is spread over the two points.
+fn desk() -> Desk {
+    let desk = Desk::empty();
+    desk.put("M.mtx", market(&whole(MASS[0], MASS[1], MASS[0]), "symmetric"));
+    desk.put("B.npy", npy(whole(400.0, 0.4, 400.0).as_flattened(), "(5, 5)"));
+    desk.put("G.mtx", market(&gyroscopic(), "skew-symmetric"));
+    desk.put("K.mtx", market(&[[0.0; 5]; 5], "general"));
+    let weight = -6.0 * 9.80665 / 2.0;
+    desk.put("f.npy", npy(&[0.0, 0.0, weight, weight, 60.0], "(5,)"));
+    let (head, rest) = DEMO_SCENE.split_once("[rotor]").unwrap();
+    let (_, bearings) = rest.split_once("[[bearing]]").unwrap();
+    let (bearings, _) = bearings.split_once("[recording]").unwrap();
+    // 120 g mm at 20 mm: 0.4 of it at -100 mm and 0.6 at 100 mm.
+    let system = "[system]\nmass = \"M.mtx\"\ndamping = \"B.npy\"\ngyroscopic = \"G.mtx\"\nstiffness = \"K.mtx\"\nload = \"f.npy\"\n\
+        unbalance = [{ moment = \"48 g mm\", angle = \"0.3 rad\", x = 1, y = 3 }, { moment = \"72 g mm\", angle = \"0.3 rad\", x = 2, y = 4 }]\n\n";
+    let bearings = swap(bearings, "station = \"-100 mm\"", "coordinates = [1, 3, 5, 0, 0]");
+    let bearings = swap(&bearings, "station = \"100 mm\"", "coordinates = [2, 4, 5, 0, 0]");
+    desk.put("scene.toml", format!("{head}{system}[[bearing]]{bearings}"));
+    desk
+}
+
+/// The same motion as the rigid rotor's, told in other coordinates. Tilt at the bearings is left out here, so the
+/// bearings of the other rotor are held against tilting forces of their own by looking at one that has none.
+#[test]
+fn a_rotor_from_matrices_moves_as_the_rigid_one() {
+    let lumped = |text: &str| {
+        text.replace("model = \"angular\"", "model = \"lumped\"\naxial = { stiffness = 1e9, play = 0, radius = 0 }")
+    };
+    let args = |out: &'static str| ["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "12.8 kHz", "-o", out];
+    let matrices = desk();
+    let text = lumped(&matrices.read("scene.toml"));
+    matrices.put("scene.toml", text + "\n[integration]\nstep = \"10 us\"\n");
+    matrices.done(&args("m.csv"));
+    let rigid = Desk::empty();
+    let (scene, _) = DEMO_SCENE.split_once("[recording]").unwrap();
+    rigid.put("scene.toml", lumped(scene) + "\n[integration]\nstep = \"10 us\"\n");
+    rigid.done(&args("m.csv"));
+    let ((head, mine), (_, other)) = (numbers(&matrices.read("m.csv")), numbers(&rigid.read("m.csv")));
+    assert_eq!(head[..7].join(","), "t,q1,q2,q3,q4,q5,q1_dot");
+    for (mine, other) in mine.iter().zip(&other) {
+        let (u, v, w, thu, thv) = (other[1], other[2], other[3], other[4], other[5]);
+        let expected = [u - HALF * thv, u + HALF * thv, v + HALF * thu, v - HALF * thu, w];
+        for (q, x) in mine[1..6].iter().zip(expected) {
+            assert!((q - x).abs() < 1e-12, "t = {}: {q} {x}", mine[0]);
+        }
+        // Forces on the inner rings, moments apart.
+        for i in [0, 1, 2, 5, 6, 7] {
+            assert!((mine[11 + i] - other[11 + i]).abs() < 1e-5, "{i}");
+        }
+    }
+}
+
+#[test]
+fn bad_matrices_are_refused_by_entry() {
+    let refused = |file: &str, contents: Vec<u8>, parts: &[&str]| {
+        let desk = desk();
+        desk.put(file, contents);
+        desk.refused(&["equilibrium", "scene.toml"], 2, parts);
+    };
+    let mut crooked = whole(400.0, 0.4, 400.0);
+    crooked[3][2] += 1.0;
+    refused("B.npy", npy(crooked.as_flattened(), "(5, 5)"), &["B: found", "at row 4, column 3", "a symmetric matrix"]);
+    refused("B.npy", npy(&[1.0; 4], "(2, 2)"), &["B.npy: found 2 x 2, allowed: 5 x 5"]);
+    refused("B.npy", npy(&[1.0; 20], "(5, 5)"), &["B.npy", "cut short"]);
+    refused("f.npy", npy(&[1.0; 4], "(4,)"), &["f.npy: found 4 numbers, allowed: 5"]);
+    refused("M.mtx", b"1 2 3\n".to_vec(), &["M.mtx: found neither a Matrix Market nor an NPY file"]);
+    refused("M.mtx", market(&whole(6.0, -1.0, 6.0), "symmetric").into_bytes(), &["M: found", "positive definite"]);
+    refused("G.mtx", market(&whole(1.0, 1.0, 1.0), "general").into_bytes(), &["G: found", "a skew-symmetric matrix"]);
+    let broken = market(&gyroscopic(), "skew-symmetric").replace("5 5", "5 x");
+    refused("G.mtx", broken.into_bytes(), &["G.mtx: found no Matrix Market file of real numbers"]);
+}
+
+#[test]
+fn what_does_not_go_with_a_system() {
+    let refused = |from: &str, to: &str, parts: &[&str]| {
+        let desk = desk();
+        desk.put("scene.toml", swap(&desk.read("scene.toml"), from, to));
+        desk.refused(&["equilibrium", "scene.toml"], 2, parts);
+    };
+    refused(
+        "coordinates = [1, 3, 5, 0, 0]",
+        "coordinates = [1, 3, 6, 0, 0]",
+        &["bearing DE: coordinates: found 6, allowed: -5 to 5"],
+    );
+    refused("coordinates = [1, 3, 5, 0, 0]", "station = 0", &["bearing[0].station", "not on a [system]"]);
+    refused("coordinates = [1, 3, 5, 0, 0]", "coordinates = [1, 3]", &["bearing[0].coordinates", "5 numbers"]);
+    refused("x = 1, y = 3", "x = 9, y = 3", &["system.unbalance: found coordinate 9, allowed: 1 to 5"]);
+    refused(
+        "[system]",
+        "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n[system]",
+        &["both [rotor] and [system]"],
+    );
+}
