@@ -60,7 +60,7 @@ fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
     };
     let grid = domain.grid()?;
     let mut nodes = vec![[0.0; 2]; grid.len()];
-    fill(bearing, &domain, &grid, &mut nodes, || {});
+    fill(bearing, &domain, &grid, &mut nodes);
     Ok(Tabulated::new(even_places(Turn::ZERO), bearing.table_seat(), Table::new(grid, nodes), false))
 }
 

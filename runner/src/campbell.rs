@@ -110,7 +110,9 @@ fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
     let [along, tilting] = [turning(at(0), at(1)), turning(at(4), -at(3))];
     let share = |(turn, all): (f64, f64)| if all > 0.0 { 2.0 * turn / all } else { 0.0 };
     let larger = if along.1 > tilting.1 * LEVER * LEVER { along } else { tilting };
-    match share(larger) {
+    // A mode along the axis goes round no more than its traces of the others do.
+    let round = if at(2).norm_sqr() > along.1.max(tilting.1 * LEVER * LEVER) { 0.0 } else { share(larger) };
+    match round {
         turn if turn > ROUND => Whirl::Forward,
         turn if turn < -ROUND => Whirl::Backward,
         _ => Whirl::Straight,

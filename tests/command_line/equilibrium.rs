@@ -153,6 +153,7 @@ fn campbell_table_of_model_f8() {
             assert_eq!(modes[mode]["whirl"], whirl);
         }
         assert!((modes[0]["frequency_hz"].as_f64().unwrap() - 1428.3188).abs() < 2e-3);
+        assert_eq!(modes[0]["whirl"], "straight");
     }
     // Started the other way round, the shaft's own direction is the other one.
     let back: Value = desk.done(&["campbell", "scene.toml", "--speeds=-12000rpm", "--format", "json"]).json();

@@ -41,7 +41,7 @@ where
 {
     let grid = domain.grid().unwrap();
     let mut nodes = vec![[0.0; F]; grid.len()];
-    assert_eq!(fill(bearing, domain, &grid, &mut nodes, || {}), 0, "every ball of the domain settles");
+    assert_eq!(fill(bearing, domain, &grid, &mut nodes), 0, "every ball of the domain settles");
     let nodes = nodes.into_iter().map(|node| node.map(T::from_f64)).collect();
     Tabulated::new([Place::at(Turn::ZERO)], bearing.table_seat().rounded(), Table::new(grid.rounded(), nodes), false)
 }

@@ -70,7 +70,7 @@ impl<T: Scalar> Film<T> for HamrockDowson<T> {
     }
 }
 
-/// `A` in `h_c = A u^0.67 Q^-0.067`, SI units. Set-up time.
+/// Central thickness, m: Hamrock and Dowson's `2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 kappa)) R_x`. Set-up time.
 ///
 /// `along` is the radius of curvature along the rolling direction, R_x.
 ///
@@ -88,7 +88,7 @@ pub fn central_film(oil: Lubricant, modulus: f64, along: f64, ellipticity: f64, 
         * libm::pow(load.max(FLOOR), BY_LOAD)
 }
 
-/// As [`central_film`] at unit speed and load.
+/// `A` in `h_c = A u^0.67 Q^-0.067`, SI units: [`central_film`] at unit speed and load.
 pub(super) fn film_constant(oil: Lubricant, modulus: f64, along: f64, ellipticity: f64) -> f64 {
     let speed = libm::pow(oil.viscosity / (modulus * along), BY_SPEED);
     let material = libm::pow(oil.pressure_viscosity * modulus, 0.53);
@@ -96,8 +96,7 @@ pub(super) fn film_constant(oil: Lubricant, modulus: f64, along: f64, ellipticit
     2.69 * along * speed * material * load * (1.0 - 0.61 * libm::exp(-0.73 * ellipticity))
 }
 
-/// Minimum thickness over central thickness under the same conditions: Hamrock and Dowson's
-/// `3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 kappa))` over their central film. Set-up time.
+/// Minimum thickness, m: Hamrock and Dowson's `3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 kappa)) R_x`. Set-up time.
 #[must_use]
 pub fn minimum_film(oil: Lubricant, contact: &PointContact, along: f64, entrainment: f64, load: f64) -> f64 {
     let modulus = contact.effective_modulus;

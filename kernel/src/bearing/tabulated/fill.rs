@@ -97,8 +97,7 @@ fn coordinate(axis: &Axis<f64>, i: usize) -> f64 {
     axis.origin + i as f64 / axis.density
 }
 
-/// Fills `nodes` (as many as the grid has; what is beyond is left alone) from the bearing's balls. `done` is told each
-/// finished row.
+/// Fills `nodes` (as many as the grid has; what is beyond is left alone) from the bearing's balls.
 ///
 /// Returns how many nodes within the range did not settle.
 pub fn fill<P, I, L, S, const F: usize>(
@@ -106,7 +105,6 @@ pub fn fill<P, I, L, S, const F: usize>(
     domain: &Domain,
     grid: &Grid<f64>,
     nodes: &mut [Node<f64, F>],
-    mut done: impl FnMut(),
 ) -> usize
 where
     P: Arrangement<f64>,
@@ -135,7 +133,6 @@ where
             let [low, high] = grid.approach.range;
             open += usize::from(!settled && (low..=high).contains(&x));
         }
-        done();
     }
     filter(grid, nodes);
     open

@@ -182,14 +182,12 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
     let massive = of.effects.centrifugal || of.effects.gyroscopic;
     let inertia = inertia_params(of);
     let open = match (massive, oil) {
-        (false, None) => fill(&plain, &domain, &grid, &mut nodes, || {}),
-        (false, Some(oil)) => fill(&plain.with_film(oil).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes, || {}),
-        (true, None) => {
-            fill(&plain.with_inertia(&inertia).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes, || {})
-        }
+        (false, None) => fill(&plain, &domain, &grid, &mut nodes),
+        (false, Some(oil)) => fill(&plain.with_film(oil).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes),
+        (true, None) => fill(&plain.with_inertia(&inertia).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes),
         (true, Some(oil)) => {
             let full = plain.with_inertia(&inertia).and_then(|b| b.with_film(oil)).map_err(|e| named(of, e))?;
-            fill(&full, &domain, &grid, &mut nodes, || {})
+            fill(&full, &domain, &grid, &mut nodes)
         }
     };
     if open > 0 {
