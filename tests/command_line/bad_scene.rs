@@ -84,7 +84,9 @@ fn toml_of_something_else() {
     let manifest = "[package]\nname = \"pump\"\nversion = \"0.1.0\"\n";
     refused(
         manifest,
-        &["scene.toml:1: package: found an unknown key, allowed: name, shaft, rotor, bearing, recording"],
+        &[
+            "scene.toml:1: package: found an unknown key, allowed: name, shaft, rotor, system, bearing, recording, integration",
+        ],
     );
 }
 
@@ -202,9 +204,10 @@ fn film_without_oil() {
 }
 
 #[test]
-fn model_that_is_not_here() {
-    let wants = "bearing[0].model: model = \"dynamic\" is part of the scene format, but this version does not";
-    refused_with("\"angular\"", "\"dynamic\"", &[wants]);
+fn a_rotor_that_replay_does_not_take() {
+    let desk = Desk::with(&swap(DEMO_SCENE, "\"angular\"", "\"dynamic\""), &short_recording(600));
+    let wants = "scene.toml: bearing DE: found a support or model = \"dynamic\", allowed with replay: a rotor of five coordinates";
+    desk.refused(&["replay", "scene.toml", "--report", "report.html"], 2, &[wants]);
 }
 
 /// `replay` refuses the demonstration's scene with these probes, naming `why`.

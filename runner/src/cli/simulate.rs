@@ -61,11 +61,10 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let rate = option("--rate", &args.rate, Dimension::Frequency)?;
     let settle = args.settle.as_ref().map(|text| option("--settle", text, Dimension::Time)).transpose()?;
     let (samples, settle) = ((duration * rate).round(), (settle.unwrap_or(0.0) * rate).round());
-    if !(1.0..=MOST_SAMPLES).contains(&(samples + settle)) {
-        bail!(SceneFault(format!(
-            "--duration, --settle, --rate: found {} samples, allowed: 1 to {MOST_SAMPLES:e}",
-            samples + settle
-        )));
+    let total = samples + settle;
+    if samples < 1.0 || total > MOST_SAMPLES {
+        let options = if settle > 0.0 { "--duration, --settle, --rate" } else { "--duration, --rate" };
+        bail!(SceneFault(format!("{options}: found {total} samples, allowed: 1 to {MOST_SAMPLES:e}")));
     }
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
     let plant = Plant::try_new(&scene).map_err(|e| scene_fault(&e))?;
