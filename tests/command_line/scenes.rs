@@ -284,7 +284,7 @@ fn contact_angles_part_at_speed() {
     }
 }
 
-/// Wang: preload raises the frequencies about as its cube root; unbalance and waviness their lines in proportion.
+/// Wang: preload raises the stiffness about as its cube root; unbalance and waviness their lines in proportion.
 #[test]
 fn preload_unbalance_and_waviness_of_the_angular_pair() {
     // Rigid supports and no film or inertia, where the cube root is the theory.

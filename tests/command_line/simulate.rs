@@ -60,8 +60,18 @@ fn stays_at_rest_without_anything_that_moves_it() {
 /// The forces that the simulation writes are those that `force` gives for its displacements.
 #[test]
 fn forces_are_those_of_the_force_command() {
-    let desk = Desk::rig();
-    let (_, rows) = simulated(&desk, "30 ms");
+    assert_forces_of_the_force_command(&Desk::rig());
+}
+
+/// The twin's quasi-static bearings go on from where their balls were: what they answer is what a cold start answers.
+#[test]
+fn balls_that_go_on_answer_as_from_a_cold_start() {
+    let solved = DEMO_SCENE.replace("\"angular\"", "\"quasi-static\"\neffects = [\"centrifugal\", \"gyroscopic\"]");
+    assert_forces_of_the_force_command(&Desk::with(&solved, DEMO_RECORDING));
+}
+
+fn assert_forces_of_the_force_command(desk: &Desk) {
+    let (_, rows) = simulated(desk, "30 ms");
     for (place, (bearing, station)) in [("DE", -0.1), ("NDE", 0.1)].into_iter().enumerate() {
         let mut text = "t,u,v,w,thu,thv\n".to_owned();
         for row in &rows {

@@ -37,7 +37,7 @@ pub struct MovingBallsParams {
 /// `K_i d_i^1.5` along the line of centres. Source: Harsha, Sandeep, Prakash (2003), by Lagrange's equations; MODEL C4. As
 /// `m_b` vanishes it becomes the lumped rung with both races in series.
 ///
-/// Motion is in the plane of the bearing: axial and tilting displacement do nothing. Cost: two square roots a ball.
+/// Motion is in the plane of the bearing: axial and tilting displacement do nothing. Cost: three square roots a ball.
 #[derive(Debug, Clone, Copy)]
 pub struct MovingBalls<T: Scalar, M, P, const D: usize> {
     attachment: Attachment<T, D>,

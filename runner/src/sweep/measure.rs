@@ -198,6 +198,8 @@ struct Neighbour {
     grown: f64,
     time: f64,
     size: f64,
+    /// rad/s, by which rates count as displacements.
+    frequency: f64,
 }
 
 impl Neighbour {
@@ -205,6 +207,7 @@ impl Neighbour {
     fn follow(&mut self, now: &Moment<'_>, period: f64) -> Result<()> {
         let Some(twin) = &mut self.twin else {
             let mut twin = now.plant.start(period, now.turned)?;
+            self.frequency = now.plant.highest_frequency();
             self.size = now.twin.coordinates().iter().fold(0.0_f64, |most, x| most.max(x.abs())).max(1e-9);
             let mut coordinates = now.twin.coordinates().to_vec();
             if let Some(first) = coordinates.first_mut() {
@@ -217,7 +220,7 @@ impl Neighbour {
         };
         self.steps += 1;
         if self.steps.is_multiple_of(A_PERIOD) {
-            let frequency = now.plant.highest_frequency();
+            let frequency = self.frequency;
             let away = |mine: &[f64], other: &[f64], scale: f64| -> Vec<f64> {
                 mine.iter().zip(other).map(|(a, b)| (a - b) * scale).collect()
             };

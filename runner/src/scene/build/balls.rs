@@ -150,10 +150,8 @@ where
     if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built }
 }
 
-/// A bearing's table: what it was made for, its shape, its nodes, and what it needs besides.
+/// A bearing's table: its shape, its nodes, and what it needs besides.
 pub struct MadeTable {
-    /// What it was made for.
-    pub domain: Domain,
     /// Whether its speed is the outer ring's.
     pub by_outer: bool,
     /// Shape.
@@ -199,7 +197,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
         );
     }
     let friction = of.effects.gyroscopic && of.effects.sharing != crate::scene::FrictionSharing::Outer;
-    Ok(MadeTable { domain, by_outer, grid, nodes, seat, friction })
+    Ok(MadeTable { by_outer, grid, nodes, seat, friction })
 }
 
 /// Peak pressure up to which a table goes unless the scene says otherwise, Pa: the static limit of ISO 76.
