@@ -44,6 +44,7 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
     subjects.extend(balls::all()?);
     subjects.extend(rotor::steps::<f64>(double)?);
     subjects.extend(rotor::steps::<f32>(single)?);
+    subjects.extend(rotor::lines(double)?);
     Ok(side_by_side(subjects))
 }
 

@@ -1,4 +1,4 @@
-//! One time step of a rotor on two ball bearings, each step from the state that the one before left.
+//! One time step of a rotor on ball bearings, each step from the state that the one before left.
 
 use super::{INPUTS, Subject, geometry};
 use ballrace::bearing::angular::{Angular, Zero};
@@ -7,25 +7,46 @@ use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{Places, even_places};
 use ballrace::rotor::{
     Drive, Gear, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
+    Verlet,
 };
 use ballrace::{Displacement, Exact, Math, Scalar, Turn};
 use std::hint::black_box;
 
+/// Balls of the bearings under which the integrators are compared.
 const BALLS: usize = 9;
 const STEP: f64 = 1e-5;
 const SPEED: f64 = 300.0;
 
-type BallBearing<T> = Angular<T, Exact, Places<T, BALLS>>;
-type Rotor<T> = Machine<RigidRotor<T, Exact>, Mounted<T, BallBearing<T>>, 2>;
+type BallBearing<T, const N: usize> = Angular<T, Exact, Places<T, N>>;
+type Rotor<T, const N: usize, const B: usize> = Machine<RigidRotor<T, Exact>, Mounted<T, BallBearing<T, N>>, B>;
 
-/// Both integrators.
+/// How the cost grows with the elements and with the bearings.
+pub fn lines(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
+    Ok(vec![
+        verlet::<8, 2>(column)?,
+        verlet::<16, 2>(column)?,
+        verlet::<32, 2>(column)?,
+        verlet::<64, 2>(column)?,
+        verlet::<16, 1>(column)?,
+        verlet::<16, 4>(column)?,
+        verlet::<16, 8>(column)?,
+    ])
+}
+
+fn verlet<const N: usize, const B: usize>(column: &'static str) -> Result<Subject, InvalidParameter> {
+    let run = stepping(machine::<f64, N, B>()?, Verlet { step: STEP });
+    let row = format!("rotor step, Verlet: {B} angular bearing{}, N = {N}", if B == 1 { "" } else { "s" });
+    Ok(Subject { row, column, calls: INPUTS, run })
+}
+
+/// Two of the integrators.
 pub fn steps<T: Scalar>(column: &'static str) -> Result<[Subject; 2], InvalidParameter>
 where
     Exact: Math<T>,
 {
     let step = T::from_f64(STEP);
-    let explicit = stepping(machine::<T>()?, RungeKutta4 { step });
-    let implicit = stepping(machine::<T>()?, Newmark { step, newton_steps: 3 });
+    let explicit = stepping(machine::<T, BALLS, 2>()?, RungeKutta4 { step });
+    let implicit = stepping(machine::<T, BALLS, 2>()?, Newmark { step, newton_steps: 3 });
     let subject = |row: &str, run| Subject { row: row.into(), column, calls: INPUTS, run };
     Ok([
         subject("rotor step, two angular bearings, N = 9: RungeKutta4", explicit),
@@ -33,11 +54,14 @@ where
     ])
 }
 
-fn stepping<T: Scalar>(machine: Rotor<T>, integrator: impl Integrator<T> + 'static) -> Box<dyn FnMut()>
+fn stepping<T: Scalar, const N: usize, const B: usize>(
+    machine: Rotor<T, N, B>,
+    integrator: impl Integrator<T> + 'static,
+) -> Box<dyn FnMut()>
 where
     Exact: Math<T>,
 {
-    let mut state = RotorState::at_rest(Displacement::default(), Turn::ZERO, [Turn::ZERO; 2]);
+    let mut state = RotorState::at_rest(Displacement::default(), Turn::ZERO, [Turn::ZERO; B]);
     let mut drive = Drive { angle: Turn::ZERO, speed: T::from_f64(SPEED), acceleration: T::ZERO };
     Box::new(move || {
         for _ in 0..INPUTS {
@@ -48,16 +72,19 @@ where
     })
 }
 
-fn machine<T: Scalar>() -> Result<Rotor<T>, InvalidParameter>
+fn machine<T: Scalar, const N: usize, const B: usize>() -> Result<Rotor<T, N, B>, InvalidParameter>
 where
     Exact: Math<T>,
 {
     let geometry = geometry()?;
-    let cage = orders(BALLS, geometry.gamma(), geometry.ball_diameter / geometry.pitch_diameter).cage;
+    let cage = orders(N, geometry.gamma(), geometry.ball_diameter / geometry.pitch_diameter).cage;
     let bearing = BallBearing::try_new(geometry, even_places(Turn::ZERO), Zero::Centred)?;
     let mounted = |station| Mounted { bearing, station: T::from_f64(station), gear: Gear::new(cage) };
     let unbalance = Unbalance { moment: 2e-5, angle: 0.0, station: 0.01 };
-    Ok(Machine { rotor: RigidRotor::try_new(&rotor(), &[unbalance])?, bearings: [mounted(-0.08), mounted(0.08)] })
+    // Evenly along 320 mm.
+    let station = |i| 0.32 * ((i as f64 + 0.5) / B as f64 - 0.5);
+    let bearings = std::array::from_fn(|i| mounted(station(i)));
+    Ok(Machine { rotor: RigidRotor::try_new(&rotor(), &[unbalance])?, bearings })
 }
 
 fn rotor() -> RotorParams {

@@ -22,6 +22,17 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     pub fn all(x: T) -> Self {
         Self([x; K])
     }
+    /// One number of each.
+    #[inline(always)]
+    pub fn of<S>(each: &[S; K], number: impl Fn(&S) -> T) -> Self {
+        let mut lanes = Self([T::ZERO; K]);
+        let mut i = 0;
+        while i < K {
+            lanes.0[i] = number(&each[i]);
+            i += 1;
+        }
+        lanes
+    }
     #[inline(always)]
     pub fn constant(x: f64) -> Self {
         Self([T::from_f64(x); K])
@@ -83,6 +94,22 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     #[inline(always)]
     pub fn negated_by(self, sign: Self) -> Self {
         self.with(sign, T::negated_by)
+    }
+    #[inline(always)]
+    pub fn with_sign_of(self, other: Self) -> Self {
+        self.with(other, T::with_sign_of)
+    }
+    /// The whole part of each, 0 to `most`, as index and as number.
+    #[inline(always)]
+    pub fn index(self, most: usize) -> ([usize; K], Self) {
+        let (mut index, mut whole) = ([0; K], self);
+        let mut i = 0;
+        while i < K {
+            index[i] = self.0[i].index(most);
+            whole.0[i] = T::from_index(index[i]);
+            i += 1;
+        }
+        (index, whole)
     }
     #[inline(always)]
     pub fn below(self, other: Self) -> Mask<K> {

@@ -20,7 +20,7 @@ pub struct Domain {
     pub speed: [f64; 2],
     /// Speed of the inner and the outer ring over that speed: 1 and 0 for a turning inner ring.
     pub turning: [f64; 2],
-    /// Intervals along approach, angle and speed.
+    /// Intervals along approach, angle and speed; none along the speed where it is one, or does not matter.
     pub intervals: [usize; 3],
 }
 
@@ -28,7 +28,7 @@ pub struct Domain {
 const MARGIN: usize = 4;
 
 fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
-    let step = if high > low { (high - low) / intervals as f64 } else { 1.0 };
+    let step = if high > low && intervals > 0 { (high - low) / intervals as f64 } else { 1.0 };
     let slack = 1e-9 * step;
     Axis {
         count: intervals + 1 + 2 * margin,
@@ -54,10 +54,10 @@ impl Domain {
             self.speed[0],
             "0 or more, at most the greatest",
         )?;
-        for count in self.intervals {
-            check((1..=4096).contains(&count), "intervals", count as f64, "1 to 4096")?;
-        }
         let [nx, na, nv] = self.intervals;
+        for (count, least) in [(nx, 1), (na, 1), (nv, 0)] {
+            check((least..=4096).contains(&count), "intervals", count as f64, "1 to 4096, 0 only along the speed")?;
+        }
         let root = |s: f64| if s < 0.0 { -libm::sqrt(-s) } else { libm::sqrt(s) };
         Ok(Grid {
             approach: axis([root(low), root(high)], nx, MARGIN),

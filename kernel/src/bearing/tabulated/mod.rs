@@ -10,7 +10,7 @@ mod table;
 pub use fill::{Domain, fill};
 pub use table::{Axis, Grid, Node, Table};
 
-use self::table::{AtSpeed, Value};
+use self::table::AtSpeed;
 use super::elements::InCage;
 use super::place::{ABREAST, Arrangement, Place, groups};
 use super::quasi_static::{Matrix, TableSeat, contact_tangents, contacts};
@@ -24,6 +24,7 @@ use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
 use crate::turn::Turn;
+use core::array::from_ref;
 use core::marker::PhantomData;
 
 /// A ball bearing whose balls are looked up. Cost a ball: three square roots, one division, 18 nodes of two or three numbers.
@@ -42,7 +43,7 @@ pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
 
 /// Balls looked up side by side.
 #[derive(Clone, Copy)]
-struct Looked<L, T, const F: usize, const K: usize> {
+struct Looked<L> {
     /// Along the line of groove centres, and its inverse length.
     line: Plane<L>,
     inverse_length: L,
@@ -53,7 +54,7 @@ struct Looked<L, T, const F: usize, const K: usize> {
     contact: Plane<L>,
     turn: Plane<L>,
     friction: L,
-    values: [Value<T, F>; K],
+    inside: L,
 }
 
 impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
@@ -103,12 +104,12 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         places: &[Place<T>; K],
         rim: &Displacement<T>,
         at: &Rotation<T>,
-    ) -> Looked<Lanes<T, K>, T, F, K> {
+    ) -> Looked<Lanes<T, K>> {
         let all = Lanes::<T, K>::all;
         let seat = &self.seat;
         let motions = places.each_ref().map(|place| Motion::of(place, rim, at, &self.surface).with_waviness());
-        let a = Plane { r: Lanes(motions.map(|m| m.radial + seat.offset)), z: Lanes(motions.map(|m| m.axial)) };
-        let bulges = Lanes(motions.map(|m| m.shape.inner + m.shape.outer));
+        let a = Plane { r: Lanes::of(&motions, |m| m.radial + seat.offset), z: Lanes::of(&motions, |m| m.axial) };
+        let bulges = Lanes::of(&motions, |m| m.shape.inner + m.shape.outer);
         let [c0, s0] = seat.axis;
         let rest = Plane { r: all(seat.distance * c0), z: all(seat.distance * s0) };
         let apart = rest.plus(a);
@@ -120,20 +121,43 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let approach = rest.plus(apart).dot(a) * (inverse * length) + bulges;
         let line = apart.times(inverse_length);
         let root = approach.abs().sqrt::<M>().negated_by(approach);
-        let mut values = [Value { fields: [T::ZERO; F], inside: T::ZERO }; K];
-        for ((value, x), sin) in values.iter_mut().zip(root.0).zip(line.z.0) {
-            *value = self.table.value(speed, x, sin);
-        }
-        let field = |k: usize| Lanes(values.map(|v| v.fields.get(k).copied().unwrap_or(T::ZERO)));
+        let values = self.table.values(speed, root, line.z);
+        let field = |k: usize| values.fields.get(k).copied().unwrap_or(Lanes::all(T::ZERO));
         // The table holds half the load.
         let (load, sine, friction) = (field(0).twice_positive(), field(1), field(2));
         let cosine = (all(T::ONE) - sine * sine).sqrt::<M>();
         let contact = line.times(cosine).plus(line.tangent().times(sine));
-        Looked { line, inverse_length, root, load, contact, turn: Plane { r: cosine, z: sine }, friction, values }
+        Looked {
+            line,
+            inverse_length,
+            root,
+            load,
+            contact,
+            turn: Plane { r: cosine, z: sine },
+            friction,
+            inside: values.inside,
+        }
+    }
+
+    /// Adds the balls at `places`.
+    #[inline(always)]
+    fn add<const K: usize>(
+        &self,
+        speed: &AtSpeed<T>,
+        places: &[Place<T>; K],
+        rim: &Displacement<T>,
+        at: &Rotation<T>,
+        (sum, inside): (&mut WrenchSum<T>, &mut T),
+    ) {
+        let balls = self.look(speed, places, rim, at);
+        *inside = balls.inside.0.into_iter().fold(*inside, T::with_sign_of);
+        for (place, contact) in places.iter().zip(&self.contacts(&balls)) {
+            sum.add(place, contact);
+        }
     }
 
     #[inline(always)]
-    fn contacts<const K: usize>(&self, balls: &Looked<Lanes<T, K>, T, F, K>) -> [Contact<T>; K] {
+    fn contacts<const K: usize>(&self, balls: &Looked<Lanes<T, K>>) -> [Contact<T>; K] {
         let mut force = balls.contact.times(balls.load);
         let mut tilting = force.z;
         if F > 2 {
@@ -145,29 +169,21 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// Slopes of the contacts' forces along the radial and axial displacement of the groove centres.
     #[inline(always)]
-    fn tangents<const K: usize>(
-        &self,
-        speed: &AtSpeed<T>,
-        balls: &Looked<Lanes<T, K>, T, F, K>,
-    ) -> [ContactTangent<T>; K] {
+    fn tangents<const K: usize>(&self, speed: &AtSpeed<T>, balls: &Looked<Lanes<T, K>>) -> [ContactTangent<T>; K] {
         let all = Lanes::<T, K>::all;
-        let mut slopes = [([T::ZERO; F], [T::ZERO; F]); K];
-        for ((slope, x), sin) in slopes.iter_mut().zip(balls.root.0).zip(balls.line.z.0) {
-            *slope = self.table.slopes(speed, x, sin);
-        }
+        let [by_root, by_sine] = self.table.slopes(speed, balls.root, balls.line.z);
         // d(root)/d(approach) = 1/(2 |root|); where the root is 0 so is what it multiplies.
         let per_approach = all(T::HALF) / (balls.root.abs() + Lanes::constant(1e-9));
         let per_across = balls.line.r * balls.inverse_length;
         let across = balls.line.tangent();
-        // Displacement along the line is approach, across it the angle's sine grows by cos/l.
-        let slope = |k: usize| {
-            let by_root = Lanes(slopes.map(|(root, _)| root.get(k).copied().unwrap_or(T::ZERO)));
-            let by_sine = Lanes(slopes.map(|(_, sine)| sine.get(k).copied().unwrap_or(T::ZERO)));
-            balls.line.times(by_root * per_approach).plus(across.times(by_sine * per_across))
-        };
-        let gap = balls.load.below(Lanes::constant(f64::MIN_POSITIVE));
         let zero = all(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
+        // Displacement along the line is approach, across it the angle's sine grows by cos/l.
+        let slope = |k: usize| match (by_root.get(k), by_sine.get(k)) {
+            (Some(&root), Some(&sine)) => balls.line.times(root * per_approach).plus(across.times(sine * per_across)),
+            _ => nothing,
+        };
+        let gap = balls.load.below(Lanes::constant(f64::MIN_POSITIVE));
         let load = Plane::choose(gap, nothing, slope(0).times(Lanes::constant(2.0)));
         // The contact turns with the line and by d(asin w) = dw/sqrt(1 - w^2).
         let turning = across.times(balls.inverse_length).plus(slope(1).times(all(T::ONE) / balls.turn.r));
@@ -196,11 +212,17 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         let (speed, rim) = (self.at_speed(at), self.rim(u));
         let (mut sum, mut inside) = (WrenchSum::new(), T::ZERO);
-        for group in groups::<T, ABREAST>(&self.places) {
-            let balls = self.look(&speed, &group.places, &rim, at);
-            inside = balls.values.iter().fold(inside, |inside, v| inside.with_sign_of(v.inside));
-            for (place, contact) in group.real().iter().zip(&self.contacts(&balls)) {
-                sum.add(place, contact);
+        // What does not fill a group goes one by one: filled up, nine balls would cost as much as twelve.
+        let (groups, rest) = self.places.table().as_chunks::<ABREAST>();
+        for group in groups {
+            self.add(&speed, group, &rim, at, (&mut sum, &mut inside));
+        }
+        for place in rest {
+            self.add(&speed, from_ref(place), &rim, at, (&mut sum, &mut inside));
+        }
+        if P::PAIRS {
+            for place in self.places.table() {
+                self.add(&speed, &[place.opposite()], &rim, at, (&mut sum, &mut inside));
             }
         }
         Reaction {
@@ -220,7 +242,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), T::ZERO);
         for group in groups::<T, ABREAST>(&self.places) {
             let balls = self.look(&speed, &group.places, &rim, at);
-            inside = balls.values.iter().fold(inside, |inside, v| inside.with_sign_of(v.inside));
+            inside = balls.inside.0.into_iter().fold(inside, T::with_sign_of);
             let tangents = self.tangents(&speed, &balls);
             for ((place, contact), k) in group.real().iter().zip(&self.contacts(&balls)).zip(&tangents) {
                 sum.add(place, contact);

@@ -7,6 +7,7 @@
 //! wedges between both races moves sideways by the root of what the rings leave it, and because over it the load of Hertz is
 //! a cubic, smooth also where contact begins.
 
+use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 
 /// One entry of the table: half the load (N; twice a positive part needs no branch) and sine of the turn, and with `F = 3` the friction, which is 0 at the inner
@@ -37,57 +38,65 @@ pub struct Grid<T> {
     pub speed: Axis<T>,
 }
 
-/// Place on an axis: the first of the nodes concerned, their weights and slopes, and a number that is below 0 outside of
+/// Places on an axis: the first of the nodes concerned, their weights and slopes, and a number that is below 0 outside of
 /// the range: signs can be gathered without a branch.
 #[derive(Clone, Copy)]
-pub struct Spot<T, const W: usize> {
-    pub first: usize,
-    pub weights: [T; W],
-    pub slopes: [T; W],
-    pub inside: T,
+pub struct Spots<T, const W: usize, const K: usize> {
+    pub first: [usize; K],
+    pub weights: [Lanes<T, K>; W],
+    pub slopes: [Lanes<T, K>; W],
+    pub inside: Lanes<T, K>,
 }
 
 impl<T: Scalar> Axis<T> {
     /// Not below 0 within the range.
     #[inline(always)]
-    fn inside(&self, x: T) -> T {
+    fn inside<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
         let [low, high] = self.range;
-        (x - low) * (high - x)
+        (x - Lanes::all(low)) * (Lanes::all(high) - x)
     }
 
-    /// Weights of a quadratic B-spline on the three nodes around `x`.
     #[inline(always)]
-    pub fn quadratic(&self, x: T) -> Spot<T, 3> {
-        let place = (x - self.origin) * self.density;
-        let first = T::index(place - T::HALF, self.count.wrapping_sub(3));
+    fn place<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
+        (x - Lanes::all(self.origin)) * Lanes::all(self.density)
+    }
+
+    /// Weights of a quadratic B-spline on the three nodes around each `x`.
+    #[inline(always)]
+    fn quadratic<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, 3, K> {
+        let [half, one, density] = [T::HALF, T::ONE, self.density].map(Lanes::all);
+        let place = self.place(x) - half;
+        let (first, whole) = place.index(self.count.wrapping_sub(3));
         // From half before to half after the middle one of the three.
-        let after = place - T::HALF - T::from_index(first);
-        let before = T::ONE - after;
-        let outer = [T::HALF * before * before, T::HALF * after * after];
-        Spot {
+        let after = place - whole;
+        let before = one - after;
+        let outer = [half * before * before, half * after * after];
+        Spots {
             first,
-            weights: [outer[0], T::ONE - outer[0] - outer[1], outer[1]],
-            slopes: [-before * self.density, (before - after) * self.density, after * self.density],
+            weights: [outer[0], one - outer[0] - outer[1], outer[1]],
+            slopes: [-before * density, (before - after) * density, after * density],
             inside: self.inside(x),
         }
     }
 
-    /// Weights of the two nodes around `x`.
+    /// Weights of the two nodes around `x`; of a single node all of it.
     #[inline(always)]
-    pub fn linear(&self, x: T) -> Spot<T, 2> {
-        let place = (x - self.origin) * self.density;
-        let first = T::index(place, self.count.wrapping_sub(2));
-        let t = place - T::from_index(first);
-        Spot { first, weights: [T::ONE - t, t], slopes: [-self.density, self.density], inside: self.inside(x) }
+    fn linear(&self, x: T) -> Spots<T, 2, 1> {
+        let place = self.place(Lanes([x]));
+        let (first, whole) = place.index(self.count.saturating_sub(2));
+        let t = place - whole;
+        let density = Lanes::all(self.density);
+        let x = Lanes([x]);
+        Spots { first, weights: [Lanes::all(T::ONE) - t, t], slopes: [-density, density], inside: self.inside(x) }
     }
 }
 
-/// The quantities at one place, and whether that is within the declared ranges.
+/// The quantities of `K` balls, and whether they are within the declared ranges.
 #[derive(Clone, Copy)]
-pub struct Value<T, const F: usize> {
-    pub fields: Node<T, F>,
-    /// Its sign bit is set outside; the speed has its own ([`AtSpeed::inside`]).
-    pub inside: T,
+pub struct Values<T, const F: usize, const K: usize> {
+    pub fields: [Lanes<T, K>; F],
+    /// The sign bit is set outside; the speed has its own ([`AtSpeed::inside`]).
+    pub inside: Lanes<T, K>,
 }
 
 /// A grid and its nodes.
@@ -100,14 +109,16 @@ pub struct Table<T, A, const F: usize> {
 /// Speed of a call, the same for all balls.
 #[derive(Clone, Copy)]
 pub struct AtSpeed<T> {
-    spot: Spot<T, 2>,
+    layer: usize,
+    weights: [T; 2],
+    inside: T,
 }
 
 impl<T: Scalar> AtSpeed<T> {
     /// Its sign bit is set outside of the declared speeds.
     #[inline(always)]
     pub(super) fn inside(&self) -> T {
-        self.spot.inside
+        self.inside
     }
 }
 
@@ -131,55 +142,81 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 
     #[inline(always)]
     pub(super) fn at_speed(&self, speed: T) -> AtSpeed<T> {
-        AtSpeed { spot: self.grid.speed.linear(speed) }
+        let Spots { first: [layer], weights, inside: Lanes([inside]), .. } = self.grid.speed.linear(speed);
+        AtSpeed { layer, weights: weights.map(|Lanes([w])| w), inside }
     }
 
-    /// Weighted sum of the nodes around a spot.
+    /// Weighted sums of the nodes around `K` places.
     #[inline(always)]
-    fn sum(
+    fn sum<const K: usize>(
         &self,
         at: &AtSpeed<T>,
-        (angle, by_angle): (usize, [T; 3]),
-        (approach, by_approach): (usize, [T; 3]),
-    ) -> (Node<T, F>, T) {
-        let (nx, na) = (self.grid.approach.count, self.grid.angle.count);
-        let layer = at.spot.first.wrapping_mul(na).wrapping_add(angle).wrapping_mul(nx).wrapping_add(approach);
-        let next = layer.wrapping_add(na.wrapping_mul(nx));
-        let [slow, fast] = at.spot.weights;
-        let both = self.patch(layer, by_angle, by_approach).zip(self.patch(next, by_angle, by_approach));
-        match both {
-            Some((below, above)) => (mixed([slow, fast], [below, above]), T::ZERO),
-            None => ([T::ZERO; F], T::NEGATIVE_ZERO),
+        (angles, by_angle): (&[usize; K], &[Lanes<T, K>; 3]),
+        (approaches, by_approach): (&[usize; K], &[Lanes<T, K>; 3]),
+    ) -> Values<T, F, K> {
+        let nothing = Lanes::all(T::ZERO);
+        let mut values = Values { fields: [nothing; F], inside: nothing };
+        let mut i = 0;
+        while i < K {
+            let weights = [by_angle.map(|w| w.0[i]), by_approach.map(|w| w.0[i])];
+            match self.at(at, angles[i], approaches[i], &weights) {
+                Some(node) => {
+                    for (field, value) in values.fields.iter_mut().zip(node) {
+                        field.0[i] = value;
+                    }
+                }
+                None => values.inside.0[i] = T::NEGATIVE_ZERO,
+            }
+            i += 1;
         }
+        values
+    }
+
+    /// Weighted sum of the nodes around one place; nothing where the table ends before them.
+    #[inline(always)]
+    fn at(&self, at: &AtSpeed<T>, angle: usize, approach: usize, weights: &[[T; 3]; 2]) -> Option<Node<T, F>> {
+        let (nx, na) = (self.grid.approach.count, self.grid.angle.count);
+        let layer = at.layer.wrapping_mul(na).wrapping_add(angle).wrapping_mul(nx).wrapping_add(approach);
+        let below = self.patch(layer, weights)?;
+        if self.grid.speed.count == 1 {
+            return Some(below);
+        }
+        let above = self.patch(layer.wrapping_add(na.wrapping_mul(nx)), weights)?;
+        Some(mixed(at.weights, [below, above]))
     }
 
     /// Weighted sum of the nine nodes of one speed from `start` on; nothing where the table ends before them.
     #[inline(always)]
-    fn patch(&self, start: usize, by_angle: [T; 3], by_approach: [T; 3]) -> Option<Node<T, F>> {
+    fn patch(&self, start: usize, [by_angle, by_approach]: &[[T; 3]; 2]) -> Option<Node<T, F>> {
         let nx = self.grid.approach.count;
         let near = self.nodes.as_ref().get(start..)?;
         let middle = near.get(nx..)?;
         let far = middle.get(nx..)?;
-        let along = |row: &[Node<T, F>]| row.first_chunk::<3>().map(|three| mixed(by_approach, *three));
-        Some(mixed(by_angle, [along(near)?, along(middle)?, along(far)?]))
+        let along = |row: &[Node<T, F>]| row.first_chunk::<3>().map(|three| mixed(*by_approach, *three));
+        Some(mixed(*by_angle, [along(near)?, along(middle)?, along(far)?]))
     }
 
-    /// At the signed root `x` of the approach and the sine `sin` of the angle.
+    /// At the signed roots `x` of the approach and the sines `sin` of the angle.
     #[inline(always)]
-    pub(super) fn value(&self, at: &AtSpeed<T>, x: T, sin: T) -> Value<T, F> {
+    pub(super) fn values<const K: usize>(&self, at: &AtSpeed<T>, x: Lanes<T, K>, sin: Lanes<T, K>) -> Values<T, F, K> {
         let (approach, angle) = (self.grid.approach.quadratic(x), self.grid.angle.quadratic(sin));
-        let (fields, there) = self.sum(at, (angle.first, angle.weights), (approach.first, approach.weights));
-        let inside = there.with_sign_of(approach.inside).with_sign_of(angle.inside);
-        Value { fields, inside }
+        let values = self.sum(at, (&angle.first, &angle.weights), (&approach.first, &approach.weights));
+        let inside = values.inside.with_sign_of(approach.inside).with_sign_of(angle.inside);
+        Values { inside, ..values }
     }
 
     /// Slopes of the quantities along `x` and along `sin`.
     #[inline(always)]
-    pub(super) fn slopes(&self, at: &AtSpeed<T>, x: T, sin: T) -> (Node<T, F>, Node<T, F>) {
+    pub(super) fn slopes<const K: usize>(
+        &self,
+        at: &AtSpeed<T>,
+        x: Lanes<T, K>,
+        sin: Lanes<T, K>,
+    ) -> [[Lanes<T, K>; F]; 2] {
         let (approach, angle) = (self.grid.approach.quadratic(x), self.grid.angle.quadratic(sin));
-        let (along, _) = self.sum(at, (angle.first, angle.weights), (approach.first, approach.slopes));
-        let (across, _) = self.sum(at, (angle.first, angle.slopes), (approach.first, approach.weights));
-        (along, across)
+        let along = self.sum(at, (&angle.first, &angle.weights), (&approach.first, &approach.slopes));
+        let across = self.sum(at, (&angle.first, &angle.slopes), (&approach.first, &approach.weights));
+        [along.fields, across.fields]
     }
 }
 

@@ -206,6 +206,8 @@ const TABLE_PRESSURE: f64 = 4.2e9;
 const TABLE_ANGLES: f64 = 0.4;
 /// Speeds about a constant one.
 const TABLE_SPEEDS: [f64; 2] = [0.8, 1.2];
+/// Where the speed does not matter, rad/s.
+const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
 /// Intervals along approach and angle, and along the speed about a constant one and over one that changes.
 const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
 
@@ -229,19 +231,13 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
         Speed::Fluctuating { mean, fluctuation, .. } => [1.0 - fluctuation, 1.0 + fluctuation].map(|p| p * mean.abs()),
     };
     let turning = if by_outer { [0.0, 1.0] } else { [1.0, outer_ratio(scene)?] };
-    let speed = given.speed.unwrap_or(speeds);
-    let ([approach, angle], about_one, over_many) = TABLE_INTERVALS;
     // Without inertia and film the speed does not matter.
     let still = of.effects == crate::scene::Effects::default();
+    let speed = if still { EVERY_SPEED } else { given.speed.unwrap_or(speeds) };
+    let ([approach, angle], about_one, over_many) = TABLE_INTERVALS;
     let narrow = matches!(inner, Speed::Constant(_)) && given.speed.is_none();
-    let layers = if still {
-        1
-    } else if narrow {
-        about_one
-    } else {
-        over_many
-    };
-    let intervals = given.intervals.unwrap_or([approach, angle, layers]);
+    let [nx, na, nv] = given.intervals.unwrap_or([approach, angle, if narrow { about_one } else { over_many }]);
+    let intervals = [nx, na, if still || speed[0] == speed[1] { 0 } else { nv }];
     let approach = given.approach.unwrap_or([-0.5 * most, most]);
     Ok((Domain { approach, angle: given.angle.unwrap_or(angles), speed, turning, intervals }, by_outer))
 }
