@@ -11,6 +11,24 @@ fn version(text: &str) -> Vec<u32> {
     parts
 }
 
+/// What `ballrace trade` believes of the Cortex-M4F is what the README states and the tests of the target hold.
+#[test]
+fn the_runner_knows_the_counts_of_the_target() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let read = |path: &str| std::fs::read_to_string(root.join(path)).expect("a file of this project");
+    let readme = read("README.md");
+    let table = readme.lines().skip_while(|line| !line.starts_with("| what | N | precision |")).skip(2);
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let most = cells[5].split(" to ").last().unwrap_or_default();
+        [&cells[..5], &[most, cells[6]]].concat().join(";")
+    };
+    let stated: Vec<String> = table.take_while(|line| line.starts_with('|')).map(row).collect();
+    assert!(stated.len() >= 150, "{} rows", stated.len());
+    let known = read("runner/src/trade/cortex-m4f.csv");
+    assert_eq!(known.lines().collect::<Vec<_>>(), stated, "BALLRACE_WRITE=1 of the target's test writes both");
+}
+
 /// No dependency of the kernel needs a newer Rust than the kernel declares.
 #[test]
 fn the_declared_rust_version_is_enough_for_every_dependency() {

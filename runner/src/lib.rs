@@ -16,3 +16,4 @@ pub mod replay;
 pub mod report;
 pub mod scene;
 pub mod sweep;
+pub mod trade;

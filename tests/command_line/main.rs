@@ -14,4 +14,5 @@ mod simulate;
 mod support;
 mod sweep;
 mod system;
+mod trade;
 mod truth;

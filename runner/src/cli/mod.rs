@@ -8,6 +8,7 @@ pub mod replay;
 pub mod scenes;
 pub mod simulate;
 pub mod sweep;
+pub mod trade;
 
 use crate::fault::SceneFault;
 use crate::recording::error::RecordingError;
@@ -46,6 +47,8 @@ pub enum Command {
     Campbell(campbell::Args),
     /// A scene over ranges of its keys: response curve, bifurcation diagram, waterfall.
     Sweep(sweep::Args),
+    /// Error against cost of every model, precision, integrator and step on the scene's own motion, and which to take.
+    Trade(trade::Args),
     /// The scenes that come with the program.
     Scenes(scenes::Args),
 }
@@ -99,6 +102,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Simulate(args) => simulate::run(args, cli.format),
         Command::Campbell(args) => campbell::run(args, cli.format),
         Command::Sweep(args) => sweep::run(args, cli.format),
+        Command::Trade(args) => trade::run(args, cli.format),
         Command::Scenes(args) => scenes::run(args, cli.format),
     };
     match done {

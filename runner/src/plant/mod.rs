@@ -219,13 +219,17 @@ impl Plant {
         (1e5_f64.ln() / rate).clamp(0.2, 10.0)
     }
 
+    /// The step that the integrator needs where the scene does not say, s.
+    #[must_use]
+    pub fn own_step(&self) -> f64 {
+        // The trace overestimates the highest frequency, which leaves room for contact that stiffens under load.
+        self.integration.method.largest_phase() / self.highest_frequency().max(1e-9)
+    }
+
     /// Integration steps that one sample period needs.
     #[must_use]
     pub fn substeps(&self, sample_period: f64) -> u32 {
-        let step = self.integration.step.unwrap_or_else(|| {
-            // The trace overestimates the highest frequency, which leaves room for contact that stiffens under load.
-            self.integration.method.largest_phase() / self.highest_frequency().max(1e-9)
-        });
+        let step = self.integration.step.unwrap_or_else(|| self.own_step());
         (sample_period / step * (1.0 - 1e-9)).ceil().clamp(1.0, 10_000.0) as u32
     }
 

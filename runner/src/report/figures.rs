@@ -12,10 +12,12 @@ mod ring;
 mod spectrum;
 mod sweep;
 mod trace;
+mod trade;
 
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
+pub(super) use trade::{Dot, front};
 
 use crate::replay::outcome::Outcome;
 use anyhow::Result;

@@ -10,6 +10,7 @@ mod html;
 mod number;
 pub mod sweep;
 mod text;
+pub mod trade;
 mod words;
 
 use crate::replay::outcome::Outcome;

@@ -251,6 +251,8 @@ pub struct Bearing {
     pub cage_runout: Option<CageRunout>,
     /// `element_damping` of the dynamic model, N s/m on each element's radial motion.
     pub element_damping: f64,
+    /// `solver_steps` of the quasi-static model; the kernel's own number when absent.
+    pub solver_steps: Option<u8>,
 }
 
 /// `support = { mass, stiffness_x, stiffness_y, stiffness_xy, damping }`

@@ -39,6 +39,12 @@ impl Row {
         format!("| {} | {} | {cycles} | {stack} | {flash} |", self.name, self.instructions())
     }
 
+    /// As the runner reads it.
+    pub fn known(&self) -> String {
+        let Self { name: Name { what, elements, precision, math, function }, most, cycles, .. } = self;
+        format!("{what};{elements};{precision};{math};{function};{most};{cycles}\n")
+    }
+
     fn parse(line: &str) -> Self {
         let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
         let (name, [instructions, cycles, stack, flash]) = Name::parse(&cells);

@@ -90,7 +90,7 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.
 pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>> {
-    solved_in::<T, M>(scene, COLD_STEPS)
+    solved_in::<T, M>(scene, scene.solver_steps.unwrap_or(COLD_STEPS))
 }
 
 /// The same with another number of Newton steps.

@@ -9,7 +9,7 @@ use super::super::{
     Surface, Wave,
 };
 
-const KEYS: [&str; 38] = [
+const KEYS: [&str; 39] = [
     "name",
     "station",
     "facing",
@@ -46,6 +46,7 @@ const KEYS: [&str; 38] = [
     "element_azimuths",
     "cage_runout",
     "element_damping",
+    "solver_steps",
     "coordinates",
     "housing_coordinates",
 ];
@@ -131,6 +132,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         element_azimuths: table.read("element_azimuths", |n| azimuths(n, elements))?.unwrap_or_default(),
         cage_runout: table.read("cage_runout", |n| cage_runout(n, geometry.as_ref()))?,
         element_damping: element_damping(table, model)?,
+        solver_steps: solver_steps(table, model)?,
         geometry,
         law,
         linear,
@@ -509,6 +511,14 @@ fn element_damping(table: &Table<'_>, model: Model) -> Read<f64> {
         refuse(table, &["element_damping"], "only with model = \"dynamic\"; remove it")?;
     }
     Ok(table.read("element_damping", |n| n.not_negative(Dimension::Damping))?.unwrap_or(0.0))
+}
+
+fn solver_steps(table: &Table<'_>, model: Model) -> Read<Option<u8>> {
+    if model != Model::QuasiStatic {
+        refuse(table, &["solver_steps"], "only with model = \"quasi-static\"; remove it")?;
+    }
+    let steps = table.read("solver_steps", |n| n.integer(1, 50, "a whole number from 1 to 50"))?;
+    Ok(steps.and_then(|steps| u8::try_from(steps).ok()))
 }
 
 /// Balls with a mass need their geometry, and move in the plane of the bearing on round races.

@@ -1,0 +1,131 @@
+//! `ballrace trade`: error against cost of everything that a scene allows, and which to take.
+
+use super::{Format, keep_apart};
+use crate::fault::SceneFault;
+use crate::output::AtomicFile;
+use crate::report;
+use crate::scene::read::read_file;
+use crate::scene::units::{Dimension, parse};
+use crate::trade::{Goal, Target, Trade, trade, written};
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+/// What `trade` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file.
+    scene: PathBuf,
+    /// Take the cheapest with at most this error of force, e.g. 1%.
+    #[arg(long, value_name = "E", conflicts_with = "deadline")]
+    error: Option<String>,
+    /// Take the truest whose forces of all bearings are done in time, e.g. "20 us at 168 MHz" (Cortex-M4F).
+    #[arg(long, value_name = "TIME at CLOCK")]
+    deadline: Option<String>,
+    /// Forces only: leaves out the motions, which take most of the time.
+    #[arg(long)]
+    forces_only: bool,
+    /// Whose cost counts for --error.
+    #[arg(long, value_enum, default_value_t = Target::CortexM4f)]
+    on: Target,
+    /// Where the scene with the choice goes [default: beside the scene, ending in -chosen.toml].
+    #[arg(short, long, value_name = "SCENE.toml")]
+    output: Option<PathBuf>,
+    /// Where the page with the fronts goes.
+    #[arg(long, value_name = "FILE.html", default_value = "ballrace-trade.html")]
+    report: PathBuf,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What is wrong with scene, goal or outputs; a goal that nothing meets.
+pub fn run(args: &Args, format: Format) -> Result<()> {
+    let goal = goal(args)?;
+    let scene = read_file(&args.scene)?;
+    let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
+    let output = args.output.clone().unwrap_or_else(|| beside(&args.scene));
+    let mut outputs = vec![("--report", args.report.as_path())];
+    if goal.is_some() {
+        outputs.push(("--output", &output));
+    } else if args.output.is_some() {
+        bail!(SceneFault("--output: found no goal beside it, allowed: with --error or --deadline".to_owned()));
+    }
+    keep_apart(&outputs, &[&args.scene])?;
+    let bar = bar();
+    let progress = |done: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    };
+    let found = trade(&scene, &text, (goal.as_ref(), !args.forces_only), &progress);
+    bar.finish_and_clear();
+    let found = found?;
+    AtomicFile::write(&args.report, &report::trade::html(&found)?)?;
+    if let Some(choice) = &found.choice {
+        AtomicFile::write(&output, &written(&scene, &text, &choice.rung)?)?;
+    }
+    print(&found, args, &output, format)
+}
+
+fn bar() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn beside(scene: &Path) -> PathBuf {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    scene.with_file_name(format!("{stem}-chosen.toml"))
+}
+
+fn goal(args: &Args) -> Result<Option<Goal>> {
+    Ok(match (&args.error, &args.deadline) {
+        (Some(text), _) => Some(Goal::Error(share("--error", text)?, args.on)),
+        (_, Some(text)) => Some(deadline(text)?),
+        _ => None,
+    })
+}
+
+/// A share such as `1%` or `0.01`, above 0.
+///
+/// # Errors
+/// Anything else, named by its option.
+pub fn share(option: &str, text: &str) -> Result<f64> {
+    let (number, scale) = text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |number| (number.trim(), 0.01));
+    match number.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number * scale),
+        _ => bail!(SceneFault(format!("{option}: found {text:?}, allowed: a share above 0, such as \"1%\" or 0.01"))),
+    }
+}
+
+fn deadline(text: &str) -> Result<Goal> {
+    let fault =
+        || SceneFault(format!("--deadline: found {text:?}, allowed: a time and a clock, such as \"20 us at 168 MHz\""));
+    let (time, clock) = text.split_once(" at ").ok_or_else(fault)?;
+    let positive = |text: &str, dimension| match parse(text.trim(), dimension) {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err(fault()),
+    };
+    Ok(Goal::Deadline { time: positive(time, Dimension::Time)?, clock: positive(clock, Dimension::Frequency)? })
+}
+
+fn print(found: &Trade, args: &Args, output: &Path, format: Format) -> Result<()> {
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    match format {
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(found)?)?,
+        Format::Csv => out.write_all(report::trade::csv(found).as_bytes())?,
+        Format::Text => {
+            out.write_all(report::trade::text(found).as_bytes())?;
+            if let Some(choice) = &found.choice {
+                writeln!(out, "\n{}", report::trade::chosen(choice))?;
+                writeln!(out, "Written: {}, {}", output.display(), args.report.display())?;
+            } else {
+                writeln!(out, "\nWritten: {}", args.report.display())?;
+            }
+        }
+    }
+    Ok(out.flush()?)
+}

@@ -1,0 +1,146 @@
+//! What a force costs on a Cortex-M4F: the table that the tests of the target measure and hold, and what follows from it
+//! for element counts and solver steps between its rows.
+
+use crate::scene::{Bearing, Model};
+use serde::Serialize;
+
+/// `what,N,precision,math,function,instructions,cycles`, written by the test that counts them.
+const TABLE: &str = include_str!("cortex-m4f.csv");
+/// Newton steps of the table's cold and warm rows.
+const COLD_STEPS: f64 = 8.0;
+const WARM_STEPS: f64 = 3.0;
+
+/// Cost of one force on the target.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Cost {
+    /// Instructions, the most where they depend on the input.
+    pub instructions: f64,
+    /// Modelled cycles.
+    pub cycles: f64,
+    /// Whether the table has this very row; else it is between or beyond its rows.
+    pub counted: bool,
+}
+
+impl Cost {
+    /// Of two evaluations.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            instructions: self.instructions + other.instructions,
+            cycles: self.cycles + other.cycles,
+            counted: self.counted && other.counted,
+        }
+    }
+
+    fn mixed(self, other: Self, part: f64) -> Self {
+        let mix = |a: f64, b: f64| a + part * (b - a);
+        Self {
+            instructions: mix(self.instructions, other.instructions),
+            cycles: mix(self.cycles, other.cycles),
+            counted: false,
+        }
+    }
+}
+
+struct Row {
+    what: &'static str,
+    elements: usize,
+    precision: &'static str,
+    math: &'static str,
+    function: &'static str,
+    cost: Cost,
+}
+
+fn rows() -> Vec<Row> {
+    let row = |line: &'static str| {
+        let mut cells = line.split(';');
+        let mut next = || cells.next();
+        let (what, elements, precision, math, function) = (next()?, next()?.parse().ok()?, next()?, next()?, next()?);
+        let mut number = || cells.next()?.parse().ok();
+        let cost = Cost { instructions: number()?, cycles: number()?, counted: true };
+        Some(Row { what, elements, precision, math, function, cost })
+    };
+    TABLE.lines().filter_map(row).collect()
+}
+
+/// One force of the bearing; none where the target's table has nothing like it.
+#[must_use]
+pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
+    let all = rows();
+    let what = name(of)?;
+    // Only exact single precision is counted for balls in equilibrium.
+    let cold = at(&all, what, of.elements, precision, math)?;
+    let Some(steps) = of.solver_steps.map(f64::from) else { return Some(cold) };
+    let find = |function: &str| all.iter().find(|r| r.what == "quasi-static, gyroscopic" && r.function == function);
+    let (full, few) = (find("force")?.cost, find("force, 3 steps from the last")?.cost);
+    // Every step costs the same; all kinds of ball take the share of it that the counted kind does.
+    let share = |cold: f64, few: f64| 1.0 - (COLD_STEPS - steps) / (COLD_STEPS - WARM_STEPS) * (1.0 - few / cold);
+    Some(Cost {
+        instructions: cold.instructions * share(full.instructions, few.instructions),
+        cycles: cold.cycles * share(full.cycles, few.cycles),
+        counted: false,
+    })
+}
+
+/// The row of the table that is this bearing.
+fn name(of: &Bearing) -> Option<&'static str> {
+    let smooth = of.waviness.is_empty() && of.defect.is_empty() && of.housing_displacement.is_empty();
+    if !smooth {
+        return None;
+    }
+    let exponent = of.law.map_or(1.5, |law| law.exponent);
+    Some(match of.model {
+        Model::Linear => "linear",
+        Model::Lumped | Model::Dynamic if exponent == 1.5 && of.axial.is_some() => "radial and axial 3/2",
+        Model::Lumped | Model::Dynamic if of.axial.is_some() => return None,
+        Model::Lumped | Model::Dynamic if exponent == 1.5 => "radial 3/2",
+        Model::Lumped | Model::Dynamic if (exponent - 10.0 / 9.0).abs() < 1.2e-4 => "radial 10/9",
+        Model::Lumped | Model::Dynamic => "radial, any power",
+        Model::Angular => "angular",
+        Model::Tabulated => "tabulated",
+        Model::QuasiStatic => {
+            let e = &of.effects;
+            let plain =
+                e.control == crate::scene::RaceControl::Outer && e.sharing == crate::scene::FrictionSharing::Outer;
+            match (e.centrifugal, e.gyroscopic, e.film.is_some()) {
+                (false, false, false) => "quasi-static, no effects",
+                (true, false, false) => "quasi-static, centrifugal",
+                (_, true, false) if plain => "quasi-static, gyroscopic",
+                (_, true, false) => "quasi-static, gyroscopic, any control",
+                (_, true, true) if plain => "quasi-static, gyroscopic, film",
+                _ => return None,
+            }
+        }
+    })
+}
+
+/// The row with as many elements, or what lies on the line through the two nearest.
+fn at(all: &[Row], what: &str, elements: usize, precision: &str, math: &str) -> Option<Cost> {
+    let same =
+        |row: &&Row| row.what == what && row.precision == precision && row.math == math && row.function == "force";
+    let mut found: Vec<&Row> = all.iter().filter(same).collect();
+    if let Some(row) = found.iter().find(|row| row.elements == elements || row.elements == 0) {
+        return Some(row.cost);
+    }
+    found.sort_by_key(|row| row.elements.abs_diff(elements));
+    match found.as_slice() {
+        [near, far, ..] => {
+            let part = (elements as f64 - near.elements as f64) / (far.elements as f64 - near.elements as f64);
+            Some(near.cost.mixed(far.cost, part))
+        }
+        [only] => {
+            // What does not grow with the elements is the way into the cage's frame and back.
+            let fixed =
+                |function| all.iter().find(|r| r.what == "angular" && r.elements == 8 && r.function == function);
+            let (all_of_it, inside) = (fixed("force")?.cost, fixed("force, in the cage's frame")?.cost);
+            let part = elements as f64 / only.elements as f64;
+            let grown = |cost: f64, fixed: f64| fixed + part * (cost - fixed);
+            Some(Cost {
+                instructions: grown(only.cost.instructions, all_of_it.instructions - inside.instructions),
+                cycles: grown(only.cost.cycles, all_of_it.cycles - inside.cycles),
+                counted: false,
+            })
+        }
+        [] => None,
+    }
+}

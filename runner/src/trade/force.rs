@@ -1,0 +1,246 @@
+//! Forces of a candidate at the poses of the scene's motion: how far off they are, and how long one takes.
+
+use super::poses::{Pose, Poses};
+use crate::plant::Plant;
+use crate::scene::build::{self, AnyBearing, Shared};
+use crate::scene::{Model, Scene};
+use anyhow::Result;
+use ballrace::bearing::{Bearing, Reaction};
+use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Stiffness, Wrench};
+use serde::Serialize;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// In which numbers and with which functions a force is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Arithmetic {
+    /// `f32` or `f64`
+    pub precision: &'static str,
+    /// `exact` or `fast`
+    pub math: &'static str,
+}
+
+/// All four, the truest first.
+pub const ARITHMETICS: [Arithmetic; 4] = [
+    Arithmetic { precision: "f64", math: "exact" },
+    Arithmetic { precision: "f64", math: "fast" },
+    Arithmetic { precision: "f32", math: "exact" },
+    Arithmetic { precision: "f32", math: "fast" },
+];
+
+/// Relative to the largest load of all bearings over the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Errors {
+    /// Of the middle one of all poses.
+    pub median: f64,
+    /// Exceeded by one pose in a hundred.
+    pub most_99: f64,
+    /// The largest.
+    pub largest: f64,
+}
+
+/// Rounds of a timing, of which the fastest counts: what disturbs only adds.
+const ROUNDS: usize = 7;
+
+/// The bearings of one candidate in one arithmetic.
+pub trait Forces {
+    /// Of bearing `i` at each pose, N and N m.
+    fn wrenches(&self, i: usize, poses: &[Pose]) -> Vec<Wrench<f64>>;
+
+    /// One force of every bearing, ns.
+    fn time(&self, poses: &Poses) -> f64;
+}
+
+/// The candidate's bearings as the plant seats them.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn forces(scene: &Scene, plant: &Plant, arithmetic: Arithmetic) -> Result<Box<dyn Forces>> {
+    Ok(match (arithmetic.precision, arithmetic.math) {
+        ("f32", "exact") => Box::new(Seated::<f32>::try_new::<Exact>(scene, plant)?),
+        ("f32", _) => Box::new(Seated::<f32>::try_new::<Fast>(scene, plant)?),
+        (_, "exact") => Box::new(Seated::<f64>::try_new::<Exact>(scene, plant)?),
+        _ => Box::new(Seated::<f64>::try_new::<Fast>(scene, plant)?),
+    })
+}
+
+/// Each bearing and its displacement by preload.
+struct Seated<T> {
+    bearings: Vec<(AnyBearing<T>, Displacement<T>)>,
+}
+
+impl<T: Scalar> Seated<T> {
+    fn try_new<M: Math<T>>(scene: &Scene, plant: &Plant) -> Result<Self> {
+        let seat = |(of, seat): (&crate::scene::Bearing, &crate::plant::Seat)| {
+            let bearing = match of.model {
+                Model::Linear => build::spring_of::<T>(&seat.bearing),
+                model => build::bearing::<T, M>(scene, of, model)?,
+            };
+            Ok((bearing, rounded(&seat.offset)))
+        };
+        Ok(Self { bearings: scene.bearings.iter().zip(&plant.seats).map(seat).collect::<Result<_>>()? })
+    }
+}
+
+fn rounded<T: Scalar>(u: &Displacement<f64>) -> Displacement<T> {
+    Displacement::from_array(u.to_array().map(T::from_f64))
+}
+
+fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, Rotation<T>) {
+    let at = &pose.at;
+    let turning = Rotation {
+        cage: at.cage,
+        inner: at.inner,
+        outer: at.outer,
+        ball: at.ball,
+        inner_speed: T::from_f64(at.inner_speed),
+        outer_speed: T::from_f64(at.outer_speed),
+    };
+    (rounded(&pose.u), turning)
+}
+
+impl<T: Scalar> Forces for Seated<T> {
+    fn wrenches(&self, i: usize, poses: &[Pose]) -> Vec<Wrench<f64>> {
+        let Some((bearing, offset)) = self.bearings.get(i) else { return vec![] };
+        let wrench = |pose: &Pose| {
+            let (u, at) = in_precision::<T>(pose);
+            Wrench::from_array(bearing.reaction(&u.plus(*offset), &at).wrench.to_array().map(Scalar::to_f64))
+        };
+        poses.iter().map(wrench).collect()
+    }
+
+    fn time(&self, poses: &Poses) -> f64 {
+        let ready: Vec<Vec<_>> = poses.iter().map(|poses| poses.iter().map(in_precision::<T>).collect()).collect();
+        let of_bearing = |((bearing, offset), ready): (&(AnyBearing<T>, Displacement<T>), &Vec<_>)| {
+            let round = || {
+                let begun = Instant::now();
+                for (u, at) in ready {
+                    let u: &Displacement<T> = black_box(u);
+                    black_box(bearing.reaction(&u.plus(*offset), black_box(at)));
+                }
+                begun.elapsed().as_secs_f64() * 1e9 / ready.len().max(1) as f64
+            };
+            (0..ROUNDS).map(|_| round()).fold(f64::INFINITY, f64::min)
+        };
+        self.bearings.iter().zip(&ready).map(of_bearing).sum()
+    }
+}
+
+/// What the candidates are held against.
+pub struct Truth {
+    wrenches: Vec<Vec<Wrench<f64>>>,
+    largest: f64,
+    /// Of each bearing, m: what makes a force of a moment.
+    arms: Vec<f64>,
+}
+
+impl Truth {
+    /// From the truest forces there are.
+    #[must_use]
+    pub fn new(scene: &Scene, forces: &dyn Forces, poses: &Poses) -> Self {
+        let wrenches: Vec<_> = poses.iter().enumerate().map(|(i, poses)| forces.wrenches(i, poses)).collect();
+        let arm = |of: &crate::scene::Bearing| of.geometry.map_or(0.0, |g| 0.5 * g.pitch_diameter);
+        let arms: Vec<f64> = scene.bearings.iter().map(arm).collect();
+        let zero = Wrench::default();
+        let sizes = wrenches.iter().zip(&arms).flat_map(|(all, &arm)| all.iter().map(move |f| apart(f, &zero, arm)));
+        let largest = sizes.fold(0.0, f64::max);
+        Self { wrenches, largest, arms }
+    }
+
+    /// The largest load, N.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// How far a candidate is off.
+    #[must_use]
+    pub fn errors(&self, forces: &dyn Forces, poses: &Poses) -> Errors {
+        let found: Vec<_> = poses.iter().enumerate().map(|(i, poses)| forces.wrenches(i, poses)).collect();
+        self.errors_of(&found, &self.wrenches)
+    }
+
+    /// How far a candidate is off the same rung in the truest arithmetic.
+    #[must_use]
+    pub fn rounding(&self, forces: &dyn Forces, exact: &dyn Forces, poses: &Poses) -> Errors {
+        let all = |forces: &dyn Forces| -> Vec<_> {
+            poses.iter().enumerate().map(|(i, poses)| forces.wrenches(i, poses)).collect()
+        };
+        self.errors_of(&all(forces), &all(exact))
+    }
+
+    fn errors_of(&self, found: &[Vec<Wrench<f64>>], right: &[Vec<Wrench<f64>>]) -> Errors {
+        let largest = self.largest.max(f64::MIN_POSITIVE);
+        let mut errors = Vec::new();
+        for ((found, right), &arm) in found.iter().zip(right).zip(&self.arms) {
+            errors.extend(found.iter().zip(right).map(|(f, r)| apart(f, r, arm) / largest));
+        }
+        // What is no number is as wrong as can be.
+        errors.iter_mut().filter(|e| e.is_nan()).for_each(|e| *e = f64::INFINITY);
+        errors.sort_by(f64::total_cmp);
+        let part = |p: f64| errors.get(((errors.len() as f64 - 1.0) * p).round() as usize).copied().unwrap_or(0.0);
+        Errors { median: part(0.5), most_99: part(0.99), largest: part(1.0) }
+    }
+}
+
+/// Length of the difference of two wrenches, moments over the arm.
+fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
+    let per_arm = if arm > 0.0 { 1.0 / arm } else { 0.0 };
+    let scale = [1.0, 1.0, 1.0, per_arm, per_arm];
+    let square = f.to_array().into_iter().zip(g.to_array()).zip(scale).map(|((f, g), s)| ((f - g) * s).powi(2));
+    square.sum::<f64>().sqrt()
+}
+
+/// A plant whose bearings compute their forces in single precision.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant> {
+    let single = Seated::<f32>::try_new::<Exact>(scene, &plant)?;
+    for (seat, (bearing, offset)) in plant.seats.iter_mut().zip(single.bearings) {
+        seat.replace(Shared(Arc::new(Single { bearing, offset })));
+    }
+    Ok(plant)
+}
+
+/// Single precision inside, double outside.
+struct Single {
+    bearing: AnyBearing<f32>,
+    offset: Displacement<f32>,
+}
+
+impl Single {
+    fn within(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Displacement<f32>, Rotation<f32>) {
+        let (u, at) = in_precision::<f32>(&Pose { u: *u, at: *at });
+        (u.plus(self.offset), at)
+    }
+}
+
+fn widened(reaction: &Reaction<f32>) -> Reaction<f64> {
+    Reaction {
+        wrench: Wrench::from_array(reaction.wrench.to_array().map(f64::from)),
+        load: f64::from(reaction.load),
+        status: reaction.status,
+    }
+}
+
+impl Bearing<f64> for Single {
+    fn reaction(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> Reaction<f64> {
+        let (u, at) = self.within(u, at);
+        widened(&self.bearing.reaction(&u, &at))
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+        let (u, at) = self.within(u, at);
+        let (reaction, k) = self.bearing.reaction_and_stiffness(&u, &at);
+        (widened(&reaction), k.map(f64::from))
+    }
+    fn element_loads(&self, u: &Displacement<f64>, at: &Rotation<f64>, loads: &mut [f64]) {
+        let (u, at) = self.within(u, at);
+        let mut single = vec![0.0; loads.len()];
+        self.bearing.element_loads(&u, &at, &mut single);
+        for (load, single) in loads.iter_mut().zip(single) {
+            *load = f64::from(single);
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The scene's own motion: where its bearings stand, sample by sample, measured or computed.
+
+use crate::motion::{self, Span};
+use crate::plant::Plant;
+use crate::recording::csv::CsvReader;
+use crate::recording::rotation::Tracker;
+use crate::replay::pose::PoseSolver;
+use crate::scene::{Recording, Scene};
+use anyhow::{Context, Result, bail};
+use ballrace::rotor::Drive;
+use ballrace::{Displacement, Rotation};
+use std::f64::consts::TAU;
+
+/// Samples of one turn of a computed motion.
+pub const A_TURN: f64 = 128.0;
+/// Turns of a computed motion that are looked at.
+pub const TURNS: f64 = 16.0;
+/// Where a bearing's force is asked for, at most.
+const MOST_POSES: usize = 512;
+/// Samples a second where the shaft stands still.
+const STILL_RATE: f64 = 10e3;
+
+/// One bearing at one moment.
+#[derive(Debug, Clone, Copy)]
+pub struct Pose {
+    /// Displacement by the rotor's motion.
+    pub u: Displacement<f64>,
+    /// How the parts stand and turn.
+    pub at: Rotation<f64>,
+}
+
+/// Of every bearing in the scene's order, some hundred poses of its motion.
+pub type Poses = Vec<Vec<Pose>>;
+
+/// How a motion is computed.
+#[must_use]
+pub fn span(scene: &Scene, plant: &Plant) -> Span {
+    let turning = [scene.shaft.speed.at(0.0), scene.shaft.speed.nominal(), scene.shaft.speed.at(f64::MAX)];
+    let fastest = turning.into_iter().map(f64::abs).filter(|w| w.is_finite()).fold(0.0, f64::max) / TAU;
+    let rate = if fastest > 0.0 { fastest * A_TURN } else { STILL_RATE };
+    // What a change of model starts has then died down to a thousandth.
+    let settle = 0.6 * plant.settling_time() * rate;
+    let ramp = match scene.shaft.speed {
+        crate::scene::Speed::Ramp { over, .. } => over.min(TURNS / fastest.max(1e-9) * 8.0) * rate,
+        _ => 0.0,
+    };
+    Span { rate, settle: settle.ceil() as u64, samples: (TURNS * A_TURN).max(ramp.ceil()) as u64 }
+}
+
+/// Poses of the motion that the plant computes.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
+    let span = span(scene, plant);
+    let stride = span.samples.div_ceil(MOST_POSES as u64).max(1);
+    let mut poses = vec![Vec::new(); plant.seats.len()];
+    let mut count = 0;
+    motion::run(
+        scene,
+        plant,
+        span,
+        |_| {},
+        |now| {
+            if count % stride == 0 {
+                for (i, (poses, seat)) in poses.iter_mut().zip(&plant.seats).enumerate() {
+                    let u = plant.displacement(i, now.twin.coordinates());
+                    poses.push(Pose { u, at: seat.rotation(seat.kinematics.parts_at(now.turned), &now.drive) });
+                }
+            }
+            count += 1;
+            Ok(())
+        },
+    )?;
+    Ok(poses)
+}
+
+/// Poses of the scene's recording; samples with a missing reading are left out. What no probe sees is taken from rest.
+///
+/// # Errors
+/// A recording that cannot be read, probes that do not tell the position.
+pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Poses> {
+    let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
+    let path = folder.join(&recording.file);
+    let mut reader = CsvReader::open(&path, recording).with_context(|| path.display().to_string())?;
+    let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
+    let solver = PoseSolver::try_new(&recording.probes, &stations).with_context(|| scene.path.display().to_string())?;
+    let mut tracker = Tracker::new(&recording.rotation, reader.rate(), scene.shaft.speed);
+    let mut all = vec![Vec::new(); plant.seats.len()];
+    let rest = plant.pose(&plant.rest);
+    let mut take = |tracker: &mut Tracker| {
+        while let Some(sample) = tracker.pop() {
+            let pose = solver.pose(&sample.row.probes, rest.w);
+            let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+            let turned = sample.revolution as f64 + sample.angle.revolutions();
+            if pose.is_finite() {
+                for (poses, seat) in all.iter_mut().zip(&plant.seats) {
+                    let at = seat.rotation(seat.kinematics.parts_at(turned), &drive);
+                    poses.push(Pose { u: pose.at_station(seat.station), at });
+                }
+            }
+            tracker.recycle(sample.row);
+        }
+    };
+    let mut row = tracker.blank();
+    while reader.next_row(&mut row)? {
+        tracker.push(row)?;
+        take(&mut tracker);
+        row = tracker.blank();
+    }
+    tracker.finish()?;
+    take(&mut tracker);
+    let thinned: Poses = all
+        .iter()
+        .map(|poses: &Vec<Pose>| poses.iter().step_by(poses.len().div_ceil(MOST_POSES).max(1)).copied().collect())
+        .collect();
+    if thinned.iter().any(Vec::is_empty) {
+        bail!("{}: found no sample with all probes, allowed: at least one turn of the shaft", path.display());
+    }
+    Ok(thinned)
+}

@@ -1,0 +1,128 @@
+//! The motion that a candidate computes beside the truest one: rungs, integrators and time steps.
+
+use super::poses;
+use crate::motion;
+use crate::plant::Plant;
+use crate::scene::{Method, Scene};
+use anyhow::Result;
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+/// How far a computed motion is off.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MotionErrors {
+    /// Of the 1X vector over the truth's (at least a hundredth of its peak to peak), the worst direction of all bearings.
+    pub one_per_turn: f64,
+    /// Of the vector at the ball pass of the outer race, over the truth's peak to peak.
+    pub ball_pass: f64,
+    /// Relative.
+    pub peak_to_peak: f64,
+    /// Root mean square of what is left, over that of the truth about its mean.
+    pub residual: f64,
+    /// Change of the mean position, over the truth's peak to peak.
+    pub mean: f64,
+}
+
+/// Integrators with their names in the scene.
+pub const METHODS: [(&str, Method); 3] =
+    [("runge-kutta", Method::RungeKutta), ("newmark", Method::Newmark { newton_steps: 2 }), ("verlet", Method::Verlet)];
+
+/// Displacement of all bearings along X and Y, sample by sample.
+pub struct Motion {
+    /// One series a bearing and direction.
+    series: Vec<Vec<f64>>,
+    turned: Vec<f64>,
+    orders: Vec<f64>,
+    /// Computing time over the time computed.
+    pub seconds_per_second: f64,
+    /// Steps that overflowed.
+    pub held: u64,
+}
+
+/// Runs a candidate's rotor as long as the truth's: from the truth's span, so that samples fall on each other.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
+    let mut series = vec![Vec::new(); 2 * plant.seats.len()];
+    let mut turned = Vec::new();
+    let begun = Instant::now();
+    let (held, _) = motion::run(
+        scene,
+        plant,
+        span,
+        |_| {},
+        |now| {
+            for i in 0..plant.seats.len() {
+                let u = plant.displacement(i, now.twin.coordinates());
+                for (along, x) in series.iter_mut().skip(2 * i).zip([u.u, u.v]) {
+                    along.push(x);
+                }
+            }
+            turned.push(now.turned);
+            Ok(())
+        },
+    )?;
+    let computed = (span.settle + span.samples) as f64 / span.rate;
+    let orders = plant.seats.iter().map(|s| s.kinematics.orders.outer_race).collect();
+    Ok(Motion { series, turned, orders, seconds_per_second: begun.elapsed().as_secs_f64() / computed, held })
+}
+
+/// The span of the truth.
+#[must_use]
+pub fn span(scene: &Scene, plant: &Plant) -> motion::Span {
+    poses::span(scene, plant)
+}
+
+impl Motion {
+    /// How far this motion is off the truth.
+    #[must_use]
+    pub fn errors(&self, truth: &Self) -> MotionErrors {
+        let sum = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
+        let spread = |x: &[f64]| x.iter().fold(f64::MIN, |m, &x| m.max(x)) - x.iter().fold(f64::MAX, |m, &x| m.min(x));
+        // Over the largest of all directions: one in which nothing moves says nothing.
+        let most =
+            |size: &dyn Fn(&[f64]) -> f64| truth.series.iter().map(|x| size(x)).fold(f64::MIN_POSITIVE, f64::max);
+        let rms = |x: &[f64], about: f64| sum(&x.iter().map(|x| (x - about).powi(2)).collect::<Vec<_>>()).sqrt();
+        let size = |v: [f64; 2]| v[0].hypot(v[1]);
+        let (moved, swung) = (most(&spread), most(&|x| rms(x, sum(x))));
+        // A rotor that hardly swings with the shaft has no 1X to be right about.
+        let once = most(&|x| size(line(x, &truth.turned, 1.0))).max(0.01 * moved);
+        let mut errors =
+            MotionErrors { one_per_turn: 0.0, ball_pass: 0.0, peak_to_peak: 0.0, residual: 0.0, mean: 0.0 };
+        for (i, (x, right)) in self.series.iter().zip(&truth.series).enumerate() {
+            let order = truth.orders.get(i / 2).copied().unwrap_or(0.0);
+            let off = |order: f64| {
+                let (a, b) = (line(x, &truth.turned, order), line(right, &truth.turned, order));
+                size([a[0] - b[0], a[1] - b[1]])
+            };
+            let apart: Vec<f64> = x.iter().zip(right).map(|(a, b)| a - b).collect();
+            let entries = [
+                (&mut errors.one_per_turn, off(1.0) / once),
+                (&mut errors.ball_pass, if order > 0.0 { off(order) / moved } else { 0.0 }),
+                (&mut errors.peak_to_peak, (spread(x) - spread(right)).abs() / moved),
+                (&mut errors.residual, rms(&apart, sum(&apart)) / swung),
+                (&mut errors.mean, sum(&apart).abs() / moved),
+            ];
+            for (worst, error) in entries {
+                *worst = if error.is_nan() { f64::INFINITY } else { worst.max(error) };
+            }
+        }
+        errors
+    }
+}
+
+/// Amplitude at an order of the shaft as a vector, under a Hann window.
+fn line(x: &[f64], turned: &[f64], order: f64) -> [f64; 2] {
+    let n = x.len().max(1) as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    let mut vector = [0.0; 2];
+    for (i, (x, turned)) in x.iter().zip(turned).enumerate() {
+        let window = 1.0 - (TAU * i as f64 / n).cos();
+        let (sin, cos) = (TAU * order * turned).sin_cos();
+        vector[0] += 2.0 / n * window * (x - mean) * cos;
+        vector[1] += 2.0 / n * window * (x - mean) * sin;
+    }
+    vector
+}

@@ -1,0 +1,179 @@
+//! What can be asked of a scene's bearings: the rungs with their options, each as an edit of the scene's own text.
+//!
+//! A candidate is the scene as a user would have written it, read and checked like any other: what the reader or the
+//! kernel refuses is not possible here, and its words say why.
+
+use crate::scene::read::read_str;
+use crate::scene::{Effects, Model, Scene};
+use anyhow::{Context, Result};
+use std::path::Path;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, value};
+
+/// One rung with its options.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// In words.
+    pub name: String,
+    model: Model,
+    /// Of those that the scene names: those that are kept.
+    effects: Vec<&'static str>,
+    /// Newton steps of a cold start, where not the kernel's own number.
+    steps: Option<u8>,
+    /// Of the table.
+    intervals: Option<[i64; 3]>,
+}
+
+/// Keys of a bearing that only models with balls in equilibrium take.
+const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lubricant", "table", "solver_steps"];
+/// Keys of a bearing that only the lumped model takes and its geometry can stand for.
+const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
+/// Effects in the order in which they can be left out.
+const NESTED: [&str; 3] = ["centrifugal", "gyroscopic", "film"];
+/// Newton steps with which a cold solution is tried, and those of the truth.
+const STEPS: [u8; 4] = [3, 4, 5, 6];
+const CONVERGED: u8 = 20;
+/// Intervals along approach and angle with which a table is tried.
+const TABLES: [[i64; 2]; 4] = [[8, 4], [16, 8], [32, 16], [64, 32]];
+/// Intervals along a speed that hardly changes.
+const ABOUT_ONE_SPEED: i64 = 4;
+/// Intervals along a speed that changes.
+const OVER_SPEEDS: i64 = 16;
+
+impl Rung {
+    fn new(name: &str, model: Model) -> Self {
+        Self { name: name.to_owned(), model, effects: vec![], steps: None, intervals: None }
+    }
+
+    /// The kernel's model.
+    #[must_use]
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// Every rung for a scene, cheapest first; the last one is the dearest.
+    #[must_use]
+    pub fn all(scene: &Scene) -> Vec<Self> {
+        let named = named(scene);
+        let mut rungs = vec![Self::new("linear", Model::Linear), Self::new("lumped", Model::Lumped)];
+        rungs.push(Self::new("angular", Model::Angular));
+        let span =
+            if matches!(scene.shaft.speed, crate::scene::Speed::Constant(_)) { ABOUT_ONE_SPEED } else { OVER_SPEEDS };
+        for [approach, angle] in TABLES {
+            let mut rung = Self::new(&format!("tabulated {approach} x {angle}"), Model::Tabulated);
+            rung.effects.clone_from(&named);
+            rung.intervals = Some([approach, angle, span]);
+            rungs.push(rung);
+        }
+        for kept in 0..=named.len() {
+            let effects = named.get(..kept).unwrap_or_default().to_vec();
+            let name = if effects.is_empty() { "no effects".to_owned() } else { effects.join(", ") };
+            let base = Self { effects, ..Self::new(&format!("quasi-static, {name}"), Model::QuasiStatic) };
+            if kept == named.len() {
+                rungs.extend(STEPS.map(|steps| Self {
+                    name: format!("{}, {steps} steps", base.name),
+                    steps: Some(steps),
+                    ..base.clone()
+                }));
+            }
+            rungs.push(base);
+        }
+        if scene.bearings.iter().any(|b| b.model == Model::Dynamic) {
+            rungs.push(Self::new("dynamic", Model::Dynamic));
+        }
+        rungs
+    }
+
+    /// The dearest rung of all, solved until nothing moves any more.
+    #[must_use]
+    pub fn converged(&self) -> Self {
+        let steps = (self.model == Model::QuasiStatic).then_some(CONVERGED);
+        Self { steps, ..self.clone() }
+    }
+
+    /// Whether this rung differs from the kernel's own number of steps.
+    #[must_use]
+    pub fn has_own_steps(&self) -> bool {
+        self.steps.is_some()
+    }
+
+    /// The scene's text with this rung in the place of its bearings' models. Bearings given by a stiffness matrix keep it.
+    ///
+    /// # Errors
+    /// A text that is no TOML.
+    pub fn written(&self, text: &str, scene: &Scene) -> Result<String> {
+        let mut document: DocumentMut = text.parse().context("found no TOML")?;
+        let tables = document.get_mut("bearing").and_then(Item::as_array_of_tables_mut);
+        self.put(tables.context("found no [[bearing]]")?, scene);
+        Ok(document.to_string())
+    }
+
+    fn put(&self, tables: &mut ArrayOfTables, scene: &Scene) {
+        for (table, of) in tables.iter_mut().zip(&scene.bearings) {
+            if of.model == Model::Linear && !table.contains_key("linearise") {
+                continue;
+            }
+            let has = |key: &str| table.contains_key(key);
+            let (geometry, film) = (has("ball_diameter"), has("lubricant"));
+            let mut gone: Vec<&str> = Vec::new();
+            if !matches!(self.model, Model::QuasiStatic | Model::Tabulated) {
+                gone.extend(OF_BALLS);
+            }
+            if geometry && !matches!(self.model, Model::Lumped | Model::Dynamic) {
+                gone.extend(OF_LUMPED);
+            }
+            gone.extend(["solver_steps", "linearise", "element_damping"]);
+            for key in gone.iter().filter(|key| self.model != Model::Dynamic || **key != "element_damping") {
+                table.remove(key);
+            }
+            table.insert("model", value(self.model.name()));
+            match self.model {
+                Model::QuasiStatic | Model::Tabulated => {
+                    let kept = self.effects.iter().filter(|e| **e != "film" || film);
+                    table.insert("effects", value(kept.copied().collect::<Array>()));
+                }
+                Model::Linear => {
+                    table.insert("linearise", value(if geometry { "angular" } else { "lumped" }));
+                }
+                _ => {}
+            }
+            if let Some(steps) = self.steps {
+                table.insert("solver_steps", value(i64::from(steps)));
+            }
+            if let Some(intervals) = self.intervals {
+                let list: Value = intervals.into_iter().collect::<Array>().into();
+                match table.get_mut("table").and_then(Item::as_table_like_mut) {
+                    Some(given) => {
+                        given.insert("intervals", value(list));
+                    }
+                    None => {
+                        let inline: InlineTable = [("intervals", list)].into_iter().collect();
+                        table.insert("table", value(inline));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The scene with this rung.
+    ///
+    /// # Errors
+    /// What the reader refuses.
+    pub fn scene(&self, text: &str, path: &Path, scene: &Scene) -> Result<Scene> {
+        Ok(read_str(&self.written(text, scene)?, path)?)
+    }
+}
+
+/// Effects that any bearing names, in the order in which they can be left out.
+fn named(scene: &Scene) -> Vec<&'static str> {
+    let has = |name: &str| {
+        scene.bearings.iter().any(|b| {
+            let Effects { centrifugal, gyroscopic, film, .. } = b.effects;
+            match name {
+                "centrifugal" => centrifugal,
+                "gyroscopic" => gyroscopic,
+                _ => film.is_some(),
+            }
+        })
+    };
+    NESTED.into_iter().filter(|name| has(name)).collect()
+}

@@ -1,0 +1,237 @@
+//! `ballrace trade`: its figures are those of `force`, its front is one, what it chooses meets what was asked.
+
+use crate::support::{Desk, numbers};
+use serde_json::Value;
+
+/// Two angular-contact bearings under preload at speed; damped so that it settles soon.
+const SPINDLE: &str = r#"
+name = "spindle"
+[shaft]
+speed = "12000 rpm"
+[rotor]
+mass = "2 kg"
+diametral_inertia = 4e-3
+polar_inertia = 2e-3
+damping = [4000, 4000, 4000, 4, 4]
+load = [150, 0, 100, 0, 0]
+unbalance = [{ moment = "2 g mm", angle = "17 deg", station = "20 mm" }]
+[[bearing]]
+name = "A"
+station = "-50 mm"
+facing = "+z"
+model = "quasi-static"
+elements = 8
+ball_diameter = "7 mm"
+pitch_diameter = "38.5 mm"
+inner_conformity = 0.52
+outer_conformity = 0.52
+contact_angle = "25 deg"
+effects = ["centrifugal", "gyroscopic"]
+preload = { force = "500 N" }
+[[bearing]]
+name = "B"
+station = "50 mm"
+facing = "-z"
+model = "quasi-static"
+elements = 8
+ball_diameter = "7 mm"
+pitch_diameter = "38.5 mm"
+inner_conformity = 0.52
+outer_conformity = 0.52
+contact_angle = "25 deg"
+effects = ["centrifugal", "gyroscopic"]
+preload = { force = "500 N" }
+"#;
+
+/// Springs of balls, nothing that could be solved.
+const LUMPED: &str = r#"
+name = "lumped"
+[shaft]
+speed = "3000 rpm"
+[rotor]
+mass = "6 kg"
+diametral_inertia = 0.03
+polar_inertia = 0.006
+damping = [4000, 4000, 4000, 4, 4]
+stiffness = [0, 0, 1e7, 0, 0]
+[[bearing]]
+name = "A"
+station = "-100 mm"
+model = "lumped"
+elements = 9
+cage_ratio = 0.4
+stiffness = 8e9
+radial_play = "2 um"
+[[bearing]]
+name = "B"
+station = "100 mm"
+model = "lumped"
+elements = 9
+cage_ratio = 0.4
+stiffness = 8e9
+radial_play = "2 um"
+"#;
+
+fn desk(scene: &str) -> Desk {
+    let desk = Desk::empty();
+    desk.put("scene.toml", scene);
+    desk
+}
+
+fn figure(one: &Value, path: &[&str]) -> f64 {
+    path.iter().fold(one, |value, key| &value[key]).as_f64().unwrap_or_else(|| panic!("{path:?} of {one}"))
+}
+
+fn find<'a>(all: &'a Value, rung: &str, precision: &str, math: &str) -> &'a Value {
+    let all = all["candidates"].as_array().unwrap();
+    let same =
+        |c: &&Value| c["rung"] == rung && c["arithmetic"]["precision"] == precision && c["arithmetic"]["math"] == math;
+    all.iter().find(same).unwrap_or_else(|| panic!("{rung} {precision} {math}"))
+}
+
+#[test]
+fn the_ladder_on_a_spindle() {
+    let desk = desk(SPINDLE);
+    let all = desk.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
+    assert_eq!((all["motion"].as_str(), all["poses"].as_u64()), (Some("simulation"), Some(512)));
+    assert_eq!(all["truth"], "quasi-static, centrifugal, gyroscopic");
+    let candidates = all["candidates"].as_array().unwrap();
+    for c in candidates {
+        let (found, modelling, rounding) = (
+            figure(c, &["error", "largest"]),
+            figure(c, &["modelling", "largest"]),
+            figure(c, &["rounding", "largest"]),
+        );
+        assert!(found <= (modelling + rounding) * (1.0 + 1e-9), "{c}");
+        assert!(figure(c, &["error", "median"]) <= figure(c, &["error", "most_99"]));
+        // What beats a candidate on the front in both would throw it off.
+        let cost = |c: &Value| c["cortex"]["cycles"].as_f64();
+        if let (Some(own), Some(true)) = (cost(c), c["front_cortex"].as_bool()) {
+            let beaten = candidates.iter().any(|o| {
+                cost(o).is_some_and(|other| other < own)
+                    && figure(o, &["error", "most_99"]) < figure(c, &["error", "most_99"])
+            });
+            assert!(!beaten, "{c}");
+        }
+    }
+    let error = |rung: &str, precision: &str| figure(find(&all, rung, precision, "exact"), &["error", "most_99"]);
+    // The dearest rung is the truth but for its last steps; single precision costs its rounding only.
+    assert!(error("quasi-static, centrifugal, gyroscopic", "f64") < 1e-10);
+    assert!((1e-9..1e-5).contains(&error("quasi-static, centrifugal, gyroscopic", "f32")));
+    // Each effect left out and each coarser table is further off.
+    let [full, centrifugal, none] =
+        ["quasi-static, centrifugal, gyroscopic", "quasi-static, centrifugal", "quasi-static, no effects"]
+            .map(|rung| error(rung, "f64"));
+    assert!(full < 0.1 * centrifugal && centrifugal < none, "{full:e} {centrifugal:e} {none:e}");
+    let tables = ["8 x 4", "16 x 8", "32 x 16", "64 x 32"].map(|size| error(&format!("tabulated {size}"), "f64"));
+    assert!(tables.windows(2).all(|pair| pair[1] < pair[0]), "{tables:?}");
+    // Balls solved one by one without inertia are the closed form.
+    assert!((error("angular", "f64") / none - 1.0).abs() < 1e-6);
+    // Of the motion too: the nearer model of the force gives the nearer motion.
+    let left = |rung: &str| {
+        let all = all["responses"].as_array().unwrap();
+        let usual = |r: &&Value| r["rung"] == rung && r["usual"] == true && r["precision"] == "f64";
+        figure(all.iter().find(usual).unwrap(), &["error", "residual"])
+    };
+    assert!(left("quasi-static, centrifugal, gyroscopic") < 0.1 * left("tabulated 8 x 4"));
+    assert!(left("tabulated 64 x 32") < left("angular"));
+    let why = all["impossible"].as_array().unwrap();
+    assert_eq!(why.iter().map(|w| w["rung"].as_str().unwrap()).collect::<Vec<_>>(), ["linear", "lumped"]);
+    assert!(why.iter().all(|w| w["why"].as_str().unwrap().contains("preload")), "{why:?}");
+    let page = desk.read("ballrace-trade.html");
+    assert_eq!(page.matches("<svg").count(), 3);
+}
+
+#[test]
+fn what_is_chosen_meets_what_was_asked() {
+    let desk = desk(SPINDLE);
+    let out = desk.done(&["trade", "scene.toml", "--forces-only", "--error", "0.2%"]).out;
+    assert!(out.contains("scene-chosen.toml"), "{out}");
+    let chosen = desk.read("scene-chosen.toml");
+    assert!(chosen.contains("model = \"tabulated\"") && chosen.contains("[16, 8, 4]"), "{chosen}");
+    // Held by another way: forces of both scenes at one displacement.
+    desk.put("u.csv", "u,v,w,thu,thv\n1e-6,0,1.2e-5,0,0\n0,1e-6,1.1e-5,0,0\n");
+    let force = |scene: &str| {
+        let args = ["force", scene, "--displacements", "u.csv", "--bearing", "A", "--format", "csv"];
+        numbers(&desk.done(&args).out.replace(",ok", "")).1
+    };
+    for (near, right) in force("scene-chosen.toml").iter().zip(&force("scene.toml")) {
+        let apart = near.iter().zip(right).take(3).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        assert!(apart < 0.002 * right.iter().take(3).map(|f| f * f).sum::<f64>().sqrt(), "{near:?} {right:?}");
+    }
+    let args = [
+        "trade",
+        "scene.toml",
+        "--forces-only",
+        "--deadline",
+        "20 us at 168 MHz",
+        "-o",
+        "fast.toml",
+        "--format",
+        "json",
+    ];
+    let choice = desk.done(&args).json::<Value>()["choice"].clone();
+    assert!(figure(&choice, &["seconds"]) <= 20e-6 && choice["rung"] == "angular", "{choice}");
+    assert!(desk.read("fast.toml").contains("model = \"angular\"") && !desk.read("fast.toml").contains("effects"));
+    let longer = [
+        "trade",
+        "scene.toml",
+        "--forces-only",
+        "--deadline",
+        "1 ms at 168 MHz",
+        "-o",
+        "true.toml",
+        "--format",
+        "json",
+    ];
+    let choice = desk.done(&longer).json::<Value>()["choice"].clone();
+    assert!(
+        choice["rung"].as_str().unwrap().starts_with("quasi-static, centrifugal, gyroscopic")
+            && figure(&choice, &["error"]) < 1e-6,
+        "{choice}"
+    );
+    desk.refused(
+        &["trade", "scene.toml", "--forces-only", "--deadline", "1 us at 16 MHz"],
+        2,
+        &["--deadline: found 1.000 us at 16 MHz"],
+    );
+}
+
+#[test]
+fn springs_of_balls_have_no_dearer_truth() {
+    let desk = desk(LUMPED);
+    let all = desk.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
+    assert_eq!(all["truth"], "lumped");
+    let cost = &find(&all, "lumped", "f32", "exact")["cortex"];
+    // Twice the row of the target's table.
+    assert_eq!(cost["counted"], true);
+    let table = include_str!("../../runner/src/trade/cortex-m4f.csv");
+    let row = table.lines().find(|line| line.starts_with("radial 3/2;9;f32;exact;force;")).unwrap();
+    let instructions: f64 = row.split(';').nth(5).unwrap().parse().unwrap();
+    assert_eq!(figure(cost, &["instructions"]), 2.0 * instructions);
+    assert!(figure(find(&all, "linear", "f64", "exact"), &["error", "most_99"]) > 0.01);
+    let csv = desk.done(&["trade", "scene.toml", "--format", "csv"]).out;
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert!(csv.lines().all(|line| line.split(',').count() == columns), "{csv}");
+}
+
+#[test]
+fn goals_that_say_nothing_are_refused() {
+    let desk = desk(LUMPED);
+    let refused = |more: &[&str], words: &[&str]| {
+        desk.refused(&[&["trade", "scene.toml"], more].concat(), 2, words);
+    };
+    refused(&["--error", "some"], &["--error: found \"some\", allowed: a share above 0"]);
+    refused(&["--error=-1%"], &["--error"]);
+    refused(&["--deadline", "20 us"], &["--deadline", "20 us at 168 MHz"]);
+    refused(&["--deadline", "20 um at 168 MHz"], &["--deadline"]);
+    refused(&["-o", "a.toml"], &["--output", "--error or --deadline"]);
+    refused(&["--error", "1%", "-o", "scene.toml"], &["--output"]);
+    desk.put(
+        "alone.toml",
+        LUMPED.split("[rotor]").next().unwrap().to_owned()
+            + "[[bearing]]"
+            + LUMPED.split("[[bearing]]").nth(1).unwrap(),
+    );
+    desk.refused(&["trade", "alone.toml"], 2, &["[rotor]: found none"]);
+}
