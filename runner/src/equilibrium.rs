@@ -1,6 +1,7 @@
 //! Where a bearing or a rotor settles, and what each element then carries.
 
 use crate::campbell::modes;
+use crate::needs::{self, Need};
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
@@ -39,6 +40,8 @@ pub struct Settled {
     pub solving_seconds: f64,
     /// What changes when an effect is switched off.
     pub effects: Vec<EffectShare>,
+    /// What each effect is predicted to change, also those that the scene leaves out.
+    pub needs: Vec<Need>,
 }
 
 /// One bearing in its place.
@@ -158,6 +161,8 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
     };
     let solving_seconds = begun.elapsed().as_secs_f64();
     let one = bearing_settled(&of.name, &built, &u, &u, &at);
+    // The displacement has the preload in it.
+    let needs = needs::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(Settled {
         scene: scene.name.clone(),
         speed: at.inner_speed,
@@ -170,6 +175,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         residual,
         solving_seconds,
         effects: vec![],
+        needs,
     })
 }
 
@@ -245,6 +251,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         residual: plant.residual,
         solving_seconds,
         effects: vec![],
+        needs: needs::at_rest(scene, &plant)?,
     })
 }
 

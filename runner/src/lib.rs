@@ -9,6 +9,7 @@ pub mod cli;
 pub mod equilibrium;
 pub mod fault;
 pub mod motion;
+pub mod needs;
 pub mod output;
 pub mod plant;
 pub mod recording;

@@ -221,8 +221,10 @@ fn goals_that_say_nothing_are_refused() {
     let refused = |more: &[&str], words: &[&str]| {
         desk.refused(&[&["trade", "scene.toml"], more].concat(), 2, words);
     };
-    refused(&["--error", "some"], &["--error: found \"some\", allowed: a share above 0"]);
-    refused(&["--error=-1%"], &["--error"]);
+    for error in ["--error=some", "--error=-1%", "--error=0"] {
+        let answer = desk.run(&["trade", "scene.toml", error]);
+        assert!(answer.code == Some(2) && answer.err.contains("allowed: a share above 0"), "{answer:?}");
+    }
     refused(&["--deadline", "20 us"], &["--deadline", "20 us at 168 MHz"]);
     refused(&["--deadline", "20 um at 168 MHz"], &["--deadline"]);
     refused(&["-o", "a.toml"], &["--output", "--error or --deadline"]);

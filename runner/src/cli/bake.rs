@@ -1,8 +1,9 @@
 //! `ballrace bake`: a scene as constants for firmware.
 
-use super::{Format, keep_apart};
+use super::{Format, keep_apart, say};
 use crate::bake::{Baked, bake};
 use crate::fault::scene_fault;
+use crate::needs;
 use crate::output::AtomicFile;
 use crate::scene::read::read_file;
 use anyhow::Result;
@@ -26,12 +27,14 @@ pub struct Args {
 ///
 /// # Errors
 /// What is wrong with the scene, or an output that cannot be written.
-pub fn run(args: &Args, format: Format) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
     let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(|e| scene_fault(&e))?;
     AtomicFile::write(&args.output, &source)?;
-    print(&baked, args, format)
+    let needs = needs::of_scene(&scene)?;
+    print(&baked, args, format)?;
+    if format == Format::Text { say(&mut std::io::stdout().lock(), &needs, error) } else { Ok(()) }
 }
 
 fn print(baked: &[Baked], args: &Args, format: Format) -> Result<()> {

@@ -1,8 +1,9 @@
 //! `ballrace campbell`: natural frequencies over the shaft's speed.
 
-use super::{Format, keep_apart};
+use super::{Format, keep_apart, say};
 use crate::campbell::{AtSpeed, Whirl, campbell};
 use crate::fault::{SceneFault, scene_fault};
+use crate::needs;
 use crate::output::AtomicFile;
 use crate::report;
 use crate::scene::read::read_file;
@@ -29,7 +30,7 @@ pub struct Args {
 ///
 /// # Errors
 /// What is wrong with scene or speeds.
-pub fn run(args: &Args, format: Format) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     if let Some(path) = &args.report {
         keep_apart(&[("--report", path)], &[&args.scene])?;
@@ -48,6 +49,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
             if let Some(path) = &args.report {
                 writeln!(out, "Written: {}", path.display())?;
             }
+            say(&mut out, &needs::of_scene(&scene)?, error)?;
         }
     }
     Ok(out.flush()?)

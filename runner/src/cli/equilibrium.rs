@@ -1,6 +1,6 @@
 //! `ballrace equilibrium`: where the rotor or a bearing settles.
 
-use super::{Format, keep_apart};
+use super::{Format, keep_apart, say};
 use crate::equilibrium::{Element, settle};
 use crate::fault::scene_fault;
 use crate::output::AtomicFile;
@@ -30,7 +30,7 @@ pub struct Args {
 ///
 /// # Errors
 /// What is wrong with scene or load.
-pub fn run(args: &Args, format: Format) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     if let Some(path) = &args.report {
         keep_apart(&[("--report", path)], &[&args.scene])?;
@@ -47,7 +47,10 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
             writeln!(out)?;
         }
         Format::Csv => csv(&mut out, &settled.elements)?,
-        Format::Text => out.write_all(report::equilibrium::text(&settled).as_bytes())?,
+        Format::Text => {
+            out.write_all(report::equilibrium::text(&settled).as_bytes())?;
+            say(&mut out, &settled.needs, error)?;
+        }
     }
     if format == Format::Text
         && let Some(path) = &args.report

@@ -1,7 +1,8 @@
 //! `ballrace force`: ring displacements in, forces out.
 
-use super::Format;
+use super::{Format, say};
 use crate::fault::{SceneFault, scene_fault};
+use crate::needs::{self, Need};
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::read::read_file;
 use crate::scene::{Bearing, Linear, Model, Scene};
@@ -60,7 +61,7 @@ enum MathName {
 ///
 /// # Errors
 /// What is wrong with the scene or the displacements.
-pub fn run(args: &Args, format: Format) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(|e| scene_fault(&e))?;
     let model = match args.model {
@@ -84,7 +85,20 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         Precision::F64 => 16,
         Precision::F32 => 8,
     };
-    print(&forces, format, digits)
+    print(&forces, format, digits)?;
+    let needs = needed(&scene, bearing, model, &rows)?;
+    if format == Format::Text { say(&mut std::io::stdout().lock(), &needs, error) } else { Ok(()) }
+}
+
+/// What matters at the largest displacement.
+fn needed(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Row]) -> Result<Vec<Need>> {
+    let size = |row: &&Row| row.u.iter().take(3).map(|x| x * x).sum::<f64>();
+    let finite = rows.iter().filter(|row| size(row).is_finite());
+    let Some(row) = finite.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(vec![]) };
+    // The displacements have the preload in them.
+    let of = Bearing { model, preload: None, ..bearing.clone() };
+    let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..row.at };
+    needs::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)
 }
 
 /// One displacement and how the bearing is turned with it.

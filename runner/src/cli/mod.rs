@@ -11,10 +11,12 @@ pub mod sweep;
 pub mod trade;
 
 use crate::fault::SceneFault;
+use crate::needs::{self, Need};
 use crate::recording::error::RecordingError;
 use crate::scene::read::SceneError;
 use anyhow::{Result, bail};
 use clap::{Parser, Subcommand, ValueEnum};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -28,6 +30,27 @@ pub struct Cli {
     /// Form of standard output: text for people, json or csv for programs.
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     pub format: Format,
+    /// Error of force that is good enough, e.g. 1%: an effect left out that is predicted to matter more is warned of;
+    /// `trade` takes the cheapest model that meets it.
+    #[arg(long, global = true, value_name = "E", value_parser = share)]
+    pub error: Option<f64>,
+}
+
+/// A share such as `1%` or `0.01`, above 0.
+fn share(text: &str) -> Result<f64, String> {
+    let (number, scale) = text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |number| (number.trim(), 0.01));
+    match number.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number * scale),
+        _ => Err(format!("found {text:?}, allowed: a share above 0, such as \"1%\" or 0.01")),
+    }
+}
+
+/// Tells people which effects matter in a scene, which are left out, and warns where that is too much.
+fn say(out: &mut impl Write, needs: &[Need], error: Option<f64>) -> Result<()> {
+    for line in needs::words(needs, error.unwrap_or(needs::GOOD_ENOUGH)) {
+        writeln!(out, "{line}")?;
+    }
+    Ok(())
 }
 
 /// The commands.
@@ -95,14 +118,14 @@ fn place(path: &Path) -> PathBuf {
 #[must_use]
 pub fn run(cli: &Cli) -> ExitCode {
     let done = match &cli.command {
-        Command::Replay(args) => replay::run(args, cli.format),
-        Command::Force(args) => force::run(args, cli.format),
-        Command::Bake(args) => bake::run(args, cli.format),
-        Command::Equilibrium(args) => equilibrium::run(args, cli.format),
-        Command::Simulate(args) => simulate::run(args, cli.format),
-        Command::Campbell(args) => campbell::run(args, cli.format),
-        Command::Sweep(args) => sweep::run(args, cli.format),
-        Command::Trade(args) => trade::run(args, cli.format),
+        Command::Replay(args) => replay::run(args, cli.format, cli.error),
+        Command::Force(args) => force::run(args, cli.format, cli.error),
+        Command::Bake(args) => bake::run(args, cli.format, cli.error),
+        Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),
+        Command::Simulate(args) => simulate::run(args, cli.format, cli.error),
+        Command::Campbell(args) => campbell::run(args, cli.format, cli.error),
+        Command::Sweep(args) => sweep::run(args, cli.format, cli.error),
+        Command::Trade(args) => trade::run(args, cli.format, cli.error),
         Command::Scenes(args) => scenes::run(args, cli.format),
     };
     match done {

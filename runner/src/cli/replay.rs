@@ -48,7 +48,7 @@ pub struct Args {
 ///
 /// # Errors
 /// What is wrong with scene, recording or outputs.
-pub fn run(args: &Args, format: Format) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = match &args.scene {
         Some(path) => read_file(path)?,
         None => read_str(DEMO_SCENE, Path::new("built-in demonstration"))?,
@@ -65,6 +65,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     };
     let options = Options {
         paced: args.paced,
+        error,
         forces: args.forces.as_deref(),
         baseline: args.baseline.as_deref(),
         progress: Some(&progress),

@@ -1,8 +1,9 @@
 //! `ballrace simulate`: the time response of the scene's rotor from its rest position.
 
-use super::{Format, keep_apart};
+use super::{Format, keep_apart, say};
 use crate::fault::{SceneFault, scene_fault};
 use crate::motion::{self, Moment, Span};
+use crate::needs::{self, Need};
 use crate::output::AtomicFile;
 use crate::plant::Plant;
 use crate::scene::Scene;
@@ -49,13 +50,14 @@ struct Summary {
     computing_seconds: f64,
     times_real_time: f64,
     output: String,
+    needs: Vec<Need>,
 }
 
 /// Runs the command.
 ///
 /// # Errors
 /// What is wrong with scene, duration, rate or output.
-pub fn run(args: &Args, format: Format) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let duration = option("--duration", &args.duration, Dimension::Time)?;
     let rate = option("--rate", &args.rate, Dimension::Frequency)?;
@@ -70,7 +72,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let plant = Plant::try_new(&scene).map_err(|e| scene_fault(&e))?;
     let span = Span { rate, settle: settle as u64, samples: samples as u64 };
     let summary = simulate(&scene, &plant, span, &args.output)?;
-    print(&summary, &plant.notes, format)
+    print(&summary, &plant.notes, format, error)
 }
 
 fn option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
@@ -125,6 +127,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
         computing_seconds: seconds,
         times_real_time: total as f64 / span.rate / seconds,
         output: path.display().to_string(),
+        needs: needs::at_rest(scene, plant)?,
     })
 }
 
@@ -156,7 +159,7 @@ fn write_row(file: &mut AtomicFile, now: &Moment<'_>) -> std::io::Result<()> {
     writeln!(file)
 }
 
-fn print(summary: &Summary, notes: &[String], format: Format) -> Result<()> {
+fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>) -> Result<()> {
     let mut out = std::io::stdout().lock();
     let ([x, y, z], [mean_x, mean_y, mean_z]) = (summary.peak_to_peak_um, summary.mean_um);
     match format {
@@ -191,6 +194,7 @@ fn print(summary: &Summary, notes: &[String], format: Format) -> Result<()> {
             for note in notes {
                 writeln!(out, "{note}")?;
             }
+            say(&mut out, &summary.needs, error)?;
             writeln!(out, "Written: {}", summary.output)?;
         }
     }

@@ -1,7 +1,8 @@
 //! `ballrace sweep`: a scene over ranges of its keys.
 
-use super::{Format, keep_apart};
+use super::{Format, keep_apart, say};
 use crate::fault::SceneFault;
+use crate::needs;
 use crate::output::AtomicFile;
 use crate::report;
 use crate::scene::read::read_file;
@@ -74,7 +75,7 @@ struct Summary {
 ///
 /// # Errors
 /// What is wrong with scene, options or files.
-pub fn run(args: &Args, format: Format) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
     let axes = args.over.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>>>()?;
@@ -118,7 +119,9 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let written = [&table, &columns, &section, &page].map(|path| path.display().to_string()).to_vec();
     let summary =
         Summary { scene: scene.name, points: rows.len(), computed, taken_over: rows.len() - computed, written };
-    print(&summary, &plan.axes, &rows, format)
+    print(&summary, &plan.axes, &rows, format)?;
+    let first = plan.scene(&plan.values(0))?;
+    if format == Format::Text { say(&mut std::io::stdout().lock(), &needs::of_scene(&first)?, error) } else { Ok(()) }
 }
 
 fn time(text: &str) -> Result<f64> {

@@ -1,6 +1,6 @@
 //! `ballrace trade`: error against cost of everything that a scene allows, and which to take.
 
-use super::{Format, keep_apart};
+use super::{Format, keep_apart, say};
 use crate::fault::SceneFault;
 use crate::output::AtomicFile;
 use crate::report;
@@ -17,9 +17,6 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Take the cheapest with at most this error of force, e.g. 1%.
-    #[arg(long, value_name = "E", conflicts_with = "deadline")]
-    error: Option<String>,
     /// Take the truest whose forces of all bearings are done in time, e.g. "20 us at 168 MHz" (Cortex-M4F).
     #[arg(long, value_name = "TIME at CLOCK")]
     deadline: Option<String>,
@@ -41,8 +38,8 @@ pub struct Args {
 ///
 /// # Errors
 /// What is wrong with scene, goal or outputs; a goal that nothing meets.
-pub fn run(args: &Args, format: Format) -> Result<()> {
-    let goal = goal(args)?;
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
+    let goal = goal(args, error)?;
     let scene = read_file(&args.scene)?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
     let output = args.output.clone().unwrap_or_else(|| beside(&args.scene));
@@ -65,7 +62,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     if let Some(choice) = &found.choice {
         AtomicFile::write(&output, &written(&scene, &text, &choice.rung)?)?;
     }
-    print(&found, args, &output, format)
+    print(&found, args, &output, (format, error))
 }
 
 fn bar() -> ProgressBar {
@@ -81,24 +78,15 @@ fn beside(scene: &Path) -> PathBuf {
     scene.with_file_name(format!("{stem}-chosen.toml"))
 }
 
-fn goal(args: &Args) -> Result<Option<Goal>> {
-    Ok(match (&args.error, &args.deadline) {
-        (Some(text), _) => Some(Goal::Error(share("--error", text)?, args.on)),
-        (_, Some(text)) => Some(deadline(text)?),
-        _ => None,
+fn goal(args: &Args, error: Option<f64>) -> Result<Option<Goal>> {
+    Ok(match (error, &args.deadline) {
+        (Some(_), Some(_)) => {
+            bail!(SceneFault("--deadline: found --error beside it, allowed: one of them".to_owned()))
+        }
+        (Some(error), None) => Some(Goal::Error(error, args.on)),
+        (None, Some(text)) => Some(deadline(text)?),
+        (None, None) => None,
     })
-}
-
-/// A share such as `1%` or `0.01`, above 0.
-///
-/// # Errors
-/// Anything else, named by its option.
-pub fn share(option: &str, text: &str) -> Result<f64> {
-    let (number, scale) = text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |number| (number.trim(), 0.01));
-    match number.parse::<f64>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number * scale),
-        _ => bail!(SceneFault(format!("{option}: found {text:?}, allowed: a share above 0, such as \"1%\" or 0.01"))),
-    }
 }
 
 fn deadline(text: &str) -> Result<Goal> {
@@ -112,13 +100,15 @@ fn deadline(text: &str) -> Result<Goal> {
     Ok(Goal::Deadline { time: positive(time, Dimension::Time)?, clock: positive(clock, Dimension::Frequency)? })
 }
 
-fn print(found: &Trade, args: &Args, output: &Path, format: Format) -> Result<()> {
+fn print(found: &Trade, args: &Args, output: &Path, (format, error): (Format, Option<f64>)) -> Result<()> {
     let mut out = BufWriter::new(std::io::stdout().lock());
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(found)?)?,
         Format::Csv => out.write_all(report::trade::csv(found).as_bytes())?,
         Format::Text => {
             out.write_all(report::trade::text(found).as_bytes())?;
+            writeln!(out)?;
+            say(&mut out, &found.needs, error)?;
             if let Some(choice) = &found.choice {
                 writeln!(out, "\n{}", report::trade::chosen(choice))?;
                 writeln!(out, "Written: {}, {}", output.display(), args.report.display())?;

@@ -15,6 +15,7 @@ pub mod statistics;
 pub mod timing;
 
 use crate::fault::{SceneFault, scene_fault};
+use crate::needs;
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
 use crate::recording::Sample;
@@ -45,6 +46,8 @@ pub struct Options<'a> {
     pub paced: bool,
     /// Where every sample's forces go.
     pub forces: Option<&'a Path>,
+    /// Error of force that is good enough: an effect left out that matters more is warned of.
+    pub error: Option<f64>,
     /// A baseline to judge against.
     pub baseline: Option<&'a Path>,
     /// Called now and then with the bytes read and, when known, their total.
@@ -215,6 +218,8 @@ impl<'a> Run<'a> {
     fn try_new(scene: &Scene, probes: &'a [Probe], rate: f64, options: &Options) -> Result<Self> {
         only_rigid(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
+        let mut notes = plant.notes.clone();
+        notes.extend(needs::words(&needs::at_rest(scene, &plant)?, options.error.unwrap_or(needs::GOOD_ENOUGH)));
         let linear = plant.linearised(&vec![true; plant.seats.len()])?;
         let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
@@ -230,7 +235,7 @@ impl<'a> Run<'a> {
             locator: Locator::new(&plant),
             planes,
             solver,
-            notes: plant.notes.clone(),
+            notes,
             plant,
             linear,
             moving: None,

@@ -235,6 +235,8 @@ pub struct Bearing {
     pub waviness: Vec<Wave>,
     /// What the quasi-static and tabulated models take into account.
     pub effects: Effects,
+    /// `lubricant`, whether or not its film is one of the effects.
+    pub lubricant: Option<Lubricant>,
     /// How the bearing is preloaded.
     pub preload: Option<Preload>,
     /// What the table of the tabulated model is made for, as far as the scene says.

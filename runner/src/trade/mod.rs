@@ -15,6 +15,7 @@ pub use response::MotionErrors;
 pub use rung::Rung;
 
 use crate::fault::SceneFault;
+use crate::needs::{self, Need};
 use crate::plant::Plant;
 use crate::scene::{Method, Model, Scene};
 use anyhow::{Context, Result, bail};
@@ -41,6 +42,8 @@ pub struct Trade {
     pub responses: Vec<Response>,
     /// What the scene does not allow, and why.
     pub impossible: Vec<Impossible>,
+    /// Which effects the scene needs.
+    pub needs: Vec<Need>,
     /// What to take, where a goal was given.
     pub choice: Option<Choice>,
 }
@@ -157,6 +160,7 @@ pub fn trade(
         candidates,
         responses,
         impossible,
+        needs: needs::of_scene(scene)?,
         choice,
     })
 }

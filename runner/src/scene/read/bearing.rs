@@ -124,6 +124,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         defect: defects(table, model, elements)?,
         waviness: waviness(table, model, elements)?,
         effects: super::effects::read(table, model)?,
+        lubricant: super::effects::lubricant(table)?,
         preload: super::effects::preload(table, model)?,
         table: super::effects::table_range(table, model)?,
         coordinates: coordinates(table, "coordinates", on_system)?,

@@ -55,20 +55,25 @@ fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
 
 /// The oil is checked wherever it is given, and needed where the film is named.
 fn film(table: &Table<'_>, named: bool) -> Read<Option<Lubricant>> {
-    let oil = table.read("lubricant", |node| {
-        let table = node.table(&["viscosity", "pressure_viscosity", "roughness"])?;
-        Ok(Lubricant {
-            viscosity: table.positive("viscosity", Dimension::Viscosity)?,
-            pressure_viscosity: table.positive("pressure_viscosity", Dimension::PressureViscosity)?,
-            roughness: table.read("roughness", |n| n.positive(Dimension::Length))?,
-        })
-    })?;
+    let oil = lubricant(table)?;
     let wants = "{ viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }, the oil of the film";
     match (named, oil) {
         (true, None) => Err(table.missing("lubricant", wants)),
         (true, oil) => Ok(oil),
         (false, _) => Ok(None),
     }
+}
+
+/// `lubricant`, which may be known where its film is left out.
+pub(super) fn lubricant(table: &Table<'_>) -> Read<Option<Lubricant>> {
+    table.read("lubricant", |node| {
+        let table = node.table(&["viscosity", "pressure_viscosity", "roughness"])?;
+        Ok(Lubricant {
+            viscosity: table.positive("viscosity", Dimension::Viscosity)?,
+            pressure_viscosity: table.positive("pressure_viscosity", Dimension::PressureViscosity)?,
+            roughness: table.read("roughness", |n| n.positive(Dimension::Length))?,
+        })
+    })
 }
 
 /// `preload`, for the models that carry thrust by a contact angle.

@@ -1,0 +1,445 @@
+//! What a scene needs: each effect's change of the bearing's force, predicted from the static load of every ball
+//! (MODEL E), and whether the scene's model has it.
+//!
+//! A ball that a small force `F` pushes from its place between the races, its groove centres held, moves by
+//! `K x = F` with `K = (k_i + k_o) e e^T + Q (1/l_i + 1/l_o) t t^T`: along the contact by the stiffness of both contacts,
+//! across it by the pull of the load itself. Across, the way is long and stretches the contacts: `Q' = K_n (delta +
+//! x_t^2 (1/l_i + 1/l_o)/2)^1.5`, solved together with `x_t Q' (1/l_i + 1/l_o) = F_t`. What the inner ring feels of it
+//! is told without solving the balls' equilibrium.
+
+use crate::plant::Plant;
+use crate::scene::build;
+use crate::scene::{Bearing as BearingScene, Effects, Facing, Fit, Model, Preload, Scene};
+use anyhow::Result;
+use ballrace::bearing::Bearing;
+use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};
+use ballrace::contact::hertz::{PointContact, Race};
+use ballrace::{Displacement, Exact, Rotation, Turn};
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// One effect on one bearing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Need {
+    /// The scene's name of the bearing.
+    pub bearing: String,
+    /// `centrifugal`, `gyroscopic`, `film`, `contact-angle` or `moving-balls`.
+    pub effect: &'static str,
+    /// What the force changes by when the effect is left out, over the force.
+    pub change: f64,
+    /// Whether the scene's model has it.
+    pub modelled: bool,
+    /// Whether the scene says all that the prediction needs: a film of an oil that nobody named is not warned of.
+    pub known: bool,
+    /// What it comes from, in words.
+    pub because: String,
+}
+
+/// An error of force that is warned of where nobody says what is good enough.
+pub const GOOD_ENOUGH: f64 = 0.01;
+/// Oil that is assumed where a scene names none: mineral oil of a viscosity that is usual at running temperature.
+const USUAL_OIL: Oil = Oil { viscosity: 0.02, pressure_viscosity: 2e-8 };
+/// Rest positions over a ball pitch.
+const PITCH_SAMPLES: u32 = 16;
+/// Rounds of the equation for `x_t`: a monotone one of a single unknown.
+const ROUNDS: usize = 60;
+/// Rounds of load and film, each nearer by a factor of about ten.
+const FILM_ROUNDS: usize = 8;
+/// Secants at most.
+const SECANTS: usize = 12;
+
+/// Of every bearing where the rotor rests at its nominal speed.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<Need>> {
+    let mut all = Vec::new();
+    for (i, (of, seat)) in scene.bearings.iter().zip(&plant.seats).enumerate() {
+        let u = plant.displacement(i, &plant.rest);
+        all.extend(of_bearing(scene, of, &u, &plant.resting(seat, Turn::ZERO))?);
+    }
+    Ok(all)
+}
+
+/// Of every bearing: where the rotor rests, or, without a rotor, under the preload.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn of_scene(scene: &Scene) -> Result<Vec<Need>> {
+    if scene.rotor.is_some() || scene.system.is_some() {
+        return at_rest(scene, &Plant::try_new(scene)?);
+    }
+    let mut all = Vec::new();
+    for of in &scene.bearings {
+        let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..build::rotation_at(scene, of, 0.0)? };
+        all.extend(of_bearing(scene, of, &Displacement::default(), &at)?);
+    }
+    Ok(all)
+}
+
+/// Of one bearing whose rings stand `u` apart besides its preload; none where nothing is loaded.
+///
+/// # Errors
+/// What the kernel refuses.
+pub fn of_bearing(scene: &Scene, of: &BearingScene, u: &Displacement<f64>, at: &Rotation<f64>) -> Result<Vec<Need>> {
+    let Some(geometry) = build::geometry(of)? else { return Ok(vec![]) };
+    if matches!(of.geometry, Some(crate::scene::Geometry { fit: Fit::DiametralClearance(s), .. }) if s < 0.0) {
+        return Ok(vec![]);
+    }
+    let still = BearingScene { model: Model::Angular, effects: Effects::default(), ..of.clone() };
+    let built = build::bearing::<f64, Exact>(scene, &still, Model::Angular)?;
+    let offset = build::preload_offset(scene, &still, &built)?.unwrap_or_default();
+    let look = |u: &Displacement<f64>| Balls::new(&still, &geometry, at, u);
+    let loaded = look(&u.plus(offset));
+    let right = loaded.sum(Ball::push);
+    let force = size(right);
+    if force <= 0.0 {
+        return Ok(vec![]);
+    }
+    // A bearing preloaded by a force is pushed on until it carries that force again.
+    let by_force = matches!(of.preload, Some(Preload::Force(_)));
+    let pushed = |change: &dyn Fn(&Ball) -> [f64; 2]| {
+        let whole = |ball: &Ball| plus(ball.push(), change(ball));
+        if !by_force {
+            return loaded.sum(whole);
+        }
+        let along = |more: f64| Displacement { w: offset.w + more, ..offset };
+        let carried = look(&offset).sum(Ball::push)[2];
+        let lacking = |more: f64| carried - look(&along(more)).sum(whole)[2];
+        let more = root(lacking, 1e-3 * offset.w);
+        look(&u.plus(along(more))).sum(whole)
+    };
+    let change = |with: [f64; 3], without: [f64; 3]| size(minus(with, without)) / force;
+    let (fitted, oil) = (
+        of.effects,
+        of.lubricant.map_or(USUAL_OIL, |f| Oil { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity }),
+    );
+    let inertia = Inertia::new(of, &geometry, at);
+    let [thrown, spun] = [false, true].map(|spin| pushed(&|ball| inertia.change(ball, spin)));
+    let wet = pushed(&|ball| ball.film(&geometry, oil, at));
+    let solved = matches!(of.model, Model::QuasiStatic | Model::Tabulated);
+    let named = of.name.clone();
+    let need = |effect, change, modelled, because: String| Need {
+        bearing: named.clone(),
+        effect,
+        change,
+        modelled,
+        known: effect != "film" || of.lubricant.is_some(),
+        because,
+    };
+    let worst = |ratio: &dyn Fn(&Ball) -> f64| loaded.0.iter().filter(|b| b.load > 0.0).map(ratio).fold(0.0, f64::max);
+    let throw = worst(&|b| inertia.centrifugal(b) / b.load);
+    let spin = worst(&|b| 2.0 * inertia.moment(b) / inertia.diameter / b.load);
+    let thick = worst(&|b| b.films(&geometry, oil, at, b.load) / b.approach);
+    let turned = worst(&|b| (b.angle - b.free_angle).abs().to_degrees());
+    let pass = pass(&built, &u.plus(offset), at, of.elements, force);
+    let all = [
+        need(
+            "centrifugal",
+            change(thrown, right),
+            solved && fitted.centrifugal,
+            format!("centrifugal force {} of the load of a ball", share(throw)),
+        ),
+        need(
+            "gyroscopic",
+            change(spun, thrown),
+            solved && fitted.gyroscopic,
+            format!("friction against the gyroscopic moment {} of the load of a ball", share(spin)),
+        ),
+        need(
+            "film",
+            change(wet, right),
+            solved && fitted.film.is_some(),
+            format!(
+                "film {} of the approach{}",
+                share(thick),
+                if of.lubricant.is_some() { "" } else { " with a usual oil" }
+            ),
+        ),
+        need(
+            "contact-angle",
+            loaded.held_angle(force),
+            !matches!(of.model, Model::Linear | Model::Lumped | Model::Dynamic),
+            format!("contact angles turned by up to {turned:.2} degrees"),
+        ),
+        need("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
+    ];
+    // What a film or spin does without turning is nothing.
+    Ok(all.into_iter().filter(|need| need.change.is_finite()).collect())
+}
+
+/// Half the swing of the force while the balls pass by, over the force.
+fn pass(
+    bearing: &build::AnyBearing<f64>,
+    u: &Displacement<f64>,
+    at: &Rotation<f64>,
+    elements: usize,
+    force: f64,
+) -> f64 {
+    let at_part = |i: u32| {
+        let part = f64::from(i) / f64::from(PITCH_SAMPLES) / elements as f64;
+        let at = Rotation { cage: at.cage.plus(Turn::from_revolutions(part)), ..*at };
+        let wrench = bearing.reaction(u, &at).wrench.to_array();
+        [wrench[0], wrench[1], wrench[2]]
+    };
+    let all: Vec<[f64; 3]> = (0..PITCH_SAMPLES).map(at_part).collect();
+    let swing = |i: usize| {
+        let (low, high) = all.iter().fold((f64::MAX, f64::MIN), |(low, high), f| (low.min(f[i]), high.max(f[i])));
+        0.5 * (high - low)
+    };
+    size([swing(0), swing(1), swing(2)]) / force
+}
+
+fn size([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}
+
+fn plus([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a + c, b + d]
+}
+
+fn minus([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    [a - x, b - y, c - z]
+}
+
+/// Where `f` is 0, by secants from 0 and `first`.
+fn root(f: impl Fn(f64) -> f64, first: f64) -> f64 {
+    let (mut a, mut b) = (0.0, first);
+    let mut fa = f(a);
+    for _ in 0..SECANTS {
+        let fb = f(b);
+        let next = b - fb * (b - a) / (fb - fa);
+        if !next.is_finite() || (next - b).abs() <= 1e-6 * next.abs() {
+            break;
+        }
+        (a, fa, b) = (b, fb, next);
+    }
+    b
+}
+
+fn share(x: f64) -> String {
+    if x < 1e-4 { format!("{:.1e} %", x * 100.0) } else { format!("{:.2} %", x * 100.0) }
+}
+
+/// One ball under its static load, in its plane: radial outward and axial.
+struct Ball {
+    azimuth: f64,
+    /// N
+    load: f64,
+    /// rad, and where the line of groove centres pointed before anything moved.
+    angle: f64,
+    free_angle: f64,
+    /// Of both contacts together, m.
+    approach: f64,
+    /// Distances of the ball's centre from the groove centres, m.
+    lengths: [f64; 2],
+    /// Point contacts' constants, N/m^1.5: inner, outer, in series.
+    constants: [f64; 3],
+    /// Distance of the groove centres, m.
+    apart: f64,
+}
+
+struct Balls(Vec<Ball>);
+
+impl Balls {
+    /// Where the rings' groove centres stand `u` apart: the closed form of balls without inertia.
+    fn new(of: &BearingScene, g: &BallBearingGeometry, at: &Rotation<f64>, u: &Displacement<f64>) -> Self {
+        let constants = [g.contact(Race::Inner).stiffness, g.contact(Race::Outer).stiffness, g.stiffness()];
+        let (free_angle, rest) = match of.facing {
+            Facing::PlusZ => (g.contact_angle, g.groove_distance()),
+            Facing::MinusZ => (-g.contact_angle, g.groove_distance()),
+            Facing::Both => (0.0, g.groove_distance() * g.contact_angle.cos()),
+        };
+        let half = 0.5 * g.ball_diameter;
+        let lengths = [g.inner_conformity, g.outer_conformity].map(|f| f * g.ball_diameter - half);
+        let arm = g.inner_groove_radius();
+        let ball = |j: usize| {
+            let azimuth = build::place::<f64>(of, j).azimuth().plus(at.cage).radians();
+            let (sin, cos) = azimuth.sin_cos();
+            let radial = rest * free_angle.cos() + u.u * cos + u.v * sin;
+            let axial = rest * free_angle.sin() + u.w + arm * (u.thu * sin - u.thv * cos);
+            let apart = radial.hypot(axial);
+            let approach = apart - g.groove_distance();
+            let load = constants[2] * approach.max(0.0).powf(1.5);
+            let part = |k: f64| (load / k).powf(2.0 / 3.0);
+            Ball {
+                azimuth,
+                load,
+                angle: axial.atan2(radial),
+                free_angle,
+                approach,
+                lengths: [lengths[0] + part(constants[0]), lengths[1] + part(constants[1])],
+                constants,
+                apart,
+            }
+        };
+        Self((0..of.elements).map(ball).collect())
+    }
+
+    /// Sum of forces in the balls' planes.
+    fn sum(&self, of: impl Fn(&Ball) -> [f64; 2]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for ball in &self.0 {
+            let [radial, axial] = of(ball);
+            let (sin, cos) = ball.azimuth.sin_cos();
+            sum = [sum[0] + radial * cos, sum[1] + radial * sin, sum[2] + axial];
+        }
+        sum
+    }
+
+    /// What changes when the contact angles are held where they were before anything moved, over the force.
+    fn held_angle(&self, force: f64) -> f64 {
+        size(self.sum(|ball| {
+            let off = ball.angle - ball.free_angle;
+            let (sin, cos) = off.sin_cos();
+            // Only what lies along the held line presses the contacts.
+            let approach = (ball.approach - ball.apart * (1.0 - cos)).max(0.0);
+            let held = ball.constants[2] * approach.powf(1.5);
+            let (free_sin, free_cos) = ball.free_angle.sin_cos();
+            let along = held - ball.load * cos;
+            let across = -ball.load * sin;
+            [along * free_cos - across * free_sin, along * free_sin + across * free_cos]
+        })) / force
+    }
+}
+
+impl Ball {
+    fn push(&self) -> [f64; 2] {
+        let (sin, cos) = self.angle.sin_cos();
+        [self.load * cos, self.load * sin]
+    }
+
+    /// Change of what the inner ring feels under a force on the ball along and across the contact.
+    fn pushed(&self, along: f64, across: f64) -> [f64; 2] {
+        let [inner, outer] = [self.constants[0], self.constants[1]].map(|k| k.powf(2.0 / 3.0));
+        let pull = self.lengths.iter().map(|l| 1.0 / l).sum::<f64>();
+        // x Q'(x) pull = F_t, whose left side grows with x.
+        let load = |x: f64| self.constants[2] * (self.approach + 0.5 * x * x * pull).max(0.0).powf(1.5);
+        let (mut low, mut high) = (0.0, self.apart);
+        for _ in 0..ROUNDS {
+            let middle = 0.5 * (low + high);
+            if middle * load(middle) * pull < across.abs() { low = middle } else { high = middle }
+        }
+        let x = across.signum() * 0.5 * (low + high);
+        let carried = (load(x) - inner / (inner + outer) * along).max(0.0);
+        let (turn_sin, turn_cos) = (x / self.lengths[0]).atan().sin_cos();
+        let (e, t) = (carried * turn_cos - self.load, -carried * turn_sin);
+        let (sin, cos) = self.angle.sin_cos();
+        [e * cos - t * sin, e * sin + t * cos]
+    }
+
+    /// Central films of both contacts under `load`, m.
+    fn films(&self, g: &BallBearingGeometry, oil: Oil, at: &Rotation<f64>, load: f64) -> f64 {
+        let gamma = g.ball_diameter / g.pitch_diameter * self.angle.cos();
+        let slide = 0.25 * g.pitch_diameter * (at.inner_speed - at.outer_speed).abs() * (1.0 - gamma * gamma);
+        if slide <= 0.0 {
+            return 0.0;
+        }
+        let film = |race, along: f64| {
+            let PointContact { effective_modulus, ellipticity, .. } = g.contact(race);
+            central_film(oil, effective_modulus, along, ellipticity, slide, load)
+        };
+        let half = 0.5 * g.ball_diameter;
+        film(Race::Inner, half * (1.0 - gamma)) + film(Race::Outer, half * (1.0 + gamma))
+    }
+
+    /// Change by films, which press the contacts the more, and are the thinner for it.
+    fn film(&self, g: &BallBearingGeometry, oil: Oil, at: &Rotation<f64>) -> [f64; 2] {
+        let pressed = |load: f64| self.constants[2] * (self.approach + self.films(g, oil, at, load)).max(0.0).powf(1.5);
+        let more = (0..FILM_ROUNDS).fold(self.load, |load, _| pressed(load)) - self.load;
+        let (sin, cos) = self.angle.sin_cos();
+        [more * cos, more * sin]
+    }
+}
+
+/// What the balls' motion does.
+struct Inertia {
+    mass: f64,
+    diameter: f64,
+    pitch: f64,
+    inner_speed: f64,
+    outer_speed: f64,
+}
+
+impl Inertia {
+    fn new(of: &BearingScene, g: &BallBearingGeometry, at: &Rotation<f64>) -> Self {
+        let density = of.geometry.map_or(0.0, |g| g.density);
+        Self {
+            mass: density * PI / 6.0 * g.ball_diameter.powi(3),
+            diameter: g.ball_diameter,
+            pitch: g.pitch_diameter,
+            inner_speed: at.inner_speed,
+            outer_speed: at.outer_speed,
+        }
+    }
+
+    fn gamma(&self, ball: &Ball) -> f64 {
+        self.diameter / self.pitch * ball.angle.cos()
+    }
+
+    /// rad/s
+    fn orbit(&self, ball: &Ball) -> f64 {
+        let gamma = self.gamma(ball);
+        0.5 * (self.inner_speed * (1.0 - gamma) + self.outer_speed * (1.0 + gamma))
+    }
+
+    /// N
+    fn centrifugal(&self, ball: &Ball) -> f64 {
+        0.5 * self.mass * self.pitch * self.orbit(ball).powi(2)
+    }
+
+    /// N m, in size, rolling without spin on the outer race.
+    fn moment(&self, ball: &Ball) -> f64 {
+        let ratio = self.diameter / self.pitch;
+        let spin = (self.inner_speed - self.outer_speed) * (1.0 - self.gamma(ball).powi(2)) / (2.0 * ratio);
+        let (sin, cos) = ball.angle.sin_cos();
+        let pitch_angle = sin.atan2(cos + ratio);
+        (0.1 * self.mass * self.diameter.powi(2) * self.orbit(ball) * spin * pitch_angle.sin()).abs()
+    }
+
+    /// Change of what the inner ring feels by the centrifugal force, with or without the gyroscopic moment.
+    fn change(&self, ball: &Ball, gyroscopic: bool) -> [f64; 2] {
+        let (sin, cos) = ball.angle.sin_cos();
+        let throw = self.centrifugal(ball);
+        let moment = if gyroscopic { 2.0 * self.moment(ball) / self.diameter } else { 0.0 };
+        // Both turn the inner contact the same way.
+        ball.pushed(throw * cos, -throw * sin - moment * sin.signum())
+    }
+}
+
+/// What a command says of a scene: which effects are kept, which are left out and what that is predicted to change, and
+/// a warning where that is more than `error`.
+#[must_use]
+pub fn words(needs: &[Need], error: f64) -> Vec<String> {
+    let mut names: Vec<&str> = needs.iter().map(|need| need.bearing.as_str()).collect();
+    names.dedup();
+    let line = |name: &&str| {
+        let of = || needs.iter().filter(|need| need.bearing == **name);
+        let list = |modelled: bool| {
+            let told = of().filter(|need| need.modelled == modelled);
+            let told: Vec<String> = told.map(|need| format!("{} {}", need.effect, share(need.change))).collect();
+            if told.is_empty() { "none".to_owned() } else { told.join(", ") }
+        };
+        format!(
+            "{name}: effects of this scene, as change of force if left out: {}; left out: {}",
+            list(true),
+            list(false)
+        )
+    };
+    let warning = |need: &Need| {
+        format!(
+            "{}: WARNING: {} is left out and predicted to change the force by {} ({}), more than {}",
+            need.bearing,
+            need.effect,
+            share(need.change),
+            need.because,
+            share(error)
+        )
+    };
+    let lacking = needs.iter().filter(|need| need.known && !need.modelled && need.change > error);
+    names.iter().map(line).chain(lacking.map(warning)).collect()
+}
+
+#[cfg(test)]
+mod tests;
