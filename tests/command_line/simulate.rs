@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, numbers, recorded, scene};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, numbers, recorded, scene, swap};
 
 /// Turns of the demonstration's shaft a second.
 const SPEED: f64 = 50.0;
@@ -203,4 +203,21 @@ fn statistics_of_the_rig() {
             near("ball pass", line(&mine, PASS), line(&other, PASS), 4.0 * few);
         }
     }
+}
+
+/// A step beyond the integrator's limit and balls pressed flat are said, and what overflows is held.
+#[test]
+fn what_is_beyond_its_range_is_said() {
+    let desk = Desk::rig();
+    let args = ["simulate", "coarse.toml", "--duration", "0.05 s", "--rate", "1 kHz", "-o", "o.csv"];
+    desk.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nmethod = \"verlet\"\nstep = \"1 ms\"\n");
+    let out = desk.done(&args).out;
+    assert!(out.contains("The step of 1000.000 us is beyond") && out.contains("overflows"), "{out}");
+    desk.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nmethod = \"verlet\"\nstep = \"20 us\"\n");
+    assert!(!desk.done(&args).out.contains("beyond"));
+    let heavy = swap(DEMO_SCENE, "[\"0 N\", \"0 N\", \"60 N\"", "[\"0 N\", \"-60 kN\", \"60 N\"");
+    desk.put("coarse.toml", &heavy);
+    assert!(desk.done(&args).out.contains("beyond 4.2 GPa, the static limit of ISO 76"));
+    let settled = desk.done(&["equilibrium", "coarse.toml"]).out;
+    assert!(settled.contains("BEYOND YIELD"), "{settled}");
 }

@@ -93,7 +93,8 @@ impl Math<f32> for Fast {
     #[inline]
     fn sqrt(x: f32) -> f32 {
         // micromath's estimate of 1/sqrt(x) is 3.4 % off; one Newton step without a division makes it 0.18 %.
-        let inverse = <f32 as micromath::F32Ext>::invsqrt(x);
+        // Its subtraction overflows below 0: of NaN with a sign, where builds with assertions would stop.
+        let inverse = <f32 as micromath::F32Ext>::invsqrt(Scalar::abs(x));
         x * inverse * (1.5 - 0.5 * x * inverse * inverse)
     }
     #[inline]

@@ -28,6 +28,10 @@ impl<T: Scalar> Equilibrium<T, 5> {
 
 /// Iterations at most; the usual are 10 to 40. Set-up, not the hot path: it ends when nothing is left to balance.
 const ITERATIONS: usize = 150;
+/// Iterations after which the drag fades whatever the residual does: a rotor on springs so soft that it rests far away.
+const PATIENCE: usize = 40;
+/// By how much it does, an iteration.
+const FADING: f64 = 0.8;
 /// How far a free rotor may go in the first iteration, m: the order of bearing clearances.
 const FIRST_STEP: f64 = 2e-5;
 
@@ -58,8 +62,7 @@ pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize
         })
     };
     let scale = load.iter().fold(T::ZERO, |s, f| s + f.abs()) + T::from_f64(1e-9);
-    let drag = scale / T::from_f64(FIRST_STEP);
-
+    let mut drag = scale / T::from_f64(FIRST_STEP);
     let mut q = start.into();
     let mut result = Equilibrium { q, stiffness: SMatrix::from_element(T::ZERO), residual: T::ONE };
     for iteration in 0..ITERATIONS {
@@ -74,6 +77,9 @@ pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize
         }
         if relative < T::SETTLED * T::from_f64(1e-4) {
             break;
+        }
+        if iteration > PATIENCE {
+            drag *= T::from_f64(FADING);
         }
         let mut matrix = stiffness;
         for (i, &share) in shares.iter().enumerate() {

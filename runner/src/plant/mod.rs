@@ -17,6 +17,7 @@ use crate::scene::build;
 use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use anyhow::{Result, bail};
 use ballrace::bearing::Bearing as _;
+use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Drive, Equilibrium, Machine, System, equilibrium};
 use ballrace::{Displacement, Rotation, Turn};
 use machine::{Fit, MachineTask};
@@ -24,6 +25,8 @@ use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use twin::{StartTask, array};
 
+/// Peak pressure of the static limit of ISO 76 for ball bearings, Pa.
+pub const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Rest positions over one ball pitch that a linearised bearing is the mean of.
 const PITCH_SAMPLES: u32 = 16;
 
@@ -99,7 +102,50 @@ impl Plant {
         plant.damping = &plant.stiffness * plant.proportional_damping;
         // A bearing's tangent may be a little off symmetry at speed; damping is not.
         plant.damping = 0.5 * (&plant.damping + plant.damping.transpose());
+        plant.warn(scene);
         Ok(plant)
+    }
+
+    /// Notes what is beyond its range: contacts pressed flat, a step that the integrator cannot take.
+    fn warn(&mut self, scene: &Scene) {
+        for (i, (of, seat)) in scene.bearings.iter().zip(&self.seats).enumerate() {
+            let Ok(Some(geometry)) = build::geometry(of) else { continue };
+            let mut loads = vec![0.0; seat.elements];
+            let (u, at) = (self.displacement(i, &self.rest), self.resting(seat, Turn::ZERO));
+            seat.bearing.element_loads(&u, &at, &mut loads);
+            let pressure = geometry.contact(Race::Inner).ellipse(loads.iter().copied().fold(0.0, f64::max)).2;
+            if pressure > PRESSURE_LIMIT {
+                self.notes.push(format!(
+                    "Bearing {}: the balls press with {:.2} GPa at rest, beyond {:.1} GPa, the static limit of ISO 76.",
+                    seat.name,
+                    pressure / 1e9,
+                    PRESSURE_LIMIT / 1e9
+                ));
+            }
+        }
+        if let (Some(step), Some(limit)) = (self.integration.step, self.stable_step())
+            && step > limit
+        {
+            self.notes.push(format!(
+                "The step of {:.3} us is beyond {:.3} us, up to which the integrator is stable at rest: the motion overflows.",
+                step * 1e6,
+                limit * 1e6
+            ));
+        }
+    }
+
+    /// Largest step that the integrator takes without growing, at the stiffness of rest, s; none where it has no limit.
+    #[must_use]
+    pub fn stable_step(&self) -> Option<f64> {
+        let most = match self.integration.method {
+            Method::RungeKutta => 8.0_f64.sqrt(),
+            Method::Verlet => 2.0,
+            Method::Newmark { .. } => return None,
+        };
+        let inverse = self.scales().ok()?.mass.try_inverse()?;
+        let squares = (inverse * &self.stiffness).complex_eigenvalues();
+        let highest = squares.iter().fold(0.0_f64, |most, square| most.max(square.re)).sqrt();
+        (highest > 0.0).then(|| most / highest)
     }
 
     /// The same plant on springs: each bearing marked in `which` replaced by its mean tangent over a ball pitch.

@@ -3,6 +3,7 @@
 use super::figures::{Picture, balance};
 use super::number::alone;
 use crate::equilibrium::{EffectShare, Element, Settled};
+use crate::plant::PRESSURE_LIMIT;
 use anyhow::Result;
 use minijinja::{Environment, context};
 use std::fmt::Write;
@@ -36,6 +37,15 @@ pub fn text(settled: &Settled) -> String {
         let k: Vec<String> = (0..5).map(|i| format!("{:.5e}", b.stiffness[i][i])).collect();
         line(&mut out, &format!("  stiffness     {} N/m, {} N m/rad", k[..3].join(" "), k[3..].join(" ")));
         element_table(&mut out, settled, &b.name);
+    }
+    let pressed =
+        settled.elements.iter().flat_map(|e| [e.inner_pressure, e.outer_pressure]).flatten().fold(0.0, f64::max);
+    if pressed > PRESSURE_LIMIT {
+        let (found, limit) = (pressed / 1e9, PRESSURE_LIMIT / 1e9);
+        line(
+            &mut out,
+            &format!("BEYOND YIELD: {found:.2} GPa of peak pressure, the static limit of ISO 76 is {limit:.1} GPa."),
+        );
     }
     if !settled.natural_frequencies_hz.is_empty() {
         line(&mut out, "");

@@ -201,7 +201,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
 }
 
 /// Peak pressure up to which a table goes unless the scene says otherwise, Pa: the static limit of ISO 76.
-const TABLE_PRESSURE: f64 = 4.2e9;
+const TABLE_PRESSURE: f64 = crate::plant::PRESSURE_LIMIT;
 /// Contact angles to either side of the free one, rad.
 const TABLE_ANGLES: f64 = 0.4;
 /// Speeds about a constant one.

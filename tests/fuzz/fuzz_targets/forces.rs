@@ -1,0 +1,49 @@
+//! Any bits as displacement and rotation: finite forces or a flag that says why not, in every rung.
+#![no_main]
+
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+use ballrace::bearing::lumped::{Axial, Combined, Radial};
+use ballrace::bearing::quasi_static::QuasiStatic;
+use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
+use ballrace::bearing::{Bearing, HeldWrench, Places, even_places};
+use ballrace::contact::law::Point;
+use ballrace::{Displacement, Exact, Rotation, Turn};
+use libfuzzer_sys::fuzz_target;
+
+fn judge(bearing: &impl Bearing<f32>, u: &Displacement<f32>, at: &Rotation<f32>) {
+    let (wrench, status) = bearing.sample(&mut HeldWrench::new(), u, at);
+    assert!(wrench.is_finite(), "{wrench:?}");
+    let fresh = bearing.reaction(u, at).wrench;
+    assert!(fresh.is_finite() || status.is_held(), "{fresh:?} {status:?}");
+}
+
+fuzz_target!(|bits: ([u32; 7], u64)| {
+    let [u, v, w, thu, thv, inner_speed, outer_speed] = bits.0.map(f32::from_bits);
+    let u = Displacement { u, v, w, thu, thv };
+    let at = Rotation { inner_speed, outer_speed, ..Rotation::from(Turn(bits.1)) };
+    let places: Places<f32, 9> = even_places(Turn::ZERO);
+    let point = Point { stiffness: 8e9 };
+    let geometry = BallBearingGeometry {
+        ball_diameter: 7e-3,
+        pitch_diameter: 38.5e-3,
+        inner_conformity: 0.52,
+        outer_conformity: 0.52,
+        contact_angle: 0.4,
+        ball: BEARING_STEEL,
+        race: BEARING_STEEL,
+    };
+    let inertia = InertiaParams {
+        density: 7800.0,
+        centrifugal: true,
+        gyroscopic: true,
+        control: RaceControl::Outer,
+        sharing: FrictionSharing::Outer,
+    };
+    let radial = Radial::<f32, Exact, _, _>::try_new(places, point, 5e-6).expect("a bearing");
+    let axial = Axial::<f32, Exact, _, _>::try_new(places, point, 5e-6, 0.02).expect("a bearing");
+    judge(&Combined(radial, axial), &u, &at);
+    judge(&Angular::<f32, Exact, _>::try_new(geometry, places, Zero::Touching).expect("a bearing"), &u, &at);
+    let solved = QuasiStatic::<f32, Exact, _>::try_new(geometry, places, Zero::Touching).expect("a bearing");
+    judge(&solved.with_outer_control(&inertia).expect("a bearing"), &u, &at);
+});

@@ -1,0 +1,81 @@
+//! Every rung, in any precision.
+
+use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::linear::Linear;
+use ballrace::bearing::lumped::{Axial, Combined, Radial};
+use ballrace::bearing::quasi_static::QuasiStatic;
+use ballrace::bearing::quasi_static::film::Lubricant;
+use ballrace::bearing::tabulated::{Domain, Table, Tabulated, fill};
+use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::contact::law::{Line, Point, Power};
+use ballrace::{Exact, Math, Rotation, Scalar, Stiffness, Turn};
+use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry};
+
+/// Of the shaft, rad/s.
+pub const SPEED: f64 = 1256.0;
+const PLAY: f64 = 5e-6;
+
+/// A rung and its name.
+pub type Named<T> = (&'static str, Box<dyn Bearing<T>>);
+
+/// Turning at [`SPEED`], the cage anywhere.
+pub fn turning<T: Scalar>(cage: Turn) -> Rotation<T> {
+    Rotation { inner_speed: T::from_f64(SPEED), ..Rotation::from(cage) }
+}
+
+/// Rungs whose balls are where the rings put them.
+pub fn direct<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
+    let places: Places<T, 9> = even_places(Turn::ZERO);
+    let (point, line) = (Point { stiffness: T::from_f64(8e9) }, Line { stiffness: T::from_f64(3e8) });
+    let power = Power { stiffness: T::from_f64(2e9), exponent: T::from_f64(1.4) };
+    let radial = || Radial::<T, M, _, _>::try_new(places, point, PLAY).unwrap();
+    let axial = Axial::<T, M, _, _>::try_new(places, point, PLAY, 0.02).unwrap();
+    let angular = Angular::<T, M, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    vec![
+        ("linear", Box::new(Linear::new(Stiffness::from_fn(|i, j| T::from_f64(if i == j { 1e8 } else { 0.0 }))))),
+        ("radial 3/2", Box::new(radial())),
+        ("radial 10/9", Box::new(Radial::<T, M, _, _>::try_new(places, line, PLAY).unwrap())),
+        ("radial, any power", Box::new(Radial::<T, M, _, _>::try_new(places, power, PLAY).unwrap())),
+        ("radial and axial 3/2", Box::new(Combined(radial(), axial))),
+        ("angular", Box::new(angular)),
+    ]
+}
+
+/// Rungs whose balls are in equilibrium, solved and looked up.
+pub fn balanced<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
+    let places: Places<T, 9> = even_places(Turn::ZERO);
+    let plain = QuasiStatic::<T, M, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let massive = plain.with_outer_control(&STEEL_BALLS).unwrap();
+    let wet = massive.with_film(Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 }).unwrap();
+    vec![
+        ("quasi-static", Box::new(plain)),
+        ("quasi-static, inertia", Box::new(massive)),
+        ("quasi-static, inertia, film", Box::new(wet)),
+        ("tabulated", Box::new(tabulated::<T, M>(places))),
+    ]
+}
+
+fn tabulated<T: Scalar, M: Math<T>>(places: Places<T, 9>) -> Tabulated<T, M, Places<T, 9>, Vec<[T; 2]>, 2> {
+    let one: Places<f64, 1> = even_places(Turn::ZERO);
+    let solved = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), one, Zero::Touching).unwrap();
+    let massive = solved.with_outer_control(&STEEL_BALLS).unwrap();
+    let domain = Domain {
+        approach: [-30e-6, 40e-6],
+        angle: [0.1, 0.8],
+        speed: [0.8 * SPEED, 1.2 * SPEED],
+        turning: [1.0, 0.0],
+        intervals: [64, 32, 8],
+    };
+    let grid = domain.grid().unwrap();
+    let mut nodes = vec![[0.0; 2]; grid.len()];
+    assert_eq!(fill(&massive, &domain, &grid, &mut nodes), 0);
+    let nodes = nodes.iter().map(|node| node.map(T::from_f64)).collect();
+    Tabulated::new(places, solved.table_seat().rounded(), Table::new(grid.rounded(), nodes), false)
+}
+
+/// All of them.
+pub fn all<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
+    let mut all = direct::<T, M>();
+    all.extend(balanced::<T, M>());
+    all
+}
