@@ -1,8 +1,10 @@
 //! A scene's bearings as Rust constants for firmware: places, table, surfaces, ready for the kernel without arithmetic.
 
+mod direct;
+
 use crate::scene::build::{self, MadeTable};
 use crate::scene::{Bearing, Facing, Model, Scene};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use ballrace::Exact;
 use ballrace::bearing::surface::{Direction, Feature, Part, SpallShape};
 use ballrace::bearing::tabulated::Axis;
@@ -11,7 +13,7 @@ use std::fmt::Write;
 /// Rust source with one module for each bearing of `names` (all where it is empty), and what was made.
 ///
 /// # Errors
-/// A model that has no table, or a table that cannot be made.
+/// A model or an effect that firmware has no constants for, or a table that cannot be made.
 pub fn bake(scene: &Scene, name: Option<&str>) -> Result<(String, Vec<Baked>)> {
     let chosen: Vec<&Bearing> = match name {
         Some(_) => vec![build::pick(scene, name)?],
@@ -55,45 +57,31 @@ fn identifier(name: &str) -> String {
 }
 
 fn module(scene: &Scene, of: &Bearing) -> Result<(String, Baked)> {
-    if !matches!(of.model, Model::Tabulated | Model::QuasiStatic) {
-        bail!(
-            "{}: bearing {}: model: found one without a table, allowed for bake: \"tabulated\" or \"quasi-static\"",
-            scene.path.display(),
-            of.name
-        );
-    }
-    let made = build::table(scene, of)?;
-    let fields = if made.friction { 3 } else { 2 };
     let module = identifier(&of.name);
     let mut out = String::new();
     writeln!(out, "\n/// Bearing {:?}.\npub mod {module} {{", of.name)?;
-    constants(&mut out, scene, of, &made, fields)?;
-    bearing_function(&mut out, of, fields)?;
+    let (nodes, bytes) = match of.model {
+        Model::Tabulated | Model::QuasiStatic => {
+            let made = build::table(scene, of)?;
+            let fields = if made.friction { 3 } else { 2 };
+            constants(&mut out, scene, of, &made, fields)?;
+            bearing_function(&mut out, of, fields)?;
+            (made.nodes.len(), made.nodes.len() * fields * 4)
+        }
+        _ => {
+            direct::module(&mut out, scene, of)?;
+            (0, 0)
+        }
+    };
     writeln!(out, "}}")?;
-    let nodes = made.nodes.len();
-    Ok((out, Baked { bearing: of.name.clone(), module, nodes, bytes: nodes * fields * 4 }))
+    Ok((out, Baked { bearing: of.name.clone(), module, nodes, bytes }))
 }
 
-fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fields: usize) -> Result<()> {
+/// Where the bearing is, how its parts turn, its displacement by preload, and its elements.
+fn seat_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -> Result<()> {
     let kinematics = build::kinematics(scene, of)?;
-    let seat = made.seat.rounded::<f32>();
-    let grid = made.grid.rounded::<f32>();
-    let plain = build::bearing::<f64, Exact>(scene, of, Model::QuasiStatic)?;
+    let plain = build::bearing::<f64, Exact>(scene, of, model)?;
     let offset = build::preload_offset(scene, of, &plain)?.unwrap_or_default().to_array().map(|x| x as f32);
-    let features = build::features::<f32>(of);
-    writeln!(out, "    use ballrace::bearing::Place;")?;
-    writeln!(out, "    use ballrace::bearing::quasi_static::TableSeat;")?;
-    if !features.is_empty() {
-        writeln!(
-            out,
-            "    use ballrace::bearing::surface::{{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave}};"
-        )?;
-    }
-    if of.facing == Facing::MinusZ {
-        writeln!(out, "    use ballrace::bearing::Mirrored;")?;
-    }
-    writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
-    writeln!(out, "    use ballrace::{{Displacement, Exact, Turn}};\n")?;
     writeln!(
         out,
         "    /// Along Z from the rotor's centre of mass, m.\n    pub const STATION: f32 = {:?};",
@@ -116,6 +104,43 @@ fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fi
         writeln!(out, "        Place::ready({cos:?}, {sin:?}, Turn(0x{:016x})),", place.azimuth().0)?;
     }
     writeln!(out, "    ];")?;
+    Ok(())
+}
+
+fn surface_imports(out: &mut String, of: &Bearing) -> Result<()> {
+    if !build::features::<f32>(of).is_empty() {
+        writeln!(
+            out,
+            "    use ballrace::bearing::surface::{{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave}};"
+        )?;
+    }
+    if of.facing == Facing::MinusZ {
+        writeln!(out, "    use ballrace::bearing::Mirrored;")?;
+    }
+    Ok(())
+}
+
+fn feature_constants(out: &mut String, of: &Bearing) -> Result<()> {
+    let features = build::features::<f32>(of);
+    if !features.is_empty() {
+        writeln!(out, "    const FEATURES: [Feature<f32>; {}] = [", features.len())?;
+        for feature in &features {
+            writeln!(out, "        {},", feature_text(feature))?;
+        }
+        writeln!(out, "    ];")?;
+    }
+    Ok(())
+}
+
+fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fields: usize) -> Result<()> {
+    let seat = made.seat.rounded::<f32>();
+    let grid = made.grid.rounded::<f32>();
+    writeln!(out, "    use ballrace::bearing::Place;")?;
+    writeln!(out, "    use ballrace::bearing::quasi_static::TableSeat;")?;
+    surface_imports(out, of)?;
+    writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
+    writeln!(out, "    use ballrace::{{Displacement, Exact, Turn}};\n")?;
+    seat_constants(out, scene, of, Model::QuasiStatic)?;
     writeln!(
         out,
         "    const SEAT: TableSeat<f32> = TableSeat {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
@@ -126,13 +151,7 @@ fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fi
         writeln!(out, "        {name}: {},", axis_text(axis))?;
     }
     writeln!(out, "    }};\n    const BY_OUTER: bool = {};", made.by_outer)?;
-    if !features.is_empty() {
-        writeln!(out, "    const FEATURES: [Feature<f32>; {}] = [", features.len())?;
-        for feature in &features {
-            writeln!(out, "        {},", feature_text(feature))?;
-        }
-        writeln!(out, "    ];")?;
-    }
+    feature_constants(out, of)?;
     writeln!(out, "    /// The table: {} bytes of flash.", made.nodes.len() * fields * 4)?;
     writeln!(out, "    #[rustfmt::skip]\n    pub static NODES: [Node<f32, {fields}>; {}] = [", made.nodes.len())?;
     for row in made.nodes.chunks(6) {

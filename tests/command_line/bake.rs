@@ -48,9 +48,119 @@ fn constants_answer_as_the_scene_does() {
     }
 }
 
+/// Every model that firmware can have, from one rotor: lumped with damage, lumped with axial elements, angular and
+/// mirrored, springs linearised from it.
+const DIRECT: &str = r#"
+[shaft]
+speed = "3000 rpm"
+[rotor]
+mass = "6 kg"
+diametral_inertia = 0.03
+polar_inertia = 0.006
+damping = [400, 400, 400, 0.4, 0.4]
+load = [0, 0, 60, 0, 0]
+[[bearing]]
+name = "A"
+station = "-100 mm"
+model = "lumped"
+elements = 9
+cage_ratio = 0.4
+stiffness = 8e9
+radial_play = "2 um"
+defect = [{ surface = "outer", azimuth = "-90 deg", half_width = "3 deg", depth = "1 um", shape = "half-sine" }]
+[[bearing]]
+name = "B"
+station = "-50 mm"
+model = "lumped"
+elements = 12
+cage_ratio = 0.4
+stiffness = 3e8
+exponent = 1.1111
+radial_play = "-1 um"
+axial = { stiffness = 1e9, exponent = 1.4, play = "0 um", radius = "20 mm" }
+[[bearing]]
+name = "C"
+station = "50 mm"
+model = "angular"
+facing = "-z"
+elements = 14
+ball_diameter = "7 mm"
+pitch_diameter = "38.5 mm"
+inner_conformity = 0.52
+outer_conformity = 0.52
+contact_angle = "25 deg"
+[[bearing]]
+name = "D"
+station = "100 mm"
+model = "linear"
+linearise = "angular"
+elements = 9
+ball_diameter = "7.94 mm"
+pitch_diameter = "39.04 mm"
+inner_conformity = 0.52
+outer_conformity = 0.52
+diametral_clearance = "10 um"
+"#;
+
+/// What is baked compiles without `std` and answers with the bits of `force --precision f32`.
 #[test]
-fn a_model_without_a_table_is_refused() {
-    let desk = Desk::rig();
-    desk.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &["bearing DE: model: found one without a table"]);
+fn every_model_of_firmware_is_baked() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", DIRECT);
+    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    let rows = ["1e-6,2e-6,1e-5,0.0,0.0", "-3e-6,4e-6,-8e-6,1e-4,-5e-5", "2e-5,0.0,-1e-5,0.0,2e-4"];
+    let kernel = concat!(env!("CARGO_MANIFEST_DIR"), "/../kernel");
+    std::fs::create_dir(desk.path("src")).unwrap();
+    desk.put(
+        "Cargo.toml",
+        format!("[package]\nname = \"baked\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[dependencies]\nballrace = {{ path = {kernel:?} }}\n[workspace]\n"),
+    );
+    let lines: String = rows.iter().map(|row| format!("[{row}],")).collect();
+    let calls: String = ["a", "b", "c", "d"].map(|name| format!("told(&bearing_{name}::bearing());")).concat();
+    desk.put(
+        "src/main.rs",
+        format!(
+            "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\nuse ballrace::{{Bearing, Displacement, Turn}};\nuse bearings::*;\n\
+             fn told(bearing: &impl Bearing<f32>) {{ for u in [{lines}] {{\n\
+             let f = bearing.reaction(&Displacement::from_array(u), &Turn::ZERO.into()).wrench.to_array();\n\
+             println!(\"{{}}\", f.map(|x: f32| (x + 0.0).to_bits().to_string()).join(\",\")); }} }}\nfn main() {{ {calls} }}\n"
+        ),
+    );
+    let cargo = std::process::Command::new(env!("CARGO"))
+        .args(["run", "-q", "--offline"])
+        .env("CARGO_TARGET_DIR", desk.path("target"))
+        .current_dir(desk.path(""))
+        .output()
+        .unwrap();
+    assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
+    let mut found = String::from_utf8(cargo.stdout).unwrap();
+    desk.put("u.csv", format!("u,v,w,thu,thv\n{}\n", rows.join("\n")));
+    for name in ["A", "B", "C", "D"] {
+        let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", name, "--precision", "f32"];
+        let out = desk.done(&[&args[..], &["--format", "csv"]].concat()).out;
+        let words = |line: &str| line.rsplit_once(',').unwrap().0.to_owned();
+        for line in out.lines().skip(1).map(words) {
+            let bits: Vec<String> =
+                line.split(',').map(|x| (x.parse::<f32>().unwrap() + 0.0).to_bits().to_string()).collect();
+            let (first, rest) = found.split_once('\n').unwrap();
+            assert_eq!(first, bits.join(","), "{name}: {line}");
+            found = rest.to_owned();
+        }
+    }
+}
+
+#[test]
+fn what_firmware_has_no_constants_for_is_refused() {
+    let desk = Desk::empty();
+    let displaced: Vec<&str> = vec!["[0, 0, 0]"; 9];
+    let housing = format!("radial_play = \"2 um\"\nhousing_displacement = [{}]", displaced.join(", "));
+    let scene = DIRECT.replacen("radial_play = \"2 um\"", &housing, 1);
+    let scene = scene.lines().filter(|line| !line.starts_with("defect")).collect::<Vec<_>>().join("\n");
+    desk.put("scene.toml", scene);
+    desk.refused(
+        &["bake", "scene.toml", "-o", "out.rs"],
+        2,
+        &["bearing A: model: found lumped with a displaced housing"],
+    );
     assert!(!desk.files().contains(&"out.rs".to_owned()));
 }

@@ -41,6 +41,56 @@ pub struct Angular<T, M, P, S = Smooth> {
     math: PhantomData<M>,
 }
 
+/// What a variable-contact-angle bearing is besides its balls' places: numbers made ready for [`Angular::ready`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AngularSeat<T> {
+    /// Of both contacts in series, N/m^1.5.
+    pub stiffness: T,
+    /// A, and its square.
+    pub distance: [T; 2],
+    /// A_r and A_z at zero displacement, m.
+    pub unloaded: [T; 2],
+    /// A_r^2 + A_z^2 - A^2 there, m^2.
+    pub excess: T,
+    /// R_i, m.
+    pub arm: T,
+}
+
+impl AngularSeat<f64> {
+    /// From geometry; stiffness by Hertz at the free contact angle, lever arm R_i. Set-up time.
+    ///
+    /// # Errors
+    /// As [`BallBearingGeometry::checked`].
+    pub fn try_new(geometry: BallBearingGeometry, zero: Zero) -> Result<Self, InvalidParameter> {
+        let geometry = geometry.checked()?;
+        let a = geometry.groove_distance();
+        let (sin, cos) = (libm::sin(geometry.contact_angle), libm::cos(geometry.contact_angle));
+        let (axial, excess) = match zero {
+            Zero::Touching => (a * sin, 0.0),
+            Zero::Centred => (0.0, -(a * sin) * (a * sin)),
+        };
+        Ok(Self {
+            stiffness: geometry.stiffness(),
+            distance: [a, a * a],
+            unloaded: [a * cos, axial],
+            excess,
+            arm: geometry.inner_groove_radius(),
+        })
+    }
+
+    /// In another precision.
+    #[must_use]
+    pub fn rounded<T: Scalar>(&self) -> AngularSeat<T> {
+        AngularSeat {
+            stiffness: T::from_f64(self.stiffness),
+            distance: self.distance.map(T::from_f64),
+            unloaded: self.unloaded.map(T::from_f64),
+            excess: T::from_f64(self.excess),
+            arm: T::from_f64(self.arm),
+        }
+    }
+}
+
 /// The groove centres of one ball's plane: how far apart along and across, and by how much too far.
 #[derive(Clone, Copy)]
 struct Grooves<T> {
@@ -56,24 +106,24 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>> Angular<T, M, P> {
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
     pub fn try_new(geometry: BallBearingGeometry, places: P, zero: Zero) -> Result<Self, InvalidParameter> {
-        let geometry = geometry.checked()?;
-        let a = geometry.groove_distance();
-        let (sin, cos) = (libm::sin(geometry.contact_angle), libm::cos(geometry.contact_angle));
-        let law = Point { stiffness: T::from_f64(geometry.stiffness()) };
-        let (axial, excess) = match zero {
-            Zero::Touching => (a * sin, 0.0),
-            Zero::Centred => (0.0, -(a * sin) * (a * sin)),
-        };
-        Ok(Self {
-            ring: Ring::new(places, geometry.inner_groove_radius(), <Point<T> as Law<T, M>>::scale(&law)),
+        Ok(Self::ready(places, AngularSeat::try_new(geometry, zero)?.rounded()))
+    }
+
+    /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
+    pub fn ready(places: P, seat: AngularSeat<T>) -> Self {
+        let law = Point { stiffness: seat.stiffness };
+        let [distance, distance_squared] = seat.distance;
+        let [radial, axial] = seat.unloaded;
+        Self {
+            ring: Ring { places, arm: seat.arm, scale: <Point<T> as Law<T, M>>::scale(&law) },
             law,
-            distance: T::from_f64(a),
-            distance_squared: T::from_f64(a * a),
-            unloaded: (T::from_f64(a * cos), T::from_f64(axial)),
-            excess: T::from_f64(excess),
+            distance,
+            distance_squared,
+            unloaded: (radial, axial),
+            excess: seat.excess,
             surface: Smooth,
             math: PhantomData,
-        })
+        }
     }
 
     /// The same bearing with waviness or damage.

@@ -81,13 +81,13 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Radial<T, M, L, P> 
     pub fn try_new(places: P, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
         check(true, "radial_play", radial_play, "a finite length")?;
         check(!P::PAIRS || radial_play >= 0.0, "radial_play", radial_play, "0 m or more with opposite pairs")?;
-        Ok(Self {
-            ring: Ring::new(places, 0.0, law.scale()),
-            law,
-            play: T::from_f64(radial_play),
-            surface: Smooth,
-            math: PhantomData,
-        })
+        Ok(Self::ready(places, law, T::from_f64(radial_play)))
+    }
+
+    /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
+    pub fn ready(places: P, law: L, radial_play: T) -> Self {
+        let ring = Ring { places, arm: T::ZERO, scale: law.scale() };
+        Self { ring, law, play: radial_play, surface: Smooth, math: PhantomData }
     }
 
     /// The same bearing with waviness or damage; only what is radial counts.
@@ -104,7 +104,13 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Axial<T, M, L, P> {
     pub fn try_new(places: P, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
         check(true, "axial play", axial_play, "a finite length")?;
         check(radius >= 0.0, "axial radius", radius, "0 m or more")?;
-        Ok(Self { ring: Ring::new(places, radius, law.scale()), law, play: T::from_f64(axial_play), math: PhantomData })
+        Ok(Self::ready(places, law, T::from_f64(axial_play), T::from_f64(radius)))
+    }
+
+    /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
+    pub fn ready(places: P, law: L, axial_play: T, radius: T) -> Self {
+        let ring = Ring { places, arm: radius, scale: law.scale() };
+        Self { ring, law, play: axial_play, math: PhantomData }
     }
 }
 

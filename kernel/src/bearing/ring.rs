@@ -49,10 +49,6 @@ pub struct ContactStiffness<T> {
 }
 
 impl<T: Scalar, P: Arrangement<T>> Ring<T, P> {
-    pub(super) fn new(places: P, arm: f64, scale: T) -> Self {
-        Self { places, arm: T::from_f64(arm), scale }
-    }
-
     /// The displacement with its tilt as axial displacement at the radius of the lever arm.
     #[inline(always)]
     pub(super) fn at_rim(&self, u: &Displacement<T>) -> Displacement<T> {

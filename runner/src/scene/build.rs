@@ -5,6 +5,7 @@ mod lumped;
 mod preload;
 
 pub use balls::{MadeTable, Solved, inertia_params, quasi_static, solved_in, table};
+pub use lumped::{Exponent, law};
 pub use preload::{loaded, preload_offset, preloaded, rotation_at};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
@@ -339,7 +340,7 @@ pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls> {
     };
     let gravity = scene.rotor.as_ref().map_or([0.0; 3], |r| r.gravity);
     let density = of.geometry.map_or(0.0, |g| g.density);
-    let (_, _, radial_play) = lumped::law(of)?;
+    let (_, _, radial_play) = law(of)?;
     Ok(Balls {
         params: MovingBallsParams {
             stiffness: [Race::Inner, Race::Outer].map(|race| geometry.contact(race).stiffness),

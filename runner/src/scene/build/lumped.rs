@@ -10,14 +10,19 @@ use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness};
 
 /// What a scene's exponent says; 3/2 and 10/9 (also as a decimal of four digits or more) have laws without a power.
-enum Exponent {
+pub enum Exponent {
+    /// 3/2
     Point,
+    /// 10/9
     Line,
+    /// Any other
     Other,
 }
 
 impl Exponent {
-    fn of(exponent: f64) -> Self {
+    /// The law of an exponent.
+    #[must_use]
+    pub fn of(exponent: f64) -> Self {
         if exponent == 1.5 {
             Self::Point
         } else if (exponent - 10.0 / 9.0).abs() < 1.2e-4 {
@@ -94,7 +99,10 @@ pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyB
 }
 
 /// Stiffness, exponent and radial play: as the scene gives them, else from geometry.
-pub(super) fn law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
+///
+/// # Errors
+/// What neither says.
+pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
     let geometry = geometry(scene)?;
     let law = scene.law;
     let Some(stiffness) = law.and_then(|l| l.stiffness).or_else(|| geometry.map(|g| g.stiffness())) else {

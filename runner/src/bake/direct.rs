@@ -1,0 +1,147 @@
+//! Models whose forces follow from the displacement at once: springs, lumped elements, variable contact angle.
+
+use super::{feature_constants, seat_constants, surface_imports};
+use crate::plant::Plant;
+use crate::scene::build;
+use crate::scene::{Bearing, Facing, Linear, Model, Scene};
+use anyhow::{Context, Result, bail};
+use ballrace::bearing::Bearing as _;
+use ballrace::bearing::angular::{AngularSeat, Zero};
+use ballrace::{Displacement, Exact, Turn};
+use std::fmt::Write;
+
+/// Writes the body of the bearing's module.
+pub fn module(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
+    match of.model {
+        Model::Linear => springs(out, scene, of),
+        Model::Lumped if of.housing_displacement.is_empty() => lumped(out, scene, of),
+        Model::Angular => angular(out, scene, of),
+        _ => bail!(
+            "{}: bearing {}: model: found {} with a displaced housing or with balls that move, allowed for bake: any other",
+            scene.path.display(),
+            of.name,
+            of.model.name()
+        ),
+    }
+}
+
+fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
+    let spring = if matches!(of.linear, Some(Linear::Of(_))) {
+        let plant = Plant::try_new(scene)?;
+        plant.seats.iter().find(|s| s.name == of.name).context("the bearing has a seat")?.bearing.clone()
+    } else {
+        build::bearing::<f64, Exact>(scene, of, Model::Linear)?
+    };
+    // A spring's tangent and its force at zero displacement say all.
+    let (reaction, k) = spring.reaction_and_stiffness(&Displacement::default(), &Turn::ZERO.into());
+    let [fx, fy, fz, mx, my] = reaction.wrench.to_array().map(|f| f as f32);
+    writeln!(out, "    use ballrace::bearing::linear::Linear;")?;
+    writeln!(out, "    use ballrace::{{Displacement, Stiffness, Wrench}};\n")?;
+    writeln!(
+        out,
+        "    /// Along Z from the rotor's centre of mass, m.\n    pub const STATION: f32 = {:?};",
+        of.station as f32
+    )?;
+    writeln!(
+        out,
+        "    const FORCE: Wrench<f32> = Wrench {{ fx: {fx:?}, fy: {fy:?}, fz: {fz:?}, mx: {mx:?}, my: {my:?} }};"
+    )?;
+    writeln!(out, "    /// The bearing's type.\n    pub type Baked = Linear<f32>;\n")?;
+    writeln!(
+        out,
+        "    /// The bearing, ready for the hot path.\n    #[must_use]\n    #[rustfmt::skip]\n    pub fn bearing() -> Baked {{"
+    )?;
+    writeln!(out, "        let stiffness = Stiffness::new(")?;
+    for i in 0..5 {
+        let row: Vec<String> = (0..5).map(|j| format!("{:?}", k[(i, j)] as f32)).collect();
+        writeln!(out, "            {},", row.join(", "))?;
+    }
+    writeln!(
+        out,
+        "        );\n        Linear::about(stiffness, Displacement {{ u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 }}, FORCE)\n    }}"
+    )?;
+    Ok(())
+}
+
+/// Type and value of a law.
+fn law(stiffness: f64, exponent: f64) -> (&'static str, String) {
+    let stiffness = stiffness as f32;
+    match build::Exponent::of(exponent) {
+        build::Exponent::Point => ("Point<f32>", format!("Point {{ stiffness: {stiffness:?} }}")),
+        build::Exponent::Line => ("Line<f32>", format!("Line {{ stiffness: {stiffness:?} }}")),
+        build::Exponent::Other => {
+            ("Power<f32>", format!("Power {{ stiffness: {stiffness:?}, exponent: {:?} }}", exponent as f32))
+        }
+    }
+}
+
+fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
+    let n = of.elements;
+    let (stiffness, exponent, play) = build::law(of)?;
+    let (kind, value) = law(stiffness, exponent);
+    let (surface, with) = surface(of);
+    let mut kind = format!("Radial<f32, Exact, {kind}, [Place<f32>; {n}]{surface}>");
+    let mut value = format!("Radial::ready(PLACES, {value}, {:?}){with}", play as f32);
+    if let Some(axial) = of.axial {
+        let (axial_law, axial_value) = law(axial.stiffness, axial.exponent);
+        kind = format!("Combined<{kind}, Axial<f32, Exact, {axial_law}, [Place<f32>; {n}]>>");
+        let (play, radius) = (axial.play as f32, axial.radius as f32);
+        value = format!("Combined({value}, Axial::ready(PLACES, {axial_value}, {play:?}, {radius:?}))");
+    }
+    imports(
+        out,
+        of,
+        "    use ballrace::bearing::lumped::{Axial, Combined, Radial};\n    use ballrace::contact::law::{Line, Point, Power};",
+    )?;
+    seat_constants(out, scene, of, Model::Lumped)?;
+    function(out, of, &kind, &value)
+}
+
+fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
+    let geometry = build::geometry(of)?.context("an angular bearing has a geometry")?;
+    let zero = if of.facing == Facing::Both { Zero::Centred } else { Zero::Touching };
+    let seat = AngularSeat::try_new(geometry, zero)?.rounded::<f32>();
+    let (surface, with) = surface(of);
+    imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularSeat};")?;
+    seat_constants(out, scene, of, Model::Angular)?;
+    let AngularSeat { stiffness, distance, unloaded, excess, arm } = seat;
+    writeln!(
+        out,
+        "    const SEAT: AngularSeat<f32> = AngularSeat {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"
+    )?;
+    let kind = format!("Angular<f32, Exact, [Place<f32>; {}]{surface}>", of.elements);
+    function(out, of, &kind, &format!("Angular::ready(PLACES, SEAT){with}"))
+}
+
+/// What waviness and damage add to type and value.
+fn surface(of: &Bearing) -> (String, &'static str) {
+    let features = of.waviness.len() + of.defect.len();
+    if features == 0 {
+        return (String::new(), "");
+    }
+    (format!(", Uneven<Exact, [Feature<f32>; {features}]>"), ".with_surface(Uneven::new(FEATURES))")
+}
+
+fn imports(out: &mut String, of: &Bearing, model: &str) -> Result<()> {
+    writeln!(out, "    use ballrace::bearing::Place;")?;
+    surface_imports(out, of)?;
+    writeln!(out, "{model}")?;
+    writeln!(out, "    use ballrace::{{Displacement, Exact, Turn}};\n")?;
+    Ok(())
+}
+
+fn function(out: &mut String, of: &Bearing, kind: &str, value: &str) -> Result<()> {
+    feature_constants(out, of)?;
+    let mirrored = of.facing == Facing::MinusZ;
+    let (kind, value) = if mirrored {
+        (format!("Mirrored<{kind}>"), format!("Mirrored({value})"))
+    } else {
+        (kind.to_owned(), value.to_owned())
+    };
+    writeln!(out, "    /// The bearing's type.\n    pub type Baked = {kind};\n")?;
+    writeln!(
+        out,
+        "    /// The bearing, ready for the hot path.\n    #[must_use]\n    pub fn bearing() -> Baked {{\n        {value}\n    }}"
+    )?;
+    Ok(())
+}
