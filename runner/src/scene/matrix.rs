@@ -9,6 +9,9 @@ use std::path::Path;
 /// Largest file that is read; a system of 128 coordinates in text takes less than a megabyte.
 const LARGEST_FILE: u64 = 64 << 20;
 
+/// Rows or columns that are taken in: many more than a system may have.
+const MOST: usize = 4096;
+
 /// A matrix of real numbers.
 ///
 /// # Errors
@@ -38,7 +41,11 @@ pub fn read(path: &Path) -> Result<DMatrix<f64>> {
 fn market(text: &str) -> Result<DMatrix<f64>> {
     let entries = load_coo_from_matrix_market_str::<f64>(text)
         .map_err(|e| anyhow::anyhow!("found no Matrix Market file of real numbers: {}", one_line(&e.to_string())))?;
-    let mut matrix = DMatrix::zeros(entries.nrows(), entries.ncols());
+    let (rows, columns) = (entries.nrows(), entries.ncols());
+    if rows.max(columns) > MOST {
+        bail!("found {rows} x {columns}, allowed: up to {MOST} rows and columns");
+    }
+    let mut matrix = DMatrix::zeros(rows, columns);
     for (i, j, x) in entries.triplet_iter() {
         matrix[(i, j)] += x;
     }
@@ -50,6 +57,13 @@ fn one_line(text: &str) -> String {
 }
 
 fn npy(bytes: &[u8]) -> Result<DMatrix<f64>> {
+    // A plain array's header is one dictionary with one tuple; what nests deeper would keep the parser busy for ages.
+    let header = bytes.get(8..).unwrap_or_default();
+    let header = header.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let count = |bracket: u8| header.iter().filter(|byte| **byte == bracket).count();
+    if count(b'{') > 1 || count(b'(') > 1 || count(b'[') > 0 {
+        bail!("found an NPY file of something else than a plain array, allowed: float64");
+    }
     let file = NpyFile::new(bytes).context("found no NPY file")?;
     let (shape, order) = (file.shape().to_vec(), file.order());
     let (rows, columns) = match shape.as_slice() {
