@@ -58,7 +58,8 @@ fn one_line(text: &str) -> String {
 
 fn npy(bytes: &[u8]) -> Result<DMatrix<f64>> {
     // A plain array's header is one dictionary with one tuple; what nests deeper would keep the parser busy for ages.
-    let header = bytes.get(8..).unwrap_or_default();
+    let text = if bytes.get(6) == Some(&1) { 10 } else { 12 };
+    let header = bytes.get(text..).unwrap_or_default();
     let header = header.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let count = |bracket: u8| header.iter().filter(|byte| **byte == bracket).count();
     if count(b'{') > 1 || count(b'(') > 1 || count(b'[') > 0 {
