@@ -4,7 +4,7 @@
 //! kernel refuses is not possible here, and its words say why.
 
 use crate::scene::read::read_str;
-use crate::scene::{Effects, Model, Scene};
+use crate::scene::{Bearing, Effects, Linear, Model, Scene};
 use anyhow::{Context, Result};
 use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, value};
@@ -54,7 +54,11 @@ impl Rung {
     #[must_use]
     pub fn all(scene: &Scene) -> Vec<Self> {
         let named = named(scene);
-        let mut rungs = vec![Self::new("linear", Model::Linear), Self::new("lumped", Model::Lumped)];
+        let mut rungs = vec![Self::new("linear", Model::Linear)];
+        if scene.bearings.iter().all(given_as_springs) {
+            return rungs;
+        }
+        rungs.push(Self::new("lumped", Model::Lumped));
         rungs.push(Self::new("angular", Model::Angular));
         let span =
             if matches!(scene.shaft.speed, crate::scene::Speed::Constant(_)) { ABOUT_ONE_SPEED } else { OVER_SPEEDS };
@@ -109,7 +113,7 @@ impl Rung {
 
     fn put(&self, tables: &mut ArrayOfTables, scene: &Scene) {
         for (table, of) in tables.iter_mut().zip(&scene.bearings) {
-            if of.model == Model::Linear && !table.contains_key("linearise") {
+            if given_as_springs(of) {
                 continue;
             }
             let has = |key: &str| table.contains_key(key);
@@ -161,6 +165,11 @@ impl Rung {
     pub fn scene(&self, text: &str, path: &Path, scene: &Scene) -> Result<Scene> {
         Ok(read_str(&self.written(text, scene)?, path)?)
     }
+}
+
+/// Springs that are linearised from nothing have no other model.
+fn given_as_springs(of: &Bearing) -> bool {
+    matches!(of.linear, Some(Linear::Matrix(_) | Linear::TwoSpring { .. }))
 }
 
 /// Effects that any bearing names, in the order in which they can be left out.
