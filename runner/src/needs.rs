@@ -165,7 +165,7 @@ pub fn of_bearing(scene: &Scene, of: &BearingScene, u: &Displacement<f64>, at: &
         ),
         need("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
     ];
-    // What a film or spin does without turning is nothing.
+    // What is no number cannot be told.
     Ok(all.into_iter().filter(|need| need.change.is_finite()).collect())
 }
 

@@ -4,7 +4,7 @@
 use crate::scene::{Bearing, Model};
 use serde::Serialize;
 
-/// `what,N,precision,math,function,instructions,cycles`, written by the test that counts them.
+/// What, N, precision, math, function, instructions and cycles between semicolons, written by the test that counts them.
 const TABLE: &str = include_str!("cortex-m4f.csv");
 /// Newton steps of the table's cold and warm rows.
 const COLD_STEPS: f64 = 8.0;
