@@ -265,9 +265,17 @@ impl Plant {
         (1e5_f64.ln() / rate).clamp(0.2, 10.0)
     }
 
+    /// The same plant with another integrator and `part` of the step that it takes by itself.
+    #[must_use]
+    pub fn with_step(&self, method: Method, part: f64) -> Self {
+        let mut plant = Self { integration: Integration { method, step: None }, ..self.clone() };
+        plant.integration.step = Some(part * plant.own_step());
+        plant
+    }
+
     /// The step that the integrator needs where the scene does not say, s.
     #[must_use]
-    pub fn own_step(&self) -> f64 {
+    fn own_step(&self) -> f64 {
         // The trace overestimates the highest frequency, which leaves room for contact that stiffens under load.
         self.integration.method.largest_phase() / self.highest_frequency().max(1e-9)
     }

@@ -1,7 +1,8 @@
 //! What a force costs on a Cortex-M4F: the table that the tests of the target measure and hold, and what follows from it
 //! for element counts and solver steps between its rows.
 
-use crate::scene::{Bearing, Model};
+use crate::scene::build::Exponent;
+use crate::scene::{Bearing, FrictionSharing, Model, RaceControl};
 use serde::Serialize;
 
 /// What, N, precision, math, function, instructions and cycles between semicolons, written by the test that counts them.
@@ -88,20 +89,24 @@ fn name(of: &Bearing) -> Option<&'static str> {
     if !smooth {
         return None;
     }
-    let exponent = of.law.map_or(1.5, |law| law.exponent);
+    let exponent = Exponent::of(of.law.map_or(1.5, |law| law.exponent));
+    let outer = of.effects.sharing == FrictionSharing::Outer;
     Some(match of.model {
         Model::Linear => "linear",
-        Model::Lumped | Model::Dynamic if exponent == 1.5 && of.axial.is_some() => "radial and axial 3/2",
-        Model::Lumped | Model::Dynamic if of.axial.is_some() => return None,
-        Model::Lumped | Model::Dynamic if exponent == 1.5 => "radial 3/2",
-        Model::Lumped | Model::Dynamic if (exponent - 10.0 / 9.0).abs() < 1.2e-4 => "radial 10/9",
-        Model::Lumped | Model::Dynamic => "radial, any power",
+        Model::Lumped | Model::Dynamic => match (exponent, of.axial.map(|axial| Exponent::of(axial.exponent))) {
+            (Exponent::Point, Some(Exponent::Point)) => "radial and axial 3/2",
+            (_, Some(_)) => return None,
+            (Exponent::Point, None) => "radial 3/2",
+            (Exponent::Line, None) => "radial 10/9",
+            (Exponent::Other, None) => "radial, any power",
+        },
         Model::Angular => "angular",
+        // A table with friction at the inner contact has a third number in each node.
+        Model::Tabulated if of.effects.gyroscopic && !outer => return None,
         Model::Tabulated => "tabulated",
         Model::QuasiStatic => {
             let e = &of.effects;
-            let plain =
-                e.control == crate::scene::RaceControl::Outer && e.sharing == crate::scene::FrictionSharing::Outer;
+            let plain = e.control == RaceControl::Outer && outer;
             match (e.centrifugal, e.gyroscopic, e.film.is_some()) {
                 (false, false, false) => "quasi-static, no effects",
                 (true, false, false) => "quasi-static, centrifugal",

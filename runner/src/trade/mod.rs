@@ -149,7 +149,7 @@ pub fn trade(
         progress(i + 1, work);
     }
     choose::mark(&mut candidates);
-    let responses = if motions { responses(&allowed, &truth_scene, work, progress)? } else { vec![] };
+    let responses = if motions { responses(&allowed, (&truth_scene, &truth_plant), work, progress)? } else { vec![] };
     let choice = goal.map(|goal| choose::choose(goal, &candidates)).transpose()?;
     Ok(Trade {
         scene: scene.name.clone(),
@@ -222,11 +222,17 @@ fn candidates_of(one: &Allowed, truth: &Truth, poses: &poses::Poses) -> Result<V
 /// Steps that are tried, over the one that a scene takes by itself.
 const STEPS: [f64; 3] = [0.5, 1.0, 2.0];
 
-fn responses(allowed: &[Allowed], truth_scene: &Scene, work: usize, progress: Progress<'_>) -> Result<Vec<Response>> {
+fn responses(
+    allowed: &[Allowed],
+    solved: (&Scene, &Plant),
+    work: usize,
+    progress: Progress<'_>,
+) -> Result<Vec<Response>> {
     // Balls with a mass of their own know more of a motion than balls in equilibrium.
-    let moving = allowed.iter().find(|one| one.rung.model() == Model::Dynamic).map_or(truth_scene, |one| &one.scene);
-    let truth_plant = with_step(moving, Method::RungeKutta, 0.25)?;
-    let span = response::span(moving, &truth_plant);
+    let dynamic = allowed.iter().find(|one| one.rung.model() == Model::Dynamic);
+    let (moving, plant) = dynamic.map_or(solved, |one| (&one.scene, &one.plant));
+    let truth_plant = plant.with_step(Method::RungeKutta, 0.25);
+    let span = poses::span(moving, &truth_plant);
     let truth = response::run(moving, &truth_plant, span)?;
     let mut all = Vec::new();
     for (i, one) in allowed.iter().enumerate() {
@@ -237,7 +243,7 @@ fn responses(allowed: &[Allowed], truth_scene: &Scene, work: usize, progress: Pr
                 if one.rung.has_own_steps() {
                     continue;
                 }
-                let plant = with_step(&one.scene, method, part)?;
+                let plant = one.plant.with_step(method, part);
                 let usual = part == 1.0 && method == Method::RungeKutta;
                 all.push(response_of(one, &plant, (name, "f64", usual), span, &truth)?);
                 if usual && one.rung.model() != Model::Dynamic {
@@ -249,15 +255,6 @@ fn responses(allowed: &[Allowed], truth_scene: &Scene, work: usize, progress: Pr
     }
     choose::mark_responses(&mut all);
     Ok(all)
-}
-
-/// The scene's rotor with `part` of the step that it would take with this integrator.
-fn with_step(scene: &Scene, method: Method, part: f64) -> Result<Plant> {
-    let mut scene = scene.clone();
-    (scene.integration.method, scene.integration.step) = (method, None);
-    let plant = Plant::try_new(&scene)?;
-    scene.integration.step = Some(part * plant.own_step());
-    Plant::try_new(&scene)
 }
 
 fn response_of(

@@ -1,6 +1,5 @@
 //! The motion that a candidate computes beside the truest one: rungs, integrators and time steps.
 
-use super::poses;
 use crate::motion;
 use crate::plant::Plant;
 use crate::scene::{Method, Scene};
@@ -67,12 +66,6 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
     let computed = (span.settle + span.samples) as f64 / span.rate;
     let orders = plant.seats.iter().map(|s| s.kinematics.orders.outer_race).collect();
     Ok(Motion { series, turned, orders, seconds_per_second: begun.elapsed().as_secs_f64() / computed, held })
-}
-
-/// The span of the truth.
-#[must_use]
-pub fn span(scene: &Scene, plant: &Plant) -> motion::Span {
-    poses::span(scene, plant)
 }
 
 impl Motion {
