@@ -101,12 +101,11 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     }
     /// The whole part of each, 0 to `most`, as index and as number.
     #[inline(always)]
-    pub fn index(self, most: usize) -> ([usize; K], Self) {
+    pub fn index(self, most: u32) -> ([u32; K], Self) {
         let (mut index, mut whole) = ([0; K], self);
         let mut i = 0;
         while i < K {
-            index[i] = self.0[i].index(most);
-            whole.0[i] = T::from_index(index[i]);
+            (index[i], whole.0[i]) = self.0[i].index(most);
             i += 1;
         }
         (index, whole)

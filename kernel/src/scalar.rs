@@ -79,10 +79,8 @@ pub trait Scalar:
     /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.
     fn counts_of_radians(self) -> i64;
 
-    /// The whole part of `self`, 0 to `most`; NaN gives 0.
-    fn index(self, most: usize) -> usize;
-    /// A small whole number, exactly.
-    fn from_index(i: usize) -> Self;
+    /// The whole part of `self`, 0 to `most`, as index and as number; NaN gives 0. A whole number may count to the one below.
+    fn index(self, most: u32) -> (u32, Self);
     /// `x^(2/3)` to 0.2 %, `x >= 0`: a first guess of a Hertz deflection.
     fn two_thirds_roughly(self) -> Self;
 
@@ -161,12 +159,9 @@ impl Scalar for f32 {
         ((counts >> 32) as i32) as Self * SCALE
     }
     #[inline]
-    fn index(self, most: usize) -> usize {
-        (self as u32 as usize).min(most)
-    }
-    #[inline]
-    fn from_index(i: usize) -> Self {
-        i as u32 as Self
+    fn index(self, most: u32) -> (u32, Self) {
+        let i = (self as u32).min(most);
+        (i, i as Self)
     }
     #[inline]
     fn two_thirds_roughly(self) -> Self {
@@ -228,12 +223,11 @@ impl Scalar for f64 {
         counts as Self * (core::f64::consts::TAU / COUNTS_64)
     }
     #[inline]
-    fn index(self, most: usize) -> usize {
-        (self as u32 as usize).min(most)
-    }
-    #[inline]
-    fn from_index(i: usize) -> Self {
-        i as u32 as Self
+    fn index(self, most: u32) -> (u32, Self) {
+        // Where 1 is the last bit there is, an addition rounds to whole numbers, in every lane of a desktop processor.
+        const WHOLE: f64 = (1_u64 << 52) as f64;
+        let rounded = (self - 0.5).larger(0.0).smaller(f64::from(most)) + WHOLE;
+        (rounded.to_bits() as u32, rounded - WHOLE)
     }
     #[inline]
     fn two_thirds_roughly(self) -> Self {

@@ -10,7 +10,7 @@ mod table;
 pub use fill::{Domain, fill};
 pub use table::{Axis, Grid, Node, Table};
 
-use self::table::AtSpeed;
+use self::table::{AtSpeed, Values};
 use super::elements::InCage;
 use super::place::{ABREAST, Arrangement, Place, groups};
 use super::quasi_static::{Matrix, TableSeat, contact_tangents, contacts};
@@ -24,7 +24,6 @@ use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
 use crate::turn::Turn;
-use core::array::from_ref;
 use core::marker::PhantomData;
 
 /// A ball bearing whose balls are looked up. Cost a ball: three square roots, one division, 18 nodes of two or three numbers.
@@ -39,6 +38,22 @@ pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
     by_outer: bool,
     surface: S,
     math: PhantomData<M>,
+}
+
+/// Balls side by side in one number of a desktop processor.
+const SIDE_BY_SIDE: usize = if cfg!(target_pointer_width = "64") { 2 } else { 1 };
+/// Such groups that go through a stage together: each ball is a long chain of dependent operations, and a desktop
+/// processor works at several only where they are near in the code.
+const STAGED: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
+
+/// Where balls are, as the table asks for it.
+#[derive(Clone, Copy)]
+struct Aim<L> {
+    /// Along the line of groove centres, and its inverse length.
+    line: Plane<L>,
+    inverse_length: L,
+    /// Signed square root of the approach.
+    root: L,
 }
 
 /// Balls looked up side by side.
@@ -98,13 +113,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 
     #[inline(always)]
-    fn look<const K: usize>(
-        &self,
-        speed: &AtSpeed<T>,
-        places: &[Place<T>; K],
-        rim: &Displacement<T>,
-        at: &Rotation<T>,
-    ) -> Looked<Lanes<T, K>> {
+    fn aim<const K: usize>(&self, places: &[Place<T>; K], rim: &Displacement<T>, at: &Rotation<T>) -> Aim<Lanes<T, K>> {
         let all = Lanes::<T, K>::all;
         let seat = &self.seat;
         let motions = places.each_ref().map(|place| Motion::of(place, rim, at, &self.surface).with_waviness());
@@ -119,13 +128,17 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let inverse = all(T::ONE) / (length * both);
         let inverse_length = inverse * both;
         let approach = rest.plus(apart).dot(a) * (inverse * length) + bulges;
-        let line = apart.times(inverse_length);
-        let root = approach.abs().sqrt::<M>().negated_by(approach);
-        let values = self.table.values(speed, root, line.z);
+        Aim { line: apart.times(inverse_length), inverse_length, root: approach.abs().sqrt::<M>().negated_by(approach) }
+    }
+
+    /// What the table says of them.
+    #[inline(always)]
+    fn found<const K: usize>(&self, aim: &Aim<Lanes<T, K>>, values: &Values<T, F, K>) -> Looked<Lanes<T, K>> {
+        let Aim { line, inverse_length, root } = *aim;
         let field = |k: usize| values.fields.get(k).copied().unwrap_or(Lanes::all(T::ZERO));
         // The table holds half the load.
         let (load, sine, friction) = (field(0).twice_positive(), field(1), field(2));
-        let cosine = (all(T::ONE) - sine * sine).sqrt::<M>();
+        let cosine = (Lanes::all(T::ONE) - sine * sine).sqrt::<M>();
         let contact = line.times(cosine).plus(line.tangent().times(sine));
         Looked {
             line,
@@ -139,20 +152,44 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         }
     }
 
-    /// Adds the balls at `places`.
     #[inline(always)]
-    fn add<const K: usize>(
+    fn look<const K: usize>(
         &self,
         speed: &AtSpeed<T>,
         places: &[Place<T>; K],
         rim: &Displacement<T>,
         at: &Rotation<T>,
+    ) -> Looked<Lanes<T, K>> {
+        let aim = self.aim(places, rim, at);
+        self.found(&aim, &self.table.values(speed, aim.root, aim.line.z))
+    }
+
+    /// Adds balls: where they are, what the table says, the sum.
+    #[inline(always)]
+    fn add<const K: usize>(
+        &self,
+        speed: &AtSpeed<T>,
+        groups: &[[Place<T>; K]],
+        (rim, at): (&Displacement<T>, &Rotation<T>),
         (sum, inside): (&mut WrenchSum<T>, &mut T),
     ) {
-        let balls = self.look(speed, places, rim, at);
-        *inside = balls.inside.0.into_iter().fold(*inside, T::with_sign_of);
-        for (place, contact) in places.iter().zip(&self.contacts(&balls)) {
-            sum.add(place, contact);
+        let nothing = Lanes::all(T::ZERO);
+        let mut aims = [Aim { line: Plane { r: nothing, z: nothing }, inverse_length: nothing, root: nothing }; STAGED];
+        let mut values = [Values { fields: [nothing; F], inside: nothing }; STAGED];
+        for groups in groups.chunks(STAGED) {
+            for (aim, places) in aims.iter_mut().zip(groups) {
+                *aim = self.aim(places, rim, at);
+            }
+            for ((values, aim), _) in values.iter_mut().zip(&aims).zip(groups) {
+                *values = self.table.values(speed, aim.root, aim.line.z);
+            }
+            for ((places, aim), values) in groups.iter().zip(&aims).zip(&values) {
+                let balls = self.found(aim, values);
+                *inside = balls.inside.0.into_iter().fold(*inside, T::with_sign_of);
+                for (place, contact) in places.iter().zip(&self.contacts(&balls)) {
+                    sum.add(place, contact);
+                }
+            }
         }
     }
 
@@ -212,17 +249,15 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         let (speed, rim) = (self.at_speed(at), self.rim(u));
         let (mut sum, mut inside) = (WrenchSum::new(), T::ZERO);
-        // What does not fill a group goes one by one: filled up, nine balls would cost as much as twelve.
-        let (groups, rest) = self.places.table().as_chunks::<ABREAST>();
-        for group in groups {
-            self.add(&speed, group, &rim, at, (&mut sum, &mut inside));
-        }
+        // What does not fill a group goes one by one: filled up, a ball alone would cost as much as two.
+        let (groups, rest) = self.places.table().as_chunks::<SIDE_BY_SIDE>();
+        self.add(&speed, groups, (&rim, at), (&mut sum, &mut inside));
         for place in rest {
-            self.add(&speed, from_ref(place), &rim, at, (&mut sum, &mut inside));
+            self.add(&speed, &[[*place]], (&rim, at), (&mut sum, &mut inside));
         }
         if P::PAIRS {
             for place in self.places.table() {
-                self.add(&speed, &[place.opposite()], &rim, at, (&mut sum, &mut inside));
+                self.add(&speed, &[[place.opposite()]], (&rim, at), (&mut sum, &mut inside));
             }
         }
         Reaction {

@@ -42,7 +42,7 @@ pub struct Grid<T> {
 /// the range: signs can be gathered without a branch.
 #[derive(Clone, Copy)]
 pub struct Spots<T, const W: usize, const K: usize> {
-    pub first: [usize; K],
+    pub first: [u32; K],
     pub weights: [Lanes<T, K>; W],
     pub slopes: [Lanes<T, K>; W],
     pub inside: Lanes<T, K>,
@@ -66,7 +66,7 @@ impl<T: Scalar> Axis<T> {
     fn quadratic<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, 3, K> {
         let [half, one, density] = [T::HALF, T::ONE, self.density].map(Lanes::all);
         let place = self.place(x) - half;
-        let (first, whole) = place.index(self.count.wrapping_sub(3));
+        let (first, whole) = place.index(self.count.wrapping_sub(3) as u32);
         // From half before to half after the middle one of the three.
         let after = place - whole;
         let before = one - after;
@@ -83,7 +83,7 @@ impl<T: Scalar> Axis<T> {
     #[inline(always)]
     fn linear(&self, x: T) -> Spots<T, 2, 1> {
         let place = self.place(Lanes([x]));
-        let (first, whole) = place.index(self.count.saturating_sub(2));
+        let (first, whole) = place.index(self.count.saturating_sub(2) as u32);
         let t = place - whole;
         let density = Lanes::all(self.density);
         let x = Lanes([x]);
@@ -109,7 +109,7 @@ pub struct Table<T, A, const F: usize> {
 /// Speed of a call, the same for all balls.
 #[derive(Clone, Copy)]
 pub struct AtSpeed<T> {
-    layer: usize,
+    layer: u32,
     weights: [T; 2],
     inside: T,
 }
@@ -151,8 +151,8 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     fn sum<const K: usize>(
         &self,
         at: &AtSpeed<T>,
-        (angles, by_angle): (&[usize; K], &[Lanes<T, K>; 3]),
-        (approaches, by_approach): (&[usize; K], &[Lanes<T, K>; 3]),
+        (angles, by_angle): (&[u32; K], &[Lanes<T, K>; 3]),
+        (approaches, by_approach): (&[u32; K], &[Lanes<T, K>; 3]),
     ) -> Values<T, F, K> {
         let nothing = Lanes::all(T::ZERO);
         let mut values = Values { fields: [nothing; F], inside: nothing };
@@ -174,8 +174,8 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 
     /// Weighted sum of the nodes around one place; nothing where the table ends before them.
     #[inline(always)]
-    fn at(&self, at: &AtSpeed<T>, angle: usize, approach: usize, weights: &[[T; 3]; 2]) -> Option<Node<T, F>> {
-        let (nx, na) = (self.grid.approach.count, self.grid.angle.count);
+    fn at(&self, at: &AtSpeed<T>, angle: u32, approach: u32, weights: &[[T; 3]; 2]) -> Option<Node<T, F>> {
+        let (nx, na) = (self.grid.approach.count as u32, self.grid.angle.count as u32);
         let layer = at.layer.wrapping_mul(na).wrapping_add(angle).wrapping_mul(nx).wrapping_add(approach);
         let below = self.patch(layer, weights)?;
         if self.grid.speed.count == 1 {
@@ -187,13 +187,18 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 
     /// Weighted sum of the nine nodes of one speed from `start` on; nothing where the table ends before them.
     #[inline(always)]
-    fn patch(&self, start: usize, [by_angle, by_approach]: &[[T; 3]; 2]) -> Option<Node<T, F>> {
-        let nx = self.grid.approach.count;
-        let near = self.nodes.as_ref().get(start..)?;
-        let middle = near.get(nx..)?;
-        let far = middle.get(nx..)?;
-        let along = |row: &[Node<T, F>]| row.first_chunk::<3>().map(|three| mixed(*by_approach, *three));
-        Some(mixed(*by_angle, [along(near)?, along(middle)?, along(far)?]))
+    fn patch(&self, start: u32, [by_angle, by_approach]: &[[T; 3]; 2]) -> Option<Node<T, F>> {
+        let nx = self.grid.approach.count as u32;
+        let middle = start.wrapping_add(nx);
+        let rows = [self.row(start)?, self.row(middle)?, self.row(middle.wrapping_add(nx))?];
+        Some(mixed(*by_angle, rows.map(|row| mixed(*by_approach, *row))))
+    }
+
+    #[inline(always)]
+    fn row(&self, start: u32) -> Option<&[Node<T, F>; 3]> {
+        // From 32 bits, so that the end of the row cannot overflow: one comparison where an address has 64.
+        let start = start as usize;
+        self.nodes.as_ref().get(start..start.wrapping_add(3))?.first_chunk()
     }
 
     /// At the signed roots `x` of the approach and the sines `sin` of the angle.
