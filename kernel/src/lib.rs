@@ -12,6 +12,7 @@ pub mod rotor;
 pub mod scalar;
 pub mod status;
 pub mod turn;
+pub mod twin;
 
 pub use bearing::Bearing;
 pub use frame::{Displacement, Stiffness, Wrench};

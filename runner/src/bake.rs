@@ -1,6 +1,7 @@
 //! A scene's bearings as Rust constants for firmware: places, table, surfaces, ready for the kernel without arithmetic.
 
 mod direct;
+mod observer;
 
 use crate::scene::build::{self, MadeTable};
 use crate::scene::{Bearing, Facing, Model, Scene};
@@ -25,6 +26,9 @@ pub fn bake(scene: &Scene, name: Option<&str>) -> Result<(String, Vec<Baked>)> {
         let (text, baked) = module(scene, of)?;
         source += &text;
         all.push(baked);
+    }
+    if name.is_none() {
+        observer::module(&mut source, scene)?;
     }
     Ok((source, all))
 }

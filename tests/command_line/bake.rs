@@ -3,7 +3,7 @@
 use ballrace::bearing::Bearing;
 use ballrace::{Displacement, Rotation, Turn};
 
-use crate::support::{Desk, numbers};
+use crate::support::{DEMO_SCENE, Desk, numbers, short_recording};
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
@@ -109,31 +109,13 @@ fn every_model_of_firmware_is_baked() {
     desk.put("scene.toml", DIRECT);
     desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
     let rows = ["1e-6,2e-6,1e-5,0.0,0.0", "-3e-6,4e-6,-8e-6,1e-4,-5e-5", "2e-5,0.0,-1e-5,0.0,2e-4"];
-    let kernel = concat!(env!("CARGO_MANIFEST_DIR"), "/../kernel");
-    std::fs::create_dir(desk.path("src")).unwrap();
-    desk.put(
-        "Cargo.toml",
-        format!("[package]\nname = \"baked\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[dependencies]\nballrace = {{ path = {kernel:?} }}\n[workspace]\n"),
-    );
     let lines: String = rows.iter().map(|row| format!("[{row}],")).collect();
     let calls: String = ["a", "b", "c", "d"].map(|name| format!("told(&bearing_{name}::bearing());")).concat();
-    desk.put(
-        "src/main.rs",
-        format!(
+    let mut found = desk.compiled(&format!(
             "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\nuse ballrace::{{Bearing, Displacement, Turn}};\nuse bearings::*;\n\
              fn told(bearing: &impl Bearing<f32>) {{ for u in [{lines}] {{\n\
              let f = bearing.reaction(&Displacement::from_array(u), &Turn::ZERO.into()).wrench.to_array();\n\
-             println!(\"{{}}\", f.map(|x: f32| (x + 0.0).to_bits().to_string()).join(\",\")); }} }}\nfn main() {{ {calls} }}\n"
-        ),
-    );
-    let cargo = std::process::Command::new(env!("CARGO"))
-        .args(["run", "-q", "--offline"])
-        .env("CARGO_TARGET_DIR", desk.path("target"))
-        .current_dir(desk.path(""))
-        .output()
-        .unwrap();
-    assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
-    let mut found = String::from_utf8(cargo.stdout).unwrap();
+             println!(\"{{}}\", f.map(|x: f32| (x + 0.0).to_bits().to_string()).join(\",\")); }} }}\nfn main() {{ {calls} }}\n"));
     desk.put("u.csv", format!("u,v,w,thu,thv\n{}\n", rows.join("\n")));
     for name in ["A", "B", "C", "D"] {
         let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", name, "--precision", "f32"];
@@ -163,4 +145,49 @@ fn what_firmware_has_no_constants_for_is_refused() {
         &["bearing A: model: found lumped with a displaced housing"],
     );
     assert!(!desk.files().contains(&"out.rs".to_owned()));
+}
+
+/// The observer in `f32` from what was baked stands where that of `replay` does at the end of a recording.
+#[test]
+fn the_observer_is_baked() {
+    let desk = Desk::empty();
+    let samples = 1024;
+    desk.put("healthy.csv", short_recording(samples));
+    desk.put("scene.toml", format!("{DEMO_SCENE}\n[observer]\nwander = 0.2\n"));
+    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    desk.replay("scene.toml", &["--forces", "forces.csv"]);
+    let (_, told) = numbers(&desk.read("forces.csv"));
+    let (head, rows) = numbers(&desk.read("healthy.csv"));
+    assert_eq!(head[1..=5].join(","), "DE_X_um,DE_Y_um,NDE_X_um,NDE_Y_um,axial_um");
+    let readings: String =
+        rows.iter().map(|row| format!("{:?},", row[1..=5].iter().map(|x| x * 1e-6).collect::<Vec<_>>())).collect();
+    let found = desk.compiled(&format!(
+        "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\n\
+         use ballrace::rotor::*; use ballrace::twin::*; use ballrace::*;\nuse bearings::{{*, observer::*}};\n\
+         const READINGS: [[f32; 5]; {samples}] = [{readings}];\n\
+         fn main() {{\n\
+         let rotor = RigidRotor::<f32, Exact>::try_new(&ROTOR, &UNBALANCES).unwrap();\n\
+         let gear = Gear::new(bearing_de::CAGE_RATIO);\n\
+         let bearings = [Mounted {{ bearing: bearing_de::bearing(), station: bearing_de::STATION, gear }}, Mounted {{ bearing: bearing_nde::bearing(), station: bearing_nde::STATION, gear }}];\n\
+         let step = PERIOD / SUBSTEPS as f32;\n\
+         let observer = Observer {{ machine: Machine {{ rotor, bearings }}, integrator: RungeKutta4 {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, memory: MEMORY }};\n\
+         let first = READINGS[0]; let _ = first;\n\
+         let start = Displacement {{ u: 0.5 * (first[0] + first[2]), v: 0.5 * (first[1] + first[3]), w: first[4], thu: 0.0, thv: 0.0 }};\n\
+         let mut state = ObserverState::new(RotorState::at_rest(start, Turn::ZERO, [Turn::ZERO; 2]));\n\
+         let mut nis = 0.0;\n\
+         for (i, readings) in READINGS.iter().enumerate().skip(1) {{\n\
+         let drive = Drive {{ angle: Turn::from_revolutions((i - 1) as f64 / 256.0), speed: 314.159_27, acceleration: 0.0 }};\n\
+         let estimate = observer.sample::<Exact>(&mut state, &drive, readings);\n\
+         if i > 768 {{ nis += estimate.nis / 255.0; }} }}\n\
+         let at = observer.machine.bearings[0].gear.rotation(state.motion.parts[0], &Drive {{ angle: state.motion.shaft, speed: 314.159_27, acceleration: 0.0 }});\n\
+         let f = observer.machine.bearings[0].bearing.reaction(&state.motion.displacement().at_station(bearing_de::STATION), &at).wrench.to_array();\n\
+         println!(\"{{}},{{}},{{}},{{nis}}\", f[0], f[1], f[2]);\n\
+         }}\n"
+    ));
+    let found: Vec<f64> = found.trim().split(',').map(|x| x.parse().unwrap()).collect();
+    let last = &told[samples - 1];
+    for i in 0..3 {
+        assert!((found[i] - last[i + 1]).abs() < 3.0, "{found:?} {:?}", &last[1..4]);
+    }
+    assert!((3.0..8.0).contains(&found[3]), "{found:?}");
 }

@@ -83,6 +83,27 @@ pub struct Desk {
 }
 
 impl Desk {
+    /// What the program `source` prints that uses the kernel, compiled and run.
+    pub fn compiled(&self, source: &str) -> String {
+        let kernel = concat!(env!("CARGO_MANIFEST_DIR"), "/../kernel");
+        fs::create_dir(self.path("src")).unwrap();
+        self.put(
+            "Cargo.toml",
+            format!(
+                "[package]\nname = \"baked\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[dependencies]\nballrace = {{ path = {kernel:?} }}\n[workspace]\n"
+            ),
+        );
+        self.put("src/main.rs", source);
+        let cargo = Command::new(env!("CARGO"))
+            .args(["run", "-q", "--offline"])
+            .env("CARGO_TARGET_DIR", self.path("target"))
+            .current_dir(self.path(""))
+            .output()
+            .unwrap();
+        assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
+        String::from_utf8(cargo.stdout).unwrap()
+    }
+
     /// With nothing on it.
     pub fn empty() -> Self {
         Self { folder: tempfile::tempdir().unwrap() }

@@ -1,37 +1,42 @@
 //! The forces of `replay --forces` against those of the machines that made the recordings.
 
-use crate::support::{Desk, number, numbers, recorded};
+use std::fmt::Write;
+
+use crate::support::{DEMO_RECORDING, Desk, number, numbers, recorded};
 
 /// The truth has a row for so many samples.
 const EVERY: usize = 16;
 /// FX, FY, FZ, MX, MY of two bearings.
 const ENTRIES: usize = 10;
 
-/// The errors of every force, moment by moment, in units of the noise that the outcome announces for it.
-fn errors(name: &str) -> Vec<Vec<f64>> {
-    let desk = Desk::empty();
-    let outcome = desk.replay(&recorded(&format!("{name}.toml")), &["--forces", "forces.csv"]);
+/// Errors of every force, moment by moment.
+fn off(desk: &Desk, name: &str) -> Vec<Vec<f64>> {
     let truth = std::fs::read_to_string(recorded(&format!("{name}.truth.csv"))).unwrap();
     let ((head, found), (truth_head, truth)) = (numbers(&desk.read("forces.csv")), numbers(&truth));
     assert_eq!(head, truth_head);
     assert_eq!(found.len(), EVERY * truth.len());
-    let sigma = |i: usize| number(&outcome, &format!("/bearings/{}/force_measured/{}/noise_sigma", i / 5, i % 5));
     let pairs = || truth.iter().zip(found.iter().step_by(EVERY));
     assert!(pairs().all(|(truth, found)| (truth[0] - found[0]).abs() < 1e-6), "the same moments");
-    let error = |i: usize| pairs().map(|(truth, found)| (found[i + 1] - truth[i + 1]) / sigma(i)).collect();
-    (0..ENTRIES).map(error).collect()
+    (1..=ENTRIES).map(|i| pairs().map(|(truth, found)| found[i] - truth[i]).collect()).collect()
 }
 
-/// The noise band says what the errors are: neither too narrow nor too wide, and few are far outside.
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Forces straight from the displacement: the noise band says what their errors are, neither too narrow nor too wide,
+/// and few are far outside.
 fn assert_within_the_noise(name: &str) {
-    let mut report = String::new();
-    let mut good = true;
-    for (i, errors) in errors(name).iter().enumerate() {
-        let count = errors.len() as f64;
-        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / count).sqrt();
-        let far = errors.iter().filter(|e| e.abs() > 4.0).count() as f64 / count;
-        report += &format!("{name}, entry {i}: {rms:.3} sigma rms, {:.2} % beyond 4\n", 100.0 * far);
-        good &= (0.8..=1.2).contains(&rms) && far <= 0.005;
+    let desk = Desk::empty();
+    let args = ["--forces", "forces.csv", "--force-source", "displacement"];
+    let outcome = desk.replay(&recorded(&format!("{name}.toml")), &args);
+    let (mut report, mut good) = (String::new(), true);
+    for (i, errors) in off(&desk, name).iter().enumerate() {
+        let sigma = number(&outcome, &format!("/bearings/{}/force_measured/{}/noise_sigma", i / 5, i % 5));
+        let of_sigma = rms(errors) / sigma;
+        let far = errors.iter().filter(|e| e.abs() > 4.0 * sigma).count() as f64 / errors.len() as f64;
+        writeln!(report, "{name}, entry {i}: {of_sigma:.3} sigma rms, {:.2} % beyond 4", 100.0 * far).unwrap();
+        good &= (0.8..=1.2).contains(&of_sigma) && far <= 0.005;
     }
     print!("{report}");
     assert!(good, "{report}");
@@ -55,4 +60,90 @@ fn outer_spall() {
 #[test]
 fn run_up() {
     assert_within_the_noise("run-up");
+}
+
+/// Probe noise of the recordings, um rms.
+const RECORDED: f64 = 0.03;
+
+/// The recording with white noise up to `noise` (um) on every probe.
+fn noisier(recording: &str, noise: f64) -> String {
+    let mut state = 1_u64;
+    let mut uniform = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut normal = move || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
+    let more = (noise * noise - RECORDED * RECORDED).max(0.0).sqrt();
+    let mut lines = recording.lines();
+    let head = lines.next().unwrap();
+    let probes: Vec<bool> = head.split(',').map(|name| name.ends_with("_um")).collect();
+    let mut text = format!("{head}\n");
+    for line in lines {
+        let cells = line.split(',').zip(&probes);
+        let cells = cells.map(|(cell, probe)| match probe {
+            true => format!("{:.5}", cell.parse::<f64>().unwrap() + more * normal()),
+            false => cell.to_owned(),
+        });
+        writeln!(text, "{}", cells.collect::<Vec<_>>().join(",")).unwrap();
+    }
+    text
+}
+
+/// How many times closer to the truth the observer's forces are than those straight from the displacement: the worst of
+/// all forces and moments, and of the forces together; with the scene of `scene` on the recording `name`.
+fn closer(name: &str, scene: &str, noise: f64) -> [f64; 2] {
+    let desk = Desk::empty();
+    let recording = match name {
+        "healthy" => DEMO_RECORDING.to_owned(),
+        _ => std::fs::read_to_string(recorded(&format!("{name}.csv"))).unwrap(),
+    };
+    desk.put("noisy.csv", noisier(&recording, noise));
+    let text = std::fs::read_to_string(recorded(&format!("{scene}.toml"))).unwrap();
+    desk.put("scene.toml", text.replace("noise = \"0.03 um\"", &format!("noise = \"{noise} um\"")));
+    let errors = |source: &str| {
+        desk.replay("scene.toml", &["--recording", "noisy.csv", "--forces", "forces.csv", "--force-source", source]);
+        off(&desk, name)
+    };
+    let (observed, straight) = (errors("observer"), errors("displacement"));
+    let worst = observed.iter().zip(&straight).map(|(o, s)| rms(s) / rms(o)).fold(f64::INFINITY, f64::min);
+    let forces = |all: &[Vec<f64>]| {
+        all.iter().enumerate().filter(|(i, _)| i % 5 < 3).map(|(_, e)| rms(e).powi(2)).sum::<f64>().sqrt()
+    };
+    let found = [worst, forces(&straight) / forces(&observed)];
+    println!(
+        "{name} by the scene of {scene}, {noise} um: {:.1} (forces together {:.1}) times closer",
+        found[0], found[1]
+    );
+    found
+}
+
+/// At least three times closer, at every noise from 0.03 to 1 um, also where the scene does not know the unbalance.
+#[test]
+fn the_observer_is_closer_than_the_displacement() {
+    let all = [
+        ("healthy", "healthy", 0.03),
+        ("healthy", "healthy", 0.1),
+        ("healthy", "healthy", 0.3),
+        ("healthy", "healthy", 1.0),
+        ("unbalanced", "unbalanced", 0.03),
+        ("unbalanced", "unbalanced", 1.0),
+        ("outer-spall", "outer-spall", 0.03),
+        ("outer-spall", "outer-spall", 1.0),
+        ("run-up", "run-up", 0.03),
+        ("run-up", "run-up", 1.0),
+        ("unbalanced", "healthy", 0.03),
+        ("unbalanced", "healthy", 1.0),
+    ];
+    let far: Vec<_> = all.iter().filter(|(name, scene, noise)| closer(name, scene, *noise)[0] < 3.0).collect();
+    assert!(far.is_empty(), "not three times closer: {far:?}");
+}
+
+/// Innovations are what noise and model say.
+#[test]
+fn innovations_are_consistent() {
+    let outcome = Desk::empty().replay(&recorded("healthy.toml"), &[]);
+    let [low, high] = [0, 1].map(|i| number(&outcome, &format!("/observer/nis_bounds/{i}")));
+    let mean = number(&outcome, "/observer/nis_mean");
+    assert!((low..=high).contains(&mean), "{mean} not in {low} to {high}");
+    assert!(low < 5.0 && 5.0 < high && high - low < 0.2);
 }

@@ -46,6 +46,28 @@ impl<T, B> Geared<T> for Mounted<T, B> {
     }
 }
 
+impl<T, C: Geared<T>> Geared<T> for &C {
+    fn gear(&self) -> &Gear<T> {
+        (**self).gear()
+    }
+}
+
+impl<T: Scalar, C: Coupling<T, D>, const D: usize> Coupling<T, D> for &C {
+    fn push(&self, q: &[T; D], at: &Rotation<T>, f: &mut [T; D]) -> (T, Status) {
+        (**self).push(q, at, f)
+    }
+
+    fn push_with_stiffness(
+        &self,
+        q: &[T; D],
+        at: &Rotation<T>,
+        f: &mut [T; D],
+        k: &mut SMatrix<T, D, D>,
+    ) -> (T, Status) {
+        (**self).push_with_stiffness(q, at, f, k)
+    }
+}
+
 fn add_wrench<T: Scalar>(f: &mut [T; 5], reaction: Reaction<T>, station: T) -> (T, Status) {
     let moved = reaction.moved_from(station);
     super::vector::add(f, &moved.wrench.to_array());

@@ -6,7 +6,7 @@ use crate::output::AtomicFile;
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::RotationError;
 use crate::replay::outcome::Outcome;
-use crate::replay::{Options, replay};
+use crate::replay::{Options, Source, replay};
 use crate::report;
 use crate::scene::Scene;
 use crate::scene::read::{read_file, read_str};
@@ -33,6 +33,9 @@ pub struct Args {
     /// Write the force of every bearing at every sample.
     #[arg(long, value_name = "FILE.csv")]
     forces: Option<PathBuf>,
+    /// Which forces: at the position behind the probes' noise, or at the one that they show.
+    #[arg(long, value_enum, default_value_t = Source::Observer, requires = "forces")]
+    force_source: Source,
     /// Remember this recording as that of a machine in good order.
     #[arg(long, value_name = "BASELINE.json")]
     learn: Option<PathBuf>,
@@ -67,6 +70,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         paced: args.paced,
         error,
         forces: args.forces.as_deref(),
+        source: args.force_source,
         baseline: args.baseline.as_deref(),
         progress: Some(&progress),
     };

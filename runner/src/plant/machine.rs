@@ -1,7 +1,7 @@
 //! The kernel's machine of as many coordinates and bearings as a scene has: both are constants of its type.
 
 use super::system::RIGID;
-use super::{Plant, Seat};
+use super::{Plant, Seat, Step};
 use crate::scene::build::{self, AnyBearing, Shared};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::{Bearing, Place, Reaction};
@@ -31,6 +31,15 @@ pub trait MachineTask<R> {
         S: System<f64, D> + 'static,
         C: Fit<D> + 'static;
 }
+
+/// Something to do with a rigid rotor on its bearings that moves.
+pub trait RigidTask<R> {
+    /// Does it: the machine, the integrator's step, steps in a sample period.
+    fn run<const N: usize>(self, machine: RigidMachine<N>, step: Step, substeps: u32) -> R;
+}
+
+/// A rigid rotor on bearings.
+pub type RigidMachine<const N: usize> = Machine<RigidRotor<f64, Exact>, Mounted<f64, AnyBearing<f64>>, N>;
 
 /// Which of a seat's bearings the machine holds.
 pub(super) type Hold = fn(&Seat) -> AnyBearing<f64>;
@@ -119,7 +128,20 @@ impl Plant {
         }
     }
 
+    /// The same of a rigid rotor alone.
+    pub(super) fn rigid_machine<R>(&self, step: Step, substeps: u32, task: impl RigidTask<R>) -> Result<R> {
+        Ok(match self.seats.len() {
+            1 => task.run::<1>(self.rotor_on_bearings(Seat::moving)?, step, substeps),
+            2 => task.run::<2>(self.rotor_on_bearings(Seat::moving)?, step, substeps),
+            _ => task.run::<MOST_BEARINGS>(self.rotor_on_bearings(Seat::moving)?, step, substeps),
+        })
+    }
+
     fn rigid<R, const N: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
+        Ok(task.run::<_, _, RIGID, N>(self.rotor_on_bearings(hold)?))
+    }
+
+    fn rotor_on_bearings<const N: usize>(&self, hold: Hold) -> Result<RigidMachine<N>> {
         let Some(rotor) = &self.rotor else { bail!("found no rotor") };
         let mut params = build::rotor_params(rotor);
         for (i, row) in params.damping.iter_mut().enumerate() {
@@ -132,7 +154,7 @@ impl Plant {
             Some(seat) => Mounted { bearing: hold(seat), station: seat.station, gear: seat.kinematics.gear() },
             None => Mounted { bearing: nothing(), station: 0.0, gear: Gear::new(0.0) },
         });
-        Ok(task.run::<_, _, RIGID, N>(Machine { rotor, bearings }))
+        Ok(Machine { rotor, bearings })
     }
 
     fn general<R, const D: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {

@@ -8,10 +8,11 @@ mod twin;
 mod warm;
 
 pub use given::Given;
-pub use machine::{LARGEST, MOST_BEARINGS};
+use machine::Fit;
+pub use machine::{LARGEST, MOST_BEARINGS, RigidMachine, RigidTask};
 pub use seat::{Balls, Seat};
 pub use system::{Layout, Scales, only_rigid};
-pub use twin::{Twin, first_five};
+pub use twin::{Step, Twin, first_five};
 
 use crate::scene::build;
 use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
@@ -20,7 +21,7 @@ use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Drive, Equilibrium, Machine, System, equilibrium};
 use ballrace::{Displacement, Rotation, Turn};
-use machine::{Fit, MachineTask};
+use machine::MachineTask;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use twin::{StartTask, array};
@@ -287,6 +288,16 @@ impl Plant {
         (sample_period / step * (1.0 - 1e-9)).ceil().clamp(1.0, 10_000.0) as u32
     }
 
+    /// Runs `task` with the machine of a rigid rotor, and with the integrator's step and how many make a sample period.
+    ///
+    /// # Errors
+    /// A scene of another system, what the kernel refuses.
+    pub fn with_rigid<R>(&self, sample_period: f64, task: impl RigidTask<R>) -> Result<R> {
+        let substeps = self.substeps(sample_period);
+        let step = Step { method: self.integration.method, length: sample_period / f64::from(substeps) };
+        self.rigid_machine(step, substeps, task)
+    }
+
     /// A twin at the given revolutions of the shaft, already run in at that speed from rest.
     ///
     /// # Errors
@@ -313,9 +324,8 @@ impl Plant {
             rest: self.rest.clone(),
             shaft: Turn::from_revolutions(revolutions),
             parts: self.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
-            step: sample_period / f64::from(substeps),
+            step: Step { method: self.integration.method, length: sample_period / f64::from(substeps) },
             substeps,
-            method: self.integration.method,
         };
         self.with_machine(Seat::moving, task)
     }

@@ -2,7 +2,9 @@
 
 use super::machine::{Fit, MachineTask};
 use crate::scene::Method;
-use ballrace::rotor::{Drive, Integrator, Machine, Newmark, PartAngles, RotorState, RungeKutta4, System, Verlet};
+use ballrace::rotor::{
+    Coupling, Drive, Integrator, Machine, Newmark, PartAngles, RotorState, RungeKutta4, System, Verlet,
+};
 use ballrace::{Displacement, Rotation, Status, Turn, Wrench};
 
 /// One twin, whatever its coordinates and bearings.
@@ -43,14 +45,38 @@ pub(super) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
     std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
 }
 
+/// One step of the integrator that a scene names.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Which.
+    pub method: Method,
+    /// s
+    pub length: f64,
+}
+
+impl Integrator<f64> for Step {
+    fn step<R: System<f64, D>, C: Coupling<f64, D>, const D: usize, const N: usize>(
+        &self,
+        machine: &Machine<R, C, N>,
+        state: &mut RotorState<f64, D, N>,
+        drive: &Drive<f64>,
+    ) -> Status {
+        let step = self.length;
+        match self.method {
+            Method::RungeKutta => RungeKutta4 { step }.step(machine, state, drive),
+            Method::Newmark { newton_steps } => Newmark { step, newton_steps }.step(machine, state, drive),
+            Method::Verlet => Verlet { step }.step(machine, state, drive),
+        }
+    }
+}
+
 /// Starts a twin at rest.
 pub(super) struct StartTask {
     pub rest: Vec<f64>,
     pub shaft: Turn,
     pub parts: Vec<PartAngles>,
-    pub step: f64,
+    pub step: Step,
     pub substeps: u32,
-    pub method: Method,
 }
 
 impl MachineTask<Box<dyn Twin>> for StartTask {
@@ -65,7 +91,6 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
             coordinates: self.rest.len(),
             step: self.step,
             substeps: self.substeps,
-            method: self.method,
         })
     }
 }
@@ -75,21 +100,16 @@ struct Moving<S, C, const D: usize, const N: usize> {
     state: RotorState<f64, D, N>,
     /// Those that are not idle.
     coordinates: usize,
-    step: f64,
+    step: Step,
     substeps: u32,
-    method: Method,
 }
 
 impl<S: System<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
     fn step(&mut self, drive: &Drive<f64>) -> Status {
         let (step, machine, state) = (self.step, &self.machine, &mut self.state);
         (0..self.substeps).fold(Status::OK, |status, i| {
-            let now = drive.after(f64::from(i) * step);
-            status.and(match self.method {
-                Method::RungeKutta => RungeKutta4 { step }.step(machine, state, &now),
-                Method::Newmark { newton_steps } => Newmark { step, newton_steps }.step(machine, state, &now),
-                Method::Verlet => Verlet { step }.step(machine, state, &now),
-            })
+            let now = drive.after(f64::from(i) * step.length);
+            status.and(step.step(machine, state, &now))
         })
     }
     fn coordinates(&self) -> &[f64] {

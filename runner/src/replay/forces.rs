@@ -18,6 +18,8 @@ pub struct Evaluated {
     pub measured: [f64; 5],
     /// The twin's.
     pub twin: [f64; 5],
+    /// At the position that the observer takes to be behind the noise.
+    pub estimated: [f64; 5],
     /// What probe noise alone puts on `measured`, one standard deviation; NaN when unknown.
     pub sigma: [f64; 5],
     /// Flags of `measured`.
@@ -29,6 +31,7 @@ pub struct BearingSums {
     held: HeldWrench<f64>,
     measured: [Running; 5],
     twin: [Running; 5],
+    estimated: [Running; 5],
     sigma: [Running; 5],
     contact_lost: u64,
     held_samples: u64,
@@ -46,6 +49,7 @@ impl BearingSums {
             held: HeldWrench::new(),
             measured: Default::default(),
             twin: Default::default(),
+            estimated: Default::default(),
             sigma: Default::default(),
             contact_lost: 0,
             held_samples: 0,
@@ -55,17 +59,17 @@ impl BearingSums {
         }
     }
 
-    /// The force from the measured pose (NaN where a reading is missing: the last good force is held) and the twin's.
+    /// The forces from the measured pose (NaN where a reading is missing: the last good force is held), from the twin's and
+    /// from the observer's.
     pub fn evaluate(
         &mut self,
         seat: &Seat,
-        pose: &Displacement<f64>,
-        twin: &Displacement<f64>,
+        [pose, twin, likely]: [&Displacement<f64>; 3],
         at: &Rotation<f64>,
     ) -> Evaluated {
         let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), at);
-        let twin = seat.bearing.reaction(&twin.at_station(seat.station), at).wrench;
-        Evaluated { measured: wrench.to_array(), twin: twin.to_array(), sigma: [f64::NAN; 5], status }
+        let [twin, estimated] = [twin, likely].map(|pose| force_at(seat, pose, at));
+        Evaluated { measured: wrench.to_array(), twin, estimated, sigma: [f64::NAN; 5], status }
     }
 
     /// Adds a sample to the sums; returns the load on element 1.
@@ -74,6 +78,7 @@ impl BearingSums {
         self.held_samples += u64::from(sample.status.is_held());
         for i in 0..5 {
             self.twin[i].add(sample.twin[i]);
+            self.estimated[i].add(sample.estimated[i]);
             if !sample.status.is_held() {
                 self.measured[i].add(sample.measured[i]);
                 if sample.sigma[i].is_finite() {
@@ -122,6 +127,7 @@ impl BearingSums {
                 ball_spin: seat.kinematics.spin_known.then_some(orders.ball_spin),
             },
             force_measured: std::array::from_fn(|i| figures(&self.measured[i], Some(&self.sigma[i]))),
+            force_estimated: std::array::from_fn(|i| figures(&self.estimated[i], None)),
             force_twin: std::array::from_fn(|i| figures(&self.twin[i], None)),
             largest_element_load_n: self.largest,
             contact_lost_samples: self.contact_lost,

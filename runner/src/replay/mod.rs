@@ -5,6 +5,7 @@ pub mod baseline;
 pub mod comparison;
 pub mod findings;
 pub mod forces;
+pub mod innovation;
 pub mod lines;
 pub mod locate;
 pub mod outcome;
@@ -16,18 +17,20 @@ pub mod timing;
 
 use crate::fault::{SceneFault, scene_fault};
 use crate::needs;
+use crate::observer::{Heard, MOST_PROBES, Start, Tuned, Watch, tuned, watch};
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
 use crate::recording::Sample;
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::Tracker;
-use crate::scene::{Probe, Rotation, Scene};
+use crate::scene::{Probe, Rotation, Scene, Speed};
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Drive, PartAngles};
 use ballrace::{Displacement, Turn};
 use baseline::Baseline;
 use comparison::{Angles, Comparison, Seen};
 use forces::{BearingSums, Evaluated, noise_band};
+use innovation::Innovation;
 use locate::Locator;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
@@ -46,12 +49,24 @@ pub struct Options<'a> {
     pub paced: bool,
     /// Where every sample's forces go.
     pub forces: Option<&'a Path>,
+    /// Which forces those are.
+    pub source: Source,
     /// Error of force that is good enough: an effect left out that matters more is warned of.
     pub error: Option<f64>,
     /// A baseline to judge against.
     pub baseline: Option<&'a Path>,
     /// Called now and then with the bytes read and, when known, their total.
     pub progress: Option<&'a dyn Fn(u64, Option<u64>)>,
+}
+
+/// Where a force comes from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Source {
+    /// The bearing's model at the position that the observer takes to be behind the probes' noise.
+    #[default]
+    Observer,
+    /// The bearing's model at the position that the probes show.
+    Displacement,
 }
 
 /// Rows between two calls of the progress function.
@@ -111,6 +126,10 @@ struct Run<'a> {
     plant: Plant,
     linear: Plant,
     moving: Option<Moving>,
+    tuned: Option<Tuned>,
+    speeds: Speed,
+    wander: Option<f64>,
+    innovation: Innovation,
     /// The first samples, until they are enough to tell the lag.
     first: Option<Vec<Sample>>,
     /// s, removed from every sample's shaft angle.
@@ -145,6 +164,7 @@ struct Buffers {
 struct Moving {
     twin: Box<dyn Twin>,
     linear: Box<dyn Twin>,
+    watch: Option<Box<dyn Watch>>,
     cages: Vec<Turn>,
     /// Angles of all parts of each bearing.
     parts: Vec<PartAngles>,
@@ -186,11 +206,12 @@ impl Way {
 struct ForcesFile {
     file: AtomicFile,
     path: String,
+    source: Source,
 }
 
 impl ForcesFile {
-    fn create(path: &Path, seats: &[Seat]) -> Result<Self> {
-        let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string() };
+    fn create(path: &Path, source: Source, seats: &[Seat]) -> Result<Self> {
+        let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string(), source };
         let mut head = "time_s".to_owned();
         for seat in seats {
             for entry in ["FX", "FY", "FZ", "MX", "MY"] {
@@ -207,7 +228,9 @@ impl ForcesFile {
 
     fn add(&mut self, time: f64, forces: &[Evaluated]) -> Result<()> {
         self.line(format_args!("{time:.9}"))?;
-        for entry in forces.iter().flat_map(|f| f.measured) {
+        let observed = self.source == Source::Observer;
+        let force = |f: &Evaluated| if observed { f.estimated } else { f.measured };
+        for entry in forces.iter().flat_map(force) {
             self.line(format_args!(",{entry:.9e}"))?;
         }
         self.line(format_args!("\n"))
@@ -225,7 +248,7 @@ impl<'a> Run<'a> {
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
         let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
-        let forces = options.forces.map(|path| ForcesFile::create(path, &plant.seats)).transpose()?;
+        let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
         Ok(Self {
             probes,
             rows: probes.iter().map(pose::row).collect(),
@@ -239,6 +262,10 @@ impl<'a> Run<'a> {
             plant,
             linear,
             moving: None,
+            tuned: None,
+            speeds: scene.shaft.speed,
+            wander: scene.observer.wander,
+            innovation: Innovation::default(),
             first: Some(Vec::new()),
             lag: 0.0,
             ledger: Ledger::try_new(1.0 / rate, options.paced)?,
@@ -273,10 +300,28 @@ impl<'a> Run<'a> {
             let more = align::lag(&shifted, twin.as_mut(), &self.rows, period);
             self.lag = (self.lag + more).clamp(-0.5 * period, 0.5 * period);
         }
-        for sample in &samples {
-            self.sample(&align::shifted(sample, self.lag))?;
+        let shifted: Vec<Sample> = samples.iter().map(|s| align::shifted(s, self.lag)).collect();
+        self.tuned = self.tune(&shifted)?;
+        for sample in &shifted {
+            self.sample(sample)?;
         }
         Ok(())
+    }
+
+    /// The observer that makes the first samples the most likely.
+    fn tune(&self, samples: &[Sample]) -> Result<Option<Tuned>> {
+        let Some(first) = samples.first() else { return Ok(None) };
+        let twin = self.begin(first, &drive(first))?.twin;
+        let noise: Vec<Option<f64>> = self.probes.iter().map(|p| p.noise).collect();
+        let heard = Heard {
+            samples,
+            rows: &self.rows,
+            given_noise: &noise,
+            period: 1.0 / self.rate,
+            speed: self.speeds,
+            wander: self.wander,
+        };
+        tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref())).map(Some)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<()> {
@@ -285,20 +330,28 @@ impl<'a> Run<'a> {
         self.ledger.wait(sample.row.time);
         let begun = Instant::now();
         let Some(moving) = &mut self.moving else { return Ok(()) };
+        let mut left = way.steps;
         for now in way.drives(1.0 / self.rate) {
             self.twin_held += u64::from(moving.twin.step(&now).is_held());
+            left -= 1;
+            if let Some(watch) = &mut moving.watch {
+                let missing = [f64::NAN; MOST_PROBES];
+                let readings = if left == 0 { sample.row.probes.as_slice() } else { &missing };
+                self.innovation.add(watch.sample(&now, readings), watch.load());
+            }
         }
         for ((parts, cage), seat) in moving.parts.iter_mut().zip(&mut moving.cages).zip(&self.plant.seats) {
             *parts = way.parts(*parts, seat, sample.angle);
             *cage = parts.cage;
         }
         let twin_pose = moving.twin.pose();
+        let likely = moving.watch.as_ref().map_or(twin_pose, |watch| watch.pose());
         // Not a number where any reading is missing: the kernel then holds its last force and says so.
         let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
         self.buffers.evaluated.clear();
         for ((seat, sums), &parts) in self.plant.seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
             let at = seat.rotation(parts, &drive);
-            self.buffers.evaluated.push(sums.evaluate(seat, &pose, &twin_pose, &at));
+            self.buffers.evaluated.push(sums.evaluate(seat, [&pose, &twin_pose, &likely], &at));
         }
         self.ledger.worked(begun);
         for now in way.drives(1.0 / self.rate) {
@@ -331,8 +384,14 @@ impl<'a> Run<'a> {
     fn begin(&self, sample: &Sample, drive: &Drive<f64>) -> Result<Moving> {
         let revolutions = total_turns(sample);
         let period = 1.0 / self.rate;
+        let twin = self.plant.run_in(period, revolutions, drive)?;
+        let watch = |tuned: &Tuned| {
+            let start = if self.moving.is_none() { tuned.start } else { Start::of(twin.as_ref()) };
+            watch(&self.plant, &self.rows, &tuned.gains, start, sample, period)
+        };
         Ok(Moving {
-            twin: self.plant.run_in(period, revolutions, drive)?,
+            watch: self.tuned.as_ref().map(watch).transpose()?,
+            twin,
             linear: self.linear.run_in(period, revolutions, drive)?,
             cages: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions).cage).collect(),
             parts: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
@@ -443,6 +502,7 @@ impl<'a> Run<'a> {
             probes,
             bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
             timing: self.ledger.finish(),
+            observer: self.tuned.as_ref().map(|tuned| self.innovation.outcome(tuned)),
             findings,
             flaws,
             notes: self.notes,

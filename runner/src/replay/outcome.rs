@@ -27,6 +27,8 @@ pub struct Outcome {
     pub bearings: Vec<BearingOutcome>,
     /// Compute time and, when paced, lateness.
     pub timing: Timing,
+    /// How the observer went.
+    pub observer: Option<ObserverOutcome>,
     /// What is wrong with the machine; empty when nothing is.
     pub findings: Vec<Finding>,
     /// What is wrong with the recording; empty when nothing is.
@@ -216,6 +218,27 @@ pub struct ForceFigures {
     pub noise_sigma: Option<f64>,
 }
 
+/// How the observer went.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ObserverOutcome {
+    /// Mean of the innovations' normalised squares.
+    pub nis_mean: f64,
+    /// What it is where model and noise are true: the count of probes.
+    pub nis_expected: f64,
+    /// Least and greatest mean that chance leaves it with, at 99 %.
+    pub nis_bounds: [f64; 2],
+    /// The mean is between them.
+    pub consistent: bool,
+    /// How far the unknown force was taken to wander, N per root second.
+    pub wander_n_per_root_s: f64,
+    /// Noise that each probe was taken to have, rms.
+    pub noise_um: Vec<f64>,
+    /// The unknown load on the rotor: mean and rms about it, N (three) and N m (two).
+    pub unknown_load_mean: [f64; 5],
+    /// rms about the mean
+    pub unknown_load_rms: [f64; 5],
+}
+
 /// Results of one bearing.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct BearingOutcome {
@@ -229,6 +252,8 @@ pub struct BearingOutcome {
     pub orders: BearingOrders,
     /// FX, FY, FZ (N), MX, MY (N m) on the inner ring, from the measured displacement.
     pub force_measured: [ForceFigures; 5],
+    /// The same at the position that the observer takes to be behind the probes' noise.
+    pub force_estimated: [ForceFigures; 5],
     /// The same of the twin.
     pub force_twin: [ForceFigures; 5],
     /// Largest load on one element, N, from the measured displacement.

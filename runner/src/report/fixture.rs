@@ -95,6 +95,7 @@ fn bearing(name: &str, station: f64) -> BearingOutcome {
         station_mm: station,
         orders: BearingOrders { cage: 0.398, outer_race: OUTER, inner_race: 5.416, ball_spin: Some(2.357) },
         force_measured: force,
+        force_estimated: force,
         force_twin: force.map(|f| ForceFigures { min: 0.97 * f.min, noise_sigma: None, ..f }),
         largest_element_load_n: 31.4,
         contact_lost_samples: 0,
@@ -259,6 +260,19 @@ fn flaws() -> Vec<FlawSummary> {
     ledger.summary()
 }
 
+fn observer() -> ObserverOutcome {
+    ObserverOutcome {
+        nis_mean: 5.02,
+        nis_expected: 5.0,
+        nis_bounds: [4.93, 5.07],
+        consistent: true,
+        wander_n_per_root_s: 5.9,
+        noise_um: vec![0.03; 5],
+        unknown_load_mean: [0.1, -0.2, 0.0, 1e-3, 0.0],
+        unknown_load_rms: [0.4, 0.5, 0.1, 2e-3, 3e-3],
+    }
+}
+
 fn timing() -> Timing {
     Timing {
         paced: true,
@@ -315,6 +329,7 @@ pub(crate) fn usual() -> Outcome {
         ],
         bearings: vec![bearing("DE", -100.0), bearing("NDE", 100.0)],
         timing: timing(),
+        observer: Some(observer()),
         findings: vec![finding],
         flaws: flaws(),
         notes: vec![
@@ -338,6 +353,7 @@ pub(crate) fn bare() -> Outcome {
         probes: Vec::new(),
         bearings: Vec::new(),
         timing: Timing::default(),
+        observer: None,
         findings: Vec::new(),
         flaws: Vec::new(),
         notes: Vec::new(),

@@ -30,6 +30,15 @@ pub struct Scene {
     pub recording: Option<Recording>,
     /// `[integration]`
     pub integration: Integration,
+    /// `[observer]`
+    pub observer: Observer,
+}
+
+/// `[observer]`: what the observer is told of the unknown.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Observer {
+    /// `wander`, N per root second, above 0: how far an unknown force wanders; from the first turns when absent
+    pub wander: Option<f64>,
 }
 
 /// `[integration]`: how motion is computed.

@@ -18,8 +18,8 @@ pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
 use super::{
-    Bearing, Clock, Direction, Integration, Method, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed, System,
-    SystemUnbalance, Unbalance,
+    Bearing, Clock, Direction, Integration, Method, Observer, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed,
+    System, SystemUnbalance, Unbalance,
 };
 
 /// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
@@ -52,7 +52,7 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
         return Err(SceneError::file(path, "an empty file"));
     }
     let source = Source { text, file: path };
-    let keys = ["name", "shaft", "rotor", "system", "bearing", "recording", "integration"];
+    let keys = ["name", "shaft", "rotor", "system", "bearing", "recording", "integration", "observer"];
     scene(&Table::root(source, document.as_table(), &keys)?, path)
 }
 
@@ -98,6 +98,7 @@ fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
         bearings: bearings(root)?,
         recording: root.read("recording", |n| recording(n, path))?,
         integration: root.read("integration", integration)?.unwrap_or_default(),
+        observer: root.read("observer", observer)?.unwrap_or_default(),
     })
 }
 
@@ -111,6 +112,12 @@ fn integration(node: &Node<'_>) -> Read<Integration> {
         return Err(table.required("newton_steps", "")?.refuse("only with method = \"newmark\"; remove it"));
     }
     Ok(Integration { method, step: table.read("step", |n| n.positive(Dimension::Time))? })
+}
+
+fn observer(node: &Node<'_>) -> Read<Observer> {
+    let table = node.table(&["wander"])?;
+    let wander = table.read("wander", |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
+    Ok(Observer { wander })
 }
 
 /// The name of a scene that gives itself none.

@@ -1,0 +1,44 @@
+//! A rotor under a force that nobody announced.
+
+use crate::rotor::{Drive, System};
+use crate::scalar::Scalar;
+use nalgebra::SMatrix;
+
+/// A system under one more constant load: `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t) + d`.
+#[derive(Debug, Clone, Copy)]
+pub struct Disturbed<'a, R, T, const D: usize> {
+    /// The system as it is known.
+    pub system: &'a R,
+    /// N and N m on its coordinates.
+    pub load: [T; D],
+}
+
+impl<R, T: Scalar, const D: usize> Disturbed<'_, R, T, D> {
+    fn added(&self, mut f: [T; D]) -> [T; D] {
+        for (entry, &load) in f.iter_mut().zip(&self.load) {
+            *entry += load;
+        }
+        f
+    }
+}
+
+impl<R: System<T, D>, T: Scalar, const D: usize> System<T, D> for Disturbed<'_, R, T, D> {
+    fn constant_load(&self) -> [T; D] {
+        self.added(self.system.constant_load())
+    }
+    fn excitation(&self, drive: &Drive<T>) -> [T; D] {
+        self.added(self.system.excitation(drive))
+    }
+    fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
+        self.system.internal(q, rate, speed)
+    }
+    fn accelerate(&self, f: &[T; D]) -> [T; D] {
+        self.system.accelerate(f)
+    }
+    fn inertia(&self, a: &[T; D]) -> [T; D] {
+        self.system.inertia(a)
+    }
+    fn effective(&self, parts: [T; 3], speed: T) -> SMatrix<T, D, D> {
+        self.system.effective(parts, speed)
+    }
+}

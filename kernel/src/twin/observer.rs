@@ -1,0 +1,184 @@
+//! The rotor's state from noisy probes: a steady-gain Kalman filter about the nonlinear bearing forces.
+
+use super::Disturbed;
+use crate::math::Math;
+use crate::rotor::{Coupling, Drive, Integrator, Machine, RotorState, System};
+use crate::scalar::Scalar;
+use crate::status::Status;
+use crate::turn::Turn;
+
+/// Coordinates of a rigid rotor, `[u v w thu thv]`.
+const D: usize = 5;
+
+/// Gains at one shaft speed: what one unit of each probe's innovation adds to the state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpeedGain<T, const P: usize> {
+    /// To the coordinates, per metre.
+    pub position: [[T; D]; P],
+    /// To their rates, 1/s.
+    pub rate: [[T; D]; P],
+    /// To the unknown load, N/m.
+    pub load: [[T; D]; P],
+    /// To the unknown load that turns with the shaft, N/m.
+    pub turning: [[T; D]; P],
+    /// `W`, a lower triangle with `W^T W = S^-1`, the inverse covariance of the innovations, 1/m.
+    pub whitening: [[T; P]; P],
+}
+
+/// What does not change: machine, probes and gains, ready for the hot path.
+///
+/// The state is `x = [q, q', d, r]`: coordinates, rates, and what the model does not know: a load `d` that stands still
+/// until more is heard, and a load `r` that turns with the shaft as an unbalance and its couple do. The prediction is the
+/// integrator's own step with the nonlinear bearing forces and `d + r`, the correction `x += L (y - C q)` with the steady
+/// Kalman gain `L` of the model linearised at rest. Gains may be given at several speeds, evenly spaced; between them they
+/// are interpolated, outside the nearest ones hold.
+///
+/// Source: Kalman 1960; disturbances as states: Johnson 1971. Cost: the integrator's steps, a sine and cosine, and
+/// `P (5 D + P)` multiplications, twice that where there are gains at several speeds.
+#[derive(Debug, Clone, Copy)]
+pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
+    /// The rotor on its bearings, as far as it is known.
+    pub machine: Machine<R, C, N>,
+    /// Moves the machine by one step.
+    pub integrator: I,
+    /// Length of that step, s.
+    pub step: T,
+    /// Steps from sample to sample.
+    pub substeps: u32,
+    /// `C`: what each probe reads per unit of each coordinate.
+    pub probes: [[T; D]; P],
+    /// Gains by speed: anything with a slice of them, at least one.
+    pub gains: A,
+    /// Speed of the first gain, rad/s, and gains per rad/s.
+    pub speeds: [T; 2],
+    /// What is left of the unknown load from sample to sample where nothing is heard of it, up to 1.
+    pub memory: T,
+}
+
+/// What changes from sample to sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObserverState<T, const N: usize> {
+    /// The rotor's motion.
+    pub motion: RotorState<T, D, N>,
+    /// The unknown load, N and N m on the coordinates.
+    pub load: [T; D],
+    /// The unknown load that turns with the shaft, as it is now: `FX FY`, 0, `MX MY`.
+    pub turning: [T; D],
+}
+
+/// What one sample says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate<T, const P: usize> {
+    /// Readings less what was expected, m; 0 where a reading is missing.
+    pub innovation: [T; P],
+    /// Normalised innovation squared, `e^T S^-1 e`: of a model and noise that are true, chi-square distributed with as many
+    /// degrees of freedom as there are probes, and so `P` in the mean.
+    pub nis: T,
+    /// [`Status::INPUT_NOT_FINITE`] where a reading is missing, and what the machine says.
+    pub status: Status,
+}
+
+impl<T: Scalar, const N: usize> ObserverState<T, N> {
+    /// With nothing known of unknown loads.
+    pub fn new(motion: RotorState<T, D, N>) -> Self {
+        Self { motion, load: [T::ZERO; D], turning: [T::ZERO; D] }
+    }
+}
+
+impl<T, R, C, I, A, const N: usize, const P: usize> Observer<T, R, C, I, A, N, P>
+where
+    T: Scalar,
+    R: System<T, D>,
+    C: Coupling<T, D>,
+    I: Integrator<T>,
+    A: AsRef<[SpeedGain<T, P>]>,
+{
+    /// One sample further: the shaft moved as `drive` said at the last sample, the probes now read `readings` (m).
+    ///
+    /// A reading that is not finite corrects nothing; the others do. The instructions are the same for every sample.
+    pub fn sample<M: Math<T>>(
+        &self,
+        state: &mut ObserverState<T, N>,
+        drive: &Drive<T>,
+        readings: &[T; P],
+    ) -> Estimate<T, P> {
+        let mut status = self.predict::<M>(state, drive);
+        let mut innovation = [T::ZERO; P];
+        for ((e, reading), row) in innovation.iter_mut().zip(readings).zip(&self.probes) {
+            let expected = row.iter().zip(&state.motion.q).fold(T::ZERO, |sum, (&c, &q)| sum + c * q);
+            let found = *reading - expected;
+            let usable = found.is_finite();
+            *e = T::choose(usable, found, T::ZERO);
+            status = status.and(Status::INPUT_NOT_FINITE.when(!usable));
+        }
+        let nis = self.correct(state, drive.speed, &innovation);
+        Estimate { innovation, nis, status }
+    }
+
+    fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, N>, drive: &Drive<T>) -> Status {
+        let (mut status, mut now) = (Status::OK, *drive);
+        let (sin, cos) = M::sin_cos(Turn::ZERO.advanced(drive.arc_after(self.step)));
+        for _ in 0..self.substeps {
+            // As it is in the middle of the step: half of what it is before and after.
+            let before = state.turning;
+            state.turning = turned(&before, sin, cos);
+            let mut load = state.load;
+            for (sum, (&a, &b)) in load.iter_mut().zip(before.iter().zip(&state.turning)) {
+                *sum += T::HALF * (a + b);
+            }
+            let machine = Machine {
+                rotor: Disturbed { system: &self.machine.rotor, load },
+                bearings: self.machine.bearings.each_ref(),
+            };
+            status = status.and(self.integrator.step(&machine, &mut state.motion, &now));
+            now = now.after(self.step);
+        }
+        for load in &mut state.load {
+            *load *= self.memory;
+        }
+        status
+    }
+
+    /// Adds what the innovation says; gives its normalised square.
+    fn correct(&self, state: &mut ObserverState<T, N>, speed: T, innovation: &[T; P]) -> T {
+        let gains = self.gains.as_ref();
+        let [first, density] = self.speeds;
+        let place = (speed - first) * density;
+        let (below, whole) = place.index((gains.len() as u32).saturating_sub(2));
+        let part = (place - whole).larger(T::ZERO).smaller(T::ONE);
+        // A single gain is all there is: nothing to mix, nothing to pay for.
+        let part = if gains.len() > 1 { part } else { T::ZERO };
+        let mut nis = T::ZERO;
+        for (gain, weight) in gains.iter().skip(below as usize).zip([T::ONE - part, part]) {
+            nis += gain.apply(state, weight, innovation);
+        }
+        nis
+    }
+}
+
+impl<T: Scalar, const P: usize> SpeedGain<T, P> {
+    /// Adds `weight` of what the innovation says; gives as much of its normalised square.
+    fn apply<const N: usize>(&self, state: &mut ObserverState<T, N>, weight: T, innovation: &[T; P]) -> T {
+        let motion = &mut state.motion;
+        let states = [&mut motion.q, &mut motion.rate, &mut state.load, &mut state.turning];
+        for (to, gains) in states.into_iter().zip([&self.position, &self.rate, &self.load, &self.turning]) {
+            for (&e, gain) in innovation.iter().zip(gains) {
+                let e = weight * e;
+                for (entry, &by) in to.iter_mut().zip(gain) {
+                    *entry += by * e;
+                }
+            }
+        }
+        let mut square = T::ZERO;
+        for row in &self.whitening {
+            let white = row.iter().zip(innovation).fold(T::ZERO, |sum, (&w, &e)| sum + w * e);
+            square += white * white;
+        }
+        weight * square
+    }
+}
+
+/// The pairs `FX FY` and `MX MY` turned by the angle with this sine and cosine.
+fn turned<T: Scalar>(&[x, y, z, mx, my]: &[T; D], sin: T, cos: T) -> [T; D] {
+    [cos * x - sin * y, cos * y + sin * x, z, cos * mx - sin * my, cos * my + sin * mx]
+}

@@ -1,0 +1,70 @@
+//! The scene's rotor and observer as constants.
+
+use crate::observer::{Gains, Uncertainty, memory, observed_rows, weight};
+use crate::plant::{Plant, only_rigid};
+use crate::scene::{Clock, Scene, build};
+use anyhow::{Result, bail};
+use std::fmt::Write;
+
+/// Writes the module `observer`, where the scene has an `[observer]`.
+///
+/// # Errors
+/// A scene that leaves open what the gains depend on.
+pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
+    let Some(wander) = scene.observer.wander else { return Ok(()) };
+    let lacking = |what: &str, allowed: &str| {
+        anyhow::anyhow!("{}: [observer]: found {what}, allowed with bake: {allowed}", scene.path.display())
+    };
+    let Some(recording) = &scene.recording else { bail!(lacking("no [recording]", "probes and a rate")) };
+    let Clock::Rate(rate) = recording.clock else { bail!(lacking("a column of times", "rate = \"12.8 kHz\"")) };
+    let noise: Option<Vec<f64>> = recording.probes.iter().map(|p| p.noise).collect();
+    let Some(noise) = noise else { bail!(lacking("a probe without noise", "noise = \"0.03 um\" for each probe")) };
+    only_rigid(scene, "bake")?;
+    let plant = Plant::try_new(scene)?;
+    let Some(rotor) = plant.rotor() else { bail!(lacking("no [rotor]", "a rotor")) };
+    let linear = plant.linearised(&vec![true; plant.seats.len()])?;
+    let rows = observed_rows(&recording.probes);
+    let of = Uncertainty::new(&noise, wander, weight(&plant));
+    let gains = Gains::try_new(&linear, &rows, scene.shaft.speed, 1.0 / rate, &of)?;
+    let p = rows.len();
+    writeln!(out, "\n/// The observer behind the scene's probes, and the rotor that it moves.\npub mod observer {{")?;
+    writeln!(out, "    use ballrace::rotor::{{RotorParams, Unbalance}};\n    use ballrace::twin::SpeedGain;\n")?;
+    writeln!(out, "    /// From sample to sample, s.\n    pub const PERIOD: f32 = {:?};", (1.0 / rate) as f32)?;
+    let substeps = plant.substeps(1.0 / rate);
+    writeln!(out, "    /// Steps of the integrator in it.\n    pub const SUBSTEPS: u32 = {substeps};")?;
+    let memory = memory(1.0 / rate) as f32;
+    writeln!(out, "    /// What is left of the unknown load after it.\n    pub const MEMORY: f32 = {memory:?};")?;
+    let [first, density] = gains.speeds.map(|x| x as f32);
+    writeln!(out, "    /// Speed of the first gain, rad/s, gains per rad/s.")?;
+    writeln!(out, "    pub const SPEEDS: [f32; 2] = [{first:?}, {density:?}];")?;
+    let names: Vec<&str> = recording.probes.iter().map(|p| p.column.as_str()).collect();
+    writeln!(out, "    /// What each probe reads per unit of each coordinate: {}.", names.join(", "))?;
+    writeln!(out, "    pub const PROBES: [[f32; 5]; {p}] = {};", table(&rows))?;
+    writeln!(out, "    /// By speed.\n    pub static GAINS: [SpeedGain<f32, {p}>; {}] = [", gains.all.len())?;
+    for gain in &gains.all {
+        writeln!(out, "        SpeedGain {{")?;
+        let parts =
+            [("position", &gain.position), ("rate", &gain.rate), ("load", &gain.load), ("turning", &gain.turning)];
+        for (name, entries) in parts {
+            writeln!(out, "            {name}: {},", table(&entries[..p]))?;
+        }
+        let white: Vec<&[f64]> = gain.whitening[..p].iter().map(|row| &row[..p]).collect();
+        writeln!(out, "            whitening: {},\n        }},", table(&white))?;
+    }
+    writeln!(out, "    ];\n    /// The rotor.\n    pub const ROTOR: RotorParams = {:?};", build::rotor_params(rotor))?;
+    let unbalances = build::unbalances(rotor);
+    writeln!(
+        out,
+        "    /// Its unbalances.\n    pub const UNBALANCES: [Unbalance; {}] = {unbalances:?};\n}}",
+        unbalances.len()
+    )?;
+    Ok(())
+}
+
+fn table<R: AsRef<[f64]>>(rows: &[R]) -> String {
+    let row = |row: &R| {
+        let entries: Vec<String> = row.as_ref().iter().map(|x| format!("{:?}", *x as f32)).collect();
+        format!("[{}]", entries.join(", "))
+    };
+    format!("[{}]", rows.iter().map(row).collect::<Vec<_>>().join(", "))
+}

@@ -1,0 +1,3 @@
+//! What a recording says of its machine.
+
+pub mod least_squares;

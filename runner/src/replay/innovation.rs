@@ -1,0 +1,49 @@
+//! Whether the observer's innovations are what its noise and model say.
+
+use super::outcome::ObserverOutcome;
+use super::statistics::Running;
+use crate::observer::Tuned;
+use ballrace::Status;
+
+/// Standard deviations of a mean that chance leaves in 1 case of 100.
+const BAND: f64 = 2.576;
+const UM: f64 = 1e6;
+
+/// Sums over the samples in which every probe had a reading.
+#[derive(Default)]
+pub struct Innovation {
+    squares: Running,
+    load: [Running; 5],
+}
+
+impl Innovation {
+    /// One sample: the normalised square with its status, and the unknown load.
+    pub fn add(&mut self, (nis, status): (f64, Status), load: [f64; 5]) {
+        if !status.has(Status::INPUT_NOT_FINITE) {
+            self.squares.add(nis);
+        }
+        for (running, entry) in self.load.iter_mut().zip(load) {
+            running.add(entry);
+        }
+    }
+
+    /// The figures. Over n samples the mean of the squares, chi-square distributed with p degrees of freedom, has the
+    /// variance `2 p/n`.
+    #[must_use]
+    pub fn outcome(&self, of: &Tuned) -> ObserverOutcome {
+        let expected = of.noise.len() as f64;
+        let band = BAND * (2.0 * expected / self.squares.count().max(1.0)).sqrt();
+        let (mean, bounds) = (self.squares.mean(), [expected - band, expected + band]);
+        let about = |r: &Running| (r.rms().powi(2) - r.mean().powi(2)).max(0.0).sqrt();
+        ObserverOutcome {
+            nis_mean: mean,
+            nis_expected: expected,
+            nis_bounds: bounds,
+            consistent: (bounds[0]..=bounds[1]).contains(&mean),
+            wander_n_per_root_s: of.wander,
+            noise_um: of.noise.iter().map(|n| n * UM).collect(),
+            unknown_load_mean: self.load.each_ref().map(Running::mean),
+            unknown_load_rms: self.load.each_ref().map(about),
+        }
+    }
+}
