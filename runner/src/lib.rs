@@ -20,3 +20,4 @@ pub mod report;
 pub mod scene;
 pub mod sweep;
 pub mod trade;
+pub mod vibration;

@@ -17,3 +17,4 @@ mod sweep;
 mod system;
 mod trade;
 mod truth;
+mod vibration;

@@ -3,6 +3,7 @@
 pub mod bake;
 pub mod campbell;
 pub mod equilibrium;
+pub mod fit;
 pub mod force;
 pub mod replay;
 pub mod scenes;
@@ -70,6 +71,8 @@ pub enum Command {
     Campbell(campbell::Args),
     /// A scene over ranges of its keys: response curve, bifurcation diagram, waterfall.
     Sweep(sweep::Args),
+    /// Unbalance, clearance, damping, stiffness and offsets from a recording, with intervals; written as a scene.
+    Fit(fit::Args),
     /// Error against cost of every model, precision, integrator and step on the scene's own motion, and which to take.
     Trade(trade::Args),
     /// The scenes that come with the program.
@@ -125,6 +128,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Simulate(args) => simulate::run(args, cli.format, cli.error),
         Command::Campbell(args) => campbell::run(args, cli.format, cli.error),
         Command::Sweep(args) => sweep::run(args, cli.format, cli.error),
+        Command::Fit(args) => fit::run(args, cli.format),
         Command::Trade(args) => trade::run(args, cli.format, cli.error),
         Command::Scenes(args) => scenes::run(args, cli.format),
     };

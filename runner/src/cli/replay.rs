@@ -8,8 +8,8 @@ use crate::recording::rotation::RotationError;
 use crate::replay::outcome::Outcome;
 use crate::replay::{Options, Source, replay};
 use crate::report;
-use crate::scene::Scene;
 use crate::scene::read::{read_file, read_str};
+use crate::scene::{Recording, Scene, Sensor};
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
@@ -118,7 +118,12 @@ fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, PathBuf)> {
             return Ok((CsvReader::from_reader(bytes, &name, Some(size), recording)?, name));
         }
     };
-    Ok((CsvReader::open(path, recording)?, path.clone()))
+    if recording.sensors.is_empty() {
+        return Ok((CsvReader::open(path, recording)?, path.clone()));
+    }
+    let probes = recording.sensors.iter().map(Sensor::as_probe).collect();
+    let columns = Recording { probes, ..recording.clone() };
+    Ok((CsvReader::open(path, &columns)?, path.clone()))
 }
 
 /// On standard error, and only where a person sees it.

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Unknowns in units of their scale: a step of [`DIFFERENCE`] changes the residuals visibly and nearly linearly.
 const DIFFERENCE: f64 = 1e-2;
-const ITERATIONS: usize = 12;
+const ITERATIONS: usize = 60;
 /// Relative fall of the sum of squares below which nothing more is gained.
 const LEAST_FALL: f64 = 1e-6;
 

@@ -1,3 +1,459 @@
-//! What a recording says of its machine.
+//! What a recording says of its machine: the scene's numbers under which the twin follows it best.
+//!
+//! The twin is run over the recording from an unknown first state; the sum of squares of what it leaves at the probes, in
+//! units of their noise, is made least over the scene's unknowns and that state. Intervals come from the slopes there
+//! and from what is left, widened where that is not white.
 
 pub mod least_squares;
+pub mod parameters;
+mod written;
+
+use crate::fault::SceneFault;
+use crate::observer::{noise, observed_rows};
+use crate::plant::{Plant, only_rigid};
+use crate::recording::Sample;
+use crate::recording::csv::CsvReader;
+use crate::recording::rotation::Tracker;
+use crate::replay::pose::reading;
+use crate::scene::{Rotation, Scene};
+use anyhow::{Result, bail};
+use ballrace::rotor::Drive;
+use least_squares::Solution;
+use nalgebra::DMatrix;
+use parameters::{Group, Parameter, Place, parameters, with};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+pub use written::written;
+
+/// Unknowns of the first state, each counted in this, m, rad, m/s, rad/s.
+const STATE: [f64; 10] = [50e-6, 50e-6, 50e-6, 5e-4, 5e-4, 0.05, 0.05, 0.05, 0.5, 0.5];
+/// A parameter is told by a recording if its interval is narrower than this share of how far it may plausibly be off.
+const TOLD: f64 = 1.0;
+/// Samples over which the residual's memory is looked for.
+const MEMORY: usize = 64;
+
+/// A scene fitted to a recording.
+#[derive(Debug, Clone, Serialize)]
+pub struct Fitted {
+    /// The scene's name.
+    pub scene: String,
+    /// The recording's.
+    pub recording: String,
+    /// Samples that were used.
+    pub samples: usize,
+    /// Turns of the shaft in them.
+    pub turns: f64,
+    /// What the twin leaves at each probe, rms, before and after, um.
+    pub residuals: Vec<Residual>,
+    /// The numbers found.
+    pub parameters: Vec<Estimate>,
+    /// What could not be told, and why.
+    pub notes: Vec<String>,
+    /// The values to write, SI.
+    #[serde(skip)]
+    values: Vec<(Parameter, f64)>,
+    #[serde(skip)]
+    one_plane: bool,
+}
+
+/// What is left at one probe.
+#[derive(Debug, Clone, Serialize)]
+pub struct Residual {
+    /// Its column.
+    pub probe: String,
+    /// By the scene as it is.
+    pub before_um: f64,
+    /// By the fitted scene.
+    pub after_um: f64,
+    /// Noise of the probe.
+    pub noise_um: f64,
+}
+
+/// One number found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Estimate {
+    /// As the scene names it.
+    pub name: String,
+    /// Of all the numbers here.
+    pub unit: &'static str,
+    /// The scene's value.
+    pub given: f64,
+    /// The fitted one.
+    pub value: f64,
+    /// Half the width of its interval.
+    pub plus_minus: f64,
+    /// The interval is narrow enough to be of use.
+    pub told: bool,
+}
+
+/// What is fitted to.
+#[derive(Clone, Copy)]
+pub struct Material<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its recording's name.
+    pub recording: &'a str,
+    /// The samples, in order.
+    pub samples: &'a [Sample],
+    /// From sample to sample, s.
+    pub period: f64,
+}
+
+/// Reads the first `turns` turns of a recording.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn read(scene: &Scene, mut reader: CsvReader, turns: f64) -> Result<Vec<Sample>> {
+    let Some(recording) = &scene.recording else { bail!("found no recording") };
+    let mut tracker = Tracker::new(&recording.rotation, reader.rate(), scene.shaft.speed);
+    let mut samples: Vec<Sample> = Vec::new();
+    let mut row = tracker.blank();
+    let long = |all: &[Sample]| match all {
+        [first, .., last] => (turns_of(last) - turns_of(first)).abs() >= turns || all.len() >= MOST_SAMPLES,
+        _ => false,
+    };
+    while !long(&samples) && reader.next_row(&mut row)? {
+        tracker.push(row)?;
+        samples.extend(std::iter::from_fn(|| tracker.pop()));
+        row = tracker.blank();
+    }
+    if !long(&samples) {
+        tracker.finish()?;
+        samples.extend(std::iter::from_fn(|| tracker.pop()));
+    }
+    Ok(samples)
+}
+
+const MOST_SAMPLES: usize = 1 << 17;
+/// Turns of the first search.
+const FIRST_TURNS: f64 = 6.0;
+
+/// Fits `groups` of the scene's numbers; `progress` hears of each iteration.
+///
+/// # Errors
+/// A scene without rotor, nothing to fit, what the kernel refuses.
+pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
+    let scene = of.scene;
+    only_rigid(scene, "fit")?;
+    let plant = Plant::try_new(scene)?;
+    let unknown = parameters(scene, &plant, groups);
+    let (Some(first), Some(recording)) = (of.samples.first(), &scene.recording) else {
+        bail!("{}: found no sample, allowed: some turns of the shaft", of.recording)
+    };
+    if unknown.is_empty() {
+        bail!(SceneFault(format!("{}: found nothing to fit, allowed: a [rotor] on bearings", scene.path.display())));
+    }
+    let rows = observed_rows(&recording.probes);
+    let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
+    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown };
+    let total = turns_of(first);
+    let drive = Drive { angle: first.angle, speed: first.speed, acceleration: first.acceleration };
+    let twin = plant.run_in(of.period, total, &drive)?;
+    let start = [twin.pose().to_array(), twin.rate().to_array()].concat();
+    let given: Vec<f64> = unknown.iter().map(Parameter::unknown).collect();
+    let state: Vec<f64> = start.iter().zip(STATE).map(|(x, unit)| x / unit).collect();
+    let at = [given, state].concat();
+    let before = model.residuals(&at)?;
+    let solution = model.search(at, progress)?;
+    let found = model.judged(&solution);
+    let rms = |left: &[f64], p: usize| {
+        let own = left.iter().skip(p).step_by(rows.len());
+        (own.clone().map(|r| r * r).sum::<f64>() / own.count().max(1) as f64).sqrt() * sigma[p] * 1e6
+    };
+    let residual = |(p, probe): (usize, &crate::scene::Probe)| Residual {
+        probe: probe.column.clone(),
+        before_um: rms(&before, p),
+        after_um: rms(solution.residuals.as_slice(), p),
+        noise_um: sigma[p] * 1e6,
+    };
+    let last = of.samples.last().unwrap_or(first);
+    let turns = turns_of(last) - total;
+    Ok(Fitted {
+        scene: scene.name.clone(),
+        recording: of.recording.to_owned(),
+        samples: of.samples.len(),
+        turns,
+        residuals: recording.probes.iter().enumerate().map(residual).collect(),
+        ..found
+    })
+}
+
+fn turns_of(sample: &Sample) -> f64 {
+    sample.revolution as f64 + sample.angle.revolutions()
+}
+
+#[derive(Clone, Copy)]
+struct Model<'a> {
+    of: &'a Material<'a>,
+    rows: &'a [[f64; 5]],
+    sigma: &'a [f64],
+    unknown: &'a [Parameter],
+}
+
+impl Model<'_> {
+    fn values(&self, x: &[f64]) -> Vec<f64> {
+        self.unknown.iter().zip(x).map(|(p, x)| p.value(*x)).collect()
+    }
+
+    /// From afar: the first turns lead to the neighbourhood at a tenth of the work, and there first what moves the shaft's
+    /// mean and its turn, as damping and stiffness that are sought too early run away.
+    fn search(&self, start: Vec<f64>, progress: &mut dyn FnMut(usize)) -> Result<Solution> {
+        let first = self.of.samples.first().map_or(0.0, turns_of);
+        let few = self.of.samples.iter().take_while(|s| (turns_of(s) - first).abs() < FIRST_TURNS).count();
+        let short = Material { samples: self.of.samples.get(..few).unwrap_or_default(), ..*self.of };
+        let near = Model { of: &short, ..*self };
+        let late = |i: usize| {
+            let place = self.unknown.get(i).map(|p| p.place);
+            matches!(place, Some(Place::Damping(_) | Place::Modulus(_) | Place::Stiffness(_)))
+        };
+        let early: Vec<usize> = (0..start.len()).filter(|&i| !late(i)).collect();
+        let whole = |x: &[f64]| {
+            let mut all = start.clone();
+            early.iter().zip(x).for_each(|(&i, x)| all[i] = *x);
+            all
+        };
+        let from: Vec<f64> = early.iter().map(|&i| start[i]).collect();
+        let found = least_squares::solve(from, &|x| near.residuals(&whole(x)), progress)?;
+        let found = least_squares::solve(whole(&found.x), &|x| near.residuals(x), progress)?;
+        least_squares::solve(found.x, &|x| self.residuals(x), progress)
+    }
+
+    /// What the twin leaves, sample by sample and probe by probe, in units of the probes' noise; 0 where nothing was read.
+    fn residuals(&self, x: &[f64]) -> Result<Vec<f64>> {
+        let (values, state) = (self.values(x), x.get(self.unknown.len()..).unwrap_or_default());
+        let scene = with(self.of.scene, self.unknown, &values);
+        let plant = Plant::try_new(&scene)?;
+        let probes = scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
+        let given = self.of.scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
+        let Some(first) = self.of.samples.first() else { return Ok(vec![]) };
+        let mut twin = plant.start(self.of.period, turns_of(first))?;
+        let first_state: Vec<f64> = state.iter().zip(STATE).map(|(x, unit)| x * unit).collect();
+        let (q, rate) = first_state.split_at(5);
+        twin.place(q, rate);
+        let mut left = Vec::with_capacity(self.of.samples.len() * self.rows.len());
+        for (i, sample) in self.of.samples.iter().enumerate() {
+            let pose = twin.pose();
+            for (p, (row, measured)) in self.rows.iter().zip(&sample.row.probes).enumerate() {
+                // The reader has taken the scene's own offset off.
+                let more = probes[p].offset - given[p].offset;
+                let off = (measured - more - reading(row, &pose)) / self.sigma[p];
+                left.push(if off.is_finite() { off.clamp(-1e6, 1e6) } else { 0.0 });
+            }
+            let steps = self.of.samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
+            let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+            for k in 0..steps {
+                twin.step(&drive.after(k as f64 * self.of.period));
+            }
+        }
+        Ok(left)
+    }
+
+    /// Values with their intervals, and what is not told.
+    fn judged(&self, solution: &Solution) -> Fitted {
+        let scene = self.of.scene;
+        let n = self.unknown.len();
+        let covariance = covariance(solution, self.rows.len());
+        // Together they hold in 95 of 100 cases: Bonferroni's share of the normal distribution's ends.
+        let z = quantile(0.025 / n as f64);
+        let values = self.values(&solution.x);
+        let sd = |i: usize| covariance[(i, i)].max(0.0).sqrt() * self.unknown[i].slope(solution.x[i]);
+        let (mut all, mut notes) = (Vec::new(), Vec::new());
+        let place = |wanted: Place| self.unknown.iter().position(|p| p.place == wanted);
+        let mut one_plane = false;
+        if let (Some(e), Some(c)) = (place(Place::Unbalance(0)), place(Place::Couple(0))) {
+            let angle_step = self.angle_step();
+            let (more, single) = unbalance(&values, &covariance, self.unknown, [e, c], z, angle_step);
+            one_plane = single;
+            all.extend(more);
+        }
+        for (i, parameter) in self.unknown.iter().enumerate() {
+            if matches!(parameter.place, Place::Unbalance(_) | Place::Couple(_)) {
+                continue;
+            }
+            let (name, unit, size) = parameter.place.name(scene);
+            let plus_minus = z * sd(i);
+            let told = plus_minus < TOLD * parameter.scale;
+            if !told {
+                notes.push(format!(
+                    "{name} is not told by this recording: its interval, {:.3} {unit} either way, is as wide as what is plausible{}. The scene's value is kept.",
+                    plus_minus / size,
+                    self.partner(&covariance, i).map_or_else(String::new, |other| format!("; it goes along with {other}"))
+                ));
+            }
+            all.push(Estimate {
+                name,
+                unit,
+                given: parameter.given / size,
+                value: values[i] / size,
+                plus_minus: plus_minus / size,
+                told,
+            });
+        }
+        let kept = |i: usize| {
+            let parameter = &self.unknown[i];
+            let told =
+                matches!(parameter.place, Place::Unbalance(_) | Place::Couple(_)) || z * sd(i) < TOLD * parameter.scale;
+            (parameter.clone(), if told { values[i] } else { parameter.given })
+        };
+        Fitted {
+            scene: String::new(),
+            recording: String::new(),
+            samples: 0,
+            turns: 0.0,
+            residuals: vec![],
+            parameters: all,
+            notes,
+            values: (0..n).map(kept).collect(),
+            one_plane,
+        }
+    }
+
+    /// The other unknown that goes most along with unknown `i`.
+    fn partner(&self, covariance: &DMatrix<f64>, i: usize) -> Option<String> {
+        let correlation = |j: usize| (covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt()).abs();
+        let others = (0..self.unknown.len()).filter(|&j| j != i);
+        let best = others.max_by(|&a, &b| correlation(a).total_cmp(&correlation(b)))?;
+        (correlation(best) > 0.7).then(|| self.unknown[best].place.name(self.of.scene).0)
+    }
+
+    /// Half of how finely a keyphasor sampled as 0 and 1 places the shaft, rad.
+    fn angle_step(&self) -> f64 {
+        let keyphasor = self.of.scene.recording.as_ref().map(|r| &r.rotation);
+        let speed = self.of.samples.first().map_or(0.0, |s| s.speed.abs());
+        if matches!(keyphasor, Some(Rotation::Keyphasor { .. })) { 0.5 * speed * self.of.period } else { 0.0 }
+    }
+}
+
+/// Of the unknowns, in units of their scale: the slopes' normal matrix inverted, times what is left of the noise's
+/// variance, times the residual's memory.
+fn covariance(solution: &Solution, probes: usize) -> DMatrix<f64> {
+    let normal = solution.jacobian.transpose() * &solution.jacobian;
+    let (rows, n) = solution.jacobian.shape();
+    let left = solution.residuals.as_slice();
+    let variance = left.iter().map(|r| r * r).sum::<f64>() / rows.saturating_sub(n).max(1) as f64;
+    // What the recording says nothing of has no slopes: a ridge far below all that counts keeps the matrix invertible.
+    let ridge = DMatrix::identity(n, n) * (1e-14 * normal.diagonal().max());
+    let inverse = (normal + ridge).try_inverse().unwrap_or_else(|| DMatrix::from_diagonal_element(n, n, f64::MAX));
+    inverse * (variance.max(1.0) * memory(left, probes))
+}
+
+/// Samples that say as much as one where each resembles the one before: `1 + 2 sum rho_k`, at least 1.
+fn memory(left: &[f64], probes: usize) -> f64 {
+    let mut worst = 1.0_f64;
+    for p in 0..probes {
+        let own: Vec<f64> = left.iter().skip(p).step_by(probes.max(1)).copied().collect();
+        let square: f64 = own.iter().map(|r| r * r).sum();
+        let along = |k: usize| own.iter().zip(own.iter().skip(k)).map(|(a, b)| a * b).sum::<f64>() / square.max(1e-300);
+        // Up to where it has died out; chance alone is about 1/sqrt(n).
+        let chance = 2.0 / (own.len().max(1) as f64).sqrt();
+        let sum: f64 = (1..MEMORY).map(along).take_while(|rho| *rho > chance).sum();
+        worst = worst.max(1.0 + 2.0 * sum);
+    }
+    worst
+}
+
+/// Amount, angle and station of the unbalance, and whether one plane is enough.
+fn unbalance(
+    values: &[f64],
+    covariance: &DMatrix<f64>,
+    unknown: &[Parameter],
+    [e, c]: [usize; 2],
+    z: f64,
+    angle_step: f64,
+) -> (Vec<Estimate>, bool) {
+    let index = [e, e + 1, c, c + 1];
+    let [ex, ey, cx, cy] = index.map(|i| values[i]);
+    let amount = ex.hypot(ey).max(1e-30);
+    let (angle, station) = (ey.atan2(ex), (cx * ex + cy * ey) / (amount * amount));
+    let across = (cy * ex - cx * ey) / amount;
+    // Slopes of amount, angle, station and the couple across by the four unknowns.
+    let of_amount = [ex / amount, ey / amount, 0.0, 0.0];
+    let of_angle = [-ey / (amount * amount), ex / (amount * amount), 0.0, 0.0];
+    let square = amount * amount;
+    let of_station = [(cx - 2.0 * station * ex) / square, (cy - 2.0 * station * ey) / square, ex / square, ey / square];
+    let of_across =
+        [cy / amount - across * ex / square, -cx / amount - across * ey / square, -ey / amount, ex / amount];
+    let half = |slopes: [f64; 4]| {
+        let mut sum = 0.0;
+        for (a, i) in slopes.iter().zip(index) {
+            for (b, j) in slopes.iter().zip(index) {
+                sum += a * b * covariance[(i, j)] * unknown[i].scale * unknown[j].scale;
+            }
+        }
+        z * sum.max(0.0).sqrt()
+    };
+    let given = |k: usize| unknown[index[k]].given;
+    let given_amount = given(0).hypot(given(1));
+    let given_station = if given_amount > 0.0 {
+        (given(2) * given(0) + given(3) * given(1)) / (given_amount * given_amount)
+    } else {
+        0.0
+    };
+    let single = across.abs() <= half(of_across);
+    let told = half(of_amount) < amount;
+    let estimate = |name: &str, unit, size: f64, given: f64, value: f64, plus_minus: f64| Estimate {
+        name: name.to_owned(),
+        unit,
+        given: given / size,
+        value: value / size,
+        plus_minus: plus_minus / size,
+        told,
+    };
+    let degree = TAU / 360.0;
+    let mut all = vec![
+        estimate("unbalance: moment", "g mm", 1e-6, given_amount, amount, half(of_amount)),
+        estimate(
+            "unbalance: angle",
+            "deg",
+            degree,
+            given(1).atan2(given(0)).rem_euclid(TAU),
+            angle.rem_euclid(TAU),
+            half(of_angle).hypot(angle_step),
+        ),
+        estimate("unbalance: station", "mm", 1e-3, given_station, station, half(of_station)),
+    ];
+    if !single {
+        all.push(estimate("unbalance: couple across", "g mm^2", 1e-9, 0.0, across, half(of_across)));
+    }
+    (all, single)
+}
+
+/// Deviations beyond which a share `tail` of a normal distribution lies (Abramowitz and Stegun 1964, 26.2.23: 4.5e-4).
+fn quantile(tail: f64) -> f64 {
+    let t = (-2.0 * tail.ln()).sqrt();
+    t - (2.515_517 + t * (0.802_853 + t * 0.010_328)) / (1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles() {
+        for (tail, z) in [(0.025, 1.95996), (0.005, 2.57583), (0.025 / 17.0, 2.97513)] {
+            assert!((quantile(tail) - z).abs() < 1e-3, "{tail}");
+        }
+    }
+
+    #[test]
+    fn a_residual_without_memory_widens_nothing() {
+        let mut state = 1_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let white: Vec<f64> = (0..4000).map(|_| noise()).collect();
+        assert!(memory(&white, 1) < 1.2);
+        // Of a first-order process with rho the sum is (1 + rho)/(1 - rho).
+        let mut last = 0.0;
+        let slow: Vec<f64> = white
+            .iter()
+            .map(|x| {
+                last = 0.8 * last + x;
+                last
+            })
+            .collect();
+        assert!((memory(&slow, 1) / 9.0 - 1.0).abs() < 0.3, "{}", memory(&slow, 1));
+    }
+}

@@ -55,7 +55,8 @@ pub fn tuned(plant: &Plant, linear: &Plant, heard: &Heard, guess: Start) -> Resu
     if heard.rows.len() > MOST_PROBES {
         bail!("recording.probes: found {}, allowed: up to {MOST_PROBES}", heard.rows.len());
     }
-    let noise: Vec<f64> = (0..heard.rows.len()).map(|p| noise(heard, p)).collect();
+    let noise: Vec<f64> =
+        (0..heard.rows.len()).map(|p| noise(heard.samples, p, heard.given_noise.get(p).copied().flatten())).collect();
     let start = start::start(plant, heard.samples, heard.rows, &noise, heard.period, guess)?;
     let weight = model::weight(plant);
     let mut best: Option<(f64, f64, Gains)> = None;
@@ -113,12 +114,13 @@ pub fn watch(
 /// Rms of a probe's noise: what the scene gives, or what third differences show where that is clearly more.
 ///
 /// White noise leaves 20 times its variance in them; of motion that is slow against the sampling they keep almost nothing.
-fn noise(heard: &Heard, probe: usize) -> f64 {
-    let readings: Vec<f64> = heard.samples.iter().filter_map(|s| s.row.probes.get(probe).copied()).collect();
+#[must_use]
+pub fn noise(samples: &[Sample], probe: usize, given: Option<f64>) -> f64 {
+    let readings: Vec<f64> = samples.iter().filter_map(|s| s.row.probes.get(probe).copied()).collect();
     let thirds = readings.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).filter(|d| d.is_finite());
     let (sum, count) = thirds.fold((0.0, 0.0), |(sum, count), d| (sum + d * d, count + 1.0));
     let shown = if count > 0.0 { (sum / count / 20.0_f64).sqrt() } else { 0.0 };
-    let given = heard.given_noise.get(probe).copied().flatten().unwrap_or(0.0);
+    let given = given.unwrap_or(0.0);
     // What is a little more than given is the motion itself.
     let noise = if shown > LOUDER * given { shown } else { given };
     noise.max(LEAST_NOISE)

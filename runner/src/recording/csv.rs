@@ -8,19 +8,27 @@ mod tests;
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use ::csv::{ByteRecord, ReaderBuilder, Terminator};
 
 use self::header::{Header, shortened};
 use self::source::{Source, failed};
-use super::Row;
 use super::clock::{Grid, LEARN, Place};
 use super::error::RecordingError;
 use super::flaws::{Flaw, FlawLedger, Position};
 use super::probe::{ProbeWatch, Verdict};
-use crate::scene::{Clock, Recording, Rotation};
+use super::{Row, mat};
+use crate::scene::{Clock, Probe, Recording, Rotation};
+
+/// Whether a file begins so; it stands at its beginning afterwards.
+fn begins_with(file: &mut File, magic: &[u8]) -> std::io::Result<bool> {
+    let mut found = Vec::new();
+    file.by_ref().take(magic.len() as u64).read_to_end(&mut found)?;
+    file.seek(SeekFrom::Start(0))?;
+    Ok(found == magic)
+}
 
 /// Bytes read from the file at once.
 const BUFFER: usize = 1 << 16;
@@ -69,6 +77,8 @@ struct Cells {
 struct Cell {
     place: usize,
     unit: f64,
+    /// Taken off, in SI.
+    offset: f64,
 }
 
 /// A row before its sample number is known, and how many of its cells are whole.
@@ -91,10 +101,13 @@ impl CsvReader {
     /// a cell that is not a number among the first rows.
     pub fn open(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
         let unopened = |cause| RecordingError::Open { file: path.into(), cause };
-        let file = File::open(path).map_err(unopened)?;
+        let mut file = File::open(path).map_err(unopened)?;
         let about = file.metadata().map_err(unopened)?;
         if about.is_dir() {
             return Err(RecordingError::Folder { file: path.into() });
+        }
+        if about.is_file() && begins_with(&mut file, mat::MAGIC).map_err(unopened)? {
+            return Self::from_reader(Box::new(mat::Rows::open(path)?), path, None, recording);
         }
         // A pipe has no size.
         let size = about.is_file().then_some(about.len());
@@ -397,7 +410,7 @@ impl CsvReader {
 
 impl Cells {
     fn new(header: &Header, recording: &Recording, file: &Path) -> Result<Self, RecordingError> {
-        let cell = |column: &str, unit| header.find(column, file).map(|place| Cell { place, unit });
+        let cell = |column: &str, unit| header.find(column, file).map(|place| Cell { place, unit, offset: 0.0 });
         let rotation = match &recording.rotation {
             Rotation::Keyphasor { column, .. } => Some(cell(column, 1.0)?),
             Rotation::SpeedColumn { column, radians_per_second } => Some(cell(column, *radians_per_second)?),
@@ -407,14 +420,17 @@ impl Cells {
             Clock::Rate(_) => None,
             Clock::Column(column) => Some(cell(column, 1.0)?),
         };
-        let probes = recording.probes.iter().map(|probe| cell(&probe.column, probe.metres_per_unit));
+        let probe = |of: &Probe| cell(&of.column, of.metres_per_unit).map(|cell| Cell { offset: of.offset, ..cell });
+        let probes = recording.probes.iter().map(probe);
         Ok(Self { probes: probes.collect::<Result<_, _>>()?, rotation, stamp })
     }
 
     /// Numbers of the first `whole` cells, NaN for the rest; the place of a cell that holds none as error.
     fn parse(&self, record: &ByteRecord, whole: usize, row: &mut Row) -> Result<(), usize> {
         let value = |cell: &Cell| match record.get(cell.place) {
-            Some(text) if cell.place < whole => number(text).map(|number| number * cell.unit).ok_or(cell.place),
+            Some(text) if cell.place < whole => {
+                number(text).map(|number| number * cell.unit - cell.offset).ok_or(cell.place)
+            }
             _ => Ok(f64::NAN),
         };
         row.time = self.stamp.as_ref().map_or(Ok(0.0), value)?;

@@ -23,6 +23,14 @@ pub enum RecordingError {
         /// The path.
         file: PathBuf,
     },
+    /// No MATLAB file that can be used.
+    #[error("{file}: found {found}; allowed: a MATLAB file of version 5 with vectors of equal length")]
+    NoMat {
+        /// The recording.
+        file: PathBuf,
+        /// What is wrong with it.
+        found: String,
+    },
     /// Reading failed on the way.
     #[error("{file}, after line {line}: cannot be read further: {cause}")]
     Read {

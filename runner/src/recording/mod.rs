@@ -4,6 +4,7 @@ pub mod clock;
 pub mod csv;
 pub mod error;
 pub mod flaws;
+mod mat;
 pub mod probe;
 pub mod rotation;
 

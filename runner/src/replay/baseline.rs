@@ -3,8 +3,8 @@
 use super::comparison::{Comparison, followed};
 use crate::fault::SceneFault;
 use crate::plant::Seat;
-use crate::scene::Probe;
-use anyhow::{Context, Result, bail};
+use crate::scene::{Probe, Sensor};
+use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -26,6 +26,19 @@ pub struct Baseline {
     pub orders: Vec<f64>,
     /// In the scene's order.
     pub probes: Vec<BaselineProbe>,
+    /// The same, of vibration.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<BaselineSensor>,
+}
+
+/// One sensor's part.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineSensor {
+    /// Its column.
+    pub name: String,
+    /// How far the best band of outer race, inner race, element and cage of each bearing swells.
+    pub modulations: Vec<f64>,
 }
 
 /// One probe's part.
@@ -51,14 +64,34 @@ impl Baseline {
             lines_um: (0..orders.len()).map(|line| comparison.residual_line(line, i) * UM).collect(),
         };
         let probes = probes.iter().enumerate().map(probe).collect();
-        Self { ballrace_baseline: FORM, scene: scene.to_owned(), recording: recording.to_owned(), orders, probes }
+        let (scene, recording) = (scene.to_owned(), recording.to_owned());
+        Self { ballrace_baseline: FORM, scene, recording, orders, probes, sensors: vec![] }
     }
 
-    /// From a file, for a scene with these probes and bearings.
+    /// Of a recording of vibration.
+    #[must_use]
+    pub fn of_sensors(scene: &str, recording: &str, sensors: Vec<BaselineSensor>) -> Self {
+        let (scene, recording) = (scene.to_owned(), recording.to_owned());
+        Self { ballrace_baseline: FORM, scene, recording, sensors, ..Self::default() }
+    }
+
+    /// From a file, for a scene with these sensors.
     ///
     /// # Errors
-    /// A file that cannot be read, is no baseline, or was learned with other probes or bearings.
-    pub fn read(path: &Path, probes: &[Probe], seats: &[Seat]) -> Result<Self> {
+    /// As [`Baseline::read`].
+    pub fn read_sensors(path: &Path, sensors: &[Sensor]) -> Result<Self> {
+        let found = Self::parse(path)?;
+        let same = found.sensors.iter().map(|s| &s.name).eq(sensors.iter().map(|s| &s.column));
+        if same { Ok(found) } else { Err(found.of_others(path)) }
+    }
+
+    /// Of family `k` at sensor `i`.
+    #[must_use]
+    pub fn modulation(&self, i: usize, k: usize) -> f64 {
+        self.sensors.get(i).and_then(|s| s.modulations.get(k)).copied().unwrap_or(0.0)
+    }
+
+    fn parse(path: &Path) -> Result<Self> {
         let name = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{name}: this baseline cannot be read"))?;
         let found: Self = serde_json::from_str(&text).map_err(|e| {
@@ -67,18 +100,29 @@ impl Baseline {
                 e.line()
             ))
         })?;
+        if found.ballrace_baseline == FORM { Ok(found) } else { Err(found.of_others(path)) }
+    }
+
+    fn of_others(&self, path: &Path) -> anyhow::Error {
+        anyhow::Error::new(SceneFault(format!(
+            "{}: found a baseline of other probes or bearings (scene {:?}), allowed: one learned with this scene",
+            path.display(),
+            self.scene
+        )))
+    }
+
+    /// From a file, for a scene with these probes and bearings.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no baseline, or was learned with other probes or bearings.
+    pub fn read(path: &Path, probes: &[Probe], seats: &[Seat]) -> Result<Self> {
+        let found = Self::parse(path)?;
         let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));
         let wanted = orders(seats);
         let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-6 * b.abs().max(1.0);
         let same_lines = found.orders.len() == wanted.len() && found.orders.iter().zip(&wanted).all(close);
         let whole = found.probes.iter().all(|p| p.lines_um.len() == found.orders.len());
-        if found.ballrace_baseline != FORM || !same_probes || !same_lines || !whole {
-            bail!(SceneFault(format!(
-                "{name}: found a baseline of other probes or bearings (scene {:?}), allowed: one learned with this scene",
-                found.scene
-            )));
-        }
-        Ok(found)
+        if same_probes && same_lines && whole { Ok(found) } else { Err(found.of_others(path)) }
     }
 
     /// Amplitude of a line in the residual of a probe, m.

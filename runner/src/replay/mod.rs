@@ -24,6 +24,7 @@ use crate::recording::Sample;
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::Tracker;
 use crate::scene::{Probe, Rotation, Scene, Speed};
+use crate::vibration;
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Drive, PartAngles};
 use ballrace::{Displacement, Turn};
@@ -85,6 +86,9 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, option
             scene.path.display()
         )));
     };
+    if !recording.sensors.is_empty() {
+        return vibration::replay(scene, reader, recording_name, options);
+    }
     let rate = reader.rate();
     let mut tracker = Tracker::new(&recording.rotation, rate, scene.shaft.speed);
     let mut run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;

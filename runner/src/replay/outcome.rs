@@ -7,7 +7,7 @@ use crate::recording::flaws::FlawSummary;
 use serde::Serialize;
 
 /// The whole result of one replay.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Outcome {
     /// The scene's name.
     pub scene: String,

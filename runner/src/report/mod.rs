@@ -4,6 +4,7 @@ pub mod campbell;
 mod csv;
 pub mod equilibrium;
 mod figures;
+pub mod fit;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod html;

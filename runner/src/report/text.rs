@@ -227,7 +227,7 @@ fn ball_pass(page: &mut Page, outcome: &Outcome) {
 }
 
 fn forces(page: &mut Page, outcome: &Outcome) {
-    if outcome.bearings.is_empty() {
+    if outcome.bearings.is_empty() || outcome.probes.is_empty() {
         return;
     }
     page.title("FORCES ON THE INNER RINGS");

@@ -531,8 +531,10 @@ pub struct Recording {
     pub file: PathBuf,
     /// Sampling: a rate or a column of times.
     pub clock: Clock,
-    /// At least one.
+    /// At least one, unless there are sensors.
     pub probes: Vec<Probe>,
+    /// Of vibration; none where there are probes.
+    pub sensors: Vec<Sensor>,
     /// What tells the shaft's angle.
     pub rotation: Rotation,
 }
@@ -559,6 +561,34 @@ pub struct Probe {
     pub direction: Direction,
     /// `noise`: rms, m, when the user knows it
     pub noise: Option<f64>,
+    /// `offset`, m: what the probe reads with the shaft in the middle; taken off every reading
+    pub offset: f64,
+}
+
+/// One sensor of vibration: housing acceleration, velocity or force.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Column of the recording; also the sensor's name.
+    pub column: String,
+    /// `unit`, for the reader: levels are ratios.
+    pub unit: String,
+    /// `bearing`: the only one that it hears, when the user knows.
+    pub bearing: Option<String>,
+}
+
+impl Sensor {
+    /// As the reader of a recording takes it: a column without another unit.
+    #[must_use]
+    pub fn as_probe(&self) -> Probe {
+        Probe {
+            column: self.column.clone(),
+            metres_per_unit: 1.0,
+            station: 0.0,
+            direction: Direction::Axial,
+            noise: None,
+            offset: 0.0,
+        }
+    }
 }
 
 /// Measuring direction of a probe.

@@ -18,8 +18,8 @@ pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
 use super::{
-    Bearing, Clock, Direction, Integration, Method, Observer, Probe, Recording, Rotation, Rotor, Scene, Shaft, Speed,
-    System, SystemUnbalance, Unbalance,
+    Bearing, Clock, Direction, Integration, Method, Observer, Probe, Recording, Rotation, Rotor, Scene, Sensor, Shaft,
+    Speed, System, SystemUnbalance, Unbalance,
 };
 
 /// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
@@ -299,14 +299,15 @@ fn bearings(root: &Table<'_>) -> Read<Vec<Bearing>> {
 type Taken = Vec<(String, &'static str)>;
 
 fn recording(node: &Node<'_>, scene: &Path) -> Read<Recording> {
-    let table = node.table(&["file", "rate", "time", "probes", "keyphasor", "speed"])?;
+    let table = node.table(&["file", "rate", "time", "probes", "sensors", "keyphasor", "speed"])?;
     let wants = "the name of the recording, relative to the scene's folder";
     let file = table.required("file", wants)?.text(wants)?;
     let mut taken = Taken::new();
     Ok(Recording {
         file: scene.parent().unwrap_or(Path::new("")).join(file),
         clock: clock(&table, &mut taken)?,
-        probes: probes(&table, &mut taken)?,
+        sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
+        probes: if table.has("sensors") { vec![] } else { probes(&table, &mut taken)? },
         rotation: rotation(&table, &mut taken)?,
     })
 }
@@ -333,15 +334,45 @@ fn probes(table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Probe>> {
     list.iter().map(|node| probe(node, taken)).collect()
 }
 
+fn sensors(node: &Node<'_>, table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {
+    if let Some(probes) = table.optional("probes") {
+        return Err(probes.fail("both probes and sensors", "one of them: displacements for the twin, or vibration"));
+    }
+    let wants = "a list of at least one sensor, such as { column = \"DE\", unit = \"m/s^2\" }";
+    let list = node.list(wants)?;
+    if list.is_empty() {
+        return Err(node.refuse(wants));
+    }
+    list.iter().map(|node| sensor(node, taken)).collect()
+}
+
+/// Units of vibration.
+const VIBRATION: [&str; 6] = ["m/s^2", "g", "m/s", "mm/s", "N", "V"];
+
+fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
+    let table = node.table(&["column", "unit", "bearing"])?;
+    let column = table.required("column", "the name of a column of the recording")?;
+    let column = column_name(&column, "a sensor", taken)?;
+    let wants = format!("the unit of the column: {}", VIBRATION.join(", "));
+    let node = table.required("unit", &wants)?;
+    let unit = node.text(&wants)?;
+    if !VIBRATION.contains(&unit) {
+        return Err(node.refuse(wants));
+    }
+    let bearing = table.read("bearing", |n| Ok(n.text("the name of a bearing")?.to_owned()))?;
+    Ok(Sensor { column, unit: unit.to_owned(), bearing })
+}
+
 fn probe(node: &Node<'_>, taken: &mut Taken) -> Read<Probe> {
-    let table = node.table(&["column", "unit", "station", "angle", "axial", "noise"])?;
+    let table = node.table(&["column", "unit", "station", "angle", "axial", "noise", "offset"])?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a probe", taken)?;
     let metres_per_unit = unit(&table, units::length_column, "um, mil, mm or m")?;
     let noise = table.read("noise", |n| n.positive(Dimension::Length))?;
     let (station, direction) =
         if table.read("axial", Node::boolean)?.unwrap_or(false) { axial_probe(&table)? } else { radial_probe(&table)? };
-    Ok(Probe { column, metres_per_unit, station, direction, noise })
+    let offset = table.read("offset", |n| n.quantity(Dimension::Length))?.unwrap_or(0.0);
+    Ok(Probe { column, metres_per_unit, station, direction, noise, offset })
 }
 
 fn axial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {

@@ -4,7 +4,7 @@ use crate::scene::{Direction, Probe};
 
 fn probe(column: &str) -> Probe {
     let direction = Direction::Radial(0.0);
-    Probe { column: column.into(), metres_per_unit: 1e-6, station: 0.0, direction, noise: None }
+    Probe { column: column.into(), metres_per_unit: 1e-6, station: 0.0, direction, noise: None, offset: 0.0 }
 }
 
 fn recording(clock: Clock) -> Recording {
@@ -12,6 +12,7 @@ fn recording(clock: Clock) -> Recording {
         file: PathBuf::from("r.csv"),
         clock,
         probes: vec![probe("x"), probe("y")],
+        sensors: vec![],
         rotation: Rotation::Keyphasor { column: "key".into(), pulses_per_turn: 1 },
     }
 }
@@ -265,7 +266,8 @@ fn rig_recordings_are_flawless() {
         }
         let probes = ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"].map(probe).to_vec();
         let rotation = Rotation::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
-        let recording = Recording { file: path.clone(), clock: Clock::Column("time_s".into()), probes, rotation };
+        let recording =
+            Recording { file: path.clone(), clock: Clock::Column("time_s".into()), sensors: vec![], probes, rotation };
         let mut reader = CsvReader::open(&path, &recording).unwrap();
         assert!((reader.rate() - 12_800.0).abs() < 0.01, "{}", reader.rate());
         let (mut row, mut count) = (Row::default(), 0);

@@ -420,8 +420,13 @@ fn rig_recordings() {
             continue;
         }
         let rotation = Rotation::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
-        let recording =
-            Recording { file: path.clone(), clock: Clock::Rate(RATE), probes: vec![], rotation: rotation.clone() };
+        let recording = Recording {
+            file: path.clone(),
+            clock: Clock::Rate(RATE),
+            sensors: vec![],
+            probes: vec![],
+            rotation: rotation.clone(),
+        };
         let mut reader = CsvReader::open(&path, &recording).unwrap();
         let mut tracker = Tracker::new(&rotation, RATE, Speed::Constant(1.0));
         let (mut rows, mut row) = (Vec::new(), tracker.blank());

@@ -1,0 +1,87 @@
+//! `ballrace fit`: the scene's numbers from a recording.
+
+use super::{Format, keep_apart};
+use crate::fault::{SceneFault, scene_fault};
+use crate::fit::parameters::{ALL, Group};
+use crate::fit::{Fitted, Material, fit, read, written};
+use crate::output::AtomicFile;
+use crate::recording::csv::CsvReader;
+use crate::report;
+use crate::scene::read::read_file;
+use anyhow::{Context, Result, bail};
+use indicatif::ProgressBar;
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+/// What `fit` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file: where the search starts.
+    scene: PathBuf,
+    /// Fit to this recording instead of the scene's own.
+    #[arg(long, value_name = "FILE")]
+    recording: Option<PathBuf>,
+    /// What to fit, by commas; the rest is believed [default: all].
+    #[arg(long, value_enum, value_delimiter = ',')]
+    only: Vec<Group>,
+    /// Turns of the shaft to look at, from the start of the recording.
+    #[arg(long, default_value_t = 64.0)]
+    turns: f64,
+    /// Where the fitted scene goes [default: beside the scene, ending in -fitted.toml].
+    #[arg(short, long, value_name = "F.toml")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What is wrong with scene, recording or output.
+pub fn run(args: &Args, format: Format) -> Result<()> {
+    let scene = read_file(&args.scene)?;
+    let Some(recording) = &scene.recording else {
+        bail!(SceneFault(format!(
+            "{}: [recording]: found none, allowed: the recording to fit to",
+            scene.path.display()
+        )));
+    };
+    if !(args.turns >= 1.0 && args.turns.is_finite()) {
+        bail!(SceneFault(format!("--turns: found {}, allowed: 1 or more", args.turns)));
+    }
+    let path = args.recording.as_ref().unwrap_or(&recording.file);
+    let output = args.output.clone().unwrap_or_else(|| beside(&args.scene));
+    keep_apart(&[("--output", &output)], &[&args.scene, path])?;
+    let reader = CsvReader::open(path, recording)?;
+    let rate = reader.rate();
+    let samples = read(&scene, reader, args.turns)?;
+    let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let groups = if args.only.is_empty() { ALL.to_vec() } else { args.only.clone() };
+    let material = Material { scene: &scene, recording: &name, samples: &samples, period: 1.0 / rate };
+    let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
+    let found = fit(&material, &groups, &mut |i| {
+        bar.set_message(format!("Fitting, round {}", i + 1));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    let found = found.map_err(|e| scene_fault(&e))?;
+    let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
+    AtomicFile::write(&output, &written(&found, &scene, &text)?)?;
+    print(&found, &output, format)
+}
+
+fn beside(scene: &Path) -> PathBuf {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    scene.with_file_name(format!("{stem}-fitted.toml"))
+}
+
+fn print(found: &Fitted, output: &Path, format: Format) -> Result<()> {
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    match format {
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(found)?)?,
+        Format::Csv => out.write_all(report::fit::csv(found).as_bytes())?,
+        Format::Text => {
+            out.write_all(report::fit::text(found).as_bytes())?;
+            writeln!(out, "\nWritten: {}", output.display())?;
+        }
+    }
+    Ok(out.flush()?)
+}

@@ -1,0 +1,192 @@
+//! Which part of which bearing an envelope's lines belong to.
+
+use super::envelope::{Envelope, Line, envelopes};
+use crate::replay::baseline::{Baseline, BaselineSensor};
+use crate::replay::outcome::{Finding, FindingKind};
+use crate::scene::Sensor;
+use ballrace::bearing::kinematics::Orders;
+
+/// Slip against pure rolling that is looked for, either way, and its steps.
+const SLIP: f64 = 0.015;
+const SLIP_STEPS: i32 = 6;
+/// Harmonics of a line that speak for it.
+const HARMONICS: usize = 3;
+/// A line has to stand out so far, dB, and all of its harmonics together.
+const LEAST_DB: f64 = 12.0;
+const LEAST_TOGETHER_DB: f64 = 28.0;
+/// More than this of one harmonic proves no more, dB.
+const MOST_DB: f64 = 30.0;
+/// A band has to swell by so much.
+const LEAST_MODULATION: f64 = 0.25;
+/// Against a baseline, a line has to have grown by so much, dB.
+const LEAST_GROWTH_DB: f64 = 6.0;
+/// Bands begin above so many of the highest line: below, the lines themselves are motion and no blows.
+const LOWEST: f64 = 3.0;
+/// A family much weaker than the strongest is its echo.
+const LEAST_OF_STRONGEST: f64 = 0.7;
+
+/// A bearing that may be damaged.
+pub struct Suspect {
+    /// Its name.
+    pub name: String,
+    /// m
+    pub station: f64,
+    /// Per turn.
+    pub orders: Orders,
+    /// Rolling elements.
+    pub elements: usize,
+}
+
+/// One part of one bearing.
+#[derive(Clone, Copy)]
+struct Family {
+    kind: FindingKind,
+    bearing: usize,
+    order: f64,
+}
+
+/// A family's best band.
+#[derive(Clone)]
+struct Found {
+    family: Family,
+    lines: [Line; HARMONICS],
+    band: [f64; 2],
+    score: f64,
+}
+
+impl Found {
+    /// Of the line, Hz: from its highest multiple that stands out, which tells it the most finely.
+    fn frequency(&self) -> f64 {
+        let mut told = self.lines.iter().enumerate().filter(|(_, l)| l.level_db > LEAST_DB);
+        told.next_back().map_or(self.lines[0].frequency, |(k, l)| l.frequency / (k + 1) as f64)
+    }
+}
+
+/// What is needed to judge.
+pub struct Judge<'a> {
+    /// All bearings.
+    pub suspects: &'a [Suspect],
+    /// Turns of the shaft per second.
+    pub turn_hz: f64,
+    /// Samples per second.
+    pub rate: f64,
+    /// The machine in good order, where that is known.
+    pub baseline: Option<&'a Baseline>,
+}
+
+impl Judge<'_> {
+    /// Findings of all sensors, strongest first, and what there is to remember of each sensor.
+    pub fn all<'s>(&self, heard: impl Iterator<Item = (&'s Sensor, &'s [f64])>) -> (Vec<Finding>, Vec<BaselineSensor>) {
+        let (mut findings, mut learned): (Vec<(f64, Finding)>, _) = (vec![], vec![]);
+        for (i, (sensor, signal)) in heard.enumerate() {
+            let found = self.sensor(sensor, signal);
+            let modulations = found.iter().map(|f| f.as_ref().map_or(0.0, |f| f.lines[0].modulation)).collect();
+            learned.push(BaselineSensor { name: sensor.column.clone(), modulations });
+            let judged = found.iter().enumerate().filter_map(|(k, f)| self.judge(f.as_ref()?, sensor, (i, k)));
+            findings.extend(judged);
+        }
+        findings.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let strongest = findings.first().map_or(0.0, |f| f.0);
+        findings.retain(|(score, _)| *score >= LEAST_OF_STRONGEST * strongest);
+        let mut said: Vec<Finding> = vec![];
+        for (_, finding) in findings {
+            if !said.iter().any(|f| f.kind == finding.kind && f.bearing == finding.bearing) {
+                said.push(finding);
+            }
+        }
+        (said, learned)
+    }
+
+    fn families(&self) -> Vec<Family> {
+        let of = |(bearing, s): (usize, &Suspect)| {
+            let o = s.orders;
+            [
+                Family { kind: FindingKind::OuterRace, bearing, order: o.outer_race },
+                Family { kind: FindingKind::InnerRace, bearing, order: o.inner_race },
+                // A spot on a ball strikes both races in a turn of the ball.
+                Family { kind: FindingKind::Element, bearing, order: 2.0 * o.ball_spin },
+                Family { kind: FindingKind::Cage, bearing, order: o.cage },
+            ]
+        };
+        self.suspects.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// The best band of each family.
+    fn sensor(&self, sensor: &Sensor, signal: &[f64]) -> Vec<Option<Found>> {
+        let families = self.families();
+        let highest = families.iter().map(|f| f.order).fold(0.0, f64::max) * self.turn_hz;
+        let all = envelopes(signal, self.rate, self.turn_hz, LOWEST * highest, (HARMONICS as f64 + 0.5) * highest);
+        let own = |f: &Family| sensor.bearing.as_ref().is_none_or(|name| *name == self.suspects[f.bearing].name);
+        families.iter().map(|family| if own(family) { self.best(&all, *family) } else { None }).collect()
+    }
+
+    fn best(&self, all: &[Envelope], family: Family) -> Option<Found> {
+        let found = all.iter().flat_map(|envelope| {
+            (-SLIP_STEPS..=SLIP_STEPS).filter_map(move |i| {
+                let slip = SLIP * f64::from(i) / f64::from(SLIP_STEPS);
+                let frequency = family.order * self.turn_hz * (1.0 + slip);
+                let mut lines = [Line::default(); HARMONICS];
+                for (k, line) in lines.iter_mut().enumerate() {
+                    *line = envelope.line((k + 1) as f64 * frequency)?;
+                }
+                let score = lines.iter().map(|l| l.level_db.clamp(0.0, MOST_DB)).sum();
+                Some(Found { family, lines, band: envelope.band, score })
+            })
+        });
+        found.max_by(|a, b| a.score.total_cmp(&b.score))
+    }
+
+    fn judge(&self, found: &Found, sensor: &Sensor, (i, k): (usize, usize)) -> Option<(f64, Finding)> {
+        let line = found.lines[0];
+        let usual = self.baseline.map(|b| b.modulation(i, k).max(1e-6));
+        let growth = usual.map(|usual| 20.0 * (line.modulation / usual).log10());
+        let stands_out =
+            line.level_db >= LEAST_DB && found.score >= LEAST_TOGETHER_DB && line.modulation >= LEAST_MODULATION;
+        if !stands_out || growth.is_some_and(|g| g < LEAST_GROWTH_DB) {
+            return None;
+        }
+        let order = found.frequency() / self.turn_hz;
+        let bearing = self.suspects[found.family.bearing].name.clone();
+        // Bearings of the same shape have the same lines.
+        let alike = |s: &&Suspect| self.suspects.len() > 1 && sensor.bearing.is_none() && s.name != bearing;
+        let others: Vec<&str> = self.suspects.iter().filter(alike).map(|s| s.name.as_str()).collect();
+        let level_db = growth.unwrap_or(line.level_db);
+        let over = if growth.is_some() { "the baseline" } else { "what is around it" };
+        let sentence = format!(
+            "{} of {bearing}: the envelope of {:.0} to {:.0} Hz at {} has its line at {:.1} Hz, {order:.2} per turn, \
+             {level_db:.0} dB above {over}, with {} of its multiples; the band swells by {:.0} %.{}",
+            what(found.family.kind),
+            found.band[0],
+            found.band[1],
+            sensor.column,
+            found.frequency(),
+            found.lines[1..].iter().filter(|l| l.level_db > 6.0).count(),
+            100.0 * line.modulation,
+            if others.is_empty() {
+                String::new()
+            } else {
+                format!(" No sensor says that it is not {}.", others.join(" or "))
+            }
+        );
+        let confidence = (found.score / (HARMONICS as f64 * MOST_DB)).min(1.0).sqrt();
+        let finding = Finding {
+            kind: found.family.kind,
+            bearing: Some(bearing),
+            line_hz: found.frequency(),
+            order,
+            level_db,
+            confidence,
+            sentence,
+        };
+        Some((found.score, finding))
+    }
+}
+
+fn what(kind: FindingKind) -> &'static str {
+    match kind {
+        FindingKind::OuterRace => "Outer race",
+        FindingKind::InnerRace => "Inner race",
+        FindingKind::Element => "A rolling element",
+        _ => "Cage",
+    }
+}

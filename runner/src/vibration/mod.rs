@@ -1,0 +1,156 @@
+//! Recordings of vibration: housing acceleration, velocity or force, without a twin. Which race strikes is told from the
+//! envelope's lines.
+
+mod envelope;
+mod judge;
+#[cfg(test)]
+mod tests;
+
+use crate::recording::Row;
+use crate::recording::csv::CsvReader;
+use crate::replay::Options;
+use crate::replay::baseline::Baseline;
+use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Record};
+use crate::scene::{Rotation, Scene, Sensor, Speed, build};
+use anyhow::{Result, bail};
+use judge::{Judge, Suspect};
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+/// Turns that a verdict needs.
+const LEAST_TURNS: f64 = 16.0;
+/// Most samples that are looked at: half a gigabyte of numbers.
+const MOST_SAMPLES: u64 = 1 << 26;
+/// Rows between two calls of the progress function.
+const PROGRESS_ROWS: u64 = 4096;
+
+/// One sensor's recording.
+struct Heard {
+    sensor: Sensor,
+    signal: Vec<f64>,
+}
+
+/// Replays a recording of `scene`'s sensors.
+///
+/// # Errors
+/// A speed that is not constant, a recording that is too short or cannot be read.
+pub fn replay(scene: &Scene, mut reader: CsvReader, name: &str, options: &Options) -> Result<Outcome> {
+    let Some(recording) = &scene.recording else { bail!("found no recording") };
+    let (Speed::Constant(speed), Rotation::Scene) = (scene.shaft.speed, &recording.rotation) else {
+        bail!(crate::fault::SceneFault(format!(
+            "{}: [recording] sensors: found a speed that changes or is measured, allowed: one speed in [shaft]",
+            scene.path.display()
+        )));
+    };
+    let (turn_hz, rate) = (speed.abs() / TAU, reader.rate());
+    let begun = Instant::now();
+    let mut heard: Vec<Heard> =
+        recording.sensors.iter().map(|sensor| Heard { sensor: sensor.clone(), signal: vec![] }).collect();
+    let mut row = Row { probes: vec![f64::NAN; heard.len()], ..Row::default() };
+    let mut rows = 0;
+    while reader.next_row(&mut row)? && rows < MOST_SAMPLES {
+        for (one, &x) in heard.iter_mut().zip(&row.probes) {
+            // A missing reading holds the last one: a step there is less than a hole.
+            let last = one.signal.last().copied().unwrap_or(0.0);
+            let until = row.index as usize;
+            one.signal.resize(until.max(one.signal.len()), last);
+            one.signal.push(if x.is_finite() { x } else { last });
+        }
+        rows += 1;
+        if rows % PROGRESS_ROWS == 0
+            && let Some(progress) = options.progress
+        {
+            let (read, total) = reader.progress();
+            progress(read, total);
+        }
+    }
+    let samples = heard.first().map_or(0, |h| h.signal.len());
+    let turns = samples as f64 / rate * turn_hz;
+    if turns < LEAST_TURNS {
+        bail!("{name}: found {turns:.1} turns of the shaft, allowed: {LEAST_TURNS} or more");
+    }
+    let suspects = suspects(scene)?;
+    let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
+    let judge = Judge { suspects: &suspects, turn_hz, rate, baseline: baseline.as_ref() };
+    let (findings, learned) = judge.all(heard.iter().map(|h| (&h.sensor, h.signal.as_slice())));
+    let verdict = findings.first().map_or_else(
+        || "No line of a bearing stands out of the envelope of any band.".to_owned(),
+        |f| f.sentence.clone(),
+    );
+    let rpm = turn_hz * 60.0;
+    let record = Record {
+        samples: rows,
+        compared: rows,
+        rate_hz: rate,
+        duration_s: samples as f64 / rate,
+        turns,
+        mean_speed_rpm: rpm,
+        min_speed_rpm: rpm,
+        max_speed_rpm: rpm,
+        angle_source: "the scene's shaft speed".to_owned(),
+    };
+    let mut notes = vec![
+        "Vibration without a twin: forces and displacements are not computed, damage is told from envelopes."
+            .to_owned(),
+    ];
+    notes.extend(heard.iter().map(|h| words(&h.sensor, &h.signal)));
+    let mut timing = crate::replay::outcome::Timing { samples: rows, ..Default::default() };
+    timing.wall_s = begun.elapsed().as_secs_f64();
+    timing.times_real_time = record.duration_s / timing.wall_s.max(1e-9);
+    timing.sample_period_ns = (1e9 / rate) as u64;
+    Ok(Outcome {
+        scene: scene.name.clone(),
+        recording: name.to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        verdict,
+        record,
+        bearings: suspects.iter().map(Suspect::outcome).collect(),
+        timing,
+        findings,
+        flaws: reader.flaws().summary(),
+        notes,
+        learned: Baseline::of_sensors(&scene.name, name, learned),
+        ..Outcome::default()
+    })
+}
+
+fn suspects(scene: &Scene) -> Result<Vec<Suspect>> {
+    let suspect = |b: &crate::scene::Bearing| {
+        let kinematics = build::kinematics(scene, b)?;
+        Ok(Suspect { name: b.name.clone(), station: b.station, orders: kinematics.orders, elements: b.elements })
+    };
+    scene.bearings.iter().map(suspect).collect()
+}
+
+impl Suspect {
+    fn outcome(&self) -> BearingOutcome {
+        let o = self.orders;
+        BearingOutcome {
+            name: self.name.clone(),
+            model: format!("kinematics, {} elements", self.elements),
+            station_mm: self.station * 1e3,
+            orders: BearingOrders {
+                cage: o.cage,
+                outer_race: o.outer_race,
+                inner_race: o.inner_race,
+                ball_spin: Some(o.ball_spin),
+            },
+            ..BearingOutcome::default()
+        }
+    }
+}
+
+/// What a vibration engineer asks of a signal first.
+fn words(sensor: &Sensor, signal: &[f64]) -> String {
+    let n = signal.len().max(1) as f64;
+    let mean = signal.iter().sum::<f64>() / n;
+    let moment = |k: i32| signal.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / n;
+    let (rms, peak) = (moment(2).sqrt(), signal.iter().fold(0.0_f64, |m, x| m.max((x - mean).abs())));
+    format!(
+        "{}: {rms:.4} {unit} rms, peak {peak:.4} {unit}, crest factor {:.2}, kurtosis {:.2} (3 is noise).",
+        sensor.column,
+        peak / rms.max(1e-300),
+        moment(4) / moment(2).powi(2).max(1e-300),
+        unit = sensor.unit
+    )
+}
