@@ -4,10 +4,8 @@ use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
 
 /// Unknowns in units of their scale: a step of [`DIFFERENCE`] changes the residuals visibly and nearly linearly.
-const DIFFERENCE: f64 = 1e-2;
-const ITERATIONS: usize = 60;
-/// Relative fall of the sum of squares below which nothing more is gained.
-const LEAST_FALL: f64 = 1e-6;
+const DIFFERENCE: f64 = 1e-4;
+const ITERATIONS: usize = 40;
 
 /// Of a thread: a machine of many coordinates is large before it is boxed.
 const STACK: usize = 16 << 20;
@@ -25,11 +23,17 @@ pub struct Solution {
     pub jacobian: DMatrix<f64>,
 }
 
-/// From `start`; `progress` is called after each iteration.
+/// From `start` until an iteration makes the sum of squares less than `least_fall` of itself smaller; `progress` is called
+/// after each.
 ///
 /// # Errors
 /// What `residuals` says.
-pub fn solve(start: Vec<f64>, residuals: Residuals, progress: &mut dyn FnMut(usize)) -> Result<Solution> {
+pub fn solve(
+    start: Vec<f64>,
+    residuals: Residuals,
+    least_fall: f64,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Solution> {
     let mut x = start;
     let mut r = DVector::from_vec(residuals(&x)?);
     let mut jacobian = slopes(&x, residuals)?;
@@ -41,7 +45,7 @@ pub fn solve(start: Vec<f64>, residuals: Residuals, progress: &mut dyn FnMut(usi
         let fall = 1.0 - left.norm_squared() / r.norm_squared();
         (x, r) = (next, left);
         jacobian = slopes(&x, residuals)?;
-        if fall < LEAST_FALL {
+        if fall < least_fall {
             break;
         }
     }

@@ -28,8 +28,12 @@ pub use written::written;
 
 /// Unknowns of the first state, each counted in this, m, rad, m/s, rad/s.
 const STATE: [f64; 10] = [50e-6, 50e-6, 50e-6, 5e-4, 5e-4, 0.05, 0.05, 0.05, 0.5, 0.5];
-/// A parameter is told by a recording if its interval is narrower than this share of how far it may plausibly be off.
-const TOLD: f64 = 1.0;
+/// A parameter is told by a recording that leaves less than this of how far it may plausibly be off.
+const TOLD: f64 = 0.3;
+/// Where a search ends that only leads to the neighbourhood, and where the last one does.
+const NEAR: f64 = 1e-3;
+/// See [`NEAR`].
+const THERE: f64 = 1e-7;
 /// Samples over which the residual's memory is looked for.
 const MEMORY: usize = 64;
 
@@ -44,6 +48,10 @@ pub struct Fitted {
     pub samples: usize,
     /// Turns of the shaft in them.
     pub turns: f64,
+    /// Sum of the squares of what is left, in units of the probes' noise: about the count of readings where the scene is true.
+    pub chi_square: f64,
+    /// That count.
+    pub readings: usize,
     /// What the twin leaves at each probe, rms, before and after, um.
     pub residuals: Vec<Residual>,
     /// The numbers found.
@@ -81,8 +89,10 @@ pub struct Estimate {
     pub given: f64,
     /// The fitted one.
     pub value: f64,
-    /// Half the width of its interval.
-    pub plus_minus: f64,
+    /// Its interval.
+    pub low: f64,
+    /// See `low`.
+    pub high: f64,
     /// The interval is narrow enough to be of use.
     pub told: bool,
 }
@@ -127,7 +137,12 @@ pub fn read(scene: &Scene, mut reader: CsvReader, turns: f64) -> Result<Vec<Samp
 
 const MOST_SAMPLES: usize = 1 << 17;
 /// Turns of the first search.
-const FIRST_TURNS: f64 = 6.0;
+const FIRST_TURNS: f64 = 0.5;
+/// Turns from which all unknowns are free.
+const EARLY_TURNS: f64 = 5.0;
+
+/// Unknowns that move together, at least one.
+type Tied = Vec<usize>;
 
 /// Fits `groups` of the scene's numbers; `progress` hears of each iteration.
 ///
@@ -146,19 +161,27 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     }
     let rows = observed_rows(&recording.probes);
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
-    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown };
     let total = turns_of(first);
     let drive = Drive { angle: first.angle, speed: first.speed, acceleration: first.acceleration };
     let twin = plant.run_in(of.period, total, &drive)?;
     let start = [twin.pose().to_array(), twin.rate().to_array()].concat();
-    let given: Vec<f64> = unknown.iter().map(Parameter::unknown).collect();
+    let given: Vec<f64> = unknown.iter().map(Parameter::believed).collect();
     let state: Vec<f64> = start.iter().zip(STATE).map(|(x, unit)| x / unit).collect();
     let at = [given, state].concat();
+    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown, believed: &at };
     let before = model.residuals(&at)?;
-    let solution = model.search(at, progress)?;
-    let found = model.judged(&solution);
+    let everything = model.search(progress)?;
+    let open = covariance(&everything, &model);
+    let told: Vec<usize> = (0..everything.x.len()).filter(|&i| i >= unknown.len() || model.told(&open, i)).collect();
+    // What is not told goes back to the scene's value, and the rest is sought with it there.
+    let mut at = everything.x.clone();
+    (0..at.len()).filter(|i| !told.contains(i)).for_each(|i| at[i] = model.believed[i]);
+    let free: Vec<Tied> = told.iter().map(|&i| vec![i]).collect();
+    let solution = if told.len() < at.len() { model.stage(&at, &free, THERE, progress)? } else { everything };
+    let covariance = expanded(&covariance(&solution, &model), &open, &told);
+    let found = model.judged(&solution, &covariance);
     let rms = |left: &[f64], p: usize| {
-        let own = left.iter().skip(p).step_by(rows.len());
+        let own = left.iter().take(of.samples.len() * rows.len()).skip(p).step_by(rows.len());
         (own.clone().map(|r| r * r).sum::<f64>() / own.count().max(1) as f64).sqrt() * sigma[p] * 1e6
     };
     let residual = |(p, probe): (usize, &crate::scene::Probe)| Residual {
@@ -174,9 +197,16 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
         recording: of.recording.to_owned(),
         samples: of.samples.len(),
         turns,
+        chi_square: heard(&solution, rows.len(), of).iter().map(|r| r * r).sum(),
+        readings: rows.len() * of.samples.len(),
         residuals: recording.probes.iter().enumerate().map(residual).collect(),
         ..found
     })
+}
+
+/// What is left at the probes, without what was believed.
+fn heard<'s>(solution: &'s Solution, probes: usize, of: &Material) -> &'s [f64] {
+    solution.residuals.as_slice().get(..probes * of.samples.len()).unwrap_or_default()
 }
 
 fn turns_of(sample: &Sample) -> f64 {
@@ -189,6 +219,8 @@ struct Model<'a> {
     rows: &'a [[f64; 5]],
     sigma: &'a [f64],
     unknown: &'a [Parameter],
+    /// Every unknown before the recording is heard, each within 1 either way.
+    believed: &'a [f64],
 }
 
 impl Model<'_> {
@@ -196,27 +228,69 @@ impl Model<'_> {
         self.unknown.iter().zip(x).map(|(p, x)| p.value(*x)).collect()
     }
 
-    /// From afar: the first turns lead to the neighbourhood at a tenth of the work, and there first what moves the shaft's
-    /// mean and its turn, as damping and stiffness that are sought too early run away.
-    fn search(&self, start: Vec<f64>, progress: &mut dyn FnMut(usize)) -> Result<Solution> {
+    /// From afar: a short stretch of the recording first, twice as much each time. Over a long one a natural frequency that
+    /// is a little off has slipped by whole periods, and every slip is a valley of its own. On the first stretches the
+    /// probes are believed, damping is as given, and all contacts are softer or stiffer together: what is sought too
+    /// early runs away.
+    fn search(&self, progress: &mut dyn FnMut(usize)) -> Result<Solution> {
         let first = self.of.samples.first().map_or(0.0, turns_of);
-        let few = self.of.samples.iter().take_while(|s| (turns_of(s) - first).abs() < FIRST_TURNS).count();
-        let short = Material { samples: self.of.samples.get(..few).unwrap_or_default(), ..*self.of };
-        let near = Model { of: &short, ..*self };
-        let late = |i: usize| {
-            let place = self.unknown.get(i).map(|p| p.place);
-            matches!(place, Some(Place::Damping(_) | Place::Modulus(_) | Place::Stiffness(_)))
-        };
-        let early: Vec<usize> = (0..start.len()).filter(|&i| !late(i)).collect();
-        let whole = |x: &[f64]| {
-            let mut all = start.clone();
-            early.iter().zip(x).for_each(|(&i, x)| all[i] = *x);
+        let all: Vec<Tied> = (0..self.believed.len()).map(|i| vec![i]).collect();
+        let early = self.early();
+        let (mut at, mut turns) = (self.believed.to_vec(), FIRST_TURNS);
+        loop {
+            let count = self.of.samples.iter().take_while(|s| (turns_of(s) - first).abs() < turns).count();
+            if count == self.of.samples.len() {
+                return self.stage(&at, &all, THERE, progress);
+            }
+            let short = Material { samples: self.of.samples.get(..count).unwrap_or_default(), ..*self.of };
+            let free = if turns < EARLY_TURNS { &early } else { &all };
+            at = Model { of: &short, ..*self }.stage(&at, free, NEAR, progress)?.x;
+            turns *= 2.0;
+        }
+    }
+
+    fn early(&self) -> Vec<Tied> {
+        let place = |i: &usize| self.unknown.get(*i).map(|p| p.place);
+        let stiffness = |i: &usize| matches!(place(i), Some(Place::Modulus(_) | Place::Stiffness(_)));
+        let late = |i: &usize| matches!(place(i), Some(Place::Damping(_) | Place::Offset(_)));
+        let indices = 0..self.believed.len();
+        let mut free: Vec<Tied> = indices.clone().filter(|i| !late(i) && !stiffness(i)).map(|i| vec![i]).collect();
+        free.extend(Some(indices.filter(stiffness).collect::<Tied>()).filter(|tied| !tied.is_empty()));
+        free
+    }
+
+    /// Seeks the unknowns `free`. As long as the twin is far off, what is believed weighs as much as it leaves.
+    fn stage(
+        &self,
+        start: &[f64],
+        free: &[Tied],
+        least_fall: f64,
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<Solution> {
+        let whole = |x: &[f64], from: &[f64]| {
+            let mut all = from.to_vec();
+            free.iter().zip(x).for_each(|(tied, x)| tied.iter().for_each(|&i| all[i] = *x));
             all
         };
-        let from: Vec<f64> = early.iter().map(|&i| start[i]).collect();
-        let found = least_squares::solve(from, &|x| near.residuals(&whole(x)), progress)?;
-        let found = least_squares::solve(whole(&found.x), &|x| near.residuals(x), progress)?;
-        least_squares::solve(found.x, &|x| self.residuals(x), progress)
+        let mut at = start.to_vec();
+        let mut last = f64::INFINITY;
+        loop {
+            let left = self.residuals(&at)?;
+            let weight = (left.iter().map(|r| r * r).sum::<f64>() / left.len().max(1) as f64).sqrt().max(1.0);
+            let residuals = |x: &[f64]| {
+                let all = whole(x, &at);
+                let mut left = self.residuals(&all)?;
+                left.extend(all.iter().zip(self.believed).map(|(x, b)| weight * (x - b)));
+                Ok(left)
+            };
+            let from: Vec<f64> = free.iter().map(|tied| at[tied[0]]).collect();
+            let found = least_squares::solve(from, &residuals, least_fall, progress)?;
+            at = whole(&found.x, &at);
+            if weight > 0.7 * last || weight <= 1.0 {
+                return Ok(Solution { x: at, ..found });
+            }
+            last = weight;
+        }
     }
 
     /// What the twin leaves, sample by sample and probe by probe, in units of the probes' noise; 0 where nothing was read.
@@ -250,20 +324,18 @@ impl Model<'_> {
     }
 
     /// Values with their intervals, and what is not told.
-    fn judged(&self, solution: &Solution) -> Fitted {
+    fn judged(&self, solution: &Solution, covariance: &DMatrix<f64>) -> Fitted {
         let scene = self.of.scene;
         let n = self.unknown.len();
-        let covariance = covariance(solution, self.rows.len());
         // Together they hold in 95 of 100 cases: Bonferroni's share of the normal distribution's ends.
         let z = quantile(0.025 / n as f64);
         let values = self.values(&solution.x);
-        let sd = |i: usize| covariance[(i, i)].max(0.0).sqrt() * self.unknown[i].slope(solution.x[i]);
         let (mut all, mut notes) = (Vec::new(), Vec::new());
         let place = |wanted: Place| self.unknown.iter().position(|p| p.place == wanted);
         let mut one_plane = false;
         if let (Some(e), Some(c)) = (place(Place::Unbalance(0)), place(Place::Couple(0))) {
             let angle_step = self.angle_step();
-            let (more, single) = unbalance(&values, &covariance, self.unknown, [e, c], z, angle_step);
+            let (more, single) = unbalance(&values, covariance, self.unknown, [e, c], z, angle_step);
             one_plane = single;
             all.extend(more);
         }
@@ -272,13 +344,13 @@ impl Model<'_> {
                 continue;
             }
             let (name, unit, size) = parameter.place.name(scene);
-            let plus_minus = z * sd(i);
-            let told = plus_minus < TOLD * parameter.scale;
+            let reach = z * covariance[(i, i)].max(0.0).sqrt();
+            let told = self.told(covariance, i);
             if !told {
                 notes.push(format!(
-                    "{name} is not told by this recording: its interval, {:.3} {unit} either way, is as wide as what is plausible{}. The scene's value is kept.",
-                    plus_minus / size,
-                    self.partner(&covariance, i).map_or_else(String::new, |other| format!("; it goes along with {other}"))
+                    "{name} is not told by this recording: {:.0} % of what was plausible before is left open{}. The scene's value is kept.",
+                    100.0 * reach / z,
+                    self.partner(covariance, i).map_or_else(String::new, |other| format!("; it goes along with {other}"))
                 ));
             }
             all.push(Estimate {
@@ -286,14 +358,14 @@ impl Model<'_> {
                 unit,
                 given: parameter.given / size,
                 value: values[i] / size,
-                plus_minus: plus_minus / size,
+                low: parameter.value(solution.x[i] - reach) / size,
+                high: parameter.value(solution.x[i] + reach) / size,
                 told,
             });
         }
         let kept = |i: usize| {
             let parameter = &self.unknown[i];
-            let told =
-                matches!(parameter.place, Place::Unbalance(_) | Place::Couple(_)) || z * sd(i) < TOLD * parameter.scale;
+            let told = self.told(covariance, i);
             (parameter.clone(), if told { values[i] } else { parameter.given })
         };
         Fitted {
@@ -301,12 +373,20 @@ impl Model<'_> {
             recording: String::new(),
             samples: 0,
             turns: 0.0,
+            chi_square: 0.0,
+            readings: 0,
             residuals: vec![],
             parameters: all,
             notes,
             values: (0..n).map(kept).collect(),
             one_plane,
         }
+    }
+
+    /// The recording leaves less than [`TOLD`] of what was open before.
+    fn told(&self, covariance: &DMatrix<f64>, i: usize) -> bool {
+        let of_unbalance = matches!(self.unknown[i].place, Place::Unbalance(_) | Place::Couple(_));
+        of_unbalance || covariance[(i, i)].max(0.0).sqrt() < TOLD
     }
 
     /// The other unknown that goes most along with unknown `i`.
@@ -325,17 +405,29 @@ impl Model<'_> {
     }
 }
 
-/// Of the unknowns, in units of their scale: the slopes' normal matrix inverted, times what is left of the noise's
-/// variance, times the residual's memory.
-fn covariance(solution: &Solution, probes: usize) -> DMatrix<f64> {
+/// Of the unknowns, in units of what is plausible: the inverse of what the recording says, by its slopes, over what is left
+/// of the noise's variance and the residual's memory, and of what was believed before.
+fn covariance(solution: &Solution, model: &Model) -> DMatrix<f64> {
     let normal = solution.jacobian.transpose() * &solution.jacobian;
-    let (rows, n) = solution.jacobian.shape();
-    let left = solution.residuals.as_slice();
-    let variance = left.iter().map(|r| r * r).sum::<f64>() / rows.saturating_sub(n).max(1) as f64;
-    // What the recording says nothing of has no slopes: a ridge far below all that counts keeps the matrix invertible.
-    let ridge = DMatrix::identity(n, n) * (1e-14 * normal.diagonal().max());
-    let inverse = (normal + ridge).try_inverse().unwrap_or_else(|| DMatrix::from_diagonal_element(n, n, f64::MAX));
-    inverse * (variance.max(1.0) * memory(left, probes))
+    let n = solution.jacobian.ncols();
+    let heard = heard(solution, model.rows.len(), model.of);
+    let variance = heard.iter().map(|r| r * r).sum::<f64>() / heard.len().max(1) as f64;
+    // Fewer samples speak than there are; what was believed before does not grow less certain by that.
+    let share = 1.0 / (variance.max(1.0) * memory(heard, model.rows.len()));
+    let believed = DMatrix::identity(n, n);
+    let inverse = ((normal - &believed) * share + believed).try_inverse();
+    inverse.unwrap_or_else(|| DMatrix::identity(n, n))
+}
+
+/// The covariance `of` the unknowns `told` among all, the others with their variances from `open`.
+fn expanded(of: &DMatrix<f64>, open: &DMatrix<f64>, told: &[usize]) -> DMatrix<f64> {
+    let mut all = DMatrix::from_diagonal(&open.diagonal());
+    for (a, &i) in told.iter().enumerate() {
+        for (b, &j) in told.iter().enumerate() {
+            all[(i, j)] = of[(a, b)];
+        }
+    }
+    all
 }
 
 /// Samples that say as much as one where each resembles the one before: `1 + 2 sum rho_k`, at least 1.
@@ -397,7 +489,8 @@ fn unbalance(
         unit,
         given: given / size,
         value: value / size,
-        plus_minus: plus_minus / size,
+        low: (value - plus_minus) / size,
+        high: (value + plus_minus) / size,
         told,
     };
     let degree = TAU / 360.0;

@@ -57,27 +57,27 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The unknown of the scene's value.
+    /// The unknown of the scene's value: what is believed before the recording is heard, within 1 either way.
     #[must_use]
-    pub fn unknown(&self) -> f64 {
-        if self.above_zero() { (self.given.max(1e-3 * self.scale) / self.scale).ln() } else { self.given / self.scale }
+    pub fn believed(&self) -> f64 {
+        if self.spread().is_some() { 0.0 } else { self.given / self.scale }
     }
 
     /// The value, SI, of an unknown.
     #[must_use]
     pub fn value(&self, unknown: f64) -> f64 {
-        if self.above_zero() { self.scale * unknown.clamp(-12.0, 12.0).exp() } else { self.scale * unknown }
+        let of = |spread: f64| self.given.max(1e-2 * self.scale) * (spread * unknown).clamp(-12.0, 12.0).exp();
+        self.spread().map_or(self.scale * unknown, of)
     }
 
-    /// Slope of the value by the unknown.
-    #[must_use]
-    pub fn slope(&self, unknown: f64) -> f64 {
-        if self.above_zero() { self.value(unknown) } else { self.scale }
-    }
-
-    /// What cannot fall below 0 is sought by its logarithm.
-    const fn above_zero(&self) -> bool {
-        matches!(self.place, Place::Damping(_) | Place::Modulus(_) | Place::Stiffness(_) | Place::Preload(_))
+    /// What cannot fall below 0 is sought by its logarithm: how much of that is plausible.
+    const fn spread(&self) -> Option<f64> {
+        match self.place {
+            Place::Damping(_) => Some(1.0),
+            Place::Modulus(_) | Place::Stiffness(_) => Some(0.2),
+            Place::Preload(_) => Some(0.5),
+            _ => None,
+        }
     }
 }
 

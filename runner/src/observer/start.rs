@@ -63,5 +63,5 @@ pub fn start(
         left.extend_from_slice(x);
         Ok(left)
     };
-    Ok(at(&least_squares::solve(vec![0.0; STATES], &residuals, &mut |_| {})?.x))
+    Ok(at(&least_squares::solve(vec![0.0; STATES], &residuals, 1e-6, &mut |_| {})?.x))
 }

@@ -10,16 +10,21 @@ pub fn text(found: &Fitted) -> String {
         "{} fitted to {}: {} samples, {:.1} turns\n\n",
         found.scene, found.recording, found.samples, found.turns
     );
-    let _ = writeln!(out, "{:<32} {:>12} {:>12} {:>10}  unit", "", "scene", "fitted", "+-");
+    let _ = writeln!(out, "{:<28} {:>11} {:>11} {:>11} {:>11}  unit", "", "scene", "fitted", "from", "to");
     for p in &found.parameters {
         let mark = if p.told { "" } else { "  not told" };
         let _ = writeln!(
             out,
-            "{:<32} {:>12.4} {:>12.4} {:>10.4}  {}{mark}",
-            p.name, p.given, p.value, p.plus_minus, p.unit
+            "{:<28} {:>11.4} {:>11.4} {:>11.4} {:>11.4}  {}{mark}",
+            p.name, p.given, p.value, p.low, p.high, p.unit
         );
     }
-    let _ = writeln!(out, "\nThe intervals hold together in 95 of 100 cases.\n");
+    let _ = writeln!(out, "\nThe intervals hold together in 95 of 100 cases.");
+    let _ = writeln!(
+        out,
+        "Squares of what is left over those of the noise: {:.1} for {} readings.\n",
+        found.chi_square, found.readings
+    );
     let _ = writeln!(out, "{:<16} {:>10} {:>10} {:>10}", "left, um rms", "scene", "fitted", "noise");
     for r in &found.residuals {
         let _ = writeln!(out, "{:<16} {:>10.4} {:>10.4} {:>10.4}", r.probe, r.before_um, r.after_um, r.noise_um);
@@ -33,9 +38,9 @@ pub fn text(found: &Fitted) -> String {
 /// One row a number.
 #[must_use]
 pub fn csv(found: &Fitted) -> String {
-    let mut out = "parameter,unit,scene,fitted,plus_minus,told\n".to_owned();
+    let mut out = "parameter,unit,scene,fitted,from,to,told\n".to_owned();
     for p in &found.parameters {
-        let _ = writeln!(out, "{},{},{},{},{},{}", p.name, p.unit, p.given, p.value, p.plus_minus, p.told);
+        let _ = writeln!(out, "{},{},{},{},{},{},{}", p.name, p.unit, p.given, p.value, p.low, p.high, p.told);
     }
     out
 }
