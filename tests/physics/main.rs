@@ -4,6 +4,7 @@ mod batch;
 mod bearings;
 mod fast;
 mod general;
+mod indicators;
 mod pairs;
 mod quasi_static;
 mod rotor;

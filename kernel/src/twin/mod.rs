@@ -1,10 +1,22 @@
 //! What firmware runs every sample beside its machine: the state behind the probes and what stands out of it.
 //!
 //! Probe samples go into an [`Observer`], which gives the rotor's motion, the forces of its bearings and what the model
-//! does not explain.
+//! does not explain. Displacements, forces and residuals go into indicators: [`OrderTracker`] for what turns with the
+//! shaft or a bearing's parts, [`Statistics`], [`Envelope`], [`Life`]. Each works in blocks that start anew: figures are
+//! exact over any length.
 
 mod disturbed;
+mod envelope;
+mod life;
 mod observer;
+mod order;
+mod statistics;
+mod sum;
 
 pub use disturbed::Disturbed;
+pub use envelope::Envelope;
+pub use life::{Life, LifeParams};
 pub use observer::{Estimate, Observer, ObserverState, SpeedGain};
+pub use order::{OrderLine, OrderTracker, Vector};
+pub use statistics::{Figures, Statistics};
+pub use sum::ExactSum;

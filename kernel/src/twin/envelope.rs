@@ -1,0 +1,65 @@
+//! The envelope of a band: how loud it is, moment by moment.
+
+use crate::math::Math;
+use crate::scalar::Scalar;
+use crate::turn::Turn;
+
+/// A band's envelope by moving the band down to 0 Hz, `x e^{-i w t}`, and a low-pass of order 4 (Butterworth) on both parts.
+///
+/// Feed it to an [`OrderTracker`](super::OrderTracker) for the envelope's lines. The filters forget, so nothing drifts.
+/// Cost a sample: a sine and cosine, four second-order sections, one root.
+#[derive(Debug, Clone, Copy)]
+pub struct Envelope<T> {
+    stride: Turn,
+    angle: Turn,
+    sections: [Section<T>; 2],
+    state: [[[T; 2]; 2]; 2],
+}
+
+/// `H(z) = b (1 + z^-1)^2 / (1 + a1 z^-1 + a2 z^-2)`.
+#[derive(Debug, Clone, Copy)]
+struct Section<T> {
+    b: T,
+    a1: T,
+    a2: T,
+}
+
+impl<T: Scalar> Envelope<T> {
+    /// Of the band `centre` plus and minus `half_width` at `rate`, all in Hz; inside of half the rate. Set-up time.
+    #[must_use]
+    pub fn new(centre: f64, half_width: f64, rate: f64) -> Self {
+        // Bilinear, with the corner where it was asked for.
+        let corner = libm::tan(core::f64::consts::PI * half_width / rate);
+        let section = |damping: f64| {
+            let a0 = 1.0 + damping * corner + corner * corner;
+            Section {
+                b: T::from_f64(corner * corner / a0),
+                a1: T::from_f64(2.0 * (corner * corner - 1.0) / a0),
+                a2: T::from_f64((1.0 - damping * corner + corner * corner) / a0),
+            }
+        };
+        // 2 cos of the poles' angles, pi/8 and 3 pi/8.
+        let sections = [section(1.847_759_065_022_573_5), section(0.765_366_864_730_179_6)];
+        let stride = Turn::from_revolutions(centre / rate);
+        Self { stride, angle: Turn::ZERO, sections, state: [[[T::ZERO; 2]; 2]; 2] }
+    }
+
+    /// One sample; the envelope there, of a sine in the band its amplitude.
+    pub fn add<M: Math<T>>(&mut self, x: T) -> T {
+        let (sin, cos) = M::sin_cos(self.angle);
+        self.angle = self.angle.plus(self.stride);
+        let mut square = T::ZERO;
+        for (part, state) in [x * cos, x * sin].into_iter().zip(&mut self.state) {
+            let mut y = part;
+            for (section, [z1, z2]) in self.sections.iter().zip(state) {
+                let v = section.b * y;
+                let out = v + *z1;
+                *z1 = v + v - section.a1 * out + *z2;
+                *z2 = v - section.a2 * out;
+                y = out;
+            }
+            square += y * y;
+        }
+        T::from_f64(2.0) * M::sqrt(square)
+    }
+}

@@ -1,0 +1,101 @@
+//! Fatigue: how much of a bearing's life its loads have used.
+
+use super::ExactSum;
+use crate::bearing::geometry::{BallBearingGeometry, InvalidParameter, check};
+use crate::math::Math;
+use crate::scalar::Scalar;
+
+/// What the life of a radial ball bearing depends on, ready for the hot path.
+///
+/// `Q_ci = C_r/(0.407 Z cos^0.7 a) (1 + t^(10/3))^0.3`, `Q_ce = C_r/(0.389 Z cos^0.7 a) (1 + t^(-10/3))^0.3` with
+/// `t = 1.044 ((1 - g)/(1 + g))^1.72 ((r_i/r_e) (2 r_e - D)/(2 r_i - D))^0.41`; over a block
+/// `Q_ei = (mean Q^3)^(1/3)`, `Q_ee = (mean Q^(10/3))^(3/10)` where the inner ring turns against the load, and
+/// `L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10)` million turns.
+///
+/// Source: ISO 16281:2025 (as ISO/TS 16281:2008), ISO 281:2007.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LifeParams {
+    inner_rating: f64,
+    outer_rating: f64,
+}
+
+impl LifeParams {
+    /// From geometry, element count and the catalogue's basic dynamic load rating `C_r`, N. Set-up time.
+    ///
+    /// # Errors
+    /// The first quantity out of its range.
+    pub fn try_new(geometry: BallBearingGeometry, elements: usize, rating: f64) -> Result<Self, InvalidParameter> {
+        let g = geometry.checked()?;
+        check(rating > 0.0, "dynamic_rating", rating, "above 0 N")?;
+        check(elements >= 3, "elements", elements as f64, "3 or more")?;
+        let (fi, fe, gamma) = (g.inner_conformity, g.outer_conformity, g.gamma());
+        let grooves = (fi / fe) * (2.0 * fe - 1.0) / (2.0 * fi - 1.0);
+        let t = 1.044 * libm::pow((1.0 - gamma) / (1.0 + gamma), 1.72) * libm::pow(grooves, 0.41);
+        let share = rating / (elements as f64 * libm::pow(libm::cos(g.contact_angle), 0.7));
+        let side = |t: f64| libm::pow(1.0 + libm::pow(t, 10.0 / 3.0), 0.3);
+        Ok(Self { inner_rating: share / 0.407 * side(t), outer_rating: share / 0.389 * side(1.0 / t) })
+    }
+}
+
+/// Loads of a bearing's elements gathered over blocks, and the life that they have used.
+///
+/// Cost a sample: a ninth root and 25 operations for each element. Used life is added without loss: a year of blocks of a
+/// second keeps its digits in `f32`.
+#[derive(Debug, Clone, Copy)]
+pub struct Life<T> {
+    /// Inverse ratings: loads count in them, so that no power overflows.
+    inner: T,
+    outer: T,
+    cubes: ExactSum<T>,
+    ten_thirds: ExactSum<T>,
+    elements: ExactSum<T>,
+    used: ExactSum<T>,
+}
+
+impl<T: Scalar> Life<T> {
+    /// With nothing used.
+    #[must_use]
+    pub fn new(params: &LifeParams) -> Self {
+        Self {
+            inner: T::from_f64(1.0 / params.inner_rating),
+            outer: T::from_f64(1.0 / params.outer_rating),
+            cubes: ExactSum::new(),
+            ten_thirds: ExactSum::new(),
+            elements: ExactSum::new(),
+            used: ExactSum::new(),
+        }
+    }
+
+    /// The elements' loads in one sample, N.
+    pub fn add<M: Math<T>>(&mut self, loads: &[T]) {
+        for &load in loads {
+            let (q, p) = (self.inner * load, self.outer * load);
+            self.cubes.add(q * q * q);
+            let ninth = M::ninth_root(p);
+            self.ten_thirds.add(p * p * p * ninth * ninth * ninth);
+            self.elements.add(T::ONE);
+        }
+    }
+
+    /// Ends a block in which the shaft made `turns` turns: `L_10r` of its loads, million turns (infinite without load).
+    pub fn close<M: Math<T>>(&mut self, turns: T) -> T {
+        let count = self.elements.value().larger(T::ONE);
+        let (cube, outer) = (self.cubes.value() / count, self.ten_thirds.value() / count);
+        // (Q_ei/Q_ci)^(10/3) of the mean cube: its 10/9th power.
+        let inner = cube * M::ninth_root(cube);
+        let sum = inner + outer;
+        // L = s^(-9/10); the power is for exponents of 1 and more: s^(9/10) = s^(19/10)/s.
+        let some = sum > T::ZERO;
+        let sure = T::choose(some, sum, T::ONE);
+        let per_million = T::choose(some, M::powf(sure, T::from_f64(1.9)) / sure, T::ZERO);
+        self.used.add(turns * T::from_f64(1e-6) * per_million);
+        (self.cubes, self.ten_thirds, self.elements) = (ExactSum::new(), ExactSum::new(), ExactSum::new());
+        T::ONE / per_million
+    }
+
+    /// Share of the life used so far: at 1 a tenth of such bearings has failed.
+    #[must_use]
+    pub fn used(&self) -> T {
+        self.used.value()
+    }
+}
