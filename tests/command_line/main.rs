@@ -7,6 +7,7 @@ mod bad_scene;
 mod bake;
 mod degraded;
 mod equilibrium;
+mod fit;
 mod force;
 mod long;
 mod replay;
