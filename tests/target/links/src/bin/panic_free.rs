@@ -20,6 +20,7 @@ use ballrace::rotor::{
     RungeKutta4, System, Verlet,
 };
 use ballrace::turn::{Arc, Ratio};
+use ballrace::twin::{Envelope, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
 use ballrace::{Bearing, Displacement, Exact, Fast, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
 use core::hint::black_box;
 use panic_never as _;
@@ -113,8 +114,24 @@ fn functions<T: Scalar, M: Math<T>>() {
     black_box((Arc::from_radians(given::<T>()), given::<Arc>().radians::<T>()));
 }
 
+fn twin<T: Scalar, M: Math<T>>() {
+    type Seen<T, M> = Mounted<T, Angular<T, M, Places<T, 9>>>;
+    type Gains<T> = &'static [SpeedGain<T, 5>];
+    type OfFive<T, M> = Observer<T, RigidRotor<T, M>, Seen<T, M>, Verlet<T>, Gains<T>, 2, 5>;
+    let observer: OfFive<T, M> = given();
+    let mut state: ObserverState<T, 2> = given();
+    black_box(observer.sample::<M>(&mut state, &given(), &given()));
+    black_box(ObserverState::<T, 2>::new(given()));
+    let (mut orders, mut figures, mut envelope, mut life): (OrderTracker<T, 4>, Statistics<T>, Envelope<T>, Life<T>) =
+        given();
+    black_box((orders.add::<M>(given(), given(), &given()), figures.add::<M>(given()), envelope.add::<M>(given())));
+    life.add::<M>(given::<&[T]>());
+    black_box((life.close::<M>(given()), life.used(), figures.close::<M>(), orders));
+}
+
 fn all<T: Scalar, M: Math<T>>() {
     functions::<T, M>();
+    twin::<T, M>();
     bearing::<T, Linear<T>>();
     lumped::<T, M, Point<T>>();
     lumped::<T, M, Line<T>>();
