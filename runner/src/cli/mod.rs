@@ -121,7 +121,12 @@ fn place(path: &Path) -> PathBuf {
 #[must_use]
 pub fn run(cli: &Cli) -> ExitCode {
     let done = match &cli.command {
-        Command::Replay(args) => replay::run(args, cli.format, cli.error),
+        Command::Replay(args) => {
+            return match replay::run(args, cli.format, cli.error) {
+                Ok(true) => ExitCode::from(LIMIT_CROSSED),
+                other => code(other.map(|_| ())),
+            };
+        }
         Command::Force(args) => force::run(args, cli.format, cli.error),
         Command::Bake(args) => bake::run(args, cli.format, cli.error),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),
@@ -132,6 +137,13 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Trade(args) => trade::run(args, cli.format, cli.error),
         Command::Scenes(args) => scenes::run(args, cli.format),
     };
+    code(done)
+}
+
+/// Of a replay in which a limit of the scene was crossed.
+const LIMIT_CROSSED: u8 = 3;
+
+fn code(done: Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,

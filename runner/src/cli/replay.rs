@@ -47,11 +47,11 @@ pub struct Args {
     paced: bool,
 }
 
-/// Runs the command.
+/// Runs the command; true where a limit of the scene was crossed.
 ///
 /// # Errors
 /// What is wrong with scene, recording or outputs.
-pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<bool> {
     let scene = match &args.scene {
         Some(path) => read_file(path)?,
         None => read_str(DEMO_SCENE, Path::new("built-in demonstration"))?,
@@ -82,7 +82,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     if let Some(path) = &args.learn {
         AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
     }
-    print(&outcome, &args.report, format)
+    print(&outcome, &args.report, format)?;
+    Ok(!outcome.events.is_empty())
 }
 
 /// An output that cannot be written should not cost a long replay first.

@@ -51,6 +51,9 @@ pub struct BaselineProbe {
     pub residual_rms_um: f64,
     /// Amplitude of each followed line in the residual, zero to peak.
     pub lines_um: Vec<f64>,
+    /// The same in the motion itself.
+    #[serde(default)]
+    pub motion_lines_um: Vec<f64>,
 }
 
 impl Baseline {
@@ -62,6 +65,7 @@ impl Baseline {
             name: probe.column.clone(),
             residual_rms_um: comparison.residual_rms_about_mean(i) * UM,
             lines_um: (0..orders.len()).map(|line| comparison.residual_line(line, i) * UM).collect(),
+            motion_lines_um: (0..orders.len()).map(|line| comparison.motion_line(line, i) * UM).collect(),
         };
         let probes = probes.iter().enumerate().map(probe).collect();
         let (scene, recording) = (scene.to_owned(), recording.to_owned());
@@ -129,6 +133,12 @@ impl Baseline {
     #[must_use]
     pub fn line(&self, line: usize, probe: usize) -> f64 {
         self.probes.get(probe).and_then(|p| p.lines_um.get(line)).copied().unwrap_or(0.0) / UM
+    }
+
+    /// Amplitude of a line in the motion at a probe, m.
+    #[must_use]
+    pub fn motion_line(&self, line: usize, probe: usize) -> f64 {
+        self.probes.get(probe).and_then(|p| p.motion_lines_um.get(line)).copied().unwrap_or(0.0) / UM
     }
 
     /// Residual of a probe about its mean, rms, m.

@@ -101,23 +101,23 @@ impl Comparison {
         }
     }
 
-    /// One sample.
-    pub fn add(&mut self, seen: &Seen, angles: Angles) {
+    /// One sample; true where it ended a block of the followed lines.
+    pub fn add(&mut self, seen: &Seen, angles: Angles) -> bool {
         let basis: (f64, f64) = Exact::sin_cos(angles.shaft);
         for (i, probe) in self.probes.iter_mut().enumerate() {
             probe.add(seen.measured[i], seen.twin[i], seen.linear[i], basis);
         }
         if seen.measured.iter().any(|y| y.is_nan()) {
             self.spectra.interrupt();
-            return;
+            return false;
         }
         self.compared += 1;
         self.signals.clear();
         self.signals.extend_from_slice(seen.measured);
         self.signals.extend_from_slice(seen.twin);
         self.signals.extend(seen.measured.iter().zip(seen.twin).map(|(y, x)| y - x));
-        self.lines.add(&self.signals, angles);
         self.spectra.add(self.signals.iter().chain(seen.planes).copied());
+        self.lines.add(&self.signals, angles)
     }
 
     /// Ends the recording.
@@ -130,6 +130,19 @@ impl Comparison {
     #[must_use]
     pub fn residual_rms_about_mean(&self, probe: usize) -> f64 {
         self.probes[probe].residual.rms_about_mean()
+    }
+
+    /// Amplitude of a followed line in a probe's motion, m.
+    #[must_use]
+    pub fn motion_line(&self, line: usize, probe: usize) -> f64 {
+        self.lines.amplitude(line, probe)
+    }
+
+    /// The same over the last block, in the motion or (`residual`) in what the twin leaves.
+    #[must_use]
+    pub fn block_line(&self, line: usize, probe: usize, residual: bool) -> f64 {
+        let signal = if residual { 2 * self.probes.len() + probe } else { probe };
+        self.lines.block(line).get(signal).map_or(0.0, |[c, s]| c.hypot(*s))
     }
 
     /// Amplitude of a followed line in a probe's residual, m.

@@ -47,3 +47,24 @@ impl Innovation {
         }
     }
 }
+
+/// The same for people.
+#[must_use]
+pub fn words(of: &ObserverOutcome) -> String {
+    let judged = if of.consistent {
+        "as model and noise say"
+    } else if of.nis_mean < of.nis_expected {
+        "less than model and noise say: the noise is less than reckoned with"
+    } else {
+        "more than model and noise say: something moves that neither explains"
+    };
+    let [x, y, z, ..] = of.unknown_load_rms;
+    format!(
+        "Observer: its innovations are {judged} (normalised square {:.2}, expected {:.0}, by chance {:.2} to {:.2}); the unknown force on the rotor swings by {:.2} N rms. --forces writes the force that it finds.",
+        of.nis_mean,
+        of.nis_expected,
+        of.nis_bounds[0],
+        of.nis_bounds[1],
+        (x * x + y * y + z * z).sqrt()
+    )
+}

@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod findings;
 pub mod forces;
 pub mod innovation;
+pub mod limits;
 pub mod lines;
 pub mod locate;
 pub mod outcome;
@@ -32,6 +33,7 @@ use baseline::Baseline;
 use comparison::{Angles, Comparison, Seen};
 use forces::{BearingSums, Evaluated, noise_band};
 use innovation::Innovation;
+use limits::Guards;
 use locate::Locator;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
@@ -134,6 +136,7 @@ struct Run<'a> {
     speeds: Speed,
     wander: Option<f64>,
     innovation: Innovation,
+    guards: Guards,
     /// The first samples, until they are enough to tell the lag.
     first: Option<Vec<Sample>>,
     /// s, removed from every sample's shaft angle.
@@ -252,6 +255,7 @@ impl<'a> Run<'a> {
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
         let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
+        let guards = Guards::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
         let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
         Ok(Self {
             probes,
@@ -270,6 +274,7 @@ impl<'a> Run<'a> {
             speeds: scene.shaft.speed,
             wander: scene.observer.wander,
             innovation: Innovation::default(),
+            guards,
             first: Some(Vec::new()),
             lag: 0.0,
             ledger: Ledger::try_new(1.0 / rate, options.paced)?,
@@ -430,7 +435,13 @@ impl<'a> Run<'a> {
             planes: &buffers.planes,
         };
         let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
-        self.comparison.add(&seen, angles);
+        if !seen.measured.iter().any(|y| y.is_nan()) {
+            self.guards.add(sample.row.time, seen.measured, seen.twin);
+        }
+        if self.comparison.add(&seen, angles) {
+            let comparison = &self.comparison;
+            self.guards.block(sample.row.time, |line, probe, residual| comparison.block_line(line, probe, residual));
+        }
         if let Some(locator) = self.locator.as_mut().filter(|_| !buffers.evaluated.iter().any(|e| e.status.is_held())) {
             locator.add(&self.plant, pose, &buffers.evaluated, angles, sample.speed);
         }
@@ -487,6 +498,10 @@ impl<'a> Run<'a> {
         let findings = findings::findings(&evidence);
         let learned = Baseline::learn(&scene.name, recording, &self.comparison, self.probes, &self.plant.seats);
         self.explain();
+        let observer = self.tuned.as_ref().map(|tuned| self.innovation.outcome(tuned));
+        self.notes.extend(observer.as_ref().map(innovation::words));
+        let events = self.guards.finish();
+        self.notes.extend(events.iter().map(|event| event.sentence.clone()));
         let pictures = self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
         Ok(Outcome {
             scene: scene.name.clone(),
@@ -506,8 +521,9 @@ impl<'a> Run<'a> {
             probes,
             bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
             timing: self.ledger.finish(),
-            observer: self.tuned.as_ref().map(|tuned| self.innovation.outcome(tuned)),
+            observer,
             findings,
+            events,
             flaws,
             notes: self.notes,
             learned,

@@ -31,6 +31,8 @@ pub struct Outcome {
     pub observer: Option<ObserverOutcome>,
     /// What is wrong with the machine; empty when nothing is.
     pub findings: Vec<Finding>,
+    /// Limits of the scene that were crossed; empty when none was.
+    pub events: Vec<super::limits::Event>,
     /// What is wrong with the recording; empty when nothing is.
     pub flaws: Vec<FlawSummary>,
     /// What the user should know besides: things assumed, things that could not be done.

@@ -330,6 +330,7 @@ pub(crate) fn usual() -> Outcome {
         bearings: vec![bearing("DE", -100.0), bearing("NDE", 100.0)],
         timing: timing(),
         observer: Some(observer()),
+        events: vec![],
         findings: vec![finding],
         flaws: flaws(),
         notes: vec![
@@ -354,6 +355,7 @@ pub(crate) fn bare() -> Outcome {
         bearings: Vec::new(),
         timing: Timing::default(),
         observer: None,
+        events: vec![],
         findings: Vec::new(),
         flaws: Vec::new(),
         notes: Vec::new(),

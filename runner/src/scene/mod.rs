@@ -32,6 +32,79 @@ pub struct Scene {
     pub integration: Integration,
     /// `[observer]`
     pub observer: Observer,
+    /// `[[limit]]`
+    pub limits: Vec<Limit>,
+}
+
+/// One `[[limit]]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    /// `indicator`
+    pub indicator: Indicator,
+    /// `probe`: its column; every radial probe when absent
+    pub probe: Option<String>,
+    /// `bearing` of a race's line
+    pub bearing: Option<String>,
+    /// `max` or `growth_db`
+    pub allowed: Allowed,
+    /// `hysteresis`: share of the limit by which a value has to fall below it, 0 or more and below 1
+    pub hysteresis: f64,
+    /// `duration`, s: what lasts shorter is no event
+    pub duration: f64,
+}
+
+/// What a limit allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Allowed {
+    /// m, or a number
+    Most(f64),
+    /// Times the baseline's value
+    Growth(f64),
+}
+
+/// `indicator` of a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Indicator {
+    /// `"peak-to-peak"`
+    PeakToPeak,
+    /// `"rms"` about the mean
+    Rms,
+    /// `"crest-factor"`
+    CrestFactor,
+    /// `"kurtosis"`
+    Kurtosis,
+    /// `"residual"`: rms of what the twin leaves
+    Residual,
+    /// `"1X"`, amplitude
+    OneX,
+    /// `"2X"`, amplitude
+    TwoX,
+    /// `"outer-race"`: its line in what the twin leaves
+    OuterRace,
+    /// `"inner-race"`
+    InnerRace,
+}
+
+impl Indicator {
+    /// All of them, as a scene names them.
+    pub const ALL: [(&'static str, Self); 9] = [
+        ("peak-to-peak", Self::PeakToPeak),
+        ("rms", Self::Rms),
+        ("crest-factor", Self::CrestFactor),
+        ("kurtosis", Self::Kurtosis),
+        ("residual", Self::Residual),
+        ("1X", Self::OneX),
+        ("2X", Self::TwoX),
+        ("outer-race", Self::OuterRace),
+        ("inner-race", Self::InnerRace),
+    ];
+
+    /// As a scene names it, and whether it is a length.
+    #[must_use]
+    pub fn name(self) -> (&'static str, bool) {
+        let name = Self::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name);
+        (name, !matches!(self, Self::CrestFactor | Self::Kurtosis))
+    }
 }
 
 /// `[observer]`: what the observer is told of the unknown.

@@ -18,8 +18,8 @@ pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
 use super::{
-    Bearing, Clock, Direction, Integration, Method, Observer, Probe, Recording, Rotation, Rotor, Scene, Sensor, Shaft,
-    Speed, System, SystemUnbalance, Unbalance,
+    Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording, Rotation,
+    Rotor, Scene, Sensor, Shaft, Speed, System, SystemUnbalance, Unbalance,
 };
 
 /// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
@@ -52,7 +52,7 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
         return Err(SceneError::file(path, "an empty file"));
     }
     let source = Source { text, file: path };
-    let keys = ["name", "shaft", "rotor", "system", "bearing", "recording", "integration", "observer"];
+    let keys = ["name", "shaft", "rotor", "system", "bearing", "recording", "integration", "observer", "limit"];
     scene(&Table::root(source, document.as_table(), &keys)?, path)
 }
 
@@ -99,6 +99,7 @@ fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
         recording: root.read("recording", |n| recording(n, path))?,
         integration: root.read("integration", integration)?.unwrap_or_default(),
         observer: root.read("observer", observer)?.unwrap_or_default(),
+        limits: root.read("limit", limits)?.unwrap_or_default(),
     })
 }
 
@@ -112,6 +113,50 @@ fn integration(node: &Node<'_>) -> Read<Integration> {
         return Err(table.required("newton_steps", "")?.refuse("only with method = \"newmark\"; remove it"));
     }
     Ok(Integration { method, step: table.read("step", |n| n.positive(Dimension::Time))? })
+}
+
+fn limits(node: &Node<'_>) -> Read<Vec<Limit>> {
+    node.list("tables [[limit]], in double brackets")?.iter().map(limit).collect()
+}
+
+fn limit(node: &Node<'_>) -> Read<Limit> {
+    let table = node.table(&["indicator", "probe", "bearing", "max", "growth_db", "hysteresis", "duration"])?;
+    let indicator = table.required("indicator", "what is limited")?.choice(&Indicator::ALL)?;
+    let race = matches!(indicator, Indicator::OuterRace | Indicator::InnerRace);
+    if race != table.has("bearing") {
+        return Err(table.fail(
+            if race { "no bearing" } else { "a bearing" },
+            "bearing = \"NAME\" with indicator = \"outer-race\" or \"inner-race\", and only there",
+        ));
+    }
+    let (_, length) = indicator.name();
+    let comparable = matches!(indicator, Indicator::Residual | Indicator::OneX | Indicator::TwoX) || race;
+    let allowed = match (table.optional("max"), table.optional("growth_db")) {
+        (Some(max), None) if length => Allowed::Most(max.positive(Dimension::Length)?),
+        (Some(max), None) => Allowed::Most(max.number("a number above 0", |x| x > 0.0)?),
+        (None, Some(growth)) if comparable => {
+            let decibels = growth.number("decibels over the baseline, above 0", |x| x > 0.0 && x < 200.0)?;
+            Allowed::Growth(10_f64.powf(decibels / 20.0))
+        }
+        (None, Some(growth)) => {
+            return Err(
+                growth.refuse("growth_db with \"residual\", \"1X\", \"2X\", \"outer-race\", \"inner-race\"; max here")
+            );
+        }
+        _ => return Err(table.fail("neither or both of max and growth_db", "one of them")),
+    };
+    let text = |key: &str| table.read(key, |n| Ok(n.text("a name")?.to_owned()));
+    let share = "0 or more and below 1 (part of the limit)";
+    let hysteresis = table.read("hysteresis", |n| n.number(share, |x| (0.0..1.0).contains(&x)))?;
+    let duration = table.read("duration", |n| n.not_negative(Dimension::Time))?;
+    Ok(Limit {
+        indicator,
+        probe: text("probe")?,
+        bearing: text("bearing")?,
+        allowed,
+        hysteresis: hysteresis.unwrap_or(0.1),
+        duration: duration.unwrap_or(0.0),
+    })
 }
 
 fn observer(node: &Node<'_>) -> Read<Observer> {

@@ -42,6 +42,12 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, name: &str, options: &Option
             scene.path.display()
         )));
     };
+    if !scene.limits.is_empty() {
+        bail!(crate::fault::SceneFault(format!(
+            "{}: [[limit]]: found limits, allowed with sensors: none; damage is told without",
+            scene.path.display()
+        )));
+    }
     let (turn_hz, rate) = (speed.abs() / TAU, reader.rate());
     let begun = Instant::now();
     let mut heard: Vec<Heard> =
