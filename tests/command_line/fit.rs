@@ -75,7 +75,11 @@ fn what_cannot_be_fitted_is_refused() {
     let scene = wrong();
     desk.put("bare.toml", scene.split("[recording]").next().unwrap());
     desk.put("scene.toml", &scene);
+    let (before, after) = scene.split_once("probes = [").unwrap();
+    let after = after.split_once("\n]").unwrap().1;
+    desk.put("deaf.toml", format!("{before}sensors = [{{ column = \"DE_X_um\", unit = \"g\" }}]{after}"));
     for (args, says) in [
+        (&["fit", "deaf.toml"][..], "allowed with fit: probes"),
         (&["fit", "bare.toml"][..], "[recording]"),
         (&["fit", "scene.toml", "--turns", "0"][..], "--turns"),
         (&["fit", "scene.toml", "-o", "scene.toml"][..], "--output"),

@@ -112,6 +112,7 @@ fn sensors_are_checked() {
             "speed = { from = \"1 rpm\", to = \"2 rpm\", over = \"1 s\" }",
             "one speed in [shaft]",
         ),
+        ("unit = \"m/s^2\"", "unit = \"m/s^2\", bearing = \"X\"", "the name of a [[bearing]]"),
         ("sensors =", "probes = []\nsensors =", "both probes and sensors"),
         ("rate = \"6 kHz\"", "rate = \"6 kHz\"", "turns of the shaft, allowed: 16 or more"),
     ] {

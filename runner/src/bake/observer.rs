@@ -16,6 +16,9 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
         anyhow::anyhow!("{}: [observer]: found {what}, allowed with bake: {allowed}", scene.path.display())
     };
     let Some(recording) = &scene.recording else { bail!(lacking("no [recording]", "probes and a rate")) };
+    if recording.probes.is_empty() {
+        bail!(lacking("no probes", "probes with their noise"));
+    }
     let Clock::Rate(rate) = recording.clock else { bail!(lacking("a column of times", "rate = \"12.8 kHz\"")) };
     let noise: Option<Vec<f64>> = recording.probes.iter().map(|p| p.noise).collect();
     let Some(noise) = noise else { bail!(lacking("a probe without noise", "noise = \"0.03 um\" for each probe")) };

@@ -156,6 +156,9 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let (Some(first), Some(recording)) = (of.samples.first(), &scene.recording) else {
         bail!("{}: found no sample, allowed: some turns of the shaft", of.recording)
     };
+    if recording.probes.is_empty() {
+        bail!(SceneFault(format!("{}: [recording]: found no probes, allowed with fit: probes", scene.path.display())));
+    }
     if unknown.is_empty() {
         bail!(SceneFault(format!("{}: found nothing to fit, allowed: a [rotor] on bearings", scene.path.display())));
     }

@@ -13,6 +13,8 @@ use crate::replay::baseline::Baseline;
 use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Record};
 use crate::scene::{Rotation, Scene, Sensor, Speed, build};
 use anyhow::{Result, bail};
+use ballrace::Exact;
+use ballrace::twin::{Figures, Statistics};
 use judge::{Judge, Suspect};
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -48,13 +50,28 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, name: &str, options: &Option
             scene.path.display()
         )));
     }
+    let unknown = |s: &&Sensor| s.bearing.as_ref().is_some_and(|name| scene.bearings.iter().all(|b| b.name != *name));
+    if let Some(sensor) = recording.sensors.iter().find(unknown) {
+        bail!(crate::fault::SceneFault(format!(
+            "{}: [recording] sensors: {}: bearing: found {:?}, allowed: the name of a [[bearing]]",
+            scene.path.display(),
+            sensor.column,
+            sensor.bearing.as_deref().unwrap_or_default()
+        )));
+    }
     let (turn_hz, rate) = (speed.abs() / TAU, reader.rate());
     let begun = Instant::now();
     let mut heard: Vec<Heard> =
         recording.sensors.iter().map(|sensor| Heard { sensor: sensor.clone(), signal: vec![] }).collect();
     let mut row = Row { probes: vec![f64::NAN; heard.len()], ..Row::default() };
     let mut rows = 0;
-    while reader.next_row(&mut row)? && rows < MOST_SAMPLES {
+    let mut whole = true;
+    while reader.next_row(&mut row)? {
+        // Also where a gap in the time stamps leads far away: what is between is held in memory.
+        if row.index >= MOST_SAMPLES {
+            whole = false;
+            break;
+        }
         for (one, &x) in heard.iter_mut().zip(&row.probes) {
             // A missing reading holds the last one: a step there is less than a hole.
             let last = one.signal.last().copied().unwrap_or(0.0);
@@ -100,6 +117,9 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, name: &str, options: &Option
             .to_owned(),
     ];
     notes.extend(heard.iter().map(|h| words(&h.sensor, &h.signal)));
+    if !whole {
+        notes.push(format!("Only the first {MOST_SAMPLES} samples were looked at."));
+    }
     let mut timing = crate::replay::outcome::Timing { samples: rows, ..Default::default() };
     timing.wall_s = begun.elapsed().as_secs_f64();
     timing.times_real_time = record.duration_s / timing.wall_s.max(1e-9);
@@ -148,15 +168,15 @@ impl Suspect {
 
 /// What a vibration engineer asks of a signal first.
 fn words(sensor: &Sensor, signal: &[f64]) -> String {
-    let n = signal.len().max(1) as f64;
-    let mean = signal.iter().sum::<f64>() / n;
-    let moment = |k: i32| signal.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / n;
-    let (rms, peak) = (moment(2).sqrt(), signal.iter().fold(0.0_f64, |m, x| m.max((x - mean).abs())));
+    let mut statistics = Statistics::<f64>::new(u32::MAX);
+    for &x in signal {
+        statistics.add::<Exact>(x);
+    }
+    let Figures { rms, crest_factor, kurtosis, .. } = statistics.close::<Exact>();
     format!(
-        "{}: {rms:.4} {unit} rms, peak {peak:.4} {unit}, crest factor {:.2}, kurtosis {:.2} (3 is noise).",
+        "{}: {rms:.4} {unit} rms, peak {peak:.4} {unit}, crest factor {crest_factor:.2}, kurtosis {kurtosis:.2} (3 is noise).",
         sensor.column,
-        peak / rms.max(1e-300),
-        moment(4) / moment(2).powi(2).max(1e-300),
+        peak = crest_factor * rms,
         unit = sensor.unit
     )
 }
