@@ -20,6 +20,7 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
         bail!(lacking("no probes", "probes with their noise"));
     }
     let Clock::Rate(rate) = recording.clock else { bail!(lacking("a column of times", "rate = \"12.8 kHz\"")) };
+    let rate = rate / f64::from(recording.average);
     let noise: Option<Vec<f64>> = recording.probes.iter().map(|p| p.noise).collect();
     let Some(noise) = noise else { bail!(lacking("a probe without noise", "noise = \"0.03 um\" for each probe")) };
     only_rigid(scene, "bake")?;

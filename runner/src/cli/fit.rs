@@ -51,7 +51,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| beside(&args.scene));
     keep_apart(&[("--output", &output)], &[&args.scene, path])?;
     let reader = CsvReader::open(path, recording)?;
-    let rate = reader.rate();
+    let rate = reader.rate() / f64::from(recording.average);
     let samples = read(&scene, reader, args.turns)?;
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let groups = if args.only.is_empty() { ALL.to_vec() } else { args.only.clone() };

@@ -116,7 +116,7 @@ pub struct Material<'a> {
 /// What is wrong with it.
 pub fn read(scene: &Scene, mut reader: CsvReader, turns: f64) -> Result<Vec<Sample>> {
     let Some(recording) = &scene.recording else { bail!("found no recording") };
-    let mut tracker = Tracker::new(&recording.rotation, reader.rate(), scene.shaft.speed);
+    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
     let mut samples: Vec<Sample> = Vec::new();
     let mut row = tracker.blank();
     let long = |all: &[Sample]| match all {

@@ -1,5 +1,6 @@
 //! A recording: columns of a file -> samples with their time, their shaft angle and their flaws.
 
+mod average;
 pub mod clock;
 pub mod csv;
 pub mod error;

@@ -22,9 +22,10 @@ use std::collections::VecDeque;
 use self::given::{SceneSpeed, SpeedColumn};
 use self::keyphasor::Keyphasor;
 use self::total::Total;
+use super::average::Average;
 use super::flaws::FlawLedger;
 use super::{Row, Sample};
-use crate::scene::{Rotation, Speed};
+use crate::scene::{Recording, Rotation, Speed};
 
 /// Most samples that wait for a pulse or a speed.
 const LONGEST_WAIT: usize = 4_000_000;
@@ -87,6 +88,8 @@ fn stays(low: f64, high: f64) -> String {
 pub struct Tracker {
     source: Source,
     output: Output,
+    average: Average,
+    ended: bool,
     spare: Vec<Row>,
 }
 
@@ -138,7 +141,14 @@ impl Tracker {
             Rotation::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
             Rotation::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
-        Self { source, output: Output::default(), spare: Vec::new() }
+        Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }
+    }
+
+    /// The same for the rotation of `recording`, its samples averaged as it says.
+    #[must_use]
+    pub fn of(recording: &Recording, rate: f64, speed: Speed) -> Self {
+        let average = Average::new(recording.average, rate);
+        Self { average, ..Self::new(&recording.rotation, rate, speed) }
     }
 
     /// An empty row to read into, with the memory of a recycled one where there is one.
@@ -173,6 +183,7 @@ impl Tracker {
     /// # Errors
     /// Fewer than two pulses, or no speed, in the whole recording.
     pub fn finish(&mut self) -> Result<(), RotationError> {
+        self.ended = true;
         match &mut self.source {
             Source::Keyphasor(keyphasor) => keyphasor.finish(&mut self.output),
             Source::Column(column) => column.finish(&mut self.output),
@@ -182,7 +193,14 @@ impl Tracker {
 
     /// The next sample whose angle is known.
     pub fn pop(&mut self) -> Option<Sample> {
-        self.output.ready.pop_front()
+        while let Some(sample) = self.output.ready.pop_front() {
+            let (done, spare) = self.average.take(sample);
+            self.spare.extend(spare);
+            if done.is_some() {
+                return done;
+            }
+        }
+        if self.ended { self.average.close() } else { None }
     }
 
     /// Keyphasor pulses so far, those filled in or left out not counted; 0 without a keyphasor.

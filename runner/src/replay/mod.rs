@@ -92,7 +92,8 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, option
         return vibration::replay(scene, reader, recording_name, options);
     }
     let rate = reader.rate();
-    let mut tracker = Tracker::new(&recording.rotation, rate, scene.shaft.speed);
+    let mut tracker = Tracker::of(recording, rate, scene.shaft.speed);
+    let rate = rate / f64::from(recording.average);
     let mut run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
     let mut row = tracker.blank();
     let mut rows = 0;

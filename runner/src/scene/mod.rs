@@ -604,6 +604,8 @@ pub struct Recording {
     pub file: PathBuf,
     /// Sampling: a rate or a column of times.
     pub clock: Clock,
+    /// Samples averaged into one before anything is computed from them.
+    pub average: u32,
     /// At least one, unless there are sensors.
     pub probes: Vec<Probe>,
     /// Of vibration; none where there are probes.

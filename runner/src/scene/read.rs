@@ -344,17 +344,27 @@ fn bearings(root: &Table<'_>) -> Read<Vec<Bearing>> {
 type Taken = Vec<(String, &'static str)>;
 
 fn recording(node: &Node<'_>, scene: &Path) -> Read<Recording> {
-    let table = node.table(&["file", "rate", "time", "probes", "sensors", "keyphasor", "speed"])?;
+    let table = node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed"])?;
     let wants = "the name of the recording, relative to the scene's folder";
     let file = table.required("file", wants)?.text(wants)?;
     let mut taken = Taken::new();
+    let average = table.read("average", |n| average(n, &table))?.unwrap_or(1);
     Ok(Recording {
+        average,
         file: scene.parent().unwrap_or(Path::new("")).join(file),
         clock: clock(&table, &mut taken)?,
         sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
-        probes: if table.has("sensors") { vec![] } else { probes(&table, &mut taken)? },
+        probes: if table.has("sensors") { vec![] } else { probes(&table, average, &mut taken)? },
         rotation: rotation(&table, &mut taken)?,
     })
+}
+
+fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
+    if table.has("sensors") {
+        return Err(node.fail("average beside sensors", "sensors at the recording's own rate"));
+    }
+    let allowed = "a whole number of samples from 1 to 1024";
+    node.integer(1, 1024, allowed).map(|count| count as u32)
 }
 
 fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
@@ -368,7 +378,7 @@ fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
     }
 }
 
-fn probes(table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Probe>> {
+fn probes(table: &Table<'_>, average: u32, taken: &mut Taken) -> Read<Vec<Probe>> {
     let wants = "a list of at least one probe, such as \
                  { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }";
     let node = table.required("probes", wants)?;
@@ -376,7 +386,12 @@ fn probes(table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Probe>> {
     if list.is_empty() {
         return Err(node.refuse(wants));
     }
-    list.iter().map(|node| probe(node, taken)).collect()
+    let mut probes: Vec<Probe> = list.iter().map(|node| probe(node, taken)).collect::<Read<_>>()?;
+    // The scene gives the noise of one reading; the means of several have less.
+    for noise in probes.iter_mut().filter_map(|probe| probe.noise.as_mut()) {
+        *noise /= f64::from(average).sqrt();
+    }
+    Ok(probes)
 }
 
 fn sensors(node: &Node<'_>, table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {

@@ -85,7 +85,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
     let mut reader = CsvReader::open(&path, recording).with_context(|| path.display().to_string())?;
     let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
     let solver = PoseSolver::try_new(&recording.probes, &stations).with_context(|| scene.path.display().to_string())?;
-    let mut tracker = Tracker::new(&recording.rotation, reader.rate(), scene.shaft.speed);
+    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
     let mut all = vec![Vec::new(); plant.seats.len()];
     let rest = plant.pose(&plant.rest);
     let mut take = |tracker: &mut Tracker| {

@@ -9,6 +9,7 @@ fn probe(column: &str) -> Probe {
 
 fn recording(clock: Clock) -> Recording {
     Recording {
+        average: 1,
         file: PathBuf::from("r.csv"),
         clock,
         probes: vec![probe("x"), probe("y")],
@@ -266,8 +267,14 @@ fn rig_recordings_are_flawless() {
         }
         let probes = ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"].map(probe).to_vec();
         let rotation = Rotation::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
-        let recording =
-            Recording { file: path.clone(), clock: Clock::Column("time_s".into()), sensors: vec![], probes, rotation };
+        let recording = Recording {
+            file: path.clone(),
+            clock: Clock::Column("time_s".into()),
+            average: 1,
+            sensors: vec![],
+            probes,
+            rotation,
+        };
         let mut reader = CsvReader::open(&path, &recording).unwrap();
         assert!((reader.rate() - 12_800.0).abs() < 0.01, "{}", reader.rate());
         let (mut row, mut count) = (Row::default(), 0);

@@ -423,6 +423,7 @@ fn rig_recordings() {
         let recording = Recording {
             file: path.clone(),
             clock: Clock::Rate(RATE),
+            average: 1,
             sensors: vec![],
             probes: vec![],
             rotation: rotation.clone(),
