@@ -67,7 +67,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<bool> {
         bar.set_position(read);
     };
     let options = Options {
-        paced: args.paced,
+        watched: false,
         error,
         forces: args.forces.as_deref(),
         source: args.force_source,

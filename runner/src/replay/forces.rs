@@ -59,16 +59,17 @@ impl BearingSums {
         }
     }
 
-    /// The forces from the measured pose (NaN where a reading is missing: the last good force is held), from the twin's and
-    /// from the observer's.
+    /// The forces from the measured pose (NaN where a reading is missing: the last good force is held), and where they are
+    /// given, from the twin's and the observer's (0 where not).
     pub fn evaluate(
         &mut self,
         seat: &Seat,
-        [pose, twin, likely]: [&Displacement<f64>; 3],
+        pose: &Displacement<f64>,
+        others: Option<[&Displacement<f64>; 2]>,
         at: &Rotation<f64>,
     ) -> Evaluated {
         let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), at);
-        let [twin, estimated] = [twin, likely].map(|pose| force_at(seat, pose, at));
+        let [twin, estimated] = others.map_or([[0.0; 5]; 2], |both| both.map(|pose| force_at(seat, pose, at)));
         Evaluated { measured: wrench.to_array(), twin, estimated, sigma: [f64::NAN; 5], status }
     }
 

@@ -52,6 +52,7 @@ struct Guard {
 }
 
 struct Open {
+    told: bool,
     start: f64,
     worst: f64,
     worst_at: f64,
@@ -65,6 +66,7 @@ pub struct Guards {
     residual: Vec<Statistics<f64>>,
     since: Option<f64>,
     events: Vec<Event>,
+    news: Vec<Event>,
 }
 
 impl Guards {
@@ -96,7 +98,7 @@ impl Guards {
         }
         let blocks = || vec![Statistics::new(u32::MAX); probes.len()];
         let names = probes.iter().map(|p| p.column.clone()).collect();
-        Ok(Self { guards, names, measured: blocks(), residual: blocks(), since: None, events: vec![] })
+        Ok(Self { guards, names, measured: blocks(), residual: blocks(), since: None, events: vec![], news: vec![] })
     }
 
     /// One sample with a reading of every probe.
@@ -128,8 +130,17 @@ impl Guards {
                 Indicator::TwoX => amplitude(1, p, false),
                 Indicator::OuterRace | Indicator::InnerRace => guard.line.map_or(0.0, |line| amplitude(line, p, true)),
             };
-            self.events.extend(guard.hear(value, start, time, &self.names[p]));
+            if let Some(event) = guard.hear(value, start, time, &self.names[p]) {
+                self.news.push(event.clone());
+                self.events.push(event);
+            }
+            self.news.extend(guard.tell(time, &self.names[p]));
         }
+    }
+
+    /// Crossings that have lasted long enough to be events (without an end), and events that ended, since the last call.
+    pub fn news(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.news)
     }
 
     /// The events, those still open last.
@@ -150,7 +161,7 @@ impl Guard {
         match &mut self.open {
             None => {
                 if value > self.max {
-                    self.open = Some(Open { start, worst: value, worst_at: end });
+                    self.open = Some(Open { told: false, start, worst: value, worst_at: end });
                 }
                 None
             }
@@ -162,6 +173,17 @@ impl Guard {
             }
             Some(_) => self.open.take().and_then(|open| self.event(&open, Some(start), start, probe)),
         }
+    }
+
+    /// The crossing under way, once, as soon as it is an event.
+    fn tell(&mut self, now: f64, probe: &str) -> Option<Event> {
+        let open = self.open.as_ref().filter(|open| !open.told)?;
+        let mut event = self.event(open, None, now, probe)?;
+        event.sentence = event.sentence.replace(" to the end,", " on,");
+        if let Some(open) = &mut self.open {
+            open.told = true;
+        }
+        Some(event)
     }
 
     fn event(&self, open: &Open, end: Option<f64>, last: f64, probe: &str) -> Option<Event> {

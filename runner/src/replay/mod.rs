@@ -12,6 +12,7 @@ pub mod locate;
 pub mod outcome;
 pub mod pictures;
 pub mod pose;
+pub mod second;
 pub mod spectrum;
 pub mod statistics;
 pub mod timing;
@@ -21,23 +22,25 @@ use crate::needs;
 use crate::observer::{Heard, MOST_PROBES, Start, Tuned, Watch, tuned, watch};
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
-use crate::recording::Sample;
+use crate::recording::flaws::FlawSummary;
+use crate::recording::{Row, Sample};
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::Tracker;
 use crate::scene::{Probe, Rotation, Scene, Speed};
 use crate::vibration;
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Drive, PartAngles};
-use ballrace::{Displacement, Turn};
+use ballrace::{Displacement, Status, Turn};
 use baseline::Baseline;
 use comparison::{Angles, Comparison, Seen};
 use forces::{BearingSums, Evaluated, noise_band};
 use innovation::Innovation;
-use limits::Guards;
+use limits::{Event, Guards};
 use locate::Locator;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
 use pose::PoseSolver;
+use second::{Second, Seconds};
 use statistics::Running;
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -48,8 +51,6 @@ use timing::Ledger;
 /// What the user asked of a replay.
 #[derive(Default)]
 pub struct Options<'a> {
-    /// Keep to the recording's own time.
-    pub paced: bool,
     /// Where every sample's forces go.
     pub forces: Option<&'a Path>,
     /// Which forces those are.
@@ -58,6 +59,9 @@ pub struct Options<'a> {
     pub error: Option<f64>,
     /// A baseline to judge against.
     pub baseline: Option<&'a Path>,
+    /// For a machine that is watched while it runs: indicators of every second are kept for [`Replay::news`], and forces
+    /// that only figures rest on are computed for [`WATCHED_FORCES`] samples a second.
+    pub watched: bool,
     /// Called now and then with the bytes read and, when known, their total.
     pub progress: Option<&'a dyn Fn(u64, Option<u64>)>,
 }
@@ -72,6 +76,10 @@ pub enum Source {
     Displacement,
 }
 
+/// Samples a second whose forces enter the figures of a machine that is watched.
+pub const WATCHED_FORCES: f64 = 1600.0;
+/// Of so many samples one has its noise band computed, after the first turns, which the pictures show.
+const BANDED: u64 = 8;
 /// Rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
 /// A gap longer than this in turns tells the twin nothing of where it is: it starts anew.
@@ -91,37 +99,93 @@ pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, option
     if !recording.sensors.is_empty() {
         return vibration::replay(scene, reader, recording_name, options);
     }
-    let rate = reader.rate();
-    let mut tracker = Tracker::of(recording, rate, scene.shaft.speed);
-    let rate = rate / f64::from(recording.average);
-    let mut run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
-    let mut row = tracker.blank();
-    let mut rows = 0;
+    let mut replay = Replay::try_new(scene, reader.rate(), options)?;
+    let mut row = replay.blank();
     while reader.next_row(&mut row)? {
-        tracker.push(row)?;
-        while let Some(sample) = tracker.pop() {
-            run.take(&sample)?;
-            tracker.recycle(sample.row);
-        }
-        row = tracker.blank();
-        rows += 1;
-        if rows % PROGRESS_ROWS == 0
+        replay.push(row)?;
+        row = replay.blank();
+        if replay.rows % PROGRESS_ROWS == 0
             && let Some(progress) = options.progress
         {
             let (read, total) = reader.progress();
             progress(read, total);
         }
     }
-    tracker.finish()?;
-    while let Some(sample) = tracker.pop() {
-        run.take(&sample)?;
-        tracker.recycle(sample.row);
+    replay.finish(recording_name, reader.flaws().summary())
+}
+
+/// A replay under way: rows go in, the outcome comes at the end.
+pub struct Replay<'a> {
+    scene: &'a Scene,
+    rotation: &'a Rotation,
+    tracker: Tracker,
+    run: Run<'a>,
+    rows: u64,
+}
+
+/// What came up since it was last asked for.
+#[derive(Default)]
+pub struct News {
+    /// Seconds that ended.
+    pub seconds: Vec<Second>,
+    /// Limits crossed (without an end) and crossings that ended.
+    pub events: Vec<Event>,
+}
+
+impl<'a> Replay<'a> {
+    /// For samples that come in at `rate`, Hz.
+    ///
+    /// # Errors
+    /// A scene without rotor or recording, probes that do not determine the motion.
+    pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
+        let Some(recording) = &scene.recording else { bail!(SceneFault("found no [recording]".to_owned())) };
+        let tracker = Tracker::of(recording, rate, scene.shaft.speed);
+        let rate = rate / f64::from(recording.average);
+        let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
+        Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0 })
     }
-    run.align()?;
-    let mut flaws = reader.flaws().summary();
-    flaws.extend(tracker.flaws().summary());
-    let angle_source = angle_source(&recording.rotation, &tracker);
-    run.finish(scene, recording_name, rows, angle_source, flaws)
+
+    /// A row to read into.
+    #[must_use]
+    pub fn blank(&mut self) -> Row {
+        self.tracker.blank()
+    }
+
+    /// Takes in the next row.
+    ///
+    /// # Errors
+    /// A shaft whose angle cannot be told, a machine that cannot be started.
+    pub fn push(&mut self, row: Row) -> Result<()> {
+        self.rows += 1;
+        self.tracker.push(row)?;
+        self.drain()
+    }
+
+    fn drain(&mut self) -> Result<()> {
+        while let Some(sample) = self.tracker.pop() {
+            self.run.take(&sample)?;
+            self.tracker.recycle(sample.row);
+        }
+        Ok(())
+    }
+
+    /// What came up since the last call.
+    pub fn news(&mut self) -> News {
+        News { seconds: std::mem::take(&mut self.run.ended_seconds), events: self.run.guards.news() }
+    }
+
+    /// The end of the recording, its flaws as the reader found them.
+    ///
+    /// # Errors
+    /// Nothing to compare, an output that cannot be written.
+    pub fn finish(mut self, name: &str, mut flaws: Vec<FlawSummary>) -> Result<Outcome> {
+        self.tracker.finish()?;
+        self.drain()?;
+        self.run.align()?;
+        flaws.extend(self.tracker.flaws().summary());
+        let angle_source = angle_source(self.rotation, &self.tracker);
+        self.run.finish(self.scene, name, self.rows, angle_source, flaws)
+    }
 }
 
 /// Everything that a replay carries from sample to sample.
@@ -156,6 +220,10 @@ struct Run<'a> {
     rate: f64,
     notes: Vec<String>,
     twin_held: u64,
+    seconds: Option<Seconds>,
+    ended_seconds: Vec<Second>,
+    /// Of so many samples one has all its forces computed.
+    thorough: u64,
     buffers: Buffers,
 }
 
@@ -268,7 +336,6 @@ impl<'a> Run<'a> {
             planes,
             solver,
             notes,
-            plant,
             linear,
             moving: None,
             tuned: None,
@@ -278,7 +345,7 @@ impl<'a> Run<'a> {
             guards,
             first: Some(Vec::new()),
             lag: 0.0,
-            ledger: Ledger::try_new(1.0 / rate, options.paced)?,
+            ledger: Ledger::try_new(1.0 / rate)?,
             forces,
             baseline,
             speed: Running::default(),
@@ -287,6 +354,13 @@ impl<'a> Run<'a> {
             turns: 0.0,
             rate,
             twin_held: 0,
+            seconds: options.watched.then(|| {
+                let bearings = plant.seats.iter().map(|s| s.name.clone()).collect();
+                Seconds::new(probes.iter().map(|p| p.column.clone()).collect(), bearings)
+            }),
+            plant,
+            ended_seconds: Vec::new(),
+            thorough: if options.watched && options.forces.is_none() { ((rate / WATCHED_FORCES) as u64).max(1) } else { 1 },
             buffers: Buffers::default(),
         })
     }
@@ -337,7 +411,7 @@ impl<'a> Run<'a> {
     fn sample(&mut self, sample: &Sample) -> Result<()> {
         let drive = drive(sample);
         let way = self.way(sample, &drive)?;
-        self.ledger.wait(sample.row.time);
+        self.ledger.sample(sample.row.time);
         let begun = Instant::now();
         let Some(moving) = &mut self.moving else { return Ok(()) };
         let mut left = way.steps;
@@ -347,7 +421,11 @@ impl<'a> Run<'a> {
             if let Some(watch) = &mut moving.watch {
                 let missing = [f64::NAN; MOST_PROBES];
                 let readings = if left == 0 { sample.row.probes.as_slice() } else { &missing };
-                self.innovation.add(watch.sample(&now, readings), watch.load());
+                let (nis, status) = watch.sample(&now, readings);
+                self.innovation.add((nis, status), watch.load());
+                if let Some(seconds) = self.seconds.as_mut().filter(|_| status == Status::OK) {
+                    seconds.add_innovation(nis);
+                }
             }
         }
         for ((parts, cage), seat) in moving.parts.iter_mut().zip(&mut moving.cages).zip(&self.plant.seats) {
@@ -359,9 +437,10 @@ impl<'a> Run<'a> {
         // Not a number where any reading is missing: the kernel then holds its last force and says so.
         let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
         self.buffers.evaluated.clear();
+        let others = (sample.row.index % self.thorough == 0).then_some([&twin_pose, &likely]);
         for ((seat, sums), &parts) in self.plant.seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
             let at = seat.rotation(parts, &drive);
-            self.buffers.evaluated.push(sums.evaluate(seat, [&pose, &twin_pose, &likely], &at));
+            self.buffers.evaluated.push(sums.evaluate(seat, &pose, others, &at));
         }
         self.ledger.worked(begun);
         for now in way.drives(1.0 / self.rate) {
@@ -439,6 +518,9 @@ impl<'a> Run<'a> {
         if !seen.measured.iter().any(|y| y.is_nan()) {
             self.guards.add(sample.row.time, seen.measured, seen.twin);
         }
+        if let Some(seconds) = self.seconds.as_mut().filter(|_| !seen.measured.iter().any(|y| y.is_nan())) {
+            self.ended_seconds.extend(seconds.add(sample, seen.twin, &self.comparison));
+        }
         if self.comparison.add(&seen, angles) {
             let comparison = &self.comparison;
             self.guards.block(sample.row.time, |line, probe, residual| comparison.block_line(line, probe, residual));
@@ -447,19 +529,11 @@ impl<'a> Run<'a> {
             locator.add(&self.plant, pose, &buffers.evaluated, angles, sample.speed);
         }
         self.collector.add(sample, &buffers.twin, arc);
-        for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
-            let (force, cage) = (&mut buffers.evaluated[i], moving.cages[i]);
-            let at = seat.rotation(moving.parts[i], &moving.drive);
-            if !force.status.is_held()
-                && let Some(sigma) = noise_band(seat, &self.solver, self.probes, pose, &at)
-            {
-                force.sigma = sigma;
-            }
-            let first_load = sums.add(seat, force, [pose, twin_pose], &at);
-            self.collector.add_force(i, sample.row.time, force, seat, cage, first_load);
+        if sample.row.index % self.thorough == 0 {
+            self.weigh(sample, [pose, twin_pose]);
         }
         if let Some(file) = &mut self.forces {
-            file.add(sample.row.time, &buffers.evaluated)?;
+            file.add(sample.row.time, &self.buffers.evaluated)?;
         }
         if self.speed.count() == 0.0 {
             self.first_time = sample.row.time;
@@ -470,13 +544,34 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// The bearings' forces into sums and pictures.
+    fn weigh(&mut self, sample: &Sample, [pose, twin_pose]: [&Displacement<f64>; 2]) {
+        let Some(moving) = &self.moving else { return };
+        let banded = sample.row.index % BANDED == 0 || self.collector.shows_forces();
+        for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
+            let (force, cage) = (&mut self.buffers.evaluated[i], moving.cages[i]);
+            let at = seat.rotation(moving.parts[i], &moving.drive);
+            if banded
+                && !force.status.is_held()
+                && let Some(sigma) = noise_band(seat, &self.solver, self.probes, pose, &at)
+            {
+                force.sigma = sigma;
+            }
+            let first_load = sums.add(seat, force, [pose, twin_pose], &at);
+            self.collector.add_force(i, sample.row.time, force, seat, cage, first_load);
+            if let Some(seconds) = &mut self.seconds {
+                seconds.add_force(i, force);
+            }
+        }
+    }
+
     fn finish(
         mut self,
         scene: &Scene,
         recording: &str,
         rows: u64,
         angle_source: String,
-        flaws: Vec<crate::recording::flaws::FlawSummary>,
+        flaws: Vec<FlawSummary>,
     ) -> Result<Outcome> {
         if self.speed.count() == 0.0 {
             bail!("{recording}: found no sample, allowed: at least one turn of the shaft");

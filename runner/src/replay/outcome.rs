@@ -94,6 +94,12 @@ pub struct Motion {
     pub one_x_phase_lag_deg: f64,
 }
 
+/// Of `cosine cos(angle) + sine sin(angle)`, 0 to 360: the peak comes so much after the keyphasor's mark.
+#[must_use]
+pub fn phase_lag_deg(cosine: f64, sine: f64) -> f64 {
+    sine.atan2(cosine).to_degrees().rem_euclid(360.0)
+}
+
 /// Ball-pass line of one bearing at one probe.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct BallPassLine {

@@ -141,6 +141,12 @@ impl Collector {
         }
     }
 
+    /// The force traces still take samples in.
+    #[must_use]
+    pub fn shows_forces(&self) -> bool {
+        self.open(TURNS)
+    }
+
     fn open(&self, turns: f64) -> bool {
         self.gone <= turns && self.samples <= MOST
     }

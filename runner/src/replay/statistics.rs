@@ -1,6 +1,6 @@
 //! Sums over a whole recording, one pass, flat memory: mean, extremes, RMS, the 1X vector.
 
-use super::outcome::Motion;
+use super::outcome::{Motion, phase_lag_deg};
 use nalgebra::{Matrix3, Vector3};
 
 const UM: f64 = 1e6;
@@ -79,8 +79,7 @@ impl Sums {
             peak_to_peak_um: (self.max - self.min) * UM,
             rms_um: self.rms_about_mean() * UM,
             one_x_um: cos.hypot(sin) * UM,
-            // A cos(angle - lag): the peak comes `lag` after the mark.
-            one_x_phase_lag_deg: sin.atan2(cos).to_degrees().rem_euclid(360.0),
+            one_x_phase_lag_deg: phase_lag_deg(cos, sin),
         }
     }
 

@@ -1,0 +1,170 @@
+//! The indicators of every second, for those who watch while a recording runs.
+
+use super::comparison::Comparison;
+use super::forces::Evaluated;
+use super::outcome::phase_lag_deg;
+use crate::recording::Sample;
+use ballrace::Exact;
+use ballrace::twin::{Figures, Statistics};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+const UM: f64 = 1e6;
+
+/// Indicators of one second.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Second {
+    /// Where it ended, in the recording's time.
+    pub time_s: f64,
+    /// Samples in it with a reading of every probe.
+    pub samples: u64,
+    /// Mean speed.
+    pub speed_rpm: f64,
+    /// Mean of the observer's normalised innovation squared over the count of probes: 1 where model and noise are true.
+    pub innovation: f64,
+    /// One entry a probe.
+    pub probes: Vec<ProbeSecond>,
+    /// One entry a bearing.
+    pub bearings: Vec<BearingSecond>,
+}
+
+/// One probe over one second.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ProbeSecond {
+    /// The probe.
+    pub name: String,
+    /// Mean position.
+    pub mean_um: f64,
+    /// Greatest less least reading.
+    pub peak_to_peak_um: f64,
+    /// About the mean.
+    pub rms_um: f64,
+    /// Greatest distance from the mean over the rms.
+    pub crest_factor: f64,
+    /// 3 of noise, 1.5 of a sine.
+    pub kurtosis: f64,
+    /// Of what the twin leaves, rms about its mean.
+    pub residual_rms_um: f64,
+    /// 1X amplitude, zero to peak, over the last whole 16 turns.
+    pub one_x_um: f64,
+    /// Its phase lag behind the keyphasor mark.
+    pub one_x_phase_lag_deg: f64,
+}
+
+/// One bearing over one second.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct BearingSecond {
+    /// The bearing.
+    pub name: String,
+    /// Mean force on the inner ring at the observer's position: FX, FY, FZ.
+    pub force_n: [f64; 3],
+    /// Its largest radial part.
+    pub largest_radial_n: f64,
+}
+
+#[derive(Clone, Default)]
+struct Force {
+    count: f64,
+    sum: [f64; 3],
+    largest: f64,
+}
+
+/// Gathers a second.
+pub struct Seconds {
+    names: Vec<String>,
+    bearings: Vec<String>,
+    measured: Vec<Statistics<f64>>,
+    residual: Vec<Statistics<f64>>,
+    forces: Vec<Force>,
+    samples: u64,
+    speed: f64,
+    innovation: (f64, f64),
+    number: Option<i64>,
+}
+
+impl Seconds {
+    /// For probes and bearings of these names.
+    #[must_use]
+    pub fn new(probes: Vec<String>, bearings: Vec<String>) -> Self {
+        let blocks = || vec![Statistics::new(u32::MAX); probes.len()];
+        Self {
+            measured: blocks(),
+            residual: blocks(),
+            forces: vec![Force::default(); bearings.len()],
+            names: probes,
+            bearings,
+            samples: 0,
+            speed: 0.0,
+            innovation: (0.0, 0.0),
+            number: None,
+        }
+    }
+
+    /// One sample with a reading of every probe; the second that ended before it.
+    pub fn add(&mut self, sample: &Sample, twin: &[f64], comparison: &Comparison) -> Option<Second> {
+        let number = sample.row.time.floor() as i64;
+        let before = self.number.replace(number);
+        let done = before.filter(|n| *n != number).map(|n| self.close((n + 1) as f64, comparison));
+        for (i, (y, x)) in sample.row.probes.iter().zip(twin).enumerate() {
+            self.measured[i].add::<Exact>(*y);
+            self.residual[i].add::<Exact>(y - x);
+        }
+        self.samples += 1;
+        self.speed += sample.speed;
+        done
+    }
+
+    /// What the observer says of its innovation.
+    pub fn add_innovation(&mut self, nis: f64) {
+        self.innovation.0 += nis;
+        self.innovation.1 += 1.0;
+    }
+
+    /// A bearing's force.
+    pub fn add_force(&mut self, bearing: usize, force: &Evaluated) {
+        let Some(sum) = self.forces.get_mut(bearing) else { return };
+        let [x, y, z, ..] = force.estimated;
+        sum.count += 1.0;
+        for (to, f) in sum.sum.iter_mut().zip([x, y, z]) {
+            *to += f;
+        }
+        sum.largest = sum.largest.max(x.hypot(y));
+    }
+
+    fn close(&mut self, time_s: f64, comparison: &Comparison) -> Second {
+        let samples = std::mem::take(&mut self.samples);
+        let speed = std::mem::take(&mut self.speed);
+        let (nis, count) = std::mem::take(&mut self.innovation);
+        Second {
+            time_s,
+            samples,
+            speed_rpm: speed / samples.max(1) as f64 * 60.0 / TAU,
+            innovation: nis / count.max(1.0) / self.names.len().max(1) as f64,
+            probes: (0..self.names.len()).map(|i| self.probe(i, comparison)).collect(),
+            bearings: self.forces.iter_mut().zip(&self.bearings).map(|(force, name)| force.close(name)).collect(),
+        }
+    }
+
+    fn probe(&mut self, i: usize, comparison: &Comparison) -> ProbeSecond {
+        let Figures { mean, rms, peak_to_peak, crest_factor, kurtosis } = self.measured[i].close::<Exact>();
+        let [cosine, sine] = comparison.lines.block(0).get(i).copied().unwrap_or_default();
+        ProbeSecond {
+            name: self.names[i].clone(),
+            mean_um: mean * UM,
+            peak_to_peak_um: peak_to_peak * UM,
+            rms_um: rms * UM,
+            crest_factor,
+            kurtosis,
+            residual_rms_um: self.residual[i].close::<Exact>().rms * UM,
+            one_x_um: cosine.hypot(sine) * UM,
+            one_x_phase_lag_deg: phase_lag_deg(cosine, sine),
+        }
+    }
+}
+
+impl Force {
+    fn close(&mut self, name: &str) -> BearingSecond {
+        let Self { count, sum, largest } = std::mem::take(self);
+        BearingSecond { name: name.to_owned(), force_n: sum.map(|f| f / count.max(1.0)), largest_radial_n: largest }
+    }
+}
