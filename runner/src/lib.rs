@@ -6,13 +6,16 @@
 pub mod bake;
 pub mod campbell;
 pub mod cli;
+mod dashboard;
 pub mod equilibrium;
 pub mod fault;
 pub mod fit;
+pub mod live;
 pub mod motion;
 pub mod needs;
 pub mod observer;
 pub mod output;
+mod parquet_table;
 pub mod plant;
 pub mod recording;
 pub mod replay;

@@ -5,11 +5,13 @@ pub mod campbell;
 pub mod equilibrium;
 pub mod fit;
 pub mod force;
+mod live;
 pub mod replay;
 pub mod scenes;
 pub mod simulate;
 pub mod sweep;
 pub mod trade;
+pub mod watch;
 
 use crate::fault::SceneFault;
 use crate::needs::{self, Need};
@@ -59,6 +61,8 @@ fn say(out: &mut impl Write, needs: &[Need], error: Option<f64>) -> Result<()> {
 pub enum Command {
     /// Replay a recording through kernel and twin, compare them, write the report.
     Replay(replay::Args),
+    /// Follow a machine in real time, live in the terminal.
+    Watch(watch::Args),
     /// Forces of a bearing for given ring displacements.
     Force(force::Args),
     /// A scene's bearings as Rust constants for firmware.
@@ -122,11 +126,9 @@ fn place(path: &Path) -> PathBuf {
 pub fn run(cli: &Cli) -> ExitCode {
     let done = match &cli.command {
         Command::Replay(args) => {
-            return match replay::run(args, cli.format, cli.error) {
-                Ok(true) => ExitCode::from(LIMIT_CROSSED),
-                other => code(other.map(|_| ())),
-            };
+            return limited(replay::run(args, cli.format, cli.error));
         }
+        Command::Watch(args) => return limited(watch::run(args, cli.error)),
         Command::Force(args) => force::run(args, cli.format, cli.error),
         Command::Bake(args) => bake::run(args, cli.format, cli.error),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),
@@ -142,6 +144,13 @@ pub fn run(cli: &Cli) -> ExitCode {
 
 /// Of a replay in which a limit of the scene was crossed.
 const LIMIT_CROSSED: u8 = 3;
+
+fn limited(crossed: Result<bool>) -> ExitCode {
+    match crossed {
+        Ok(true) => ExitCode::from(LIMIT_CROSSED),
+        other => code(other.map(|_| ())),
+    }
+}
 
 fn code(done: Result<()>) -> ExitCode {
     match done {

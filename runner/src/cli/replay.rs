@@ -1,23 +1,24 @@
 //! `ballrace replay`
 
+use super::live::{self, LiveArgs};
 use super::{Format, keep_apart};
-use crate::fault::scene_fault;
+use crate::fault::{SceneFault, scene_fault};
+use crate::live as monitor;
 use crate::output::AtomicFile;
 use crate::recording::csv::CsvReader;
 use crate::recording::rotation::RotationError;
 use crate::replay::outcome::Outcome;
 use crate::replay::{Options, Source, replay};
 use crate::report;
-use crate::scene::read::{read_file, read_str};
 use crate::scene::{Recording, Scene, Sensor};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 /// The demonstration, part of the program.
-const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
-const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/healthy.csv");
+pub(super) const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
+pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/healthy.csv");
 
 /// What `replay` takes.
 #[derive(Debug, clap::Args)]
@@ -42,9 +43,11 @@ pub struct Args {
     /// Judge against a recording remembered by --learn.
     #[arg(long, value_name = "BASELINE.json")]
     baseline: Option<PathBuf>,
-    /// Keep to the recording's own time, sample by sample.
+    /// In real time: a recording keeps to its own time, a source is followed as it comes.
     #[arg(long)]
     paced: bool,
+    #[command(flatten)]
+    live: LiveArgs,
 }
 
 /// Runs the command; true where a limit of the scene was crossed.
@@ -52,10 +55,13 @@ pub struct Args {
 /// # Errors
 /// What is wrong with scene, recording or outputs.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<bool> {
-    let scene = match &args.scene {
-        Some(path) => read_file(path)?,
-        None => read_str(DEMO_SCENE, Path::new("built-in demonstration"))?,
-    };
+    let scene = live::scene(args.scene.as_deref())?;
+    if args.paced {
+        return paced(args, &scene, format, error);
+    }
+    if let Some(option) = args.live.first_given() {
+        bail!(SceneFault(format!("{option}: found without --paced, allowed: --paced, or `ballrace watch`")));
+    }
     let (reader, path) = open(args, &scene)?;
     check_outputs(args, &path)?;
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
@@ -68,6 +74,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<bool> {
     };
     let options = Options {
         watched: false,
+        viewed: false,
         error,
         forces: args.forces.as_deref(),
         source: args.force_source,
@@ -78,11 +85,46 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<bool> {
     bar.finish_and_clear();
     let outcome =
         outcome.map_err(|e| if e.is::<RotationError>() { e.context(path.display().to_string()) } else { e })?;
-    AtomicFile::write(&args.report, &report::html(&outcome)?)?;
+    deliver(args, &outcome, format)
+}
+
+/// The same in real time.
+fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<bool> {
+    let source = args.live.source(scene, args.recording.as_deref(), args.scene.is_none());
+    let path = PathBuf::from(source.to_string());
+    check_outputs(args, &path)?;
+    let replay = Options {
+        error,
+        forces: args.forces.as_deref(),
+        source: args.force_source,
+        baseline: args.baseline.as_deref(),
+        watched: true,
+        viewed: false,
+        progress: None,
+    };
+    let options = monitor::Options {
+        source,
+        encoding: args.live.encoding,
+        duration: args.live.duration,
+        state: args.live.state.as_deref(),
+        outputs: &args.live.asked,
+        realtime: args.live.realtime,
+        core: args.live.core,
+        view: None,
+        replay,
+    };
+    let stop = live::stop_on_signal()?;
+    let outcome = monitor::monitor(scene, &options, &stop)?;
+    deliver(args, &outcome, format)
+}
+
+/// Report, baseline and words; true where a limit was crossed.
+fn deliver(args: &Args, outcome: &Outcome, format: Format) -> Result<bool> {
+    AtomicFile::write(&args.report, &report::html(outcome)?)?;
     if let Some(path) = &args.learn {
         AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
     }
-    print(&outcome, &args.report, format)?;
+    print(outcome, &args.report, format)?;
     Ok(!outcome.events.is_empty())
 }
 

@@ -151,6 +151,15 @@ impl Tracker {
         Self { average, ..Self::new(&recording.rotation, rate, speed) }
     }
 
+    /// With at most so many samples that wait for a pulse, 1024 or more.
+    #[must_use]
+    pub fn waiting_at_most(mut self, samples: usize) -> Self {
+        if let Source::Keyphasor(keyphasor) = &mut self.source {
+            keyphasor.longest_wait = samples.clamp(1024, LONGEST_WAIT);
+        }
+        self
+    }
+
     /// An empty row to read into, with the memory of a recycled one where there is one.
     #[must_use]
     pub fn blank(&mut self) -> Row {

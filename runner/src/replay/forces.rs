@@ -137,6 +137,16 @@ impl BearingSums {
     }
 }
 
+/// Azimuth (rad) and load (N) of every element.
+#[must_use]
+pub fn loads(seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>) -> Vec<(f64, f64)> {
+    let mut loads = vec![0.0; seat.elements];
+    seat.bearing.element_loads(&pose.at_station(seat.station), at, &mut loads);
+    let n = loads.len() as f64;
+    let azimuth = |j: usize| at.cage.radians() + seat.first_azimuth + j as f64 / n * std::f64::consts::TAU;
+    loads.into_iter().enumerate().map(|(j, load)| (azimuth(j), load)).collect()
+}
+
 /// Standard deviation of the force that independent probe noise puts on it, by moving each probe's reading one
 /// standard deviation either way: the larger change of the two, so that the band also holds at the edge of contact,
 /// where the tangent is zero on one side. None where a probe's noise is not given.

@@ -12,6 +12,7 @@ pub mod locate;
 pub mod outcome;
 pub mod pictures;
 pub mod pose;
+pub mod recent;
 pub mod second;
 pub mod spectrum;
 pub mod statistics;
@@ -22,11 +23,11 @@ use crate::needs;
 use crate::observer::{Heard, MOST_PROBES, Start, Tuned, Watch, tuned, watch};
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
-use crate::recording::flaws::FlawSummary;
-use crate::recording::{Row, Sample};
 use crate::recording::csv::CsvReader;
+use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
-use crate::scene::{Probe, Rotation, Scene, Speed};
+use crate::recording::{Row, Sample};
+use crate::scene::{Probe, Recording, Rotation, Scene, Speed};
 use crate::vibration;
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Drive, PartAngles};
@@ -40,6 +41,8 @@ use locate::Locator;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
 use pose::PoseSolver;
+pub use recent::Glance;
+use recent::Recent;
 use second::{Second, Seconds};
 use statistics::Running;
 use std::f64::consts::TAU;
@@ -62,8 +65,10 @@ pub struct Options<'a> {
     /// For a machine that is watched while it runs: indicators of every second are kept for [`Replay::news`], and forces
     /// that only figures rest on are computed for [`WATCHED_FORCES`] samples a second.
     pub watched: bool,
+    /// Someone looks on: [`Replay::glance`] has something to show.
+    pub viewed: bool,
     /// Called now and then with the bytes read and, when known, their total.
-    pub progress: Option<&'a dyn Fn(u64, Option<u64>)>,
+    pub progress: Option<&'a (dyn Fn(u64, Option<u64>) + Sync)>,
 }
 
 /// Where a force comes from.
@@ -78,6 +83,8 @@ pub enum Source {
 
 /// Samples a second whose forces enter the figures of a machine that is watched.
 pub const WATCHED_FORCES: f64 = 1600.0;
+/// Seconds for which a machine that is watched may keep its keyphasor's pulse back before it counts as standing still.
+const WATCHED_WAIT: f64 = 10.0;
 /// Of so many samples one has its noise band computed, after the first turns, which the pictures show.
 const BANDED: u64 = 8;
 /// Rows between two calls of the progress function.
@@ -139,7 +146,7 @@ impl<'a> Replay<'a> {
     /// A scene without rotor or recording, probes that do not determine the motion.
     pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
         let Some(recording) = &scene.recording else { bail!(SceneFault("found no [recording]".to_owned())) };
-        let tracker = Tracker::of(recording, rate, scene.shaft.speed);
+        let tracker = tracker(scene, recording, rate, options.watched);
         let rate = rate / f64::from(recording.average);
         let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
         Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0 })
@@ -167,6 +174,30 @@ impl<'a> Replay<'a> {
             self.tracker.recycle(sample.row);
         }
         Ok(())
+    }
+
+    /// The twin has started.
+    #[must_use]
+    pub const fn has_started(&self) -> bool {
+        self.run.first.is_none()
+    }
+
+    /// After a time without rotation: angle, twin and observer start anew with the next turns.
+    pub fn begin_anew(&mut self) {
+        if let Some(recording) = &self.scene.recording {
+            let rate = self.run.rate * f64::from(recording.average);
+            self.tracker = tracker(self.scene, recording, rate, true);
+        }
+        self.run.moving = None;
+        if let Some(first) = &mut self.run.first {
+            first.clear();
+        }
+    }
+
+    /// What there is to see now; nothing unless someone looks on.
+    #[must_use]
+    pub fn glance(&self) -> Glance {
+        self.run.glance().unwrap_or_default()
     }
 
     /// What came up since the last call.
@@ -221,6 +252,7 @@ struct Run<'a> {
     notes: Vec<String>,
     twin_held: u64,
     seconds: Option<Seconds>,
+    recent: Option<Recent>,
     ended_seconds: Vec<Second>,
     /// Of so many samples one has all its forces computed.
     thorough: u64,
@@ -354,13 +386,18 @@ impl<'a> Run<'a> {
             turns: 0.0,
             rate,
             twin_held: 0,
+            recent: options.viewed.then(Recent::default),
             seconds: options.watched.then(|| {
                 let bearings = plant.seats.iter().map(|s| s.name.clone()).collect();
                 Seconds::new(probes.iter().map(|p| p.column.clone()).collect(), bearings)
             }),
             plant,
             ended_seconds: Vec::new(),
-            thorough: if options.watched && options.forces.is_none() { ((rate / WATCHED_FORCES) as u64).max(1) } else { 1 },
+            thorough: if options.watched && options.forces.is_none() {
+                ((rate / WATCHED_FORCES) as u64).max(1)
+            } else {
+                1
+            },
             buffers: Buffers::default(),
         })
     }
@@ -529,6 +566,10 @@ impl<'a> Run<'a> {
             locator.add(&self.plant, pose, &buffers.evaluated, angles, sample.speed);
         }
         self.collector.add(sample, &buffers.twin, arc);
+        if let Some(recent) = &mut self.recent {
+            let passed = arc != 0.0 && sample.angle.revolutions() < arc.abs();
+            recent.add(seen.measured, seen.twin, passed);
+        }
         if sample.row.index % self.thorough == 0 {
             self.weigh(sample, [pose, twin_pose]);
         }
@@ -542,6 +583,25 @@ impl<'a> Run<'a> {
         self.turns += arc;
         self.speed.add(sample.speed);
         Ok(())
+    }
+
+    fn glance(&self) -> Option<Glance> {
+        let (recent, moving) = (self.recent.as_ref()?, self.moving.as_ref()?);
+        let pose = moving.watch.as_ref().map_or_else(|| moving.twin.pose(), |watch| watch.pose());
+        let loads = self.plant.seats.iter().zip(&moving.parts).map(|(seat, &parts)| {
+            let at = seat.rotation(parts, &moving.drive);
+            (seat.name.clone(), forces::loads(seat, &pose, &at))
+        });
+        let name = |plane: &Plane| plane.probes.map(|i| self.probes[i].column.as_str()).join(" / ");
+        Some(Glance {
+            time_s: self.last_time,
+            speed_rpm: moving.drive.speed * 60.0 / TAU,
+            rate_hz: self.rate,
+            samples: recent.samples.iter().cloned().collect(),
+            planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
+            loads: loads.collect(),
+            lines: pictures::marked_lines(&self.plant.seats, moving.drive.speed.abs() / TAU),
+        })
     }
 
     /// The bearings' forces into sums and pictures.
@@ -659,6 +719,12 @@ impl<'a> Run<'a> {
                 .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
         }
     }
+}
+
+/// Of a machine that is watched, memory is bounded while it stands still.
+fn tracker(scene: &Scene, recording: &Recording, rate: f64, watched: bool) -> Tracker {
+    let tracker = Tracker::of(recording, rate, scene.shaft.speed);
+    if watched { tracker.waiting_at_most((WATCHED_WAIT * rate) as usize) } else { tracker }
 }
 
 fn drive(sample: &Sample) -> Drive<f64> {

@@ -213,7 +213,8 @@ fn orbit(plane: &Plane, probes: &[Probe]) -> Orbit {
 }
 
 /// 1X and the lines of every bearing; bearings of the same shape share theirs.
-fn marked_lines(seats: &[Seat], speed_hz: f64) -> Vec<MarkedLine> {
+#[must_use]
+pub fn marked_lines(seats: &[Seat], speed_hz: f64) -> Vec<MarkedLine> {
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: speed_hz }];
     for seat in seats.iter().filter(|s| s.kinematics.cage_ratio != 0.0) {
         let orders = seat.kinematics.orders;

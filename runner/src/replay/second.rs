@@ -16,6 +16,9 @@ const UM: f64 = 1e6;
 pub struct Second {
     /// Where it ended, in the recording's time.
     pub time_s: f64,
+    /// Number of the first sample after it.
+    #[serde(skip)]
+    pub next_index: u64,
     /// Samples in it with a reading of every probe.
     pub samples: u64,
     /// Mean speed.
@@ -104,7 +107,10 @@ impl Seconds {
     pub fn add(&mut self, sample: &Sample, twin: &[f64], comparison: &Comparison) -> Option<Second> {
         let number = sample.row.time.floor() as i64;
         let before = self.number.replace(number);
-        let done = before.filter(|n| *n != number).map(|n| self.close((n + 1) as f64, comparison));
+        let done = before.filter(|n| *n != number).map(|n| {
+            let second = self.close((n + 1) as f64, comparison);
+            Second { next_index: sample.row.index, ..second }
+        });
         for (i, (y, x)) in sample.row.probes.iter().zip(twin).enumerate() {
             self.measured[i].add::<Exact>(*y);
             self.residual[i].add::<Exact>(y - x);
@@ -137,6 +143,7 @@ impl Seconds {
         let (nis, count) = std::mem::take(&mut self.innovation);
         Second {
             time_s,
+            next_index: 0,
             samples,
             speed_rpm: speed / samples.max(1) as f64 * 60.0 / TAU,
             innovation: nis / count.max(1.0) / self.names.len().max(1) as f64,

@@ -1,7 +1,7 @@
 //! The page: one self-contained HTML file that prints as well as it reads.
 
 use super::figures::{Gallery, Picture, gallery};
-use super::number::{NONE, alone, count, counted, decimals, fixed, maybe, microseconds};
+use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use crate::replay::outcome::{
     Baseline, BearingOutcome, Finding, Motion, Outcome, ProbeOutcome, Quantiles, Standing, Timing,
@@ -185,17 +185,19 @@ fn force(bearing: &BearingOutcome, i: usize) -> Value {
 }
 
 fn timing(timing: &Timing) -> Value {
-    let mut rows = vec![quantiles("Compute", &timing.compute)];
-    rows.extend(timing.lateness.as_ref().map(|lateness| quantiles("Lateness", lateness)));
+    let mut rows = vec![quantiles("Compute, a sample", &timing.compute)];
+    if let Some(pacing) = &timing.pacing {
+        rows.push(quantiles("Compute, a block", &pacing.compute));
+        rows.push(quantiles("Lateness", &pacing.lateness));
+    }
     let mut facts = vec![
         ("Samples", count(timing.samples)),
-        ("Deadline", format!("the next sample, after {} us", alone(microseconds(timing.sample_period_ns)))),
+        ("Samples come every", format!("{} us", alone(microseconds(timing.sample_period_ns)))),
         ("Wall time", format!("{} s", fixed(timing.wall_s, 3))),
         ("Pace", format!("{} times real time", alone(timing.times_real_time))),
     ];
-    facts.extend(timing.deadline_misses.map(|misses| ("Deadline missed", counted(misses, "time"))));
     facts.extend(timing.peak_memory_bytes.map(|bytes| ("Peak memory", format!("{} MB", fixed(bytes as f64 / 1e6, 1)))));
-    context! { rows => rows, facts => pairs(facts) }
+    context! { rows => rows, facts => pairs(facts), told => words::pacing(timing) }
 }
 
 fn quantiles(name: &str, times: &Quantiles) -> Value {

@@ -20,6 +20,7 @@ use anyhow::{Context, Result};
 pub use csv::csv;
 pub use html::html;
 pub use text::text;
+pub use words::pacing;
 
 /// The outcome as JSON, without the pictures. A number that is not finite becomes `null`.
 ///

@@ -313,16 +313,16 @@ fn timing(page: &mut Page, timing: &Timing) {
             .map_or_else(String::new, |bytes| format!("; peak memory {} MB", fixed(bytes as f64 / 1e6, 1)))
     );
     page.sentence("  ", &pace);
-    let mut rows = vec![quantiles("compute", &timing.compute)];
-    rows.extend(timing.lateness.as_ref().map(|lateness| quantiles("lateness", lateness)));
-    let heads: [&[&str]; 1] = [&["per sample, us", "median", "99 %", "99.9 %", "largest"]];
+    let mut rows = vec![quantiles("a sample", &timing.compute)];
+    if let Some(pacing) = &timing.pacing {
+        rows.push(quantiles("a block", &pacing.compute));
+        rows.push(quantiles("lateness", &pacing.lateness));
+    }
+    let heads: [&[&str]; 1] = [&["us", "median", "99 %", "99.9 %", "largest"]];
     page.table(1, &heads, &rows);
-    let misses =
-        timing.deadline_misses.map_or_else(String::new, |misses| format!(", missed {}", counted(misses, "time")));
-    page.sentence(
-        "  ",
-        &format!("Deadline: the next sample, after {} us{misses}.", alone(microseconds(timing.sample_period_ns))),
-    );
+    for sentence in words::pacing(timing) {
+        page.sentence("  ", &sentence);
+    }
 }
 
 fn quantiles(what: &str, times: &Quantiles) -> Vec<String> {

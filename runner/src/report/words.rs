@@ -1,7 +1,9 @@
 //! What the page and the terminal say in the same words.
 
 use super::number::{alone, count, counted, fixed};
-use crate::replay::outcome::{FindingKind, Observation, Outcome, ProbeOutcome, Record, Standing};
+use crate::replay::outcome::{
+    FindingKind, Observation, Outcome, ProbeOutcome, Record, SourceFigures, Standing, Timing,
+};
 
 /// Condition number from which the probes count as badly placed.
 const BADLY_PLACED: f64 = 100.0;
@@ -144,4 +146,41 @@ mod tests {
         record.mean_speed_rpm = -3000.0;
         assert_eq!(rotation(&record), "from +Y towards +X");
     }
+}
+
+/// How a timeline was kept and what its source did, a sentence each; nothing of a replay that was not paced.
+pub fn pacing(timing: &Timing) -> Vec<String> {
+    let kept = timing.pacing.as_ref().map(|pacing| {
+        format!(
+            "Blocks of {} ms: {}, {} not done in time; {} % of one processor idle after {} s of starting; {}.",
+            alone(pacing.block_ns as f64 * 1e-6),
+            counted(pacing.blocks, "block"),
+            count(pacing.deadline_misses),
+            fixed(pacing.idle_percent, 1),
+            fixed(pacing.starting_s, 2),
+            pacing.scheduling
+        )
+    });
+    kept.into_iter().chain(timing.source.as_ref().map(source)).collect()
+}
+
+fn source(source: &SourceFigures) -> String {
+    let counts = [
+        (source.lost_frames, "lost"),
+        (source.repeated_frames, "repeated or late"),
+        (source.malformed_frames, "malformed"),
+        (source.dropped_rows, "dropped for want of room"),
+    ];
+    let told: Vec<String> = counts.iter().map(|(n, what)| format!("{} {what}", count(*n))).collect();
+    let stalls = match source.stalls {
+        0 => "never silent".to_owned(),
+        n => format!("silent {}, up to {} s", counted(n, "time"), fixed(source.longest_stall_s, 1)),
+    };
+    format!(
+        "Source: {} read, {}; {stalls}; up to {} of {} places of the ring in use.",
+        counted(source.rows, "sample"),
+        told.join(", "),
+        count(source.ring_highest),
+        count(source.ring_capacity)
+    )
 }

@@ -1,21 +1,10 @@
 //! The results of a sweep as tables: CSV and Parquet, the same numbers in the same order.
 
-use super::{Axis, Row};
+use crate::parquet_table::{self, Column};
 use anyhow::Result;
-use parquet::basic::{Compression, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::Type;
 use std::io::Write;
-use std::sync::Arc;
 
-/// One column.
-enum Column {
-    Number(String, Vec<Option<f64>>),
-    Count(String, Vec<Option<i64>>),
-    Word(String, Vec<String>),
-}
+use super::{Axis, Row};
 
 fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
     let number = |name: &str, of: &dyn Fn(&Row) -> Option<f64>| {
@@ -48,27 +37,11 @@ fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
     all
 }
 
-impl Column {
-    fn name(&self) -> &str {
-        match self {
-            Self::Number(name, _) | Self::Count(name, _) | Self::Word(name, _) => name,
-        }
-    }
-
-    fn cell(&self, i: usize) -> String {
-        match self {
-            Self::Number(_, values) => values.get(i).copied().flatten().map_or(String::new(), |x| format!("{x:.16e}")),
-            Self::Count(_, values) => values.get(i).copied().flatten().map_or(String::new(), |x| x.to_string()),
-            Self::Word(_, values) => values.get(i).cloned().unwrap_or_default(),
-        }
-    }
-
-    fn physical(&self) -> Physical {
-        match self {
-            Self::Number(..) => Physical::DOUBLE,
-            Self::Count(..) => Physical::INT64,
-            Self::Word(..) => Physical::BYTE_ARRAY,
-        }
+fn cell(column: &Column, i: usize) -> String {
+    match column {
+        Column::Number(_, values) => values.get(i).copied().flatten().map_or(String::new(), |x| format!("{x:.16e}")),
+        Column::Count(_, values) => values.get(i).copied().flatten().map_or(String::new(), |x| x.to_string()),
+        Column::Word(_, values) => values.get(i).cloned().unwrap_or_default(),
     }
 }
 
@@ -81,7 +54,7 @@ pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> Result<()> {
     let names: Vec<&str> = columns.iter().map(Column::name).collect();
     writeln!(out, "{}", names.join(","))?;
     for i in 0..rows.len() {
-        let cells: Vec<String> = columns.iter().map(|column| column.cell(i)).collect();
+        let cells: Vec<String> = columns.iter().map(|column| cell(column, i)).collect();
         writeln!(out, "{}", cells.join(","))?;
     }
     Ok(())
@@ -106,53 +79,5 @@ pub fn sections(out: &mut impl Write, rows: &[&Row]) -> Result<()> {
 /// # Errors
 /// What the writer gives.
 pub fn parquet(out: impl Write + Send, axes: &[Axis], rows: &[&Row]) -> Result<()> {
-    let columns = columns(axes, rows);
-    let field = |column: &Column| -> Result<Arc<Type>> {
-        let field = Type::primitive_type_builder(column.name(), column.physical());
-        let field = match column {
-            Column::Word(..) => {
-                field.with_repetition(Repetition::REQUIRED).with_logical_type(Some(parquet::basic::LogicalType::String))
-            }
-            _ => field.with_repetition(Repetition::OPTIONAL),
-        };
-        Ok(Arc::new(field.build()?))
-    };
-    let fields = columns.iter().map(field).collect::<Result<Vec<_>>>()?;
-    let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
-    let properties = WriterProperties::builder().set_compression(Compression::UNCOMPRESSED).build();
-    let mut file = SerializedFileWriter::new(out, schema, Arc::new(properties))?;
-    let mut group = file.next_row_group()?;
-    for column in &columns {
-        column.write(&mut group)?;
-    }
-    group.close()?;
-    file.close()?;
-    Ok(())
-}
-
-/// Those that are there, and for each row whether it is.
-fn split<A: Copy>(values: &[Option<A>]) -> (Vec<A>, Vec<i16>) {
-    (values.iter().copied().flatten().collect(), values.iter().map(|x| i16::from(x.is_some())).collect())
-}
-
-impl Column {
-    fn write<W: Write + Send>(&self, group: &mut SerializedRowGroupWriter<'_, W>) -> Result<()> {
-        let Some(mut writer) = group.next_column()? else { return Ok(()) };
-        match self {
-            Self::Number(_, values) => {
-                let (there, which) = split(values);
-                writer.typed::<DoubleType>().write_batch(&there, Some(&which), None)?;
-            }
-            Self::Count(_, values) => {
-                let (there, which) = split(values);
-                writer.typed::<Int64Type>().write_batch(&there, Some(&which), None)?;
-            }
-            Self::Word(_, values) => {
-                let words: Vec<ByteArray> = values.iter().map(|word| ByteArray::from(word.as_str())).collect();
-                writer.typed::<ByteArrayType>().write_batch(&words, None, None)?;
-            }
-        }
-        writer.close()?;
-        Ok(())
-    }
+    parquet_table::write(out, "sweep", &columns(axes, rows))
 }

@@ -37,6 +37,8 @@ pub(super) struct Keyphasor {
     /// Hz
     rate: f64,
     reversed: bool,
+    /// Most samples that wait.
+    pub(super) longest_wait: usize,
     waiting: VecDeque<Row>,
     next_look: usize,
     edges: Option<Edges>,
@@ -66,6 +68,7 @@ impl Keyphasor {
             pulses_per_turn: pulses_per_turn.max(1),
             rate,
             reversed,
+            longest_wait: LONGEST_WAIT,
             waiting: VecDeque::new(),
             next_look: FIRST_LOOK,
             edges: None,
@@ -100,7 +103,7 @@ impl Keyphasor {
             self.next_look += self.next_look / 4;
             self.look(false, output)?;
         }
-        if self.edges.is_none() && self.waiting.len() >= LONGEST_WAIT {
+        if self.edges.is_none() && self.waiting.len() >= self.longest_wait {
             // Few pulses of a slow shaft have to do.
             self.look(true, output)?;
             return if self.edges.is_none() { Err(self.no_pulse()) } else { Ok(()) };
@@ -157,7 +160,7 @@ impl Keyphasor {
             self.take(start, at, output);
         }
         let patience = if self.pulses.len() > 1 { STANDSTILL * period } else { f64::INFINITY };
-        if self.quiet as f64 > patience.min(LONGEST_WAIT as f64) {
+        if self.quiet as f64 > patience.min(self.longest_wait as f64) {
             return Err(self.standstill());
         }
         Ok(())
@@ -238,7 +241,7 @@ impl Keyphasor {
     fn release(&mut self, output: &mut Output) {
         let known = |place: usize| place.max(SIDE) + SIDE;
         while self.pulses.len() > known(self.left + 1)
-            || (self.waiting.len() >= LONGEST_WAIT && self.pulses.len() > self.left + 1)
+            || (self.waiting.len() >= self.longest_wait && self.pulses.len() > self.left + 1)
         {
             self.release_interval(output);
         }

@@ -1,0 +1,96 @@
+//! What `replay --paced` and `watch` have in common.
+
+use super::replay::{DEMO_RECORDING, DEMO_SCENE};
+use crate::live::address::Address;
+use crate::live::out::Asked;
+use crate::live::source::Encoding;
+use crate::scene::read::{read_file, read_str};
+use crate::scene::{Scene, units};
+use anyhow::{Context, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Where samples come from in real time, and who is told.
+#[derive(Debug, Clone, clap::Args)]
+pub struct LiveArgs {
+    /// Where samples come from: a file, - for standard input, tcp:PORT or udp:PORT to listen at on this machine, or
+    /// tcp:ADDRESS:PORT; the scene's recording where absent.
+    #[arg(long, value_name = "SOURCE")]
+    pub source: Option<Address>,
+    /// Form of the samples on a stream.
+    #[arg(long, value_enum, default_value_t = Encoding::Csv)]
+    pub encoding: Encoding,
+    /// End after so much of the recording's time, e.g. "10 min".
+    #[arg(long = "for", value_name = "DURATION", value_parser = duration)]
+    pub duration: Option<f64>,
+    /// Keep the state in this folder: started again, the monitor goes on at the first sample not yet worked off.
+    #[arg(long, value_name = "FOLDER")]
+    pub state: Option<PathBuf>,
+    #[command(flatten)]
+    pub asked: Asked,
+    /// Ask the system for first-in-first-out scheduling and locked memory (Linux).
+    #[arg(long)]
+    pub realtime: bool,
+    /// Ask the system for this processor (Linux).
+    #[arg(long, value_name = "NUMBER")]
+    pub core: Option<usize>,
+}
+
+impl LiveArgs {
+    /// Something was asked for that makes sense in real time only; its option.
+    #[must_use]
+    pub fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            (self.source.is_some(), "--source"),
+            (self.encoding != Encoding::Csv, "--encoding"),
+            (self.duration.is_some(), "--for"),
+            (self.state.is_some(), "--state"),
+            (self.asked.events.is_some(), "--events"),
+            (self.asked.indicators.is_some(), "--indicators"),
+            (self.asked.prometheus.is_some(), "--prometheus"),
+            (self.realtime, "--realtime"),
+            (self.core.is_some(), "--core"),
+        ];
+        given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+
+    /// The source, or the scene's recording, or that of the demonstration.
+    #[must_use]
+    pub fn source(&self, scene: &Scene, given: Option<&Path>, is_demo: bool) -> Address {
+        match (&self.source, given, &scene.recording) {
+            (Some(source), ..) => source.clone(),
+            (None, Some(path), _) => Address::File(path.to_owned()),
+            (None, None, Some(recording)) if !is_demo => Address::File(recording.file.clone()),
+            _ => Address::BuiltIn(DEMO_RECORDING, "healthy.csv (built in)"),
+        }
+    }
+}
+
+fn duration(text: &str) -> Result<f64, String> {
+    let allowed = || format!("found {text:?}, allowed: a time above 0 with its unit, such as \"10 s\"");
+    let seconds = units::parse(text, units::Dimension::Time).map_err(|_| allowed())?;
+    if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(allowed()) }
+}
+
+/// The scene, or the demonstration's.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn scene(path: Option<&Path>) -> Result<Scene> {
+    match path {
+        Some(path) => Ok(read_file(path)?),
+        None => Ok(read_str(DEMO_SCENE, Path::new("built-in demonstration"))?),
+    }
+}
+
+/// Set by Ctrl-C and by a request to end.
+///
+/// # Errors
+/// A system without signals.
+pub fn stop_on_signal() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let set = stop.clone();
+    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)).context("signals cannot be heard")?;
+    Ok(stop)
+}

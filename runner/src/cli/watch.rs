@@ -1,0 +1,86 @@
+//! `ballrace watch`
+
+use super::live::{self, LiveArgs};
+use crate::dashboard;
+use crate::fault::SceneFault;
+use crate::live as monitor;
+use crate::live::source::lock;
+use crate::live::view::Shared;
+use crate::output::AtomicFile;
+use crate::replay::Options;
+use crate::report;
+use anyhow::{Result, bail};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What `watch` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scene file; without one, the built-in demonstration.
+    scene: Option<PathBuf>,
+    /// Write an HTML report at the end.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Judge against a recording remembered by `replay --learn`.
+    #[arg(long, value_name = "BASELINE.json")]
+    baseline: Option<PathBuf>,
+    #[command(flatten)]
+    live: LiveArgs,
+}
+
+/// Runs the command; true where a limit of the scene was crossed.
+///
+/// # Errors
+/// What is wrong with scene, source or outputs; a standard output that is no terminal.
+pub fn run(args: &Args, error: Option<f64>) -> Result<bool> {
+    if !std::io::stdout().is_terminal() {
+        bail!(SceneFault(
+            "watch: found a standard output that is no terminal, allowed: a terminal, or `ballrace replay --paced`"
+                .to_owned()
+        ));
+    }
+    let scene = live::scene(args.scene.as_deref())?;
+    let view = Shared::default();
+    let source = args.live.source(&scene, None, args.scene.is_none());
+    let name = source.to_string();
+    let replay =
+        Options { error, baseline: args.baseline.as_deref(), watched: true, viewed: true, ..Options::default() };
+    let options = monitor::Options {
+        source,
+        encoding: args.live.encoding,
+        duration: args.live.duration,
+        state: args.live.state.as_deref(),
+        outputs: &args.live.asked,
+        realtime: args.live.realtime,
+        core: args.live.core,
+        view: Some(view.clone()),
+        replay,
+    };
+    let (stop, over) = (live::stop_on_signal()?, AtomicBool::new(false));
+    let (outcome, shown) = std::thread::scope(|scope| {
+        let work = scope.spawn(|| {
+            let outcome = monitor::monitor(&scene, &options, &stop);
+            match &outcome {
+                // The last picture stays until a key is pressed.
+                Ok(_) => lock(&view).state = "over: press q",
+                Err(_) => over.store(true, Ordering::Relaxed),
+            }
+            outcome
+        });
+        let shown = dashboard::show(&scene, &name, &view, &over);
+        stop.store(true, Ordering::Relaxed);
+        (work.join(), shown)
+    });
+    let Ok(outcome) = outcome else { bail!("the monitor broke") };
+    let outcome = outcome?;
+    shown?;
+    if let Some(path) = &args.report {
+        AtomicFile::write(path, &report::html(&outcome)?)?;
+    }
+    println!("{}", outcome.verdict);
+    for sentence in report::pacing(&outcome.timing) {
+        println!("{sentence}");
+    }
+    Ok(!outcome.events.is_empty())
+}

@@ -1,0 +1,334 @@
+//! The monitor: samples from a source, in real time, through kernel and twin.
+//!
+//! A thread reads the source into a ring; the loop wakes at absolute times, takes what is due, and tells seconds and events
+//! to whom they were promised. With a state, what is told is on disk before it counts as done: a monitor that was killed
+//! goes on at the first sample that was not.
+
+pub mod address;
+pub mod feed;
+pub mod frames;
+pub mod out;
+pub mod pace;
+pub mod realtime;
+pub mod source;
+pub mod state;
+pub mod view;
+
+use crate::fault::scene_fault;
+use crate::recording::Row;
+use crate::recording::flaws::FlawSummary;
+use crate::recording::rotation::RotationError;
+use crate::replay::outcome::{Outcome, SourceFigures};
+use crate::replay::{self, Replay};
+use crate::scene::{Recording, Scene};
+use address::Address;
+use anyhow::{Result, bail};
+use feed::{CAPACITY, Counts, Item, Receiver};
+use out::{Outputs, Told};
+use pace::{BLOCK, Pace};
+use source::{Encoding, Reading, Resume, lock};
+use state::StateFile;
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use view::Shared;
+
+/// A source from which nothing came for so long is silent.
+const SILENT: Duration = Duration::from_secs(1);
+/// Between two pictures for those who look on.
+const GLANCE: Duration = Duration::from_millis(200);
+/// How long the end waits for a reader.
+const FAREWELL: Duration = Duration::from_millis(500);
+
+/// What was asked of a monitor.
+pub struct Options<'a> {
+    /// Where samples come from.
+    pub source: Address,
+    /// Their form on a stream.
+    pub encoding: Encoding,
+    /// Seconds of the recording after which it ends; as long as the source where absent.
+    pub duration: Option<f64>,
+    /// Where its state is kept.
+    pub state: Option<&'a Path>,
+    /// Whom it tells.
+    pub outputs: &'a out::Asked,
+    /// Ask for real-time scheduling and locked memory.
+    pub realtime: bool,
+    /// Ask for this processor only.
+    pub core: Option<usize>,
+    /// Who looks on.
+    pub view: Option<Shared>,
+    /// What holds for any replay.
+    pub replay: replay::Options<'a>,
+}
+
+/// Runs until the source, the duration or `stop` ends it.
+///
+/// # Errors
+/// A scene without probes, a source that cannot be opened or understood, an output that cannot be written.
+pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Outcome> {
+    let recording = probed(scene)?;
+    let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
+    let (resume, done) = state.as_ref().map_or_else(Default::default, |file| (file.state.resume, file.state.time_s));
+    let mut outputs = Outputs::open(options.outputs, done)?;
+    let (sender, receiver) = feed::feed(CAPACITY);
+    let reading = source::start(&options.source, options.encoding, recording, resume, sender)?;
+    show(options, |view| view.state = "waiting for the source");
+    let Some(rate) = rate(&reading, stop)? else { bail!("{}: stopped before a sample came", options.source) };
+    let scheduling = realtime::ask(options.realtime, options.core);
+    let replay = Replay::try_new(scene, rate, &options.replay)?;
+    if let Some(file) = &state
+        && file.state.starts > 1
+    {
+        let sentence = format!("Started again, at sample {} ({:.3} s).", resume.index, done);
+        outputs.event(&Told::note(feed::Note { kind: "monitor-resumed", sentence }, done))?;
+    }
+    let mut monitor = Monitor {
+        options,
+        replay,
+        receiver,
+        outputs,
+        state: state.as_mut(),
+        back: &reading.back,
+        rate,
+        average: u64::from(recording.average),
+        first: None,
+        time: done,
+        heard_at: Instant::now(),
+        silent: false,
+        source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
+        pace: Pace::begin()?,
+        glanced: Instant::now(),
+    };
+    monitor.run(stop)?;
+    let Monitor { replay, receiver, outputs, pace, mut source, .. } = monitor;
+    let counts = receiver.counts.clone();
+    drop(receiver);
+    outputs.finish()?;
+    let flaws = flaws(reading.end)?;
+    let mut outcome = replay.finish(&options.source.to_string(), flaws)?;
+    read_counts(&counts, &mut source);
+    outcome.timing.paced = true;
+    outcome.timing.pacing = Some(pace.finish(scheduling));
+    outcome.timing.source = Some(source);
+    Ok(outcome)
+}
+
+fn probed(scene: &Scene) -> Result<&Recording> {
+    let lacking = |found: &str| {
+        let told =
+            format!("{}: [recording]: found {found}, allowed: probes of the shaft's motion", scene.path.display());
+        scene_fault(&anyhow::anyhow!(told))
+    };
+    match &scene.recording {
+        None => Err(lacking("none")),
+        Some(recording) if !recording.sensors.is_empty() => Err(lacking("sensors, which are judged as a whole")),
+        Some(recording) => Ok(recording),
+    }
+}
+
+/// The source's rate as soon as it is known; none where the monitor was stopped before.
+fn rate(reading: &Reading, stop: &AtomicBool) -> Result<Option<f64>> {
+    loop {
+        match reading.rate.recv_timeout(Duration::from_millis(50)) {
+            Ok(rate) => return rate.map(Some),
+            Err(std::sync::mpsc::RecvTimeoutError::Timeout) if !stop.load(Ordering::Relaxed) => {}
+            Err(std::sync::mpsc::RecvTimeoutError::Timeout) => return Ok(None),
+            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => bail!("the source ended before a sample came"),
+        }
+    }
+}
+
+/// What the reader found, unless it waits for standard input for ever.
+fn flaws(end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Result<Vec<FlawSummary>> {
+    let since = Instant::now();
+    while !end.is_finished() && since.elapsed() < FAREWELL {
+        std::thread::sleep(BLOCK);
+    }
+    if !end.is_finished() {
+        return Ok(vec![]);
+    }
+    end.join().unwrap_or_else(|_| bail!("the reader of the source broke"))
+}
+
+fn show(options: &Options, change: impl FnOnce(&mut view::View)) {
+    if let Some(view) = &options.view {
+        change(&mut lock(view));
+    }
+}
+
+fn read_counts(counts: &Counts, figures: &mut SourceFigures) {
+    let read = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
+    figures.rows = read(&counts.rows);
+    figures.lost_frames = read(&counts.lost);
+    figures.repeated_frames = read(&counts.repeated);
+    figures.malformed_frames = read(&counts.malformed);
+    figures.dropped_rows = read(&counts.dropped);
+    figures.ring_highest = read(&counts.highest);
+    figures.connections = read(&counts.connections);
+}
+
+struct Monitor<'a, 'o> {
+    options: &'a Options<'o>,
+    replay: Replay<'a>,
+    receiver: Receiver,
+    outputs: Outputs,
+    state: Option<&'a mut StateFile>,
+    back: &'a source::Back,
+    /// Hz
+    rate: f64,
+    average: u64,
+    /// Time of the first row, s.
+    first: Option<f64>,
+    /// Time of the last row, s.
+    time: f64,
+    heard_at: Instant,
+    silent: bool,
+    source: SourceFigures,
+    pace: Pace,
+    glanced: Instant,
+}
+
+impl Monitor<'_, '_> {
+    fn run(&mut self, stop: &AtomicBool) -> Result<()> {
+        while !stop.load(Ordering::Relaxed) && !self.receiver.is_over() && !self.is_long_enough() {
+            let until = self.pace.wait();
+            let begun = Instant::now();
+            let caught_up = self.block(until)?;
+            self.tell()?;
+            self.listen()?;
+            self.glance();
+            self.pace.done(begun, caught_up);
+        }
+        Ok(())
+    }
+
+    fn is_long_enough(&self) -> bool {
+        self.options.duration.zip(self.first).is_some_and(|(duration, first)| self.time - first >= duration)
+    }
+
+    /// Works off what is due; true where nothing that is due waits any more.
+    fn block(&mut self, until: Duration) -> Result<bool> {
+        let own_time = matches!(self.options.source, Address::File(_) | Address::BuiltIn(..));
+        let end = self.first.map_or(f64::INFINITY, |first| first + until.as_secs_f64());
+        let due = |row: &Row| !own_time || row.time < end;
+        let mut worked = 0_u64;
+        // No more at once than comes in while they are worked off several times over, so that others get their turn.
+        let most = if self.first.is_none() { 1 } else { (self.rate * 0.25) as u64 + 1 };
+        while worked < most
+            && let Some(item) = self.receiver.pop_if(due)
+        {
+            worked += 1;
+            match item {
+                Item::Row(row) => self.row(row)?,
+                Item::Note(note) => self.event(&Told::note(note, self.time))?,
+            }
+        }
+        Ok(worked < most && self.replay.has_started())
+    }
+
+    fn row(&mut self, row: Row) -> Result<()> {
+        if self.first.is_none() {
+            self.first = Some(row.time);
+            // A source's own time begins with its first sample.
+            self.pace = Pace::begin()?;
+        }
+        self.time = row.time;
+        self.heard_at = Instant::now();
+        let spare = self.replay.blank();
+        self.receiver.recycle(spare);
+        match self.replay.push(row) {
+            Err(error) if error.is::<RotationError>() => {
+                let sentence = format!("{error:#}; the twin waits until it turns.");
+                self.replay.begin_anew();
+                self.event(&Told::note(feed::Note { kind: "shaft-not-turning", sentence }, self.time))
+            }
+            other => other,
+        }
+    }
+
+    fn event(&mut self, told: &Told) -> Result<()> {
+        show(self.options, |view| view.add_event(told));
+        self.outputs.event(told)
+    }
+
+    /// Tells what came up; at the end of a second it is put on disk, and only then acknowledged.
+    fn tell(&mut self) -> Result<()> {
+        let news = self.replay.news();
+        for event in news.events {
+            self.event(&Told::limit(event))?;
+        }
+        for second in &news.seconds {
+            show(self.options, |view| view.add_second(second));
+            self.outputs.second(second, &self.receiver.counts, self.pace.misses())?;
+        }
+        let Some(second) = news.seconds.last() else { return Ok(()) };
+        if self.state.is_some() {
+            self.outputs.sync()?;
+        }
+        self.acknowledge(second.next_index * self.average, second.time_s)
+    }
+
+    fn acknowledge(&mut self, index: u64, time_s: f64) -> Result<()> {
+        let Some(file) = &mut self.state else { return Ok(()) };
+        // The distance in samples is the distance in frames, whatever was lost between.
+        let sequence = self.receiver.sequence_at(index);
+        file.state.resume = Resume { index, sequence };
+        file.state.time_s = time_s;
+        file.keep()?;
+        if let Some(sequence) = sequence
+            && let Some(stream) = lock(self.back).as_mut()
+        {
+            // Who does not listen to acknowledgements may leave them.
+            let _ = writeln!(stream, "acknowledged {}", sequence.wrapping_sub(1));
+        }
+        Ok(())
+    }
+
+    /// Notices a source that has fallen silent, and one that speaks again.
+    fn listen(&mut self) -> Result<()> {
+        let quiet = self.heard_at.elapsed();
+        if self.first.is_none() || (quiet < SILENT && !self.silent) {
+            return Ok(());
+        }
+        if quiet >= SILENT {
+            self.source.longest_stall_s = self.source.longest_stall_s.max(quiet.as_secs_f64());
+        }
+        let note = match (quiet >= SILENT, self.silent) {
+            (true, false) => {
+                self.source.stalls += 1;
+                feed::Note { kind: "source-silent", sentence: "Nothing comes from the source.".to_owned() }
+            }
+            (false, true) => {
+                feed::Note { kind: "source-speaks", sentence: "Samples come from the source again.".to_owned() }
+            }
+            _ => return Ok(()),
+        };
+        self.silent = quiet >= SILENT;
+        self.event(&Told::note(note, self.time))
+    }
+
+    fn glance(&mut self) {
+        if self.options.view.is_none() || self.glanced.elapsed() < GLANCE {
+            return;
+        }
+        self.glanced = Instant::now();
+        read_counts(&self.receiver.counts, &mut self.source);
+        let state = match (self.first, self.silent, self.replay.has_started()) {
+            (None, ..) => "waiting for the source",
+            (_, true, _) => "source silent",
+            (_, _, false) => "starting",
+            _ => "running",
+        };
+        let glance = self.replay.glance();
+        let pacing = self.pace.finish(String::new());
+        show(self.options, |view| {
+            view.state = state;
+            view.glance = glance;
+            (view.lateness, view.compute) = (pacing.lateness, pacing.compute);
+            (view.misses, view.busy) = (pacing.deadline_misses, 1.0 - pacing.idle_percent / 100.0);
+            view.source = self.source.clone();
+        });
+    }
+}

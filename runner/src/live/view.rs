@@ -1,0 +1,57 @@
+//! What a monitor shows of itself while it runs.
+
+use super::out::Told;
+use crate::replay::Glance;
+use crate::replay::outcome::{Quantiles, SourceFigures};
+use crate::replay::second::Second;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
+
+/// Seconds of the trends.
+pub const TREND: usize = 600;
+/// Events that are kept for display.
+const EVENTS: usize = 100;
+
+/// The state of things, renewed a few times a second.
+#[derive(Debug, Clone, Default)]
+pub struct View {
+    /// In one word or two: waiting, starting, running, silent, over.
+    pub state: &'static str,
+    /// Orbits, last samples, loads.
+    pub glance: Glance,
+    /// The last ten minutes.
+    pub seconds: VecDeque<Second>,
+    /// The last events, oldest first.
+    pub events: VecDeque<Told>,
+    /// How much later than due the program woke.
+    pub lateness: Quantiles,
+    /// All work of a block.
+    pub compute: Quantiles,
+    /// Blocks not done in time.
+    pub misses: u64,
+    /// Share of a processor, 0 to 1.
+    pub busy: f64,
+    /// What came and what did not.
+    pub source: SourceFigures,
+}
+
+/// Between the loop and the screen.
+pub type Shared = Arc<Mutex<View>>;
+
+impl View {
+    /// A second more.
+    pub fn add_second(&mut self, second: &Second) {
+        if self.seconds.len() == TREND {
+            self.seconds.pop_front();
+        }
+        self.seconds.push_back(second.clone());
+    }
+
+    /// An event more.
+    pub fn add_event(&mut self, told: &Told) {
+        if self.events.len() == EVENTS {
+            self.events.pop_front();
+        }
+        self.events.push_back(told.clone());
+    }
+}
