@@ -1,12 +1,22 @@
 //! A recording: columns of a file -> samples with their time, their shaft angle and their flaws.
 
+mod bytes;
 pub mod clock;
-pub mod csv;
+mod csv;
 pub mod error;
 pub mod flaws;
 mod mat;
+mod npy;
+mod numbers;
+mod parquet;
 pub mod probe;
+mod reader;
 pub mod rotation;
+mod table;
+mod tdms;
+mod wav;
+
+pub use reader::Reader;
 
 use ballrace::Turn;
 
@@ -15,7 +25,7 @@ use ballrace::Turn;
 pub struct Row {
     /// Counted from 0 in samples of the nominal rate: a gap in the time stamps makes it jump.
     pub index: u64,
-    /// Line of the file, for messages.
+    /// Line of the file, for messages; in a file without lines the number of the row, from 1.
     pub line: u64,
     /// Time, s: the time stamp, or index / rate.
     pub time: f64,
