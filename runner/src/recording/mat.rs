@@ -1,5 +1,9 @@
 //! MATLAB files (version 5) as recordings: the vectors are the columns. Those that the scene names are held in memory.
 
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
+
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};

@@ -5,6 +5,9 @@ pub mod clock;
 mod csv;
 pub mod error;
 pub mod flaws;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod harness;
 mod mat;
 mod npy;
 mod numbers;

@@ -1,5 +1,8 @@
 //! NPY files as recordings: the columns of an array, `c0`, `c1`, ..., or the fields of its structure by their names.
 
+#[cfg(test)]
+mod tests;
+
 use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::Path;

@@ -86,7 +86,11 @@ impl Run {
 
     /// The same as one even row where that is possible: single numbers would be fetched one by one.
     const fn straightened(self) -> Self {
-        if self.count == 1 { Self { stride: self.every, count: self.repeats, repeats: 1, ..self } } else { self }
+        if self.count == 1 && self.repeats > 1 {
+            Self { stride: self.every, count: self.repeats, repeats: 1, ..self }
+        } else {
+            self
+        }
     }
 }
 

@@ -1,10 +1,15 @@
 //! Parquet files as recordings: flat columns of numbers by their names, decoded a row group and a block at a time.
 
 mod page;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
 
+use std::cell::Cell;
 use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -77,10 +82,24 @@ fn wrong(path: &Path, error: impl ToString) -> RecordingError {
 ///
 /// It checks most of what it reads, but its decoders of pages index and subtract as a sound file would have it. A damaged
 /// file would stop the program with the library's words instead of naming the file, so its panics are caught: nothing of
-/// what they leave behind is used again.
+/// what they leave behind is used again, and they are not reported: the error that they become is.
 fn guarded<T>(work: impl FnOnce() -> Decoded<T>) -> Decoded<T> {
-    let damaged = |_| Err(ParquetError::General("a damaged file, which cannot be decoded".into()));
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(damaged)
+    thread_local! {
+        static DECODING: Cell<bool> = const { Cell::new(false) };
+    }
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let report = take_hook();
+        set_hook(Box::new(move |panic| {
+            if !DECODING.get() {
+                report(panic)
+            }
+        }));
+    });
+    DECODING.set(true);
+    let result = catch_unwind(AssertUnwindSafe(work));
+    DECODING.set(false);
+    result.unwrap_or_else(|_| Err(ParquetError::General("a damaged file, which cannot be decoded".into())))
 }
 
 fn field(root: &Type, leaf: Option<usize>) -> Field {
@@ -145,14 +164,14 @@ impl ParquetTable {
     }
 
     fn next_row(&mut self, values: &mut Vec<f64>) -> Decoded<bool> {
-        if self.left == 0 && !self.open_group()? {
+        if self.left == 0 && !guarded(|| self.open_group())? {
             return Ok(false);
         }
         for column in &mut self.selected {
             if column.block.len() == 0
                 && let (Some(field), Some(reader)) = (self.fields.get(column.field), &mut column.reader)
             {
-                column.block = decode(reader, field)?.into_iter();
+                column.block = guarded(|| decode(reader, field))?.into_iter();
             }
             let short = || ParquetError::General(format!("fewer values than rows, after row {}", self.row));
             values.push(column.block.next().ok_or_else(short)?);
@@ -217,7 +236,7 @@ impl Table for ParquetTable {
 
     fn next(&mut self, cells: &mut Cells) -> Result<bool, RecordingError> {
         cells.values.clear();
-        let more = guarded(|| self.next_row(&mut cells.values)).map_err(|error| wrong(&self.path, error))?;
+        let more = self.next_row(&mut cells.values).map_err(|error| wrong(&self.path, error))?;
         self.row += 1;
         (cells.line, cells.whole) = (self.row, self.names.len());
         Ok(more)

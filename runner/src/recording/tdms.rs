@@ -4,6 +4,10 @@
 //! A file is a row of segments. Each has a lead-in, then what is new about its objects, then the numbers: channel after
 //! channel in chunks of equal size, or interleaved. What a segment does not say holds on from the one before.
 
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
+
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};

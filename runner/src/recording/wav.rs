@@ -2,6 +2,9 @@
 //!
 //! Integers are parts of full scale, which is 1: 16 bits reach from -1 to 32767/32768.
 
+#[cfg(test)]
+mod tests;
+
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
