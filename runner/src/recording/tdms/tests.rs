@@ -2,7 +2,7 @@ use std::path::Path;
 
 use super::{BIG_ENDIAN, DAQMX, INTERLEAVED, METADATA, NEW_LIST, RAW_DATA};
 use crate::recording::harness::{cut_short, damaged, error, probe, read_file, recording, values};
-use crate::scene::Clock;
+use crate::scene::{Clock, Sensor};
 
 fn text(of: &str) -> Vec<u8> {
     [&(of.len() as u32).to_le_bytes(), of.as_bytes()].concat()
@@ -137,6 +137,9 @@ fn what_contradicts_the_scene_is_refused() {
     let mut other = recording(&["G/x"]);
     other.probes[0] = probe("G/x", 1e-6);
     assert_eq!(error(&file, &other), ", column G/x: found the unit `m`; allowed: the scene's, `um`, or no unit");
+    // A sensor's unit is not a probe's.
+    other.sensors = vec![Sensor { column: "G/x".into(), unit: "m/s^2".into(), bearing: None }];
+    assert!(error(&file, &other).contains("found the unit `m`; allowed: the scene's, `m/s^2`"));
     other = recording(&["G/x"]);
     other.clock = Clock::Rate(12_800.0);
     assert!(error(&file, &other).contains("a sampling rate of 1000 Hz; allowed: the scene's, 12800 Hz"));
