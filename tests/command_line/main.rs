@@ -9,6 +9,7 @@ mod degraded;
 mod equilibrium;
 mod fit;
 mod force;
+mod formats;
 mod limits;
 mod long;
 mod replay;

@@ -5,7 +5,7 @@ use crate::fault::{SceneFault, scene_fault};
 use crate::fit::parameters::{ALL, Group};
 use crate::fit::{Fitted, Material, fit, read, written};
 use crate::output::AtomicFile;
-use crate::recording::csv::CsvReader;
+use crate::recording::Reader;
 use crate::report;
 use crate::scene::read::read_file;
 use anyhow::{Context, Result, bail};
@@ -50,7 +50,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let path = args.recording.as_ref().unwrap_or(&recording.file);
     let output = args.output.clone().unwrap_or_else(|| beside(&args.scene));
     keep_apart(&[("--output", &output)], &[&args.scene, path])?;
-    let reader = CsvReader::open(path, recording)?;
+    let reader = Reader::open(path, recording)?;
     let rate = reader.rate() / f64::from(recording.average);
     let samples = read(&scene, reader, args.turns)?;
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());

@@ -5,7 +5,7 @@ use super::{Format, keep_apart};
 use crate::fault::{SceneFault, scene_fault};
 use crate::live as monitor;
 use crate::output::AtomicFile;
-use crate::recording::csv::CsvReader;
+use crate::recording::Reader;
 use crate::recording::rotation::RotationError;
 use crate::replay::outcome::Outcome;
 use crate::replay::{Options, Source, replay};
@@ -143,7 +143,7 @@ fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
 }
 
 /// The recording to replay and its path.
-fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, PathBuf)> {
+fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
     let recording = scene.recording.as_ref().with_context(|| {
         format!(
             "{}: [recording]: found none, allowed: the table that says which column means what",
@@ -158,15 +158,15 @@ fn open(args: &Args, scene: &Scene) -> Result<(CsvReader, PathBuf)> {
             let bytes = Box::new(Cursor::new(DEMO_RECORDING));
             let size = DEMO_RECORDING.len() as u64;
             let name = PathBuf::from("healthy.csv (built in)");
-            return Ok((CsvReader::from_reader(bytes, &name, Some(size), recording)?, name));
+            return Ok((Reader::from_reader(bytes, &name, Some(size), recording)?, name));
         }
     };
     if recording.sensors.is_empty() {
-        return Ok((CsvReader::open(path, recording)?, path.clone()));
+        return Ok((Reader::open(path, recording)?, path.clone()));
     }
     let probes = recording.sensors.iter().map(Sensor::as_probe).collect();
     let columns = Recording { probes, ..recording.clone() };
-    Ok((CsvReader::open(path, &columns)?, path.clone()))
+    Ok((Reader::open(path, &columns)?, path.clone()))
 }
 
 /// On standard error, and only where a person sees it.

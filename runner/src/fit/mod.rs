@@ -11,8 +11,8 @@ mod written;
 use crate::fault::SceneFault;
 use crate::observer::{noise, observed_rows};
 use crate::plant::{Plant, only_rigid};
+use crate::recording::Reader;
 use crate::recording::Sample;
-use crate::recording::csv::CsvReader;
 use crate::recording::rotation::Tracker;
 use crate::replay::pose::reading;
 use crate::scene::{Rotation, Scene};
@@ -114,7 +114,7 @@ pub struct Material<'a> {
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn read(scene: &Scene, mut reader: CsvReader, turns: f64) -> Result<Vec<Sample>> {
+pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<Vec<Sample>> {
     let Some(recording) = &scene.recording else { bail!("found no recording") };
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
     let mut samples: Vec<Sample> = Vec::new();

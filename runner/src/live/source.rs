@@ -6,7 +6,7 @@
 use super::address::Address;
 use super::feed::{Item, Note, Sender, count};
 use super::frames::{Layout, Place, Sequence};
-use crate::recording::csv::CsvReader;
+use crate::recording::Reader;
 use crate::recording::error::RecordingError;
 use crate::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use crate::scene::{Clock, Recording};
@@ -82,7 +82,7 @@ pub fn start(
     };
     let place = listener.as_ref().and_then(|l| l.local_addr().ok());
     let place = place.or_else(|| socket.as_ref().and_then(|s| s.local_addr().ok()));
-    let reader = Reader {
+    let feeder = Feeder {
         layout: Layout::new(recording),
         recording: recording.clone(),
         encoding,
@@ -95,7 +95,7 @@ pub fn start(
         back: back.clone(),
     };
     let address = address.clone();
-    let read = move || reader.run(&address, listener, socket);
+    let read = move || feeder.run(&address, listener, socket);
     let end = std::thread::Builder::new().name("reader".to_owned()).spawn(read)?;
     Ok(Reading { rate, end, back, place })
 }
@@ -104,7 +104,7 @@ fn cannot_listen(address: &Address) -> String {
     format!("{address}: cannot be listened at, allowed: an address of this machine and a free port")
 }
 
-struct Reader {
+struct Feeder {
     recording: Recording,
     layout: Layout,
     encoding: Encoding,
@@ -118,7 +118,7 @@ struct Reader {
     back: Back,
 }
 
-impl Reader {
+impl Feeder {
     fn run(
         mut self,
         address: &Address,
@@ -163,7 +163,7 @@ impl Reader {
     fn file(&mut self, path: &Path) -> Result<()> {
         match self.encoding {
             Encoding::Csv => {
-                let reader = CsvReader::open(path, &self.recording)?;
+                let reader = Reader::open(path, &self.recording)?;
                 // A file begins where it began before: what is done already is passed over.
                 let done = std::mem::take(&mut self.next);
                 self.rows(reader, done)
@@ -178,7 +178,7 @@ impl Reader {
     fn stream(&mut self, stream: Box<dyn Read + Send>, name: &str) -> Result<()> {
         match self.encoding {
             Encoding::Csv => {
-                let reader = CsvReader::from_reader(stream, Path::new(name), None, &self.recording)?;
+                let reader = Reader::from_reader(stream, Path::new(name), None, &self.recording)?;
                 self.rows(reader, 0)
             }
             Encoding::Frames => self.frames(stream),
@@ -186,7 +186,7 @@ impl Reader {
     }
 
     /// Rows of text, those before the number `done` left out.
-    fn rows(&mut self, mut reader: CsvReader, done: u64) -> Result<()> {
+    fn rows(&mut self, mut reader: Reader, done: u64) -> Result<()> {
         self.tell_rate(reader.rate());
         let (first, rate) = (self.next, reader.rate());
         let mut row = self.sender.blank();

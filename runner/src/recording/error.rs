@@ -23,13 +23,37 @@ pub enum RecordingError {
         /// The path.
         file: PathBuf,
     },
-    /// No MATLAB file that can be used.
-    #[error("{file}: found {found}; allowed: a MATLAB file of version 5 with vectors of equal length")]
-    NoMat {
+    /// A binary file that cannot be used.
+    #[error("{file}: found {found}; allowed: {allowed}")]
+    Format {
         /// The recording.
         file: PathBuf,
         /// What is wrong with it.
         found: String,
+        /// What is read.
+        allowed: &'static str,
+    },
+    /// The file says another unit than the scene.
+    #[error("{file}, column {column}: found the unit `{found}`; allowed: the scene's, `{allowed}`, or no unit")]
+    Unit {
+        /// The recording.
+        file: PathBuf,
+        /// Name of the column.
+        column: String,
+        /// The file's.
+        found: String,
+        /// The scene's.
+        allowed: String,
+    },
+    /// The file says another sampling rate than the scene.
+    #[error("{file}: found a sampling rate of {found} Hz; allowed: the scene's, {allowed} Hz, within 0.1 %")]
+    Rate {
+        /// The recording.
+        file: PathBuf,
+        /// The file's, Hz.
+        found: f64,
+        /// The scene's, Hz.
+        allowed: f64,
     },
     /// Reading failed on the way.
     #[error("{file}, after line {line}: cannot be read further: {cause}")]
@@ -74,12 +98,12 @@ pub enum RecordingError {
         file: PathBuf,
     },
     /// The scene names a column that the file lacks.
-    #[error("{file}, line {line}: no column `{column}`; found the columns {found}{hint}", hint = did_you_mean(.nearest.as_deref()))]
+    #[error("{file}{at}: no column `{column}`; found the columns {found}{hint}", at = at_line(*.line), hint = did_you_mean(.nearest.as_deref()))]
     AbsentColumn {
         /// The recording.
         file: PathBuf,
-        /// Line of the header.
-        line: u64,
+        /// Line of the header, where the file has lines.
+        line: Option<u64>,
         /// The scene's name.
         column: String,
         /// The names that are there.
@@ -88,12 +112,12 @@ pub enum RecordingError {
         nearest: Option<String>,
     },
     /// Two columns of one name.
-    #[error("{file}, line {line}: the column `{column}` is there twice; allowed: once")]
+    #[error("{file}{at}: the column `{column}` is there twice; allowed: once", at = at_line(*.line))]
     ColumnTwice {
         /// The recording.
         file: PathBuf,
-        /// Line of the header.
-        line: u64,
+        /// Line of the header, where the file has lines.
+        line: Option<u64>,
         /// The name.
         column: String,
     },
@@ -138,11 +162,15 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    /// The scene asks for what the file does not have: the scene is to be put right, not the file.
+    /// The scene asks for what the file does not have, or says otherwise: the scene is to be put right, not the file.
     #[must_use]
     pub const fn is_scene_fault(&self) -> bool {
-        matches!(self, Self::AbsentColumn { .. })
+        matches!(self, Self::AbsentColumn { .. } | Self::Unit { .. } | Self::Rate { .. })
     }
+}
+
+fn at_line(line: Option<u64>) -> String {
+    line.map(|line| format!(", line {line}")).unwrap_or_default()
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {

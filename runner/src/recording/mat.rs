@@ -1,96 +1,265 @@
-//! MATLAB files (version 5) as recordings: their longest vectors are the columns.
-//!
-//! They are handed on as text, row by row, so that one reader finds the flaws of every recording.
+//! MATLAB files (version 5) as recordings: the vectors are the columns. Those that the scene names are held in memory.
 
-use super::error::RecordingError;
-use matfile::{MatFile, NumericData};
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
+
 use std::fs::File;
-use std::io::{self, BufReader, Read, Write};
-use std::path::Path;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
 
-/// How such a file begins.
-pub const MAGIC: &[u8] = b"MATLAB 5.0 MAT-file";
-/// Larger files are refused: they are held in memory.
+use flate2::read::ZlibDecoder;
+
+use super::bytes::Bytes;
+use super::error::RecordingError;
+use super::numbers::{Kind, Number};
+use super::table::{Cells, Table, equal_lengths};
+
+const ALLOWED: &str = "a MATLAB file of version 5 with vectors of equal length";
+
+/// Bytes of text, version and byte order before the first variable.
+const HEADER: u64 = 128;
+/// Bytes of a variable within which its name and size are.
+const ABOUT: u64 = 4096;
+/// More bytes of vectors are refused: they are held in memory.
 const LARGEST: u64 = 1 << 30;
+/// Nothing can be packed tighter by deflate.
+const TIGHTEST: u64 = 1032;
 
-/// Columns of a file, read as the text of a table.
-pub struct Rows {
-    columns: Vec<Vec<f64>>,
-    next: usize,
-    text: Vec<u8>,
-    read: usize,
+/// Types of elements.
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+
+/// The vectors of a file.
+struct Vectors {
+    path: PathBuf,
+    file: File,
+    names: Vec<String>,
+    all: Vec<Vector>,
+    selected: Vec<(Number, Vec<u8>)>,
+    rows: u64,
+    row: u64,
+    bytes_read: u64,
 }
 
-impl Rows {
-    /// From a file.
-    ///
-    /// # Errors
-    /// A file that is no MATLAB file, is too large, or holds no vector of numbers.
-    pub fn open(path: &Path) -> Result<Self, RecordingError> {
-        let wrong = |found: String| RecordingError::NoMat { file: path.into(), found };
-        let unopened = |cause| RecordingError::Open { file: path.into(), cause };
-        let file = File::open(path).map_err(unopened)?;
-        let size = file.metadata().map_err(unopened)?.len();
-        if size > LARGEST {
-            return Err(wrong(format!("{size} bytes, more than {LARGEST}")));
+/// Where the numbers of a variable lie.
+struct Vector {
+    element: Element,
+    /// Bytes of the variable before its numbers.
+    before: u64,
+    number: Number,
+    count: u64,
+}
+
+/// A piece of the file with a type of its own.
+#[derive(Clone, Copy)]
+struct Element {
+    kind: u32,
+    start: u64,
+    length: u64,
+}
+
+/// Opens a file.
+pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
+    let (names, all) = list(&mut file).map_err(|cause| wrong(path, &cause))?;
+    let (path, selected) = (path.into(), Vec::new());
+    Ok(Box::new(Vectors { path, file, names, all, selected, rows: 0, row: 0, bytes_read: 0 }))
+}
+
+fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
+    let found = match cause.kind() {
+        io::ErrorKind::UnexpectedEof => "a file that is cut short".into(),
+        _ => cause.to_string(),
+    };
+    RecordingError::Format { file: path.into(), found, allowed: ALLOWED }
+}
+
+fn refuse(found: impl Into<String>) -> io::Error {
+    io::Error::other(found.into())
+}
+
+/// Names and places of all vectors.
+fn list(file: &mut File) -> io::Result<(Vec<String>, Vec<Vector>)> {
+    let size = file.metadata()?.len();
+    let mut header = [0; HEADER as usize];
+    file.read_exact(&mut header)?;
+    if header.starts_with(b"MATLAB 7.3") {
+        return Err(refuse("a MATLAB file of version 7.3, which is HDF5 (save it with -v7)"));
+    }
+    let big_endian = match header.last_chunk() {
+        Some([0, 1, b'I', b'M']) => false,
+        Some([1, 0, b'M', b'I']) => true,
+        _ => return Err(refuse("no MATLAB file of version 5")),
+    };
+    let (mut start, mut names, mut all) = (HEADER, Vec::new(), Vec::new());
+    while start < size {
+        let element = next_element(file, start, size, big_endian)?;
+        start = element.start + element.length;
+        if element.length > 0 && (element.kind == MATRIX || element.kind == COMPRESSED) {
+            let mut about = Vec::new();
+            element.open(file)?.take(ABOUT).read_to_end(&mut about)?;
+            if let Some((name, vector)) = vector(Bytes { rest: &about, big_endian }, element)? {
+                names.push(name);
+                all.push(vector);
+            }
         }
-        let parsed = MatFile::parse(BufReader::new(file)).map_err(|e| wrong(format!("{e}")))?;
-        let vectors = parsed.arrays().iter().filter_map(|array| Some((array.name().to_owned(), vector(array)?)));
-        let all: Vec<(String, Vec<f64>)> = vectors.collect();
-        let longest = all.iter().map(|(_, v)| v.len()).max().unwrap_or(0);
-        if longest < 2 {
-            return Err(wrong("no vector of numbers".to_owned()));
-        }
-        let (names, columns): (Vec<_>, Vec<_>) = all.into_iter().filter(|(_, v)| v.len() == longest).unzip();
-        // A table of one column has no delimiter: the row's number stands beside it.
-        let text = format!("row,{}\n", names.join(",")).into_bytes();
-        Ok(Self { columns, next: 0, text, read: 0 })
+    }
+    if all.is_empty() {
+        return Err(refuse("no vector of numbers"));
+    }
+    Ok((names, all))
+}
+
+fn next_element(file: &mut File, start: u64, size: u64, big_endian: bool) -> io::Result<Element> {
+    let mut tag = [0; 8];
+    file.seek(SeekFrom::Start(start))?;
+    file.read_exact(&mut tag)?;
+    let mut tag = Bytes { rest: &tag, big_endian };
+    let (kind, length, start) = (tag.u32()?, u64::from(tag.u32()?), start + 8);
+    if kind == 0 || kind > 18 {
+        return Err(refuse(format!("no variable at byte {}", start - 8)));
+    }
+    if length > size - start {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    Ok(Element { kind, start, length })
+}
+
+impl Element {
+    /// Its bytes, unpacked.
+    fn open<'a>(&self, file: &'a mut File) -> io::Result<Box<dyn Read + 'a>> {
+        file.seek(SeekFrom::Start(self.start))?;
+        let bytes = file.take(self.length);
+        Ok(if self.kind == COMPRESSED { Box::new(ZlibDecoder::new(bytes)) } else { Box::new(bytes) })
     }
 
-    fn fill(&mut self) -> io::Result<()> {
-        (self.read, self.next) = (0, self.next + 1);
-        self.text.clear();
-        let row = self.next - 1;
-        if self.columns.first().is_some_and(|c| row < c.len()) {
-            write!(self.text, "{row}")?;
-            for column in &self.columns {
-                write!(self.text, ",{:e}", column.get(row).copied().unwrap_or(f64::NAN))?;
-            }
-            self.text.push(b'\n');
+    /// Most bytes that can be in it.
+    const fn most(&self) -> u64 {
+        self.length * if self.kind == COMPRESSED { TIGHTEST } else { 1 }
+    }
+}
+
+/// Name and numbers of a variable; nothing where it is no vector of real numbers.
+fn vector(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, Vector)>> {
+    let all = bytes.rest.len();
+    if element.kind == COMPRESSED {
+        let (kind, _length) = (bytes.u32()?, bytes.u32()?);
+        if kind != MATRIX {
+            return Ok(None);
         }
+    }
+    let (_, flags) = part(&mut bytes)?;
+    let flags = Bytes { rest: flags, ..bytes }.u32()?;
+    let (complex, class) = (flags & 0x800 != 0, flags & 0xff);
+    if complex || !(6..=15).contains(&class) {
+        return Ok(None);
+    }
+    let (_, dimensions) = part(&mut bytes)?;
+    let mut dimensions = Bytes { rest: dimensions, ..bytes };
+    let (mut count, mut long) = (1_u64, 0);
+    while !dimensions.rest.is_empty() {
+        let length = dimensions.u32()?;
+        count = count.saturating_mul(length.into());
+        long += u32::from(length > 1);
+    }
+    let (_, name) = part(&mut bytes)?;
+    let name = String::from_utf8_lossy(name).into_owned();
+    let (kind, length) = part_head(&mut bytes)?;
+    let number = number(kind, bytes.big_endian).filter(|_| long == 1 && !name.is_empty());
+    let Some(number) = number else { return Ok(None) };
+    let before = (all - bytes.rest.len()) as u64;
+    if count.checked_mul(number.bytes.into()) != Some(length) || before + length > element.most() {
+        return Err(refuse(format!("{count} numbers in {length} bytes for `{name}`")));
+    }
+    Ok(Some((name, Vector { element, before, number, count })))
+}
+
+/// Type and length of a part of a variable. In its short form both are in four bytes.
+fn part_head(bytes: &mut Bytes<'_>) -> io::Result<(u32, u64)> {
+    let kind = bytes.u32()?;
+    match kind >> 16 {
+        0 => Ok((kind, bytes.u32()?.into())),
+        length => Ok((kind & 0xffff, length.into())),
+    }
+}
+
+/// Type and bytes of a part of a variable, with what fills it up.
+fn part<'a>(bytes: &mut Bytes<'a>) -> io::Result<(u32, &'a [u8])> {
+    let before = bytes.rest.len();
+    let (kind, length) = part_head(bytes)?;
+    let own = bytes.take(length)?;
+    let used = (before - bytes.rest.len()) as u64;
+    bytes.take(used.next_multiple_of(8) - used)?;
+    Ok((kind, own))
+}
+
+fn number(kind: u32, big_endian: bool) -> Option<Number> {
+    let (kind, bytes) = match kind {
+        1 => (Kind::Signed, 1),
+        2 => (Kind::Unsigned, 1),
+        3 => (Kind::Signed, 2),
+        4 => (Kind::Unsigned, 2),
+        5 => (Kind::Signed, 4),
+        6 => (Kind::Unsigned, 4),
+        7 => (Kind::Float, 4),
+        9 => (Kind::Float, 8),
+        12 => (Kind::Signed, 8),
+        13 => (Kind::Unsigned, 8),
+        _ => return None,
+    };
+    Some(Number::new(kind, bytes, big_endian))
+}
+
+impl Vectors {
+    fn load(&mut self, place: usize) -> io::Result<(Number, Vec<u8>)> {
+        let Some(vector) = self.all.get(place) else { return Err(io::ErrorKind::UnexpectedEof.into()) };
+        let mut source = vector.element.open(&mut self.file)?;
+        io::copy(&mut source.by_ref().take(vector.before), &mut io::sink())?;
+        let length = vector.count * u64::from(vector.number.bytes);
+        let mut bytes = Vec::new();
+        source.take(length).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 != length {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        self.bytes_read += vector.element.length;
+        Ok((vector.number, bytes))
+    }
+}
+
+impl Table for Vectors {
+    fn columns(&self) -> &[String] {
+        &self.names
+    }
+
+    fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {
+        let named = |place: &usize| Some((self.names.get(*place)?.as_str(), self.all.get(*place)?));
+        let lengths: Vec<_> = places.iter().filter_map(named).map(|(name, vector)| (name, vector.count)).collect();
+        self.rows = equal_lengths(&self.path, &lengths)?;
+        let bytes = places.iter().filter_map(|place| self.all.get(*place));
+        let bytes: u64 = bytes.map(|vector| vector.count * u64::from(vector.number.bytes)).sum();
+        if bytes > LARGEST {
+            return Err(wrong(&self.path, &refuse(format!("{bytes} bytes of vectors, more than {LARGEST}"))));
+        }
+        let loaded = places.iter().map(|place| self.load(*place)).collect::<io::Result<_>>();
+        self.selected = loaded.map_err(|cause| wrong(&self.path, &cause))?;
         Ok(())
     }
-}
 
-impl Read for Rows {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        if self.read >= self.text.len() {
-            self.fill()?;
+    fn next(&mut self, cells: &mut Cells) -> Result<bool, RecordingError> {
+        if self.row == self.rows {
+            return Ok(false);
         }
-        let rest = self.text.get(self.read..).unwrap_or_default();
-        let count = rest.len().min(into.len());
-        if let (Some(to), Some(from)) = (into.get_mut(..count), rest.get(..count)) {
-            to.copy_from_slice(from);
+        cells.values.clear();
+        for (number, bytes) in &self.selected {
+            let at = self.row as usize * usize::from(number.bytes);
+            cells.values.push(number.read(bytes.get(at..).unwrap_or_default()));
         }
-        self.read += count;
-        Ok(count)
+        self.row += 1;
+        (cells.line, cells.whole) = (self.row, self.names.len());
+        Ok(true)
     }
-}
 
-/// A real array of one row or one column.
-fn vector(array: &matfile::Array) -> Option<Vec<f64>> {
-    let length: usize = array.size().iter().product();
-    if array.size().iter().filter(|&&n| n > 1).count() > 1 {
-        return None;
+    fn bytes_read(&self) -> u64 {
+        self.bytes_read
     }
-    macro_rules! numbers {
-        ($($kind:ident),*) => {
-            match array.data() {
-                $(NumericData::$kind { real, imag: None } => real.iter().map(|x| *x as f64).collect::<Vec<f64>>(),)*
-                _ => return None,
-            }
-        };
-    }
-    let all = numbers!(Int8, UInt8, Int16, UInt16, Int32, UInt32, Int64, UInt64, Single, Double);
-    (all.len() == length).then_some(all)
 }

@@ -1,13 +1,26 @@
 //! A recording: columns of a file -> samples with their time, their shaft angle and their flaws.
 
 mod average;
+mod bytes;
 pub mod clock;
-pub mod csv;
+mod csv;
 pub mod error;
 pub mod flaws;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod harness;
 mod mat;
+mod npy;
+mod numbers;
+mod parquet;
 pub mod probe;
+mod reader;
 pub mod rotation;
+mod table;
+mod tdms;
+mod wav;
+
+pub use reader::Reader;
 
 use ballrace::Turn;
 
@@ -16,7 +29,7 @@ use ballrace::Turn;
 pub struct Row {
     /// Counted from 0 in samples of the nominal rate: a gap in the time stamps makes it jump.
     pub index: u64,
-    /// Line of the file, for messages.
+    /// Line of the file, for messages; in a file without lines the number of the row, from 1.
     pub line: u64,
     /// Time, s: the time stamp, or index / rate.
     pub time: f64,

@@ -23,7 +23,7 @@ use crate::needs;
 use crate::observer::{Heard, MOST_PROBES, Start, Tuned, Watch, tuned, watch};
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
-use crate::recording::csv::CsvReader;
+use crate::recording::Reader;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
 use crate::recording::{Row, Sample};
@@ -96,7 +96,7 @@ const LONGEST_COAST_TURNS: f64 = 200.0;
 ///
 /// # Errors
 /// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
-pub fn replay(scene: &Scene, mut reader: CsvReader, recording_name: &str, options: &Options) -> Result<Outcome> {
+pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else {
         bail!(SceneFault(format!(
             "{}: [recording]: found none, allowed: the recording to replay",

@@ -234,6 +234,32 @@ pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }
 
+/// Whether the unit that a file says for a column is another one than the scene's. A text that is no unit here, such as
+/// a sensor's own, contradicts nothing.
+pub fn contradict(said: &str, meant: &str) -> bool {
+    let known = |text: &str| unit_of(text, Dimension::Length).ok();
+    let same = |(a, one): (f64, Powers), (b, other): (f64, Powers)| (a / b - 1.0).abs() < 1e-9 && one == other;
+    match (known(said.trim()), known(meant)) {
+        _ if said.trim() == meant => false,
+        (Some(said), Some(meant)) => !same(said, meant),
+        (said, _) => said.is_some(),
+    }
+}
+
+/// The unit of a column of lengths, by its factor.
+pub fn length_name(metres: f64) -> Option<&'static str> {
+    ["um", "mil", "mm", "m", "nm", "cm", "in", "ft"].into_iter().find(|unit| near(length_column(unit), metres))
+}
+
+/// The unit of a column of speeds, by its factor.
+pub fn speed_name(radians_per_second: f64) -> Option<&'static str> {
+    ["rpm", "rev/s", "rad/s"].into_iter().find(|unit| near(speed_column(unit), radians_per_second))
+}
+
+fn near(unit: Result<f64, Mismatch>, factor: f64) -> bool {
+    unit.is_ok_and(|unit| (unit / factor - 1.0).abs() < 1e-9)
+}
+
 fn column(unit: &str, dimension: Dimension, allowed: &str) -> Result<f64, Mismatch> {
     let mismatch = |why: String| Mismatch { found: format!("{}, {why}", quote(unit)), allowed: allowed.to_owned() };
     let (factor, powers) = unit_of(unit, dimension).map_err(|why| mismatch(format!("where {why}")))?;

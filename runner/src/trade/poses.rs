@@ -2,7 +2,7 @@
 
 use crate::motion::{self, Span};
 use crate::plant::Plant;
-use crate::recording::csv::CsvReader;
+use crate::recording::Reader;
 use crate::recording::rotation::Tracker;
 use crate::replay::pose::PoseSolver;
 use crate::scene::{Recording, Scene};
@@ -82,7 +82,7 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
 pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Poses> {
     let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(&recording.file);
-    let mut reader = CsvReader::open(&path, recording).with_context(|| path.display().to_string())?;
+    let mut reader = Reader::open(&path, recording).with_context(|| path.display().to_string())?;
     let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
     let solver = PoseSolver::try_new(&recording.probes, &stations).with_context(|| scene.path.display().to_string())?;
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);

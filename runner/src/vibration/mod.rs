@@ -6,8 +6,8 @@ mod judge;
 #[cfg(test)]
 mod tests;
 
+use crate::recording::Reader;
 use crate::recording::Row;
-use crate::recording::csv::CsvReader;
 use crate::replay::Options;
 use crate::replay::baseline::Baseline;
 use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Record};
@@ -36,7 +36,7 @@ struct Heard {
 ///
 /// # Errors
 /// A speed that is not constant, a recording that is too short or cannot be read.
-pub fn replay(scene: &Scene, mut reader: CsvReader, name: &str, options: &Options) -> Result<Outcome> {
+pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else { bail!("found no recording") };
     let (Speed::Constant(speed), Rotation::Scene) = (scene.shaft.speed, &recording.rotation) else {
         bail!(crate::fault::SceneFault(format!(

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use super::RecordingError;
 use super::source::failed;
-use crate::recording::error::{listed, nearest};
 
 /// A first line longer than this is no header but a binary file.
 const LONGEST: u64 = 1 << 20;
@@ -55,24 +54,6 @@ impl Header {
             return Err(RecordingError::NoHeader { file: file.into(), line, found });
         }
         Ok(Self { names, delimiter, line, bytes })
-    }
-
-    /// Place of a column that the scene names.
-    pub(super) fn find(&self, column: &str, file: &Path) -> Result<usize, RecordingError> {
-        let mut places = self.names.iter().enumerate().filter(|(_, name)| *name == column.trim());
-        match (places.next(), places.next()) {
-            (Some((place, _)), None) => Ok(place),
-            (Some(_), Some(_)) => {
-                Err(RecordingError::ColumnTwice { file: file.into(), line: self.line, column: column.into() })
-            }
-            (None, _) => Err(RecordingError::AbsentColumn {
-                file: file.into(),
-                line: self.line,
-                column: column.into(),
-                found: listed(&self.names),
-                nearest: nearest(column, &self.names),
-            }),
-        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use ballrace::Turn;
 
 use super::*;
-use crate::recording::csv::CsvReader;
+use crate::recording::Reader;
 use crate::recording::flaws::Flaw;
 use crate::scene::{Clock, Recording};
 
@@ -428,7 +428,7 @@ fn rig_recordings() {
             probes: vec![],
             rotation: rotation.clone(),
         };
-        let mut reader = CsvReader::open(&path, &recording).unwrap();
+        let mut reader = Reader::open(&path, &recording).unwrap();
         let mut tracker = Tracker::new(&rotation, RATE, Speed::Constant(1.0));
         let (mut rows, mut row) = (Vec::new(), tracker.blank());
         while reader.next_row(&mut row).unwrap() {

@@ -147,6 +147,26 @@ fn columns_of_recordings() {
 }
 
 #[test]
+fn units_of_files_against_the_scene() {
+    for (said, meant) in
+        [("um", "mm"), ("m/s^2", "g"), ("mm/s", "m/s"), ("Pa", "N"), ("s", "um"), ("N", "V"), ("ms", "s")]
+    {
+        assert!(contradict(said, meant), "{said} {meant}");
+    }
+    let same = [("\u{b5}m", "um"), (" mils", "mil"), ("m/s\u{b2}", "m/s^2"), ("g", "g"), ("rev/min", "rpm")];
+    let unknown = [("", "um"), ("V", "um"), ("Furlong", "mm"), ("V", "V")];
+    for (said, meant) in same.into_iter().chain(unknown) {
+        assert!(!contradict(said, meant), "{said} {meant}");
+    }
+    assert_eq!(
+        [1e-6, 25.4e-6, 1e-3, 1.0, 0.123].map(length_name),
+        [Some("um"), Some("mil"), Some("mm"), Some("m"), None]
+    );
+    assert_eq!(speed_name(1.0), Some("rad/s"));
+    assert_eq!(speed_name(speed_column("rpm").unwrap()), Some("rpm"));
+}
+
+#[test]
 fn every_name_is_unique_and_every_example_reads() {
     let atoms = atoms();
     for (i, (name, factor, _)) in atoms.iter().enumerate() {

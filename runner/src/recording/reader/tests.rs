@@ -26,9 +26,9 @@ fn stamped() -> Recording {
     recording(Clock::Column("t".into()))
 }
 
-fn reader(text: &str, recording: &Recording) -> Result<CsvReader, RecordingError> {
+fn reader(text: &str, recording: &Recording) -> Result<Reader, RecordingError> {
     let bytes = std::io::Cursor::new(text.as_bytes().to_vec());
-    CsvReader::from_reader(Box::new(bytes), Path::new("r.csv"), Some(text.len() as u64), recording)
+    Reader::from_reader(Box::new(bytes), Path::new("r.csv"), Some(text.len() as u64), recording)
 }
 
 fn read(text: &str, recording: &Recording) -> Result<(Vec<Row>, Vec<FlawSummary>), RecordingError> {
@@ -171,9 +171,9 @@ fn nearest_column() {
 
 #[test]
 fn files_that_cannot_be_read() {
-    let gone = CsvReader::open(Path::new("no/such/file.csv"), &rated()).err().unwrap();
+    let gone = Reader::open(Path::new("no/such/file.csv"), &rated()).err().unwrap();
     assert!(matches!(gone, RecordingError::Open { .. }) && !gone.is_scene_fault());
-    let folder = CsvReader::open(Path::new(env!("CARGO_MANIFEST_DIR")), &rated()).err().unwrap();
+    let folder = Reader::open(Path::new(env!("CARGO_MANIFEST_DIR")), &rated()).err().unwrap();
     assert!(matches!(folder, RecordingError::Folder { .. }));
 }
 
@@ -275,7 +275,7 @@ fn rig_recordings_are_flawless() {
             probes,
             rotation,
         };
-        let mut reader = CsvReader::open(&path, &recording).unwrap();
+        let mut reader = Reader::open(&path, &recording).unwrap();
         assert!((reader.rate() - 12_800.0).abs() < 0.01, "{}", reader.rate());
         let (mut row, mut count) = (Row::default(), 0);
         while reader.next_row(&mut row).unwrap() {

@@ -1,0 +1,35 @@
+//! Bytes in memory, taken from the front; what is not there is an error and not a panic.
+
+use std::io;
+
+/// What is left of some bytes.
+#[derive(Clone, Copy)]
+pub(super) struct Bytes<'a> {
+    pub(super) rest: &'a [u8],
+    pub(super) big_endian: bool,
+}
+
+impl<'a> Bytes<'a> {
+    pub(super) fn take(&mut self, count: u64) -> io::Result<&'a [u8]> {
+        let split = usize::try_from(count).ok().and_then(|count| self.rest.split_at_checked(count));
+        let (taken, rest) = split.ok_or(io::ErrorKind::UnexpectedEof)?;
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    pub(super) fn u32(&mut self) -> io::Result<u32> {
+        let bytes = self.take(4)?.try_into().map_err(io::Error::other)?;
+        Ok(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    pub(super) fn u64(&mut self) -> io::Result<u64> {
+        let bytes = self.take(8)?.try_into().map_err(io::Error::other)?;
+        Ok(if self.big_endian { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
+    }
+
+    /// Text with its length before it.
+    pub(super) fn text(&mut self) -> io::Result<String> {
+        let length = self.u32()?;
+        Ok(String::from_utf8_lossy(self.take(length.into())?).into_owned())
+    }
+}

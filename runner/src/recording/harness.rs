@@ -1,0 +1,122 @@
+//! What the tests of every binary format share: a file from bytes, read, cut short at every length, and damaged.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use super::error::RecordingError;
+use super::flaws::FlawSummary;
+use super::{Reader, Row};
+use crate::scene::{Clock, Direction, Probe, Recording, Rotation};
+
+/// Bytes of memory beyond which the tests never come, damaged files and all.
+const MOST_MEMORY: u64 = 1 << 30;
+
+pub(super) fn probe(column: &str, metres_per_unit: f64) -> Probe {
+    let direction = Direction::Radial(0.0);
+    Probe { column: column.into(), metres_per_unit, station: 0.0, direction, noise: None, offset: 0.0 }
+}
+
+/// Columns in metres at 1 kHz.
+pub(super) fn recording(columns: &[&str]) -> Recording {
+    Recording {
+        average: 1,
+        file: "r".into(),
+        clock: Clock::Rate(1000.0),
+        probes: columns.iter().map(|column| probe(column, 1.0)).collect(),
+        sensors: vec![],
+        rotation: Rotation::Scene,
+    }
+}
+
+type Result<T> = core::result::Result<T, RecordingError>;
+
+pub(super) fn read_file(path: &Path, recording: &Recording) -> Result<(Vec<Row>, Vec<FlawSummary>)> {
+    let mut reader = Reader::open(path, recording)?;
+    let (mut rows, mut row) = (Vec::new(), Row::default());
+    while reader.next_row(&mut row)? {
+        rows.push(row.clone());
+        assert!(rows.len() < 1_000_000, "rows without end");
+    }
+    Ok((rows, reader.flaws().summary()))
+}
+
+/// The file `r.bin`, so that its content alone tells what it is.
+pub(super) struct Trial {
+    folder: TempDir,
+}
+
+impl Trial {
+    pub(super) fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub(super) fn read(&self, bytes: &[u8], recording: &Recording) -> Result<(Vec<Row>, Vec<FlawSummary>)> {
+        let path = self.folder.path().join("r.bin");
+        std::fs::write(&path, bytes).unwrap();
+        read_file(&path, recording)
+    }
+}
+
+/// The values of the columns, row by row, of a sound file.
+pub(super) fn values(bytes: &[u8], columns: &[&str]) -> Vec<Vec<f64>> {
+    let (rows, flaws) = Trial::new().read(bytes, &recording(columns)).unwrap();
+    assert!(flaws.is_empty(), "{flaws:?}");
+    assert!(rows.iter().zip(1..).all(|(row, line)| row.line == line));
+    rows.into_iter().map(|row| row.probes).collect()
+}
+
+/// What is said of a file, without its path.
+pub(super) fn error(bytes: &[u8], recording: &Recording) -> String {
+    let said = Trial::new().read(bytes, recording).unwrap_err().to_string();
+    assert!(!said.contains('\n'), "one sentence: {said}");
+    said.split_once("r.bin").unwrap().1.to_owned()
+}
+
+/// At every length the file is refused or its rows are told to be short, except at `sound` lengths, where it is a file
+/// of fewer rows.
+pub(super) fn cut_short(bytes: &[u8], columns: &[&str], sound: &[usize]) {
+    let (trial, recording) = (Trial::new(), recording(columns));
+    let whole = trial.read(bytes, &recording).unwrap().0;
+    for length in 0..bytes.len() {
+        match trial.read(&bytes[..length], &recording) {
+            Ok((rows, flaws)) => {
+                assert!(!flaws.is_empty() || sound.contains(&length), "{length}: {} rows", rows.len());
+                let good = rows.iter().take_while(|row| !row.probes[0].is_nan()).count();
+                assert_eq!(rows[..good], whole[..good], "{length}");
+            }
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+        }
+    }
+}
+
+/// Two thousand times one to eight bits turned over: an error or rows, in bounded memory.
+pub(super) fn damaged(bytes: &[u8], columns: &[&str]) {
+    let (trial, recording) = (Trial::new(), recording(columns));
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = |below: usize| {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        (seed % below as u64) as usize
+    };
+    let mut refused = 0;
+    for _ in 0..2000 {
+        let mut bytes = bytes.to_vec();
+        for _ in 0..=random(8) {
+            let bit = random(8 * bytes.len());
+            bytes[bit / 8] ^= 1 << (bit % 8);
+        }
+        refused += usize::from(trial.read(&bytes, &recording).is_err());
+    }
+    let most = most_memory();
+    println!("{refused} of 2000 refused, at most {most} bytes of memory");
+    assert!(most < MOST_MEMORY, "{most} bytes");
+}
+
+/// Most memory that the process has held, where the system tells.
+fn most_memory() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok()).unwrap_or(0) * 1024
+}

@@ -1,0 +1,275 @@
+//! Numbers that lie at even distances in a file, read a block at a time.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use super::error::RecordingError;
+use super::table::{Cells, Table, equal_lengths};
+
+/// Bytes read at once.
+const BLOCK: u64 = 1 << 16;
+
+/// How a number is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Number {
+    pub(super) kind: Kind,
+    /// 1 to 8; 4 or 8 of a float.
+    pub(super) bytes: u8,
+    pub(super) big_endian: bool,
+    /// Multiplied to what is written.
+    pub(super) scale: f64,
+}
+
+/// What the bits of a number mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    Signed,
+    Unsigned,
+    Float,
+    /// Unsigned with its zero in the middle.
+    Centred,
+}
+
+impl Number {
+    pub(super) const fn new(kind: Kind, bytes: u8, big_endian: bool) -> Self {
+        Self { kind, bytes, big_endian, scale: 1.0 }
+    }
+
+    /// From the first bytes; what is not there counts as zeros.
+    pub(super) fn read(self, bytes: &[u8]) -> f64 {
+        let size = usize::from(self.bytes.clamp(1, 8));
+        let mut own = [0; 8];
+        for (to, from) in own.iter_mut().zip(bytes.iter().take(size)) {
+            *to = *from;
+        }
+        let unused = 64 - 8 * size as u32;
+        let bits = if self.big_endian { u64::from_be_bytes(own) >> unused } else { u64::from_le_bytes(own) };
+        let value = match self.kind {
+            Kind::Signed => ((bits << unused) as i64 >> unused) as f64,
+            Kind::Unsigned => bits as f64,
+            Kind::Float if size == 4 => f64::from(f32::from_bits(bits as u32)),
+            Kind::Float => f64::from_bits(bits),
+            Kind::Centred => bits as f64 - (1_u64 << (8 * size - 1)) as f64,
+        };
+        value * self.scale
+    }
+}
+
+/// `count` numbers `stride` bytes apart, and that again `repeats` times, `every` bytes apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Run {
+    pub(super) number: Number,
+    pub(super) start: u64,
+    pub(super) stride: u64,
+    pub(super) count: u64,
+    pub(super) every: u64,
+    pub(super) repeats: u64,
+}
+
+impl Run {
+    /// Without repetition.
+    pub(super) const fn once(number: Number, start: u64, stride: u64, count: u64) -> Self {
+        Self { number, start, stride, count, every: 0, repeats: 1 }
+    }
+
+    fn length(&self) -> Option<u64> {
+        self.count.checked_mul(self.repeats)
+    }
+
+    /// Where its last number ends.
+    fn end(&self) -> Option<u64> {
+        let inner = self.count.checked_sub(1)?.checked_mul(self.stride)?;
+        let outer = self.repeats.checked_sub(1)?.checked_mul(self.every)?;
+        self.start.checked_add(inner)?.checked_add(outer)?.checked_add(self.number.bytes.into())
+    }
+
+    /// The same as one even row where that is possible: single numbers would be fetched one by one.
+    const fn straightened(self) -> Self {
+        if self.count == 1 && self.repeats > 1 {
+            Self { stride: self.every, count: self.repeats, repeats: 1, ..self }
+        } else {
+            self
+        }
+    }
+}
+
+/// One column of a file: what it is called and where its numbers lie.
+pub(super) struct Lane {
+    pub(super) name: String,
+    pub(super) unit: Option<String>,
+    /// Sampling rate, Hz.
+    pub(super) rate: Option<f64>,
+    pub(super) runs: Vec<Run>,
+    /// Why it cannot be read, when the scene names it.
+    pub(super) refused: Option<String>,
+}
+
+impl Lane {
+    /// One even row of numbers.
+    pub(super) fn even(name: String, run: Run) -> Self {
+        Self { name, unit: None, rate: None, runs: vec![run], refused: None }
+    }
+}
+
+/// What a format's own reader finds in a file.
+pub(super) struct Layout {
+    pub(super) lanes: Vec<Lane>,
+    /// The file breaks off within a row.
+    pub(super) torn: bool,
+    /// What the format allows.
+    pub(super) allowed: &'static str,
+}
+
+/// A file whose numbers are not compressed.
+pub(super) struct Numbers {
+    path: PathBuf,
+    file: File,
+    names: Vec<String>,
+    layout: Layout,
+    selected: Vec<Column>,
+    rate: Option<f64>,
+    rows: u64,
+    row: u64,
+    /// Bytes of all numbers of a row that is read.
+    width: u64,
+    bytes: Vec<u8>,
+}
+
+/// A column that is read: its runs, and the block at hand.
+struct Column {
+    runs: Vec<Run>,
+    run: usize,
+    repeat: u64,
+    at: u64,
+    block: Vec<f64>,
+    next: usize,
+}
+
+impl Numbers {
+    pub(super) fn new(file: File, path: &Path, layout: Layout) -> Self {
+        let names = layout.lanes.iter().map(|lane| lane.name.clone()).collect();
+        let (path, selected, bytes) = (path.into(), Vec::new(), Vec::new());
+        Self { path, file, names, layout, selected, rate: None, rows: 0, row: 0, width: 0, bytes }
+    }
+
+    fn wrong(&self, found: String) -> RecordingError {
+        RecordingError::Format { file: self.path.clone(), found, allowed: self.layout.allowed }
+    }
+
+    /// The runs of a lane, all of which lie within the file.
+    fn column(&self, lane: &Lane, size: u64) -> Result<Column, RecordingError> {
+        if let Some(reason) = &lane.refused {
+            return Err(self.wrong(format!("`{}`: {reason}", lane.name)));
+        }
+        let beyond = |run: &&Run| run.length().is_none() || run.end().is_none_or(|end| end > size);
+        if lane.runs.iter().filter(|run| run.count > 0 && run.repeats > 0).any(|run| beyond(&run)) {
+            return Err(self.wrong(format!("a file cut short: `{}` goes on beyond its {size} bytes", lane.name)));
+        }
+        let runs = lane.runs.iter().filter(|run| run.count > 0 && run.repeats > 0);
+        let runs = runs.map(|run| run.straightened()).collect();
+        Ok(Column { runs, run: 0, repeat: 0, at: 0, block: Vec::new(), next: 0 })
+    }
+
+    /// The rate of the lanes that say one, which has to be the same of all.
+    fn common_rate(&self, lanes: &[&Lane]) -> Result<Option<f64>, RecordingError> {
+        let mut rates = lanes.iter().filter_map(|lane| Some((&lane.name, lane.rate?)));
+        let Some((name, rate)) = rates.next() else { return Ok(None) };
+        match rates.find(|(_, other)| (other / rate - 1.0).abs() > 1e-9) {
+            Some((other, own)) => Err(self.wrong(format!("{rate} Hz in `{name}` and {own} Hz in `{other}`"))),
+            None => Ok(Some(rate)),
+        }
+    }
+}
+
+impl Table for Numbers {
+    fn columns(&self) -> &[String] {
+        &self.names
+    }
+
+    /// What has a group is also called by its own name.
+    fn is_called(&self, place: usize, name: &str) -> bool {
+        let own = self.names.get(place).map(String::as_str);
+        own == Some(name) || own.and_then(|own| own.split_once('/')).is_some_and(|(_, channel)| channel == name)
+    }
+
+    fn unit(&self, place: usize) -> Option<&str> {
+        self.layout.lanes.get(place)?.unit.as_deref()
+    }
+
+    fn rate(&self) -> Option<f64> {
+        self.rate
+    }
+
+    fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {
+        let size = self.file.metadata().map_err(|cause| RecordingError::Open { file: self.path.clone(), cause })?.len();
+        let lanes: Vec<&Lane> = places.iter().filter_map(|place| self.layout.lanes.get(*place)).collect();
+        let columns = lanes.iter().map(|lane| self.column(lane, size)).collect::<Result<Vec<_>, _>>()?;
+        let lengths: Vec<_> = lanes.iter().zip(&columns).map(|(lane, c)| (lane.name.as_str(), c.length())).collect();
+        let rows = equal_lengths(&self.path, &lengths)?;
+        let rate = self.common_rate(&lanes)?;
+        let width = columns.iter().filter_map(|c| c.runs.first()).map(|run| u64::from(run.number.bytes)).sum();
+        (self.selected, self.rows, self.rate, self.width) = (columns, rows, rate, width);
+        Ok(())
+    }
+
+    fn next(&mut self, cells: &mut Cells) -> Result<bool, RecordingError> {
+        cells.values.clear();
+        self.row += 1;
+        (cells.line, cells.whole) = (self.row, self.names.len());
+        if self.row > self.rows {
+            // What is left of a row that was being written.
+            cells.whole = 0;
+            cells.values.resize(self.selected.len(), f64::NAN);
+            return Ok(core::mem::take(&mut self.layout.torn));
+        }
+        for column in &mut self.selected {
+            let value = column.next(&mut self.file, &mut self.bytes);
+            let failed = |cause| RecordingError::Read { file: self.path.clone(), line: self.row - 1, cause };
+            cells.values.push(value.map_err(failed)?);
+        }
+        Ok(true)
+    }
+
+    fn bytes_read(&self) -> u64 {
+        self.row.saturating_mul(self.width)
+    }
+}
+
+impl Column {
+    fn length(&self) -> u64 {
+        self.runs.iter().fold(0, |sum, run| sum.saturating_add(run.length().unwrap_or(0)))
+    }
+
+    fn next(&mut self, file: &mut File, bytes: &mut Vec<u8>) -> io::Result<f64> {
+        if self.next == self.block.len() {
+            self.fetch(file, bytes)?;
+        }
+        let value = self.block.get(self.next).copied();
+        self.next += 1;
+        value.ok_or_else(|| io::ErrorKind::UnexpectedEof.into())
+    }
+
+    /// The next block; empty at the end.
+    fn fetch(&mut self, file: &mut File, bytes: &mut Vec<u8>) -> io::Result<()> {
+        self.block.clear();
+        self.next = 0;
+        let Some(run) = self.runs.get(self.run) else { return Ok(()) };
+        let rows = (BLOCK / run.stride.max(1)).max(1).min(run.count - self.at);
+        let start = run.start + self.repeat * run.every + self.at * run.stride;
+        let span = (rows - 1) * run.stride + u64::from(run.number.bytes);
+        bytes.resize(span as usize, 0);
+        file.seek(SeekFrom::Start(start))?;
+        file.read_exact(bytes)?;
+        let stride = (run.stride as usize).max(1);
+        self.block.extend(bytes.chunks(stride).take(rows as usize).map(|number| run.number.read(number)));
+        self.at += rows;
+        if self.at == run.count {
+            (self.at, self.repeat) = (0, self.repeat + 1);
+        }
+        if self.repeat == run.repeats {
+            (self.repeat, self.run) = (0, self.run + 1);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,442 @@
+//! Any recording: columns that the scene names, each row placed in time, and what is wrong with it.
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
+
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::Row;
+use super::clock::{Grid, LEARN, Place};
+use super::csv::CsvTable;
+use super::error::{RecordingError, listed, nearest};
+use super::flaws::{Flaw, FlawLedger, Position};
+use super::probe::{ProbeWatch, Verdict};
+use super::table::{self, ALLOWED, Cells, Table};
+use crate::scene::units;
+use crate::scene::{Clock, Probe, Recording, Rotation};
+
+/// How far the file's sampling rate and the scene's may lie apart.
+const RATE_TOLERANCE: f64 = 1e-3;
+
+/// A recording, row by row, whatever its format.
+///
+/// What is wrong with single readings, rows and time stamps is entered into [`flaws`](Self::flaws):
+///
+/// - NaN or nothing in a cell is a missing reading.
+/// - In a row that is cut short the last cell that is there counts as cut off too: it may be a part of a number.
+/// - A row whose time stamp repeats or goes back is left out. A row whose time stamp is missing is the next sample.
+/// - A probe that repeats one reading exactly for 64 samples and 10 ms is stuck: from then until it moves its
+///   readings are missing (those before went out as they were, and are counted).
+pub struct Reader {
+    name: PathBuf,
+    size: Option<u64>,
+    table: Box<dyn Table>,
+    wanted: Wanted,
+    cells: Cells,
+    /// Rows read ahead.
+    ahead: VecDeque<Parsed>,
+    timing: Timing,
+    watches: Vec<ProbeWatch>,
+    ledger: FlawLedger,
+    ended: bool,
+}
+
+/// Which columns mean what; the table gives their values in this order.
+struct Wanted {
+    stamp: Option<Column>,
+    rotation: Option<Column>,
+    probes: Vec<Column>,
+}
+
+/// A column that is used, and what one unit of it is in SI.
+struct Column {
+    place: usize,
+    unit: f64,
+    /// Taken off, in SI.
+    offset: f64,
+}
+
+/// A row before its sample number is known, and how many of its cells are whole.
+struct Parsed {
+    row: Row,
+    whole: usize,
+}
+
+/// How rows get their sample number.
+enum Timing {
+    Rate { rate: f64, next: u64 },
+    Stamps(Grid),
+}
+
+impl Reader {
+    /// Opens a file, whose format its content tells or else its name, and reads as far as is needed to know its columns
+    /// and its sampling rate.
+    ///
+    /// # Errors
+    /// No such file, no header, a column of the scene that the file lacks, no row, time stamps without a rate,
+    /// a cell that is not a number among the first rows, a unit or a rate that is not the scene's.
+    pub fn open(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
+        let unopened = |cause| RecordingError::Open { file: path.into(), cause };
+        let mut file = File::open(path).map_err(unopened)?;
+        let about = file.metadata().map_err(unopened)?;
+        if about.is_dir() {
+            return Err(RecordingError::Folder { file: path.into() });
+        }
+        // A pipe has no size, and no beginning to go back to.
+        let size = about.is_file().then_some(about.len());
+        let open = if size.is_some() { table::binary(&mut file, path).map_err(unopened)? } else { None };
+        match open {
+            Some(open) => Self::new(open(file, path)?, path, size, recording),
+            None => Self::from_reader(Box::new(file), path, size, recording),
+        }
+    }
+
+    /// As [`open`](Self::open), from any source of CSV text; `name` stands in messages.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_reader(
+        reader: Box<dyn Read + Send>,
+        name: &Path,
+        size: Option<u64>,
+        recording: &Recording,
+    ) -> Result<Self, RecordingError> {
+        Self::new(Box::new(CsvTable::new(reader, name)?), name, size, recording)
+    }
+
+    fn new(
+        mut table: Box<dyn Table>,
+        name: &Path,
+        size: Option<u64>,
+        recording: &Recording,
+    ) -> Result<Self, RecordingError> {
+        let wanted = Wanted::new(table.as_ref(), recording, name)?;
+        wanted.check_units(table.as_ref(), recording, name)?;
+        table.select(&wanted.places())?;
+        let mut reader = Self {
+            name: name.into(),
+            size,
+            table,
+            wanted,
+            cells: Cells::default(),
+            ahead: VecDeque::new(),
+            timing: Timing::Rate { rate: 1.0, next: 0 },
+            watches: Vec::new(),
+            ledger: FlawLedger::default(),
+            ended: false,
+        };
+        reader.start(recording)?;
+        Ok(reader)
+    }
+
+    /// Sampling rate, Hz: the scene's, or learned from the first time stamps.
+    #[must_use]
+    pub fn rate(&self) -> f64 {
+        match &self.timing {
+            Timing::Rate { rate, .. } => *rate,
+            Timing::Stamps(grid) => 1.0 / grid.step(),
+        }
+    }
+
+    /// Names of all columns of the file.
+    #[must_use]
+    pub fn columns(&self) -> &[String] {
+        self.table.columns()
+    }
+
+    /// Bytes read, and bytes in all where that is known.
+    #[must_use]
+    pub fn progress(&self) -> (u64, Option<u64>) {
+        (self.table.bytes_read(), self.size)
+    }
+
+    /// What was wrong so far; clipped probes are known at the end only.
+    #[must_use]
+    pub const fn flaws(&self) -> &FlawLedger {
+        &self.ledger
+    }
+
+    /// Reads the next sample into `row`, whose memory is used again; false at the end.
+    ///
+    /// # Errors
+    /// A cell that is not a number, a row that is too long, a file that cannot be read further.
+    pub fn next_row(&mut self, row: &mut Row) -> Result<bool, RecordingError> {
+        while let Some(whole) = self.fetch(row)? {
+            if self.place(row)? {
+                self.inspect(row, whole);
+                return Ok(true);
+            }
+        }
+        self.end();
+        Ok(false)
+    }
+
+    fn start(&mut self, recording: &Recording) -> Result<(), RecordingError> {
+        let rows = if self.wanted.stamp.is_some() { LEARN } else { 1 };
+        while self.ahead.len() < rows {
+            let Some(parsed) = self.parse_new()? else { break };
+            self.ahead.push_back(parsed);
+        }
+        if self.ahead.is_empty() {
+            return Err(RecordingError::NoRows { file: self.name.clone() });
+        }
+        self.check_rate(recording)?;
+        self.timing = match &recording.clock {
+            Clock::Rate(rate) => Timing::Rate { rate: *rate, next: 0 },
+            Clock::Column(column) => Timing::Stamps(self.learn(column)?),
+        };
+        self.watches = recording.probes.iter().map(|_| ProbeWatch::new(self.rate())).collect();
+        Ok(())
+    }
+
+    /// A rate that the file says has to be the scene's.
+    fn check_rate(&self, recording: &Recording) -> Result<(), RecordingError> {
+        let (Some(found), Clock::Rate(allowed)) = (self.table.rate(), &recording.clock) else { return Ok(()) };
+        if (found / allowed - 1.0).abs() <= RATE_TOLERANCE {
+            return Ok(());
+        }
+        Err(RecordingError::Rate { file: self.name.clone(), found, allowed: *allowed })
+    }
+
+    fn learn(&self, column: &str) -> Result<Grid, RecordingError> {
+        let stamps: Vec<f64> = self.ahead.iter().map(|parsed| parsed.row.time).collect();
+        Grid::learn(&stamps).map_err(|fault| RecordingError::Clock {
+            file: self.name.clone(),
+            column: column.into(),
+            found: fault.to_string(),
+        })
+    }
+
+    /// The next row of the file, read ahead or not; gives the number of whole cells.
+    fn fetch(&mut self, row: &mut Row) -> Result<Option<usize>, RecordingError> {
+        match self.ahead.pop_front() {
+            Some(parsed) => {
+                *row = parsed.row;
+                Ok(Some(parsed.whole))
+            }
+            None => self.parse(row),
+        }
+    }
+
+    fn parse_new(&mut self) -> Result<Option<Parsed>, RecordingError> {
+        let mut row = Row::default();
+        Ok(self.parse(&mut row)?.map(|whole| Parsed { row, whole }))
+    }
+
+    fn parse(&mut self, row: &mut Row) -> Result<Option<usize>, RecordingError> {
+        if !self.table.next(&mut self.cells)? {
+            return Ok(None);
+        }
+        let values = self.wanted.columns().zip(&self.cells.values);
+        if let Some((column, value)) = values.clone().find(|(_, value)| value.is_infinite()) {
+            return Err(RecordingError::Cell {
+                file: self.name.clone(),
+                line: self.cells.line,
+                column: self.table.columns()[column.place].clone(),
+                found: value.to_string(),
+                allowed: ALLOWED,
+            });
+        }
+        row.line = self.cells.line;
+        self.wanted.fill(&self.cells.values, row);
+        Ok(Some(self.cells.whole))
+    }
+
+    /// Gives the row its sample number and time; false when it is left out.
+    fn place(&mut self, row: &mut Row) -> Result<bool, RecordingError> {
+        let grid = match &mut self.timing {
+            Timing::Rate { rate, next } => {
+                row.index = *next;
+                row.time = *next as f64 / *rate;
+                *next += 1;
+                return Ok(true);
+            }
+            Timing::Stamps(grid) => grid,
+        };
+        match grid.place(row.time) {
+            Place::Next => self.accept(row, 0),
+            Place::After(missing) => self.place_after(row, missing)?,
+            Place::Repeated => return Ok(self.leave_out(row, Flaw::RepeatedTimeStamp)),
+            Place::Backward => return Ok(self.leave_out(row, Flaw::BackwardTimeStamp)),
+        }
+        Ok(true)
+    }
+
+    fn accept(&mut self, row: &mut Row, missing: u64) {
+        let Timing::Stamps(grid) = &mut self.timing else { return };
+        let due = grid.next_time();
+        let unstamped = row.time.is_nan();
+        row.index = grid.accept(row.time, missing);
+        if unstamped {
+            row.time = due;
+            self.note_stamp(row, Flaw::MissingValue);
+        }
+    }
+
+    /// A jump ahead is a gap, unless the row after it goes on as if there had been none.
+    fn place_after(&mut self, row: &mut Row, missing: u64) -> Result<(), RecordingError> {
+        if self.ahead.is_empty()
+            && let Some(parsed) = self.parse_new()?
+        {
+            self.ahead.push_back(parsed);
+        }
+        let Timing::Stamps(grid) = &mut self.timing else { return Ok(()) };
+        if self.ahead.front().is_some_and(|next| grid.skips_one(next.row.time)) {
+            row.time = grid.next_time();
+            row.index = grid.accept(f64::NAN, 0);
+            self.note_stamp(row, Flaw::StrayTimeStamp);
+            return Ok(());
+        }
+        self.accept(row, missing);
+        self.ledger.record(Flaw::Gap, None, Position::from(&*row), missing);
+        Ok(())
+    }
+
+    fn leave_out(&mut self, row: &mut Row, flaw: Flaw) -> bool {
+        if let Timing::Stamps(grid) = &self.timing {
+            row.index = grid.next().saturating_sub(1);
+        }
+        self.note_stamp(row, flaw);
+        false
+    }
+
+    fn note_stamp(&mut self, row: &Row, flaw: Flaw) {
+        let column = self.wanted.stamp.as_ref().map(|cell| self.table.columns()[cell.place].as_str());
+        self.ledger.record(flaw, column, Position::from(row), 1);
+    }
+
+    /// Enters what the row lacks and takes away what a stuck probe says.
+    fn inspect(&mut self, row: &mut Row, whole: usize) {
+        let at = Position::from(&*row);
+        let ledger = &mut self.ledger;
+        if whole < self.table.columns().len() {
+            ledger.record(Flaw::ShortRow, None, at, 1);
+        }
+        let name = |cell: &Column| self.table.columns()[cell.place].as_str();
+        for ((cell, reading), watch) in self.wanted.probes.iter().zip(&mut row.probes).zip(&mut self.watches) {
+            if reading.is_nan() {
+                if cell.place < whole {
+                    ledger.record(Flaw::MissingValue, Some(name(cell)), at, 1);
+                }
+                continue;
+            }
+            match watch.see(*reading, at) {
+                Verdict::Good => continue,
+                Verdict::Stuck { since, samples } => {
+                    ledger.record_reading(Flaw::StuckProbe, name(cell), since, samples, *reading);
+                }
+                Verdict::StillStuck => ledger.lengthen(Flaw::StuckProbe, Some(name(cell))),
+            }
+            *reading = f64::NAN;
+        }
+        if let Some(cell) = self.wanted.rotation.as_ref().filter(|cell| cell.place < whole)
+            && row.rotation.is_nan()
+        {
+            ledger.record(Flaw::MissingValue, Some(name(cell)), at, 1);
+        }
+    }
+
+    /// At the end, once: which probes were clipped.
+    fn end(&mut self) {
+        if core::mem::replace(&mut self.ended, true) {
+            return;
+        }
+        for (cell, watch) in self.wanted.probes.iter().zip(&self.watches) {
+            for clipped in watch.clipped() {
+                let name = self.table.columns()[cell.place].as_str();
+                self.ledger.record_reading(Flaw::ClippedProbe, name, clipped.first, clipped.samples, clipped.reading);
+            }
+        }
+    }
+}
+
+impl Wanted {
+    fn new(table: &dyn Table, recording: &Recording, file: &Path) -> Result<Self, RecordingError> {
+        let column = |name: &str, unit| find(table, name, file).map(|place| Column { place, unit, offset: 0.0 });
+        let rotation = match &recording.rotation {
+            Rotation::Keyphasor { column: name, .. } => Some(column(name, 1.0)?),
+            Rotation::SpeedColumn { column: name, radians_per_second } => Some(column(name, *radians_per_second)?),
+            Rotation::Scene => None,
+        };
+        let stamp = match &recording.clock {
+            Clock::Rate(_) => None,
+            Clock::Column(name) => Some(column(name, 1.0)?),
+        };
+        let probe = |of: &Probe| column(&of.column, of.metres_per_unit).map(|c| Column { offset: of.offset, ..c });
+        let probes = recording.probes.iter().map(probe);
+        Ok(Self { probes: probes.collect::<Result<_, _>>()?, rotation, stamp })
+    }
+
+    fn columns(&self) -> impl Iterator<Item = &Column> + Clone {
+        self.stamp.iter().chain(&self.rotation).chain(&self.probes)
+    }
+
+    fn places(&self) -> Vec<usize> {
+        self.columns().map(|column| column.place).collect()
+    }
+
+    /// A unit that the file says has to be the scene's.
+    fn check_units(&self, table: &dyn Table, recording: &Recording, file: &Path) -> Result<(), RecordingError> {
+        let check = |column: &Column, meant: &str| match table.unit(column.place) {
+            Some(said) if units::contradict(said, meant) => Err(RecordingError::Unit {
+                file: file.into(),
+                column: table.columns()[column.place].clone(),
+                found: said.into(),
+                allowed: meant.into(),
+            }),
+            _ => Ok(()),
+        };
+        if let Some(stamp) = &self.stamp {
+            check(stamp, "s")?;
+        }
+        if let (Some(column), Rotation::SpeedColumn { radians_per_second, .. }) = (&self.rotation, &recording.rotation)
+            && let Some(meant) = units::speed_name(*radians_per_second)
+        {
+            check(column, meant)?;
+        }
+        for (place, (column, probe)) in self.probes.iter().zip(&recording.probes).enumerate() {
+            // Sensors come as probes without another unit; their own stands beside them.
+            let meant = match recording.sensors.get(place) {
+                Some(sensor) => Some(sensor.unit.as_str()),
+                None => units::length_name(probe.metres_per_unit),
+            };
+            if let Some(meant) = meant {
+                check(column, meant)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The values of a row, in SI.
+    fn fill(&self, values: &[f64], row: &mut Row) {
+        let mut values = values.iter();
+        let mut next = |column: &Column| values.next().map_or(f64::NAN, |value| value * column.unit - column.offset);
+        row.time = self.stamp.as_ref().map_or(0.0, &mut next);
+        row.rotation = self.rotation.as_ref().map_or(0.0, &mut next);
+        row.probes.clear();
+        row.probes.extend(self.probes.iter().map(next));
+    }
+}
+
+/// Place of a column that the scene names.
+fn find(table: &dyn Table, column: &str, file: &Path) -> Result<usize, RecordingError> {
+    let names = table.columns();
+    let mut places = (0..names.len()).filter(|place| table.is_called(*place, column.trim()));
+    match (places.next(), places.next()) {
+        (Some(place), None) => Ok(place),
+        (Some(_), Some(_)) => {
+            Err(RecordingError::ColumnTwice { file: file.into(), line: table.header_line(), column: column.into() })
+        }
+        (None, _) => Err(RecordingError::AbsentColumn {
+            file: file.into(),
+            line: table.header_line(),
+            column: column.into(),
+            found: listed(names),
+            nearest: nearest(column, names),
+        }),
+    }
+}

@@ -1,0 +1,107 @@
+//! WAV files as recordings: the channels are the columns `c0`, `c1`, ...
+//!
+//! Integers are parts of full scale, which is 1: 16 bits reach from -1 to 32767/32768.
+
+#[cfg(test)]
+mod tests;
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use super::error::RecordingError;
+use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
+use super::table::Table;
+
+const ALLOWED: &str = "a WAV file of PCM with 8, 16, 24 or 32 bits or float with 32 or 64";
+
+/// Format tags.
+const PCM: u16 = 1;
+const FLOAT: u16 = 3;
+/// The tag proper stands further on.
+const EXTENSIBLE: u16 = 0xfffe;
+
+/// The chunk `fmt `.
+struct Format {
+    number: Number,
+    channels: u16,
+    rate: u32,
+}
+
+/// Opens a file.
+pub(super) fn open(file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
+    let wrong = |found: String| RecordingError::Format { file: path.into(), found, allowed: ALLOWED };
+    let layout = read(&file).map_err(|cause| match cause.kind() {
+        io::ErrorKind::UnexpectedEof => wrong("a file that ends before its samples".into()),
+        _ => wrong(cause.to_string()),
+    })?;
+    Ok(Box::new(Numbers::new(file, path, layout)))
+}
+
+fn refuse(found: impl Into<String>) -> io::Error {
+    io::Error::other(found.into())
+}
+
+/// Reads chunk by chunk up to the samples.
+fn read(file: &File) -> io::Result<Layout> {
+    let size = file.metadata()?.len();
+    let mut file = BufReader::new(file);
+    let mut head = [0; 12];
+    file.read_exact(&mut head)?;
+    if !head.starts_with(b"RIFF") || !head.ends_with(b"WAVE") {
+        return Err(refuse("no WAV file"));
+    }
+    let mut format = None;
+    loop {
+        let mut head = [0; 8];
+        file.read_exact(&mut head)?;
+        let [a, b, c, d, length @ ..] = head;
+        let length = u64::from(u32::from_le_bytes(length));
+        let start = file.stream_position()?;
+        match [a, b, c, d] {
+            [b'f', b'm', b't', b' '] => format = Some(read_format(&mut file, length)?),
+            [b'd', b'a', b't', b'a'] => {
+                let format = format.ok_or_else(|| refuse("samples before their format"))?;
+                return Ok(layout(&format, start, length, size));
+            }
+            _ => {}
+        }
+        // Chunks begin at even places.
+        file.seek(SeekFrom::Start(start + length.next_multiple_of(2)))?;
+    }
+}
+
+fn read_format(file: &mut impl Read, length: u64) -> io::Result<Format> {
+    let mut bytes = [0; 26];
+    let there = length.min(26) as usize;
+    file.read_exact(bytes.get_mut(..there).unwrap_or_default())?;
+    let word = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+    let (tag, channels, frame, bits) = (word(0), word(2), word(12), word(14));
+    let rate = u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]);
+    let kind = match (if tag == EXTENSIBLE { word(24) } else { tag }, bits) {
+        (PCM, 8) => Kind::Centred,
+        (PCM, 16 | 24 | 32) => Kind::Signed,
+        (FLOAT, 32 | 64) => Kind::Float,
+        (tag, _) => return Err(refuse(format!("format {tag} with {bits} bits"))),
+    };
+    let size = bits / 8;
+    if channels == 0 || Some(frame) != channels.checked_mul(size) || rate == 0 {
+        return Err(refuse(format!("{channels} channels of {bits} bits in {frame} bytes at {rate} Hz")));
+    }
+    let scale = if kind == Kind::Float { 1.0 } else { 2.0_f64.powi(1 - i32::from(bits)) };
+    let number = Number { scale, ..Number::new(kind, size as u8, false) };
+    Ok(Format { number, channels, rate })
+}
+
+fn layout(format: &Format, start: u64, length: u64, size: u64) -> Layout {
+    let number = u64::from(format.number.bytes);
+    let frame = number * u64::from(format.channels);
+    // A recorder that was switched off has not come to write the length, or not all of the samples.
+    let there = length.min(size.saturating_sub(start));
+    let lane = |channel: u16| {
+        let run = Run::once(format.number, start + u64::from(channel) * number, frame, there / frame);
+        Lane { rate: Some(format.rate.into()), ..Lane::even(format!("c{channel}"), run) }
+    };
+    let torn = there < length || !there.is_multiple_of(frame);
+    Layout { lanes: (0..format.channels).map(lane).collect(), torn, allowed: ALLOWED }
+}

@@ -1,0 +1,64 @@
+use crate::recording::harness::{cut_short, damaged, error, recording, values};
+use crate::scene::Clock;
+
+/// A file with these samples, frame by frame.
+fn wav(tag: u16, bits: u16, channels: u16, samples: &[u8]) -> Vec<u8> {
+    let frame = channels * bits / 8;
+    let mut format = [tag.to_le_bytes(), channels.to_le_bytes()].concat();
+    format.extend(1000_u32.to_le_bytes());
+    format.extend((1000 * u32::from(frame)).to_le_bytes());
+    format.extend([frame.to_le_bytes(), bits.to_le_bytes()].concat());
+    let chunk = |name: &[u8], bytes: &[u8]| {
+        let mut out = [name, &(bytes.len() as u32).to_le_bytes(), bytes].concat();
+        out.resize(out.len().next_multiple_of(2), 0);
+        out
+    };
+    let body = [b"WAVE".to_vec(), chunk(b"LIST", b"odd"), chunk(b"fmt ", &format), chunk(b"data", samples)].concat();
+    chunk(b"RIFF", &body)
+}
+
+fn floats(rows: u16) -> Vec<u8> {
+    let samples: Vec<u8> = (0..2 * rows).flat_map(|i| (f32::from(i) * 0.1).to_le_bytes()).collect();
+    wav(3, 32, 2, &samples)
+}
+
+#[test]
+fn samples_are_exact() {
+    let rows = values(&floats(40), &["c1", "c0"]);
+    assert_eq!(rows.len(), 40);
+    assert_eq!(rows[7], [f64::from(15.0_f32 * 0.1), f64::from(14.0_f32 * 0.1)]);
+    let doubles: Vec<u8> = [0.1_f64, -0.7].iter().flat_map(|x| x.to_le_bytes()).collect();
+    assert_eq!(values(&wav(3, 64, 1, &doubles), &["c0"]), [[0.1], [-0.7]]);
+}
+
+#[test]
+fn integers_are_parts_of_full_scale() {
+    assert_eq!(values(&wav(1, 8, 1, &[0, 128, 192, 255]), &["c0"]), [[-1.0], [0.0], [0.5], [127.0 / 128.0]]);
+    let words: Vec<u8> = [i16::MIN, -1, 16384].iter().flat_map(|x| x.to_le_bytes()).collect();
+    assert_eq!(values(&wav(1, 16, 1, &words), &["c0"]), [[-1.0], [-1.0 / 32768.0], [0.5]]);
+    assert_eq!(values(&wav(1, 24, 1, &[0, 0, 0x80, 0, 0, 0x40]), &["c0"]), [[-1.0], [0.5]]);
+    let long: Vec<u8> = [i32::MIN, 1 << 30].iter().flat_map(|x| x.to_le_bytes()).collect();
+    assert_eq!(values(&wav(1, 32, 1, &long), &["c0"]), [[-1.0], [0.5]]);
+}
+
+#[test]
+fn what_contradicts_the_scene_is_refused() {
+    assert_eq!(error(&floats(9), &recording(&["x"])), ": no column `x`; found the columns `c0`, `c1`");
+    let mut other = recording(&["c0"]);
+    other.clock = Clock::Rate(1002.0);
+    let said = ": found a sampling rate of 1000 Hz; allowed: the scene's, 1002 Hz, within 0.1 %";
+    assert_eq!(error(&floats(9), &other), said);
+    other.clock = Clock::Rate(1000.5);
+    assert_eq!(values(&floats(9), &["c0"]).len(), 9);
+    assert!(error(&wav(2, 4, 1, &[1; 8]), &recording(&["c0"])).contains("found format 2 with 4 bits"));
+    assert!(
+        error(&wav(3, 32, 1, &f32::INFINITY.to_le_bytes()), &recording(&["c0"])).contains("column c0: found `inf`")
+    );
+    assert!(error(&wav(1, 16, 1, &[]), &recording(&["c0"])).contains("0 in `c0`"));
+}
+
+#[test]
+fn short_and_damaged_files() {
+    cut_short(&floats(40), &["c0", "c1"], &[]);
+    damaged(&floats(40), &["c0", "c1"]);
+}

@@ -1,0 +1,182 @@
+//! One recording in every format: the same figures to the last digit.
+
+use std::sync::Arc;
+
+use parquet::data_type::DoubleType;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
+use serde_json::Value;
+
+use crate::support::{DEMO_SCENE, Desk, SHORT, numbers, scene, short_recording, swap};
+
+/// Names and columns of the recording on a rig.
+fn table() -> (Vec<String>, Vec<Vec<f64>>) {
+    let (names, rows) = numbers(&short_recording(SHORT));
+    let columns = (0..names.len()).map(|place| rows.iter().map(|row| row[place]).collect()).collect();
+    (names, columns)
+}
+
+fn little_endian<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Vec<u8> {
+    numbers.into_iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// Rows of a structure with the columns as its fields.
+fn npy() -> Vec<u8> {
+    let (names, columns) = table();
+    let fields: String = names.iter().map(|name| format!("('{name}', '<f8'), ")).collect();
+    let text = format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({SHORT},), }}");
+    let text = format!("{text:501}\n");
+    let rows = (0..SHORT).flat_map(|row| columns.iter().map(move |column| &column[row]));
+    let length = (text.len() as u16).to_le_bytes();
+    [b"\x93NUMPY\x01\0".as_slice(), &length, text.as_bytes(), &little_endian(rows)].concat()
+}
+
+fn parquet() -> Vec<u8> {
+    let (names, columns) = table();
+    let fields: String = names.iter().map(|name| format!("REQUIRED DOUBLE {name}; ")).collect();
+    let schema = Arc::new(parse_message_type(&format!("message schema {{ {fields} }}")).unwrap());
+    let mut out = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut out, schema, Arc::default()).unwrap();
+    for rows in [0..SHORT / 3, SHORT / 3..SHORT] {
+        let mut group = writer.next_row_group().unwrap();
+        for column in &columns {
+            let mut out = group.next_column().unwrap().unwrap();
+            out.typed::<DoubleType>().write_batch(&column[rows.clone()], None, None).unwrap();
+            out.close().unwrap();
+        }
+        group.close().unwrap();
+    }
+    writer.close().unwrap();
+    out
+}
+
+fn mat() -> Vec<u8> {
+    let element = |kind: u32, bytes: &[u8]| {
+        let mut out = [kind.to_le_bytes(), (bytes.len() as u32).to_le_bytes()].concat();
+        out.extend(bytes);
+        out.resize(out.len().next_multiple_of(8), 0);
+        out
+    };
+    let (names, columns) = table();
+    let mut out = b"MATLAB 5.0 MAT-file, made by a test".to_vec();
+    out.resize(124, b' ');
+    out.extend([0, 1, b'I', b'M']);
+    for (name, column) in names.iter().zip(&columns) {
+        let size = [SHORT as i32, 1].map(i32::to_le_bytes).concat();
+        let flags = element(6, &[6, 0, 0, 0, 0, 0, 0, 0]);
+        let parts = [flags, element(5, &size), element(1, name.as_bytes()), element(9, &little_endian(column))];
+        out.extend(element(14, &parts.concat()));
+    }
+    out
+}
+
+/// A TDMS file of one segment in chunks of a turn, whose channels have `unit`.
+fn tdms(unit: &str) -> Vec<u8> {
+    let text = |of: &str| [&(of.len() as u32).to_le_bytes(), of.as_bytes()].concat();
+    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+    let chunk = 256_usize;
+    let (names, columns) = table();
+    let mut about = words(&[names.len() as u32]);
+    for name in &names {
+        about.extend(
+            [text(&format!("/'Rig'/'{name}'")), words(&[20, 10, 1]), (chunk as u64).to_le_bytes().into()].concat(),
+        );
+        about.extend(
+            [words(&[2]), text("wf_increment"), words(&[10]), (1.0 / 12_800.0_f64).to_le_bytes().into()].concat(),
+        );
+        about.extend([text("unit_string"), words(&[0x20]), text(unit)].concat());
+    }
+    let starts = (0..SHORT).step_by(chunk);
+    let chunks = starts.flat_map(|from| columns.iter().flat_map(move |column| &column[from..from + chunk]));
+    let numbers = little_endian(chunks);
+    let mut out = [b"TDSm".to_vec(), words(&[0b1110, 4713])].concat();
+    out.extend(((about.len() + numbers.len()) as u64).to_le_bytes());
+    out.extend((about.len() as u64).to_le_bytes());
+    [out, about, numbers].concat()
+}
+
+fn wav() -> Vec<u8> {
+    let (names, columns) = table();
+    let channels = names.len() as u16;
+    let rows = (0..SHORT).flat_map(|row| columns.iter().map(move |column| column[row] as f32));
+    let samples: Vec<u8> = rows.flat_map(f32::to_le_bytes).collect();
+    let mut out = b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\x03\0".to_vec();
+    out.extend(channels.to_le_bytes());
+    out.extend([12_800, 12_800 * 4 * u32::from(channels)].map(u32::to_le_bytes).concat());
+    out.extend([4 * channels, 32].map(u16::to_le_bytes).concat());
+    out.extend(b"data");
+    out.extend((samples.len() as u32).to_le_bytes());
+    out.extend(samples);
+    out
+}
+
+/// The outcome but for how long it took and what the file is called.
+fn figures(desk: &Desk, recording: &str) -> Value {
+    let mut outcome = desk.replay("scene.toml", &["--recording", recording]);
+    let all = outcome.as_object_mut().unwrap();
+    assert_eq!(all.remove("recording").unwrap(), recording);
+    all.remove("timing").unwrap();
+    outcome
+}
+
+#[test]
+fn the_same_figures_from_every_format() {
+    let desk = Desk::rig();
+    let text = figures(&desk, "healthy.csv");
+    let files = [("r.npy", npy()), ("r.parquet", parquet()), ("r.mat", mat()), ("r.tdms", tdms("V"))];
+    for (name, bytes) in files {
+        desk.put(name, &bytes);
+        assert_eq!(figures(&desk, name), text, "{name}");
+        // Content comes before the name.
+        desk.put("r.dat", &bytes);
+        assert_eq!(figures(&desk, "r.dat"), text, "{name} as r.dat");
+    }
+}
+
+#[test]
+fn the_same_figures_from_sound() {
+    let (names, columns) = table();
+    let numbered = names.iter().enumerate().fold(DEMO_SCENE.to_owned(), |text, (place, name)| {
+        text.replace(&format!("\"{name}\""), &format!("\"c{place}\""))
+    });
+    let header: Vec<String> = (0..names.len()).map(|place| format!("c{place}")).collect();
+    let row = |row: usize| columns.iter().map(|column| (f64::from(column[row] as f32)).to_string()).collect::<Vec<_>>();
+    let rows: String = (0..SHORT).map(|at| row(at).join(",") + "\n").collect();
+    let desk = Desk::with(&numbered, &(header.join(",") + "\n" + &rows));
+    desk.put("r.wav", wav());
+    assert_eq!(figures(&desk, "r.wav"), figures(&desk, "healthy.csv"));
+}
+
+#[test]
+fn files_that_contradict_the_scene() {
+    let desk = Desk::rig();
+    desk.put("r.tdms", tdms("mm"));
+    let replay = ["replay", "scene.toml", "--recording", "r.tdms"];
+    desk.refused(
+        &replay,
+        2,
+        &["r.tdms, column Rig/DE_X_um: found the unit `mm`; allowed: the scene's, `um`, or no unit"],
+    );
+    desk.put("r.tdms", tdms("µm"));
+    desk.put("scene.toml", scene(&[("12.8 kHz", "25.6 kHz")]));
+    let said = "r.tdms: found a sampling rate of 12800 Hz; allowed: the scene's, 25600 Hz, within 0.1 %";
+    desk.refused(&replay, 2, &[said]);
+    desk.put("scene.toml", swap(DEMO_SCENE, "\"DE_X_um\"", "\"DE_X\""));
+    desk.refused(&replay, 2, &["r.tdms: no column `DE_X`; found the columns `Rig/time_s`, `Rig/DE_X_um`"]);
+}
+
+#[test]
+fn files_cut_short() {
+    let desk = Desk::rig();
+    for (name, bytes) in [("r.npy", npy()), ("r.parquet", parquet()), ("r.mat", mat())] {
+        desk.put(name, &bytes[..bytes.len() - 100]);
+        let replay = ["replay", "scene.toml", "--recording", name];
+        desk.refused(&replay, 1, &[name, ": found ", "; allowed: a"]);
+    }
+    // What a logger wrote before it was stopped is used.
+    let whole = tdms("um");
+    desk.put("r.tdms", &whole[..whole.len() - 100]);
+    let outcome = desk.replay("scene.toml", &["--recording", "r.tdms"]);
+    let flaws = outcome["flaws"].as_array().unwrap();
+    assert!(flaws.iter().any(|flaw| flaw["kind"] == "short_row"), "{outcome:#}");
+}

@@ -1,0 +1,43 @@
+//! Any bytes as a recording in a binary format: rows and flaws, or one error.
+#![no_main]
+
+use ballrace_runner::recording::{Reader, Row};
+use ballrace_runner::scene::{Clock, Direction, Probe, Recording, Rotation};
+use libfuzzer_sys::fuzz_target;
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+static FOLDER: LazyLock<TempDir> = LazyLock::new(|| tempfile::tempdir().expect("a folder"));
+
+/// Names of the columns that the seeds have.
+const COLUMNS: [&str; 3] = ["c0", "x", "G/x"];
+
+fn recording(column: &str) -> Recording {
+    let probe = Probe {
+        column: column.into(),
+        metres_per_unit: 1.0,
+        station: 0.0,
+        direction: Direction::Radial(0.0),
+        noise: None,
+        offset: 0.0,
+    };
+    Recording {
+        file: "fuzz".into(),
+        clock: Clock::Rate(1000.0),
+        probes: vec![probe],
+        sensors: vec![],
+        rotation: Rotation::Scene,
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let path = FOLDER.path().join("recording.bin");
+    std::fs::write(&path, bytes).expect("a file");
+    for column in COLUMNS {
+        let Ok(mut reader) = Reader::open(&path, &recording(column)) else { continue };
+        let mut row = Row::default();
+        while let Ok(true) = reader.next_row(&mut row) {
+            assert!(row.time.is_finite() && !row.probes[0].is_infinite());
+        }
+    }
+});
