@@ -11,6 +11,7 @@ mod fit;
 mod force;
 mod formats;
 mod limits;
+mod live;
 mod long;
 mod replay;
 mod scenes;

@@ -47,8 +47,11 @@ impl Line {
 pub struct Demodulator {
     lines: Vec<Line>,
     signals: usize,
-    /// Complex sums of the running block, line-major.
-    block: Vec<(f64, f64)>,
+    /// Sums of the running block with cosine and with sine, line-major.
+    cosines: Vec<f64>,
+    sines: Vec<f64>,
+    /// This sample's signals about their means, under the window.
+    windowed: Vec<f64>,
     /// Amplitudes of cosine and sine in the last finished block.
     last: Vec<[f64; 2]>,
     weight: f64,
@@ -70,7 +73,9 @@ impl Demodulator {
         Self {
             lines,
             signals,
-            block: vec![(0.0, 0.0); cells],
+            cosines: vec![0.0; cells],
+            sines: vec![0.0; cells],
+            windowed: vec![0.0; signals],
             last: vec![[0.0; 2]; cells],
             weight: 0.0,
             turns: 0.0,
@@ -88,15 +93,17 @@ impl Demodulator {
         self.weight += window;
         // A slow average: fixed within rounding over a block, whatever the recording's length.
         let rate = 1.0 / self.seen.min(20_000.0);
-        for (mean, value) in self.means.iter_mut().zip(values) {
+        for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.windowed) {
             *mean += (value - *mean) * rate;
+            *to = window * (value - *mean);
         }
-        for (line, cells) in self.lines.iter().zip(self.block.chunks_exact_mut(self.signals.max(1))) {
+        let width = self.signals.max(1);
+        let cells = self.cosines.chunks_exact_mut(width).zip(self.sines.chunks_exact_mut(width));
+        for (line, (cosines, sines)) in self.lines.iter().zip(cells) {
             let (sin, cos): (f64, f64) = Exact::sin_cos(line.phase(angles.shaft, angles.cages));
-            for ((cell, value), mean) in cells.iter_mut().zip(values).zip(&self.means) {
-                let y = window * (value - mean);
-                cell.0 += y * cos;
-                cell.1 += y * sin;
+            for ((c, s), y) in cosines.iter_mut().zip(sines).zip(&self.windowed) {
+                *c += y * cos;
+                *s += y * sin;
             }
         }
         self.turns += angles.arc.abs();
@@ -110,13 +117,15 @@ impl Demodulator {
 
     fn close(&mut self) {
         if self.weight > 0.0 {
-            for ((power, last), cell) in self.power.iter_mut().zip(&mut self.last).zip(&self.block) {
-                *last = [2.0 * cell.0 / self.weight, 2.0 * cell.1 / self.weight];
+            let sums = self.cosines.iter().zip(&self.sines);
+            for ((power, last), (c, s)) in self.power.iter_mut().zip(&mut self.last).zip(sums) {
+                *last = [2.0 * c / self.weight, 2.0 * s / self.weight];
                 *power += last[0] * last[0] + last[1] * last[1];
             }
             self.blocks += 1.0;
         }
-        self.block.fill((0.0, 0.0));
+        self.cosines.fill(0.0);
+        self.sines.fill(0.0);
         self.weight = 0.0;
     }
 

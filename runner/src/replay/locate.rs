@@ -22,6 +22,8 @@ pub struct Locator {
     /// Sum over blocks of the squared unexplained force of each bearing, by line as in `followed`.
     power: Vec<[f64; 2]>,
     signals: Vec<f64>,
+    /// Revolutions since the last sample with forces.
+    arc: f64,
 }
 
 impl Locator {
@@ -37,11 +39,17 @@ impl Locator {
             stations: [a.station, b.station],
             ratios: plant.seats.iter().map(|s| s.kinematics.cage_ratio).collect(),
             signals: Vec::with_capacity(10),
+            arc: 0.0,
         })
     }
 
-    /// One sample: the measured pose and the forces that the model gives from it.
+    /// One sample: the measured pose and the forces that the model gives from it; nothing but the way where there are none.
     pub fn add(&mut self, plant: &Plant, pose: &Displacement<f64>, forces: &[Evaluated], angles: Angles, speed: f64) {
+        self.arc += angles.arc;
+        if forces.is_empty() {
+            return;
+        }
+        let angles = Angles { arc: std::mem::take(&mut self.arc), ..angles };
         self.signals.clear();
         self.signals.extend(pose.to_array());
         let mut whole = [0.0; 5];

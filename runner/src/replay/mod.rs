@@ -63,7 +63,7 @@ pub struct Options<'a> {
     /// A baseline to judge against.
     pub baseline: Option<&'a Path>,
     /// For a machine that is watched while it runs: indicators of every second are kept for [`Replay::news`], and forces
-    /// that only figures rest on are computed for [`WATCHED_FORCES`] samples a second.
+    /// that no one asked for sample by sample are computed for [`WATCHED_FORCES`] samples a second at most.
     pub watched: bool,
     /// Someone looks on: [`Replay::glance`] has something to show.
     pub viewed: bool,
@@ -81,8 +81,8 @@ pub enum Source {
     Displacement,
 }
 
-/// Samples a second whose forces enter the figures of a machine that is watched.
-pub const WATCHED_FORCES: f64 = 1600.0;
+/// Samples a second whose readings are weighed on a machine that is watched; a quarter of them enters the figures.
+pub const WATCHED_FORCES: f64 = 6400.0;
 /// Seconds for which a machine that is watched may keep its keyphasor's pulse back before it counts as standing still.
 const WATCHED_WAIT: f64 = 10.0;
 /// Of so many samples one has its noise band computed, after the first turns, which the pictures show.
@@ -254,7 +254,9 @@ struct Run<'a> {
     seconds: Option<Seconds>,
     recent: Option<Recent>,
     ended_seconds: Vec<Second>,
-    /// Of so many samples one has all its forces computed.
+    /// Of so many samples one has the forces of its readings computed ...
+    weighed: u64,
+    /// ... and of so many, a multiple of that, all its forces.
     thorough: u64,
     buffers: Buffers,
 }
@@ -355,6 +357,8 @@ impl<'a> Run<'a> {
         let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
+        let sparing = options.watched && options.forces.is_none();
+        let weighed = if sparing { ((rate / WATCHED_FORCES) as u64).max(1) } else { 1 };
         let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
         let guards = Guards::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
         let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
@@ -393,11 +397,8 @@ impl<'a> Run<'a> {
             }),
             plant,
             ended_seconds: Vec::new(),
-            thorough: if options.watched && options.forces.is_none() {
-                ((rate / WATCHED_FORCES) as u64).max(1)
-            } else {
-                1
-            },
+            weighed,
+            thorough: weighed * if sparing { 4 } else { 1 },
             buffers: Buffers::default(),
         })
     }
@@ -475,7 +476,8 @@ impl<'a> Run<'a> {
         let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
         self.buffers.evaluated.clear();
         let others = (sample.row.index % self.thorough == 0).then_some([&twin_pose, &likely]);
-        for ((seat, sums), &parts) in self.plant.seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
+        let seats = if sample.row.index % self.weighed == 0 { self.plant.seats.as_slice() } else { &[] };
+        for ((seat, sums), &parts) in seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
             let at = seat.rotation(parts, &drive);
             self.buffers.evaluated.push(sums.evaluate(seat, &pose, others, &at));
         }
@@ -562,7 +564,8 @@ impl<'a> Run<'a> {
             let comparison = &self.comparison;
             self.guards.block(sample.row.time, |line, probe, residual| comparison.block_line(line, probe, residual));
         }
-        if let Some(locator) = self.locator.as_mut().filter(|_| !buffers.evaluated.iter().any(|e| e.status.is_held())) {
+        let is_held = buffers.evaluated.iter().any(|e| e.status.is_held());
+        if let Some(locator) = self.locator.as_mut().filter(|_| !is_held) {
             locator.add(&self.plant, pose, &buffers.evaluated, angles, sample.speed);
         }
         self.collector.add(sample, &buffers.twin, arc);

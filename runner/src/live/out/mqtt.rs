@@ -56,3 +56,39 @@ impl Publisher {
         let _ = self.client.try_disconnect();
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use std::io::{Read, Write};
+    use std::net::TcpListener;
+
+    #[test]
+    fn a_broker_hears_topic_and_message() {
+        let broker = TcpListener::bind("127.0.0.1:0").unwrap();
+        let url = format!("mqtt://127.0.0.1:{}/plant/pump", broker.local_addr().unwrap().port());
+        let mut publisher = Publisher::connect(&url).unwrap();
+        publisher.publish("indicators", "{\"time_s\":1}");
+        let (mut stream, _) = broker.accept().unwrap();
+        let (mut heard, mut part) = (Vec::new(), [0; 1024]);
+        while !heard.windows(12).any(|w| w == b"{\"time_s\":1}") {
+            let length = stream.read(&mut part).unwrap();
+            assert!(length > 0, "gone before the message");
+            if heard.is_empty() {
+                // MQTT 3.1.1, CONNACK: accepted.
+                stream.write_all(&[0x20, 2, 0, 0]).unwrap();
+            }
+            heard.extend(&part[..length]);
+        }
+        assert!(heard.windows(21).any(|w| w == b"plant/pump/indicators"));
+    }
+
+    #[test]
+    fn what_is_no_address_is_refused() {
+        for url in ["localhost:1883/t", "mqtt://localhost/t", "mqtt://localhost:1883", "mqtt://:1/t", "mqtt://h:1/a/#"]
+        {
+            assert!(Publisher::connect(url).is_err_and(|e| e.to_string().contains("allowed: mqtt://")), "{url}");
+        }
+    }
+}
