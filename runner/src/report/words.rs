@@ -1,7 +1,7 @@
 //! What the page and the terminal say in the same words.
 
 use super::number::{alone, count, counted, fixed};
-use crate::replay::outcome::{FindingKind, Observation, Outcome, ProbeOutcome, Record, Standing};
+use crate::replay::outcome::{Finding, FindingKind, Observation, Outcome, ProbeOutcome, Record, Standing};
 
 /// Condition number from which the probes count as badly placed.
 const BADLY_PLACED: f64 = 100.0;
@@ -20,6 +20,40 @@ pub(super) fn kind(kind: FindingKind) -> &'static str {
     }
 }
 
+/// What to do about a limit that was crossed.
+pub(super) const EVENT_ACTION: &str =
+    "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
+/// What to do where nothing was found.
+pub(super) const NO_ACTION: &str = "None; keep this recording as the baseline (--learn) for later ones.";
+/// What every figure of the page is in.
+pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column says; phase in \
+                                degrees of lag, 0 to 360; frequency in Hz and orders (X)";
+
+/// What to do about a finding, in one sentence.
+pub(super) const fn action(kind: FindingKind) -> &'static str {
+    match kind {
+        FindingKind::OuterRace | FindingKind::InnerRace | FindingKind::Element => {
+            "Order a spare bearing, repeat the measurement within a week and replace the bearing where the line grows."
+        }
+        FindingKind::Cage => "Check lubrication and load, and plan the replacement: a cage fails without much warning.",
+        FindingKind::Unbalance => {
+            "Look for deposits, lost weights and loose parts, then balance; repeat with the new unbalance in the scene."
+        }
+        FindingKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
+        FindingKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene anew.",
+        FindingKind::Other => "Look at the residual's spectrum and orbit, and check mounting and probes.",
+    }
+}
+
+/// How far a finding stands out, in a word; it is a level, not a rate of damage.
+pub(super) fn severity(finding: &Finding) -> &'static str {
+    match finding.level_db {
+        db if db >= 30.0 => "strong",
+        db if db >= 20.0 => "clear",
+        _ => "slight",
+    }
+}
+
 /// What a reader wants to know before the figures: name and value.
 pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let record = &outcome.record;
@@ -32,8 +66,11 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
         ("Rate", format!("{} Hz", rate(record.rate_hz))),
         ("Duration", format!("{} s, {} turns", fixed(record.duration_s, 3), fixed(record.turns, 1))),
         ("Samples", samples(record)),
-        ("Condition number", condition(&outcome.observation)),
     ];
+    facts.extend(setting(outcome));
+    if !outcome.probes.is_empty() {
+        facts.push(("Condition number", condition(&outcome.observation)));
+    }
     if outcome.observation.noise_gain > 0.0 {
         facts.push((
             "Noise gain",
@@ -45,6 +82,49 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
         facts.push(("Supplied by the twin", format!("{}: no probe sees it", supplied.join(", "))));
     }
     facts
+}
+
+/// How it was measured and worked out: bearings, probes, load, spectra, filters.
+fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
+    let mut facts = Vec::new();
+    let bearings =
+        outcome.bearings.iter().map(|b| format!("{} ({}) at {} mm", b.name, b.model, fixed(b.station_mm, 1)));
+    let bearings: Vec<String> = bearings.collect();
+    if !bearings.is_empty() {
+        facts.push(("Bearings", bearings.join("; ")));
+    }
+    if outcome.probes.is_empty() {
+        return facts;
+    }
+    facts.push(("Probes", outcome.probes.iter().map(probe).collect::<Vec<_>>().join("; ")));
+    let load = outcome.record.load.iter().zip(["FX", "FY", "FZ", "MX", "MY"]).zip([" N", " N", " N", " N m", " N m"]);
+    let load: Vec<String> =
+        load.filter(|((x, _), _)| **x != 0.0).map(|((x, name), unit)| format!("{name} {}{unit}", alone(*x))).collect();
+    facts.push(("Load on the rotor", if load.is_empty() { "weight alone".to_owned() } else { load.join(", ") }));
+    let spectra = &outcome.record.spectra;
+    facts.push((
+        "Spectra",
+        format!(
+            "{} lines, {} Hz apart, Hann window, {}",
+            count(spectra.lines as u64),
+            alone(spectra.bin_hz),
+            counted(spectra.averages, "average"),
+        ),
+    ));
+    facts.push(("Filter", "1X, 2X and 0.5X by the shaft's angle, blocks of 4 turns".to_owned()));
+    let compensated = if outcome.record.speed_changes() {
+        "in Bode and polar plots, where it says so; nowhere else"
+    } else {
+        "no slow roll in this recording: not compensated"
+    };
+    facts.push(("Slow roll", compensated.to_owned()));
+    facts
+}
+
+/// Name, station and angle.
+fn probe(probe: &ProbeOutcome) -> String {
+    let looks = probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| format!("{} deg", fixed(angle, 0)));
+    format!("{} at {} mm, {looks}", probe.name, fixed(probe.station_mm, 1))
 }
 
 /// A whole number of hertz as a count.
@@ -60,8 +140,8 @@ fn speed(record: &Record) -> String {
 
 fn rotation(record: &Record) -> &'static str {
     match record.mean_speed_rpm {
-        speed if speed > 0.0 => "from +X towards +Y",
-        speed if speed < 0.0 => "from +Y towards +X",
+        speed if speed > 0.0 => "from +X towards +Y (anticlockwise, Z towards the reader)",
+        speed if speed < 0.0 => "from +Y towards +X (clockwise, Z towards the reader)",
         _ => "none",
     }
 }
@@ -142,6 +222,6 @@ mod tests {
         record.max_speed_rpm = 3012.0;
         assert_eq!(speed(&record), "3000.0 rpm mean, 3000.0 to 3012.0");
         record.mean_speed_rpm = -3000.0;
-        assert_eq!(rotation(&record), "from +Y towards +X");
+        assert!(rotation(&record).starts_with("from +Y towards +X"));
     }
 }

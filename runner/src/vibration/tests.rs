@@ -46,7 +46,7 @@ fn found(signal: &[f64]) -> Vec<(FindingKind, f64)> {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
     let suspects = [suspect()];
     let judge = Judge { suspects: &suspects, turn_hz: TURN_HZ, rate: RATE, baseline: None };
-    let (findings, _) = judge.all(std::iter::once((&sensor, signal)));
+    let (findings, ..) = judge.all(std::iter::once((&sensor, signal)));
     findings.iter().map(|f| (f.kind, f.order)).collect()
 }
 
