@@ -2,7 +2,7 @@
 
 use super::Picture;
 use super::axis::{Axis, extent};
-use super::canvas::{Dashes, FAINT, Frame, GRID, Key, MEASURED, Stroke, gutter, picture};
+use super::canvas::{BAND, Dashes, FAINT, Frame, Key, MEASURED, Stroke, gutter, picture};
 use super::line::{Point, peaks};
 use super::{Budget, mark};
 use crate::replay::outcome::EnvelopeSpectrum;
@@ -12,8 +12,8 @@ const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 190.0;
 /// Multiples of each line that are marked too.
 const MULTIPLES: [f64; 2] = [2.0, 3.0];
-const SIDE_BAND: Stroke = Stroke(GRID, 2.4);
-const MULTIPLE: Stroke = Stroke(FAINT, 0.6);
+const SIDE_BAND: Stroke = Stroke(BAND, 2.4);
+const MULTIPLE: Stroke = Stroke(FAINT, 0.9);
 
 /// One picture for each sensor.
 pub(super) fn envelope(envelope: &EnvelopeSpectrum, budget: Budget) -> Result<Picture> {

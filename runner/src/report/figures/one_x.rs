@@ -2,8 +2,9 @@
 
 use crate::replay::outcome::Block;
 
-/// Blocks that tell the slow roll.
-const SLOW: usize = 3;
+/// Share of the blocks that tell the slow roll, and the most of them.
+const SLOW_SHARE: usize = 16;
+const MOST_SLOW: usize = 8;
 /// Below this share of the largest amplitude a phase is noise.
 const LEAST: f64 = 0.02;
 
@@ -24,6 +25,8 @@ pub(super) struct OneX {
     pub(super) slow_roll: Vector,
     /// Slowest and fastest of these.
     pub(super) slow_rpm: (f64, f64),
+    /// How many.
+    slow_blocks: usize,
 }
 
 impl OneX {
@@ -33,7 +36,7 @@ impl OneX {
         let raw: Vec<Vector> = figures().map(|(_, probe)| probe.one_x_um).collect();
         let mut slowest: Vec<(f64, Vector)> = figures().map(|(rpm, probe)| (rpm, probe.one_x_um)).collect();
         slowest.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-        slowest.truncate(SLOW);
+        slowest.truncate((slowest.len() / SLOW_SHARE).clamp(1, MOST_SLOW));
         let mean = |k: usize| slowest.iter().map(|(_, vector)| vector[k]).sum::<f64>() / slowest.len().max(1) as f64;
         let slow_roll = [mean(0), mean(1)];
         let rpm = |slow: Option<&(f64, Vector)>| slow.map_or(f64::NAN, |(rpm, _)| *rpm);
@@ -44,18 +47,18 @@ impl OneX {
             twin: figures().map(|(_, probe)| probe.twin_one_x_um).collect(),
             slow_roll,
             slow_rpm: (rpm(slowest.first()), rpm(slowest.last())),
+            slow_blocks: slowest.len(),
         }
     }
 
     /// What was taken off, and where it comes from.
     pub(super) fn words(&self) -> String {
         let (slow, fast) = self.slow_rpm;
-        format!(
-            "Slow roll: mean 1X vector of the {SLOW} slowest blocks of four turns, {slow:.0} to {fast:.0} rpm: \
-             {:.3} um pp at {:.0}\u{b0} lag.",
-            amplitude(&self.slow_roll),
-            lag(&self.slow_roll)
-        )
+        let from = match self.slow_blocks {
+            1 => format!("1X vector of the slowest block of four turns, {slow:.0} rpm"),
+            n => format!("mean 1X vector of the {n} slowest blocks of four turns, {slow:.0} to {fast:.0} rpm"),
+        };
+        format!("Slow roll: {from}: {:.3} um pp at {:.0}\u{b0} lag.", amplitude(&self.slow_roll), lag(&self.slow_roll))
     }
 
     /// A phase that is more than noise: the vector is large enough against the largest.
@@ -89,9 +92,11 @@ mod tests {
             Block { speed_rpm: rpm, probes: vec![probe], ..Block::default() }
         };
         // Not in order: a run-down and a run-up.
-        let blocks: Vec<Block> = [3000.0, 2000.0, 300.0, 301.0, 302.0, 5000.0].into_iter().map(block).collect();
+        let fast = (0..42).map(|i| 2000.0 + 50.0 * f64::from(i));
+        let blocks: Vec<Block> = fast.chain([300.0, 301.0, 302.0, 303.0, 305.0, 5000.0]).map(block).collect();
         let one_x = OneX::new(&blocks, 0);
         assert_eq!(one_x.slow_rpm, (300.0, 302.0));
+        assert!(one_x.words().contains("of the 3 slowest blocks of four turns, 300 to 302 rpm"), "{}", one_x.words());
         assert!((amplitude(&one_x.slow_roll) - 6.0).abs() < 1e-3 && (lag(&one_x.slow_roll) - 90.0).abs() < 1e-3);
         let fast = one_x.compensated.last().copied().unwrap_or_default();
         assert!((amplitude(&fast) - 2.0 * 22.09).abs() < 1e-3 && (lag(&fast) - 180.0).abs() < 1e-3);

@@ -53,7 +53,7 @@ pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Optio
     Ok(Some(Picture { title, ..drawn }))
 }
 
-/// The sense in which a curve is run through, against that of rotation; nothing of a curve without area.
+/// The sense in which a curve is run through, against that of rotation; nothing where noise alone could have done it.
 fn precession(points: &[Point], forward: f64) -> &'static str {
     let finite: Vec<&Point> = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
     let count = finite.len().max(1) as f64;
@@ -62,9 +62,11 @@ fn precession(points: &[Point], forward: f64) -> &'static str {
         let [a, b] = [pair[0], pair[1]].map(|p| (p.0 - middle.0, p.1 - middle.1));
         a.0 * b.1 - a.1 * b.0
     };
-    match forward * finite.windows(2).map(area).sum::<f64>() {
-        area if area > 0.0 => ", forward precession",
-        area if area < 0.0 => ", reverse precession",
+    let steps: Vec<f64> = finite.windows(2).map(area).collect();
+    let by_chance = steps.iter().map(|step| step * step).sum::<f64>().sqrt();
+    match forward * steps.iter().sum::<f64>() {
+        area if area > 4.0 * by_chance => ", forward precession",
+        area if area < -4.0 * by_chance => ", reverse precession",
         _ => "",
     }
 }
@@ -225,5 +227,7 @@ mod tests {
         assert_eq!(precession(&circle, 1.0), ", forward precession");
         assert_eq!(precession(&circle, -1.0), ", reverse precession");
         assert_eq!(precession(&[(0.0, 0.0), (1.0, 1.0), (f64::NAN, 0.0)], 1.0), "");
+        let scattered: Vec<Point> = (0..500).map(|i| (f64::from(i * 37 % 101), f64::from(i * i * 53 % 97))).collect();
+        assert_eq!(precession(&scattered, 1.0), "");
     }
 }

@@ -3,11 +3,12 @@
 use super::Picture;
 use super::axis::Axis;
 use super::canvas::{
-    Anchor, Canvas, Dashes, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, SMALL, Stroke, picture, text_width,
+    Anchor, Canvas, Dashes, GRID, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, picture, text_width,
 };
 use super::line::{Point, pieces};
 use super::one_x::{OneX, amplitude, lag};
 use anyhow::Result;
+use plotters::prelude::RGBColor;
 
 const SIDE: f64 = 372.0;
 const MIDDLE: Point = (0.5 * SIDE, 214.0);
@@ -82,23 +83,27 @@ fn rings(canvas: &mut Canvas, dial: &Dial) -> Result<Vec<Place>> {
     Ok(taken)
 }
 
-/// Dots with the speed, where there is room for the number.
+/// Dots with the speed, where there is room for the number beside the curve.
 fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>) -> Result<()> {
+    let curves = one_x.compensated.iter().chain(&one_x.raw);
+    let curve: Vec<Point> = curves.map(|vector| dial.at(vector)).collect();
     for (rpm, vector) in one_x.speed_rpm.iter().zip(&one_x.compensated).filter(|(_, v)| one_x.tells(v)) {
         let (x, y) = dial.at(vector);
         if !(x.is_finite() && y.is_finite() && rpm.is_finite()) {
             continue;
         }
         let label = format!("{rpm:.0}");
-        let out = 12.0 + 0.5 * text_width(&label, SMALL);
-        let side = if x < MIDDLE.0 { -1.0 } else { 1.0 };
-        let place = Place::new((x + side * out, y), &label);
-        if taken.iter().any(|other| place.touches(other)) {
-            continue;
+        let out = 11.0 + 0.5 * text_width(&label, SMALL);
+        let beside = [(out, 0.0), (-out, 0.0), (0.5 * out, 14.0), (-0.5 * out, -14.0), (0.0, 16.0), (0.0, -16.0)];
+        let free = |place: &Place| {
+            !taken.iter().any(|other| place.touches(other)) && !curve.iter().any(|point| place.holds(*point))
+        };
+        let places = beside.into_iter().map(|(dx, dy)| Place::new((x + dx, y + dy), &label));
+        if let Some(place) = places.into_iter().find(free) {
+            canvas.ring(x, y, MEASURED)?;
+            place.write(canvas, INK)?;
+            taken.push(place);
         }
-        canvas.ring(x, y, MEASURED)?;
-        place.write(canvas, INK)?;
-        taken.push(place);
     }
     Ok(())
 }
@@ -121,12 +126,11 @@ impl Place {
         (self.middle.0 - other.middle.0).abs() < self.half + other.half && (self.middle.1 - other.middle.1).abs() < 17.0
     }
 
-    fn write(&self, canvas: &mut Canvas, colour: plotters::prelude::RGBColor) -> Result<()> {
-        // The lines run behind, not through.
-        let (x, y) = self.middle;
-        let room =
-            [(x - self.half, y - 6.0), (x + self.half, y - 6.0), (x + self.half, y + 6.0), (x - self.half, y + 6.0)];
-        canvas.polygon(&room, PAPER)?;
+    fn holds(&self, (x, y): Point) -> bool {
+        (self.middle.0 - x).abs() < self.half && (self.middle.1 - y).abs() < 7.0
+    }
+
+    fn write(&self, canvas: &mut Canvas, colour: RGBColor) -> Result<()> {
         canvas.text(&self.text, self.middle, Anchor::Middle, colour)
     }
 }

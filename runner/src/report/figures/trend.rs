@@ -9,7 +9,7 @@ use crate::replay::outcome::{Block, BlockFigures, LimitLine};
 use anyhow::Result;
 
 const WIDTH: f64 = 620.0;
-const HEIGHT: f64 = 66.0;
+const HEIGHT: f64 = 78.0;
 const VALUE: Stroke = Stroke(MEASURED, 1.4);
 const LIMIT: Stroke = Stroke(TWIN, 1.4);
 
