@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use serde::Deserialize;
+use serde_json::Value;
 
 use crate::support::{Desk, recorded};
 
@@ -54,9 +55,9 @@ fn seen(desk: &Desk, report: &str) -> Vec<Seen> {
 
 /// Replays, looks at the report on both screens, and prints it.
 fn looks_right(desk: &Desk, args: &[&str], expected: &[&str]) {
-    let code = desk.run(&[&["replay"], args, &["--report", "report.html"]].concat());
-    assert_eq!(code.code, Some(0), "{code:?}");
-    let verdict = desk.replay(args.first().copied().unwrap_or_default(), &[])["verdict"].as_str().unwrap().to_owned();
+    let args = [&["replay"], args, &["--report", "report.html", "--format", "json"]].concat();
+    let outcome: Value = desk.done(&args).json();
+    let verdict = outcome["verdict"].as_str().unwrap();
     let report = desk.read("report.html");
     assert!(report.len() < MOST_BYTES, "{} bytes", report.len());
     let seen = seen(desk, &report);
@@ -69,7 +70,7 @@ fn looks_right(desk: &Desk, args: &[&str], expected: &[&str]) {
             assert!(one.titles.iter().any(|there| there.contains(title)), "no {title} among {:#?}", one.titles);
         }
     }
-    prints(desk, &verdict);
+    prints(desk, verdict);
 }
 
 /// On paper there are a few pages, and the verdict is on the first one, where the text can be read back.
@@ -86,14 +87,6 @@ fn prints(desk: &Desk, verdict: &str) {
     assert!((1..30).contains(&pages.len()), "{} pages", pages.len());
     let first = pages[0].split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(first.contains(verdict), "{verdict:?} is not in {first:?}");
-}
-
-/// A recording that is far away, replayed at the desk.
-fn scene(desk: &Desk, name: &str) {
-    let text = std::fs::read_to_string(recorded(&format!("{name}.toml"))).unwrap();
-    let file = format!("file = \"{name}.csv\"");
-    assert!(text.contains(&file));
-    desk.put("scene.toml", text.replace(&file, &format!("file = {:?}", recorded(&format!("{name}.csv")))));
 }
 
 const OF_PROBES: [&str; 9] = [
@@ -118,20 +111,20 @@ fn demonstration_in_a_browser() {
 #[ignore = "needs chromium"]
 fn run_up_with_limits_in_a_browser() {
     let desk = Desk::empty();
-    scene(&desk, "run-up");
     // One that is not reached, drawn in the trends.
     let limit = "\n[[limit]]\nindicator = \"peak-to-peak\"\nmax = \"2 um\"\n";
-    desk.put("scene.toml", desk.read("scene.toml") + limit);
+    desk.put("scene.toml", std::fs::read_to_string(recorded("run-up.toml")).unwrap() + limit);
     let over_speed = ["Bode plot of DE_X_um", "Polar plot of NDE_Y_um", "Cascade of NDE_X_um / NDE_Y_um over speed"];
-    looks_right(&desk, &["scene.toml"], &[&OF_PROBES[..], &over_speed].concat());
+    let recording = recorded("run-up.csv");
+    looks_right(&desk, &["scene.toml", "--recording", &recording], &[&OF_PROBES[..], &over_speed].concat());
 }
 
 #[test]
 #[ignore = "needs chromium"]
 fn damage_in_a_browser() {
     let desk = Desk::empty();
-    scene(&desk, "outer-spall");
-    looks_right(&desk, &["scene.toml"], &OF_PROBES);
+    let damaged = recorded("outer-spall.csv");
+    looks_right(&desk, &[&recorded("healthy.toml"), "--recording", &damaged], &OF_PROBES);
 }
 
 #[test]

@@ -61,7 +61,12 @@ impl Plane {
     /// X and Y from all readings.
     #[must_use]
     pub fn xy(&self, readings: &[f64]) -> (f64, f64) {
-        let (a, b) = (readings[self.probes[0]], readings[self.probes[1]]);
+        self.place(readings[self.probes[0]], readings[self.probes[1]])
+    }
+
+    /// X and Y from the plane's own two readings.
+    #[must_use]
+    pub fn place(&self, a: f64, b: f64) -> (f64, f64) {
         let row = |r: [f64; 2]| r[0] * a + r[1] * b;
         (row(self.inverse[0]), row(self.inverse[1]))
     }

@@ -27,12 +27,10 @@ pub struct Trend {
     probes: usize,
     /// Which block of the shaft's turns is running.
     index: Option<i64>,
-    /// Share of the block's turns gone, as (cosine, sine) of that angle, of each sample.
-    phases: Vec<(f64, f64)>,
-    /// Of each sample: readings, then the twin's, m.
-    values: Vec<f64>,
-    /// Of the readings.
-    sums: Vec<f64>,
+    /// Of each sample: where in the block it is.
+    bases: Vec<Basis>,
+    /// One column a probe, then one for each of the twin's readings, m: the block's sums run down a column.
+    columns: Vec<Vec<f64>>,
     covered: f64,
     start: f64,
     end: f64,
@@ -48,9 +46,8 @@ impl Trend {
             planes,
             probes,
             index: None,
-            phases: vec![],
-            values: vec![],
-            sums: vec![0.0; probes],
+            bases: vec![],
+            columns: vec![vec![]; 2 * probes],
             covered: 0.0,
             start: 0.0,
             end: 0.0,
@@ -63,7 +60,7 @@ impl Trend {
     pub fn add(&mut self, sample: &Sample, twin: &[f64], arc: f64) {
         let index = sample.revolution.div_euclid(TURNS);
         let gap = arc.abs() > GAP;
-        if self.index != Some(index) || gap || self.phases.len() >= MOST_SAMPLES {
+        if self.index != Some(index) || gap || self.bases.len() >= MOST_SAMPLES {
             if !gap {
                 self.close();
             }
@@ -74,11 +71,9 @@ impl Trend {
         }
         let turns = sample.revolution.rem_euclid(TURNS) as f64 + sample.angle.revolutions();
         let (sin, cos) = (TAU * turns / TURNS as f64).sin_cos();
-        self.phases.push((cos, sin));
-        self.values.extend_from_slice(&sample.row.probes);
-        self.values.extend_from_slice(twin);
-        for (sum, y) in self.sums.iter_mut().zip(&sample.row.probes) {
-            *sum += y;
+        self.bases.push(Basis::new((cos, sin)));
+        for (column, value) in self.columns.iter_mut().zip(sample.row.probes.iter().chain(twin)) {
+            column.push(*value);
         }
         self.covered += arc.abs();
         self.speed += sample.speed;
@@ -87,9 +82,8 @@ impl Trend {
 
     fn begin(&mut self, index: i64, time: f64) {
         self.index = Some(index);
-        self.phases.clear();
-        self.values.clear();
-        self.sums.fill(0.0);
+        self.bases.clear();
+        self.columns.iter_mut().for_each(Vec::clear);
         (self.covered, self.speed, self.start, self.end) = (0.0, 0.0, time, time);
     }
 
@@ -98,62 +92,44 @@ impl Trend {
         if self.covered < LEAST_COVERED * TURNS as f64 {
             return;
         }
-        let count = self.phases.len() as f64;
-        let means: Vec<f64> = self.sums.iter().map(|sum| sum / count).collect();
-        let swings = self.swings(&means);
-        let (not_one_x, smax) = self.without_one_x(&means, &swings);
-        let probes = swings.iter().zip(&means).zip(not_one_x);
+        let count = self.bases.len() as f64;
+        let means: Vec<f64> = self.columns.iter().map(|column| column.iter().sum::<f64>() / count).collect();
         let block = Block {
             start_s: self.start,
             end_s: self.end,
             speed_rpm: self.speed / count * 60.0 / TAU,
-            probes: probes.map(|((swing, mean), not)| swing.figures(*mean, not, count)).collect(),
-            smax_um: smax,
+            probes: (0..self.probes).filter_map(|i| self.figures(i, *means.get(i)?, count)).collect(),
+            smax_um: self.planes.iter().filter_map(|plane| self.farthest(plane, &means)).collect(),
         };
         self.history.push(block);
     }
 
-    /// Phase and values of each sample.
-    fn samples(&self) -> impl Iterator<Item = (Basis, &[f64], &[f64])> {
-        let rows = self.values.chunks_exact((2 * self.probes).max(1));
-        self.phases.iter().zip(rows).map(|(phase, row)| {
-            let (measured, twin) = row.split_at(self.probes);
-            (Basis::new(*phase), measured, twin)
-        })
+    /// Of probe `i` in the running block.
+    fn figures(&self, i: usize, mean: f64, count: f64) -> Option<BlockFigures> {
+        let (measured, twin) = (self.columns.get(i)?, self.columns.get(self.probes + i)?);
+        let mut swing = Swing::default();
+        for ((basis, y), x) in self.bases.iter().zip(measured).zip(twin) {
+            swing.add(basis, y - mean, x - mean);
+        }
+        swing.scale();
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (basis, y) in self.bases.iter().zip(measured) {
+            let left = y - swing.one[0] * basis.one.0 - swing.one[1] * basis.one.1;
+            (low, high) = (low.min(left), high.max(left));
+        }
+        Some(swing.figures(mean, (high - low) * UM, count))
     }
 
-    fn swings(&self, means: &[f64]) -> Vec<Swing> {
-        let mut swings = vec![Swing::default(); self.probes];
-        for (basis, measured, twin) in self.samples() {
-            for (((swing, mean), y), x) in swings.iter_mut().zip(means).zip(measured).zip(twin) {
-                swing.add(&basis, y - mean, x - mean);
-            }
-        }
-        for swing in &mut swings {
-            swing.scale();
-        }
-        swings
-    }
-
-    /// Peak to peak of what 1X leaves at each probe, and the farthest from the mean place in each plane, um.
-    fn without_one_x(&self, means: &[f64], swings: &[Swing]) -> (Vec<f64>, Vec<f64>) {
-        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); self.probes];
-        let mut farthest = vec![0.0_f64; self.planes.len()];
-        let mut away = vec![0.0; self.probes];
-        for (basis, measured, _) in self.samples() {
-            away.clear();
-            away.extend(measured.iter().zip(means).map(|(y, mean)| y - mean));
-            for ((range, d), swing) in ranges.iter_mut().zip(&away).zip(swings) {
-                let left = d - swing.one[0] * basis.one.0 - swing.one[1] * basis.one.1;
-                *range = (range.0.min(left), range.1.max(left));
-            }
-            for (most, plane) in farthest.iter_mut().zip(&self.planes) {
-                let (x, y) = plane.xy(&away);
-                *most = most.max(x * x + y * y);
-            }
-        }
-        let spans = ranges.iter().map(|(low, high)| (high - low) * UM).collect();
-        (spans, farthest.iter().map(|square| square.sqrt() * UM).collect())
+    /// Greatest distance from the mean place in a plane, um.
+    fn farthest(&self, plane: &Plane, means: &[f64]) -> Option<f64> {
+        let [a, b] = plane.probes;
+        let (column_a, column_b, mean_a, mean_b) =
+            (self.columns.get(a)?, self.columns.get(b)?, means.get(a)?, means.get(b)?);
+        let square = |(a, b): (&f64, &f64)| {
+            let (x, y) = plane.place(a - mean_a, b - mean_b);
+            x * x + y * y
+        };
+        Some(column_a.iter().zip(column_b).map(square).fold(0.0, f64::max).sqrt() * UM)
     }
 
     /// The blocks, or neighbours of them joined.
@@ -212,7 +188,7 @@ impl Swing {
         self.least = self.least.min(d);
         self.greatest = self.greatest.max(d);
         self.square += d * d;
-        self.fourth += d * d * d * d;
+        self.fourth += (d * d) * (d * d);
         self.residual += (d - twin) * (d - twin);
     }
 

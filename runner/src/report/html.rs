@@ -46,7 +46,7 @@ fn page(outcome: &Outcome, gallery: &Gallery) -> Value {
         findings => outcome.findings.iter().map(finding).collect::<Vec<_>>(),
         events => outcome.events.iter().map(|event| event.sentence.clone()).collect::<Vec<_>>(),
         event_action => words::EVENT_ACTION,
-        no_action => words::NO_ACTION,
+        no_action => words::no_action(outcome),
         ball_pass => ball_pass_rows(&outcome.probes),
         bearings => outcome.bearings.iter().map(bearing).collect::<Vec<_>>(),
         timing => timing(&outcome.timing),
@@ -219,7 +219,7 @@ fn bearing(bearing: &BearingOutcome) -> Value {
         outer => order(orders.outer_race),
         inner => order(orders.inner_race),
         spin => order(orders.ball_spin.unwrap_or(0.0)),
-        largest => typeset(&alone(bearing.largest_element_load_n)),
+        largest => typeset(&if bearing.largest_element_load_n > 0.0 { alone(bearing.largest_element_load_n) } else { NONE.to_owned() }),
         remarks => words::remarks(bearing.contact_lost_samples, bearing.held_samples).join("; "),
         forces => (0..COMPONENTS.len()).map(|i| force(bearing, i)).collect::<Vec<_>>(),
     }

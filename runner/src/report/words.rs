@@ -1,6 +1,7 @@
 //! What the page and the terminal say in the same words.
 
 use super::number::{alone, count, counted, fixed};
+use crate::replay::findings;
 use crate::replay::outcome::{Finding, FindingKind, Observation, Outcome, ProbeOutcome, Record, Standing};
 
 /// Condition number from which the probes count as badly placed.
@@ -24,7 +25,16 @@ pub(super) fn kind(kind: FindingKind) -> &'static str {
 pub(super) const EVENT_ACTION: &str =
     "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
 /// What to do where nothing was found.
-pub(super) const NO_ACTION: &str = "None; keep this recording as the baseline (--learn) for later ones.";
+pub(super) fn no_action(outcome: &Outcome) -> &'static str {
+    match (outcome.probes.is_empty(), findings::follows(&outcome.probes)) {
+        (true, _) => "none; repeat the measurement as planned.",
+        (_, true) => "none; keep this recording as the baseline (--learn) for later ones.",
+        (_, false) => {
+            "see that the scene is this machine, or fit it (ballrace fit), before the comparison is relied on."
+        }
+    }
+}
+
 /// What every figure of the page is in.
 pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column says; phase in \
                                 degrees of lag, 0 to 360; frequency in Hz and orders (X)";
