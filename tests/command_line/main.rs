@@ -5,6 +5,7 @@ mod bad_output;
 mod bad_recording;
 mod bad_scene;
 mod bake;
+mod chromium;
 mod degraded;
 mod equilibrium;
 mod fit;

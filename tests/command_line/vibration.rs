@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::support::{Desk, recorded};
 
 /// A scene of one bearing with one sensor.
-fn scene(rpm: f64, [elements, ball, pitch]: [f64; 3], file: &str, rate: &str, column: &str, unit: &str) -> String {
+pub fn scene(rpm: f64, [elements, ball, pitch]: [f64; 3], file: &str, rate: &str, column: &str, unit: &str) -> String {
     format!(
         "[shaft]\nspeed = \"{rpm} rpm\"\n[[bearing]]\nname = \"B\"\nstation = \"0 mm\"\nfacing = \"both\"\nmodel = \"angular\"\n\
          elements = {elements}\nball_diameter = \"{ball} mm\"\npitch_diameter = \"{pitch} mm\"\ninner_conformity = 0.52\n\

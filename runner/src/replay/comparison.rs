@@ -227,6 +227,7 @@ impl OneProbe {
             nrmse_normaliser: "rms of the measured signal about its mean".to_owned(),
             noise_um: probe.noise.map(|n| n * UM),
             baselines,
+            list: None,
         }
     }
 }

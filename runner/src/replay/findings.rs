@@ -200,21 +200,31 @@ fn background(evidence: &Evidence, probe: usize, order: f64) -> f64 {
     median * (1.0 / (bin * block)).sqrt()
 }
 
+/// Root mean square over the probes of what all of them have.
+fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
+    let values: Option<Vec<f64>> = probes.iter().map(of).collect();
+    values.map(|values| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt())
+}
+
+/// The twin does as well as any simpler predictor, or leaves no more than noise.
+#[must_use]
+pub fn follows(probes: &[ProbeOutcome]) -> bool {
+    let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
+    let at_noise = rms(probes, |p| p.noise_um).is_some_and(|noise| residual <= 1.5 * noise);
+    at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
+}
+
 /// The verdict in one sentence.
 #[must_use]
 pub fn verdict(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
     if let Some(worst) = findings.first() {
         return format!("The machine departs from its twin. {}", worst.sentence);
     }
-    let n = probes.len().max(1) as f64;
-    let residual = (probes.iter().map(|p| p.residual_rms_um.powi(2)).sum::<f64>() / n).sqrt();
-    let noise: Option<Vec<f64>> = probes.iter().map(|p| p.noise_um).collect();
-    let noise = noise.map(|noise| (noise.iter().map(|x| x * x).sum::<f64>() / n).sqrt());
+    let (residual, noise) = (rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0), rms(probes, |p| p.noise_um));
     let against = noise.map_or(String::new(), |noise| format!(", {:.2} times the probe noise", residual / noise));
     let count = |standing| probes.iter().filter(|p| p.baselines.worst() == standing).count();
     let (better, worse) = (count(Standing::Better), count(Standing::Worse));
-    let at_noise = noise.is_some_and(|noise| residual <= 1.5 * noise);
-    let follows = if worse == 0 || at_noise { "follows" } else { "does not follow" };
+    let follows = if follows(probes) { "follows" } else { "does not follow" };
     let rivals = if better == probes.len() {
         "it beats all four simpler predictors on every probe".to_owned()
     } else if worse == 0 {

@@ -5,6 +5,7 @@
 
 use super::baseline::Baseline;
 use super::comparison::{followed, inner_line, outer_line};
+use super::outcome::LimitLine;
 use crate::fault::SceneFault;
 use crate::plant::Seat;
 use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};
@@ -99,6 +100,17 @@ impl Guards {
         let blocks = || vec![Statistics::new(u32::MAX); probes.len()];
         let names = probes.iter().map(|p| p.column.clone()).collect();
         Ok(Self { guards, names, measured: blocks(), residual: blocks(), since: None, events: vec![], news: vec![] })
+    }
+
+    /// The limits as lines to draw, in um where they are lengths.
+    #[must_use]
+    pub fn lines(&self) -> Vec<LimitLine> {
+        let line = |guard: &Guard| {
+            let (indicator, length) = guard.limit.indicator.name();
+            let max = guard.max * if length { UM } else { 1.0 };
+            LimitLine { indicator, probe: self.names.get(guard.probe).cloned().unwrap_or_default(), max }
+        };
+        self.guards.iter().map(line).collect()
     }
 
     /// One sample with a reading of every probe.

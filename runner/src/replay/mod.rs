@@ -2,12 +2,15 @@
 
 pub mod align;
 pub mod baseline;
+pub mod cascade;
 pub mod comparison;
 pub mod findings;
 pub mod forces;
+pub mod history;
 pub mod innovation;
 pub mod limits;
 pub mod lines;
+pub mod list;
 pub mod locate;
 pub mod outcome;
 pub mod pictures;
@@ -17,6 +20,7 @@ pub mod second;
 pub mod spectrum;
 pub mod statistics;
 pub mod timing;
+pub mod trend;
 
 use crate::fault::{SceneFault, scene_fault};
 use crate::needs;
@@ -366,7 +370,7 @@ impl<'a> Run<'a> {
             probes,
             rows: probes.iter().map(pose::row).collect(),
             comparison: Comparison::new(probes.len(), &plant.seats, planes.len()),
-            collector: Collector::new(probes, planes.clone(), &plant.seats),
+            collector: Collector::new(probes, planes.clone(), &plant.seats, rate, scene.shaft.speed),
             bearings: plant.seats.iter().map(|s| BearingSums::new(s.elements)).collect(),
             locator: Locator::new(&plant),
             planes,
@@ -644,7 +648,7 @@ impl<'a> Run<'a> {
         }
         self.comparison.finish();
         let speed_hz = self.speed.mean().abs() / TAU;
-        let probes = self.comparison.outcomes(self.probes, &self.plant.seats, speed_hz);
+        let mut probes = self.comparison.outcomes(self.probes, &self.plant.seats, speed_hz);
         let evidence = findings::Evidence {
             probes: self.probes,
             seats: &self.plant.seats,
@@ -659,15 +663,17 @@ impl<'a> Run<'a> {
         self.explain();
         let observer = self.tuned.as_ref().map(|tuned| self.innovation.outcome(tuned));
         self.notes.extend(observer.as_ref().map(innovation::words));
+        let limits = self.guards.lines();
         let events = self.guards.finish();
         self.notes.extend(events.iter().map(|event| event.sentence.clone()));
-        let pictures = self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
-        Ok(Outcome {
-            scene: scene.name.clone(),
-            recording: recording.to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            verdict: findings::verdict(&findings, &probes),
-            record: record(
+        let mut pictures =
+            self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
+        pictures.clearances = list::clearances(scene, &self.planes);
+        pictures.limits = limits;
+        let record = Record {
+            load: scene.rotor.as_ref().map_or([0.0; 5], |rotor| rotor.load),
+            spectra: self.comparison.spectra.settings(self.rate),
+            ..record(
                 &self.speed,
                 rows,
                 self.comparison.compared,
@@ -675,7 +681,16 @@ impl<'a> Run<'a> {
                 self.last_time - self.first_time,
                 self.turns,
                 angle_source,
-            ),
+            )
+        };
+        list::fill(&mut probes, &pictures.blocks, record.speed_changes());
+        Ok(Outcome {
+            scene: scene.name.clone(),
+            recording: recording.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            verdict: findings::verdict(&findings, &probes),
+            record,
+            planes: list::planes(&self.planes, &pictures, self.speed.mean().signum()),
             observation: self.solver.observation.clone(),
             probes,
             bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
@@ -759,6 +774,7 @@ fn record(
         min_speed_rpm: rpm(slow),
         max_speed_rpm: rpm(fast),
         angle_source,
+        ..Record::default()
     }
 }
 

@@ -23,6 +23,8 @@ pub struct Outcome {
     pub observation: Observation,
     /// One entry a probe, in the scene's order.
     pub probes: Vec<ProbeOutcome>,
+    /// One entry a plane of two radial probes.
+    pub planes: Vec<PlaneOutcome>,
     /// One entry a bearing, in the scene's order.
     pub bearings: Vec<BearingOutcome>,
     /// Compute time and, when paced, lateness.
@@ -66,6 +68,29 @@ pub struct Record {
     pub max_speed_rpm: f64,
     /// Where the shaft angle comes from, in words.
     pub angle_source: String,
+    /// The scene's constant load on the rotor: N (three) and N m (two).
+    pub load: [f64; 5],
+    /// How the spectra were made.
+    pub spectra: SpectraSettings,
+}
+
+impl Record {
+    /// The speed changes so much, relative to its mean, that pictures go over speed instead of time.
+    #[must_use]
+    pub fn speed_changes(&self) -> bool {
+        (self.max_speed_rpm - self.min_speed_rpm).abs() > 0.05 * self.mean_speed_rpm.abs()
+    }
+}
+
+/// How spectra were made.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct SpectraSettings {
+    /// Spectral lines from 0 Hz to half the rate.
+    pub lines: usize,
+    /// Hz between two of them.
+    pub bin_hz: f64,
+    /// Spectra that were averaged.
+    pub averages: u64,
 }
 
 /// Least-squares problem from probes to the shaft's pose.
@@ -211,6 +236,50 @@ pub struct ProbeOutcome {
     pub noise_um: Option<f64>,
     /// What the twin has to beat.
     pub baselines: Baselines,
+    /// What a vibration engineer asks first; none where no block of turns was whole.
+    pub list: Option<TabularList>,
+}
+
+/// One row of the tabular list: means over blocks of four turns. A length says in its name what it is.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct TabularList {
+    /// Overall, peak to peak within a block.
+    pub direct_um_pp: f64,
+    /// The greatest of any block.
+    pub greatest_um_pp: f64,
+    /// Mean position.
+    pub gap_um: f64,
+    /// Amplitude of 1X, peak to peak.
+    pub one_x_um_pp: f64,
+    /// Lag of 1X behind the keyphasor, 0 to 360; none where the speed changes.
+    pub one_x_phase_lag_deg: Option<f64>,
+    /// Amplitude of 2X, peak to peak.
+    pub two_x_um_pp: f64,
+    /// Peak to peak of what 1X leaves.
+    pub not_one_x_um_pp: f64,
+    /// Amplitude about 0.5X (0.3X to 0.7X), peak to peak.
+    pub half_x_um_pp: f64,
+    /// Greatest distance from the mean over the rms.
+    pub crest_factor: f64,
+    /// 1.5 of a sine, 3 of noise.
+    pub kurtosis: f64,
+}
+
+/// Motion in a plane of two radial probes: means over blocks of four turns.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct PlaneOutcome {
+    /// Names of its probes.
+    pub name: String,
+    /// Along Z from the centre of mass.
+    pub station_mm: f64,
+    /// Farthest from the mean place, zero to peak.
+    pub smax_um_peak: f64,
+    /// Long axis of the 1X ellipse.
+    pub one_x_major_um_pp: f64,
+    /// Its short axis.
+    pub one_x_minor_um_pp: f64,
+    /// The 1X orbit is run through in the sense of rotation.
+    pub one_x_forward: bool,
 }
 
 /// One force component over the recording.
@@ -429,6 +498,125 @@ pub struct Pictures {
     pub forces: Vec<ForceTrace>,
     /// One a bearing with elements.
     pub element_loads: Vec<ElementLoads>,
+    /// Blocks of turns from start to end.
+    pub blocks: Vec<Block>,
+    /// One a plane, or a radial probe where there is no plane.
+    pub cascades: Vec<Cascade>,
+    /// One a plane.
+    pub clearances: Vec<Option<Clearance>>,
+    /// Limits of the scene to draw in trends.
+    pub limits: Vec<LimitLine>,
+    /// One a vibration sensor.
+    pub envelopes: Vec<EnvelopeSpectrum>,
+}
+
+/// One block of four turns, or several one after the other.
+#[derive(Debug, Clone, Default)]
+pub struct Block {
+    /// s
+    pub start_s: f64,
+    /// s
+    pub end_s: f64,
+    /// Mean speed.
+    pub speed_rpm: f64,
+    /// One a probe.
+    pub probes: Vec<BlockFigures>,
+    /// Farthest from the mean place in each plane, um peak.
+    pub smax_um: Vec<f64>,
+}
+
+/// One probe in a block. Amplitudes are peak unless the name says pp.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BlockFigures {
+    /// Mean position.
+    pub mean_um: f64,
+    /// Peak to peak, the mean where blocks were joined.
+    pub peak_to_peak_um: f64,
+    /// Peak to peak, the greatest where blocks were joined.
+    pub greatest_um_pp: f64,
+    /// Peak to peak of what 1X leaves.
+    pub not_one_x_um_pp: f64,
+    /// About the mean.
+    pub rms_um: f64,
+    /// Greatest distance from the mean over the rms.
+    pub crest_factor: f64,
+    /// 1.5 of a sine, 3 of noise.
+    pub kurtosis: f64,
+    /// Of measured - twin, bias included.
+    pub residual_rms_um: f64,
+    /// Cosine and sine of 1X.
+    pub one_x_um: [f64; 2],
+    /// The same of the twin.
+    pub twin_one_x_um: [f64; 2],
+    /// Amplitude of 2X.
+    pub two_x_um: f64,
+    /// Amplitude about 0.5X.
+    pub half_x_um: f64,
+}
+
+/// Spectra one after the other.
+#[derive(Debug, Clone, Default)]
+pub struct Cascade {
+    /// Probes of the plane, or the probe.
+    pub name: String,
+    /// Forward and reverse are told apart.
+    pub two_sided: bool,
+    /// Hz between two bins.
+    pub bin_hz: f64,
+    /// In their order in time.
+    pub slices: Vec<Slice>,
+}
+
+/// One spectrum of a cascade.
+#[derive(Debug, Clone, Default)]
+pub struct Slice {
+    /// Middle, s.
+    pub time_s: f64,
+    /// Mean speed.
+    pub speed_rpm: f64,
+    /// Bins from -half to +half, the middle one 0 Hz; um peak.
+    pub amplitude_um: Vec<f64>,
+}
+
+/// How far a bearing lets the shaft's centre go.
+#[derive(Debug, Clone, Default)]
+pub struct Clearance {
+    /// The bearing nearest to the plane.
+    pub bearing: String,
+    /// From the plane to the bearing, mm.
+    pub distance_mm: f64,
+    /// Half the diametral clearance, um.
+    pub radius_um: f64,
+}
+
+/// A limit of the scene at one probe.
+#[derive(Debug, Clone, Default)]
+pub struct LimitLine {
+    /// The indicator, as the scene names it.
+    pub indicator: &'static str,
+    /// The probe's column.
+    pub probe: String,
+    /// um, or a number.
+    pub max: f64,
+}
+
+/// Spectrum of a band's squared envelope.
+#[derive(Debug, Clone, Default)]
+pub struct EnvelopeSpectrum {
+    /// The sensor.
+    pub name: String,
+    /// Least and greatest frequency of the band, Hz.
+    pub band_hz: [f64; 2],
+    /// Why this band.
+    pub reason: String,
+    /// Hz between two bins.
+    pub bin_hz: f64,
+    /// Amplitude over the band's mean square.
+    pub modulation: Vec<f64>,
+    /// Lines to mark: 1X, and those of the sensor's bearings.
+    pub lines: Vec<MarkedLine>,
+    /// Side bands to mark, Hz.
+    pub side_bands_hz: Vec<f64>,
 }
 
 /// The first turns of one probe.
@@ -461,6 +649,19 @@ pub struct Orbit {
     pub keyphasor: Vec<usize>,
     /// Probe directions: name and angle, rad from +X towards +Y.
     pub probes: Vec<(String, f64)>,
+    /// 1X of the first block, where there is one.
+    pub one_x: Option<FilteredOrbit>,
+}
+
+/// The 1X part of an orbit: X and Y of the cosine, then of the sine of the shaft's angle, um.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FilteredOrbit {
+    /// Mean speed of the block.
+    pub speed_rpm: f64,
+    /// Of the machine.
+    pub measured: [(f64, f64); 2],
+    /// Of its twin.
+    pub twin: [(f64, f64); 2],
 }
 
 /// One-sided amplitude spectrum (peak amplitude of a sine).

@@ -1,11 +1,15 @@
 //! Collects the data of the pictures: the first turns, and what the sums hold at the end. Bounded memory.
 
+use super::cascade::Spectra;
 use super::comparison::Comparison;
 use super::forces::{AZIMUTH_BINS, BearingSums, Evaluated};
-use super::outcome::{ElementLoads, ForceTrace, FullSpectrum, HalfSpectrum, MarkedLine, Orbit, Pictures, Trace};
+use super::outcome::{
+    Block, ElementLoads, FilteredOrbit, ForceTrace, FullSpectrum, HalfSpectrum, MarkedLine, Orbit, Pictures, Trace,
+};
+use super::trend::Trend;
 use crate::plant::Seat;
 use crate::recording::Sample;
-use crate::scene::{Direction, Probe};
+use crate::scene::{Direction, Probe, Speed};
 use ballrace::Turn;
 use std::f64::consts::TAU;
 
@@ -57,7 +61,12 @@ impl Plane {
     /// X and Y from all readings.
     #[must_use]
     pub fn xy(&self, readings: &[f64]) -> (f64, f64) {
-        let (a, b) = (readings[self.probes[0]], readings[self.probes[1]]);
+        self.place(readings[self.probes[0]], readings[self.probes[1]])
+    }
+
+    /// X and Y from the plane's own two readings.
+    #[must_use]
+    pub fn place(&self, a: f64, b: f64) -> (f64, f64) {
         let row = |r: [f64; 2]| r[0] * a + r[1] * b;
         (row(self.inverse[0]), row(self.inverse[1]))
     }
@@ -67,25 +76,31 @@ impl Plane {
 pub struct Collector {
     pictures: Pictures,
     planes: Vec<Plane>,
+    trend: Trend,
+    cascade: Spectra,
     gone: f64,
     samples: usize,
 }
 
 impl Collector {
-    /// For the probes and bearings of a replay.
+    /// For the probes and bearings of a replay at a sampling rate and the scene's speed.
     #[must_use]
-    pub fn new(probes: &[Probe], planes: Vec<Plane>, seats: &[Seat]) -> Self {
+    pub fn new(probes: &[Probe], planes: Vec<Plane>, seats: &[Seat], rate: f64, speed: Speed) -> Self {
         let traces = probes.iter().map(|p| Trace { name: p.column.clone(), ..Trace::default() }).collect();
         let orbits = planes.iter().map(|p| orbit(p, probes)).collect();
         let forces = seats.iter().map(|s| ForceTrace { name: s.name.clone(), ..ForceTrace::default() }).collect();
         let element_loads =
             seats.iter().map(|s| ElementLoads { name: s.name.clone(), ..ElementLoads::default() }).collect();
         let pictures = Pictures { traces, orbits, forces, element_loads, ..Pictures::default() };
-        Self { pictures, planes, gone: 0.0, samples: 0 }
+        let trend = Trend::new(probes.len(), planes.clone());
+        let cascade = Spectra::new(probes, &planes, rate, speed);
+        Self { pictures, planes, trend, cascade, gone: 0.0, samples: 0 }
     }
 
     /// One sample: readings, the twin's, the shaft's way since the last one (revolutions).
     pub fn add(&mut self, sample: &Sample, twin: &[f64], arc: f64) {
+        self.trend.add(sample, twin, arc);
+        self.cascade.add(sample);
         let passed = self.samples > 0 && arc.abs() > 0.0 && sample.angle.revolutions() < arc.abs();
         self.gone += arc.abs();
         self.samples += 1;
@@ -183,6 +198,13 @@ impl Collector {
             })
             .collect();
         self.pictures.lines = marked_lines(seats, speed_hz);
+        self.pictures.blocks = self.trend.finish();
+        self.pictures.cascades = self.cascade.finish();
+        if let Some(first) = self.pictures.blocks.first() {
+            for (orbit, plane) in self.pictures.orbits.iter_mut().zip(&self.planes) {
+                orbit.one_x = Some(filtered(plane, first));
+            }
+        }
         for (loads, sums) in self.pictures.element_loads.iter_mut().zip(sums) {
             around(loads, sums);
         }
@@ -190,6 +212,17 @@ impl Collector {
         self.pictures.element_loads.retain(|l| l.largest.iter().any(|x| *x > 0.0));
         self.pictures
     }
+}
+
+/// 1X of a block in X and Y.
+#[must_use]
+pub fn filtered(plane: &Plane, block: &Block) -> FilteredOrbit {
+    let part = |i: usize, twin: bool| {
+        let of = |p: &super::outcome::BlockFigures| if twin { p.twin_one_x_um[i] } else { p.one_x_um[i] };
+        plane.xy(&block.probes.iter().map(of).collect::<Vec<_>>())
+    };
+    let parts = |twin: bool| [part(0, twin), part(1, twin)];
+    FilteredOrbit { speed_rpm: block.speed_rpm, measured: parts(false), twin: parts(true) }
 }
 
 fn around(loads: &mut ElementLoads, sums: &BearingSums) {

@@ -1,5 +1,6 @@
 //! Averaged amplitude spectra of a stream: Welch's method with a Hann window and half overlap.
 
+use super::outcome::SpectraSettings;
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
@@ -115,6 +116,12 @@ impl Welch {
             self.clear();
             self.segment();
         }
+    }
+
+    /// How the spectra were made.
+    #[must_use]
+    pub fn settings(&self, rate: f64) -> SpectraSettings {
+        SpectraSettings { lines: self.length / 2, bin_hz: self.bin(rate), averages: self.segments as u64 }
     }
 
     /// Hz between two bins.

@@ -81,7 +81,102 @@ fn probe(name: &str, station: f64, angle: Option<f64>, size: f64) -> ProbeOutcom
             one_x: Baseline::new(0.098, 0.034 * size),
             linear: Baseline::new(0.1834, 0.034 * size),
         },
+        list: Some(TabularList {
+            direct_um_pp: 2.3 * size,
+            greatest_um_pp: 2.4 * size,
+            gap_um: -6.8,
+            one_x_um_pp: 2.0 * size,
+            one_x_phase_lag_deg: Some(34.4),
+            two_x_um_pp: 0.08,
+            not_one_x_um_pp: 0.4,
+            half_x_um_pp: 0.02,
+            crest_factor: 1.5,
+            kurtosis: 1.6,
+        }),
     }
+}
+
+/// One block after the other; the shaft's speed grows where it does.
+pub(crate) fn blocks(probes: usize, rpm: impl Fn(f64) -> f64) -> Vec<Block> {
+    let figures = |probe: usize, share: f64| {
+        let (sin, cos) = (0.4 + probe as f64 + 2.6 * share).sin_cos();
+        let size = 0.5 + 5.0 * share;
+        BlockFigures {
+            mean_um: -6.8 + share,
+            peak_to_peak_um: 2.1 * size,
+            greatest_um_pp: 2.2 * size,
+            not_one_x_um_pp: 0.3,
+            rms_um: 0.7 * size,
+            crest_factor: 1.5,
+            kurtosis: 1.6 + share,
+            residual_rms_um: 0.05,
+            one_x_um: [size * cos, size * sin],
+            twin_one_x_um: [1.04 * size * cos, 1.04 * size * sin],
+            two_x_um: 0.04,
+            half_x_um: 0.01,
+        }
+    };
+    let block = |i: u32| {
+        let share = f64::from(i) / 50.0;
+        Block {
+            start_s: 0.08 * f64::from(i),
+            end_s: 0.08 * f64::from(i + 1),
+            speed_rpm: rpm(share),
+            probes: (0..probes).map(|probe| figures(probe, share)).collect(),
+            smax_um: vec![3.0; 2],
+        }
+    };
+    (0..50).map(block).collect()
+}
+
+fn cascade(name: &str) -> Cascade {
+    let mut noise = Noise(4);
+    let slice = |i: u32| {
+        let at = |k: i32| amplitude(6.25 * f64::from(k), &spectrum_peaks(5.7, 1.0), 0.001, &mut noise);
+        Slice { time_s: 0.16 * f64::from(i), speed_rpm: 3000.0, amplitude_um: (-400..=400).map(at).collect() }
+    };
+    Cascade { name: name.to_owned(), two_sided: true, bin_hz: 6.25, slices: (0..24).map(slice).collect() }
+}
+
+fn envelope_spectrum(name: &str) -> EnvelopeSpectrum {
+    let mut noise = Noise(8);
+    let at = |i: i32| amplitude(1.5625 * f64::from(i), &spectrum_peaks(0.3, 1.0)[1..], 0.01, &mut noise);
+    EnvelopeSpectrum {
+        name: name.to_owned(),
+        band_hz: [2000.0, 3200.0],
+        reason: "the band on which the finding rests".to_owned(),
+        bin_hz: 1.5625,
+        modulation: (0..700).map(at).collect(),
+        lines: lines(),
+        side_bands_hz: vec![220.0, 320.0],
+    }
+}
+
+/// [`usual`] of a machine that runs up, with limits and an event.
+pub(crate) fn run_up() -> Outcome {
+    let mut outcome = usual();
+    outcome.record.min_speed_rpm = 600.0;
+    outcome.record.max_speed_rpm = 6000.0;
+    let pictures = &mut outcome.pictures;
+    pictures.blocks = blocks(5, |share| 600.0 + 5400.0 * share);
+    for slice in pictures.cascades.iter_mut().flat_map(|cascade| &mut cascade.slices) {
+        slice.speed_rpm = 600.0 + 1400.0 * slice.time_s;
+    }
+    let limit = |indicator, max| LimitLine { indicator, probe: "DE_X".to_owned(), max };
+    pictures.limits = vec![limit("peak-to-peak", 9.0), limit("1X", 4.0), limit("kurtosis", 3.0)];
+    outcome.events = vec![crate::replay::limits::Event {
+        indicator: "peak-to-peak",
+        probe: "DE_X".to_owned(),
+        bearing: None,
+        start_s: 3.0,
+        end_s: None,
+        worst: 12.0,
+        worst_s: 4.0,
+        limit: 9.0,
+        unit: "um",
+        sentence: "Limit crossed: peak-to-peak at DE_X up to 12.000 um.".to_owned(),
+    }];
+    outcome
 }
 
 fn bearing(name: &str, station: f64) -> BearingOutcome {
@@ -130,6 +225,11 @@ fn orbit(x: (&str, f64), y: (&str, f64), station: f64, size: f64) -> Orbit {
         twin: times().iter().map(|t| at(t, true, 0.0)).collect(),
         keyphasor: (0..8).map(|turn| 13 + 256 * turn).collect(),
         probes: [x, y].map(|probe| (probe.0.to_owned(), probe.1.to_radians())).to_vec(),
+        one_x: Some(FilteredOrbit {
+            speed_rpm: 3000.0,
+            measured: [(size, 0.3), (-0.2, 0.8 * size)],
+            twin: [(1.04 * size, 0.3), (-0.2, 0.83 * size)],
+        }),
     }
 }
 
@@ -250,6 +350,11 @@ fn pictures() -> Pictures {
         lines: lines(),
         forces: vec![force_trace("DE"), force_trace("NDE")],
         element_loads: vec![element_loads("DE"), element_loads("NDE")],
+        blocks: blocks(5, |_| 3000.0),
+        cascades: vec![cascade("DE_X and DE_Y"), cascade("NDE_X and NDE_Y")],
+        clearances: vec![Some(Clearance { bearing: "DE".to_owned(), distance_mm: 20.0, radius_um: 5.0 }), None],
+        limits: vec![],
+        envelopes: vec![envelope_spectrum("acceleration_DE")],
     }
 }
 
@@ -313,6 +418,8 @@ pub(crate) fn usual() -> Outcome {
         min_speed_rpm: 2997.2,
         max_speed_rpm: 3002.9,
         angle_source: "keyphasor column KEY, 1 pulse a turn".to_owned(),
+        load: [0.0, 0.0, 60.0, 0.0, 0.0],
+        spectra: SpectraSettings { lines: 2048, bin_hz: 3.125, averages: 24 },
     };
     let finding = Finding {
         kind: FindingKind::OuterRace,
@@ -341,6 +448,16 @@ pub(crate) fn usual() -> Outcome {
             probe("NDE_Y", 120.0, Some(90.0), 3.9),
             probe("AXIAL", 0.0, None, 0.4),
         ],
+        planes: [("DE_X / DE_Y", -120.0), ("NDE_X / NDE_Y", 120.0)]
+            .map(|(name, station_mm)| PlaneOutcome {
+                name: name.to_owned(),
+                station_mm,
+                smax_um_peak: 5.9,
+                one_x_major_um_pp: 11.4,
+                one_x_minor_um_pp: 10.1,
+                one_x_forward: true,
+            })
+            .to_vec(),
         bearings: vec![bearing("DE", -100.0), bearing("NDE", 100.0)],
         timing: timing(),
         observer: Some(observer()),
@@ -366,6 +483,7 @@ pub(crate) fn bare() -> Outcome {
         record: Record::default(),
         observation: Observation::default(),
         probes: Vec::new(),
+        planes: Vec::new(),
         bearings: Vec::new(),
         timing: Timing::default(),
         observer: None,
@@ -397,6 +515,11 @@ fn broken_pictures(values: &[f64]) -> Pictures {
             twin: pairs.iter().take(1).copied().collect(),
             keyphasor: vec![0, 0, 5, 3, usize::MAX],
             probes: vec![("A".into(), f64::NAN), ("B".into(), 1e9)],
+            one_x: values.first().map(|x| FilteredOrbit {
+                speed_rpm: *x,
+                measured: [(*x, *x), (f64::NAN, 0.0)],
+                twin: [(*x, *x), (*x, *x)],
+            }),
         }],
         half_spectra: vec![HalfSpectrum {
             name: "A".into(),
@@ -427,10 +550,33 @@ fn broken_pictures(values: &[f64]) -> Pictures {
             azimuth: values.clone(),
             mean: values.clone(),
             largest: Vec::new(),
-            twin_mean: values,
+            twin_mean: values.clone(),
             first_element: pairs,
         }],
+        blocks: values.iter().map(|x| broken_block(*x)).collect(),
+        cascades: vec![Cascade {
+            name: "A".into(),
+            two_sided: true,
+            bin_hz: f64::NAN,
+            slices: values.iter().map(|x| Slice { time_s: *x, speed_rpm: *x, amplitude_um: values.clone() }).collect(),
+        }],
+        clearances: vec![Some(Clearance { bearing: "B".into(), distance_mm: f64::NAN, radius_um: 1e300 })],
+        limits: vec![LimitLine { indicator: "1X", probe: "A".into(), max: f64::INFINITY }],
+        envelopes: vec![EnvelopeSpectrum { name: "A".into(), modulation: values, ..EnvelopeSpectrum::default() }],
     }
+}
+
+fn broken_block(x: f64) -> Block {
+    let figures = BlockFigures {
+        mean_um: x,
+        greatest_um_pp: x,
+        one_x_um: [x, x],
+        twin_one_x_um: [0.0, x],
+        residual_rms_um: x,
+        kurtosis: x,
+        ..BlockFigures::default()
+    };
+    Block { start_s: x, end_s: x, speed_rpm: x, probes: vec![figures; 2], smax_um: vec![x] }
 }
 
 /// Numbers that are none, and data that do not fit together.

@@ -4,7 +4,8 @@ use super::figures::{Gallery, Picture, gallery};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use crate::replay::outcome::{
-    Baseline, BearingOutcome, Finding, Motion, Outcome, ProbeOutcome, Quantiles, Standing, Timing,
+    Baseline, BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, Standing, TabularList,
+    Timing,
 };
 use anyhow::{Context, Result};
 use minijinja::{Environment, Value, context};
@@ -35,11 +36,17 @@ fn page(outcome: &Outcome, gallery: &Gallery) -> Value {
         version => outcome.version.as_str(),
         verdict => outcome.verdict.as_str(),
         facts => pairs(words::facts(outcome).into_iter().filter(|fact| !IN_TITLE.contains(&fact.0))),
+        list => list_rows(&outcome.probes),
+        planes => plane_rows(&outcome.planes),
+        units => words::UNITS,
         motion => motion_rows(&outcome.probes),
         baselines => baseline_rows(&outcome.probes),
         normaliser => words::normaliser(&outcome.probes),
         beaten => words::beaten(&outcome.probes),
         findings => outcome.findings.iter().map(finding).collect::<Vec<_>>(),
+        events => outcome.events.iter().map(|event| event.sentence.clone()).collect::<Vec<_>>(),
+        event_action => words::EVENT_ACTION,
+        no_action => words::no_action(outcome),
         ball_pass => ball_pass_rows(&outcome.probes),
         bearings => outcome.bearings.iter().map(bearing).collect::<Vec<_>>(),
         timing => timing(&outcome.timing),
@@ -105,6 +112,47 @@ fn motion_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
     rows.collect()
 }
 
+/// The tabular list; a probe without a whole block has no row.
+fn list_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
+    let listed: Vec<(&ProbeOutcome, TabularList)> =
+        probes.iter().filter_map(|probe| probe.list.map(|list| (probe, list))).collect();
+    let of = |value: fn(&TabularList) -> f64| column(listed.iter().map(|(_, list)| value(list)));
+    let plain = |value: fn(&TabularList) -> f64| -> Vec<String> {
+        listed.iter().map(|(_, list)| typeset(&fixed(value(list), 2))).collect()
+    };
+    let figures = [
+        of(|list| list.direct_um_pp),
+        of(|list| list.greatest_um_pp),
+        of(|list| list.gap_um),
+        of(|list| list.one_x_um_pp),
+        listed.iter().map(|(_, list)| typeset(&fixed(list.one_x_phase_lag_deg.unwrap_or(f64::NAN), 1))).collect(),
+        of(|list| list.two_x_um_pp),
+        of(|list| list.not_one_x_um_pp),
+        of(|list| list.half_x_um_pp),
+        plain(|list| list.crest_factor),
+        plain(|list| list.kurtosis),
+    ];
+    let rows = listed.iter().enumerate().map(|(i, (probe, _))| {
+        context! { name => probe.name.as_str(), figures => row(&figures, i) }
+    });
+    rows.collect()
+}
+
+fn plane_rows(planes: &[PlaneOutcome]) -> Vec<Value> {
+    let of = |value: fn(&PlaneOutcome) -> f64| column(planes.iter().map(value));
+    let figures =
+        [of(|plane| plane.smax_um_peak), of(|plane| plane.one_x_major_um_pp), of(|plane| plane.one_x_minor_um_pp)];
+    let rows = planes.iter().enumerate().map(|(i, plane)| {
+        context! {
+            name => plane.name.as_str(),
+            station => typeset(&fixed(plane.station_mm, 1)),
+            figures => row(&figures, i),
+            precession => if plane.one_x_forward { "forward" } else { "reverse" },
+        }
+    });
+    rows.collect()
+}
+
 fn lag(motion: &Motion) -> String {
     typeset(&fixed(motion.one_x_phase_lag_deg, 1))
 }
@@ -135,6 +183,8 @@ fn finding(finding: &Finding) -> Value {
         order => typeset(&fixed(finding.order, 3)),
         level => typeset(&fixed(finding.level_db, 1)),
         confidence => typeset(&fixed(100.0 * finding.confidence, 0)),
+        severity => words::severity(finding),
+        action => words::action(finding.kind),
         sentence => finding.sentence.as_str(),
     }
 }
@@ -169,7 +219,7 @@ fn bearing(bearing: &BearingOutcome) -> Value {
         outer => order(orders.outer_race),
         inner => order(orders.inner_race),
         spin => order(orders.ball_spin.unwrap_or(0.0)),
-        largest => typeset(&alone(bearing.largest_element_load_n)),
+        largest => typeset(&if bearing.largest_element_load_n > 0.0 { alone(bearing.largest_element_load_n) } else { NONE.to_owned() }),
         remarks => words::remarks(bearing.contact_lost_samples, bearing.held_samples).join("; "),
         forces => (0..COMPONENTS.len()).map(|i| force(bearing, i)).collect::<Vec<_>>(),
     }
@@ -185,9 +235,9 @@ fn force(bearing: &BearingOutcome, i: usize) -> Value {
 }
 
 fn timing(timing: &Timing) -> Value {
-    let mut rows = vec![quantiles("Compute, a sample", &timing.compute)];
+    let mut rows = vec![quantiles("Work, a sample", &timing.compute)];
     if let Some(pacing) = &timing.pacing {
-        rows.push(quantiles("Compute, a block", &pacing.compute));
+        rows.push(quantiles("Work, a block", &pacing.compute));
         rows.push(quantiles("Lateness", &pacing.lateness));
     }
     let mut facts = vec![
@@ -207,11 +257,17 @@ fn quantiles(name: &str, times: &Quantiles) -> Value {
 
 /// Headings in the order in which an engineer looks: shape, time, frequency, force.
 fn galleries(gallery: &Gallery) -> Vec<Value> {
-    let kinds: [(&str, &str, &[Picture]); 6] = [
+    let kinds: [(&str, &str, &[Picture]); 12] = [
         ("Orbits", "square", &gallery.orbits),
+        ("Shaft centrelines", "square", &gallery.centrelines),
+        ("Polar plots", "square", &gallery.polars),
+        ("Bode plots", "wide", &gallery.bodes),
         ("Time traces", "wide", &gallery.traces),
+        ("Trends", "wide", &gallery.trends),
         ("Spectra", "wide", &gallery.half_spectra),
         ("Full spectra", "wide", &gallery.full_spectra),
+        ("Spectra one after the other", "wide", &gallery.cascades),
+        ("Envelope spectra", "wide", &gallery.envelopes),
         ("Bearing forces", "wide", &gallery.forces),
         ("Load on the rolling elements", "wide", &gallery.loads),
     ];
@@ -260,7 +316,7 @@ mod tests {
 
     #[test]
     fn names_everything_and_loads_nothing() {
-        for outcome in [fixture::usual(), fixture::crowded()] {
+        for outcome in [fixture::usual(), fixture::crowded(), fixture::run_up()] {
             let page = html(&outcome).unwrap();
             assert!(outcome.probes.iter().all(|probe| page.contains(&escaped(&probe.name))));
             assert!(outcome.bearings.iter().all(|bearing| page.contains(&escaped(&bearing.name))));
@@ -275,7 +331,13 @@ mod tests {
     #[test]
     fn pictures_are_all_there() {
         let page = html(&fixture::usual()).unwrap();
-        assert_eq!(page.matches("<svg").count(), 5 + 2 + 5 + 2 + 2 + 2);
+        // Traces, trends, half spectra; orbits direct and 1X, centrelines, full spectra, waterfalls, forces, loads; an envelope.
+        assert_eq!(page.matches("<svg").count(), 3 * 5 + 7 * 2 + 1);
+        let run_up = html(&fixture::run_up()).unwrap();
+        assert_eq!(run_up.matches("<svg").count() - page.matches("<svg").count(), 2 * 4);
+        for there in ["Cascade of", "Bode plot of DE_X", "Polar plot of NDE_Y", "Trend of AXIAL", "1X orbit at"] {
+            assert!(run_up.contains(there), "{there}");
+        }
         assert_eq!(page.matches("</svg>").count(), page.matches("<svg").count());
         assert!(page.contains("class=\"dash\""));
     }

@@ -106,6 +106,20 @@ fn envelope(
 }
 
 impl Envelope {
+    /// How much the band swells in all: the variance of its squared envelope over the square of its mean. 1 is noise.
+    #[must_use]
+    pub fn swell(&self) -> f64 {
+        // A Hann window holds each line in 1.5 bins.
+        self.power.iter().sum::<f64>() / 3.0
+    }
+
+    /// Hz from bin to bin, and the amplitudes up to `highest` (Hz).
+    #[must_use]
+    pub fn spectrum(&self, highest: f64) -> (f64, Vec<f64>) {
+        let count = (highest / self.bin).ceil() as usize + 1;
+        (self.bin, self.power.iter().take(count).map(|p| p.sqrt()).collect())
+    }
+
     /// The line at `frequency` (Hz), the largest of three bins; nothing where that is a multiple of the shaft's.
     #[must_use]
     pub fn line(&self, frequency: f64) -> Option<Line> {
@@ -154,6 +168,10 @@ mod tests {
             assert!((line.modulation - 2.0 * m / (1.0 + 0.5 * m * m)).abs() < 0.01, "{line:?} {:?}", envelope.band);
             assert!(line.level_db > 40.0);
             assert!(envelope.line(31.0).unwrap().modulation < 0.01);
+            // Two lines: (2m cos + m^2/2 cos 2)/(1 + m^2/2), half the sum of their squares.
+            let lines = [2.0 * m, 0.5 * m * m].map(|a| a / (1.0 + 0.5 * m * m));
+            let variance = 0.5 * lines.iter().map(|a| a * a).sum::<f64>();
+            assert!((envelope.swell() / variance - 1.0).abs() < 0.02, "{} {variance}", envelope.swell());
         }
     }
 }

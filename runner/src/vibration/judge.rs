@@ -1,8 +1,9 @@
 //! Which part of which bearing an envelope's lines belong to.
 
 use super::envelope::{Envelope, Line, envelopes};
+use super::picture;
 use crate::replay::baseline::{Baseline, BaselineSensor};
-use crate::replay::outcome::{Finding, FindingKind};
+use crate::replay::outcome::{EnvelopeSpectrum, Finding, FindingKind};
 use crate::scene::Sensor;
 use ballrace::bearing::kinematics::Orders;
 
@@ -75,15 +76,25 @@ pub struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Findings of all sensors, strongest first, and what there is to remember of each sensor.
-    pub fn all<'s>(&self, heard: impl Iterator<Item = (&'s Sensor, &'s [f64])>) -> (Vec<Finding>, Vec<BaselineSensor>) {
-        let (mut findings, mut learned): (Vec<(f64, Finding)>, _) = (vec![], vec![]);
+    /// Findings of all sensors, strongest first; what there is to remember and to draw of each sensor.
+    pub fn all<'s>(
+        &self,
+        heard: impl Iterator<Item = (&'s Sensor, &'s [f64])>,
+    ) -> (Vec<Finding>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
+        let (mut findings, mut learned, mut drawn): (Vec<(f64, Finding)>, _, _) = (vec![], vec![], vec![]);
         for (i, (sensor, signal)) in heard.enumerate() {
-            let found = self.sensor(sensor, signal);
+            let bands = self.bands(signal);
+            let found = self.sensor(sensor, &bands);
             let modulations = found.iter().map(|f| f.as_ref().map_or(0.0, |f| f.lines[0].modulation)).collect();
             learned.push(BaselineSensor { name: sensor.column.clone(), modulations });
-            let judged = found.iter().enumerate().filter_map(|(k, f)| self.judge(f.as_ref()?, sensor, (i, k)));
-            findings.extend(judged);
+            let judge = |(k, f): (usize, &Option<Found>)| {
+                let found = f.as_ref()?;
+                self.judge(found, sensor, (i, k)).map(|(score, finding)| (score, finding, found.band))
+            };
+            let judged: Vec<(f64, Finding, [f64; 2])> = found.iter().enumerate().filter_map(judge).collect();
+            let strongest = judged.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, _, band)| *band);
+            drawn.extend(picture::envelope(self, sensor, &bands, strongest));
+            findings.extend(judged.into_iter().map(|(score, finding, _)| (score, finding)));
         }
         findings.sort_by(|a, b| b.0.total_cmp(&a.0));
         let strongest = findings.first().map_or(0.0, |f| f.0);
@@ -94,7 +105,7 @@ impl Judge<'_> {
                 said.push(finding);
             }
         }
-        (said, learned)
+        (said, learned, drawn)
     }
 
     fn families(&self) -> Vec<Family> {
@@ -111,13 +122,29 @@ impl Judge<'_> {
         self.suspects.iter().enumerate().flat_map(of).collect()
     }
 
+    /// Envelopes of all bands that are high and wide enough.
+    fn bands(&self, signal: &[f64]) -> Vec<Envelope> {
+        let highest = self.families().iter().map(|f| f.order).fold(0.0, f64::max) * self.turn_hz;
+        envelopes(signal, self.rate, self.turn_hz, LOWEST * highest, self.range())
+    }
+
+    /// Up to here lines are looked for, Hz.
+    #[must_use]
+    pub fn range(&self) -> f64 {
+        let highest = self.families().iter().map(|f| f.order).fold(0.0, f64::max) * self.turn_hz;
+        (HARMONICS as f64 + 0.5) * highest
+    }
+
+    /// Bearings that a sensor listens to.
+    pub fn heard_by(&self, sensor: &Sensor) -> impl Iterator<Item = &Suspect> {
+        self.suspects.iter().filter(|s| sensor.bearing.as_ref().is_none_or(|name| *name == s.name))
+    }
+
     /// The best band of each family.
-    fn sensor(&self, sensor: &Sensor, signal: &[f64]) -> Vec<Option<Found>> {
+    fn sensor(&self, sensor: &Sensor, all: &[Envelope]) -> Vec<Option<Found>> {
         let families = self.families();
-        let highest = families.iter().map(|f| f.order).fold(0.0, f64::max) * self.turn_hz;
-        let all = envelopes(signal, self.rate, self.turn_hz, LOWEST * highest, (HARMONICS as f64 + 0.5) * highest);
         let own = |f: &Family| sensor.bearing.as_ref().is_none_or(|name| *name == self.suspects[f.bearing].name);
-        families.iter().map(|family| if own(family) { self.best(&all, *family) } else { None }).collect()
+        families.iter().map(|family| if own(family) { self.best(all, *family) } else { None }).collect()
     }
 
     fn best(&self, all: &[Envelope], family: Family) -> Option<Found> {

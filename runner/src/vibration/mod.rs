@@ -3,6 +3,7 @@
 
 mod envelope;
 mod judge;
+mod picture;
 #[cfg(test)]
 mod tests;
 
@@ -10,7 +11,7 @@ use crate::recording::Reader;
 use crate::recording::Row;
 use crate::replay::Options;
 use crate::replay::baseline::Baseline;
-use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Record};
+use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Pictures, Record};
 use crate::scene::{Rotation, Scene, Sensor, Speed, build};
 use anyhow::{Result, bail};
 use ballrace::Exact;
@@ -95,7 +96,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) 
     let suspects = suspects(scene)?;
     let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
     let judge = Judge { suspects: &suspects, turn_hz, rate, baseline: baseline.as_ref() };
-    let (findings, learned) = judge.all(heard.iter().map(|h| (&h.sensor, h.signal.as_slice())));
+    let (findings, learned, envelopes) = judge.all(heard.iter().map(|h| (&h.sensor, h.signal.as_slice())));
     let verdict = findings.first().map_or_else(
         || "No line of a bearing stands out of the envelope of any band.".to_owned(),
         |f| f.sentence.clone(),
@@ -111,6 +112,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) 
         min_speed_rpm: rpm,
         max_speed_rpm: rpm,
         angle_source: "the scene's shaft speed".to_owned(),
+        ..Record::default()
     };
     let mut notes = vec![
         "Vibration without a twin: forces and displacements are not computed, damage is told from envelopes."
@@ -136,6 +138,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) 
         flaws: reader.flaws().summary(),
         notes,
         learned: Baseline::of_sensors(&scene.name, name, learned),
+        pictures: Pictures { envelopes, ..Pictures::default() },
         ..Outcome::default()
     })
 }

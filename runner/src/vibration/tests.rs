@@ -1,7 +1,7 @@
 //! Blows of known origin in noise, and what is no blow.
 
 use super::judge::{Judge, Suspect};
-use crate::replay::outcome::FindingKind;
+use crate::replay::outcome::{EnvelopeSpectrum, FindingKind};
 use crate::scene::Sensor;
 use ballrace::bearing::kinematics::{Orders, orders};
 use std::f64::consts::TAU;
@@ -42,12 +42,16 @@ fn suspect() -> Suspect {
     Suspect { name: "DE".to_owned(), station: 0.0, orders: orders(9, gamma, gamma), elements: 9 }
 }
 
-fn found(signal: &[f64]) -> Vec<(FindingKind, f64)> {
+fn judged(signal: &[f64]) -> (Vec<(FindingKind, f64)>, Vec<EnvelopeSpectrum>) {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
     let suspects = [suspect()];
     let judge = Judge { suspects: &suspects, turn_hz: TURN_HZ, rate: RATE, baseline: None };
-    let (findings, _) = judge.all(std::iter::once((&sensor, signal)));
-    findings.iter().map(|f| (f.kind, f.order)).collect()
+    let (findings, _, drawn) = judge.all(std::iter::once((&sensor, signal)));
+    (findings.iter().map(|f| (f.kind, f.order)).collect(), drawn)
+}
+
+fn found(signal: &[f64]) -> Vec<(FindingKind, f64)> {
+    judged(signal).0
 }
 
 #[test]
@@ -77,4 +81,21 @@ fn noise_and_the_shaft_are_no_damage() {
         assert!(found(&blows(1.0, 3000.0, 0.0, 3.0, seed)).is_empty(), "a blow a turn {seed}");
         assert!(found(&blows(2.0, 5000.0, 0.0, 3.0, seed)).is_empty(), "two blows a turn {seed}");
     }
+}
+
+/// The line of the damage is the highest of the drawn spectrum about it; sound signals have a picture too.
+#[test]
+fn the_band_that_is_drawn_shows_the_line() {
+    let order = suspect().orders.outer_race;
+    let (_, drawn) = judged(&blows(order, 4100.0, 0.0, 3.0, 1));
+    assert_eq!(drawn.len(), 1);
+    let envelope = &drawn[0];
+    assert_eq!(envelope.reason, "the band on which the finding rests");
+    let at = (order * TURN_HZ / envelope.bin_hz).round() as usize;
+    let peak = envelope.modulation[at - 1..=at + 1].iter().copied().fold(0.0, f64::max);
+    let around = envelope.modulation[at - 12..at + 12].iter().copied().fold(0.0, f64::max);
+    assert!(peak == around && peak > 0.25, "{peak} {around}");
+    assert!(envelope.lines.iter().any(|line| line.label == "DE outer" && (line.hz - order * TURN_HZ).abs() < 1e-9));
+    let (_, sound) = judged(&blows(1.0, 3000.0, 0.0, 0.0, 1));
+    assert!(sound.len() == 1 && sound[0].reason.starts_with("the most impulsive band"));
 }

@@ -183,6 +183,9 @@ impl Canvas<'_> {
     }
 
     fn write(&mut self, text: &str, at: Point, anchor: Anchor, colour: RGBColor, turn: FontTransform) -> Result<()> {
+        if text.is_empty() {
+            return Ok(());
+        }
         let across = match anchor {
             Anchor::Start => HPos::Left,
             Anchor::Middle => HPos::Center,

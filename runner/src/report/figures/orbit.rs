@@ -6,7 +6,7 @@ use super::canvas::{
 };
 use super::line::{Point, thinned};
 use super::{Budget, Picture};
-use crate::replay::outcome::Orbit;
+use crate::replay::outcome::{FilteredOrbit, Orbit};
 use crate::report::number::{fixed, shortened};
 use anyhow::Result;
 
@@ -25,6 +25,52 @@ const BLANK: f64 = 0.035;
 const NOTE: &str = "Equal scales. X to the right, Y up, Z towards the reader. Blank, then bright: motion runs from the \
                     gap to the keyphasor dot (twin: ring).";
 
+/// Points of a 1X orbit.
+const ELLIPSE: u16 = 180;
+
+/// The 1X part of an orbit, once around; `forward` is the sense of rotation.
+pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Option<Picture>> {
+    let Some(FilteredOrbit { speed_rpm, measured, twin }) = orbit.one_x else { return Ok(None) };
+    let around = |[cos, sin]: [(f64, f64); 2]| -> Vec<Point> {
+        let point = |i: u16| {
+            // The shaft's angle as time goes on.
+            let (s, c) = (forward * std::f64::consts::TAU * f64::from(i) / f64::from(ELLIPSE)).sin_cos();
+            (cos.0 * c + sin.0 * s, cos.1 * c + sin.1 * s)
+        };
+        (0..=ELLIPSE).map(point).collect()
+    };
+    let filtered = Orbit {
+        name: orbit.name.clone(),
+        station_mm: orbit.station_mm,
+        measured: around(measured),
+        twin: around(twin),
+        keyphasor: vec![0, usize::from(ELLIPSE)],
+        probes: orbit.probes.clone(),
+        one_x: None,
+    };
+    let drawn = self::orbit(&filtered, forward, budget)?;
+    let title = drawn.title.replacen("Orbit", &format!("1X orbit at {} rpm", fixed(speed_rpm, 0)), 1);
+    Ok(Some(Picture { title, ..drawn }))
+}
+
+/// The sense in which a curve is run through, against that of rotation; nothing where noise alone could have done it.
+fn precession(points: &[Point], forward: f64) -> &'static str {
+    let finite: Vec<&Point> = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
+    let count = finite.len().max(1) as f64;
+    let middle = finite.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / count, sum.1 + p.1 / count));
+    let area = |pair: &[&Point]| {
+        let [a, b] = [pair[0], pair[1]].map(|p| (p.0 - middle.0, p.1 - middle.1));
+        a.0 * b.1 - a.1 * b.0
+    };
+    let steps: Vec<f64> = finite.windows(2).map(area).collect();
+    let by_chance = steps.iter().map(|step| step * step).sum::<f64>().sqrt();
+    match forward * steps.iter().sum::<f64>() {
+        area if area > 4.0 * by_chance => ", forward precession",
+        area if area < -4.0 * by_chance => ", reverse precession",
+        _ => "",
+    }
+}
+
 /// One picture for each plane; `forward` is the sense of rotation, +1 from +X towards +Y.
 pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Picture> {
     let shown = shown_samples(orbit);
@@ -41,7 +87,12 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Pictu
         frame.say_if_empty(canvas, &[&orbit.measured, &orbit.twin])
     })?;
     Ok(Picture {
-        title: format!("Orbit of {} at {} mm", orbit.name, signed(&fixed(orbit.station_mm, 0))),
+        title: format!(
+            "Orbit of {} at {} mm{}",
+            orbit.name,
+            signed(&fixed(orbit.station_mm, 0)),
+            precession(orbit.measured.get(..shown).unwrap_or(&orbit.measured), forward)
+        ),
         note: NOTE.to_owned(),
         svg,
     })
@@ -164,4 +215,19 @@ fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) -> R
         canvas.ring(x, y, TWIN)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sense_is_that_of_the_way() {
+        let circle: Vec<Point> = (0..50).map(|i| f64::from(i).sin_cos()).map(|(s, c)| (3.0 + c, s)).collect();
+        assert_eq!(precession(&circle, 1.0), ", forward precession");
+        assert_eq!(precession(&circle, -1.0), ", reverse precession");
+        assert_eq!(precession(&[(0.0, 0.0), (1.0, 1.0), (f64::NAN, 0.0)], 1.0), "");
+        let scattered: Vec<Point> = (0..500).map(|i| (f64::from(i * 37 % 101), f64::from(i * i * 53 % 97))).collect();
+        assert_eq!(precession(&scattered, 1.0), "");
+    }
 }

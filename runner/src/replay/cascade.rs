@@ -1,0 +1,175 @@
+//! Full spectra one after the other, as the shaft goes on: a waterfall over time, a cascade over speed. Flat memory.
+
+use super::history::{History, Join};
+use super::outcome::{Cascade, Slice};
+use super::pictures::Plane;
+use crate::recording::Sample;
+use crate::scene::{Direction, Probe, Speed};
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+const UM: f64 = 1e6;
+/// Spectra at most.
+const MOST: usize = 48;
+/// Time of one spectrum, s, and turns at the scene's highest speed: the longer one counts.
+const LEAST_TIME: f64 = 0.16;
+const LEAST_TURNS: f64 = 4.0;
+/// Bins kept on either side of 0 Hz.
+const KEPT: usize = 400;
+/// Readings of these samples are transformed at once: the least and the most.
+const LENGTHS: (f64, f64) = (256.0, 65_536.0);
+
+/// What a spectrum is of: a plane, or a probe that has no partner.
+struct Source {
+    name: String,
+    probe: usize,
+    plane: Option<Plane>,
+    pending: Vec<Complex<f64>>,
+}
+
+/// Gathers samples spectrum by spectrum.
+pub struct Spectra {
+    sources: Vec<Source>,
+    fft: Arc<dyn Fft<f64>>,
+    window: Vec<f64>,
+    times: Vec<f64>,
+    speeds: Vec<f64>,
+    /// Index of the last row.
+    last: u64,
+    rate: f64,
+    history: History<Slices>,
+}
+
+/// One spectrum of each source, as powers.
+struct Slices {
+    time: f64,
+    speed: f64,
+    power: Vec<Vec<f64>>,
+}
+
+impl Join for Slices {
+    fn join(&mut self, later: &Self, share: f64) {
+        let mix = |to: &mut f64, from: f64| *to += share * (from - *to);
+        mix(&mut self.time, later.time);
+        mix(&mut self.speed, later.speed);
+        for (to, from) in self.power.iter_mut().flatten().zip(later.power.iter().flatten()) {
+            mix(to, *from);
+        }
+    }
+}
+
+impl Spectra {
+    /// Of the planes; where there is none, of each radial probe.
+    #[must_use]
+    pub fn new(probes: &[Probe], planes: &[Plane], rate: f64, speed: Speed) -> Self {
+        let source = |name: String, probe: usize, plane| Source { name, probe, plane, pending: vec![] };
+        let name = |i: usize| probes.get(i).map_or("", |p| p.column.as_str());
+        let mut sources: Vec<Source> =
+            planes.iter().map(|p| source(p.probes.map(name).join(" / "), p.probes[0], Some(p.clone()))).collect();
+        if sources.is_empty() {
+            let radial = probes.iter().enumerate().filter(|(_, p)| p.direction != Direction::Axial);
+            sources = radial.map(|(i, p)| source(p.column.clone(), i, None)).collect();
+        }
+        let length = length(rate, speed);
+        Self {
+            sources,
+            fft: FftPlanner::new().plan_fft_forward(length),
+            window: (0..length).map(|i| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos()).collect(),
+            times: vec![],
+            speeds: vec![],
+            last: 0,
+            rate,
+            history: History::new(MOST),
+        }
+    }
+
+    /// One sample. A missing one starts the spectrum anew: it may not reach over a gap.
+    pub fn add(&mut self, sample: &Sample) {
+        let gap = sample.row.index != self.last + 1;
+        self.last = sample.row.index;
+        let missing = sample.row.probes.iter().any(|y| y.is_nan());
+        if gap || missing {
+            self.forget(self.times.len());
+        }
+        if missing {
+            return;
+        }
+        for source in &mut self.sources {
+            let (x, y) = match &source.plane {
+                Some(plane) => plane.xy(&sample.row.probes),
+                None => (sample.row.probes.get(source.probe).copied().unwrap_or(0.0), 0.0),
+            };
+            source.pending.push(Complex::new(x, y));
+        }
+        self.times.push(sample.row.time);
+        self.speeds.push(sample.speed);
+        if self.times.len() >= self.window.len() {
+            self.transform();
+        }
+    }
+
+    fn forget(&mut self, count: usize) {
+        self.times.drain(..count);
+        self.speeds.drain(..count);
+        for source in &mut self.sources {
+            source.pending.drain(..count);
+        }
+    }
+
+    fn transform(&mut self) {
+        let length = self.window.len();
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / length as f64;
+        let power = self.sources.iter().map(|source| self.power(&source.pending)).collect();
+        self.history.push(Slices { time: mean(&self.times), speed: mean(&self.speeds), power });
+        // While there are few spectra they overlap by half, so that a short run-up has enough of them.
+        self.forget(if self.history.is_whole() { length / 2 } else { length });
+    }
+
+    /// From the lowest bin kept to the highest, 0 Hz in the middle, um squared.
+    fn power(&self, samples: &[Complex<f64>]) -> Vec<f64> {
+        let length = self.window.len();
+        let mean = samples.iter().sum::<Complex<f64>>() / length as f64;
+        let mut bins: Vec<Complex<f64>> = samples.iter().zip(&self.window).map(|(z, w)| (z - mean) * w).collect();
+        self.fft.process(&mut bins);
+        let kept = KEPT.min(length / 2 - 1);
+        let scale = UM / self.window.iter().sum::<f64>();
+        let (reverse, forward) = (bins.iter().skip(length - kept), bins.iter().take(kept + 1));
+        reverse.chain(forward).map(|z| (z * scale).norm_sqr()).collect()
+    }
+
+    /// One cascade a source.
+    #[must_use]
+    pub fn finish(self) -> Vec<Cascade> {
+        let bin_hz = self.rate / self.window.len() as f64;
+        let slices = self.history.into_entries();
+        let of = |(i, source): (usize, Source)| {
+            let two_sided = source.plane.is_some();
+            // A lone probe's two sides are halves of one amplitude.
+            let size = if two_sided { 1.0 } else { 2.0 };
+            let slice = |s: &Slices| Slice {
+                time_s: s.time,
+                speed_rpm: s.speed * 60.0 / TAU,
+                amplitude_um: s.power.get(i).into_iter().flatten().map(|p| size * p.sqrt()).collect(),
+            };
+            Cascade { two_sided, name: source.name, bin_hz, slices: slices.iter().map(slice).collect() }
+        };
+        self.sources.into_iter().enumerate().map(of).collect()
+    }
+}
+
+/// Samples of one spectrum, a power of two.
+fn length(rate: f64, speed: Speed) -> usize {
+    let fastest = match speed {
+        Speed::Constant(w) => w,
+        Speed::Ramp { from, to, .. } => from.abs().max(to.abs()),
+        Speed::Fluctuating { mean, .. } => mean,
+    };
+    let turns = LEAST_TURNS * TAU / fastest.abs().max(1e-9);
+    let samples = (rate * LEAST_TIME.max(turns)).clamp(LENGTHS.0, LENGTHS.1);
+    1 << samples.log2().round() as u32
+}
+
+#[cfg(test)]
+mod tests;

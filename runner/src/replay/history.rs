@@ -1,0 +1,96 @@
+//! A list of what happened one after the other that never grows beyond a size: when it is full, neighbours become one.
+
+/// What can be joined with what came right after it.
+pub trait Join {
+    /// Takes in `later`, which makes up the share `share` (0 to 1) of both together.
+    fn join(&mut self, later: &Self, share: f64);
+}
+
+/// At most `most` entries, each of as many parts as the others but for the last one.
+pub struct History<T> {
+    entries: Vec<T>,
+    most: usize,
+    /// Parts of a whole entry.
+    span: usize,
+    /// Parts of the last one.
+    filled: usize,
+}
+
+impl<T: Join> History<T> {
+    /// Of at most `most` entries, 2 or more.
+    #[must_use]
+    pub fn new(most: usize) -> Self {
+        Self { entries: Vec::new(), most: most.max(2), span: 1, filled: 1 }
+    }
+
+    /// The next part.
+    pub fn push(&mut self, part: T) {
+        if let Some(last) = self.entries.last_mut().filter(|_| self.filled < self.span) {
+            self.filled += 1;
+            last.join(&part, 1.0 / self.filled as f64);
+            return;
+        }
+        if self.entries.len() == self.most {
+            self.halve();
+            return self.push(part);
+        }
+        self.entries.push(part);
+        self.filled = 1;
+    }
+
+    /// Joins neighbours in pairs; an odd one at the end stays half full.
+    fn halve(&mut self) {
+        let mut halved: Vec<T> = Vec::with_capacity(self.most);
+        let odd = self.entries.len() % 2 == 1;
+        for (i, entry) in self.entries.drain(..).enumerate() {
+            match halved.last_mut() {
+                Some(last) if i % 2 == 1 => last.join(&entry, 0.5),
+                _ => halved.push(entry),
+            }
+        }
+        self.entries = halved;
+        self.filled = if odd { self.span } else { 2 * self.span };
+        self.span *= 2;
+    }
+
+    /// Nothing was joined yet.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.span == 1
+    }
+
+    /// The entries in their order.
+    #[must_use]
+    pub fn into_entries(self) -> Vec<T> {
+        self.entries
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Join for (f64, f64) {
+        fn join(&mut self, later: &Self, share: f64) {
+            self.0 += share * (later.0 - self.0);
+            self.1 = self.1.max(later.1);
+        }
+    }
+
+    /// Means of equal shares in order, whatever the count; the greatest survives.
+    #[test]
+    fn neighbours_are_joined_evenly() {
+        for (most, parts) in [(8, 5), (8, 8), (8, 9), (7, 100), (48, 10_000), (2, 33)] {
+            let mut history = History::new(most);
+            (0..parts).for_each(|i| history.push((f64::from(i), f64::from(i))));
+            assert_eq!(history.is_whole(), parts as usize <= most);
+            let (span, entries) = (history.span, history.into_entries());
+            assert!(entries.len() <= most && 2 * entries.len() + 2 > most.min(parts as usize), "{}", entries.len());
+            for (k, (mean, greatest)) in entries.iter().enumerate() {
+                let (first, end) = (k * span, ((k + 1) * span).min(parts as usize));
+                assert!((mean - 0.5 * (first + end - 1) as f64).abs() < 1e-6, "{most} {parts} {k}");
+                assert!((greatest - (end - 1) as f64).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! What each block of a few turns shows, from the start of a recording to its end, in flat memory.
+//!
+//! A block begins where the shaft has gone a multiple of [`TURNS`] turns. Under a Hann window over its angle the mean,
+//! 0.5X, 1X and 2X lie on one another's zeros: none leaks into another, also while the speed changes.
+
+use super::history::{History, Join};
+use super::outcome::{Block, BlockFigures};
+use super::pictures::Plane;
+use crate::recording::Sample;
+use std::f64::consts::TAU;
+
+const UM: f64 = 1e6;
+/// Turns of one block.
+pub const TURNS: i64 = 4;
+/// Points of a trend at most.
+const MOST_POINTS: usize = 512;
+/// Samples of a block at most: a shaft that hardly turns has none.
+const MOST_SAMPLES: usize = 1 << 18;
+/// Share of its turns that a block has to have readings of.
+const LEAST_COVERED: f64 = 0.98;
+/// A step longer than this, in turns, is a gap.
+const GAP: f64 = 0.25;
+
+/// Gathers samples block by block.
+pub struct Trend {
+    planes: Vec<Plane>,
+    probes: usize,
+    /// Which block of the shaft's turns is running.
+    index: Option<i64>,
+    /// Of each sample: where in the block it is.
+    bases: Vec<Basis>,
+    /// One column a probe, then one for each of the twin's readings, m: the block's sums run down a column.
+    columns: Vec<Vec<f64>>,
+    covered: f64,
+    start: f64,
+    end: f64,
+    speed: f64,
+    history: History<Block>,
+}
+
+impl Trend {
+    /// For so many probes and these planes.
+    #[must_use]
+    pub fn new(probes: usize, planes: Vec<Plane>) -> Self {
+        Self {
+            planes,
+            probes,
+            index: None,
+            bases: vec![],
+            columns: vec![vec![]; 2 * probes],
+            covered: 0.0,
+            start: 0.0,
+            end: 0.0,
+            speed: 0.0,
+            history: History::new(MOST_POINTS),
+        }
+    }
+
+    /// One sample, the twin's readings, and the shaft's way since the last sample (revolutions).
+    pub fn add(&mut self, sample: &Sample, twin: &[f64], arc: f64) {
+        let index = sample.revolution.div_euclid(TURNS);
+        let gap = arc.abs() > GAP;
+        if self.index != Some(index) || gap || self.bases.len() >= MOST_SAMPLES {
+            if !gap {
+                self.close();
+            }
+            self.begin(index, sample.row.time);
+        }
+        if sample.row.probes.iter().any(|y| y.is_nan()) {
+            return;
+        }
+        let turns = sample.revolution.rem_euclid(TURNS) as f64 + sample.angle.revolutions();
+        let (sin, cos) = (TAU * turns / TURNS as f64).sin_cos();
+        self.bases.push(Basis::new((cos, sin)));
+        for (column, value) in self.columns.iter_mut().zip(sample.row.probes.iter().chain(twin)) {
+            column.push(*value);
+        }
+        self.covered += arc.abs();
+        self.speed += sample.speed;
+        self.end = sample.row.time;
+    }
+
+    fn begin(&mut self, index: i64, time: f64) {
+        self.index = Some(index);
+        self.bases.clear();
+        self.columns.iter_mut().for_each(Vec::clear);
+        (self.covered, self.speed, self.start, self.end) = (0.0, 0.0, time, time);
+    }
+
+    /// Works out the running block, where it is whole.
+    fn close(&mut self) {
+        if self.covered < LEAST_COVERED * TURNS as f64 {
+            return;
+        }
+        let count = self.bases.len() as f64;
+        let means: Vec<f64> = self.columns.iter().map(|column| column.iter().sum::<f64>() / count).collect();
+        let block = Block {
+            start_s: self.start,
+            end_s: self.end,
+            speed_rpm: self.speed / count * 60.0 / TAU,
+            probes: (0..self.probes).filter_map(|i| self.figures(i, *means.get(i)?, count)).collect(),
+            smax_um: self.planes.iter().filter_map(|plane| self.farthest(plane, &means)).collect(),
+        };
+        self.history.push(block);
+    }
+
+    /// Of probe `i` in the running block.
+    fn figures(&self, i: usize, mean: f64, count: f64) -> Option<BlockFigures> {
+        let (measured, twin) = (self.columns.get(i)?, self.columns.get(self.probes + i)?);
+        let mut swing = Swing::default();
+        for ((basis, y), x) in self.bases.iter().zip(measured).zip(twin) {
+            swing.add(basis, y - mean, x - mean);
+        }
+        swing.scale();
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (basis, y) in self.bases.iter().zip(measured) {
+            let left = y - swing.one[0] * basis.one.0 - swing.one[1] * basis.one.1;
+            (low, high) = (low.min(left), high.max(left));
+        }
+        Some(swing.figures(mean, (high - low) * UM, count))
+    }
+
+    /// Greatest distance from the mean place in a plane, um.
+    fn farthest(&self, plane: &Plane, means: &[f64]) -> Option<f64> {
+        let [a, b] = plane.probes;
+        let (column_a, column_b, mean_a, mean_b) =
+            (self.columns.get(a)?, self.columns.get(b)?, means.get(a)?, means.get(b)?);
+        let square = |(a, b): (&f64, &f64)| {
+            let (x, y) = plane.place(a - mean_a, b - mean_b);
+            x * x + y * y
+        };
+        Some(column_a.iter().zip(column_b).map(square).fold(0.0, f64::max).sqrt() * UM)
+    }
+
+    /// The blocks, or neighbours of them joined.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<Block> {
+        self.close();
+        self.history.into_entries()
+    }
+}
+
+/// Window, and (cosine, sine) of the angles that the signals are held against.
+struct Basis {
+    window: f64,
+    half: (f64, f64),
+    one: (f64, f64),
+    two: (f64, f64),
+}
+
+impl Basis {
+    /// From a quarter of the shaft's angle.
+    fn new(quarter: (f64, f64)) -> Self {
+        let doubled = |(cos, sin): (f64, f64)| (cos * cos - sin * sin, 2.0 * sin * cos);
+        let half = doubled(quarter);
+        let one = doubled(half);
+        Self { window: 0.5 * (1.0 - quarter.0), half, one, two: doubled(one) }
+    }
+}
+
+/// Sums of one probe over one block, about its mean.
+#[derive(Debug, Clone, Default)]
+struct Swing {
+    weight: f64,
+    half: [f64; 2],
+    one: [f64; 2],
+    two: [f64; 2],
+    twin: [f64; 2],
+    least: f64,
+    greatest: f64,
+    square: f64,
+    fourth: f64,
+    residual: f64,
+}
+
+impl Swing {
+    fn add(&mut self, basis: &Basis, d: f64, twin: f64) {
+        let against = |sum: &mut [f64; 2], value: f64, (cos, sin): (f64, f64)| {
+            sum[0] += value * cos;
+            sum[1] += value * sin;
+        };
+        let w = basis.window;
+        self.weight += w;
+        against(&mut self.half, w * d, basis.half);
+        against(&mut self.one, w * d, basis.one);
+        against(&mut self.two, w * d, basis.two);
+        against(&mut self.twin, w * twin, basis.one);
+        self.least = self.least.min(d);
+        self.greatest = self.greatest.max(d);
+        self.square += d * d;
+        self.fourth += (d * d) * (d * d);
+        self.residual += (d - twin) * (d - twin);
+    }
+
+    /// Sums to amplitudes.
+    fn scale(&mut self) {
+        let scale = 2.0 / self.weight.max(f64::MIN_POSITIVE);
+        for sum in [&mut self.half, &mut self.one, &mut self.two, &mut self.twin] {
+            *sum = sum.map(|x| scale * x);
+        }
+    }
+
+    fn figures(&self, mean: f64, not_one_x: f64, count: f64) -> BlockFigures {
+        let size = |[cos, sin]: [f64; 2]| cos.hypot(sin) * UM;
+        let variance = self.square / count;
+        let rms = variance.sqrt();
+        let over = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
+        let peak_to_peak = (self.greatest - self.least) * UM;
+        BlockFigures {
+            mean_um: mean * UM,
+            peak_to_peak_um: peak_to_peak,
+            greatest_um_pp: peak_to_peak,
+            not_one_x_um_pp: not_one_x,
+            rms_um: rms * UM,
+            crest_factor: over(self.greatest.max(-self.least), rms),
+            kurtosis: over(self.fourth / count, variance * variance),
+            residual_rms_um: (self.residual / count).sqrt() * UM,
+            one_x_um: self.one.map(|x| x * UM),
+            twin_one_x_um: self.twin.map(|x| x * UM),
+            two_x_um: size(self.two),
+            half_x_um: size(self.half),
+        }
+    }
+}
+
+impl Join for Block {
+    fn join(&mut self, later: &Self, share: f64) {
+        self.end_s = later.end_s;
+        let mix = |to: &mut f64, from: f64| *to += share * (from - *to);
+        mix(&mut self.speed_rpm, later.speed_rpm);
+        for (to, from) in self.probes.iter_mut().zip(&later.probes) {
+            to.join(from, share);
+        }
+        for (to, from) in self.smax_um.iter_mut().zip(&later.smax_um) {
+            mix(to, *from);
+        }
+    }
+}
+
+impl Join for BlockFigures {
+    /// Means; rms by their squares, 1X as vectors, and the greatest of the greatest.
+    fn join(&mut self, later: &Self, share: f64) {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        let squares = |a: f64, b: f64| mix(a * a, b * b).sqrt();
+        let vectors = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0]), mix(a[1], b[1])];
+        *self = Self {
+            mean_um: mix(self.mean_um, later.mean_um),
+            peak_to_peak_um: mix(self.peak_to_peak_um, later.peak_to_peak_um),
+            greatest_um_pp: self.greatest_um_pp.max(later.greatest_um_pp),
+            not_one_x_um_pp: mix(self.not_one_x_um_pp, later.not_one_x_um_pp),
+            rms_um: squares(self.rms_um, later.rms_um),
+            crest_factor: mix(self.crest_factor, later.crest_factor),
+            kurtosis: mix(self.kurtosis, later.kurtosis),
+            residual_rms_um: squares(self.residual_rms_um, later.residual_rms_um),
+            one_x_um: vectors(self.one_x_um, later.one_x_um),
+            twin_one_x_um: vectors(self.twin_one_x_um, later.twin_one_x_um),
+            two_x_um: mix(self.two_x_um, later.two_x_um),
+            half_x_um: mix(self.half_x_um, later.half_x_um),
+        };
+    }
+}
+
+/// All blocks as one.
+#[must_use]
+pub fn merged(blocks: &[Block]) -> Option<Block> {
+    let (first, rest) = blocks.split_first()?;
+    let mut all = first.clone();
+    for (i, block) in rest.iter().enumerate() {
+        all.join(block, 1.0 / (i + 2) as f64);
+    }
+    Some(all)
+}
+
+#[cfg(test)]
+mod tests;
