@@ -100,22 +100,25 @@ fn frames_lost_repeated_and_of_a_wrong_size_are_counted() {
 fn a_source_that_stalls_dies_and_comes_back_is_followed() {
     let (desk, port) = (desk(), port());
     let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--for", "1.9 s", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let args = ["--source", &source_at, "--encoding", "frames", "--for", "2.2 s", "--events", "events.jsonl"];
+    let child = monitor(&desk, &[&args[..], &["--state", "state"]].concat());
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let send = |stream: &mut TcpStream, range: std::ops::Range<u32>| {
         range.for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
     };
     let mut stream = connected(port);
-    send(&mut stream, 0..9000);
+    let told = acknowledged(&stream);
+    send(&mut stream, 0..16_000);
+    // Then the twin has started and has caught up.
+    assert_eq!(told.recv_timeout(Duration::from_secs(120)), Ok(12_799));
     std::thread::sleep(Duration::from_millis(1600));
-    send(&mut stream, 9000..12_800);
+    send(&mut stream, 16_000..20_000);
     // It dies in the middle of a frame.
-    stream.write_all(&frame_of(12_800)[..7]).unwrap();
-    drop(stream);
+    stream.write_all(&frame_of(20_000)[..7]).unwrap();
+    stream.shutdown(std::net::Shutdown::Both).unwrap();
     let mut stream = connected(port);
-    send(&mut stream, 12_800..25_600);
+    send(&mut stream, 20_000..30_000);
     let outcome = outcome(child);
     assert_eq!((source(&outcome, "connections"), source(&outcome, "malformed_frames")), (2.0, 1.0));
     assert_eq!((source(&outcome, "lost_frames"), source(&outcome, "dropped_rows")), (0.0, 0.0));

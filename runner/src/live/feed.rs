@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Rows between reader and loop: some seconds at 51.2 kHz, during which a twin starts.
 pub const CAPACITY: usize = 1 << 18;
 /// How long a reader sleeps that has to wait for room.
-const PAUSE: Duration = Duration::from_millis(5);
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// What a reader sends.
 pub enum Item {

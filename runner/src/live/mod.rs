@@ -225,6 +225,9 @@ impl Monitor<'_, '_> {
                 Item::Note(note) => self.event(&Told::note(note, self.time))?,
             }
         }
+        if worked > 0 {
+            self.heard_at = Instant::now();
+        }
         Ok(worked < most && self.replay.has_started())
     }
 
@@ -235,7 +238,6 @@ impl Monitor<'_, '_> {
             self.pace = Pace::begin()?;
         }
         self.time = row.time;
-        self.heard_at = Instant::now();
         let spare = self.replay.blank();
         self.receiver.recycle(spare);
         match self.replay.push(row) {

@@ -7,7 +7,7 @@ use hdrhistogram::Histogram;
 use std::time::{Duration, Instant};
 
 /// From one wake to the next. Long enough for the wakes to cost nothing, short beside a turn of the shaft.
-pub const BLOCK: Duration = Duration::from_millis(5);
+pub const BLOCK: Duration = Duration::from_millis(10);
 
 /// Wakes at `start + n BLOCK`. A late wake or a long block does not shift the ones after it.
 pub struct Pace {

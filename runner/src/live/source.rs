@@ -132,10 +132,13 @@ impl Feeder {
             (Address::BuiltIn(bytes, name), ..) => self.stream(Box::new(std::io::Cursor::new(*bytes)), name),
             _ => self.stream(Box::new(std::io::stdin()), "standard input"),
         };
-        if let (Err(error), Some(tell)) = (&done, &self.tell) {
-            let _ = tell.send(Err(anyhow::anyhow!("{error:#}")));
+        match (done, &self.tell) {
+            // Nothing came yet: whoever waits for the rate is told why.
+            (Err(error), Some(tell)) => {
+                let _ = tell.send(Err(error));
+            }
+            (done, _) => done?,
         }
-        done?;
         self.flaws.extend(self.ledger.summary());
         Ok(self.flaws)
     }

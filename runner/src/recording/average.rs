@@ -12,24 +12,24 @@ pub(super) struct Average {
     /// s, of the samples that come in
     period: f64,
     group: Option<Group>,
+    sums: Vec<f64>,
 }
 
 struct Group {
     number: u64,
     count: u64,
-    /// The sample nearest to the middle from above, or the last one before that.
+    /// The sample nearest to the middle from above, or the first one where that is missing.
     middle: Sample,
-    sums: Vec<f64>,
 }
 
 impl Average {
     pub(super) const fn new(size: u32, rate: f64) -> Self {
-        Self { size: size as u64, period: 1.0 / rate, group: None }
+        Self { size: size as u64, period: 1.0 / rate, group: None, sums: Vec::new() }
     }
 
     /// Takes a sample in; gives the mean of the group that is whole with it or was left unfinished before it, and the memory
     /// of a row that is no longer needed.
-    pub(super) fn take(&mut self, mut sample: Sample) -> (Option<Sample>, Option<Row>) {
+    pub(super) fn take(&mut self, sample: Sample) -> (Option<Sample>, Option<Row>) {
         if self.size == 1 {
             return (Some(sample), None);
         }
@@ -39,16 +39,17 @@ impl Average {
             done = self.close();
         }
         let Some(group) = &mut self.group else {
-            let sums = std::mem::take(&mut sample.row.probes);
-            self.group = Some(Group { number, count: 1, middle: sample, sums });
+            self.sums.clear();
+            self.sums.extend_from_slice(&sample.row.probes);
+            self.group = Some(Group { number, count: 1, middle: sample });
             return (done, None);
         };
-        for (sum, reading) in group.sums.iter_mut().zip(&sample.row.probes) {
+        for (sum, reading) in self.sums.iter_mut().zip(&sample.row.probes) {
             *sum += reading;
         }
         group.count += 1;
         let mut spare = sample;
-        if spare.row.index % self.size <= self.size / 2 {
+        if spare.row.index % self.size == self.size / 2 {
             std::mem::swap(&mut group.middle, &mut spare);
         }
         if group.count == self.size {
@@ -59,10 +60,10 @@ impl Average {
 
     /// The group that was begun, if there is one.
     pub(super) fn close(&mut self) -> Option<Sample> {
-        let Group { number, count, mut middle, mut sums } = self.group.take()?;
-        let whole = count == self.size;
-        for sum in &mut sums {
-            *sum = if whole { *sum / self.size as f64 } else { f64::NAN };
+        let Group { number, count, mut middle } = self.group.take()?;
+        let share = if count == self.size { 1.0 / self.size as f64 } else { f64::NAN };
+        for (reading, sum) in middle.row.probes.iter_mut().zip(&self.sums) {
+            *reading = sum * share;
         }
         let from_first = (middle.row.index % self.size) as f64;
         let ahead = (0.5 * (self.size - 1) as f64 - from_first) * self.period;
@@ -73,7 +74,6 @@ impl Average {
         middle.speed += ahead * middle.acceleration;
         middle.row.time += ahead;
         middle.row.index = number;
-        middle.row.probes = sums;
         Some(middle)
     }
 }

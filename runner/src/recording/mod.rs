@@ -40,7 +40,7 @@ pub struct Row {
 }
 
 /// One sample that the replay works on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sample {
     /// What the file says.
     pub row: Row,

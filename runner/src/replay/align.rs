@@ -20,12 +20,13 @@ const SIGNIFICANCE: f64 = 5.0;
 
 /// The sample with its shaft further by `lag` (s).
 #[must_use]
-pub fn shifted(sample: &Sample, lag: f64) -> Sample {
+pub fn shifted(mut sample: Sample, lag: f64) -> Sample {
     let arc = Arc::from_radians(sample.speed * lag);
-    let angle = sample.angle.advanced(arc);
     // Whole turns change where the shift carries the angle over the mark.
     let turns = sample.angle.revolutions() + arc.radians::<f64>() / std::f64::consts::TAU;
-    Sample { angle, revolution: sample.revolution + turns.floor() as i64, ..sample.clone() }
+    sample.angle = sample.angle.advanced(arc);
+    sample.revolution += turns.floor() as i64;
+    sample
 }
 
 /// Lag in seconds (positive: the machine is ahead of its keyphasor) from the first samples.

@@ -86,7 +86,7 @@ pub enum Source {
 }
 
 /// Samples a second whose readings are weighed on a machine that is watched; a quarter of them enters the figures.
-pub const WATCHED_FORCES: f64 = 6400.0;
+pub const WATCHED_FORCES: f64 = 3200.0;
 /// Seconds for which a machine that is watched may keep its keyphasor's pulse back before it counts as standing still.
 const WATCHED_WAIT: f64 = 10.0;
 /// Of so many samples one has its noise band computed, after the first turns, which the pictures show.
@@ -173,8 +173,8 @@ impl<'a> Replay<'a> {
     }
 
     fn drain(&mut self) -> Result<()> {
-        while let Some(sample) = self.tracker.pop() {
-            self.run.take(&sample)?;
+        while let Some(mut sample) = self.tracker.pop() {
+            self.run.take(&mut sample)?;
             self.tracker.recycle(sample.row);
         }
         Ok(())
@@ -408,8 +408,11 @@ impl<'a> Run<'a> {
     }
 
     /// Takes in a sample; the first ones wait until the lag is known.
-    fn take(&mut self, sample: &Sample) -> Result<()> {
-        let Some(first) = &mut self.first else { return self.sample(&align::shifted(sample, self.lag)) };
+    fn take(&mut self, sample: &mut Sample) -> Result<()> {
+        let Some(first) = &mut self.first else {
+            *sample = align::shifted(std::mem::take(sample), self.lag);
+            return self.sample(sample);
+        };
         first.push(sample.clone());
         let turns = first.first().map_or(0.0, |start| total_turns(sample) - total_turns(start));
         if turns.abs() >= align::TURNS || first.len() >= align::MOST_SAMPLES { self.align() } else { Ok(()) }
@@ -420,13 +423,13 @@ impl<'a> Run<'a> {
         let Some(samples) = self.first.take() else { return Ok(()) };
         let period = 1.0 / self.rate;
         for _ in 0..2 {
-            let shifted: Vec<Sample> = samples.iter().map(|s| align::shifted(s, self.lag)).collect();
+            let shifted: Vec<Sample> = samples.iter().map(|s| align::shifted(s.clone(), self.lag)).collect();
             let Some(start) = shifted.first() else { return Ok(()) };
             let mut twin = self.begin(start, &drive(start))?.twin;
             let more = align::lag(&shifted, twin.as_mut(), &self.rows, period);
             self.lag = (self.lag + more).clamp(-0.5 * period, 0.5 * period);
         }
-        let shifted: Vec<Sample> = samples.iter().map(|s| align::shifted(s, self.lag)).collect();
+        let shifted: Vec<Sample> = samples.into_iter().map(|s| align::shifted(s, self.lag)).collect();
         self.tuned = self.tune(&shifted)?;
         for sample in &shifted {
             self.sample(sample)?;
