@@ -14,7 +14,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View, bearing: usize) {
         return empty(frame, area, panel(" Loads ".to_owned()), "no samples yet");
     };
     let largest = loads.iter().map(|l| l.1).fold(0.0_f64, f64::max);
-    let block = panel(format!(" Loads on the elements of {name}, up to {largest:.1} N "));
+    let block = panel(format!(" Loads {name}, up to {largest:.1} N "));
     let (across, down) =
         (2.0 * f64::from(area.width.saturating_sub(2).max(1)), 4.0 * f64::from(area.height.saturating_sub(2).max(1)));
     let least = across.min(down);

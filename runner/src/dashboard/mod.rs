@@ -276,9 +276,19 @@ mod tests {
     fn everything_fits_on_80_by_24() {
         let scene = read_str(DEMO, Path::new("demo")).unwrap();
         let shown = screen(80, 24, &running(&scene), &[]);
-        for text in
-            ["Orbit", "Spectrum", "1X", "peak-to-peak", "Loads", "DE", "Deadlines", "Events", "quit", "3000.0 rpm"]
-        {
+        for text in [
+            "plane -120",
+            "um pp",
+            "Spectrum",
+            "1X",
+            "peak-to-peak",
+            "Loads",
+            "DE",
+            "Deadlines",
+            "Events",
+            "quit",
+            "3000.0 rpm",
+        ] {
             assert!(shown.contains(text), "{text} is not on\n{shown}");
         }
         assert!(shown.contains("Nothing comes"), "{shown}");

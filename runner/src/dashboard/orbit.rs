@@ -7,7 +7,7 @@ use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Style};
 use ratatui::symbols::Marker;
-use ratatui::text::Span;
+use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Canvas, Points};
 
 /// Passages of the keyphasor that an orbit reaches back.
@@ -60,7 +60,8 @@ impl Curves {
 }
 
 fn one(frame: &mut Frame, area: Rect, name: &str, curves: &Curves) {
-    let title = format!(" Orbit {name}, {:.1} um pp ", curves.reach / 0.55);
+    let size = format!(" {:.2} um pp ", curves.reach / 0.55);
+    let block = panel(format!(" {name} ")).title_bottom(Line::from(size).right_aligned());
     // A dot of a braille cell is about as high as wide: two across, four down.
     let (across, down) =
         (2.0 * f64::from(area.width.saturating_sub(2).max(1)), 4.0 * f64::from(area.height.saturating_sub(2).max(1)));
@@ -68,7 +69,7 @@ fn one(frame: &mut Frame, area: Rect, name: &str, curves: &Curves) {
     let (half_x, half_y) = (curves.reach * across / least, curves.reach * down / least);
     let (x, y) = if curves.middle.0.is_finite() && curves.middle.1.is_finite() { curves.middle } else { (0.0, 0.0) };
     let canvas = Canvas::default()
-        .block(panel(title))
+        .block(block)
         .marker(Marker::Braille)
         .x_bounds([x - half_x, x + half_x])
         .y_bounds([y - half_y, y + half_y])

@@ -24,6 +24,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, machine: &Machine, view: &View
     let highest = shown.iter().map(|p| p.1).fold(1e-9, f64::max) * 1.15;
     let lines: Vec<(f64, String)> =
         view.glance.lines.iter().filter(|l| l.hz > 0.0 && l.hz < last).map(|l| (l.hz, l.label.clone())).collect();
+    let rows = usize::from(area.height.saturating_sub(2).max(1));
     let canvas = Canvas::default()
         .block(block.title_bottom(Line::from(format!(" to {highest:.2} um, 0 to {last:.0} Hz ")).right_aligned()))
         .marker(Marker::Braille)
@@ -39,7 +40,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, machine: &Machine, view: &View
             }
             // Each name one row below the last, so that none covers another.
             for (i, (hz, label)) in lines.iter().enumerate() {
-                let y = highest * (0.98 - 0.12 * (i % 7) as f64);
+                let y = highest * (1.0 - ((i % rows) as f64 + 0.5) / rows as f64);
                 context.print(*hz, y, Span::styled(label.clone(), Style::new()));
             }
         });
