@@ -223,7 +223,7 @@ mod tests {
         let sample = |i: usize| Glimpse {
             measured: vec![8e-6 * turn(i).cos(), 5e-6 * turn(i).sin(), 3e-6 * turn(i).cos(), 3e-6 * turn(i).sin(), 0.0],
             twin: vec![8e-6 * turn(i).cos(), 5e-6 * turn(i).sin(), 3e-6 * turn(i).cos(), 3e-6 * turn(i).sin(), 0.0],
-            passed: i % 256 == 0,
+            passed: i.is_multiple_of(256),
         };
         let planes = planes(probes).into_iter().map(|p| (format!("plane {:.0}", p.station * 1e3), p)).collect();
         let loads = (0..9).map(|j| (TAU * f64::from(j) / 9.0, 10.0 * f64::from(j))).collect();

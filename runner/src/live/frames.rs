@@ -43,7 +43,7 @@ impl Sequence {
         let due = self.due.unwrap_or(number);
         // Across the wrap, the shorter way round.
         let ahead = i64::from(number.wrapping_sub(due) as i32);
-        if ahead < 0 && ahead >= -LATE {
+        if (-LATE..0).contains(&ahead) {
             return Place::Repeated;
         }
         let lost = u64::try_from(ahead).unwrap_or(0);

@@ -482,8 +482,8 @@ impl<'a> Run<'a> {
         // Not a number where any reading is missing: the kernel then holds its last force and says so.
         let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
         self.buffers.evaluated.clear();
-        let others = (sample.row.index % self.thorough == 0).then_some([&twin_pose, &likely]);
-        let seats = if sample.row.index % self.weighed == 0 { self.plant.seats.as_slice() } else { &[] };
+        let others = (sample.row.index.is_multiple_of(self.thorough)).then_some([&twin_pose, &likely]);
+        let seats = if sample.row.index.is_multiple_of(self.weighed) { self.plant.seats.as_slice() } else { &[] };
         for ((seat, sums), &parts) in seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
             let at = seat.rotation(parts, &drive);
             self.buffers.evaluated.push(sums.evaluate(seat, &pose, others, &at));
@@ -580,7 +580,7 @@ impl<'a> Run<'a> {
             let passed = arc != 0.0 && sample.angle.revolutions() < arc.abs();
             recent.add(seen.measured, seen.twin, passed);
         }
-        if sample.row.index % self.thorough == 0 {
+        if sample.row.index.is_multiple_of(self.thorough) {
             self.weigh(sample, [pose, twin_pose]);
         }
         if let Some(file) = &mut self.forces {
@@ -617,7 +617,7 @@ impl<'a> Run<'a> {
     /// The bearings' forces into sums and pictures.
     fn weigh(&mut self, sample: &Sample, [pose, twin_pose]: [&Displacement<f64>; 2]) {
         let Some(moving) = &self.moving else { return };
-        let banded = sample.row.index % BANDED == 0 || self.collector.shows_forces();
+        let banded = sample.row.index.is_multiple_of(BANDED) || self.collector.shows_forces();
         for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
             let (force, cage) = (&mut self.buffers.evaluated[i], moving.cages[i]);
             let at = seat.rotation(moving.parts[i], &moving.drive);

@@ -2,7 +2,7 @@
 
 use super::super::feed::Counts;
 use super::super::source::lock;
-use crate::replay::second::Second;
+use crate::replay::second::{ProbeSecond, Second};
 use anyhow::{Result, anyhow};
 use std::fmt::Write;
 use std::net::Ipv4Addr;
@@ -79,6 +79,8 @@ fn escaped(text: &str) -> String {
     text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
 }
 
+type Figure = fn(&ProbeSecond) -> f64;
+
 fn page(second: &Second, counts: &Counts, misses: u64) -> String {
     let mut page = String::new();
     let gauge = |name, help| Metric { name, help, kind: "gauge" };
@@ -90,7 +92,7 @@ fn page(second: &Second, counts: &Counts, misses: u64) -> String {
         "Normalised innovation squared over its expectation; 1 where the model is true.",
     )
     .write(&mut page, [(String::new(), second.innovation)]);
-    let of_probes: [(&str, &str, fn(&crate::replay::second::ProbeSecond) -> f64); 8] = [
+    let of_probes: [(&str, &str, Figure); 8] = [
         ("ballrace_probe_mean_um", "Mean position.", |p| p.mean_um),
         ("ballrace_probe_peak_to_peak_um", "Greatest less least reading.", |p| p.peak_to_peak_um),
         ("ballrace_probe_rms_um", "About the mean.", |p| p.rms_um),

@@ -86,13 +86,12 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Pictu
         dots(canvas, &frame, orbit, &marks)?;
         frame.say_if_empty(canvas, &[&orbit.measured, &orbit.twin])
     })?;
+    // Where 1X is drawn beside it, that one says it: it is free of noise.
+    let filtered = orbit.one_x.is_some();
+    let run = orbit.measured.get(..shown).unwrap_or(&orbit.measured);
+    let sense = if filtered { "" } else { precession(run, forward) };
     Ok(Picture {
-        title: format!(
-            "Orbit of {} at {} mm{}",
-            orbit.name,
-            signed(&fixed(orbit.station_mm, 0)),
-            precession(orbit.measured.get(..shown).unwrap_or(&orbit.measured), forward)
-        ),
+        title: format!("Orbit of {} at {} mm{sense}", orbit.name, signed(&fixed(orbit.station_mm, 0))),
         note: NOTE.to_owned(),
         svg,
     })
