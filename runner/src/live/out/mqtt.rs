@@ -71,7 +71,7 @@ mod tests {
         let mut publisher = Publisher::connect(&url).unwrap();
         publisher.publish("indicators", "{\"time_s\":1}");
         let (mut stream, _) = broker.accept().unwrap();
-        let (mut heard, mut part) = (Vec::new(), [0; 1024]);
+        let (mut heard, mut part) = (Vec::<u8>::new(), [0; 1024]);
         while !heard.windows(12).any(|w| w == b"{\"time_s\":1}") {
             let length = stream.read(&mut part).unwrap();
             assert!(length > 0, "gone before the message");
