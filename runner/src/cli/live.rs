@@ -1,9 +1,11 @@
 //! What `replay --paced` and `watch` have in common.
 
 use super::replay::{DEMO_RECORDING, DEMO_SCENE};
+use crate::live as monitor;
 use crate::live::address::Address;
 use crate::live::out::Asked;
 use crate::live::source::Encoding;
+use crate::live::view::Shared;
 use crate::scene::read::{read_file, read_str};
 use crate::scene::{Scene, units};
 use anyhow::{Context, Result};
@@ -53,6 +55,27 @@ impl LiveArgs {
             (self.core.is_some(), "--core"),
         ];
         given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+
+    /// What is asked of the monitor.
+    #[must_use]
+    pub fn options<'a>(
+        &'a self,
+        source: Address,
+        view: Option<Shared>,
+        replay: crate::replay::Options<'a>,
+    ) -> monitor::Options<'a> {
+        monitor::Options {
+            source,
+            encoding: self.encoding,
+            duration: self.duration,
+            state: self.state.as_deref(),
+            outputs: &self.asked,
+            realtime: self.realtime,
+            core: self.core,
+            view,
+            replay,
+        }
     }
 
     /// The source, or the scene's recording, or that of the demonstration.

@@ -102,17 +102,7 @@ fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Resu
         viewed: false,
         progress: None,
     };
-    let options = monitor::Options {
-        source,
-        encoding: args.live.encoding,
-        duration: args.live.duration,
-        state: args.live.state.as_deref(),
-        outputs: &args.live.asked,
-        realtime: args.live.realtime,
-        core: args.live.core,
-        view: None,
-        replay,
-    };
+    let options = args.live.options(source, None, replay);
     let stop = live::stop_on_signal()?;
     let outcome = monitor::monitor(scene, &options, &stop)?;
     deliver(args, &outcome, format)

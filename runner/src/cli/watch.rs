@@ -46,17 +46,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<bool> {
     let name = source.to_string();
     let replay =
         Options { error, baseline: args.baseline.as_deref(), watched: true, viewed: true, ..Options::default() };
-    let options = monitor::Options {
-        source,
-        encoding: args.live.encoding,
-        duration: args.live.duration,
-        state: args.live.state.as_deref(),
-        outputs: &args.live.asked,
-        realtime: args.live.realtime,
-        core: args.live.core,
-        view: Some(view.clone()),
-        replay,
-    };
+    let options = args.live.options(source, Some(view.clone()), replay);
     let (stop, over) = (live::stop_on_signal()?, AtomicBool::new(false));
     let (outcome, shown) = std::thread::scope(|scope| {
         let work = scope.spawn(|| {

@@ -19,6 +19,14 @@ pub enum Address {
     Udp(SocketAddr),
 }
 
+impl Address {
+    /// It was recorded before, and is replayed in its own time.
+    #[must_use]
+    pub const fn is_recording(&self) -> bool {
+        matches!(self, Self::File(_) | Self::BuiltIn(..))
+    }
+}
+
 impl FromStr for Address {
     type Err = String;
 

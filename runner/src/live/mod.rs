@@ -210,9 +210,10 @@ impl Monitor<'_, '_> {
 
     /// Works off what is due; true where nothing that is due waits any more.
     fn block(&mut self, until: Duration) -> Result<bool> {
-        let own_time = matches!(self.options.source, Address::File(_) | Address::BuiltIn(..));
+        let own_time = self.options.source.is_recording();
+        let starts = own_time && !self.replay.has_started();
         let end = self.first.map_or(f64::INFINITY, |first| first + until.as_secs_f64());
-        let due = |row: &Row| !own_time || row.time < end;
+        let due = |row: &Row| !own_time || starts || row.time < end;
         let mut worked = 0_u64;
         // No more at once than comes in while they are worked off several times over, so that others get their turn.
         let most = if self.first.is_none() { 1 } else { (self.rate * 0.25) as u64 + 1 };
@@ -224,6 +225,11 @@ impl Monitor<'_, '_> {
                 Item::Row(row) => self.row(row)?,
                 Item::Note(note) => self.event(&Told::note(note, self.time))?,
             }
+            if starts && self.replay.has_started() {
+                // A recording waits for its twin: its time begins now.
+                self.pace.restart();
+                return Ok(false);
+            }
         }
         if worked > 0 {
             self.heard_at = Instant::now();
@@ -234,7 +240,7 @@ impl Monitor<'_, '_> {
     fn row(&mut self, row: Row) -> Result<()> {
         if self.first.is_none() {
             self.first = Some(row.time);
-            // A source's own time begins with its first sample.
+            // A source's time begins with its first sample.
             self.pace = Pace::begin()?;
         }
         self.time = row.time;

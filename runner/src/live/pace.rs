@@ -41,6 +41,11 @@ impl Pace {
         })
     }
 
+    /// The timeline begins now; what came before was the start.
+    pub fn restart(&mut self) {
+        (self.start, self.number) = (Instant::now(), 0);
+    }
+
     /// Sleeps until the next block is due; gives the time of the timeline then.
     pub fn wait(&mut self) -> Duration {
         self.number += 1;

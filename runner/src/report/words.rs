@@ -226,10 +226,10 @@ pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
 pub fn pacing(timing: &Timing) -> Vec<String> {
     let kept = timing.pacing.as_ref().map(|pacing| {
         format!(
-            "Blocks of {} ms: {}, {} not done in time; {} % of one processor idle after {} s of starting; {}.",
+            "Blocks of {} ms: {}, deadline missed {}; {} % of one processor idle after {} s of starting; {}.",
             alone(pacing.block_ns as f64 * 1e-6),
-            counted(pacing.blocks, "block"),
-            count(pacing.deadline_misses),
+            count(pacing.blocks),
+            counted(pacing.deadline_misses, "time"),
             fixed(pacing.idle_percent, 1),
             fixed(pacing.starting_s, 2),
             pacing.scheduling
