@@ -1,6 +1,5 @@
 //! What `replay --paced` and `watch` have in common.
 
-use super::replay::{DEMO_RECORDING, DEMO_SCENE};
 use crate::live as monitor;
 use crate::live::address::Address;
 use crate::live::out::Asked;
@@ -12,6 +11,10 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The demonstration, part of the program.
+pub(super) const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
+pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/healthy.csv");
 
 /// Where samples come from in real time, and who is told.
 #[derive(Debug, Clone, clap::Args)]
@@ -51,6 +54,8 @@ impl LiveArgs {
             (self.asked.events.is_some(), "--events"),
             (self.asked.indicators.is_some(), "--indicators"),
             (self.asked.prometheus.is_some(), "--prometheus"),
+            #[cfg(feature = "mqtt")]
+            (self.asked.mqtt.is_some(), "--mqtt"),
             (self.realtime, "--realtime"),
             (self.core.is_some(), "--core"),
         ];

@@ -1,6 +1,6 @@
 //! `ballrace replay`
 
-use super::live::{self, LiveArgs};
+use super::live::{self, DEMO_RECORDING, LiveArgs};
 use super::{Format, keep_apart};
 use crate::fault::{SceneFault, scene_fault};
 use crate::live as monitor;
@@ -15,10 +15,6 @@ use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-
-/// The demonstration, part of the program.
-pub(super) const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
-pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/healthy.csv");
 
 /// What `replay` takes.
 #[derive(Debug, clap::Args)]

@@ -17,8 +17,10 @@ pub(super) struct Number {
     /// 1 to 8; 4 or 8 of a float.
     pub(super) bytes: u8,
     pub(super) big_endian: bool,
-    /// Multiplied to what is written.
+    /// Multiplied to what is written ...
     pub(super) scale: f64,
+    /// ... and then added.
+    pub(super) offset: f64,
 }
 
 /// What the bits of a number mean.
@@ -33,7 +35,7 @@ pub(super) enum Kind {
 
 impl Number {
     pub(super) const fn new(kind: Kind, bytes: u8, big_endian: bool) -> Self {
-        Self { kind, bytes, big_endian, scale: 1.0 }
+        Self { kind, bytes, big_endian, scale: 1.0, offset: 0.0 }
     }
 
     /// From the first bytes; what is not there counts as zeros.
@@ -52,7 +54,7 @@ impl Number {
             Kind::Float => f64::from_bits(bits),
             Kind::Centred => bits as f64 - (1_u64 << (8 * size - 1)) as f64,
         };
-        value * self.scale
+        value * self.scale + self.offset
     }
 }
 

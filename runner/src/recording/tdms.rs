@@ -2,8 +2,10 @@
 //! has it, `Channel`.
 //!
 //! A file is a row of segments. Each has a lead-in, then what is new about its objects, then the numbers: channel after
-//! channel in chunks of equal size, or interleaved. What a segment does not say holds on from the one before.
+//! channel in chunks of equal size, or interleaved. What a segment does not say holds on from the one before. Raw counts of the
+//! DAQmx driver lie row by row, with linear scales beside them.
 
+mod scale;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
@@ -17,8 +19,9 @@ use super::bytes::Bytes;
 use super::error::RecordingError;
 use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
 use super::table::Table;
+use scale::Scales;
 
-const ALLOWED: &str = "a TDMS file of numbers that are not scaled by the driver (DAQmx raw data)";
+const ALLOWED: &str = "a TDMS file of numbers, or of DAQmx raw data with linear scales";
 
 /// Bytes before what a segment says of its objects.
 const LEAD_IN: u64 = 28;
@@ -38,7 +41,8 @@ const DAQMX: u32 = 1 << 7;
 /// In place of the length of an object's index: no data, the same as before, DAQmx data.
 const NO_DATA: u32 = u32::MAX;
 const AS_BEFORE: u32 = 0;
-const SCALERS: [u32; 2] = [0x1269, 0x126a];
+const SCALER: u32 = 0x1269;
+const DIGITAL_SCALER: u32 = 0x126a;
 
 /// Opens a file.
 pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
@@ -131,10 +135,12 @@ fn segment(file: &mut File, start: u64, size: u64, objects: &mut Objects) -> io:
     if !lead.has(RAW_DATA) {
         return Ok((lead.end, lead.torn));
     }
-    if lead.has(DAQMX) {
-        return Err(refuse("DAQmx raw data, whose scaling the driver does"));
-    }
-    let broken = objects.place(lead.numbers, lead.end - lead.numbers, lead.has(INTERLEAVED), big_endian)?;
+    let bytes = lead.end - lead.numbers;
+    let broken = if lead.has(DAQMX) {
+        objects.place_raw(lead.numbers, bytes, big_endian)
+    } else {
+        objects.place(lead.numbers, bytes, lead.has(INTERLEAVED), big_endian)?
+    };
     Ok((lead.end, lead.torn || broken))
 }
 
@@ -155,8 +161,7 @@ struct Object {
     unit: Option<String>,
     /// s
     increment: Option<f64>,
-    scales: f64,
-    scaled: bool,
+    scales: Scales,
 }
 
 /// What an object has in each chunk.
@@ -165,6 +170,17 @@ struct Index {
     kind: u32,
     values: u64,
     bytes: u64,
+    raw: Option<Raw>,
+}
+
+/// Where DAQmx raw data has a channel's count in each row.
+#[derive(Clone, Copy)]
+struct Raw {
+    offset: u64,
+    /// Of a row.
+    width: u64,
+    /// Number by which scales know the count.
+    scale: u32,
 }
 
 impl Objects {
@@ -197,7 +213,8 @@ impl Objects {
     /// Shares the numbers of a segment out; true where it breaks off within a chunk.
     fn place(&mut self, start: u64, bytes: u64, interleaved: bool, big_endian: bool) -> io::Result<bool> {
         let index = |place: &usize| Some((*place, self.all.get(*place)?.index?));
-        let indices: Vec<_> = self.active.iter().filter_map(index).filter(|(_, index)| index.bytes > 0).collect();
+        let plain = |(_, index): &(usize, Index)| index.bytes > 0 && index.raw.is_none();
+        let indices: Vec<_> = self.active.iter().filter_map(index).filter(plain).collect();
         let width = |index: &Index| if interleaved { element(index.kind) } else { Some(index.bytes) };
         let chunk = indices.iter().try_fold(0_u64, |sum, (_, index)| sum.checked_add(width(index)?));
         let chunk = chunk.ok_or_else(|| refuse("values of unknown length among the numbers"))?;
@@ -218,6 +235,23 @@ impl Objects {
             at += width(&index).unwrap_or(0);
         }
         Ok(!bytes.is_multiple_of(chunk))
+    }
+}
+
+impl Objects {
+    /// Shares the rows of DAQmx raw data out; true where they break off within a row.
+    fn place_raw(&mut self, start: u64, bytes: u64, big_endian: bool) -> bool {
+        let mut broken = false;
+        for place in &self.active {
+            let Some(object) = self.all.get_mut(*place) else { continue };
+            let Some((index, raw)) = object.index.and_then(|index| Some((index, index.raw?))) else { continue };
+            broken |= !bytes.is_multiple_of(raw.width);
+            if let Some(number) = number(index.kind, big_endian).filter(|_| bytes >= raw.width) {
+                let run = Run::once(number, start + raw.offset, raw.width, bytes / raw.width);
+                append(&mut object.runs, run);
+            }
+        }
+        broken
     }
 }
 
@@ -245,9 +279,11 @@ impl Object {
             NO_DATA => return Ok(false),
             AS_BEFORE if self.index.is_some() => return Ok(true),
             AS_BEFORE => return Err(refuse(format!("`{}` as before, without a before", self.path))),
-            scaler if SCALERS.contains(&scaler) => {
-                return Err(refuse("DAQmx raw data, whose scaling the driver does"));
+            SCALER => {
+                self.index = Some(self.read_scaler(bytes)?);
+                return Ok(true);
             }
+            DIGITAL_SCALER => return Err(refuse("DAQmx raw data of digital lines")),
             _ => {}
         }
         let (kind, dimension, values) = (bytes.u32()?, bytes.u32()?, bytes.u64()?);
@@ -255,8 +291,24 @@ impl Object {
         let Some(size) = size.filter(|_| dimension == 1) else {
             return Err(refuse(format!("`{}` with {values} values of type {kind:#x}", self.path)));
         };
-        self.index = Some(Index { kind, values, bytes: size });
+        self.index = Some(Index { kind, values, bytes: size, raw: None });
         Ok(true)
+    }
+
+    /// One count a row, in one buffer: what an analogue channel has.
+    fn read_scaler(&self, bytes: &mut Bytes<'_>) -> io::Result<Index> {
+        let (_kind, _dimension, values) = (bytes.u32()?, bytes.u32()?, bytes.u64()?);
+        let scalers = bytes.u32()?;
+        let (kind, buffer, offset) = (bytes.u32()?, bytes.u32()?, u64::from(bytes.u32()?));
+        let (_bitmap, scale, widths) = (bytes.u32()?, bytes.u32()?, bytes.u32()?);
+        let width = u64::from(bytes.u32()?);
+        // The driver's own numbers of the types.
+        let kind = [5, 1, 6, 2, 7, 3].get(kind as usize).copied();
+        let fits = kind.and_then(element).is_some_and(|size| offset + size <= width);
+        match kind.filter(|_| (scalers, buffer, widths) == (1, 0, 1) && fits) {
+            Some(kind) => Ok(Index { kind, values, bytes: 0, raw: Some(Raw { offset, width, scale }) }),
+            None => Err(refuse(format!("DAQmx raw data of `{}` in several buffers or of another type", self.path))),
+        }
     }
 
     fn read_properties(&mut self, bytes: &mut Bytes<'_>) -> io::Result<()> {
@@ -267,8 +319,7 @@ impl Object {
                 match name.as_str() {
                     "unit_string" => self.unit = Some(text),
                     "NI_UnitDescription" if self.unit.is_none() => self.unit = Some(text),
-                    "NI_Scaling_Status" => self.scaled = text == "scaled",
-                    _ => {}
+                    _ => self.scales.text(&name, &text),
                 }
                 continue;
             }
@@ -277,21 +328,26 @@ impl Object {
             let value = number(kind, bytes.big_endian).map(|number| number.read(value));
             match name.as_str() {
                 "wf_increment" => self.increment = value,
-                "NI_Number_Of_Scales" => self.scales = value.unwrap_or(0.0),
-                _ => {}
+                _ => self.scales.number(&name, value.unwrap_or(f64::NAN)),
             }
         }
         Ok(())
     }
 
     /// As a column, where it is a channel.
-    fn lane(self) -> Option<Lane> {
+    fn lane(mut self) -> Option<Lane> {
         let name = channel(&self.path)?;
-        let refused = match self.index {
+        let raw = self.index.and_then(|index| index.raw);
+        let refused = match (self.index, self.scales.line(raw.map(|raw| raw.scale))) {
             // Values as they are would be taken for volts or metres.
-            _ if self.scales > 0.0 && !self.scaled => Some("holds raw values that are yet to be scaled".to_owned()),
-            Some(index) if number(index.kind, false).is_none() => Some("holds no numbers".to_owned()),
-            _ => None,
+            (_, Err(why)) => Some(why),
+            (Some(index), _) if number(index.kind, false).is_none() => Some("holds no numbers".to_owned()),
+            (_, Ok([slope, intercept])) => {
+                for run in &mut self.runs {
+                    (run.number.scale, run.number.offset) = (slope, intercept);
+                }
+                None
+            }
         };
         let rate = self.increment.map(f64::recip).filter(|rate| rate.is_finite() && *rate > 0.0);
         Some(Lane { name, unit: self.unit, rate, runs: self.runs, refused })

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use super::{BIG_ENDIAN, DAQMX, INTERLEAVED, METADATA, NEW_LIST, RAW_DATA};
 use crate::recording::harness::{cut_short, damaged, error, probe, read_file, recording, values};
-use crate::scene::{Clock, Sensor};
+use crate::scene::{Clock, Recording, Sensor};
 
 fn text(of: &str) -> Vec<u8> {
     [&(of.len() as u32).to_le_bytes(), of.as_bytes()].concat()
@@ -164,9 +164,57 @@ fn what_is_no_number_is_refused_when_named() {
     assert_eq!(values(&file, &["x"]), [[0.0], [0.1]]);
     assert!(error(&file, &recording(&["words"])).contains("`G/words`: holds no numbers"));
     assert!(error(&file, &recording(&["time"])).contains("`G/time`: holds no numbers"));
-    assert!(error(&file, &recording(&["raw"])).contains("`G/raw`: holds raw values that are yet to be scaled"));
-    let driver = segment(NEW | DAQMX, &about(&[object("/'G'/'x'", &index(10, 2), &[])]), &doubles(0, 2));
-    assert!(error(&driver, &recording(&["x"])).contains("found DAQmx raw data, whose scaling the driver does"));
+    assert!(error(&file, &recording(&["raw"])).contains("`G/raw`: holds raw values without their scale 0"));
+}
+
+/// The index of a count of 16 bits in a row of DAQmx raw data.
+fn scaler(offset: u32, width: u32) -> Vec<u8> {
+    let head = [[0x69, 0x12, 0, 0], [0xff; 4], 1_u32.to_le_bytes()].concat();
+    let rest = [1, 3, 0, offset, 0, 0, 1, width].map(u32::to_le_bytes).concat();
+    [head, 0_u64.to_le_bytes().into(), rest].concat()
+}
+
+fn linear(number: u32, slope: f64, intercept: f64, input: u32) -> Vec<Vec<u8>> {
+    let name = |what: &str| format!("NI_Scale[{number}]_{what}");
+    vec![
+        property(&name("Scale_Type"), "Linear"),
+        self::number(&name("Linear_Slope"), slope),
+        self::number(&name("Linear_Y_Intercept"), intercept),
+        [text(&name("Linear_Input_Source")), 7_u32.to_le_bytes().into(), input.to_le_bytes().into()].concat(),
+    ]
+}
+
+fn scales(count: u32) -> Vec<Vec<u8>> {
+    let count = [text("NI_Number_Of_Scales"), 7_u32.to_le_bytes().into(), count.to_le_bytes().into()].concat();
+    vec![property("NI_Scaling_Status", "unscaled"), count]
+}
+
+/// Two channels in rows of 4 bytes, a linear scale on one and two on the other.
+fn raw_file() -> Vec<u8> {
+    let one = [scales(2), linear(1, 0.5, 3.0, 0)].concat();
+    let two = [scales(3), linear(1, 0.5, 3.0, 0), linear(2, -10.0, 1.0, 1)].concat();
+    let objects = about(&[object("/'G'/'a'", &scaler(0, 4), &one), object("/'G'/'b'", &scaler(2, 4), &two)]);
+    let row = |i: i16| [i.to_le_bytes(), (100 - i).to_le_bytes()].concat();
+    let rows = |from: i16| (from..from + 6).flat_map(row).collect::<Vec<u8>>();
+    [segment(NEW | DAQMX, &objects, &rows(0)), segment(RAW_DATA | DAQMX, &[], &rows(6))].concat()
+}
+
+#[test]
+fn raw_counts_become_what_their_linear_scales_say() {
+    let rows = values(&raw_file(), &["a", "b"]);
+    assert_eq!(rows.len(), 12);
+    for (row, i) in rows.iter().zip(0_i16..) {
+        let (a, b) = (f64::from(i), f64::from(100 - i));
+        assert_eq!(*row, [0.5 * a + 3.0, -10.0 * (0.5 * b + 3.0) + 1.0]);
+    }
+    let cube = [scales(2), linear(1, 0.5, 3.0, 0), vec![property("NI_Scale[1]_Scale_Type", "Polynomial")]].concat();
+    let file = segment(NEW | DAQMX, &about(&[object("/'G'/'a'", &scaler(0, 2), &cube)]), &words(0, 2));
+    assert!(error(&file, &recording(&["a"])).contains("a scale of the kind \"Polynomial\", not a linear one"));
+    let round = [scales(2), linear(1, 0.5, 3.0, 1)].concat();
+    let file = segment(NEW | DAQMX, &about(&[object("/'G'/'a'", &scaler(0, 2), &round)]), &words(0, 2));
+    assert!(error(&file, &recording(&["a"])).contains("takes a later one"));
+    let beyond = about(&[object("/'G'/'a'", &scaler(3, 4), &scales(1))]);
+    assert!(error(&segment(NEW | DAQMX, &beyond, &words(0, 4)), &recording(&["a"])).contains("DAQmx raw data of"));
 }
 
 #[test]
@@ -174,6 +222,7 @@ fn short_and_damaged_files() {
     let (file, sound) = file();
     cut_short(&file, &["G/x", "y'"], &sound);
     damaged(&file, &["G/x", "y'"]);
+    damaged(&raw_file(), &["G/a", "b"]);
 }
 
 /// Measured files, where they are at hand.
@@ -184,13 +233,21 @@ fn measured_files() {
         let path = folder.join(name);
         path.is_file().then(|| read_file(&path, &recording(&["none"])).unwrap_err().to_string())
     };
-    if let Some(refused) = said("raw1.tdms") {
-        assert!(refused.contains("found DAQmx raw data"), "{refused}");
+    for (name, channels, samples, rate) in [("raw1.tdms", 7, 2000, 5e4), ("big_endian.tdms", 2, 3500, 1e3)] {
+        let Some(absent) = said(name) else { continue };
+        let (_, names) = absent.split_once("found the columns ").unwrap();
+        let names: Vec<&str> = names.split('`').skip(1).step_by(2).collect();
+        assert_eq!(names.len(), channels, "{names:?}");
+        let of = Recording { clock: Clock::Rate(rate), ..recording(&names) };
+        let (rows, _) = read_file(&folder.join(name), &of).unwrap();
+        assert_eq!(rows.len(), samples);
+        if name == "raw1.tdms" {
+            // As npTDMS 1.13 scales them, volts.
+            let told =
+                [(0, 0, -0.184_026_612_140_263_06), (1234, 6, 4.784_997_100_741_6), (0, 3, 2.498_245_185_705_13)];
+            for (row, channel, volts) in told {
+                assert!((rows[row].probes[channel] - volts).abs() < 1e-12, "{row} {channel}");
+            }
+        }
     }
-    let Some(absent) = said("big_endian.tdms") else { return };
-    let (_, names) = absent.split_once("found the columns ").unwrap();
-    let names: Vec<&str> = names.split('`').skip(1).step_by(2).collect();
-    assert_eq!(names.len(), 2, "{names:?}");
-    let (rows, _) = read_file(&folder.join("big_endian.tdms"), &recording(&names)).unwrap();
-    assert_eq!(rows.len(), 3500);
 }

@@ -1,0 +1,78 @@
+//! Scales of raw values: what a channel's properties say about the way from a converter's counts to volts or metres.
+//!
+//! `NI_Number_Of_Scales` counts them; scale `k` takes the raw values or an earlier scale's for its input, the last one
+//! gives the channel's values.
+
+use std::collections::BTreeMap;
+
+/// Input of a scale that takes the raw values.
+const RAW: f64 = u32::MAX as f64;
+
+/// One of them.
+#[derive(Debug, Default)]
+struct Scale {
+    kind: String,
+    slope: Option<f64>,
+    intercept: f64,
+    input: f64,
+}
+
+/// All scales of a channel.
+#[derive(Debug, Default)]
+pub(super) struct Scales {
+    count: u32,
+    scaled: bool,
+    all: BTreeMap<u32, Scale>,
+}
+
+impl Scales {
+    /// A property that is text.
+    pub(super) fn text(&mut self, name: &str, value: &str) {
+        if name == "NI_Scaling_Status" {
+            self.scaled = value == "scaled";
+        } else if let Some((scale, "Scale_Type")) = self.named(name) {
+            scale.kind = value.to_owned();
+        }
+    }
+
+    /// A property that is a number.
+    pub(super) fn number(&mut self, name: &str, value: f64) {
+        if name == "NI_Number_Of_Scales" {
+            self.count = value as u32;
+            return;
+        }
+        let Some((scale, what)) = self.named(name) else { return };
+        match what {
+            "Linear_Slope" => scale.slope = Some(value),
+            "Linear_Y_Intercept" => scale.intercept = value,
+            "Linear_Input_Source" => scale.input = value,
+            _ => {}
+        }
+    }
+
+    /// The scale of a property `NI_Scale[1]_Linear_Slope`, and what of it is meant.
+    fn named<'a>(&mut self, name: &'a str) -> Option<(&mut Scale, &'a str)> {
+        let (number, what) = name.strip_prefix("NI_Scale[")?.split_once("]_")?;
+        Some((self.all.entry(number.parse().ok()?).or_default(), what))
+    }
+
+    /// Slope and intercept from the raw values, of which `raw` is the number; or what stands in the way.
+    pub(super) fn line(&self, raw: Option<u32>) -> Result<[f64; 2], String> {
+        let (mut slope, mut intercept) = (1.0, 0.0);
+        let mut at = self.count.checked_sub(1).filter(|_| !self.scaled);
+        while let Some(number) = at.filter(|number| Some(*number) != raw) {
+            let none = format!("holds raw values without their scale {number}");
+            let scale = self.all.get(&number).ok_or(none)?;
+            let Some(own) = scale.slope.filter(|_| scale.kind == "Linear") else {
+                return Err(format!("holds raw values with a scale of the kind {:?}, not a linear one", scale.kind));
+            };
+            (slope, intercept) = (slope * own, slope * scale.intercept + intercept);
+            at = Some(scale.input).filter(|input| *input < RAW).map(|input| input as u32);
+            // A scale may only use one before it: else there would be no end.
+            if at.is_some_and(|input| input >= number) {
+                return Err(format!("holds raw values whose scale {number} takes a later one for its input"));
+            }
+        }
+        Ok([slope, intercept])
+    }
+}
