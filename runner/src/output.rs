@@ -88,6 +88,8 @@ impl AtomicFile {
             let permissions = std::fs::Permissions::from_mode(0o644);
             file.as_file().set_permissions(permissions).with_context(failed(&path))?;
         }
+        // In its place it has to be whole, also after the power failed.
+        file.as_file().sync_all().with_context(failed(&path))?;
         file.persist(&path).map_err(|e| e.error).with_context(failed(&path))?;
         Ok(())
     }

@@ -102,13 +102,13 @@ const OF_PROBES: [&str; 9] = [
 ];
 
 #[test]
-#[ignore = "needs chromium"]
+#[ignore = "needs chromium; tests/run runs it"]
 fn demonstration_in_a_browser() {
     looks_right(&Desk::empty(), &[], &[&OF_PROBES[..], &["Waterfall of DE_X_um / DE_Y_um over time"]].concat());
 }
 
 #[test]
-#[ignore = "needs chromium"]
+#[ignore = "needs chromium; tests/run runs it"]
 fn run_up_with_limits_in_a_browser() {
     let desk = Desk::empty();
     // One that is not reached, drawn in the trends.
@@ -120,7 +120,7 @@ fn run_up_with_limits_in_a_browser() {
 }
 
 #[test]
-#[ignore = "needs chromium"]
+#[ignore = "needs chromium; tests/run runs it"]
 fn damage_in_a_browser() {
     let desk = Desk::empty();
     let damaged = recorded("outer-spall.csv");
@@ -128,7 +128,7 @@ fn damage_in_a_browser() {
 }
 
 #[test]
-#[ignore = "needs chromium"]
+#[ignore = "needs chromium; tests/run runs it"]
 fn vibration_in_a_browser() {
     let desk = Desk::empty();
     let file = recorded("real/support_force_306rpm_6400Hz.csv");

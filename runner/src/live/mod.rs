@@ -71,16 +71,15 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let recording = probed(scene)?;
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
     let (resume, done) = state.as_ref().map_or_else(Default::default, |file| (file.state.resume, file.state.time_s));
-    let mut outputs = Outputs::open(options.outputs, done)?;
+    let goes_on = state.as_ref().is_some_and(|file| file.state.starts > 1);
+    let mut outputs = Outputs::open(options.outputs, goes_on.then_some(done))?;
     let (sender, receiver) = feed::feed(CAPACITY);
     let reading = source::start(&options.source, options.encoding, recording, resume, sender)?;
     show(options, |view| view.state = "waiting for the source");
     let Some(rate) = rate(&reading, stop)? else { bail!("{}: stopped before a sample came", options.source) };
     let scheduling = realtime::ask(options.realtime, options.core);
     let replay = Replay::try_new(scene, rate, &options.replay)?;
-    if let Some(file) = &state
-        && file.state.starts > 1
-    {
+    if goes_on {
         let sentence = format!("Started again, at sample {} ({:.3} s).", resume.index, done);
         outputs.event(&Told::note(feed::Note { kind: "monitor-resumed", sentence }, done))?;
     }
@@ -107,7 +106,13 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     drop(receiver);
     outputs.finish()?;
     let flaws = flaws(reading.end)?;
-    let mut outcome = replay.finish(&options.source.to_string(), flaws)?;
+    let told = flaws.is_some();
+    let mut outcome = replay.finish(&options.source.to_string(), flaws.unwrap_or_default())?;
+    if !told {
+        outcome
+            .notes
+            .push("The reader still waited for its source: what it found wrong with it is not listed.".to_owned());
+    }
     read_counts(&counts, &mut source);
     outcome.timing.paced = true;
     outcome.timing.pacing = Some(pace.finish(scheduling));
@@ -140,16 +145,16 @@ fn rate(reading: &Reading, stop: &AtomicBool) -> Result<Option<f64>> {
     }
 }
 
-/// What the reader found, unless it waits for standard input for ever.
-fn flaws(end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Result<Vec<FlawSummary>> {
+/// What the reader found; none where it waits for standard input for ever.
+fn flaws(end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Result<Option<Vec<FlawSummary>>> {
     let since = Instant::now();
     while !end.is_finished() && since.elapsed() < FAREWELL {
         std::thread::sleep(BLOCK);
     }
     if !end.is_finished() {
-        return Ok(vec![]);
+        return Ok(None);
     }
-    end.join().unwrap_or_else(|_| bail!("the reader of the source broke"))
+    end.join().unwrap_or_else(|_| bail!("the reader of the source broke")).map(Some)
 }
 
 fn show(options: &Options, change: impl FnOnce(&mut view::View)) {

@@ -52,8 +52,6 @@ pub struct Reading {
     pub end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>,
     /// The connection on which acknowledgements go back.
     pub back: Back,
-    /// The address really listened at.
-    pub place: Option<SocketAddr>,
 }
 
 /// The connection of the present source, if it has one.
@@ -80,8 +78,6 @@ pub fn start(
         Address::Udp(place) => Some(UdpSocket::bind(place).with_context(|| cannot_listen(address))?),
         _ => None,
     };
-    let place = listener.as_ref().and_then(|l| l.local_addr().ok());
-    let place = place.or_else(|| socket.as_ref().and_then(|s| s.local_addr().ok()));
     let feeder = Feeder {
         layout: Layout::new(recording),
         recording: recording.clone(),
@@ -97,7 +93,7 @@ pub fn start(
     let address = address.clone();
     let read = move || feeder.run(&address, listener, socket);
     let end = std::thread::Builder::new().name("reader".to_owned()).spawn(read)?;
-    Ok(Reading { rate, end, back, place })
+    Ok(Reading { rate, end, back })
 }
 
 fn cannot_listen(address: &Address) -> String {

@@ -17,21 +17,22 @@ pub mod pictures;
 pub mod pose;
 pub mod recent;
 pub mod second;
+mod session;
 pub mod spectrum;
 pub mod statistics;
 pub mod timing;
 pub mod trend;
 
-use crate::fault::{SceneFault, scene_fault};
+use crate::fault::SceneFault;
 use crate::needs;
 use crate::observer::{Heard, MOST_PROBES, Start, Tuned, Watch, tuned, watch};
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
 use crate::recording::Reader;
+use crate::recording::Sample;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
-use crate::recording::{Row, Sample};
-use crate::scene::{Probe, Recording, Rotation, Scene, Speed};
+use crate::scene::{Probe, Rotation, Scene, Speed};
 use crate::vibration;
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Drive, PartAngles};
@@ -40,7 +41,7 @@ use baseline::Baseline;
 use comparison::{Angles, Comparison, Seen};
 use forces::{BearingSums, Evaluated, noise_band};
 use innovation::Innovation;
-use limits::{Event, Guards};
+use limits::Guards;
 use locate::Locator;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
@@ -48,6 +49,7 @@ use pose::PoseSolver;
 pub use recent::Glance;
 use recent::Recent;
 use second::{Second, Seconds};
+pub use session::{News, Replay};
 use statistics::Running;
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -87,8 +89,6 @@ pub enum Source {
 
 /// Samples a second whose readings are weighed on a machine that is watched; a quarter of them enters the figures.
 pub const WATCHED_FORCES: f64 = 3200.0;
-/// Seconds for which a machine that is watched may keep its keyphasor's pulse back before it counts as standing still.
-const WATCHED_WAIT: f64 = 10.0;
 /// Of so many samples one has its noise band computed, after the first turns, which the pictures show.
 const BANDED: u64 = 8;
 /// Rows between two calls of the progress function.
@@ -123,104 +123,6 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         }
     }
     replay.finish(recording_name, reader.flaws().summary())
-}
-
-/// A replay under way: rows go in, the outcome comes at the end.
-pub struct Replay<'a> {
-    scene: &'a Scene,
-    rotation: &'a Rotation,
-    tracker: Tracker,
-    run: Run<'a>,
-    rows: u64,
-}
-
-/// What came up since it was last asked for.
-#[derive(Default)]
-pub struct News {
-    /// Seconds that ended.
-    pub seconds: Vec<Second>,
-    /// Limits crossed (without an end) and crossings that ended.
-    pub events: Vec<Event>,
-}
-
-impl<'a> Replay<'a> {
-    /// For samples that come in at `rate`, Hz.
-    ///
-    /// # Errors
-    /// A scene without rotor or recording, probes that do not determine the motion.
-    pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
-        let Some(recording) = &scene.recording else { bail!(SceneFault("found no [recording]".to_owned())) };
-        let tracker = tracker(scene, recording, rate, options.watched);
-        let rate = rate / f64::from(recording.average);
-        let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
-        Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0 })
-    }
-
-    /// A row to read into.
-    #[must_use]
-    pub fn blank(&mut self) -> Row {
-        self.tracker.blank()
-    }
-
-    /// Takes in the next row.
-    ///
-    /// # Errors
-    /// A shaft whose angle cannot be told, a machine that cannot be started.
-    pub fn push(&mut self, row: Row) -> Result<()> {
-        self.rows += 1;
-        self.tracker.push(row)?;
-        self.drain()
-    }
-
-    fn drain(&mut self) -> Result<()> {
-        while let Some(mut sample) = self.tracker.pop() {
-            self.run.take(&mut sample)?;
-            self.tracker.recycle(sample.row);
-        }
-        Ok(())
-    }
-
-    /// The twin has started.
-    #[must_use]
-    pub const fn has_started(&self) -> bool {
-        self.run.first.is_none()
-    }
-
-    /// After a time without rotation: angle, twin and observer start anew with the next turns.
-    pub fn begin_anew(&mut self) {
-        if let Some(recording) = &self.scene.recording {
-            let rate = self.run.rate * f64::from(recording.average);
-            self.tracker = tracker(self.scene, recording, rate, true);
-        }
-        self.run.moving = None;
-        if let Some(first) = &mut self.run.first {
-            first.clear();
-        }
-    }
-
-    /// What there is to see now; nothing unless someone looks on.
-    #[must_use]
-    pub fn glance(&self) -> Glance {
-        self.run.glance().unwrap_or_default()
-    }
-
-    /// What came up since the last call.
-    pub fn news(&mut self) -> News {
-        News { seconds: std::mem::take(&mut self.run.ended_seconds), events: self.run.guards.news() }
-    }
-
-    /// The end of the recording, its flaws as the reader found them.
-    ///
-    /// # Errors
-    /// Nothing to compare, an output that cannot be written.
-    pub fn finish(mut self, name: &str, mut flaws: Vec<FlawSummary>) -> Result<Outcome> {
-        self.tracker.finish()?;
-        self.drain()?;
-        self.run.align()?;
-        flaws.extend(self.tracker.flaws().summary());
-        let angle_source = angle_source(self.rotation, &self.tracker);
-        self.run.finish(self.scene, name, self.rows, angle_source, flaws)
-    }
 }
 
 /// Everything that a replay carries from sample to sample.
@@ -362,7 +264,7 @@ impl<'a> Run<'a> {
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
         let sparing = options.watched && options.forces.is_none();
-        let weighed = if sparing { ((rate / WATCHED_FORCES) as u64).max(1) } else { 1 };
+        let weighed = if sparing { (rate / WATCHED_FORCES).ceil() as u64 } else { 1 };
         let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
         let guards = Guards::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
         let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
@@ -740,12 +642,6 @@ impl<'a> Run<'a> {
                 .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
         }
     }
-}
-
-/// Of a machine that is watched, memory is bounded while it stands still.
-fn tracker(scene: &Scene, recording: &Recording, rate: f64, watched: bool) -> Tracker {
-    let tracker = Tracker::of(recording, rate, scene.shaft.speed);
-    if watched { tracker.waiting_at_most((WATCHED_WAIT * rate) as usize) } else { tracker }
 }
 
 fn drive(sample: &Sample) -> Drive<f64> {

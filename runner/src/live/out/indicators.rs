@@ -22,19 +22,26 @@ pub struct Indicators {
 }
 
 impl Indicators {
-    /// Opens a folder; takes up its journal, without the seconds of after `done` (s), which come again.
+    /// Opens a folder. Where a monitor goes on that had come to `done` (s) its journal is taken up, without the seconds of after
+    /// that, which come again; else the journal that a killed one left becomes a file of its own.
     ///
     /// # Errors
     /// A folder that cannot be read or written.
-    pub fn open(folder: &Path, done: f64) -> Result<Self> {
+    pub fn open(folder: &Path, done: Option<f64>) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         let path = folder.join("indicators.journal");
-        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        let text = match std::fs::read_to_string(&path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            text => text.with_context(|| path.display().to_string())?,
+        };
         let number = (1..).find(|n| !file(folder, *n).exists()).unwrap_or(u32::MAX);
         let (names, rows) = journal(&text, number, done);
         let journal =
             OpenOptions::new().create(true).append(true).open(&path).with_context(|| path.display().to_string())?;
         let mut open = Self { folder: folder.to_owned(), journal, number, names, rows };
+        if done.is_none() {
+            open.close()?;
+        }
         open.begin()?;
         Ok(open)
     }
@@ -114,7 +121,7 @@ fn file(folder: &Path, number: u32) -> PathBuf {
 }
 
 /// Names and whole rows of a journal of file `number`; none of one whose file was finished.
-fn journal(text: &str, number: u32, done: f64) -> (Vec<String>, Vec<Vec<f64>>) {
+fn journal(text: &str, number: u32, done: Option<f64>) -> (Vec<String>, Vec<Vec<f64>>) {
     let mut lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(str::trim_end);
     let Some((of, names)) = lines.next().and_then(|head| head.split_once(',')) else { return (vec![], vec![]) };
     let names: Vec<String> = names.split(',').map(str::to_owned).collect();
@@ -122,7 +129,9 @@ fn journal(text: &str, number: u32, done: f64) -> (Vec<String>, Vec<Vec<f64>>) {
         return (vec![], vec![]);
     }
     let cells = |line: &str| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>().ok();
-    let whole = |row: &Vec<f64>| row.len() == names.len() && row.first().is_some_and(|time| *time <= done);
+    let whole = |row: &Vec<f64>| {
+        row.len() == names.len() && row.first().is_some_and(|time| done.is_none_or(|done| *time <= done))
+    };
     let rows = lines.map_while(cells).take_while(whole).collect();
     (names, rows)
 }
@@ -176,7 +185,7 @@ mod tests {
     #[test]
     fn hours_become_files() {
         let folder = tempfile::tempdir().unwrap();
-        let mut open = Indicators::open(folder.path(), 0.0).unwrap();
+        let mut open = Indicators::open(folder.path(), None).unwrap();
         (1..=HOUR + 5).for_each(|i| open.add(&second(i as f64)).unwrap());
         open.finish().unwrap();
         assert_eq!(
@@ -189,16 +198,28 @@ mod tests {
     #[test]
     fn a_killed_monitor_loses_only_what_was_not_done() {
         let folder = tempfile::tempdir().unwrap();
-        let mut open = Indicators::open(folder.path(), 0.0).unwrap();
+        let mut open = Indicators::open(folder.path(), None).unwrap();
         (1..=9).for_each(|i| open.add(&second(f64::from(i))).unwrap());
         // Killed in the middle of a line, its state says 7 s.
         drop(open);
         let journal = folder.path().join("indicators.journal");
         let text = std::fs::read_to_string(&journal).unwrap();
         std::fs::write(&journal, &text[..text.len() - 9]).unwrap();
-        let mut open = Indicators::open(folder.path(), 7.0).unwrap();
+        let mut open = Indicators::open(folder.path(), Some(7.0)).unwrap();
         (8..=10).for_each(|i| open.add(&second(f64::from(i))).unwrap());
         open.finish().unwrap();
         assert_eq!(times(folder.path(), 1), (1..=10).map(f64::from).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn one_without_a_state_leaves_its_seconds_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut open = Indicators::open(folder.path(), None).unwrap();
+        (1..=3).for_each(|i| open.add(&second(f64::from(i))).unwrap());
+        drop(open);
+        let mut open = Indicators::open(folder.path(), None).unwrap();
+        open.add(&second(1.0)).unwrap();
+        open.finish().unwrap();
+        assert_eq!((times(folder.path(), 1), times(folder.path(), 2)), (vec![1.0, 2.0, 3.0], vec![1.0]));
     }
 }

@@ -43,11 +43,11 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Opens what was asked for. `done`, s, is how far a monitor that goes on had come.
+    /// Opens what was asked for. `done`, s, is how far a monitor had come that goes on.
     ///
     /// # Errors
     /// A file that cannot be written, a port that is taken.
-    pub fn open(asked: &Asked, done: f64) -> Result<Self> {
+    pub fn open(asked: &Asked, done: Option<f64>) -> Result<Self> {
         Ok(Self {
             events: asked.events.as_deref().map(|path| EventLog::open(path, done)).transpose()?,
             indicators: asked.indicators.as_deref().map(|folder| Indicators::open(folder, done)).transpose()?,

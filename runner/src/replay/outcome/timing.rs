@@ -1,0 +1,88 @@
+//! Times of a replay: what its samples took, how a timeline was kept, what its source did.
+
+use serde::Serialize;
+
+/// Quantiles of one duration, from a histogram.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Quantiles {
+    /// Median, ns.
+    pub p50_ns: u64,
+    /// 99 %.
+    pub p99_ns: u64,
+    /// 99.9 %.
+    pub p999_ns: u64,
+    /// Largest.
+    pub max_ns: u64,
+}
+
+/// Deadline ledger.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Timing {
+    /// In real time, from a recording or from a source.
+    pub paced: bool,
+    /// Samples worked on.
+    pub samples: u64,
+    /// Kernel and twin, per sample.
+    pub compute: Quantiles,
+    /// The time from one sample to the next.
+    pub sample_period_ns: u64,
+    /// Wall time of the whole replay.
+    pub wall_s: f64,
+    /// Recording's time over wall time.
+    pub times_real_time: f64,
+    /// Peak resident memory of the process, where the system tells it.
+    pub peak_memory_bytes: Option<u64>,
+    /// How the timeline was kept; only when paced.
+    #[serde(flatten)]
+    pub pacing: Option<Pacing>,
+    /// What came from the source and what did not; only when paced.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<SourceFigures>,
+}
+
+/// Blocks of a timeline. A block's work is due when the next one begins.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Pacing {
+    /// From one block to the next.
+    pub block_ns: u64,
+    /// Blocks worked off after the start.
+    pub blocks: u64,
+    /// All work of a block.
+    #[serde(rename = "block_compute")]
+    pub compute: Quantiles,
+    /// How much later than due the program woke for a block.
+    pub lateness: Quantiles,
+    /// Blocks whose work was not done when the next one was due.
+    pub deadline_misses: u64,
+    /// Until the twin had started and caught up; what was late till then is not counted.
+    pub starting_s: f64,
+    /// What was left of one processor after the start, all threads of the program taken together.
+    pub idle_percent: f64,
+    /// What the system gave of what was asked for.
+    pub scheduling: String,
+}
+
+/// Counts of a source. None of it is silent.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct SourceFigures {
+    /// Samples read.
+    pub rows: u64,
+    /// Frames that never came, by their sequence numbers.
+    pub lost_frames: u64,
+    /// Frames that came twice or too late.
+    pub repeated_frames: u64,
+    /// Frames or datagrams of a wrong size.
+    pub malformed_frames: u64,
+    /// Samples that found the ring full and could not wait.
+    pub dropped_rows: u64,
+    /// Most samples that ever waited between reader and loop, and how many can.
+    pub ring_highest: u64,
+    /// Room for samples there.
+    pub ring_capacity: u64,
+    /// Connections accepted.
+    pub connections: u64,
+    /// Times in which nothing came for a second or more.
+    pub stalls: u64,
+    /// The longest of them.
+    pub longest_stall_s: f64,
+}

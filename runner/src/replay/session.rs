@@ -1,0 +1,123 @@
+//! A replay row by row, whoever brings the rows.
+
+use super::limits::Event;
+use super::outcome::Outcome;
+use super::recent::Glance;
+use super::second::Second;
+use super::{Options, Run, angle_source};
+use crate::fault::{SceneFault, scene_fault};
+use crate::recording::Row;
+use crate::recording::flaws::FlawSummary;
+use crate::recording::rotation::Tracker;
+use crate::scene::{Recording, Rotation, Scene};
+use anyhow::{Result, bail};
+
+/// Seconds for which a machine that is watched may keep its keyphasor's pulse back before it counts as standing still.
+const WATCHED_WAIT: f64 = 10.0;
+/// A replay under way: rows go in, the outcome comes at the end.
+pub struct Replay<'a> {
+    scene: &'a Scene,
+    rotation: &'a Rotation,
+    tracker: Tracker,
+    run: Run<'a>,
+    pub(super) rows: u64,
+    /// Of the times before the shaft stood still.
+    flaws: Vec<FlawSummary>,
+}
+
+/// What came up since it was last asked for.
+#[derive(Default)]
+pub struct News {
+    /// Seconds that ended.
+    pub seconds: Vec<Second>,
+    /// Limits crossed (without an end) and crossings that ended.
+    pub events: Vec<Event>,
+}
+
+impl<'a> Replay<'a> {
+    /// For samples that come in at `rate`, Hz.
+    ///
+    /// # Errors
+    /// A scene without rotor or recording, probes that do not determine the motion.
+    pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
+        let Some(recording) = &scene.recording else { bail!(SceneFault("found no [recording]".to_owned())) };
+        let tracker = tracker(scene, recording, rate, options.watched);
+        let rate = rate / f64::from(recording.average);
+        let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
+        Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0, flaws: vec![] })
+    }
+
+    /// A row to read into.
+    #[must_use]
+    pub fn blank(&mut self) -> Row {
+        self.tracker.blank()
+    }
+
+    /// Takes in the next row.
+    ///
+    /// # Errors
+    /// A shaft whose angle cannot be told, a machine that cannot be started.
+    pub fn push(&mut self, row: Row) -> Result<()> {
+        self.rows += 1;
+        self.tracker.push(row)?;
+        self.drain()
+    }
+
+    fn drain(&mut self) -> Result<()> {
+        while let Some(mut sample) = self.tracker.pop() {
+            self.run.take(&mut sample)?;
+            self.tracker.recycle(sample.row);
+        }
+        Ok(())
+    }
+
+    /// The twin has started.
+    #[must_use]
+    pub const fn has_started(&self) -> bool {
+        self.run.first.is_none()
+    }
+
+    /// After a time without rotation: angle, twin and observer start anew with the next turns.
+    pub fn begin_anew(&mut self) {
+        if let Some(recording) = &self.scene.recording {
+            let rate = self.run.rate * f64::from(recording.average);
+            self.flaws.extend(self.tracker.flaws().summary());
+            self.tracker = tracker(self.scene, recording, rate, true);
+        }
+        self.run.moving = None;
+        if let Some(first) = &mut self.run.first {
+            first.clear();
+        }
+    }
+
+    /// What there is to see now; nothing unless someone looks on.
+    #[must_use]
+    pub fn glance(&self) -> Glance {
+        self.run.glance().unwrap_or_default()
+    }
+
+    /// What came up since the last call.
+    pub fn news(&mut self) -> News {
+        News { seconds: std::mem::take(&mut self.run.ended_seconds), events: self.run.guards.news() }
+    }
+
+    /// The end of the recording, its flaws as the reader found them.
+    ///
+    /// # Errors
+    /// Nothing to compare, an output that cannot be written.
+    pub fn finish(mut self, name: &str, mut flaws: Vec<FlawSummary>) -> Result<Outcome> {
+        self.tracker.finish()?;
+        self.drain()?;
+        self.run.align()?;
+        flaws.append(&mut self.flaws);
+        flaws.extend(self.tracker.flaws().summary());
+        let angle_source = angle_source(self.rotation, &self.tracker);
+        self.run.finish(self.scene, name, self.rows, angle_source, flaws)
+    }
+}
+
+/// Of a machine that is watched, memory is bounded while it stands still.
+fn tracker(scene: &Scene, recording: &Recording, rate: f64, watched: bool) -> Tracker {
+    let tracker = Tracker::of(recording, rate, scene.shaft.speed);
+    if watched { tracker.waiting_at_most((WATCHED_WAIT * rate) as usize) } else { tracker }
+}
