@@ -96,8 +96,13 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         self.with(sign, T::negated_by)
     }
     #[inline(always)]
-    pub fn with_sign_of(self, other: Self) -> Self {
-        self.with(other, T::with_sign_of)
+    pub fn either_sign(self, other: Self) -> Self {
+        self.with(other, T::either_sign)
+    }
+    /// A number whose sign bit is set where any lane's is.
+    #[inline(always)]
+    pub fn any_sign(self) -> T {
+        self.0.into_iter().fold(T::ZERO, T::either_sign)
     }
     /// The whole part of each, 0 to `most`, as index and as number.
     #[inline(always)]

@@ -45,8 +45,8 @@ pub trait Scalar:
     fn abs(self) -> Self;
     /// Negated where `sign` has its sign bit set.
     fn negated_by(self, sign: Self) -> Self;
-    /// `self`, its sign bit also set where that of `other` is.
-    fn with_sign_of(self, other: Self) -> Self;
+    /// A number whose sign bit is set where either's is; the rest of it means nothing.
+    fn either_sign(self, other: Self) -> Self;
     /// The sign bit.
     fn has_sign(self) -> bool;
     /// Neither NaN nor infinite.
@@ -133,8 +133,8 @@ impl Scalar for f32 {
         Self::from_bits(self.to_bits() ^ (sign.to_bits() & 0x8000_0000))
     }
     #[inline]
-    fn with_sign_of(self, other: Self) -> Self {
-        Self::from_bits(self.to_bits() | (other.to_bits() & 0x8000_0000))
+    fn either_sign(self, other: Self) -> Self {
+        Self::from_bits(self.to_bits() | other.to_bits())
     }
     #[inline]
     fn has_sign(self) -> bool {
@@ -198,8 +198,8 @@ impl Scalar for f64 {
         Self::from_bits(self.to_bits() ^ (sign.to_bits() & 0x8000_0000_0000_0000))
     }
     #[inline]
-    fn with_sign_of(self, other: Self) -> Self {
-        Self::from_bits(self.to_bits() | (other.to_bits() & 0x8000_0000_0000_0000))
+    fn either_sign(self, other: Self) -> Self {
+        Self::from_bits(self.to_bits() | other.to_bits())
     }
     #[inline]
     fn has_sign(self) -> bool {

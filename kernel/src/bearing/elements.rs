@@ -2,7 +2,7 @@
 
 use super::Reaction;
 use super::place::Arrangement;
-use super::ring::{CageTurn, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum};
+use super::ring::{CageTurn, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, into_cage, out_of_cage};
 use super::surface::Surface;
 use crate::frame::{Displacement, Stiffness};
 use crate::math::Math;
@@ -68,6 +68,15 @@ pub trait InCage<T: Scalar> {
 
     /// As [`super::Bearing::element_loads`] with the displacement in the cage's frame.
     fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]);
+
+    /// [`super::Bearing::reaction`] as part of whoever calls it: a caller that is compiled for a processor with wider
+    /// registers than the rest of its program takes the bearing with it.
+    #[inline(always)]
+    fn reaction_inlined(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        let turn = Self::turn(at.cage);
+        let local = self.reaction_in_cage(&into_cage(u, turn), at);
+        Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
+    }
 }
 
 #[inline(always)]

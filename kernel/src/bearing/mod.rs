@@ -90,10 +90,7 @@ macro_rules! bearing_in_cage {
     ($kind:ty, $($generics:tt)*) => {
         impl<$($generics)*> $crate::Bearing<T> for $kind {
             fn reaction(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>) -> $crate::bearing::Reaction<T> {
-                use $crate::bearing::{InCage, ring};
-                let turn = Self::turn(at.cage);
-                let local = self.reaction_in_cage(&ring::into_cage(u, turn), at);
-                $crate::bearing::Reaction { wrench: ring::out_of_cage(&local.wrench, turn), ..local }
+                $crate::bearing::InCage::reaction_inlined(self, u, at)
             }
             fn reaction_and_stiffness(
                 &self,

@@ -3,29 +3,53 @@
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 
-/// `x` of `A x = b` by elimination in the given order. Cost: `D^3/3` multiplications.
+/// A matrix taken apart into a lower and an upper triangle, so that what takes long is done before the right side is known.
 ///
 /// No pivoting: the matrices here have a positive definite symmetric part (mass, damping and a contact tangent
 /// that only pushes, plus a skew gyroscopic part), for which elimination in any order is stable (Golub and
 /// Van Loan, Matrix Computations, 4.2.2). A singular matrix gives entries that are not finite, which the step flags.
-pub fn solve<T: Scalar, const D: usize>(mut a: SMatrix<T, D, D>, mut b: [T; D]) -> [T; D] {
-    for k in 0..D {
-        let inverse = T::ONE / a[(k, k)];
-        for i in (k + 1)..D {
-            let factor = a[(i, k)] * inverse;
-            for j in (k + 1)..D {
-                let above = a[(k, j)];
-                a[(i, j)] -= factor * above;
+#[derive(Debug, Clone, Copy)]
+pub struct Factored<T: Scalar, const D: usize>(SMatrix<T, D, D>);
+
+impl<T: Scalar, const D: usize> Factored<T, D> {
+    /// By elimination in the given order. Cost: `D^3/3` multiplications, `D` divisions.
+    #[must_use]
+    pub fn new(mut a: SMatrix<T, D, D>) -> Self {
+        for k in 0..D {
+            let inverse = T::ONE / a[(k, k)];
+            a[(k, k)] = inverse;
+            for i in (k + 1)..D {
+                let factor = a[(i, k)] * inverse;
+                a[(i, k)] = factor;
+                for j in (k + 1)..D {
+                    let above = a[(k, j)];
+                    a[(i, j)] -= factor * above;
+                }
             }
-            b[i] -= factor * b[k];
         }
+        Self(a)
     }
-    for k in (0..D).rev() {
-        let mut sum = b[k];
-        for j in (k + 1)..D {
-            sum -= a[(k, j)] * b[j];
+
+    /// `x` of `A x = b`. Cost: `D^2` multiplications.
+    #[must_use]
+    pub fn solve(&self, mut b: [T; D]) -> [T; D] {
+        let a = &self.0;
+        for k in 0..D {
+            for i in (k + 1)..D {
+                b[i] -= a[(i, k)] * b[k];
+            }
         }
-        b[k] = sum / a[(k, k)];
+        for k in (0..D).rev() {
+            b[k] *= a[(k, k)];
+            for i in 0..k {
+                b[i] -= a[(i, k)] * b[k];
+            }
+        }
+        b
     }
-    b
+}
+
+/// `x` of `A x = b`, see [`Factored`].
+pub fn solve<T: Scalar, const D: usize>(a: SMatrix<T, D, D>, b: [T; D]) -> [T; D] {
+    Factored::new(a).solve(b)
 }

@@ -29,7 +29,8 @@ pub fn add<T: Scalar, const D: usize>(x: &mut [T; D], y: &[T; D]) {
 /// No entry is NaN or infinite; every entry is looked at, whatever the ones before it.
 #[inline(always)]
 pub fn all_finite<T: Scalar, const D: usize>(x: &[T; D]) -> bool {
-    x.iter().fold(true, |ok, entry| ok & entry.is_finite())
+    // 0 times what is not finite is NaN, which no sum loses and which equals nothing.
+    x.iter().fold(T::ZERO, |sum, &entry| sum + T::ZERO * entry).is_zero()
 }
 
 /// `x` becomes `next` if `good`, the same instructions either way.

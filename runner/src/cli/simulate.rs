@@ -14,7 +14,9 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::{Scope, ScopedJoinHandle};
+use std::time::{Duration, Instant};
 
 /// Most samples of one simulation.
 const MOST_SAMPLES: f64 = 1e9;
@@ -96,24 +98,28 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
     let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
     let mut told = span.settle;
     let begun = Instant::now();
-    let (held, _) = motion::run(
-        scene,
-        plant,
-        span,
-        |_| {},
-        |now| {
-            write_row(&mut file, now).with_context(failed)?;
-            for (i, x) in now.plant.pose(now.twin.coordinates()).to_array().into_iter().take(3).enumerate() {
-                (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
-            }
-            told += 1;
-            if told.is_multiple_of(4096) {
-                bar.set_position(told);
-            }
-            Ok(())
-        },
-    )?;
-    let seconds = begun.elapsed().as_secs_f64();
+    let (held, file, waited) = std::thread::scope(|scope| {
+        let mut rows = Rows::new(scope, file);
+        let run = motion::run(
+            scene,
+            plant,
+            span,
+            |_| {},
+            |now| {
+                for (i, x) in now.plant.pose(now.twin.coordinates()).to_array().into_iter().take(3).enumerate() {
+                    (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
+                }
+                told += 1;
+                if told.is_multiple_of(4096) {
+                    bar.set_position(told);
+                }
+                rows.add(row(now))
+            },
+        );
+        let (file, waited) = rows.finish().with_context(failed)?;
+        Ok::<_, anyhow::Error>((run?.0, file, waited))
+    })?;
+    let seconds = (begun.elapsed() - waited).as_secs_f64();
     bar.finish_and_clear();
     file.finish()?;
     Ok(Summary {
@@ -131,6 +137,67 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
     })
 }
 
+/// Rows on their way to the file: numbers take longer to print than to compute, so another thread prints them.
+struct Rows<'s> {
+    block: Block,
+    /// None once the writer has failed.
+    sender: Option<SyncSender<Block>>,
+    writer: ScopedJoinHandle<'s, std::io::Result<AtomicFile>>,
+    waited: Duration,
+}
+
+/// Rows one after the other, and the numbers of each.
+#[derive(Default)]
+struct Block {
+    numbers: Vec<f64>,
+    width: usize,
+}
+
+/// Numbers of a full block, and blocks that may wait for the writer.
+const BLOCK: (usize, usize) = (1 << 15, 8);
+
+impl<'s> Rows<'s> {
+    fn new(scope: &'s Scope<'s, '_>, mut file: AtomicFile) -> Self {
+        let (sender, receiver) = sync_channel::<Block>(BLOCK.1);
+        let writer = scope.spawn(move || {
+            for block in receiver {
+                for row in block.numbers.chunks(block.width.max(1)) {
+                    write_row(&mut file, row)?;
+                }
+            }
+            Ok(file)
+        });
+        Self { block: Block::default(), sender: Some(sender), writer, waited: Duration::ZERO }
+    }
+
+    fn add(&mut self, row: impl Iterator<Item = f64>) -> Result<()> {
+        let before = self.block.numbers.len();
+        self.block.numbers.extend(row);
+        self.block.width = self.block.numbers.len() - before;
+        if self.block.numbers.len() >= BLOCK.0 {
+            self.send();
+        }
+        if self.sender.is_none() { bail!("the writer has failed") } else { Ok(()) }
+    }
+
+    fn send(&mut self) {
+        let empty = Block { numbers: Vec::with_capacity(BLOCK.0 + self.block.width), width: 0 };
+        let block = std::mem::replace(&mut self.block, empty);
+        let begun = Instant::now();
+        self.sender = self.sender.take().filter(|sender| sender.send(block).is_ok());
+        self.waited += begun.elapsed();
+    }
+
+    /// The file with all rows, and how long the computing has waited for it.
+    fn finish(mut self) -> std::io::Result<(AtomicFile, Duration)> {
+        self.send();
+        self.sender = None;
+        let begun = Instant::now();
+        let file = self.writer.join().map_err(|_| std::io::Error::other("the thread that writes has ended"))??;
+        Ok((file, self.waited + begun.elapsed()))
+    }
+}
+
 fn header(plant: &Plant) -> String {
     let mut head = "t".to_owned();
     for rate in ["", "_dot"] {
@@ -146,15 +213,17 @@ fn header(plant: &Plant) -> String {
     head
 }
 
-fn write_row(file: &mut AtomicFile, now: &Moment<'_>) -> std::io::Result<()> {
-    write!(file, "{:.9e}", now.time)?;
-    for x in now.twin.coordinates().iter().chain(now.twin.rates()) {
+fn row(now: &Moment<'_>) -> impl Iterator<Item = f64> {
+    let motion = now.twin.coordinates().iter().chain(now.twin.rates()).copied();
+    let forces = (0..now.plant.seats.len()).flat_map(|i| now.wrench(i).to_array());
+    std::iter::once(now.time).chain(motion).chain(forces)
+}
+
+fn write_row(file: &mut AtomicFile, row: &[f64]) -> std::io::Result<()> {
+    let Some((time, numbers)) = row.split_first() else { return Ok(()) };
+    write!(file, "{time:.9e}")?;
+    for x in numbers {
         write!(file, ",{x:.16e}")?;
-    }
-    for i in 0..now.plant.seats.len() {
-        for f in now.wrench(i).to_array() {
-            write!(file, ",{f:.16e}")?;
-        }
     }
     writeln!(file)
 }

@@ -3,6 +3,7 @@
 mod balls;
 mod lumped;
 mod preload;
+mod wide;
 
 pub use balls::{MadeTable, Solved, inertia_params, quasi_static, solved_in, table};
 pub use lumped::{Exponent, law};
@@ -187,8 +188,7 @@ pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> Place<T> {
 }
 
 /// Turned about X by pi where the bearing faces -Z. Behind the pointer already, so that no kind is compiled twice.
-fn facing<T: Scalar>(scene: &BearingScene, bearing: impl Bearing<T> + 'static) -> AnyBearing<T> {
-    let bearing: AnyBearing<T> = Shared(Arc::new(bearing));
+fn facing<T: Scalar>(scene: &BearingScene, bearing: AnyBearing<T>) -> AnyBearing<T> {
     if scene.facing == Facing::MinusZ { Shared(Arc::new(Mirrored(bearing))) } else { bearing }
 }
 
@@ -235,8 +235,8 @@ fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>>
     let (geometry, zero) = contact_geometry(scene, "angular")?;
     let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
     Ok(match uneven::<T, M>(scene) {
-        None => facing(scene, built),
-        Some(surface) => facing(scene, built.with_surface(surface)),
+        None => facing(scene, wide::shared(built)),
+        Some(surface) => facing(scene, wide::shared(built.with_surface(surface))),
     })
 }
 

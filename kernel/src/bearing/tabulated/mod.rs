@@ -10,7 +10,7 @@ mod table;
 pub use fill::{Domain, fill};
 pub use table::{Axis, Grid, Node, Table};
 
-use self::table::{AtSpeed, Values};
+use self::table::AtSpeed;
 use super::elements::InCage;
 use super::place::{ABREAST, Arrangement, Place, groups};
 use super::quasi_static::{Matrix, TableSeat, contact_tangents, contacts};
@@ -40,11 +40,9 @@ pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
     math: PhantomData<M>,
 }
 
-/// Balls side by side in one number of a desktop processor.
-const SIDE_BY_SIDE: usize = if cfg!(target_pointer_width = "64") { 2 } else { 1 };
-/// Such groups that go through a stage together: each ball is a long chain of dependent operations, and a desktop
+/// Groups of balls that go through a stage together: each ball is a long chain of dependent operations, and a desktop
 /// processor works at several only where they are near in the code.
-const STAGED: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
+const STAGED: usize = if cfg!(target_pointer_width = "64") { 2 } else { 1 };
 
 /// Where balls are, as the table asks for it.
 #[derive(Clone, Copy)]
@@ -69,7 +67,6 @@ struct Looked<L> {
     contact: Plane<L>,
     turn: Plane<L>,
     friction: L,
-    inside: L,
 }
 
 impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
@@ -133,25 +130,17 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// What the table says of them.
     #[inline(always)]
-    fn found<const K: usize>(&self, aim: &Aim<Lanes<T, K>>, values: &Values<T, F, K>) -> Looked<Lanes<T, K>> {
+    fn found<const K: usize>(&self, aim: &Aim<Lanes<T, K>>, fields: &[Lanes<T, K>; F]) -> Looked<Lanes<T, K>> {
         let Aim { line, inverse_length, root } = *aim;
-        let field = |k: usize| values.fields.get(k).copied().unwrap_or(Lanes::all(T::ZERO));
+        let field = |k: usize| fields.get(k).copied().unwrap_or(Lanes::all(T::ZERO));
         // The table holds half the load.
         let (load, sine, friction) = (field(0).twice_positive(), field(1), field(2));
         let cosine = (Lanes::all(T::ONE) - sine * sine).sqrt::<M>();
         let contact = line.times(cosine).plus(line.tangent().times(sine));
-        Looked {
-            line,
-            inverse_length,
-            root,
-            load,
-            contact,
-            turn: Plane { r: cosine, z: sine },
-            friction,
-            inside: values.inside,
-        }
+        Looked { line, inverse_length, root, load, contact, turn: Plane { r: cosine, z: sine }, friction }
     }
 
+    /// Balls looked up, and what tells by its sign bits whether they are inside the table.
     #[inline(always)]
     fn look<const K: usize>(
         &self,
@@ -159,37 +148,44 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         places: &[Place<T>; K],
         rim: &Displacement<T>,
         at: &Rotation<T>,
-    ) -> Looked<Lanes<T, K>> {
+    ) -> (Looked<Lanes<T, K>>, T) {
         let aim = self.aim(places, rim, at);
-        self.found(&aim, &self.table.values(speed, aim.root, aim.line.z))
+        let values = self.table.values(speed, aim.root, aim.line.z);
+        (self.found(&aim, &values.fields), values.inside.any_sign())
     }
 
-    /// Adds balls: where they are, what the table says, the sum.
+    /// Adds balls: where they are, what the table says, the sum. Gives what tells whether they are inside the table.
     #[inline(always)]
     fn add<const K: usize>(
         &self,
         speed: &AtSpeed<T>,
         groups: &[[Place<T>; K]],
         (rim, at): (&Displacement<T>, &Rotation<T>),
-        (sum, inside): (&mut WrenchSum<T>, &mut T),
-    ) {
+        sum: &mut WrenchSum<T>,
+    ) -> T {
         let nothing = Lanes::all(T::ZERO);
         let mut aims = [Aim { line: Plane { r: nothing, z: nothing }, inverse_length: nothing, root: nothing }; STAGED];
-        let mut values = [Values { fields: [nothing; F], inside: nothing }; STAGED];
+        let mut found = [[nothing; F]; STAGED];
+        let mut inside = nothing;
         for groups in groups.chunks(STAGED) {
             for (aim, places) in aims.iter_mut().zip(groups) {
                 *aim = self.aim(places, rim, at);
             }
-            for ((values, aim), _) in values.iter_mut().zip(&aims).zip(groups) {
-                *values = self.table.values(speed, aim.root, aim.line.z);
+            for ((fields, aim), _) in found.iter_mut().zip(&aims).zip(groups) {
+                let values = self.table.values(speed, aim.root, aim.line.z);
+                (*fields, inside) = (values.fields, inside.either_sign(values.inside));
             }
-            for ((places, aim), values) in groups.iter().zip(&aims).zip(&values) {
-                let balls = self.found(aim, values);
-                *inside = balls.inside.0.into_iter().fold(*inside, T::with_sign_of);
-                for (place, contact) in places.iter().zip(&self.contacts(&balls)) {
-                    sum.add(place, contact);
-                }
+            for ((places, aim), fields) in groups.iter().zip(&aims).zip(&found) {
+                self.add_looked(places, &self.found(aim, fields), sum);
             }
+        }
+        inside.any_sign()
+    }
+
+    #[inline(always)]
+    fn add_looked<const K: usize>(&self, places: &[Place<T>], balls: &Looked<Lanes<T, K>>, sum: &mut WrenchSum<T>) {
+        for (place, contact) in places.iter().zip(&self.contacts(balls)) {
+            sum.add(place, contact);
         }
     }
 
@@ -248,22 +244,31 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     #[inline(always)]
     fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         let (speed, rim) = (self.at_speed(at), self.rim(u));
-        let (mut sum, mut inside) = (WrenchSum::new(), T::ZERO);
-        // What does not fill a group goes one by one: filled up, a ball alone would cost as much as two.
-        let (groups, rest) = self.places.table().as_chunks::<SIDE_BY_SIDE>();
-        self.add(&speed, groups, (&rim, at), (&mut sum, &mut inside));
-        for place in rest {
-            self.add(&speed, &[[*place]], (&rim, at), (&mut sum, &mut inside));
+        let mut sum = WrenchSum::new();
+        let (full, rest) = self.places.table().as_chunks::<ABREAST>();
+        // What fills no group is looked up before the others, while a desktop processor still waits for nothing else, and
+        // added after them; a ball alone costs less by itself than in a group of its likes.
+        let alone = if let [place] = rest { Some((place, self.look(&speed, &[*place], &rim, at))) } else { None };
+        let few = if rest.len() > 1 { groups::<T, ABREAST>(&rest).next() } else { None };
+        let few = few.map(|group| (self.look(&speed, &group.places, &rim, at), group));
+        let mut inside = speed.inside().either_sign(self.add(&speed, full, (&rim, at), &mut sum));
+        if let Some((place, (ball, within))) = &alone {
+            inside = inside.either_sign(*within);
+            self.add_looked(core::slice::from_ref(*place), ball, &mut sum);
+        }
+        if let Some(((balls, within), group)) = &few {
+            inside = inside.either_sign(*within);
+            self.add_looked(group.real(), balls, &mut sum);
         }
         if P::PAIRS {
             for place in self.places.table() {
-                self.add(&speed, &[[place.opposite()]], (&rim, at), (&mut sum, &mut inside));
+                let opposite = [place.opposite()];
+                let (ball, within) = self.look(&speed, &opposite, &rim, at);
+                inside = inside.either_sign(within);
+                self.add_looked(&opposite, &ball, &mut sum);
             }
         }
-        Reaction {
-            status: Status::OUT_OF_TABLE.when(inside.with_sign_of(speed.inside()).has_sign()),
-            ..sum.finish(self.seat.arm, T::ONE)
-        }
+        Reaction { status: Status::OUT_OF_TABLE.when(inside.has_sign()), ..sum.finish(self.seat.arm, T::ONE) }
     }
 
     #[inline]
@@ -274,20 +279,18 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         turn: CageTurn<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
         let (speed, rim) = (self.at_speed(at), self.rim(u));
-        let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), T::ZERO);
+        let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), speed.inside());
         for group in groups::<T, ABREAST>(&self.places) {
-            let balls = self.look(&speed, &group.places, &rim, at);
-            inside = balls.inside.0.into_iter().fold(inside, T::with_sign_of);
+            let (balls, within) = self.look(&speed, &group.places, &rim, at);
+            inside = inside.either_sign(within);
             let tangents = self.tangents(&speed, &balls);
             for ((place, contact), k) in group.real().iter().zip(&self.contacts(&balls)).zip(&tangents) {
                 sum.add(place, contact);
                 tangent.add(place, k);
             }
         }
-        let reaction = Reaction {
-            status: Status::OUT_OF_TABLE.when(inside.with_sign_of(speed.inside()).has_sign()),
-            ..sum.finish(self.seat.arm, T::ONE)
-        };
+        let status = Status::OUT_OF_TABLE.when(inside.has_sign());
+        let reaction = Reaction { status, ..sum.finish(self.seat.arm, T::ONE) };
         (reaction, tangent.finish(self.seat.arm, turn))
     }
 
@@ -296,7 +299,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let (speed, rim) = (self.at_speed(at), self.rim(u));
         let mut loads = loads.iter_mut();
         for group in groups::<T, ABREAST>(&self.places) {
-            let balls = self.look(&speed, &group.places, &rim, at);
+            let (balls, _) = self.look(&speed, &group.places, &rim, at);
             for (_, (found, load)) in group.real().iter().zip(balls.load.0.into_iter().zip(&mut loads)) {
                 *load = found;
             }

@@ -188,17 +188,11 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     /// Weighted sum of the nine nodes of one speed from `start` on; nothing where the table ends before them.
     #[inline(always)]
     fn patch(&self, start: u32, [by_angle, by_approach]: &[[T; 3]; 2]) -> Option<Node<T, F>> {
-        let nx = self.grid.approach.count as u32;
-        let middle = start.wrapping_add(nx);
-        let rows = [self.row(start)?, self.row(middle)?, self.row(middle.wrapping_add(nx))?];
+        // From 32 bits, so that the end cannot overflow: one comparison where an address has 64.
+        let (start, row) = (start as usize, self.grid.approach.count as u32 as usize);
+        let nodes = self.nodes.as_ref().get(start..start.wrapping_add(row.wrapping_mul(2)).wrapping_add(3))?;
+        let rows = [nodes.first_chunk()?, nodes.get(row..)?.first_chunk()?, nodes.last_chunk()?];
         Some(mixed(*by_angle, rows.map(|row| mixed(*by_approach, *row))))
-    }
-
-    #[inline(always)]
-    fn row(&self, start: u32) -> Option<&[Node<T, F>; 3]> {
-        // From 32 bits, so that the end of the row cannot overflow: one comparison where an address has 64.
-        let start = start as usize;
-        self.nodes.as_ref().get(start..start.wrapping_add(3))?.first_chunk()
     }
 
     /// At the signed roots `x` of the approach and the sines `sin` of the angle.
@@ -206,7 +200,7 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     pub(super) fn values<const K: usize>(&self, at: &AtSpeed<T>, x: Lanes<T, K>, sin: Lanes<T, K>) -> Values<T, F, K> {
         let (approach, angle) = (self.grid.approach.quadratic(x), self.grid.angle.quadratic(sin));
         let values = self.sum(at, (&angle.first, &angle.weights), (&approach.first, &approach.weights));
-        let inside = values.inside.with_sign_of(approach.inside).with_sign_of(angle.inside);
+        let inside = values.inside.either_sign(approach.inside).either_sign(angle.inside);
         Values { inside, ..values }
     }
 

@@ -1,5 +1,6 @@
 //! The rungs whose balls are in equilibrium: solved ball by ball, and looked up in a table made from that.
 
+use super::wide::shared;
 use super::{AnyBearing, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
 use anyhow::{Result, bail};
@@ -253,7 +254,7 @@ fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &Ma
     let table = Table::new(made.grid.rounded::<T>(), nodes);
     let bearing = Tabulated::<T, M, _, _, F>::new(places(of), made.seat.rounded(), table, made.by_outer);
     Ok(match uneven::<T, M>(of) {
-        None => facing(of, bearing),
-        Some(surface) => facing(of, bearing.with_surface(surface)),
+        None => facing(of, shared(bearing)),
+        Some(surface) => facing(of, shared(bearing.with_surface(surface))),
     })
 }

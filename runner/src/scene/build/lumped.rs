@@ -1,6 +1,7 @@
 //! The lumped rung: radial and axial elements with any of the laws, on a housing that may stand displaced.
 
-use super::{AnyBearing, facing, geometry, named, places, uneven};
+use super::wide::shared;
+use super::{AnyBearing, Shared, facing, geometry, named, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Fit};
 use anyhow::{Result, bail};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
@@ -8,6 +9,7 @@ use ballrace::bearing::lumped::{Axial, Radial};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness};
+use std::sync::Arc;
 
 /// What a scene's exponent says; 3/2 and 10/9 (also as a decimal of four digits or more) have laws without a power.
 pub enum Exponent {
@@ -128,8 +130,8 @@ fn with_radial<T: Scalar, M: Math<T>, L: Law<T, M>>(scene: &BearingScene, law: L
     let radial = Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
     let alone = scene.axial.is_none() && scene.housing_displacement.is_empty();
     match uneven::<T, M>(scene) {
-        None if alone => Ok(facing(scene, radial)),
-        Some(surface) if alone => Ok(facing(scene, radial.with_surface(surface))),
+        None if alone => Ok(facing(scene, shared(radial))),
+        Some(surface) if alone => Ok(facing(scene, shared(radial.with_surface(surface)))),
         None => with_axial::<T, M>(scene, Box::new(radial)),
         Some(surface) => with_axial::<T, M>(scene, Box::new(radial.with_surface(surface))),
     }
@@ -149,7 +151,7 @@ fn with_axial<T: Scalar, M: Math<T>>(scene: &BearingScene, radial: Kind<T>) -> R
             })
         }
     };
-    Ok(facing(scene, Lumped { radial, axial, housing: housing(scene) }))
+    Ok(facing(scene, Shared(Arc::new(Lumped { radial, axial, housing: housing(scene) }))))
 }
 
 fn axial_kind<T: Scalar, M: Math<T>, L: Law<T, M>>(scene: &BearingScene, law: L) -> Result<Kind<T>> {
