@@ -156,10 +156,10 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// Adds balls: where they are, what the table says, the sum. Gives what tells whether they are inside the table.
     #[inline(always)]
-    fn add<const K: usize>(
+    fn add(
         &self,
         speed: &AtSpeed<T>,
-        groups: &[[Place<T>; K]],
+        groups: &[[Place<T>; ABREAST]],
         (rim, at): (&Displacement<T>, &Rotation<T>),
         sum: &mut WrenchSum<T>,
     ) -> T {
