@@ -24,3 +24,4 @@ pub mod scene;
 pub mod sweep;
 pub mod trade;
 pub mod vibration;
+pub mod wide;

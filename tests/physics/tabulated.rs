@@ -8,7 +8,7 @@ use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams};
 use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
 use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
-use ballrace::bearing::{Bearing, Place, Places, even_places};
+use ballrace::bearing::{Bearing, Place, Places, Reaction, even_places};
 use ballrace::{Displacement, Exact, Rotation, Scalar, Status, Turn};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry, harris_218_geometry};
 use ballrace_tests::states::Random;
@@ -245,5 +245,44 @@ fn a_domain_that_cannot_be_is_refused() {
         Domain { speed: [f64::NAN, 5.0], ..good },
     ] {
         assert!(bad.grid().is_err(), "{bad:?}");
+    }
+}
+
+/// However many balls are looked up side by side, each enters the sum once: as bearings of one ball each.
+#[test]
+fn many_balls_are_the_sum_of_their_balls() {
+    fn check<const F: usize>(layers: usize) {
+        let ball = solved(acbb_s_geometry(), &InertiaParams { sharing: FrictionSharing::Proportional, ..STEEL_BALLS });
+        let table = looked_up::<f64, _, F>(&ball, &domain([32, 16, layers]));
+        let bearing = |places: Vec<Place<f64>>| {
+            let table = Table::new(*table.table().grid(), table.table().nodes());
+            Tabulated::<f64, Exact, _, _, F>::new(places, ball.table_seat(), table, false)
+        };
+        let mut random = Random(0x5eed + F as u64);
+        for balls in 1..=36 {
+            let places: Vec<Place<f64>> = (0..balls).map(|j| Place::even(Turn(1), j, balls)).collect();
+            let singles: Vec<_> = places.iter().map(|&place| bearing(vec![place])).collect();
+            let all = bearing(places);
+            for _ in 0..20 {
+                let mut entry = |size: f64| random.between(-size, size);
+                let [u, v, thu, thv] = [entry(2e-5), entry(2e-5), entry(4e-4), entry(4e-4)];
+                let u = Displacement { u, v, w: entry(5e-5), thu, thv };
+                let cage = Turn::from_revolutions(random.unit());
+                let at = Rotation { cage, inner_speed: 5_000.0 * RPM, ..Rotation::default() };
+                let found = all.reaction(&u, &at);
+                let answers = singles.iter().map(|single| single.reaction(&u, &at));
+                let sum = answers.reduce(|sum, one| sum.plus(one)).unwrap();
+                assert_eq!(found.status, sum.status, "{balls} balls");
+                let numbers = |r: &Reaction<f64>| r.wrench.to_array().into_iter().chain([r.load]);
+                for (i, (x, y)) in numbers(&found).zip(numbers(&sum)).enumerate() {
+                    assert!((x - y).abs() <= 1e-12 * (1.0 + found.load), "{balls} balls, entry {i}: {x:e} for {y:e}");
+                }
+            }
+        }
+    }
+    for layers in [0, 4] {
+        check::<2>(layers);
+        check::<3>(layers);
+        check::<4>(layers);
     }
 }

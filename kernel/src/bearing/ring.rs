@@ -10,6 +10,7 @@ use super::Reaction;
 use super::place::{Arrangement, Place};
 use super::surface::{Shape, Surface};
 use crate::frame::{Displacement, Stiffness, Wrench};
+use crate::lanes::Lanes;
 use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
@@ -30,7 +31,8 @@ pub struct Motion<T> {
     pub(super) shape: Shape<T>,
 }
 
-/// Force of the ring on one element's contact plane: radial outward and axial, and the load behind it.
+/// Force of the ring on one element's contact plane: radial outward and axial, and the load behind it; with `Lanes` those of
+/// several elements side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {
     pub(super) radial: T,
@@ -148,6 +150,24 @@ impl<T: Scalar> WrenchSum<T> {
         self.add_along(place, contact.radial, contact.tilting);
         self.z += contact.axial;
         self.load += contact.load;
+    }
+
+    /// Adds the elements at `places` from number `from` on, whose contacts are side by side, one after the other.
+    #[inline(always)]
+    pub(super) fn add_each<const K: usize>(
+        &mut self,
+        places: &[Place<T>],
+        contacts: &Contact<Lanes<T, K>>,
+        from: usize,
+    ) {
+        let mut i = from;
+        while i < K {
+            let Some(place) = places.get(i) else { break };
+            let [radial, axial, tilting, load] =
+                [contacts.radial.0[i], contacts.axial.0[i], contacts.tilting.0[i], contacts.load.0[i]];
+            self.add(place, &Contact { radial, axial, tilting, load });
+            i += 1;
+        }
     }
 
     /// The forces of an element and of the one opposite to it.

@@ -75,6 +75,7 @@ fn add_wrench<T: Scalar>(f: &mut [T; 5], reaction: Reaction<T>, station: T) -> (
 }
 
 impl<T: Scalar, B: Bearing<T>> Coupling<T, 5> for Mounted<T, B> {
+    #[inline(always)]
     fn push(&self, q: &[T; 5], at: &Rotation<T>, f: &mut [T; 5]) -> (T, Status) {
         let u = Displacement::from_array(*q).at_station(self.station);
         add_wrench(f, self.bearing.reaction(&u, at), self.station)

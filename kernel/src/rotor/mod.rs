@@ -145,6 +145,7 @@ pub struct Push<T, const D: usize> {
 
 impl<R, C, const N: usize> Machine<R, C, N> {
     /// What each bearing sees at `drive` with its parts at `parts`.
+    #[inline(always)]
     pub fn rotations<T: Scalar>(&self, parts: &[PartAngles; N], drive: &Drive<T>) -> [Rotation<T>; N]
     where
         C: Geared<T>,
@@ -157,6 +158,7 @@ impl<R, C, const N: usize> Machine<R, C, N> {
     }
 
     /// Forces of all bearings on the coordinates, sum of loads, status.
+    #[inline(always)]
     pub fn push<T: Scalar, const D: usize>(&self, q: &[T; D], at: &[Rotation<T>; N]) -> Push<T, D>
     where
         C: Coupling<T, D>,
@@ -190,6 +192,7 @@ impl<R, C, const N: usize> Machine<R, C, N> {
     }
 
     /// The bearings' parts after the shaft has gone `arc` further.
+    #[inline(always)]
     fn parts_after<T: Scalar>(&self, parts: &[PartAngles; N], arc: Arc) -> [PartAngles; N]
     where
         C: Geared<T>,
@@ -204,6 +207,7 @@ impl<R, C, const N: usize> Machine<R, C, N> {
 
 /// Common end of a step: keeps `next` if it is good, else holds the motion; says which. `load` and `status` are what the
 /// bearings answered at the end of the step, or close to it.
+#[inline(always)]
 fn accept<T: Scalar, const D: usize, const N: usize>(
     state: &mut RotorState<T, D, N>,
     next: &RotorState<T, D, N>,

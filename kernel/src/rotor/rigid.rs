@@ -107,6 +107,7 @@ impl<T: Scalar, M: Math<T>> System<T, 5> for RigidRotor<T, M> {
     }
 
     /// The constant load and the unbalance, `m e (w^2 e_r - a e_t)` and its couple.
+    #[inline(always)]
     fn excitation(&self, drive: &Drive<T>) -> [T; 5] {
         let turn = M::sin_cos(drive.angle);
         let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
@@ -121,6 +122,7 @@ impl<T: Scalar, M: Math<T>> System<T, 5> for RigidRotor<T, M> {
     }
 
     /// Where `G[thu, thv] = I_p = -G[thv, thu]` for a spin about +Z.
+    #[inline(always)]
     fn internal(&self, q: &[T; 5], rate: &[T; 5], speed: T) -> [T; 5] {
         let mut f = [T::ZERO; 5];
         for (&x, column) in rate.iter().zip(self.damping.column_iter()) {
@@ -152,6 +154,7 @@ impl<T: Scalar, M: Math<T>> System<T, 5> for RigidRotor<T, M> {
         f
     }
 
+    #[inline(always)]
     fn effective(&self, [m, c, k]: [T; 3], speed: T) -> Stiffness<T> {
         let mut j = self.damping * c;
         for (i, (mass, stiffness)) in self.mass.into_iter().zip(self.stiffness).enumerate() {

@@ -10,6 +10,7 @@ pub struct Factored<T: Scalar, const D: usize>(SMatrix<T, D, D>);
 impl<T: Scalar, const D: usize> Factored<T, D> {
     /// By elimination in the given order. Cost: `D^3/3` multiplications, `D` divisions.
     #[must_use]
+    #[inline(always)]
     pub fn new(mut a: SMatrix<T, D, D>) -> Self {
         for k in 0..D {
             let inverse = T::ONE / a[(k, k)];
@@ -28,6 +29,7 @@ impl<T: Scalar, const D: usize> Factored<T, D> {
 
     /// `x` of `A x = b`. Cost: `D^2` multiplications.
     #[must_use]
+    #[inline(always)]
     pub fn solve(&self, mut b: [T; D]) -> [T; D] {
         let a = &self.0;
         for k in 0..D {

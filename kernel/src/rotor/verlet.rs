@@ -23,6 +23,7 @@ pub struct Verlet<T> {
 }
 
 impl<T: Scalar> Integrator<T> for Verlet<T> {
+    #[inline(always)]
     fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
         &self,
         machine: &Machine<R, C, N>,

@@ -2,6 +2,7 @@
 
 use super::machine::{Fit, MachineTask};
 use crate::scene::Method;
+use crate::wide::WideRegisters;
 use ballrace::rotor::{
     Coupling, Drive, Integrator, Machine, Newmark, PartAngles, RotorState, RungeKutta4, System, Verlet,
 };
@@ -55,6 +56,7 @@ pub struct Step {
 }
 
 impl Integrator<f64> for Step {
+    #[inline(always)]
     fn step<R: System<f64, D>, C: Coupling<f64, D>, const D: usize, const N: usize>(
         &self,
         machine: &Machine<R, C, N>,
@@ -91,6 +93,7 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
             coordinates: self.rest.len(),
             step: self.step,
             substeps: self.substeps,
+            registers: WideRegisters::detect(),
         })
     }
 }
@@ -102,15 +105,24 @@ struct Moving<S, C, const D: usize, const N: usize> {
     coordinates: usize,
     step: Step,
     substeps: u32,
+    registers: WideRegisters,
 }
 
 impl<S: System<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
     fn step(&mut self, drive: &Drive<f64>) -> Status {
-        let (step, machine, state) = (self.step, &self.machine, &mut self.state);
-        (0..self.substeps).fold(Status::OK, |status, i| {
-            let now = drive.after(f64::from(i) * step.length);
-            status.and(step.step(machine, state, &now))
-        })
+        let (step, substeps, machine, state) = (self.step, self.substeps, &self.machine, &mut self.state);
+        self.registers.run(
+            #[inline(always)]
+            || {
+                let mut status = Status::OK;
+                // A plain loop: the body of `fold` would be a function of its own, compiled for every processor.
+                for i in 0..substeps {
+                    let now = drive.after(f64::from(i) * step.length);
+                    status = status.and(step.step(machine, state, &now));
+                }
+                status
+            },
+        )
     }
     fn coordinates(&self) -> &[f64] {
         self.state.q.get(..self.coordinates).unwrap_or_default()

@@ -3,7 +3,6 @@
 mod balls;
 mod lumped;
 mod preload;
-mod wide;
 
 pub use balls::{MadeTable, Solved, inertia_params, quasi_static, solved_in, table};
 pub use lumped::{Exponent, law};
@@ -11,6 +10,7 @@ pub use preload::{loaded, preload_offset, preloaded, rotation_at};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
 use crate::plant::Balls;
+use crate::wide::shared;
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
@@ -235,8 +235,8 @@ fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>>
     let (geometry, zero) = contact_geometry(scene, "angular")?;
     let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
     Ok(match uneven::<T, M>(scene) {
-        None => facing(scene, wide::shared(built)),
-        Some(surface) => facing(scene, wide::shared(built.with_surface(surface))),
+        None => facing(scene, shared(built)),
+        Some(surface) => facing(scene, shared(built.with_surface(surface))),
     })
 }
 

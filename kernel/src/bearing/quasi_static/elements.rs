@@ -216,9 +216,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
         let (mut inner, mut outer) = (InnerSum::new(), WrenchSum::new());
         self.solve_each(rims, at, |places, solution| {
             inner.add(&self.ball, places, solution);
-            for (place, contact) in places.iter().zip(&self.ball.outer_contacts(&solution.balance)) {
-                outer.add(place, contact);
-            }
+            outer.add_each(places, &self.ball.outer_contacts(&solution.balance), 0);
         });
         RingReactions { inner: inner.finish(self.inner_arm), outer: outer.finish(self.outer_arm, T::ONE).wrench }
     }
@@ -242,9 +240,7 @@ impl<T: Scalar> InnerSum<T> {
         places: &[Place<T>],
         solution: &Solution<T, ABREAST>,
     ) {
-        for (place, contact) in places.iter().zip(&ball.inner_contacts(&solution.balance)) {
-            self.forces.add(place, contact);
-        }
+        self.forces.add_each(places, &ball.inner_contacts(&solution.balance), 0);
         for (_, settled) in places.iter().zip(solution.settled.0) {
             self.status = self.status.and(Status::NOT_SETTLED.when(!settled));
         }
@@ -265,7 +261,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// Force of the inner ring on the balls, less the sign that the sum turns: `Q_i e_i - lambda_i (M_g/D) t_i`, and the
     /// friction couple.
     #[inline(always)]
-    fn inner_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> [Contact<T>; K] {
+    fn inner_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
         let touch = &balance.inner;
         let mut force = touch.direction.times(touch.load);
         let mut tilting = force.z;
@@ -274,12 +270,12 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             force = force.minus(touch.direction.tangent().times(friction));
             tilting = force.z + friction * Lanes::all(self.seat.inner_couple);
         }
-        contacts(force, tilting, touch.load)
+        Contact { radial: force.r, axial: force.z, tilting, load: touch.load }
     }
 
     /// The same on the outer ring, which is pushed the other way.
     #[inline(always)]
-    fn outer_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> [Contact<T>; K] {
+    fn outer_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
         let touch = &balance.outer;
         let mut force = touch.direction.times(-touch.load);
         let mut tilting = force.z;
@@ -288,24 +284,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             force = force.plus(touch.direction.tangent().times(friction));
             tilting = force.z + friction * Lanes::all(self.seat.outer_couple);
         }
-        contacts(force, tilting, touch.load)
+        Contact { radial: force.r, axial: force.z, tilting, load: touch.load }
     }
-}
-
-/// Forces and tilting as contacts, ball by ball.
-#[inline(always)]
-pub fn contacts<T: Scalar, const K: usize>(
-    force: Plane<Lanes<T, K>>,
-    tilting: Lanes<T, K>,
-    load: Lanes<T, K>,
-) -> [Contact<T>; K] {
-    let nothing = Contact { radial: T::ZERO, axial: T::ZERO, tilting: T::ZERO, load: T::ZERO };
-    let mut contacts = [nothing; K];
-    let entries = force.r.0.into_iter().zip(force.z.0).zip(tilting.0).zip(load.0);
-    for (contact, (((radial, axial), tilting), load)) in contacts.iter_mut().zip(entries) {
-        *contact = Contact { radial, axial, tilting, load };
-    }
-    contacts
 }
 
 impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {

@@ -13,7 +13,6 @@ mod solver;
 mod tangent;
 
 pub(in crate::bearing) use ball::Matrix;
-pub(in crate::bearing) use elements::contacts;
 pub use elements::{BallPlace, BallState, RingReactions};
 pub(in crate::bearing) use tangent::contact_tangents;
 

@@ -10,10 +10,10 @@ mod table;
 pub use fill::{Domain, fill};
 pub use table::{Axis, Grid, Node, Table};
 
-use self::table::AtSpeed;
+use self::table::{AtSpeed, Spots, side_by_side};
 use super::elements::InCage;
 use super::place::{ABREAST, Arrangement, Place, groups};
-use super::quasi_static::{Matrix, TableSeat, contact_tangents, contacts};
+use super::quasi_static::{Matrix, TableSeat, contact_tangents};
 use super::ring::{CageTurn, Contact, ContactTangent, Motion, TangentSum, WrenchSum};
 use super::surface::{Smooth, Surface};
 use super::{Reaction, bearing_in_cage};
@@ -26,7 +26,8 @@ use crate::status::Status;
 use crate::turn::Turn;
 use core::marker::PhantomData;
 
-/// A ball bearing whose balls are looked up. Cost a ball: three square roots, one division, 18 nodes of two or three numbers.
+/// A ball bearing whose balls are looked up. Cost a ball: three square roots, one division, 9 nodes of two or three numbers (18
+/// where the table is of several speeds).
 ///
 /// Outside of what the table was made for the nearest answer is given, and [`Status::OUT_OF_TABLE`] with it.
 #[derive(Debug, Clone, Copy)]
@@ -40,9 +41,17 @@ pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
     math: PhantomData<M>,
 }
 
-/// Groups of balls that go through a stage together: each ball is a long chain of dependent operations, and a desktop
-/// processor works at several only where they are near in the code.
-const STAGED: usize = if cfg!(target_pointer_width = "64") { 2 } else { 1 };
+/// Most balls that go through a stage together: each ball is a long chain of dependent operations, and a desktop processor
+/// works at several only where they are near in the code.
+const STAGED: usize = 4 * ABREAST;
+
+/// What is the same for all balls of one evaluation.
+struct Call<'a, T> {
+    speed: AtSpeed<T>,
+    /// The displacement with its tilt as axial displacement at the radius of the lever arm.
+    rim: Displacement<T>,
+    at: &'a Rotation<T>,
+}
 
 /// Where balls are, as the table asks for it.
 #[derive(Clone, Copy)]
@@ -54,19 +63,60 @@ struct Aim<L> {
     root: L,
 }
 
-/// Balls looked up side by side.
+/// What the table says of balls.
 #[derive(Clone, Copy)]
-struct Looked<L> {
-    /// Along the line of groove centres, and its inverse length.
-    line: Plane<L>,
-    inverse_length: L,
-    root: L,
+struct Found<L> {
     /// 0 in a gap, N.
     load: L,
-    /// Along the contact; sine and cosine of the turn from the line to it.
+    /// Along the contact; cosine and sine of the turn from the line to it.
     contact: Plane<L>,
     turn: Plane<L>,
     friction: L,
+}
+
+/// Balls looked up side by side.
+struct Look<L, T> {
+    aim: Aim<L>,
+    found: Found<L>,
+    /// The sign bit is set outside of the table.
+    inside: T,
+}
+
+/// How many of at least `ABREAST` balls are staged together, so that as many are left for the next time, or none.
+#[inline(always)]
+const fn together(balls: usize) -> usize {
+    if balls <= STAGED {
+        balls
+    } else if balls < STAGED + ABREAST {
+        STAGED - ABREAST
+    } else {
+        STAGED
+    }
+}
+
+/// `ABREAST` of the balls that are staged together.
+struct Part<'a, T> {
+    places: &'a [Place<T>; ABREAST],
+    /// Number of the first.
+    begin: usize,
+    /// How many of them were in the part before.
+    known: usize,
+}
+
+/// All of `places`, at least `ABREAST`, in parts; the last reaches back into the one before where it would not be full.
+#[inline(always)]
+fn parts<T>(places: &[Place<T>]) -> impl Iterator<Item = Part<'_, T>> {
+    let mut first = 0;
+    let last = places.len().saturating_sub(ABREAST).min(STAGED - ABREAST);
+    core::iter::from_fn(move || {
+        if first >= places.len() {
+            return None;
+        }
+        let begin = first.min(last);
+        let part = Part { places: places.get(begin..)?.first_chunk()?, begin, known: first - begin };
+        first += ABREAST;
+        Some(part)
+    })
 }
 
 impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
@@ -98,22 +148,19 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 
     #[inline(always)]
-    fn at_speed(&self, at: &Rotation<T>) -> AtSpeed<T> {
+    fn call<'a>(&self, u: &Displacement<T>, at: &'a Rotation<T>) -> Call<'a, T> {
         let speed = if self.by_outer { at.outer_speed } else { at.inner_speed };
-        self.table.at_speed(speed.abs())
-    }
-
-    #[inline(always)]
-    fn rim(&self, u: &Displacement<T>) -> Displacement<T> {
         let arm = self.seat.arm;
-        Displacement { thu: arm * u.thu, thv: arm * u.thv, ..*u }
+        let rim = Displacement { thu: arm * u.thu, thv: arm * u.thv, ..*u };
+        Call { speed: self.table.at_speed(speed.abs()), rim, at }
     }
 
     #[inline(always)]
-    fn aim<const K: usize>(&self, places: &[Place<T>; K], rim: &Displacement<T>, at: &Rotation<T>) -> Aim<Lanes<T, K>> {
+    fn aim<const K: usize>(&self, call: &Call<'_, T>, places: &[Place<T>; K]) -> Aim<Lanes<T, K>> {
         let all = Lanes::<T, K>::all;
         let seat = &self.seat;
-        let motions = places.each_ref().map(|place| Motion::of(place, rim, at, &self.surface).with_waviness());
+        let motions =
+            places.each_ref().map(|place| Motion::of(place, &call.rim, call.at, &self.surface).with_waviness());
         let a = Plane { r: Lanes::of(&motions, |m| m.radial + seat.offset), z: Lanes::of(&motions, |m| m.axial) };
         let bulges = Lanes::of(&motions, |m| m.shape.inner + m.shape.outer);
         let [c0, s0] = seat.axis;
@@ -128,105 +175,107 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         Aim { line: apart.times(inverse_length), inverse_length, root: approach.abs().sqrt::<M>().negated_by(approach) }
     }
 
-    /// What the table says of them.
     #[inline(always)]
-    fn found<const K: usize>(&self, aim: &Aim<Lanes<T, K>>, fields: &[Lanes<T, K>; F]) -> Looked<Lanes<T, K>> {
-        let Aim { line, inverse_length, root } = *aim;
+    fn found<const K: usize>(line: Plane<Lanes<T, K>>, fields: &[Lanes<T, K>; F]) -> Found<Lanes<T, K>> {
         let field = |k: usize| fields.get(k).copied().unwrap_or(Lanes::all(T::ZERO));
         // The table holds half the load.
         let (load, sine, friction) = (field(0).twice_positive(), field(1), field(2));
         let cosine = (Lanes::all(T::ONE) - sine * sine).sqrt::<M>();
         let contact = line.times(cosine).plus(line.tangent().times(sine));
-        Looked { line, inverse_length, root, load, contact, turn: Plane { r: cosine, z: sine }, friction }
-    }
-
-    /// Balls looked up, and what tells by its sign bits whether they are inside the table.
-    #[inline(always)]
-    fn look<const K: usize>(
-        &self,
-        speed: &AtSpeed<T>,
-        places: &[Place<T>; K],
-        rim: &Displacement<T>,
-        at: &Rotation<T>,
-    ) -> (Looked<Lanes<T, K>>, T) {
-        let aim = self.aim(places, rim, at);
-        let values = self.table.values(speed, aim.root, aim.line.z);
-        (self.found(&aim, &values.fields), values.inside.any_sign())
-    }
-
-    /// Adds balls: where they are, what the table says, the sum. Gives what tells whether they are inside the table.
-    #[inline(always)]
-    fn add(
-        &self,
-        speed: &AtSpeed<T>,
-        groups: &[[Place<T>; ABREAST]],
-        (rim, at): (&Displacement<T>, &Rotation<T>),
-        sum: &mut WrenchSum<T>,
-    ) -> T {
-        let nothing = Lanes::all(T::ZERO);
-        let mut aims = [Aim { line: Plane { r: nothing, z: nothing }, inverse_length: nothing, root: nothing }; STAGED];
-        let mut found = [[nothing; F]; STAGED];
-        let mut inside = nothing;
-        for groups in groups.chunks(STAGED) {
-            for (aim, places) in aims.iter_mut().zip(groups) {
-                *aim = self.aim(places, rim, at);
-            }
-            for ((fields, aim), _) in found.iter_mut().zip(&aims).zip(groups) {
-                let values = self.table.values(speed, aim.root, aim.line.z);
-                (*fields, inside) = (values.fields, inside.either_sign(values.inside));
-            }
-            for ((places, aim), fields) in groups.iter().zip(&aims).zip(&found) {
-                self.add_looked(places, &self.found(aim, fields), sum);
-            }
-        }
-        inside.any_sign()
+        Found { load, contact, turn: Plane { r: cosine, z: sine }, friction }
     }
 
     #[inline(always)]
-    fn add_looked<const K: usize>(&self, places: &[Place<T>], balls: &Looked<Lanes<T, K>>, sum: &mut WrenchSum<T>) {
-        for (place, contact) in places.iter().zip(&self.contacts(balls)) {
-            sum.add(place, contact);
-        }
-    }
-
-    #[inline(always)]
-    fn contacts<const K: usize>(&self, balls: &Looked<Lanes<T, K>>) -> [Contact<T>; K] {
+    fn contacts<const K: usize>(&self, balls: &Found<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
         let mut force = balls.contact.times(balls.load);
         let mut tilting = force.z;
         if F > 2 {
             force = force.minus(balls.contact.tangent().times(balls.friction));
             tilting = force.z + balls.friction * Lanes::all(self.seat.couple);
         }
-        contacts(force, tilting, balls.load)
+        Contact { radial: force.r, axial: force.z, tilting, load: balls.load }
+    }
+
+    /// Balls looked up, and what tells by its sign bits whether they are inside the table.
+    #[inline(always)]
+    fn look<const K: usize>(&self, call: &Call<'_, T>, places: &[Place<T>; K]) -> Look<Lanes<T, K>, T> {
+        let aim = self.aim(call, places);
+        let spots = (&self.table.at_angle(aim.line.z), &self.table.at_approach(aim.root));
+        let (fields, missing) = self.table.fields(&call.speed, spots);
+        let inside = missing.either_sign(self.table.inside(aim.root, aim.line.z)).any_sign();
+        Look { aim, found: Self::found(aim.line, &fields), inside }
+    }
+
+    /// Adds one ball after the other. Gives what tells by its sign bit whether they are inside the table.
+    #[inline(always)]
+    fn add(&self, call: &Call<'_, T>, places: impl Iterator<Item = Place<T>>, sum: &mut WrenchSum<T>) -> T {
+        let mut inside = T::ZERO;
+        for place in places {
+            let ball = self.look(call, &[place]);
+            sum.add_each(&[place], &self.contacts(&ball.found), 0);
+            inside = inside.either_sign(ball.inside);
+        }
+        inside
+    }
+
+    /// Adds `ABREAST` to `STAGED` balls together, stage by stage.
+    #[inline(always)]
+    fn add_staged(&self, call: &Call<'_, T>, places: &[Place<T>], sum: &mut WrenchSum<T>) -> T {
+        let none = Lanes::<T, STAGED>::all(T::ZERO);
+        let mut lines = Plane { r: none, z: none };
+        let mut roots = none;
+        let mut angles = Spots { first: [0; STAGED], before: none, middle: none, after: none };
+        let mut approaches = Spots { first: [0; STAGED], before: none, middle: none, after: none };
+        let mut nodes = Lanes([[T::ZERO; F]; STAGED]);
+        let mut inside = Lanes::<T, ABREAST>::all(T::ZERO);
+        for part in parts(places) {
+            let aim = self.aim(call, part.places);
+            lines.put(part.begin, aim.line);
+            roots.put(part.begin, aim.root);
+        }
+        for Part { begin, .. } in parts(places) {
+            let (root, sine) = (roots.part::<ABREAST>(begin), lines.z.part(begin));
+            angles.put(begin, &self.table.at_angle(sine));
+            approaches.put(begin, &self.table.at_approach(root));
+            inside = inside.either_sign(self.table.inside(root, sine));
+        }
+        let missing = self.table.nodes_of_many(&call.speed, (&angles, &approaches), places.len(), &mut nodes.0);
+        for Part { places, begin, known } in parts(places) {
+            let Some(nodes) = nodes.0.get(begin..).and_then(|nodes| nodes.first_chunk::<ABREAST>()) else { break };
+            let found = Self::found(lines.part::<ABREAST>(begin), &side_by_side(nodes));
+            sum.add_each(places, &self.contacts(&found), known);
+        }
+        inside.any_sign().either_sign(missing)
     }
 
     /// Slopes of the contacts' forces along the radial and axial displacement of the groove centres.
     #[inline(always)]
-    fn tangents<const K: usize>(&self, speed: &AtSpeed<T>, balls: &Looked<Lanes<T, K>>) -> [ContactTangent<T>; K] {
+    fn tangents<const K: usize>(&self, call: &Call<'_, T>, look: &Look<Lanes<T, K>, T>) -> [ContactTangent<T>; K] {
         let all = Lanes::<T, K>::all;
-        let [by_root, by_sine] = self.table.slopes(speed, balls.root, balls.line.z);
+        let Look { aim, found, .. } = look;
+        let [by_sine, by_root] = self.table.slopes(&call.speed, aim.root, aim.line.z);
         // d(root)/d(approach) = 1/(2 |root|); where the root is 0 so is what it multiplies.
-        let per_approach = all(T::HALF) / (balls.root.abs() + Lanes::constant(1e-9));
-        let per_across = balls.line.r * balls.inverse_length;
-        let across = balls.line.tangent();
+        let per_approach = all(T::HALF) / (aim.root.abs() + Lanes::constant(1e-9));
+        let per_across = aim.line.r * aim.inverse_length;
+        let across = aim.line.tangent();
         let zero = all(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
         // Displacement along the line is approach, across it the angle's sine grows by cos/l.
         let slope = |k: usize| match (by_root.get(k), by_sine.get(k)) {
-            (Some(&root), Some(&sine)) => balls.line.times(root * per_approach).plus(across.times(sine * per_across)),
+            (Some(&root), Some(&sine)) => aim.line.times(root * per_approach).plus(across.times(sine * per_across)),
             _ => nothing,
         };
-        let gap = balls.load.below(Lanes::constant(f64::MIN_POSITIVE));
+        let gap = found.load.below(Lanes::constant(f64::MIN_POSITIVE));
         let load = Plane::choose(gap, nothing, slope(0).times(Lanes::constant(2.0)));
         // The contact turns with the line and by d(asin w) = dw/sqrt(1 - w^2).
-        let turning = across.times(balls.inverse_length).plus(slope(1).times(all(T::ONE) / balls.turn.r));
-        let (e, t) = (balls.contact, balls.contact.tangent());
+        let turning = across.times(aim.inverse_length).plus(slope(1).times(all(T::ONE) / found.turn.r));
+        let (e, t) = (found.contact, found.contact.tangent());
         // p = Q e - tau t: dp = e dQ + (Q t + tau e) da - t dtau
-        let mut force = Matrix::outer(e, load).plus(Matrix::outer(t.times(balls.load), turning));
+        let mut force = Matrix::outer(e, load).plus(Matrix::outer(t.times(found.load), turning));
         let mut couple = nothing;
         if F > 2 {
             let friction = slope(2);
-            force = force.plus(Matrix::outer(e.times(balls.friction), turning)).minus(Matrix::outer(t, friction));
+            force = force.plus(Matrix::outer(e.times(found.friction), turning)).minus(Matrix::outer(t, friction));
             couple = friction.times(all(self.seat.couple));
         }
         contact_tangents(force, couple)
@@ -243,30 +292,17 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     #[inline(always)]
     fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
-        let (speed, rim) = (self.at_speed(at), self.rim(u));
-        let mut sum = WrenchSum::new();
-        let (full, rest) = self.places.table().as_chunks::<ABREAST>();
-        // What fills no group is looked up before the others, while a desktop processor still waits for nothing else, and
-        // added after them; a ball alone costs less by itself than in a group of its likes.
-        let alone = if let [place] = rest { Some((place, self.look(&speed, &[*place], &rim, at))) } else { None };
-        let few = if rest.len() > 1 { groups::<T, ABREAST>(&rest).next() } else { None };
-        let few = few.map(|group| (self.look(&speed, &group.places, &rim, at), group));
-        let mut inside = speed.inside().either_sign(self.add(&speed, full, (&rim, at), &mut sum));
-        if let Some((place, (ball, within))) = &alone {
-            inside = inside.either_sign(*within);
-            self.add_looked(core::slice::from_ref(*place), ball, &mut sum);
+        let (call, mut sum) = (self.call(u, at), WrenchSum::new());
+        let (mut inside, places) = (call.speed.inside(), self.places.table());
+        let mut left = places;
+        while ABREAST > 1 && left.len() >= ABREAST {
+            let Some((now, later)) = left.split_at_checked(together(left.len())) else { break };
+            inside = inside.either_sign(self.add_staged(&call, now, &mut sum));
+            left = later;
         }
-        if let Some(((balls, within), group)) = &few {
-            inside = inside.either_sign(*within);
-            self.add_looked(group.real(), balls, &mut sum);
-        }
+        inside = inside.either_sign(self.add(&call, left.iter().copied(), &mut sum));
         if P::PAIRS {
-            for place in self.places.table() {
-                let opposite = [place.opposite()];
-                let (ball, within) = self.look(&speed, &opposite, &rim, at);
-                inside = inside.either_sign(within);
-                self.add_looked(&opposite, &ball, &mut sum);
-            }
+            inside = inside.either_sign(self.add(&call, places.iter().map(|place| place.opposite()), &mut sum));
         }
         Reaction { status: Status::OUT_OF_TABLE.when(inside.has_sign()), ..sum.finish(self.seat.arm, T::ONE) }
     }
@@ -278,14 +314,13 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         at: &Rotation<T>,
         turn: CageTurn<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
-        let (speed, rim) = (self.at_speed(at), self.rim(u));
-        let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), speed.inside());
+        let call = self.call(u, at);
+        let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), call.speed.inside());
         for group in groups::<T, ABREAST>(&self.places) {
-            let (balls, within) = self.look(&speed, &group.places, &rim, at);
-            inside = inside.either_sign(within);
-            let tangents = self.tangents(&speed, &balls);
-            for ((place, contact), k) in group.real().iter().zip(&self.contacts(&balls)).zip(&tangents) {
-                sum.add(place, contact);
+            let look = self.look(&call, &group.places);
+            inside = inside.either_sign(look.inside);
+            sum.add_each(group.real(), &self.contacts(&look.found), 0);
+            for (place, k) in group.real().iter().zip(&self.tangents(&call, &look)) {
                 tangent.add(place, k);
             }
         }
@@ -296,10 +331,10 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     #[inline]
     fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
-        let (speed, rim) = (self.at_speed(at), self.rim(u));
+        let call = self.call(u, at);
         let mut loads = loads.iter_mut();
         for group in groups::<T, ABREAST>(&self.places) {
-            let (balls, _) = self.look(&speed, &group.places, &rim, at);
+            let balls = self.look(&call, &group.places).found;
             for (_, (found, load)) in group.real().iter().zip(balls.load.0.into_iter().zip(&mut loads)) {
                 *load = found;
             }

@@ -7,11 +7,12 @@
 //! wedges between both races moves sideways by the root of what the rings leave it, and because over it the load of Hertz is
 //! a cubic, smooth also where contact begins.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, put};
 use crate::scalar::Scalar;
 
-/// One entry of the table: half the load (N; twice a positive part needs no branch) and sine of the turn, and with `F = 3` the friction, which is 0 at the inner
-/// contact where there is no gyroscopic moment or the outer race carries it all.
+/// One entry of the table: half the load (N; twice a positive part needs no branch), sine of the turn, and with `F = 3` the
+/// friction, which is 0 at the inner contact where there is no gyroscopic moment or the outer race carries it all. With
+/// `F = 4` the last number is 0 and means nothing: processors with registers of four numbers take a node in one.
 pub type Node<T, const F: usize> = [T; F];
 
 /// One coordinate: how many nodes, and where `x` lies among them.
@@ -38,16 +39,6 @@ pub struct Grid<T> {
     pub speed: Axis<T>,
 }
 
-/// Places on an axis: the first of the nodes concerned, their weights and slopes, and a number that is below 0 outside of
-/// the range: signs can be gathered without a branch.
-#[derive(Clone, Copy)]
-pub struct Spots<T, const W: usize, const K: usize> {
-    pub first: [u32; K],
-    pub weights: [Lanes<T, K>; W],
-    pub slopes: [Lanes<T, K>; W],
-    pub inside: Lanes<T, K>,
-}
-
 impl<T: Scalar> Axis<T> {
     /// Not below 0 within the range.
     #[inline(always)]
@@ -61,42 +52,68 @@ impl<T: Scalar> Axis<T> {
         (x - Lanes::all(self.origin)) * Lanes::all(self.density)
     }
 
-    /// Weights of a quadratic B-spline on the three nodes around each `x`.
+    /// The first of the three nodes around each `x`, and how far it lies from half before to half after the middle one.
     #[inline(always)]
-    fn quadratic<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, 3, K> {
-        let [half, one, density] = [T::HALF, T::ONE, self.density].map(Lanes::all);
-        let place = self.place(x) - half;
+    fn around<const K: usize>(&self, x: Lanes<T, K>) -> ([u32; K], Lanes<T, K>) {
+        let place = self.place(x) - Lanes::all(T::HALF);
         let (first, whole) = place.index(self.count.wrapping_sub(3) as u32);
-        // From half before to half after the middle one of the three.
-        let after = place - whole;
-        let before = one - after;
-        let outer = [half * before * before, half * after * after];
-        Spots {
-            first,
-            weights: [outer[0], one - outer[0] - outer[1], outer[1]],
-            slopes: [-before * density, (before - after) * density, after * density],
-            inside: self.inside(x),
-        }
+        (first, place - whole)
     }
 
-    /// Weights of the two nodes around `x`; of a single node all of it.
+    /// The nodes around each `x` and their weights in a quadratic B-spline.
     #[inline(always)]
-    fn linear(&self, x: T) -> Spots<T, 2, 1> {
-        let place = self.place(Lanes([x]));
-        let (first, whole) = place.index(self.count.saturating_sub(2) as u32);
-        let t = place - whole;
+    fn quadratic<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, K> {
+        let [half, one] = [T::HALF, T::ONE].map(Lanes::all);
+        let (first, after) = self.around(x);
+        let before = one - after;
+        let (before, after) = (half * before * before, half * after * after);
+        Spots { first, before, middle: one - before - after, after }
+    }
+
+    /// Slopes of these weights.
+    #[inline(always)]
+    fn slopes<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, K> {
         let density = Lanes::all(self.density);
-        let x = Lanes([x]);
-        Spots { first, weights: [Lanes::all(T::ONE) - t, t], slopes: [-density, density], inside: self.inside(x) }
+        let (first, after) = self.around(x);
+        let before = Lanes::all(T::ONE) - after;
+        Spots { first, before: -before * density, middle: (before - after) * density, after: after * density }
+    }
+
+    /// The first of the two nodes around `x` and their weights; of a single node all of it.
+    #[inline(always)]
+    fn linear(&self, x: T) -> (u32, [T; 2]) {
+        let place = self.place(Lanes([x]));
+        let ([first], whole) = place.index(self.count.saturating_sub(2) as u32);
+        let Lanes([t]) = place - whole;
+        (first, [T::ONE - t, t])
     }
 }
 
-/// The quantities of `K` balls, and whether they are within the declared ranges.
-#[derive(Clone, Copy)]
-pub struct Values<T, const F: usize, const K: usize> {
-    pub fields: [Lanes<T, K>; F],
-    /// The sign bit is set outside; the speed has its own ([`AtSpeed::inside`]).
-    pub inside: Lanes<T, K>,
+/// Places of `K` balls on an axis: the first of the three nodes around each, and what they count.
+#[derive(Debug, Clone, Copy)]
+// What a wide register writes across two cache lines, and more so across two pages, takes many times as long.
+#[cfg_attr(target_pointer_width = "64", repr(align(64)))]
+pub struct Spots<T, const K: usize> {
+    pub first: [u32; K],
+    pub before: Lanes<T, K>,
+    pub middle: Lanes<T, K>,
+    pub after: Lanes<T, K>,
+}
+
+impl<T: Scalar, const K: usize> Spots<T, K> {
+    /// Those of ball `at` and the following.
+    #[inline(always)]
+    pub fn put<const W: usize>(&mut self, at: usize, part: &Spots<T, W>) {
+        put(&mut self.first, at, part.first);
+        self.before.put(at, part.before);
+        self.middle.put(at, part.middle);
+        self.after.put(at, part.after);
+    }
+
+    #[inline(always)]
+    fn weights_of(&self, i: usize) -> [T; 3] {
+        [self.before.0[i], self.middle.0[i], self.after.0[i]]
+    }
 }
 
 /// A grid and its nodes.
@@ -109,7 +126,8 @@ pub struct Table<T, A, const F: usize> {
 /// Speed of a call, the same for all balls.
 #[derive(Clone, Copy)]
 pub struct AtSpeed<T> {
-    layer: u32,
+    /// First node of the layer below.
+    first: u32,
     weights: [T; 2],
     inside: T,
 }
@@ -142,69 +160,85 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 
     #[inline(always)]
     pub(super) fn at_speed(&self, speed: T) -> AtSpeed<T> {
-        let Spots { first: [layer], weights, inside: Lanes([inside]), .. } = self.grid.speed.linear(speed);
-        AtSpeed { layer, weights: weights.map(|Lanes([w])| w), inside }
+        let axis = &self.grid.speed;
+        let Lanes([inside]) = axis.inside(Lanes([speed]));
+        let (layer, weights) = if axis.count == 1 { (0, [T::ONE, T::ZERO]) } else { axis.linear(speed) };
+        AtSpeed { first: layer.wrapping_mul(self.layer()), weights, inside }
     }
 
-    /// Weighted sums of the nodes around `K` places.
+    /// Nodes of one speed.
     #[inline(always)]
-    fn sum<const K: usize>(
+    fn layer(&self) -> u32 {
+        (self.grid.approach.count as u32).wrapping_mul(self.grid.angle.count as u32)
+    }
+
+    /// The sign bit is set where signed roots `x` of the approach or sines `sin` of the angle are outside of the declared
+    /// ranges; the speed has its own ([`AtSpeed::inside`]).
+    #[inline(always)]
+    pub(super) fn inside<const K: usize>(&self, x: Lanes<T, K>, sin: Lanes<T, K>) -> Lanes<T, K> {
+        self.grid.approach.inside(x).either_sign(self.grid.angle.inside(sin))
+    }
+
+    /// Where sines of the angle are among the nodes: their rows.
+    #[inline(always)]
+    pub(super) fn at_angle<const K: usize>(&self, sin: Lanes<T, K>) -> Spots<T, K> {
+        let row = self.grid.approach.count as u32;
+        let mut spots = self.grid.angle.quadratic(sin);
+        spots.first = spots.first.map(|first| first.wrapping_mul(row));
+        spots
+    }
+
+    /// Where signed roots of the approach are in their rows.
+    #[inline(always)]
+    pub(super) fn at_approach<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, K> {
+        self.grid.approach.quadratic(x)
+    }
+
+    /// The quantities at `spots` along angle and approach, and the sign bit set where nodes are missing.
+    #[inline(always)]
+    pub(super) fn fields<const K: usize>(
         &self,
         at: &AtSpeed<T>,
-        (angles, by_angle): (&[u32; K], &[Lanes<T, K>; 3]),
-        (approaches, by_approach): (&[u32; K], &[Lanes<T, K>; 3]),
-    ) -> Values<T, F, K> {
-        let nothing = Lanes::all(T::ZERO);
-        let mut values = Values { fields: [nothing; F], inside: nothing };
+        (angles, approaches): (&Spots<T, K>, &Spots<T, K>),
+    ) -> ([Lanes<T, K>; F], Lanes<T, K>) {
+        let none = Lanes::all(T::ZERO);
+        let (mut fields, mut missing) = ([none; F], none);
         let mut i = 0;
         while i < K {
-            let weights = [by_angle.map(|w| w.0[i]), by_approach.map(|w| w.0[i])];
-            match self.at(at, angles[i], approaches[i], &weights) {
+            let weights = [angles.weights_of(i), approaches.weights_of(i)];
+            match self.value(at, angles.first[i].wrapping_add(approaches.first[i]), || weights) {
                 Some(node) => {
-                    for (field, value) in values.fields.iter_mut().zip(node) {
+                    for (field, value) in fields.iter_mut().zip(node) {
                         field.0[i] = value;
                     }
                 }
-                None => values.inside.0[i] = T::NEGATIVE_ZERO,
+                None => missing.0[i] = T::NEGATIVE_ZERO,
             }
             i += 1;
         }
-        values
+        (fields, missing)
     }
 
-    /// Weighted sum of the nodes around one place; nothing where the table ends before them.
+    /// The same of the first `count` of many balls, ball by ball. Gives a number with that sign bit.
     #[inline(always)]
-    fn at(&self, at: &AtSpeed<T>, angle: u32, approach: u32, weights: &[[T; 3]; 2]) -> Option<Node<T, F>> {
-        let (nx, na) = (self.grid.approach.count as u32, self.grid.angle.count as u32);
-        let layer = at.layer.wrapping_mul(na).wrapping_add(angle).wrapping_mul(nx).wrapping_add(approach);
-        let below = self.patch(layer, weights)?;
+    pub(super) fn nodes_of_many<const K: usize>(
+        &self,
+        at: &AtSpeed<T>,
+        (angles, approaches): (&Spots<T, K>, &Spots<T, K>),
+        count: usize,
+        values: &mut [Node<T, F>; K],
+    ) -> T {
+        let first = |i: usize| angles.first[i].wrapping_add(approaches.first[i]);
+        let weights = |i: usize| [angles.weights_of(i), approaches.weights_of(i)];
+        // Tables of one speed have a loop of their own, which is shorter by what the other needs to remember.
         if self.grid.speed.count == 1 {
-            return Some(below);
+            each(count, values, |i| self.patch(at.first.wrapping_add(first(i)), || weights(i)))
+        } else {
+            each(count, values, |i| self.value(at, first(i), || weights(i)))
         }
-        let above = self.patch(layer.wrapping_add(na.wrapping_mul(nx)), weights)?;
-        Some(mixed(at.weights, [below, above]))
     }
 
-    /// Weighted sum of the nine nodes of one speed from `start` on; nothing where the table ends before them.
-    #[inline(always)]
-    fn patch(&self, start: u32, [by_angle, by_approach]: &[[T; 3]; 2]) -> Option<Node<T, F>> {
-        // From 32 bits, so that the end cannot overflow: one comparison where an address has 64.
-        let (start, row) = (start as usize, self.grid.approach.count as u32 as usize);
-        let nodes = self.nodes.as_ref().get(start..start.wrapping_add(row.wrapping_mul(2)).wrapping_add(3))?;
-        let rows = [nodes.first_chunk()?, nodes.get(row..)?.first_chunk()?, nodes.last_chunk()?];
-        Some(mixed(*by_angle, rows.map(|row| mixed(*by_approach, *row))))
-    }
-
-    /// At the signed roots `x` of the approach and the sines `sin` of the angle.
-    #[inline(always)]
-    pub(super) fn values<const K: usize>(&self, at: &AtSpeed<T>, x: Lanes<T, K>, sin: Lanes<T, K>) -> Values<T, F, K> {
-        let (approach, angle) = (self.grid.approach.quadratic(x), self.grid.angle.quadratic(sin));
-        let values = self.sum(at, (&angle.first, &angle.weights), (&approach.first, &approach.weights));
-        let inside = values.inside.either_sign(approach.inside).either_sign(angle.inside);
-        Values { inside, ..values }
-    }
-
-    /// Slopes of the quantities along `x` and along `sin`.
+    /// Slopes of the quantities along sines `sin` of the angle and signed roots `x` of the approach.
     #[inline(always)]
     pub(super) fn slopes<const K: usize>(
         &self,
@@ -212,11 +246,74 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         x: Lanes<T, K>,
         sin: Lanes<T, K>,
     ) -> [[Lanes<T, K>; F]; 2] {
-        let (approach, angle) = (self.grid.approach.quadratic(x), self.grid.angle.quadratic(sin));
-        let along = self.sum(at, (&angle.first, &angle.weights), (&approach.first, &approach.slopes));
-        let across = self.sum(at, (&angle.first, &angle.slopes), (&approach.first, &approach.weights));
-        [along.fields, across.fields]
+        let (angles, approaches) = (self.at_angle(sin), self.at_approach(x));
+        let across = Spots { first: angles.first, ..self.grid.angle.slopes(sin) };
+        let along = self.grid.approach.slopes(x);
+        [self.fields(at, (&across, &approaches)).0, self.fields(at, (&angles, &along)).0]
     }
+
+    /// Weighted sum of the nodes from `first` on in each of the two layers about the speed; nothing where they end before.
+    #[inline(always)]
+    fn value(&self, at: &AtSpeed<T>, first: u32, weights: impl Fn() -> [[T; 3]; 2]) -> Option<Node<T, F>> {
+        let first = at.first.wrapping_add(first);
+        let below = self.patch(first, &weights)?;
+        if self.grid.speed.count == 1 {
+            return Some(below);
+        }
+        let above = self.patch(first.wrapping_add(self.layer()), &weights)?;
+        Some(mixed(at.weights, [below, above]))
+    }
+
+    /// Weighted sum of the nine nodes of one speed from `first` on.
+    #[inline(always)]
+    fn patch(&self, first: u32, weights: impl Fn() -> [[T; 3]; 2]) -> Option<Node<T, F>> {
+        let [before, middle, after] = self.rows(first)?;
+        let [by_angle, by_approach] = weights();
+        let rows = [mixed(by_approach, *before), mixed(by_approach, *middle), mixed(by_approach, *after)];
+        Some(mixed(by_angle, rows))
+    }
+
+    /// The nine nodes of one speed from `first` on, by angle; nothing where the table ends before them.
+    #[inline(always)]
+    fn rows(&self, first: u32) -> Option<[&[Node<T, F>; 3]; 3]> {
+        // From 32 bits, so that the end cannot overflow: one comparison where an address has 64.
+        let (first, row) = (first as usize, self.grid.approach.count as u32 as usize);
+        let nodes = self.nodes.as_ref().get(first..first.wrapping_add(row.wrapping_mul(2)).wrapping_add(3))?;
+        Some([nodes.first_chunk()?, nodes.get(row..)?.first_chunk()?, nodes.last_chunk()?])
+    }
+}
+
+/// Writes the node of each of the first `count` balls. Gives a number whose sign bit is set where there is none.
+#[inline(always)]
+fn each<T: Scalar, const K: usize, const F: usize>(
+    count: usize,
+    values: &mut [Node<T, F>; K],
+    node: impl Fn(usize) -> Option<Node<T, F>>,
+) -> T {
+    let mut missing = T::ZERO;
+    let mut i = 0;
+    while i < count.min(K) {
+        match node(i) {
+            Some(node) => {
+                values[i] = node;
+            }
+            None => missing = T::NEGATIVE_ZERO,
+        }
+        i += 1;
+    }
+    missing
+}
+
+/// Quantity by quantity instead of ball by ball.
+#[inline(always)]
+pub(super) fn side_by_side<T: Scalar, const F: usize, const K: usize>(balls: &[Node<T, F>; K]) -> [Lanes<T, K>; F] {
+    let mut fields = [Lanes::all(T::ZERO); F];
+    let mut field = 0;
+    while field < F {
+        fields[field] = Lanes::of(balls, |node| node[field]);
+        field += 1;
+    }
+    fields
 }
 
 /// Sum of nodes times weights.

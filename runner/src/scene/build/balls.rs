@@ -1,8 +1,8 @@
 //! The rungs whose balls are in equilibrium: solved ball by ball, and looked up in a table made from that.
 
-use super::wide::shared;
 use super::{AnyBearing, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
+use crate::wide::shared;
 use anyhow::{Result, bail};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
@@ -245,11 +245,12 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
 
 pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>> {
     let made = table(scene, of)?;
-    if made.friction { looked_up::<T, M, 3>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
+    // Four numbers a node, the last of them 0: one wide register.
+    if made.friction { looked_up::<T, M, 4>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
 }
 
 fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &MadeTable) -> Result<AnyBearing<T>> {
-    let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node[i]));
+    let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);
     let bearing = Tabulated::<T, M, _, _, F>::new(places(of), made.seat.rounded(), table, made.by_outer);

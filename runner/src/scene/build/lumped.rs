@@ -1,8 +1,8 @@
 //! The lumped rung: radial and axial elements with any of the laws, on a housing that may stand displaced.
 
-use super::wide::shared;
 use super::{AnyBearing, Shared, facing, geometry, named, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Fit};
+use crate::wide::shared;
 use anyhow::{Result, bail};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::{Axial, Radial};

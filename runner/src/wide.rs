@@ -1,0 +1,198 @@
+//! Code compiled twice: for every processor of the target, and for one with wide registers, taken where there is one.
+//!
+//! The same operations in the same order, four numbers at a time instead of two: the answers are the same bits.
+
+use crate::scene::build::{AnyBearing, Shared};
+use ballrace::bearing::{Bearing, InCage, Reaction};
+use ballrace::{Displacement, Rotation, Scalar, Stiffness};
+use std::sync::Arc;
+
+/// Whether this processor has them.
+#[derive(Clone, Copy)]
+pub struct WideRegisters {
+    #[cfg(target_arch = "x86_64")]
+    avx2: Option<pulp::x86::V3>,
+}
+
+impl WideRegisters {
+    /// Asks the processor.
+    #[must_use]
+    pub fn detect() -> Self {
+        Self {
+            #[cfg(target_arch = "x86_64")]
+            avx2: pulp::x86::V3::try_new(),
+        }
+    }
+
+    #[cfg(test)]
+    fn none() -> Self {
+        Self {
+            #[cfg(target_arch = "x86_64")]
+            avx2: None,
+        }
+    }
+
+    /// Does `work`, with wide registers where there are any: as far as the compiler makes it part of this function.
+    #[inline(always)]
+    pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = self.avx2 {
+            return avx2.vectorize(work);
+        }
+        work()
+    }
+}
+
+/// A bearing that uses them.
+struct Wide<B> {
+    bearing: B,
+    registers: WideRegisters,
+}
+
+/// A bearing behind a shared pointer, in the form that suits this processor best.
+pub fn shared<T: Scalar, B: Bearing<T> + InCage<T> + 'static>(bearing: B) -> AnyBearing<T> {
+    Shared(Arc::new(Wide { bearing, registers: WideRegisters::detect() }))
+}
+
+impl<T: Scalar, B: Bearing<T> + InCage<T>> Bearing<T> for Wide<B> {
+    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+        self.registers.run(
+            #[inline(always)]
+            || self.bearing.reaction_inlined(u, at),
+        )
+    }
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+        self.bearing.reaction_and_stiffness(u, at)
+    }
+    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+        self.bearing.element_loads(u, at, loads);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Step;
+    use crate::scene::Method;
+    use ballrace::bearing::angular::{Angular, Zero};
+    use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+    use ballrace::bearing::linear::Linear;
+    use ballrace::bearing::lumped::Radial;
+    use ballrace::bearing::quasi_static::QuasiStatic;
+    use ballrace::bearing::tabulated::{Domain, Table, Tabulated, fill};
+    use ballrace::bearing::{Place, Places, even_places};
+    use ballrace::contact::law::Point;
+    use ballrace::rotor::{Drive, Gear, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, Unbalance};
+    use ballrace::{Exact, Turn};
+
+    const SPEED: f64 = 314.0;
+
+    fn pose(i: u32) -> Displacement<f64> {
+        let [u, v, w, thu, thv] =
+            [0.618, 0.414, 0.732, 0.236, 0.303].map(|stride| 2.0 * (f64::from(i) * stride).fract() - 1.0);
+        Displacement { u: 6e-6 * u, v: 6e-6 * v, w: 8e-6 + 6e-6 * w, thu: 2e-4 * thu, thv: 2e-4 * thv }
+    }
+
+    fn same_bits<B: Bearing<f64> + InCage<f64> + Clone + 'static>(name: &str, bearing: &B) {
+        let wide = shared(bearing.clone());
+        let mut loaded = 0;
+        for i in 0..500 {
+            let (u, at) =
+                (pose(i), Rotation { inner_speed: SPEED, ..Turn::from_revolutions(0.013 * f64::from(i)).into() });
+            let (plain, wide) = (bearing.reaction(&u, &at), wide.reaction(&u, &at));
+            let bits = |reaction: &Reaction<f64>| reaction.wrench.to_array().map(f64::to_bits);
+            assert_eq!(bits(&plain), bits(&wide), "{name}, pose {i}");
+            assert_eq!((plain.load.to_bits(), plain.status), (wide.load.to_bits(), wide.status), "{name}, pose {i}");
+            loaded += u32::from(plain.load > 0.0);
+        }
+        assert!(loaded > 100, "{name}: loaded in {loaded} of 500 poses");
+    }
+
+    #[test]
+    fn the_wide_form_gives_the_same_bits_for_any_count_of_balls() -> anyhow::Result<()> {
+        let geometry = BallBearingGeometry {
+            ball_diameter: 7.94e-3,
+            pitch_diameter: 39.04e-3,
+            inner_conformity: 0.52,
+            outer_conformity: 0.52,
+            contact_angle: 0.2,
+            ball: BEARING_STEEL,
+            race: BEARING_STEEL,
+        };
+        let sixteen: Places<f64, 16> = even_places(Turn::ZERO);
+        for count in 1..=16 {
+            let places: Vec<Place<f64>> = sixteen.iter().copied().take(count).collect();
+            same_bits("angular", &Angular::<f64, Exact, _>::try_new(geometry, places.clone(), Zero::Touching)?);
+            let law = Point { stiffness: 1e10 };
+            same_bits("lumped", &Radial::<f64, Exact, _, _>::try_new(places.clone(), law, -10e-6)?);
+            let solved = QuasiStatic::<f64, Exact, _>::try_new(geometry, places.clone(), Zero::Touching)?;
+            let domain = Domain {
+                approach: [-20e-6, 40e-6],
+                angle: [-0.2, 0.6],
+                speed: [0.5 * SPEED, 2.0 * SPEED],
+                turning: [1.0, 0.0],
+                intervals: [16, 8, if count % 2 == 0 { 2 } else { 0 }],
+            };
+            looked_up::<2>(&solved, &domain, &places)?;
+            looked_up::<4>(&solved, &domain, &places)?;
+        }
+        Ok(())
+    }
+
+    fn looked_up<const F: usize>(
+        solved: &QuasiStatic<f64, Exact, Vec<Place<f64>>>,
+        domain: &Domain,
+        places: &[Place<f64>],
+    ) -> anyhow::Result<()> {
+        let grid = domain.grid()?;
+        let mut nodes = vec![[0.0; F]; grid.len()];
+        fill(solved, domain, &grid, &mut nodes);
+        let (table, seat) = (Table::new(grid, nodes), solved.table_seat());
+        same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places.to_vec(), seat, table, false));
+        Ok(())
+    }
+
+    #[test]
+    fn a_rotor_moves_the_same_bits_with_and_without_wide_registers() -> anyhow::Result<()> {
+        let params = RotorParams {
+            mass: 6.0,
+            diametral_inertia: 0.03,
+            polar_inertia: 0.006,
+            damping: std::array::from_fn(|i| std::array::from_fn(|j| [400.0, 0.4][usize::from(i.max(j) > 2)])),
+            stiffness: [0.0; 5],
+            gravity: [0.0, -9.81, 0.0],
+            load: [0.0, 0.0, 60.0, 0.0, 0.0],
+        };
+        let unbalance = Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 };
+        let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[unbalance])?;
+        let (law, places): (_, Places<f64, 9>) = (Point { stiffness: 1e10 }, even_places(Turn::ZERO));
+        let bearing = Radial::<f64, Exact, _, _>::try_new(places.to_vec(), law, 5e-6)?;
+        let springs = Linear::new(Stiffness::from_diagonal_element(1e4));
+        let springs = || -> AnyBearing<f64> { Shared(Arc::new(springs)) };
+        let seat = |station: f64| (shared(bearing.clone()), springs(), station);
+        let [(a, b, at_a), (c, d, at_c)] = [seat(-0.1), seat(0.1)];
+        let mounted = |bearing, station| Mounted { bearing, station, gear: Gear::new(0.4) };
+        let bearings = [mounted(a, at_a), mounted(b, at_a), mounted(c, at_c), mounted(d, at_c)];
+        let machine = Machine { rotor, bearings };
+        let run = |registers: WideRegisters, method: Method| {
+            let length = 39e-6;
+            let (step, mut drive) =
+                (Step { method, length }, Drive { angle: Turn::ZERO, speed: 314.0, acceleration: 3.0 });
+            let mut state = RotorState::at_rest(Displacement::default(), Turn::ZERO, [Turn::ZERO; 4]);
+            for _ in 0..500 {
+                registers.run(
+                    #[inline(always)]
+                    || step.step(&machine, &mut state, &drive),
+                );
+                drive = drive.after(length);
+            }
+            [state.q, state.rate].map(|numbers| numbers.map(f64::to_bits))
+        };
+        for method in [Method::RungeKutta, Method::Newmark { newton_steps: 2 }, Method::Verlet] {
+            let moved = run(WideRegisters::detect(), method);
+            assert_eq!(moved, run(WideRegisters::none(), method), "{method:?}");
+            assert_ne!(moved, [[0; 5]; 2], "{method:?}");
+        }
+        Ok(())
+    }
+}
