@@ -23,6 +23,7 @@ pub struct Verlet<T> {
 }
 
 impl<T: Scalar> Integrator<T> for Verlet<T> {
+    // Part of its caller, who may be compiled for a processor with wider registers than the rest of the program.
     #[inline(always)]
     fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
         &self,

@@ -226,7 +226,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let mut roots = none;
         let mut angles = Spots { first: [0; STAGED], before: none, middle: none, after: none };
         let mut approaches = Spots { first: [0; STAGED], before: none, middle: none, after: none };
-        let mut nodes = Lanes([[T::ZERO; F]; STAGED]);
+        let mut nodes = [[T::ZERO; F]; STAGED];
         let mut inside = Lanes::<T, ABREAST>::all(T::ZERO);
         for part in parts(places) {
             let aim = self.aim(call, part.places);
@@ -239,9 +239,9 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
             approaches.put(begin, &self.table.at_approach(root));
             inside = inside.either_sign(self.table.inside(root, sine));
         }
-        let missing = self.table.nodes_of_many(&call.speed, (&angles, &approaches), places.len(), &mut nodes.0);
+        let missing = self.table.nodes_of_many(&call.speed, (&angles, &approaches), places.len(), &mut nodes);
         for Part { places, begin, known } in parts(places) {
-            let Some(nodes) = nodes.0.get(begin..).and_then(|nodes| nodes.first_chunk::<ABREAST>()) else { break };
+            let Some(nodes) = nodes.get(begin..).and_then(|nodes| nodes.first_chunk::<ABREAST>()) else { break };
             let found = Self::found(lines.part::<ABREAST>(begin), &side_by_side(nodes));
             sum.add_each(places, &self.contacts(&found), known);
         }
