@@ -37,12 +37,12 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     pub fn constant(x: f64) -> Self {
         Self([T::from_f64(x); K])
     }
-    /// Lanes `at` and the following; as many as there are.
+    /// Writes lanes `at` and the following; none where not all of them are there.
     #[inline(always)]
     pub fn put<const W: usize>(&mut self, at: usize, part: Lanes<T, W>) {
         put(&mut self.0, at, part.0);
     }
-    /// Lanes `at` and the following.
+    /// Lanes `at` and the following; 0 where not all of them are there.
     #[inline(always)]
     pub fn part<const W: usize>(&self, at: usize) -> Lanes<T, W> {
         Lanes(self.0.get(at..).and_then(|rest| rest.first_chunk()).copied().unwrap_or([T::ZERO; W]))
@@ -170,7 +170,7 @@ impl<const K: usize> Mask<K> {
     }
 }
 
-/// Writes `part` into `whole` from `at` on, where it fits.
+/// Writes `part` into `whole` from `at` on; nothing where not all of it fits.
 #[inline(always)]
 pub fn put<T: Copy, const W: usize>(whole: &mut [T], at: usize, part: [T; W]) {
     if let Some(there) = whole.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
@@ -210,13 +210,13 @@ pub struct Plane<L> {
 }
 
 impl<T: Scalar, const K: usize> Plane<Lanes<T, K>> {
-    /// Lanes `at` and the following; as many as there are.
+    /// Writes lanes `at` and the following; none where not all of them are there.
     #[inline(always)]
     pub fn put<const W: usize>(&mut self, at: usize, part: Plane<Lanes<T, W>>) {
         self.r.put(at, part.r);
         self.z.put(at, part.z);
     }
-    /// Lanes `at` and the following.
+    /// Lanes `at` and the following; 0 where not all of them are there.
     #[inline(always)]
     pub fn part<const W: usize>(&self, at: usize) -> Plane<Lanes<T, W>> {
         Plane { r: self.r.part(at), z: self.z.part(at) }

@@ -294,9 +294,7 @@ fn each<T: Scalar, const K: usize, const F: usize>(
     let mut i = 0;
     while i < count.min(K) {
         match node(i) {
-            Some(node) => {
-                values[i] = node;
-            }
+            Some(node) => values[i] = node,
             None => missing = T::NEGATIVE_ZERO,
         }
         i += 1;
