@@ -37,16 +37,6 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     pub fn constant(x: f64) -> Self {
         Self([T::from_f64(x); K])
     }
-    /// Writes lanes `at` and the following; none where not all of them are there.
-    #[inline(always)]
-    pub fn put<const W: usize>(&mut self, at: usize, part: Lanes<T, W>) {
-        put(&mut self.0, at, part.0);
-    }
-    /// Lanes `at` and the following; 0 where not all of them are there.
-    #[inline(always)]
-    pub fn part<const W: usize>(&self, at: usize) -> Lanes<T, W> {
-        Lanes(self.0.get(at..).and_then(|rest| rest.first_chunk()).copied().unwrap_or([T::ZERO; W]))
-    }
     #[inline(always)]
     fn each(mut self, f: impl Fn(T) -> T) -> Self {
         let mut i = 0;
@@ -170,14 +160,6 @@ impl<const K: usize> Mask<K> {
     }
 }
 
-/// Writes `part` into `whole` from `at` on; nothing where not all of it fits.
-#[inline(always)]
-pub fn put<T: Copy, const W: usize>(whole: &mut [T], at: usize, part: [T; W]) {
-    if let Some(there) = whole.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
-        *there = part;
-    }
-}
-
 macro_rules! operator {
     ($trait:ident, $method:ident, $op:tt) => {
         impl<T: Scalar, const K: usize> $trait for Lanes<T, K> {
@@ -210,17 +192,6 @@ pub struct Plane<L> {
 }
 
 impl<T: Scalar, const K: usize> Plane<Lanes<T, K>> {
-    /// Writes lanes `at` and the following; none where not all of them are there.
-    #[inline(always)]
-    pub fn put<const W: usize>(&mut self, at: usize, part: Plane<Lanes<T, W>>) {
-        self.r.put(at, part.r);
-        self.z.put(at, part.z);
-    }
-    /// Lanes `at` and the following; 0 where not all of them are there.
-    #[inline(always)]
-    pub fn part<const W: usize>(&self, at: usize) -> Plane<Lanes<T, W>> {
-        Plane { r: self.r.part(at), z: self.z.part(at) }
-    }
     #[inline(always)]
     pub fn dot(self, other: Self) -> Lanes<T, K> {
         self.r * other.r + self.z * other.z

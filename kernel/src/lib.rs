@@ -3,6 +3,7 @@
 #![deny(unsafe_code)]
 
 pub mod bearing;
+mod choice;
 pub mod contact;
 pub mod frame;
 mod lanes;

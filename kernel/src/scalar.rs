@@ -53,8 +53,13 @@ pub trait Scalar:
     fn is_finite(self) -> bool;
     /// +0 or -0, seen in the bits: a comparison of floats invites a branch.
     fn is_zero(self) -> bool;
+    /// `a` where `mask` is all ones, `b` where it is 0.
+    fn masked(mask: u32, a: Self, b: Self) -> Self;
     /// `a` if `first`, else `b`, by masks: the same instructions either way.
-    fn choose(first: bool, a: Self, b: Self) -> Self;
+    #[inline(always)]
+    fn choose(first: bool, a: Self, b: Self) -> Self {
+        Self::masked(u32::from(first).wrapping_neg(), a, b)
+    }
     /// The smaller of two, `other` where either is NaN; no branch.
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
@@ -149,8 +154,7 @@ impl Scalar for f32 {
         self.to_bits() << 1 == 0
     }
     #[inline]
-    fn choose(first: bool, a: Self, b: Self) -> Self {
-        let mask = u32::from(first).wrapping_neg();
+    fn masked(mask: u32, a: Self, b: Self) -> Self {
         Self::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
     }
     #[inline]
@@ -214,8 +218,8 @@ impl Scalar for f64 {
         self.to_bits() << 1 == 0
     }
     #[inline]
-    fn choose(first: bool, a: Self, b: Self) -> Self {
-        let mask = u64::from(first).wrapping_neg();
+    fn masked(mask: u32, a: Self, b: Self) -> Self {
+        let mask = i64::from(mask.cast_signed()) as u64;
         Self::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
     }
     #[inline]

@@ -86,15 +86,6 @@ impl Turn {
         Self(self.0 ^ (1 << 63))
     }
 
-    /// `a` if `first`, else `b`, the same instructions either way.
-    #[must_use]
-    #[inline]
-    pub fn choose(first: bool, a: Self, b: Self) -> Self {
-        // Hidden from the optimiser, which makes a conditional store, and so a branch, of a mask that it knows.
-        let mask = core::hint::black_box(u64::from(first).wrapping_neg());
-        Self((a.0 & mask) | (b.0 & !mask))
-    }
-
     /// `n` times the angle, for the phase of the n-th harmonic or of n equally spaced elements.
     #[must_use]
     #[inline]

@@ -6,8 +6,8 @@ use ballrace::bearing::{Bearing, Places, even_places};
 use ballrace::contact::law::Point;
 use ballrace::rotor::{
     Attached, Attachment, Coupling, Drive, Gear, General, Integrator, Machine, Matrices, Mounted, MovingBalls,
-    MovingBallsParams, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Support, System, Unbalance, Verlet,
-    equilibrium, supported,
+    MovingBallsParams, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, SteadyVerlet, Support, System,
+    Unbalance, Verlet, equilibrium, supported,
 };
 use ballrace::{Displacement, Exact, Rotation, Status, Stiffness, Turn};
 use ballrace_tests::bearings::deep_groove;
@@ -101,6 +101,25 @@ fn a_general_system_without_supports_is_the_rigid_rotor() {
             assert!((five[i] - nine[i]).abs() < 1e-12, "{i}: {} {}", five[i], nine[i]);
         }
     }
+}
+
+/// What a steady Verlet keeps from step to step changes no bit: at a fixed speed, in a run-up, and where the speed jumps.
+#[test]
+fn a_steady_verlet_steps_as_verlet() {
+    let (machine, verlet) = (on_supports(&[SOFT, SOFT]), Verlet { step: 2e-5 });
+    let mut steady = SteadyVerlet::new(verlet, &machine.rotor, 0.0);
+    let mut states = [RotorState::at_rest([0.0; 9], Turn::ZERO, [Turn::ZERO; 2]); 2];
+    let mut now = drive(300.0);
+    for i in 0..3000 {
+        let [plain, kept] = &mut states;
+        assert!(!verlet.step(&machine, plain, &now).is_held());
+        assert!(!steady.step(&machine, kept, &now).is_held());
+        assert_eq!(plain, kept, "step {i}");
+        now = now.after(verlet.step);
+        now.acceleration = if (1000..2000).contains(&i) { 400.0 } else { 0.0 };
+        now.speed = if i == 2500 { -100.0 } else { now.speed };
+    }
+    assert!(states[0].rate.iter().any(|rate| rate.abs() > 1e-5), "{:?}", states[0]);
 }
 
 /// At rest the supports carry what the bearings press on them, their own weight besides: action and reaction.

@@ -130,9 +130,9 @@ pub(super) fn out_of_cage<T: Scalar>(f: &Wrench<T>, (sin, cos): CageTurn<T>) -> 
 pub struct WrenchSum<T> {
     x: T,
     y: T,
-    z: T,
-    z_sin: T,
     z_cos: T,
+    z_sin: T,
+    z: T,
     load: T,
 }
 
@@ -182,8 +182,8 @@ impl<T: Scalar> WrenchSum<T> {
     fn add_along(&mut self, place: &Place<T>, radial: T, tilting: T) {
         self.x += radial * place.cos;
         self.y += radial * place.sin;
-        self.z_sin += tilting * place.sin;
         self.z_cos += tilting * place.cos;
+        self.z_sin += tilting * place.sin;
     }
 
     /// Times `scale`, with the moments by the lever arm: the force on the ring is against that on the elements.

@@ -138,3 +138,11 @@ fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {
     let highest = rising.next().unwrap_or(T::ZERO);
     rising.fold(highest, |sum, c| sum * x + c)
 }
+
+/// The same of eight coefficients by pairs and pairs of pairs: three steps one after the other instead of seven.
+#[inline(always)]
+fn polynomial_by_pairs<T: Scalar>(x: T, [c0, c1, c2, c3, c4, c5, c6, c7]: [T; 8]) -> T {
+    let xx = x * x;
+    let [a, b, c, d] = [c0 + c1 * x, c2 + c3 * x, c4 + c5 * x, c6 + c7 * x];
+    (a + b * xx) + (c + d * xx) * (xx * xx)
+}

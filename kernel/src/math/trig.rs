@@ -1,9 +1,9 @@
 //! Sine and cosine of a turn counter: exact range reduction by shifting, then a polynomial.
 //!
 //! `f32`: the minimax polynomial of degree 9 on a quarter turn (relative 5e-9 before rounding, 2e-7 absolute after it;
-//! exact at the four quarters). `f64`: the Taylor series to degree 17 and 16 (remainder below 1e-19).
+//! exact at the four quarters). `f64`: the Taylor series to degree 17 and 18 (remainder below 1e-19).
 
-use super::polynomial;
+use super::{polynomial, polynomial_by_pairs};
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 
@@ -45,7 +45,7 @@ pub fn sin_cos_f64(angle: Turn) -> (f64, f64) {
     let xx = x * x;
     let sin = x + x
         * xx
-        * polynomial(
+        * polynomial_by_pairs(
             xx,
             [
                 -1.0 / 6.0,
@@ -60,7 +60,7 @@ pub fn sin_cos_f64(angle: Turn) -> (f64, f64) {
         );
     let cos = 1.0 - 0.5 * xx
         + xx * xx
-            * polynomial(
+            * polynomial_by_pairs(
                 xx,
                 [
                     1.0 / 24.0,
@@ -70,6 +70,7 @@ pub fn sin_cos_f64(angle: Turn) -> (f64, f64) {
                     1.0 / 479_001_600.0,
                     -1.0 / 87_178_291_200.0,
                     1.0 / 20_922_789_888_000.0,
+                    -1.0 / 6_402_373_705_728_000.0,
                 ],
             );
     unreduce(quarter, sin, cos)

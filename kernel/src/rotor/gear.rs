@@ -1,6 +1,7 @@
 //! How a bearing's parts follow the shaft.
 
 use super::Drive;
+use crate::choice::Choice;
 use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::turn::{Arc, Ratio, Turn};
@@ -75,11 +76,11 @@ impl<T: Scalar> Gear<T> {
 }
 
 impl PartAngles {
-    pub(super) fn choose(first: bool, a: Self, b: Self) -> Self {
+    pub(super) fn chosen(choice: Choice, a: Self, b: Self) -> Self {
         Self {
-            cage: Turn::choose(first, a.cage, b.cage),
-            ball: Turn::choose(first, a.ball, b.ball),
-            outer: Turn::choose(first, a.outer, b.outer),
+            cage: choice.of_turns(a.cage, b.cage),
+            ball: choice.of_turns(a.ball, b.ball),
+            outer: choice.of_turns(a.outer, b.outer),
         }
     }
 }

@@ -33,8 +33,9 @@ pub use runge_kutta::RungeKutta4;
 pub use solve::solve;
 pub use supported::{Support, supported};
 pub use system::System;
-pub use verlet::Verlet;
+pub use verlet::{SteadyVerlet, Verlet};
 
+use crate::choice::Choice;
 use crate::frame::Displacement;
 use crate::rotation::Rotation;
 use crate::scalar::Scalar;
@@ -143,6 +144,8 @@ pub struct Push<T, const D: usize> {
     pub status: Status,
 }
 
+// The loops over the bearings count by hand: of iterators over two arrays the compiler does not see the end, keeps every
+// angle in memory, and the next to read them waits until they are written.
 impl<R, C, const N: usize> Machine<R, C, N> {
     /// What each bearing sees at `drive` with its parts at `parts`.
     #[inline(always)]
@@ -151,8 +154,10 @@ impl<R, C, const N: usize> Machine<R, C, N> {
         C: Geared<T>,
     {
         let mut rotations = [Rotation::default(); N];
-        for ((rotation, bearing), &angles) in rotations.iter_mut().zip(&self.bearings).zip(parts) {
-            *rotation = bearing.gear().rotation(angles, drive);
+        let mut i = 0;
+        while i < N {
+            rotations[i] = self.bearings[i].gear().rotation(parts[i], drive);
+            i += 1;
         }
         rotations
     }
@@ -164,10 +169,12 @@ impl<R, C, const N: usize> Machine<R, C, N> {
         C: Coupling<T, D>,
     {
         let mut sum = Push { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
-        for (bearing, at) in self.bearings.iter().zip(at) {
-            let (load, status) = bearing.push(q, at, &mut sum.force);
+        let mut i = 0;
+        while i < N {
+            let (load, status) = self.bearings[i].push(q, &at[i], &mut sum.force);
             sum.load += load;
             sum.status = sum.status.and(status);
+            i += 1;
         }
         sum
     }
@@ -198,8 +205,10 @@ impl<R, C, const N: usize> Machine<R, C, N> {
         C: Geared<T>,
     {
         let mut after = *parts;
-        for (angles, bearing) in after.iter_mut().zip(&self.bearings) {
-            *angles = bearing.gear().after(*angles, arc);
+        let mut i = 0;
+        while i < N {
+            after[i] = self.bearings[i].gear().after(parts[i], arc);
+            i += 1;
         }
         after
     }
@@ -222,12 +231,15 @@ fn accept<T: Scalar, const D: usize, const N: usize>(
         .and(status);
     // No branch here: a held step costs what a good one costs.
     let good = !status.is_held();
-    vector::take_if(good, &mut state.q, &next.q);
-    vector::take_if(good, &mut state.rate, &next.rate);
-    vector::take_if(good, &mut state.acceleration, &next.acceleration);
-    state.shaft = Turn::choose(good, next.shaft, state.shaft);
-    for (angles, after) in state.parts.iter_mut().zip(next.parts) {
-        *angles = PartAngles::choose(good, after, *angles);
+    let choice = Choice::new(good);
+    vector::take(choice, &next.q, &mut state.q);
+    vector::take(choice, &next.rate, &mut state.rate);
+    vector::take(choice, &next.acceleration, &mut state.acceleration);
+    state.shaft = choice.of_turns(next.shaft, state.shaft);
+    let mut i = 0;
+    while i < N {
+        state.parts[i] = PartAngles::chosen(choice, next.parts[i], state.parts[i]);
+        i += 1;
     }
     state.held = state.held.saturating_add(u32::from(!good));
     status

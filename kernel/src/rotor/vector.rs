@@ -1,5 +1,6 @@
 //! Vectors of any fixed order, entry by entry.
 
+use crate::choice::Choice;
 use crate::scalar::Scalar;
 
 /// `x + h k`.
@@ -33,12 +34,10 @@ pub fn all_finite<T: Scalar, const D: usize>(x: &[T; D]) -> bool {
     x.iter().fold(T::ZERO, |sum, &entry| sum + T::ZERO * entry).is_zero()
 }
 
-/// `x` becomes `next` if `good`, the same instructions either way.
+/// `x` becomes `next` if that is the choice, the same instructions either way.
 #[inline(always)]
-pub fn take_if<T: Scalar, const D: usize>(good: bool, x: &mut [T; D], next: &[T; D]) {
-    // Hidden from the optimiser, which would see that there is nothing to store where nothing changes, and branch.
-    let kept = core::hint::black_box(*x);
-    for ((entry, &other), old) in x.iter_mut().zip(next).zip(kept) {
-        *entry = T::choose(good, other, old);
+pub fn take<T: Scalar, const D: usize>(choice: Choice, next: &[T; D], x: &mut [T; D]) {
+    for (entry, &other) in x.iter_mut().zip(next) {
+        *entry = choice.of(other, *entry);
     }
 }

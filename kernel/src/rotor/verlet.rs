@@ -22,11 +22,23 @@ pub struct Verlet<T> {
     pub step: T,
 }
 
-impl<T: Scalar> Integrator<T> for Verlet<T> {
-    // Part of its caller, who may be compiled for a processor with wider registers than the rest of the program.
+impl<T: Scalar> Verlet<T> {
+    /// Where the shaft is in the middle of a step, with the speed that holds for all of it.
     #[inline(always)]
-    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
-        &self,
+    fn middle(self, drive: &Drive<T>) -> Drive<T> {
+        drive.after(T::HALF * self.step)
+    }
+
+    /// `M + h/2 (B + w G)`.
+    #[inline(always)]
+    fn effective<R: System<T, D>, const D: usize>(self, rotor: &R, speed: T) -> Factored<T, D> {
+        Factored::new(rotor.effective([T::ONE, T::HALF * self.step, T::ZERO], speed))
+    }
+
+    #[inline(always)]
+    fn step_with<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+        self,
+        effective: &Factored<T, D>,
         machine: &Machine<R, C, N>,
         state: &mut RotorState<T, D, N>,
         drive: &Drive<T>,
@@ -34,12 +46,11 @@ impl<T: Scalar> Integrator<T> for Verlet<T> {
         let h = self.step;
         let half = T::HALF * h;
         let start = machine.parts_after(&state.parts, drive.angle.since(state.shaft));
-        let middle = drive.after(half);
+        let middle = self.middle(drive);
         let at = machine.rotations(&machine.parts_after(&start, drive.arc_after(half)), &middle);
         let q = along(&state.q, half, &state.rate);
         // (M + h/2 (B + w G)) a = f - (B + w G) v: the mean of the rates is v + h/2 a. All that does not wait for the
         // bearings comes before them: a desktop processor does both at once.
-        let effective = Factored::new(machine.rotor.effective([T::ONE, half, T::ZERO], middle.speed));
         let mut push = machine.rotor.excitation(&middle);
         add(&mut push, &machine.rotor.internal(&q, &state.rate, middle.speed));
         let bearings = machine.push(&q, &at);
@@ -50,5 +61,55 @@ impl<T: Scalar> Integrator<T> for Verlet<T> {
         add_scaled(&mut end, half, &rate);
         let next = RotorState { q: end, rate, acceleration, parts: start, shaft: drive.angle, held: state.held };
         accept(state, &next, drive.is_finite(), (bearings.load, bearings.status))
+    }
+}
+
+impl<T: Scalar> Integrator<T> for Verlet<T> {
+    // Part of its caller, who may be compiled for a processor with wider registers than the rest of the program.
+    #[inline(always)]
+    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+        &self,
+        machine: &Machine<R, C, N>,
+        state: &mut RotorState<T, D, N>,
+        drive: &Drive<T>,
+    ) -> Status {
+        let effective = self.effective(&machine.rotor, self.middle(drive).speed);
+        self.step_with(&effective, machine, state, drive)
+    }
+}
+
+/// [`Verlet`] for a shaft whose speed mostly stays: the same steps to the bit, but the equations of the last one are kept for
+/// the next, and only taken apart again where the speed in the middle of the step is another.
+///
+/// Fixed cost at a fixed speed; where the speed changes a step costs what [`Verlet`]'s does.
+#[derive(Debug, Clone, Copy)]
+pub struct SteadyVerlet<T: Scalar, const D: usize> {
+    verlet: Verlet<T>,
+    speed: T,
+    effective: Factored<T, D>,
+}
+
+impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
+    /// For this rotor, ready to start at `speed`, rad/s (from rest where it is not finite).
+    #[must_use]
+    pub fn new<R: System<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
+        let speed = if speed.is_finite() { speed } else { T::ZERO };
+        Self { verlet, speed, effective: verlet.effective(rotor, speed) }
+    }
+
+    /// One step, as [`Integrator::step`] of machines with the rotor that it was made for.
+    #[inline(always)]
+    pub fn step<R: System<T, D>, C: Coupling<T, D>, const N: usize>(
+        &mut self,
+        machine: &Machine<R, C, N>,
+        state: &mut RotorState<T, D, N>,
+        drive: &Drive<T>,
+    ) -> Status {
+        let speed = self.verlet.middle(drive).speed;
+        // A speed that is not finite is answered with the state held, whatever the equations: nothing to do for it.
+        if (speed != self.speed) & speed.is_finite() {
+            *self = Self { speed, effective: self.verlet.effective(&machine.rotor, speed), ..*self };
+        }
+        self.verlet.step_with(&self.effective, machine, state, drive)
     }
 }

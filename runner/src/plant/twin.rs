@@ -4,7 +4,7 @@ use super::machine::{Fit, MachineTask};
 use crate::scene::Method;
 use crate::wide::WideRegisters;
 use ballrace::rotor::{
-    Coupling, Drive, Integrator, Machine, Newmark, PartAngles, RotorState, RungeKutta4, System, Verlet,
+    Coupling, Drive, Integrator, Machine, Newmark, PartAngles, RotorState, RungeKutta4, SteadyVerlet, System, Verlet,
 };
 use ballrace::{Displacement, Rotation, Status, Turn, Wrench};
 
@@ -87,8 +87,10 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
         S: System<f64, D> + 'static,
         C: Fit<D> + 'static,
     {
+        let steady = SteadyVerlet::new(Verlet { step: self.step.length }, &machine.rotor, 0.0);
         Box::new(Moving {
             machine,
+            steady,
             state: RotorState::at_rest(array::<f64, D>(&self.rest), self.shaft, array::<_, N>(&self.parts)),
             coordinates: self.rest.len(),
             step: self.step,
@@ -100,6 +102,7 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
 
 struct Moving<S, C, const D: usize, const N: usize> {
     machine: Machine<S, C, N>,
+    steady: SteadyVerlet<f64, D>,
     state: RotorState<f64, D, N>,
     /// Those that are not idle.
     coordinates: usize,
@@ -110,7 +113,8 @@ struct Moving<S, C, const D: usize, const N: usize> {
 
 impl<S: System<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
     fn step(&mut self, drive: &Drive<f64>) -> Status {
-        let (step, substeps, machine, state) = (self.step, self.substeps, &self.machine, &mut self.state);
+        let (step, substeps, machine) = (self.step, self.substeps, &self.machine);
+        let (steady, state) = (&mut self.steady, &mut self.state);
         self.registers.run(
             #[inline(always)]
             || {
@@ -118,7 +122,10 @@ impl<S: System<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Movi
                 // A plain loop: the body of `fold` would be a function of its own, compiled for every processor.
                 for i in 0..substeps {
                     let now = drive.after(f64::from(i) * step.length);
-                    status = status.and(step.step(machine, state, &now));
+                    status = status.and(match step.method {
+                        Method::Verlet => steady.step(machine, state, &now),
+                        _ => step.step(machine, state, &now),
+                    });
                 }
                 status
             },

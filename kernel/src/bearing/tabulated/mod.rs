@@ -10,7 +10,7 @@ mod table;
 pub use fill::{Domain, fill};
 pub use table::{Axis, Grid, Node, Table};
 
-use self::table::{AtSpeed, Spots, side_by_side};
+use self::table::{AtSpeed, Rows};
 use super::elements::InCage;
 use super::place::{ABREAST, Arrangement, Place, groups};
 use super::quasi_static::{Matrix, TableSeat, contact_tangents};
@@ -46,8 +46,9 @@ pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
 const STAGED: usize = 4 * ABREAST;
 
 /// What is the same for all balls of one evaluation.
-struct Call<'a, T> {
+struct Call<'a, T, const F: usize> {
     speed: AtSpeed<T>,
+    rows: Rows<'a, T, F>,
     /// The displacement with its tilt as axial displacement at the radius of the lever arm.
     rim: Displacement<T>,
     at: &'a Rotation<T>,
@@ -94,29 +95,37 @@ const fn together(balls: usize) -> usize {
     }
 }
 
-/// `ABREAST` of the balls that are staged together.
+/// `ABREAST` of the balls that are staged together; what wide registers write comes first, within cache lines.
+#[repr(C)]
+#[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 struct Part<'a, T> {
+    line: Plane<Lanes<T, ABREAST>>,
+    root: Lanes<T, ABREAST>,
     places: &'a [Place<T>; ABREAST],
-    /// Number of the first.
-    begin: usize,
     /// How many of them were in the part before.
     known: usize,
 }
 
-/// All of `places`, at least `ABREAST`, in parts; the last reaches back into the one before where it would not be full.
-#[inline(always)]
-fn parts<T>(places: &[Place<T>]) -> impl Iterator<Item = Part<'_, T>> {
-    let mut first = 0;
-    let last = places.len().saturating_sub(ABREAST).min(STAGED - ABREAST);
-    core::iter::from_fn(move || {
-        if first >= places.len() {
+/// Written within cache lines, as [`Spots`].
+#[cfg_attr(target_pointer_width = "64", repr(align(64)))]
+struct Aligned<X>(X);
+
+impl<'a, T> Part<'a, T> {
+    /// The places from `begin` on, and how many were before; the last reach back where they would not be all.
+    #[inline(always)]
+    fn of(places: &'a [Place<T>], begin: usize) -> Option<(&'a [Place<T>; ABREAST], usize)> {
+        if begin >= places.len() {
             return None;
         }
-        let begin = first.min(last);
-        let part = Part { places: places.get(begin..)?.first_chunk()?, begin, known: first - begin };
-        first += ABREAST;
-        Some(part)
-    })
+        let from = begin.min(places.len().wrapping_sub(ABREAST));
+        Some((places.get(from..)?.first_chunk()?, begin - from))
+    }
+}
+
+/// What a stage has to say of each part, nothing yet. One by one, so that nothing but the marks is written.
+#[inline(always)]
+const fn unset<X>() -> [Option<X>; STAGED / ABREAST] {
+    [None, None, None, None]
 }
 
 impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
@@ -148,15 +157,15 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 
     #[inline(always)]
-    fn call<'a>(&self, u: &Displacement<T>, at: &'a Rotation<T>) -> Call<'a, T> {
+    fn call<'a>(&'a self, u: &Displacement<T>, at: &'a Rotation<T>) -> Call<'a, T, F> {
         let speed = if self.by_outer { at.outer_speed } else { at.inner_speed };
         let arm = self.seat.arm;
         let rim = Displacement { thu: arm * u.thu, thv: arm * u.thv, ..*u };
-        Call { speed: self.table.at_speed(speed.abs()), rim, at }
+        Call { speed: self.table.at_speed(speed.abs()), rows: self.table.rows(), rim, at }
     }
 
     #[inline(always)]
-    fn aim<const K: usize>(&self, call: &Call<'_, T>, places: &[Place<T>; K]) -> Aim<Lanes<T, K>> {
+    fn aim<const K: usize>(&self, call: &Call<'_, T, F>, places: &[Place<T>; K]) -> Aim<Lanes<T, K>> {
         let all = Lanes::<T, K>::all;
         let seat = &self.seat;
         let motions =
@@ -198,17 +207,17 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// Balls looked up, and what tells by its sign bits whether they are inside the table.
     #[inline(always)]
-    fn look<const K: usize>(&self, call: &Call<'_, T>, places: &[Place<T>; K]) -> Look<Lanes<T, K>, T> {
+    fn look<const K: usize>(&self, call: &Call<'_, T, F>, places: &[Place<T>; K]) -> Look<Lanes<T, K>, T> {
         let aim = self.aim(call, places);
         let spots = (&self.table.at_angle(aim.line.z), &self.table.at_approach(aim.root));
-        let (fields, missing) = self.table.fields(&call.speed, spots);
-        let inside = missing.either_sign(self.table.inside(aim.root, aim.line.z)).any_sign();
+        let (fields, missing) = self.table.fields(&call.speed, &call.rows, spots, 0);
+        let inside = self.table.inside(aim.root, aim.line.z).any_sign().either_sign(missing);
         Look { aim, found: Self::found(aim.line, &fields), inside }
     }
 
     /// Adds one ball after the other. Gives what tells by its sign bit whether they are inside the table.
     #[inline(always)]
-    fn add(&self, call: &Call<'_, T>, places: impl Iterator<Item = Place<T>>, sum: &mut WrenchSum<T>) -> T {
+    fn add(&self, call: &Call<'_, T, F>, places: impl Iterator<Item = Place<T>>, sum: &mut WrenchSum<T>) -> T {
         let mut inside = T::ZERO;
         for place in places {
             let ball = self.look(call, &[place]);
@@ -220,40 +229,42 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// Adds `ABREAST` to `STAGED` balls together, stage by stage.
     #[inline(always)]
-    fn add_staged(&self, call: &Call<'_, T>, places: &[Place<T>], sum: &mut WrenchSum<T>) -> T {
-        let none = Lanes::<T, STAGED>::all(T::ZERO);
-        let mut lines = Plane { r: none, z: none };
-        let mut roots = none;
-        let mut angles = Spots { first: [0; STAGED], before: none, middle: none, after: none };
-        let mut approaches = Spots { first: [0; STAGED], before: none, middle: none, after: none };
-        let mut nodes = [[T::ZERO; F]; STAGED];
+    fn add_staged(&self, call: &Call<'_, T, F>, places: &[Place<T>], sum: &mut WrenchSum<T>) -> T {
+        let (mut parts, mut spots, mut contacts) = (unset(), unset(), unset());
         let mut inside = Lanes::<T, ABREAST>::all(T::ZERO);
-        for part in parts(places) {
-            let aim = self.aim(call, part.places);
-            lines.put(part.begin, aim.line);
-            roots.put(part.begin, aim.root);
+        let mut begin = 0;
+        for part in &mut parts {
+            *part = Part::of(places, begin).map(|(places, known)| {
+                let Aim { line, root, .. } = self.aim(call, places);
+                Part { places, known, line, root }
+            });
+            begin += ABREAST;
         }
-        for Part { begin, .. } in parts(places) {
-            let (root, sine) = (roots.part::<ABREAST>(begin), lines.z.part(begin));
-            angles.put(begin, &self.table.at_angle(sine));
-            approaches.put(begin, &self.table.at_approach(root));
-            inside = inside.either_sign(self.table.inside(root, sine));
+        for (part, spots) in parts.iter().zip(&mut spots) {
+            let Some(Part { line, root, .. }) = part else { break };
+            *spots = Some((self.table.at_angle(line.z), self.table.at_approach(*root)));
+            inside = inside.either_sign(self.table.inside(*root, line.z));
         }
-        let missing = self.table.nodes_of_many(&call.speed, (&angles, &approaches), places.len(), &mut nodes);
-        for Part { places, begin, known } in parts(places) {
-            let Some(nodes) = nodes.get(begin..).and_then(|nodes| nodes.first_chunk::<ABREAST>()) else { break };
-            let found = Self::found(lines.part::<ABREAST>(begin), &side_by_side(nodes));
-            sum.add_each(places, &self.contacts(&found), known);
+        let mut inside = inside.any_sign();
+        for ((part, spots), contact) in parts.iter().zip(&spots).zip(&mut contacts) {
+            let (Some(part), Some((angles, approaches))) = (part, spots) else { break };
+            let (fields, missing) = self.table.fields(&call.speed, &call.rows, (angles, approaches), part.known);
+            *contact = Some(Aligned(self.contacts(&Self::found(part.line, &fields))));
+            inside = inside.either_sign(missing);
         }
-        inside.any_sign().either_sign(missing)
+        for (part, contact) in parts.iter().zip(&contacts) {
+            let (Some(part), Some(contact)) = (part, contact) else { break };
+            sum.add_each(part.places, &contact.0, part.known);
+        }
+        inside
     }
 
     /// Slopes of the contacts' forces along the radial and axial displacement of the groove centres.
     #[inline(always)]
-    fn tangents<const K: usize>(&self, call: &Call<'_, T>, look: &Look<Lanes<T, K>, T>) -> [ContactTangent<T>; K] {
+    fn tangents<const K: usize>(&self, call: &Call<'_, T, F>, look: &Look<Lanes<T, K>, T>) -> [ContactTangent<T>; K] {
         let all = Lanes::<T, K>::all;
         let Look { aim, found, .. } = look;
-        let [by_sine, by_root] = self.table.slopes(&call.speed, aim.root, aim.line.z);
+        let [by_sine, by_root] = self.table.slopes(&call.speed, &call.rows, aim.root, aim.line.z);
         // d(root)/d(approach) = 1/(2 |root|); where the root is 0 so is what it multiplies.
         let per_approach = all(T::HALF) / (aim.root.abs() + Lanes::constant(1e-9));
         let per_across = aim.line.r * aim.inverse_length;

@@ -7,7 +7,7 @@
 //! wedges between both races moves sideways by the root of what the rings leave it, and because over it the load of Hertz is
 //! a cubic, smooth also where contact begins.
 
-use crate::lanes::{Lanes, put};
+use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 
 /// One entry of the table: half the load (N; twice a positive part needs no branch), sine of the turn, and with `F = 3` the
@@ -101,19 +101,19 @@ pub struct Spots<T, const K: usize> {
 }
 
 impl<T: Scalar, const K: usize> Spots<T, K> {
-    /// Those of ball `at` and the following.
-    #[inline(always)]
-    pub fn put<const W: usize>(&mut self, at: usize, part: &Spots<T, W>) {
-        put(&mut self.first, at, part.first);
-        self.before.put(at, part.before);
-        self.middle.put(at, part.middle);
-        self.after.put(at, part.after);
-    }
-
     #[inline(always)]
     fn weights_of(&self, i: usize) -> [T; 3] {
         [self.before.0[i], self.middle.0[i], self.after.0[i]]
     }
+}
+
+/// The nodes from the first, second and third row of the angle on, as many of each: where there is one of the last there is
+/// one of all.
+#[derive(Clone, Copy)]
+pub struct Rows<'a, T, const F: usize> {
+    before: &'a [Node<T, F>],
+    middle: &'a [Node<T, F>],
+    after: &'a [Node<T, F>],
 }
 
 /// A grid and its nodes.
@@ -194,48 +194,42 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         self.grid.approach.quadratic(x)
     }
 
-    /// The quantities at `spots` along angle and approach, and the sign bit set where nodes are missing.
+    /// The nodes as balls are looked up in them.
+    #[inline(always)]
+    pub(super) fn rows<'a>(&'a self) -> Rows<'a, T, F> {
+        // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
+        let row = self.grid.approach.count as u32 as usize;
+        let from = |nodes: &'a [Node<T, F>]| nodes.get(row..).unwrap_or_default();
+        let nodes = self.nodes.as_ref();
+        let middle = from(nodes);
+        let after = from(middle);
+        let [before, middle] = [nodes, middle].map(|nodes| nodes.get(..after.len()).unwrap_or_default());
+        Rows { before, middle, after }
+    }
+
+    /// The quantities at `spots` along angle and approach, and the sign bit set where nodes are missing; 0 of those before ball
+    /// `known`.
     #[inline(always)]
     pub(super) fn fields<const K: usize>(
         &self,
         at: &AtSpeed<T>,
+        rows: &Rows<'_, T, F>,
         (angles, approaches): (&Spots<T, K>, &Spots<T, K>),
-    ) -> ([Lanes<T, K>; F], Lanes<T, K>) {
-        let none = Lanes::all(T::ZERO);
-        let (mut fields, mut missing) = ([none; F], none);
+        known: usize,
+    ) -> ([Lanes<T, K>; F], T) {
+        let (mut nodes, mut missing) = ([[T::ZERO; F]; K], T::ZERO);
         let mut i = 0;
         while i < K {
-            let weights = [angles.weights_of(i), approaches.weights_of(i)];
-            match self.value(at, angles.first[i].wrapping_add(approaches.first[i]), || weights) {
-                Some(node) => {
-                    for (field, value) in fields.iter_mut().zip(node) {
-                        field.0[i] = value;
-                    }
+            if i >= known {
+                let weights = [angles.weights_of(i), approaches.weights_of(i)];
+                match self.value(at, rows, angles.first[i].wrapping_add(approaches.first[i]), || weights) {
+                    Some(node) => nodes[i] = node,
+                    None => missing = T::NEGATIVE_ZERO,
                 }
-                None => missing.0[i] = T::NEGATIVE_ZERO,
             }
             i += 1;
         }
-        (fields, missing)
-    }
-
-    /// The same of the first `count` of many balls, ball by ball. Gives a number with that sign bit.
-    #[inline(always)]
-    pub(super) fn nodes_of_many<const K: usize>(
-        &self,
-        at: &AtSpeed<T>,
-        (angles, approaches): (&Spots<T, K>, &Spots<T, K>),
-        count: usize,
-        values: &mut [Node<T, F>; K],
-    ) -> T {
-        let first = |i: usize| angles.first[i].wrapping_add(approaches.first[i]);
-        let weights = |i: usize| [angles.weights_of(i), approaches.weights_of(i)];
-        // Tables of one speed have a loop of their own, which is shorter by what the other needs to remember.
-        if self.grid.speed.count == 1 {
-            each(count, values, |i| self.patch(at.first.wrapping_add(first(i)), || weights(i)))
-        } else {
-            each(count, values, |i| self.value(at, first(i), || weights(i)))
-        }
+        (side_by_side(&nodes), missing)
     }
 
     /// Slopes of the quantities along sines `sin` of the angle and signed roots `x` of the approach.
@@ -243,63 +237,45 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     pub(super) fn slopes<const K: usize>(
         &self,
         at: &AtSpeed<T>,
+        rows: &Rows<'_, T, F>,
         x: Lanes<T, K>,
         sin: Lanes<T, K>,
     ) -> [[Lanes<T, K>; F]; 2] {
         let (angles, approaches) = (self.at_angle(sin), self.at_approach(x));
         let across = Spots { first: angles.first, ..self.grid.angle.slopes(sin) };
         let along = self.grid.approach.slopes(x);
-        [self.fields(at, (&across, &approaches)).0, self.fields(at, (&angles, &along)).0]
+        [self.fields(at, rows, (&across, &approaches), 0).0, self.fields(at, rows, (&angles, &along), 0).0]
     }
 
     /// Weighted sum of the nodes from `first` on in each of the two layers about the speed; nothing where they end before.
     #[inline(always)]
-    fn value(&self, at: &AtSpeed<T>, first: u32, weights: impl Fn() -> [[T; 3]; 2]) -> Option<Node<T, F>> {
+    fn value(
+        &self,
+        at: &AtSpeed<T>,
+        rows: &Rows<'_, T, F>,
+        first: u32,
+        weights: impl Fn() -> [[T; 3]; 2],
+    ) -> Option<Node<T, F>> {
         let first = at.first.wrapping_add(first);
-        let below = self.patch(first, &weights)?;
+        let below = rows.patch(first, &weights)?;
         if self.grid.speed.count == 1 {
             return Some(below);
         }
-        let above = self.patch(first.wrapping_add(self.layer()), &weights)?;
+        let above = rows.patch(first.wrapping_add(self.layer()), &weights)?;
         Some(mixed(at.weights, [below, above]))
-    }
-
-    /// Weighted sum of the nine nodes of one speed from `first` on.
-    #[inline(always)]
-    fn patch(&self, first: u32, weights: impl Fn() -> [[T; 3]; 2]) -> Option<Node<T, F>> {
-        let [before, middle, after] = self.rows(first)?;
-        let [by_angle, by_approach] = weights();
-        let rows = [mixed(by_approach, *before), mixed(by_approach, *middle), mixed(by_approach, *after)];
-        Some(mixed(by_angle, rows))
-    }
-
-    /// The nine nodes of one speed from `first` on, by angle; nothing where the table ends before them.
-    #[inline(always)]
-    fn rows(&self, first: u32) -> Option<[&[Node<T, F>; 3]; 3]> {
-        // From 32 bits, so that the end cannot overflow: one comparison where an address has 64.
-        let (first, row) = (first as usize, self.grid.approach.count as u32 as usize);
-        let nodes = self.nodes.as_ref().get(first..first.wrapping_add(row.wrapping_mul(2)).wrapping_add(3))?;
-        Some([nodes.first_chunk()?, nodes.get(row..)?.first_chunk()?, nodes.last_chunk()?])
     }
 }
 
-/// Writes the node of each of the first `count` balls. Gives a number whose sign bit is set where there is none.
-#[inline(always)]
-fn each<T: Scalar, const K: usize, const F: usize>(
-    count: usize,
-    values: &mut [Node<T, F>; K],
-    node: impl Fn(usize) -> Option<Node<T, F>>,
-) -> T {
-    let mut missing = T::ZERO;
-    let mut i = 0;
-    while i < count.min(K) {
-        match node(i) {
-            Some(node) => values[i] = node,
-            None => missing = T::NEGATIVE_ZERO,
-        }
-        i += 1;
+impl<T: Scalar, const F: usize> Rows<'_, T, F> {
+    /// Weighted sum of the nine nodes of one speed from `first` on; nothing where the table ends before them.
+    #[inline(always)]
+    fn patch(&self, first: u32, weights: impl Fn() -> [[T; 3]; 2]) -> Option<Node<T, F>> {
+        let first = first as usize;
+        let three = first..first.wrapping_add(3);
+        let [by_angle, by_approach] = weights();
+        let along = |nodes: &[Node<T, F>]| Some(mixed(by_approach, *nodes.get(three.clone())?.first_chunk()?));
+        Some(mixed(by_angle, [along(self.before)?, along(self.middle)?, along(self.after)?]))
     }
-    missing
 }
 
 /// Quantity by quantity instead of ball by ball.

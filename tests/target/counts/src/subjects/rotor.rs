@@ -7,7 +7,7 @@ use ballrace::bearing::even_places;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::rotor::{
     Attached, Attachment, Coupling, Drive, Gear, General, Integrator, InvalidMatrix, Machine, Newmark, RotorState,
-    RungeKutta4, Support, System, Verlet, supported,
+    RungeKutta4, SteadyVerlet, Support, System, Verlet, supported,
 };
 use ballrace::{Exact, Math, Scalar, Status, Turn};
 use core::hint::black_box;
@@ -22,10 +22,12 @@ where
     let (rigid, newmark) = ("rotor on two angular bearings", Newmark { step: dt, newton_steps: 3 });
     steps(bench, (rigid, precision, "Runge-Kutta 4 step"), &rig, &RungeKutta4 { step: dt });
     steps(bench, (rigid, precision, "Verlet step"), &rig, &Verlet { step: dt });
+    steady_steps(bench, (rigid, precision), &rig, Verlet { step: dt });
     steps(bench, (rigid, precision, "Newmark step, 3 Newton steps"), &rig, &newmark);
     let Ok(rig) = black_box(supported_rig::<T>()) else { return };
     let soft = "the same in two supports, nine coordinates";
     steps(bench, (soft, precision, "Verlet step"), &rig, &Verlet { step: dt });
+    steady_steps(bench, (soft, precision), &rig, Verlet { step: dt });
     steps(bench, (soft, precision, "Newmark step, 3 Newton steps"), &rig, &newmark);
 }
 
@@ -72,16 +74,43 @@ fn steps<T: Scalar, I: Integrator<T>, R: System<T, D>, C: Coupling<T, D>, const 
     integrator: &I,
 ) {
     let name = Name { what, elements: 9, precision, math: "exact", function };
-    let prepare = |i| {
-        let (u, angle) = input::<T>(i);
-        let mut q = [T::ZERO; D];
-        for (entry, x) in q.iter_mut().zip(u.to_array()) {
-            *entry = x;
-        }
-        let state = RotorState::at_rest(q, angle.times(3), [angle, angle.times(5)]);
-        let speed = if i.is_multiple_of(7) { u.u } else { u.w * T::from_f64(1e7) };
-        (state, Drive { angle, speed, acceleration: T::ZERO })
-    };
     let entry = step::<T, I, R, C, D> as *const ();
-    bench.measure(name, entry, prepare, |(state, drive)| step(integrator, machine, state, drive));
+    bench.measure(name, entry, start, |(state, drive)| step(integrator, machine, state, drive));
+}
+
+fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, Drive<T>) {
+    let (u, angle) = input::<T>(i);
+    let mut q = [T::ZERO; D];
+    for (entry, x) in q.iter_mut().zip(u.to_array()) {
+        *entry = x;
+    }
+    let state = RotorState::at_rest(q, angle.times(3), [angle, angle.times(5)]);
+    let speed = if i.is_multiple_of(7) { u.u } else { u.w * T::from_f64(1e7) };
+    (state, Drive { angle, speed, acceleration: T::ZERO })
+}
+
+/// Steps at the speed that the integrator is ready for.
+fn steady_steps<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
+    bench: &Bench,
+    (what, precision): (&'static str, &'static str),
+    machine: &Machine<R, C, 2>,
+    verlet: Verlet<T>,
+) {
+    let name = Name { what, elements: 9, precision, math: "exact", function: "Verlet step at the speed of the last" };
+    let entry = steady_step::<T, R, C, D> as *const ();
+    let ready = |i| {
+        let (state, drive) = start(i);
+        (SteadyVerlet::new(verlet, &machine.rotor, drive.speed), state, drive)
+    };
+    bench.measure(name, entry, ready, |(steady, state, drive)| steady_step(steady, machine, state, drive));
+}
+
+#[inline(never)]
+fn steady_step<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
+    steady: &mut SteadyVerlet<T, D>,
+    machine: &Machine<R, C, 2>,
+    state: &mut RotorState<T, D, 2>,
+    drive: &Drive<T>,
+) -> Status {
+    steady.step(machine, state, drive)
 }

@@ -17,7 +17,7 @@ use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
 use ballrace::rotor::{
     Attached, Coupling, Drive, General, Integrator, Machine, Mounted, MovingBalls, Newmark, RigidRotor, RotorState,
-    RungeKutta4, System, Verlet,
+    RungeKutta4, SteadyVerlet, System, Verlet,
 };
 use ballrace::turn::{Arc, Ratio};
 use ballrace::twin::{Envelope, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
@@ -78,6 +78,7 @@ fn steps<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>() {
     black_box(given::<RungeKutta4<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Newmark<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Verlet<T>>().step(&machine, &mut state, &drive));
+    black_box(given::<SteadyVerlet<T, D>>().step(&machine, &mut state, &drive));
     black_box((state, drive.after(given())));
 }
 

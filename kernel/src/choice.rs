@@ -1,0 +1,30 @@
+//! Which of two, at the same instructions either way.
+
+use crate::scalar::Scalar;
+use crate::turn::Turn;
+
+/// Made once, for many numbers.
+#[derive(Clone, Copy)]
+pub struct Choice {
+    /// All ones for the first, 0 for the second.
+    mask: u32,
+}
+
+impl Choice {
+    #[inline(always)]
+    pub fn new(first: bool) -> Self {
+        // Hidden from the optimiser, which makes a conditional store, and so a branch, of a mask that it knows.
+        Self { mask: core::hint::black_box(u32::from(first).wrapping_neg()) }
+    }
+
+    #[inline(always)]
+    pub fn of<T: Scalar>(self, a: T, b: T) -> T {
+        T::masked(self.mask, a, b)
+    }
+
+    #[inline(always)]
+    pub fn of_turns(self, a: Turn, b: Turn) -> Turn {
+        let mask = i64::from(self.mask.cast_signed()) as u64;
+        Turn((a.0 & mask) | (b.0 & !mask))
+    }
+}
