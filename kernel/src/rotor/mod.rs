@@ -144,8 +144,7 @@ pub struct Push<T, const D: usize> {
     pub status: Status,
 }
 
-// The loops over the bearings count by hand: of iterators over two arrays the compiler does not see the end, keeps every
-// angle in memory, and the next to read them waits until they are written.
+// The loops over the bearings count by hand: the compiler takes these apart, those of iterators over two arrays it does not.
 impl<R, C, const N: usize> Machine<R, C, N> {
     /// What each bearing sees at `drive` with its parts at `parts`.
     #[inline(always)]
