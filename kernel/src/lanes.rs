@@ -7,11 +7,37 @@
 //! has a few hundred thousand copies to take apart in every program that holds all kinds of ball.
 
 use crate::math::Math;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Whole};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes<T, const K: usize>(pub [T; K]);
+
+/// Whole numbers side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct Wholes<T, const K: usize> {
+    counts: [u32; K],
+    pub numbers: Lanes<T, K>,
+}
+
+impl<T: Scalar, const K: usize> Wholes<T, K> {
+    #[inline(always)]
+    fn lane(&self, i: usize) -> Whole<T> {
+        Whole { count: self.counts[i], number: self.numbers.0[i] }
+    }
+
+    /// `self * length + column` as indices, `self` being rows.
+    #[inline(always)]
+    pub fn entries(&self, length: Whole<T>, columns: &Self) -> [usize; K] {
+        let mut entries = [0; K];
+        let mut i = 0;
+        while i < K {
+            entries[i] = T::entry(self.lane(i), length, columns.lane(i));
+            i += 1;
+        }
+        entries
+    }
+}
 
 /// Which lanes.
 #[derive(Debug, Clone, Copy)]
@@ -104,16 +130,17 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     pub fn any_sign(self) -> T {
         self.0.into_iter().fold(T::ZERO, T::either_sign)
     }
-    /// The whole part of each, 0 to `most`, as index and as number.
+    /// The whole part of each, 0 to `most`.
     #[inline(always)]
-    pub fn index(self, most: u32) -> ([u32; K], Self) {
-        let (mut index, mut whole) = ([0; K], self);
+    pub fn whole(self, most: Whole<T>) -> Wholes<T, K> {
+        let mut wholes = Wholes { counts: [0; K], numbers: self };
         let mut i = 0;
         while i < K {
-            (index[i], whole.0[i]) = self.0[i].index(most);
+            let Whole { count, number } = self.0[i].whole(most);
+            (wholes.counts[i], wholes.numbers.0[i]) = (count, number);
             i += 1;
         }
-        (index, whole)
+        wholes
     }
     #[inline(always)]
     pub fn below(self, other: Self) -> Mask<K> {

@@ -39,6 +39,8 @@ pub trait Scalar:
 
     /// The nearest number of this precision. Set-up time on targets whose `f64` is soft.
     fn from_f64(x: f64) -> Self;
+    /// A count (rounded).
+    fn from_count(count: u32) -> Self;
     /// As `f64`, exactly.
     fn to_f64(self) -> f64;
     /// Magnitude: clears the sign bit.
@@ -84,8 +86,10 @@ pub trait Scalar:
     /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.
     fn counts_of_radians(self) -> i64;
 
-    /// The whole part of `self`, 0 to `most`, as index and as number; NaN gives 0. A whole number may count to the one below.
-    fn index(self, most: u32) -> (u32, Self);
+    /// The whole part of `self`, 0 to `most`; NaN gives 0. A whole number may count to the one below.
+    fn whole(self, most: Whole<Self>) -> Whole<Self>;
+    /// `row * length + column` as index.
+    fn entry(row: Whole<Self>, length: Whole<Self>, column: Whole<Self>) -> usize;
     /// `x^(2/3)` to 0.2 %, `x >= 0`: a first guess of a Hertz deflection.
     fn two_thirds_roughly(self) -> Self;
 
@@ -100,6 +104,26 @@ pub trait Scalar:
         self - self.abs()
     }
 }
+
+/// A whole number, both ways: what is not asked for costs nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Whole<T> {
+    /// To count with.
+    pub count: u32,
+    /// To compute with.
+    pub number: T,
+}
+
+impl<T: Scalar> Whole<T> {
+    /// Of a count.
+    #[inline(always)]
+    pub fn new(count: u32) -> Self {
+        Self { count, number: T::from_count(count) }
+    }
+}
+
+/// Where 1 is the last bit there is, an addition rounds to whole numbers, in every lane of a desktop processor.
+const LAST_BIT_IS_ONE: f64 = (1_u64 << 52) as f64;
 
 /// Two thirds of the exponent by the bits, then a Newton step on `y^3 = x^2`.
 #[inline]
@@ -121,6 +145,10 @@ impl Scalar for f32 {
     const HALF: Self = 0.5;
     const SETTLED: Self = 1e-4;
 
+    #[inline]
+    fn from_count(count: u32) -> Self {
+        count as Self
+    }
     #[inline]
     fn from_f64(x: f64) -> Self {
         x as Self
@@ -163,9 +191,13 @@ impl Scalar for f32 {
         ((counts >> 32) as i32) as Self * SCALE
     }
     #[inline]
-    fn index(self, most: u32) -> (u32, Self) {
-        let i = (self as u32).min(most);
-        (i, i as Self)
+    fn whole(self, most: Whole<Self>) -> Whole<Self> {
+        let count = (self as u32).min(most.count);
+        Whole { count, number: count as Self }
+    }
+    #[inline]
+    fn entry(row: Whole<Self>, length: Whole<Self>, column: Whole<Self>) -> usize {
+        row.count.wrapping_mul(length.count).wrapping_add(column.count) as usize
     }
     #[inline]
     fn two_thirds_roughly(self) -> Self {
@@ -185,6 +217,10 @@ impl Scalar for f64 {
     const HALF: Self = 0.5;
     const SETTLED: Self = 1e-9;
 
+    #[inline]
+    fn from_count(count: u32) -> Self {
+        Self::from(count)
+    }
     #[inline]
     fn from_f64(x: f64) -> Self {
         x
@@ -227,11 +263,15 @@ impl Scalar for f64 {
         counts as Self * (core::f64::consts::TAU / COUNTS_64)
     }
     #[inline]
-    fn index(self, most: u32) -> (u32, Self) {
-        // Where 1 is the last bit there is, an addition rounds to whole numbers, in every lane of a desktop processor.
-        const WHOLE: f64 = (1_u64 << 52) as f64;
-        let rounded = (self - 0.5).larger(0.0).smaller(f64::from(most)) + WHOLE;
-        (rounded.to_bits() as u32, rounded - WHOLE)
+    fn whole(self, most: Whole<Self>) -> Whole<Self> {
+        let rounded = (self - 0.5).larger(0.0).smaller(most.number) + LAST_BIT_IS_ONE;
+        Whole { count: rounded.to_bits() as u32, number: rounded - LAST_BIT_IS_ONE }
+    }
+    #[inline]
+    fn entry(row: Whole<Self>, length: Whole<Self>, column: Whole<Self>) -> usize {
+        // In floats, in every lane of a desktop processor.
+        let sum = row.number * length.number + column.number + LAST_BIT_IS_ONE;
+        sum.to_bits() as u32 as usize
     }
     #[inline]
     fn two_thirds_roughly(self) -> Self {

@@ -80,7 +80,7 @@ mod tests {
     use ballrace::bearing::lumped::Radial;
     use ballrace::bearing::quasi_static::QuasiStatic;
     use ballrace::bearing::tabulated::{Domain, Table, Tabulated, fill};
-    use ballrace::bearing::{Place, Places, even_places};
+    use ballrace::bearing::{Place, Places, SideBySide, even_places};
     use ballrace::contact::law::Point;
     use ballrace::rotor::{Drive, Gear, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, Unbalance};
     use ballrace::{Exact, Turn};
@@ -148,7 +148,8 @@ mod tests {
         let mut nodes = vec![[0.0; F]; grid.len()];
         fill(solved, domain, &grid, &mut nodes);
         let (table, seat) = (Table::new(grid, nodes), solved.table_seat());
-        same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places.to_vec(), seat, table, false));
+        let places = SideBySide::<_, Vec<_>>::new(places.to_vec());
+        same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places, seat, table, false));
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams};
 use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
 use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
-use ballrace::bearing::{Bearing, Place, Places, Reaction, even_places};
+use ballrace::bearing::{Bearing, Place, Places, Reaction, SideBySide, even_places};
 use ballrace::{Displacement, Exact, Rotation, Scalar, Status, Turn};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry, harris_218_geometry};
 use ballrace_tests::states::Random;
@@ -262,7 +262,10 @@ fn many_balls_are_the_sum_of_their_balls() {
         for balls in 1..=36 {
             let places: Vec<Place<f64>> = (0..balls).map(|j| Place::even(Turn(1), j, balls)).collect();
             let singles: Vec<_> = places.iter().map(|&place| bearing(vec![place])).collect();
+            let side_by_side = SideBySide::<_, Vec<_>>::new(places.clone());
             let all = bearing(places);
+            let kept = Table::new(*table.table().grid(), table.table().nodes());
+            let kept = Tabulated::<f64, Exact, _, _, F>::new(side_by_side, ball.table_seat(), kept, false);
             for _ in 0..20 {
                 let mut entry = |size: f64| random.between(-size, size);
                 let [u, v, thu, thv] = [entry(2e-5), entry(2e-5), entry(4e-4), entry(4e-4)];
@@ -270,6 +273,7 @@ fn many_balls_are_the_sum_of_their_balls() {
                 let cage = Turn::from_revolutions(random.unit());
                 let at = Rotation { cage, inner_speed: 5_000.0 * RPM, ..Rotation::default() };
                 let found = all.reaction(&u, &at);
+                assert_eq!(found, kept.reaction(&u, &at), "{balls} balls kept side by side");
                 let answers = singles.iter().map(|single| single.reaction(&u, &at));
                 let sum = answers.reduce(|sum, one| sum.plus(one)).unwrap();
                 assert_eq!(found.status, sum.status, "{balls} balls");

@@ -17,7 +17,7 @@ pub mod tabulated;
 
 pub use elements::InCage;
 pub use held::HeldWrench;
-pub use place::{Arrangement, Pairs, Place, Places, even_pairs, even_places};
+pub use place::{ABREAST, Abreast, Arrangement, Pairs, Place, Places, SideBySide, even_pairs, even_places};
 
 use crate::frame::{Displacement, Stiffness, Wrench, mirrored_stiffness};
 use crate::rotation::Rotation;

@@ -1,5 +1,6 @@
 //! Where the elements stand in the cage: any places, or opposite pairs.
 
+use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 
@@ -104,6 +105,19 @@ pub trait Arrangement<T: Scalar>: Send + Sync {
     /// What the hot path goes through.
     fn table(&self) -> &[Place<T>];
 
+    /// The `part`-th `ABREAST` elements side by side; nothing where there are no more, or fewer than that in all.
+    #[inline(always)]
+    fn abreast(&self, part: usize) -> Option<Abreast<T, ABREAST>> {
+        let (table, begin) = (self.table(), part * ABREAST);
+        if begin >= table.len() {
+            return None;
+        }
+        // The last reach back where they would not be all.
+        let from = begin.min(table.len().wrapping_sub(ABREAST));
+        let places = table.get(from..)?.first_chunk()?;
+        Some(Abreast { from, known: begin - from, ..Abreast::of(places) })
+    }
+
     /// Every element in order.
     #[inline(always)]
     fn each(&self) -> impl Iterator<Item = Place<T>> {
@@ -128,8 +142,75 @@ impl<T: Scalar, const H: usize> Arrangement<T> for Pairs<T, H> {
     }
 }
 
+/// Elements side by side: cosines, sines and azimuths of their places.
+#[derive(Debug, Clone, Copy)]
+// What wide registers read lies within cache lines.
+#[cfg_attr(target_pointer_width = "64", repr(align(64)))]
+pub struct Abreast<T, const K: usize> {
+    pub(super) cos: Lanes<T, K>,
+    pub(super) sin: Lanes<T, K>,
+    pub(super) azimuths: [Turn; K],
+    /// The first's number in the table.
+    pub(super) from: usize,
+    /// How many of them were among the ones before.
+    pub(super) known: usize,
+}
+
+impl<T: Scalar, const K: usize> Abreast<T, K> {
+    #[inline(always)]
+    pub(super) fn of(places: &[Place<T>; K]) -> Self {
+        let (cos, sin) = (Lanes::of(places, |place| place.cos), Lanes::of(places, |place| place.sin));
+        Self { cos, sin, azimuths: places.each_ref().map(|place| place.azimuth), from: 0, known: 0 }
+    }
+}
+
+/// Places that are kept side by side too, as a desktop processor reads them: the same answers, sooner from
+/// [`super::tabulated`].
+///
+/// ```
+/// use ballrace::Turn;
+/// use ballrace::bearing::{Arrangement, Places, SideBySide, even_places};
+///
+/// let nine: Places<f64, 9> = even_places(Turn::ZERO);
+/// let kept = SideBySide::<_, Vec<_>>::new(nine);
+/// assert_eq!(kept.table(), nine);
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct SideBySide<P, G> {
+    places: P,
+    groups: G,
+}
+
+impl<P, G> SideBySide<P, G> {
+    /// Of these places. Set-up time.
+    pub fn new<T: Scalar>(places: P) -> Self
+    where
+        P: Arrangement<T>,
+        G: FromIterator<Abreast<T, ABREAST>>,
+    {
+        let groups = (0..).map_while(|part| places.abreast(part)).collect();
+        Self { places, groups }
+    }
+}
+
+impl<T: Scalar, P, G> Arrangement<T> for SideBySide<P, G>
+where
+    P: Arrangement<T>,
+    G: AsRef<[Abreast<T, ABREAST>]> + Send + Sync,
+{
+    const PAIRS: bool = P::PAIRS;
+    #[inline(always)]
+    fn table(&self) -> &[Place<T>] {
+        self.places.table()
+    }
+    #[inline(always)]
+    fn abreast(&self, part: usize) -> Option<Abreast<T, ABREAST>> {
+        self.groups.as_ref().get(part).copied()
+    }
+}
+
 /// Elements that are computed side by side: on the desktop as many as keep its units busy, on a microcontroller one.
-pub(super) const ABREAST: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
+pub const ABREAST: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
 
 /// Up to `K` places, the last repeated where there are fewer.
 pub(super) struct Group<T, const K: usize> {

@@ -7,7 +7,7 @@
 //! `u cos p + v sin p` and `w + R (thu sin p - thv cos p)` (de Mul 1989, relabelled to this project's axes).
 
 use super::Reaction;
-use super::place::{Arrangement, Place};
+use super::place::{Abreast, Arrangement, Place};
 use super::surface::{Shape, Surface};
 use crate::frame::{Displacement, Stiffness, Wrench};
 use crate::lanes::Lanes;
@@ -98,6 +98,29 @@ impl<T: Scalar> Motion<T> {
     }
 }
 
+impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
+    /// Of elements side by side, with the waviness of their grooves.
+    #[inline(always)]
+    pub(super) fn of_each<S: Surface<T>>(
+        &Abreast { cos, sin, azimuths, .. }: &Abreast<T, K>,
+        rim: &Displacement<T>,
+        at: &Rotation<T>,
+        surface: &S,
+    ) -> Self {
+        let all = Lanes::<T, K>::all;
+        let shapes = azimuths.map(|azimuth| surface.at(azimuth.plus(at.cage), at));
+        let shape = Shape {
+            radial: Lanes::of(&shapes, |shape| shape.radial),
+            axial: Lanes::of(&shapes, |shape| shape.axial),
+            inner: Lanes::of(&shapes, |shape| shape.inner),
+            outer: Lanes::of(&shapes, |shape| shape.outer),
+        };
+        let radial = all(rim.u) * cos + all(rim.v) * sin + shape.radial;
+        let axial = all(rim.thu) * sin - all(rim.thv) * cos + all(rim.w) + shape.axial;
+        Self { radial, axial, shape }
+    }
+}
+
 /// Sine and cosine of the cage's angle: the way into its frame and out of it.
 pub type CageTurn<T> = (T, T);
 
@@ -160,12 +183,14 @@ impl<T: Scalar> WrenchSum<T> {
         contacts: &Contact<Lanes<T, K>>,
         from: usize,
     ) {
-        let mut i = from;
+        let mut i = 0;
         while i < K {
             let Some(place) = places.get(i) else { break };
-            let [radial, axial, tilting, load] =
-                [contacts.radial.0[i], contacts.axial.0[i], contacts.tilting.0[i], contacts.load.0[i]];
-            self.add(place, &Contact { radial, axial, tilting, load });
+            if i >= from {
+                let [radial, axial, tilting, load] =
+                    [contacts.radial.0[i], contacts.axial.0[i], contacts.tilting.0[i], contacts.load.0[i]];
+                self.add(place, &Contact { radial, axial, tilting, load });
+            }
             i += 1;
         }
     }

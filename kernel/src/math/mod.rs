@@ -10,6 +10,7 @@ mod trig;
 
 use crate::scalar::Scalar;
 use crate::turn::Turn;
+use core::ops::{Add, Mul};
 
 /// The functions of the hot path, chosen at compile time.
 pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
@@ -141,7 +142,10 @@ fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {
 
 /// The same of eight coefficients by pairs and pairs of pairs: three steps one after the other instead of seven.
 #[inline(always)]
-fn polynomial_by_pairs<T: Scalar>(x: T, [c0, c1, c2, c3, c4, c5, c6, c7]: [T; 8]) -> T {
+fn polynomial_by_pairs<X>(x: X, [c0, c1, c2, c3, c4, c5, c6, c7]: [X; 8]) -> X
+where
+    X: Copy + Add<Output = X> + Mul<Output = X>,
+{
     let xx = x * x;
     let [a, b, c, d] = [c0 + c1 * x, c2 + c3 * x, c4 + c5 * x, c6 + c7 * x];
     (a + b * xx) + (c + d * xx) * (xx * xx)

@@ -4,6 +4,7 @@
 //! exact at the four quarters). `f64`: the Taylor series to degree 17 and 18 (remainder below 1e-19).
 
 use super::{polynomial, polynomial_by_pairs};
+use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 use crate::turn::Turn;
 
@@ -43,35 +44,24 @@ pub fn sin_cos_f64(angle: Turn) -> (f64, f64) {
     let (quarter, rest) = reduce(angle);
     let x = f64::radians_of_counts(rest);
     let xx = x * x;
-    let sin = x + x
-        * xx
-        * polynomial_by_pairs(
-            xx,
-            [
-                -1.0 / 6.0,
-                1.0 / 120.0,
-                -1.0 / 5_040.0,
-                1.0 / 362_880.0,
-                -1.0 / 39_916_800.0,
-                1.0 / 6_227_020_800.0,
-                -1.0 / 1_307_674_368_000.0,
-                1.0 / 355_687_428_096_000.0,
-            ],
-        );
-    let cos = 1.0 - 0.5 * xx
-        + xx * xx
-            * polynomial_by_pairs(
-                xx,
-                [
-                    1.0 / 24.0,
-                    -1.0 / 720.0,
-                    1.0 / 40_320.0,
-                    -1.0 / 3_628_800.0,
-                    1.0 / 479_001_600.0,
-                    -1.0 / 87_178_291_200.0,
-                    1.0 / 20_922_789_888_000.0,
-                    -1.0 / 6_402_373_705_728_000.0,
-                ],
-            );
+    // What is left of both series after the first terms, side by side: of the cosine's with the other sign, so that the two
+    // are the same operations.
+    let Lanes(rest) = polynomial_by_pairs(
+        Lanes::all(xx),
+        [
+            Lanes([-1.0 / 6.0, -1.0 / 24.0]),
+            Lanes([1.0 / 120.0, 1.0 / 720.0]),
+            Lanes([-1.0 / 5_040.0, -1.0 / 40_320.0]),
+            Lanes([1.0 / 362_880.0, 1.0 / 3_628_800.0]),
+            Lanes([-1.0 / 39_916_800.0, -1.0 / 479_001_600.0]),
+            Lanes([1.0 / 6_227_020_800.0, 1.0 / 87_178_291_200.0]),
+            Lanes([-1.0 / 1_307_674_368_000.0, -1.0 / 20_922_789_888_000.0]),
+            Lanes([1.0 / 355_687_428_096_000.0, 1.0 / 6_402_373_705_728_000.0]),
+        ],
+    );
+    // Where there are registers of two numbers: seen as one thing in memory, the compiler takes both at once.
+    let [sines, cosines] = if cfg!(target_pointer_width = "64") { core::hint::black_box(rest) } else { rest };
+    let sin = x + x * xx * sines;
+    let cos = 1.0 - 0.5 * xx - xx * xx * cosines;
     unreduce(quarter, sin, cos)
 }

@@ -1,6 +1,6 @@
 //! The leapfrog of Verlet and Stormer: symplectic, one evaluation of every bearing a step.
 
-use super::solve::Factored;
+use super::solve::{Factored, Inverse};
 use super::vector::{add, add_scaled, along};
 use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept};
 use crate::scalar::Scalar;
@@ -35,10 +35,11 @@ impl<T: Scalar> Verlet<T> {
         Factored::new(rotor.effective([T::ONE, T::HALF * self.step, T::ZERO], speed))
     }
 
+    /// A step with the equations `M + h/2 (B + w G)` solved as given.
     #[inline(always)]
     fn step_with<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
         self,
-        effective: &Factored<T, D>,
+        solve: impl FnOnce([T; D]) -> [T; D],
         machine: &Machine<R, C, N>,
         state: &mut RotorState<T, D, N>,
         drive: &Drive<T>,
@@ -55,7 +56,7 @@ impl<T: Scalar> Verlet<T> {
         add(&mut push, &machine.rotor.internal(&q, &state.rate, middle.speed));
         let bearings = machine.push(&q, &at);
         add(&mut push, &bearings.force);
-        let acceleration = effective.solve(push);
+        let acceleration = solve(push);
         let rate = along(&state.rate, h, &acceleration);
         let mut end = q;
         add_scaled(&mut end, half, &rate);
@@ -74,19 +75,31 @@ impl<T: Scalar> Integrator<T> for Verlet<T> {
         drive: &Drive<T>,
     ) -> Status {
         let effective = self.effective(&machine.rotor, self.middle(drive).speed);
-        self.step_with(&effective, machine, state, drive)
+        self.step_with(
+            #[inline(always)]
+            |push| effective.solve(push),
+            machine,
+            state,
+            drive,
+        )
     }
 }
 
-/// [`Verlet`] for a shaft whose speed mostly stays: the same steps to the bit, but the equations of the last one are kept for
-/// the next, and only taken apart again where the speed in the middle of the step is another.
+/// [`Verlet`] for a shaft whose speed mostly stays: the same steps, to rounding, with the equations of the last one kept for the
+/// next as an inverse, whose product is not a chain of solutions one after the other.
 ///
-/// Fixed cost at a fixed speed; where the speed changes a step costs what [`Verlet`]'s does.
+/// A step at the speed of the one before costs `D^2` multiplications in place of `D^3/3`; the first of them makes the inverse;
+/// a step at another speed is [`Verlet`]'s to the bit.
 #[derive(Debug, Clone, Copy)]
 pub struct SteadyVerlet<T: Scalar, const D: usize> {
     verlet: Verlet<T>,
-    speed: T,
+    /// The equations at `speed`, and their inverse where it is made.
     effective: Factored<T, D>,
+    speed: T,
+    inverse: Option<Inverse<T, D>>,
+    /// The speed with nothing to make for: infinite where there is no inverse. One comparison, so that a bad drive costs what a
+    /// good one costs.
+    ready: T,
 }
 
 impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
@@ -94,7 +107,8 @@ impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
     #[must_use]
     pub fn new<R: System<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         let speed = if speed.is_finite() { speed } else { T::ZERO };
-        Self { verlet, speed, effective: verlet.effective(rotor, speed) }
+        let effective = verlet.effective(rotor, speed);
+        Self { verlet, effective, speed, inverse: Some(Inverse::new(&effective)), ready: speed }
     }
 
     /// One step, as [`Integrator::step`] of machines with the rotor that it was made for.
@@ -107,9 +121,31 @@ impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
     ) -> Status {
         let speed = self.verlet.middle(drive).speed;
         // A speed that is not finite is answered with the state held, whatever the equations: nothing to do for it.
-        if (speed != self.speed) & speed.is_finite() {
-            *self = Self { speed, effective: self.verlet.effective(&machine.rotor, speed), ..*self };
+        if (speed != self.ready) & speed.is_finite() {
+            self.turn_to(&machine.rotor, speed);
         }
-        self.verlet.step_with(&self.effective, machine, state, drive)
+        let (effective, inverse) = (&self.effective, &self.inverse);
+        self.verlet.step_with(
+            #[inline(always)]
+            |push| match inverse {
+                Some(inverse) => inverse.solve(push),
+                None => effective.solve(push),
+            },
+            machine,
+            state,
+            drive,
+        )
+    }
+
+    /// Equations for another speed; an inverse only for one that comes a second time: in a run-up it would be for nothing.
+    #[cold]
+    #[inline(never)]
+    fn turn_to<R: System<T, D>>(&mut self, rotor: &R, speed: T) {
+        if speed == self.speed {
+            (self.inverse, self.ready) = (Some(Inverse::new(&self.effective)), speed);
+        } else {
+            (self.effective, self.speed) = (self.verlet.effective(rotor, speed), speed);
+            (self.inverse, self.ready) = (None, T::ONE / T::ZERO);
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::Disturbed;
 use crate::math::Math;
 use crate::rotor::{Coupling, Drive, Integrator, Machine, RotorState, System};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Whole};
 use crate::status::Status;
 use crate::turn::Turn;
 
@@ -144,12 +144,12 @@ where
         let gains = self.gains.as_ref();
         let [first, density] = self.speeds;
         let place = (speed - first) * density;
-        let (below, whole) = place.index((gains.len() as u32).saturating_sub(2));
-        let part = (place - whole).larger(T::ZERO).smaller(T::ONE);
+        let below = place.whole(Whole::new((gains.len() as u32).saturating_sub(2)));
+        let part = (place - below.number).larger(T::ZERO).smaller(T::ONE);
         // A single gain is all there is: nothing to mix, nothing to pay for.
         let part = if gains.len() > 1 { part } else { T::ZERO };
         let mut nis = T::ZERO;
-        for (gain, weight) in gains.iter().skip(below as usize).zip([T::ONE - part, part]) {
+        for (gain, weight) in gains.iter().skip(below.count as usize).zip([T::ONE - part, part]) {
             nis += gain.apply(state, weight, innovation);
         }
         nis

@@ -10,9 +10,9 @@ mod table;
 pub use fill::{Domain, fill};
 pub use table::{Axis, Grid, Node, Table};
 
-use self::table::{AtSpeed, Rows};
+use self::table::{AtSpeed, Rows, Spots};
 use super::elements::InCage;
-use super::place::{ABREAST, Arrangement, Place, groups};
+use super::place::{ABREAST, Abreast, Arrangement, Place, groups};
 use super::quasi_static::{Matrix, TableSeat, contact_tangents};
 use super::ring::{CageTurn, Contact, ContactTangent, Motion, TangentSum, WrenchSum};
 use super::surface::{Smooth, Surface};
@@ -52,6 +52,8 @@ struct Call<'a, T, const F: usize> {
     /// The displacement with its tilt as axial displacement at the radius of the lever arm.
     rim: Displacement<T>,
     at: &'a Rotation<T>,
+    /// From the outer to the inner groove centres where the rings just touch the balls, m.
+    rest: Plane<T>,
 }
 
 /// Where balls are, as the table asks for it.
@@ -83,18 +85,6 @@ struct Look<L, T> {
     inside: T,
 }
 
-/// How many of at least `ABREAST` balls are staged together, so that as many are left for the next time, or none.
-#[inline(always)]
-const fn together(balls: usize) -> usize {
-    if balls <= STAGED {
-        balls
-    } else if balls < STAGED + ABREAST {
-        STAGED - ABREAST
-    } else {
-        STAGED
-    }
-}
-
 /// `ABREAST` of the balls that are staged together; what wide registers write comes first, within cache lines.
 #[repr(C)]
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
@@ -106,25 +96,16 @@ struct Part<'a, T> {
     known: usize,
 }
 
+/// What a stage has to say of each part.
+type Staged<X> = [Option<X>; STAGED / ABREAST];
+
 /// Written within cache lines, as [`Spots`].
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 struct Aligned<X>(X);
 
-impl<'a, T> Part<'a, T> {
-    /// The places from `begin` on, and how many were before; the last reach back where they would not be all.
-    #[inline(always)]
-    fn of(places: &'a [Place<T>], begin: usize) -> Option<(&'a [Place<T>; ABREAST], usize)> {
-        if begin >= places.len() {
-            return None;
-        }
-        let from = begin.min(places.len().wrapping_sub(ABREAST));
-        Some((places.get(from..)?.first_chunk()?, begin - from))
-    }
-}
-
-/// What a stage has to say of each part, nothing yet. One by one, so that nothing but the marks is written.
+/// Nothing yet. One by one, so that nothing but the marks is written.
 #[inline(always)]
-const fn unset<X>() -> [Option<X>; STAGED / ABREAST] {
+const fn unset<X>() -> Staged<X> {
     [None, None, None, None]
 }
 
@@ -161,19 +142,18 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let speed = if self.by_outer { at.outer_speed } else { at.inner_speed };
         let arm = self.seat.arm;
         let rim = Displacement { thu: arm * u.thu, thv: arm * u.thv, ..*u };
-        Call { speed: self.table.at_speed(speed.abs()), rows: self.table.rows(), rim, at }
+        let rest = Plane { r: self.seat.distance * self.seat.axis[0], z: self.seat.distance * self.seat.axis[1] };
+        Call { speed: self.table.at_speed(speed.abs()), rows: self.table.rows(), rim, at, rest }
     }
 
     #[inline(always)]
-    fn aim<const K: usize>(&self, call: &Call<'_, T, F>, places: &[Place<T>; K]) -> Aim<Lanes<T, K>> {
+    fn aim<const K: usize>(&self, call: &Call<'_, T, F>, balls: &Abreast<T, K>) -> Aim<Lanes<T, K>> {
         let all = Lanes::<T, K>::all;
         let seat = &self.seat;
-        let motions =
-            places.each_ref().map(|place| Motion::of(place, &call.rim, call.at, &self.surface).with_waviness());
-        let a = Plane { r: Lanes::of(&motions, |m| m.radial + seat.offset), z: Lanes::of(&motions, |m| m.axial) };
-        let bulges = Lanes::of(&motions, |m| m.shape.inner + m.shape.outer);
-        let [c0, s0] = seat.axis;
-        let rest = Plane { r: all(seat.distance * c0), z: all(seat.distance * s0) };
+        let motion = Motion::of_each(balls, &call.rim, call.at, &self.surface);
+        let a = Plane { r: motion.radial + all(seat.offset), z: motion.axial };
+        let bulges = motion.shape.inner + motion.shape.outer;
+        let rest = Plane { r: all(call.rest.r), z: all(call.rest.z) };
         let apart = rest.plus(a);
         let length = apart.dot(apart).sqrt::<M>();
         // One division for both the direction and the approach.
@@ -207,10 +187,10 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// Balls looked up, and what tells by its sign bits whether they are inside the table.
     #[inline(always)]
-    fn look<const K: usize>(&self, call: &Call<'_, T, F>, places: &[Place<T>; K]) -> Look<Lanes<T, K>, T> {
-        let aim = self.aim(call, places);
-        let spots = (&self.table.at_angle(aim.line.z), &self.table.at_approach(aim.root));
-        let (fields, missing) = self.table.fields(&call.speed, &call.rows, spots, 0);
+    fn look<const K: usize>(&self, call: &Call<'_, T, F>, balls: &Abreast<T, K>) -> Look<Lanes<T, K>, T> {
+        let aim = self.aim(call, balls);
+        let spots = self.table.spots(&call.rows, aim.line.z, aim.root);
+        let (fields, missing) = self.table.fields::<0, K>(&call.speed, &call.rows, &spots, 0);
         let inside = self.table.inside(aim.root, aim.line.z).any_sign().either_sign(missing);
         Look { aim, found: Self::found(aim.line, &fields), inside }
     }
@@ -220,41 +200,63 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     fn add(&self, call: &Call<'_, T, F>, places: impl Iterator<Item = Place<T>>, sum: &mut WrenchSum<T>) -> T {
         let mut inside = T::ZERO;
         for place in places {
-            let ball = self.look(call, &[place]);
-            sum.add_each(&[place], &self.contacts(&ball.found), 0);
-            inside = inside.either_sign(ball.inside);
+            let ball = Abreast::of(&[place]);
+            let look = self.look(call, &ball);
+            sum.add_each(&[place], &self.contacts(&look.found), 0);
+            inside = inside.either_sign(look.inside);
         }
         inside
     }
 
-    /// Adds `ABREAST` to `STAGED` balls together, stage by stage.
+    /// Adds the balls from the `begin`-th `ABREAST` on, up to `STAGED` of them together, stage by stage.
     #[inline(always)]
-    fn add_staged(&self, call: &Call<'_, T, F>, places: &[Place<T>], sum: &mut WrenchSum<T>) -> T {
+    fn add_staged(&self, call: &Call<'_, T, F>, begin: usize, sum: &mut WrenchSum<T>) -> T {
         let (mut parts, mut spots, mut contacts) = (unset(), unset(), unset());
         let mut inside = Lanes::<T, ABREAST>::all(T::ZERO);
-        let mut begin = 0;
+        let (mut next, table) = (begin, self.places.table());
         for part in &mut parts {
-            *part = Part::of(places, begin).map(|(places, known)| {
-                let Aim { line, root, .. } = self.aim(call, places);
-                Part { places, known, line, root }
-            });
-            begin += ABREAST;
+            let Some(balls) = self.places.abreast(next) else { break };
+            let Some(places) = table.get(balls.from..).and_then(<[_]>::first_chunk) else { break };
+            let Aim { line, root, .. } = self.aim(call, &balls);
+            *part = Some(Part { line, root, places, known: balls.known });
+            next += 1;
         }
         for (part, spots) in parts.iter().zip(&mut spots) {
             let Some(Part { line, root, .. }) = part else { break };
-            *spots = Some((self.table.at_angle(line.z), self.table.at_approach(*root)));
+            *spots = Some(self.table.spots(&call.rows, line.z, *root));
             inside = inside.either_sign(self.table.inside(*root, line.z));
         }
         let mut inside = inside.any_sign();
-        for ((part, spots), contact) in parts.iter().zip(&spots).zip(&mut contacts) {
-            let (Some(part), Some((angles, approaches))) = (part, spots) else { break };
-            let (fields, missing) = self.table.fields(&call.speed, &call.rows, (angles, approaches), part.known);
-            *contact = Some(Aligned(self.contacts(&Self::found(part.line, &fields))));
-            inside = inside.either_sign(missing);
-        }
+        // Asked once: what is in the loop is asked for every ball.
+        let missing = if self.table.is_of_one_speed() {
+            self.touch::<1>(call, &parts, &spots, &mut contacts)
+        } else {
+            self.touch::<2>(call, &parts, &spots, &mut contacts)
+        };
+        inside = inside.either_sign(missing);
         for (part, contact) in parts.iter().zip(&contacts) {
             let (Some(part), Some(contact)) = (part, contact) else { break };
             sum.add_each(part.places, &contact.0, part.known);
+        }
+        inside
+    }
+
+    /// The contacts of balls at their spots in a table of one speed, or mixed from two. Gives what tells by its sign bit whether
+    /// nodes are missing.
+    #[inline(always)]
+    fn touch<const SPEEDS: usize>(
+        &self,
+        call: &Call<'_, T, F>,
+        parts: &Staged<Part<'_, T>>,
+        spots: &Staged<Spots<T, ABREAST>>,
+        contacts: &mut Staged<Aligned<Contact<Lanes<T, ABREAST>>>>,
+    ) -> T {
+        let mut inside = T::ZERO;
+        for ((part, spots), contact) in parts.iter().zip(spots).zip(contacts) {
+            let (Some(part), Some(spots)) = (part, spots) else { break };
+            let (fields, missing) = self.table.fields::<SPEEDS, ABREAST>(&call.speed, &call.rows, spots, part.known);
+            *contact = Some(Aligned(self.contacts(&Self::found(part.line, &fields))));
+            inside = inside.either_sign(missing);
         }
         inside
     }
@@ -264,7 +266,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     fn tangents<const K: usize>(&self, call: &Call<'_, T, F>, look: &Look<Lanes<T, K>, T>) -> [ContactTangent<T>; K] {
         let all = Lanes::<T, K>::all;
         let Look { aim, found, .. } = look;
-        let [by_sine, by_root] = self.table.slopes(&call.speed, &call.rows, aim.root, aim.line.z);
+        let [by_sine, by_root] = self.table.slopes(&call.speed, &call.rows, aim.line.z, aim.root);
         // d(root)/d(approach) = 1/(2 |root|); where the root is 0 so is what it multiplies.
         let per_approach = all(T::HALF) / (aim.root.abs() + Lanes::constant(1e-9));
         let per_across = aim.line.r * aim.inverse_length;
@@ -305,13 +307,15 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
         let (call, mut sum) = (self.call(u, at), WrenchSum::new());
         let (mut inside, places) = (call.speed.inside(), self.places.table());
-        let mut left = places;
-        while ABREAST > 1 && left.len() >= ABREAST {
-            let Some((now, later)) = left.split_at_checked(together(left.len())) else { break };
-            inside = inside.either_sign(self.add_staged(&call, now, &mut sum));
-            left = later;
+        if ABREAST > 1 && places.len() >= ABREAST {
+            let mut begin = 0;
+            while begin * ABREAST < places.len() {
+                inside = inside.either_sign(self.add_staged(&call, begin, &mut sum));
+                begin += STAGED / ABREAST;
+            }
+        } else {
+            inside = inside.either_sign(self.add(&call, places.iter().copied(), &mut sum));
         }
-        inside = inside.either_sign(self.add(&call, left.iter().copied(), &mut sum));
         if P::PAIRS {
             inside = inside.either_sign(self.add(&call, places.iter().map(|place| place.opposite()), &mut sum));
         }
@@ -328,7 +332,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let call = self.call(u, at);
         let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), call.speed.inside());
         for group in groups::<T, ABREAST>(&self.places) {
-            let look = self.look(&call, &group.places);
+            let look = self.look(&call, &Abreast::of(&group.places));
             inside = inside.either_sign(look.inside);
             sum.add_each(group.real(), &self.contacts(&look.found), 0);
             for (place, k) in group.real().iter().zip(&self.tangents(&call, &look)) {
@@ -345,7 +349,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         let call = self.call(u, at);
         let mut loads = loads.iter_mut();
         for group in groups::<T, ABREAST>(&self.places) {
-            let balls = self.look(&call, &group.places).found;
+            let balls = self.look(&call, &Abreast::of(&group.places)).found;
             for (_, (found, load)) in group.real().iter().zip(balls.load.0.into_iter().zip(&mut loads)) {
                 *load = found;
             }

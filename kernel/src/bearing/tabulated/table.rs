@@ -7,8 +7,8 @@
 //! wedges between both races moves sideways by the root of what the rings leave it, and because over it the load of Hertz is
 //! a cubic, smooth also where contact begins.
 
-use crate::lanes::Lanes;
-use crate::scalar::Scalar;
+use crate::lanes::{Lanes, Wholes};
+use crate::scalar::{Scalar, Whole};
 
 /// One entry of the table: half the load (N; twice a positive part needs no branch), sine of the turn, and with `F = 3` the
 /// friction, which is 0 at the inner contact where there is no gyroscopic moment or the outer race carries it all. With
@@ -54,57 +54,68 @@ impl<T: Scalar> Axis<T> {
 
     /// The first of the three nodes around each `x`, and how far it lies from half before to half after the middle one.
     #[inline(always)]
-    fn around<const K: usize>(&self, x: Lanes<T, K>) -> ([u32; K], Lanes<T, K>) {
+    fn around<const K: usize>(&self, x: Lanes<T, K>, last: Whole<T>) -> (Wholes<T, K>, Lanes<T, K>) {
         let place = self.place(x) - Lanes::all(T::HALF);
-        let (first, whole) = place.index(self.count.wrapping_sub(3) as u32);
-        (first, place - whole)
+        let first = place.whole(last);
+        (first, place - first.numbers)
     }
 
-    /// The nodes around each `x` and their weights in a quadratic B-spline.
+    /// The last of the nodes that are the first of three.
     #[inline(always)]
-    fn quadratic<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, K> {
-        let [half, one] = [T::HALF, T::ONE].map(Lanes::all);
-        let (first, after) = self.around(x);
-        let before = one - after;
-        let (before, after) = (half * before * before, half * after * after);
-        Spots { first, before, middle: one - before - after, after }
-    }
-
-    /// Slopes of these weights.
-    #[inline(always)]
-    fn slopes<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, K> {
-        let density = Lanes::all(self.density);
-        let (first, after) = self.around(x);
-        let before = Lanes::all(T::ONE) - after;
-        Spots { first, before: -before * density, middle: (before - after) * density, after: after * density }
+    fn last(&self) -> Whole<T> {
+        Whole::new(self.count.wrapping_sub(3) as u32)
     }
 
     /// The first of the two nodes around `x` and their weights; of a single node all of it.
     #[inline(always)]
     fn linear(&self, x: T) -> (u32, [T; 2]) {
-        let place = self.place(Lanes([x]));
-        let ([first], whole) = place.index(self.count.saturating_sub(2) as u32);
-        let Lanes([t]) = place - whole;
-        (first, [T::ONE - t, t])
+        let Lanes([place]) = self.place(Lanes([x]));
+        let first = place.whole(Whole::new(self.count.saturating_sub(2) as u32));
+        let t = place - first.number;
+        (first.count, [T::ONE - t, t])
     }
 }
 
-/// Places of `K` balls on an axis: the first of the three nodes around each, and what they count.
+/// What the three nodes around each of `K` balls count along one axis.
+#[derive(Debug, Clone, Copy)]
+struct Weights<T, const K: usize> {
+    before: Lanes<T, K>,
+    middle: Lanes<T, K>,
+    after: Lanes<T, K>,
+}
+
+impl<T: Scalar, const K: usize> Weights<T, K> {
+    /// In a quadratic B-spline, of balls that lie `after` from half before to half after the middle node.
+    #[inline(always)]
+    fn quadratic(after: Lanes<T, K>) -> Self {
+        let [half, one] = [T::HALF, T::ONE].map(Lanes::all);
+        let before = one - after;
+        let (before, after) = (half * before * before, half * after * after);
+        Self { before, middle: one - before - after, after }
+    }
+
+    /// Slopes of these weights.
+    #[inline(always)]
+    fn slopes(after: Lanes<T, K>, density: T) -> Self {
+        let density = Lanes::all(density);
+        let before = Lanes::all(T::ONE) - after;
+        Self { before: -before * density, middle: (before - after) * density, after: after * density }
+    }
+
+    #[inline(always)]
+    fn of(&self, i: usize) -> [T; 3] {
+        [self.before.0[i], self.middle.0[i], self.after.0[i]]
+    }
+}
+
+/// Places of `K` balls in the table: the first of the nine nodes around each, and what these count.
 #[derive(Debug, Clone, Copy)]
 // What a wide register writes across two cache lines, and more so across two pages, takes many times as long.
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 pub struct Spots<T, const K: usize> {
-    pub first: [u32; K],
-    pub before: Lanes<T, K>,
-    pub middle: Lanes<T, K>,
-    pub after: Lanes<T, K>,
-}
-
-impl<T: Scalar, const K: usize> Spots<T, K> {
-    #[inline(always)]
-    fn weights_of(&self, i: usize) -> [T; 3] {
-        [self.before.0[i], self.middle.0[i], self.after.0[i]]
-    }
+    by_angle: Weights<T, K>,
+    by_approach: Weights<T, K>,
+    first: [usize; K],
 }
 
 /// The nodes from the first, second and third row of the angle on, as many of each: where there is one of the last there is
@@ -114,6 +125,9 @@ pub struct Rows<'a, T, const F: usize> {
     before: &'a [Node<T, F>],
     middle: &'a [Node<T, F>],
     after: &'a [Node<T, F>],
+    length: Whole<T>,
+    last_angle: Whole<T>,
+    last_approach: Whole<T>,
 }
 
 /// A grid and its nodes.
@@ -179,50 +193,54 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         self.grid.approach.inside(x).either_sign(self.grid.angle.inside(sin))
     }
 
-    /// Where sines of the angle are among the nodes: their rows.
+    /// Where balls are in the table, from sines of the angle and signed roots `x` of the approach.
     #[inline(always)]
-    pub(super) fn at_angle<const K: usize>(&self, sin: Lanes<T, K>) -> Spots<T, K> {
-        let row = self.grid.approach.count as u32;
-        let mut spots = self.grid.angle.quadratic(sin);
-        spots.first = spots.first.map(|first| first.wrapping_mul(row));
-        spots
-    }
-
-    /// Where signed roots of the approach are in their rows.
-    #[inline(always)]
-    pub(super) fn at_approach<const K: usize>(&self, x: Lanes<T, K>) -> Spots<T, K> {
-        self.grid.approach.quadratic(x)
+    pub(super) fn spots<const K: usize>(&self, rows: &Rows<'_, T, F>, sin: Lanes<T, K>, x: Lanes<T, K>) -> Spots<T, K> {
+        let (row, by_angle) = self.grid.angle.around(sin, rows.last_angle);
+        let (column, by_approach) = self.grid.approach.around(x, rows.last_approach);
+        Spots {
+            by_angle: Weights::quadratic(by_angle),
+            by_approach: Weights::quadratic(by_approach),
+            first: row.entries(rows.length, &column),
+        }
     }
 
     /// The nodes as balls are looked up in them.
     #[inline(always)]
     pub(super) fn rows<'a>(&'a self) -> Rows<'a, T, F> {
         // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
-        let row = self.grid.approach.count as u32 as usize;
+        let (angle, approach) = (&self.grid.angle, &self.grid.approach);
+        let length = Whole::new(approach.count as u32);
+        let row = length.count as usize;
         let from = |nodes: &'a [Node<T, F>]| nodes.get(row..).unwrap_or_default();
         let nodes = self.nodes.as_ref();
         let middle = from(nodes);
         let after = from(middle);
         let [before, middle] = [nodes, middle].map(|nodes| nodes.get(..after.len()).unwrap_or_default());
-        Rows { before, middle, after }
+        Rows { before, middle, after, length, last_angle: angle.last(), last_approach: approach.last() }
     }
 
-    /// The quantities at `spots` along angle and approach, and the sign bit set where nodes are missing; 0 of those before ball
-    /// `known`.
+    /// Whether it is of one speed.
     #[inline(always)]
-    pub(super) fn fields<const K: usize>(
+    pub(super) fn is_of_one_speed(&self) -> bool {
+        self.grid.speed.count == 1
+    }
+
+    /// The quantities at `spots` of a table of one speed, mixed from two, or (0) as the table is, and the sign bit set where
+    /// nodes are missing; 0 of balls before `known`.
+    #[inline(always)]
+    pub(super) fn fields<const SPEEDS: usize, const K: usize>(
         &self,
         at: &AtSpeed<T>,
         rows: &Rows<'_, T, F>,
-        (angles, approaches): (&Spots<T, K>, &Spots<T, K>),
+        spots: &Spots<T, K>,
         known: usize,
     ) -> ([Lanes<T, K>; F], T) {
         let (mut nodes, mut missing) = ([[T::ZERO; F]; K], T::ZERO);
         let mut i = 0;
         while i < K {
             if i >= known {
-                let weights = [angles.weights_of(i), approaches.weights_of(i)];
-                match self.value(at, rows, angles.first[i].wrapping_add(approaches.first[i]), || weights) {
+                match self.value::<SPEEDS, K>(at, rows, spots, i) {
                     Some(node) => nodes[i] = node,
                     None => missing = T::NEGATIVE_ZERO,
                 }
@@ -238,30 +256,36 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         &self,
         at: &AtSpeed<T>,
         rows: &Rows<'_, T, F>,
-        x: Lanes<T, K>,
         sin: Lanes<T, K>,
+        x: Lanes<T, K>,
     ) -> [[Lanes<T, K>; F]; 2] {
-        let (angles, approaches) = (self.at_angle(sin), self.at_approach(x));
-        let across = Spots { first: angles.first, ..self.grid.angle.slopes(sin) };
-        let along = self.grid.approach.slopes(x);
-        [self.fields(at, rows, (&across, &approaches), 0).0, self.fields(at, rows, (&angles, &along), 0).0]
+        let (angle, approach) = (&self.grid.angle, &self.grid.approach);
+        let (row, across) = angle.around(sin, rows.last_angle);
+        let (column, along) = approach.around(x, rows.last_approach);
+        let first = row.entries(rows.length, &column);
+        let (by_angle, by_approach) = (Weights::quadratic(across), Weights::quadratic(along));
+        let across = Spots { first, by_angle: Weights::slopes(across, angle.density), by_approach };
+        let along = Spots { first, by_angle, by_approach: Weights::slopes(along, approach.density) };
+        [self.fields::<0, K>(at, rows, &across, 0).0, self.fields::<0, K>(at, rows, &along, 0).0]
     }
 
-    /// Weighted sum of the nodes from `first` on in each of the two layers about the speed; nothing where they end before.
+    /// Weighted sum of the nodes around ball `i` in each of the two layers about the speed, or in the one; nothing where they
+    /// end before.
     #[inline(always)]
-    fn value(
+    fn value<const SPEEDS: usize, const K: usize>(
         &self,
         at: &AtSpeed<T>,
         rows: &Rows<'_, T, F>,
-        first: u32,
-        weights: impl Fn() -> [[T; 3]; 2],
+        spots: &Spots<T, K>,
+        i: usize,
     ) -> Option<Node<T, F>> {
-        let first = at.first.wrapping_add(first);
-        let below = rows.patch(first, &weights)?;
-        if self.grid.speed.count == 1 {
-            return Some(below);
+        let first = spots.first[i] as u32;
+        if SPEEDS == 1 || (SPEEDS == 0 && self.is_of_one_speed()) {
+            return rows.patch(first, spots, i);
         }
-        let above = rows.patch(first.wrapping_add(self.layer()), &weights)?;
+        let first = at.first.wrapping_add(first);
+        let below = rows.patch(first, spots, i)?;
+        let above = rows.patch(first.wrapping_add(self.layer()), spots, i)?;
         Some(mixed(at.weights, [below, above]))
     }
 }
@@ -269,12 +293,14 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 impl<T: Scalar, const F: usize> Rows<'_, T, F> {
     /// Weighted sum of the nine nodes of one speed from `first` on; nothing where the table ends before them.
     #[inline(always)]
-    fn patch(&self, first: u32, weights: impl Fn() -> [[T; 3]; 2]) -> Option<Node<T, F>> {
+    fn patch<const K: usize>(&self, first: u32, spots: &Spots<T, K>, i: usize) -> Option<Node<T, F>> {
+        // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
         let first = first as usize;
         let three = first..first.wrapping_add(3);
-        let [by_angle, by_approach] = weights();
-        let along = |nodes: &[Node<T, F>]| Some(mixed(by_approach, *nodes.get(three.clone())?.first_chunk()?));
-        Some(mixed(by_angle, [along(self.before)?, along(self.middle)?, along(self.after)?]))
+        let along =
+            |nodes: &[Node<T, F>]| Some(mixed(spots.by_approach.of(i), *nodes.get(three.clone())?.first_chunk()?));
+        let rows = [along(self.before)?, along(self.middle)?, along(self.after)?];
+        Some(mixed(spots.by_angle.of(i), rows))
     }
 }
 

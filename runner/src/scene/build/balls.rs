@@ -10,7 +10,7 @@ use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, Inertia
 use ballrace::bearing::quasi_static::{BallPlace, BallState, COLD_STEPS, QuasiStatic, TableSeat};
 use ballrace::bearing::surface::{Surface, Uneven};
 use ballrace::bearing::tabulated::{Domain, Grid, Table, Tabulated, fill};
-use ballrace::bearing::{Arrangement, Bearing, Mirrored, Place, Reaction};
+use ballrace::bearing::{Arrangement, Bearing, Mirrored, Place, Reaction, SideBySide};
 use ballrace::contact::hertz::Race;
 use ballrace::{Displacement, Math, Rotation, Scalar, Turn};
 use std::sync::Arc;
@@ -253,7 +253,8 @@ fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &Ma
     let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);
-    let bearing = Tabulated::<T, M, _, _, F>::new(places(of), made.seat.rounded(), table, made.by_outer);
+    let places = SideBySide::<_, Vec<_>>::new(places(of));
+    let bearing = Tabulated::<T, M, _, _, F>::new(places, made.seat.rounded(), table, made.by_outer);
     Ok(match uneven::<T, M>(of) {
         None => facing(of, shared(bearing)),
         Some(surface) => facing(of, shared(bearing.with_surface(surface))),
