@@ -59,7 +59,9 @@ impl<T: Scalar, const D: usize> Inverse<T, D> {
         let mut columns = [[T::ZERO; D]; D];
         for (k, column) in columns.iter_mut().enumerate() {
             let mut unit = [T::ZERO; D];
-            unit[k] = T::ONE;
+            for (i, entry) in unit.iter_mut().enumerate() {
+                *entry = if i == k { T::ONE } else { T::ZERO };
+            }
             *column = factored.solve(unit);
         }
         Self(columns)

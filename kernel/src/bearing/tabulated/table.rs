@@ -297,10 +297,10 @@ impl<T: Scalar, const F: usize> Rows<'_, T, F> {
         // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
         let first = first as usize;
         let three = first..first.wrapping_add(3);
-        let along =
-            |nodes: &[Node<T, F>]| Some(mixed(spots.by_approach.of(i), *nodes.get(three.clone())?.first_chunk()?));
-        let rows = [along(self.before)?, along(self.middle)?, along(self.after)?];
-        Some(mixed(spots.by_angle.of(i), rows))
+        // Read here, where the compiler knows `i`: the closure may become a function of its own.
+        let [by_angle, by_approach] = [spots.by_angle.of(i), spots.by_approach.of(i)];
+        let along = |nodes: &[Node<T, F>]| Some(mixed(by_approach, *nodes.get(three.clone())?.first_chunk()?));
+        Some(mixed(by_angle, [along(self.before)?, along(self.middle)?, along(self.after)?]))
     }
 }
 
