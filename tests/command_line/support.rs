@@ -18,15 +18,15 @@ pub const TURN: usize = 256;
 /// Samples of the recording on a [`Desk::rig`]: eight turns.
 pub const SHORT: usize = 8 * TURN;
 
-/// The program in the profile of this test, built once.
+/// The release binary, which the README's first command builds.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
         let build = escargot::CargoBuild::new()
             .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"))
             .package("ballrace-runner")
-            .bin("ballrace");
-        let build = if cfg!(debug_assertions) { build } else { build.release() };
+            .bin("ballrace")
+            .release();
         let build = match own_target_folder() {
             Some(folder) => build.target_dir(folder),
             None => build,
