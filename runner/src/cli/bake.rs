@@ -1,11 +1,11 @@
 //! `ballrace bake`: a scene as constants for firmware.
 
 use super::{Format, keep_apart, say};
-use crate::bake::{Baked, bake};
-use crate::fault::scene_fault;
-use crate::needs;
-use crate::output::AtomicFile;
-use crate::scene::read::read_file;
+use ballrace_twin::bake::{Baked, bake};
+use ballrace_twin::fault::scene_fault;
+use ballrace_twin::needs;
+use ballrace_twin::output::AtomicFile;
+use ballrace_twin::scene::read::read_file;
 use anyhow::Result;
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,11 +1,11 @@
 //! `ballrace equilibrium`: where the rotor or a bearing settles.
 
 use super::{Format, keep_apart, say};
-use crate::equilibrium::{Element, settle};
-use crate::fault::scene_fault;
-use crate::output::AtomicFile;
-use crate::report;
-use crate::scene::read::read_file;
+use ballrace_twin::equilibrium::{Element, settle};
+use ballrace_twin::fault::scene_fault;
+use ballrace_twin::output::AtomicFile;
+use ballrace_report as report;
+use ballrace_twin::scene::read::read_file;
 use anyhow::{Result, bail};
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;

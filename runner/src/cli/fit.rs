@@ -1,13 +1,13 @@
 //! `ballrace fit`: the scene's numbers from a recording.
 
 use super::{Format, keep_apart};
-use crate::fault::{SceneFault, scene_fault};
-use crate::fit::parameters::{ALL, Group};
-use crate::fit::{Fitted, Material, fit, read, written};
-use crate::output::AtomicFile;
-use crate::recording::Reader;
-use crate::report;
-use crate::scene::read::read_file;
+use ballrace_twin::fault::{SceneFault, scene_fault};
+use ballrace_twin::fit::parameters::{ALL, Group};
+use ballrace_twin::fit::{Fitted, Material, fit, read, written};
+use ballrace_twin::output::AtomicFile;
+use ballrace_twin::recording::Reader;
+use ballrace_report as report;
+use ballrace_twin::scene::read::read_file;
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use std::io::{BufWriter, IsTerminal, Write};

@@ -1,11 +1,11 @@
 //! `ballrace force`: ring displacements in, forces out.
 
 use super::{Format, say};
-use crate::fault::{SceneFault, scene_fault};
-use crate::needs::{self, Need};
-use crate::scene::build::{self, AnyBearing};
-use crate::scene::read::read_file;
-use crate::scene::{Bearing, Linear, Model, Scene};
+use ballrace_twin::fault::{SceneFault, scene_fault};
+use ballrace_twin::needs::{self, Need};
+use ballrace_twin::scene::build::{self, AnyBearing};
+use ballrace_twin::scene::read::read_file;
+use ballrace_twin::scene::{Bearing, Linear, Model, Scene};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::{Bearing as _, HeldWrench};
 use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Turn};
@@ -149,7 +149,7 @@ where
 /// The bearing; one linearised from another model takes its springs from the rotor's rest.
 fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
     if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
-        let plant = crate::plant::Plant::try_new(scene)?;
+        let plant = ballrace_twin::plant::Plant::try_new(scene)?;
         let seat = plant.seats.iter().find(|s| s.name == bearing.name).context("the bearing has a seat")?;
         return Ok(build::spring_of(&seat.bearing));
     }

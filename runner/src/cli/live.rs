@@ -5,8 +5,8 @@ use crate::live::address::Address;
 use crate::live::out::Asked;
 use crate::live::source::Encoding;
 use crate::live::view::Shared;
-use crate::scene::read::{read_file, read_str};
-use crate::scene::{Scene, units};
+use ballrace_twin::scene::read::{read_file, read_str};
+use ballrace_twin::scene::{Scene, units};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -68,7 +68,7 @@ impl LiveArgs {
         &'a self,
         source: Address,
         view: Option<Shared>,
-        replay: crate::replay::Options<'a>,
+        replay: ballrace_twin::replay::Options<'a>,
     ) -> monitor::Options<'a> {
         monitor::Options {
             source,

@@ -13,10 +13,10 @@ pub mod sweep;
 pub mod trade;
 pub mod watch;
 
-use crate::fault::SceneFault;
-use crate::needs::{self, Need};
-use crate::recording::error::RecordingError;
-use crate::scene::read::SceneError;
+use ballrace_twin::fault::SceneFault;
+use ballrace_twin::needs::{self, Need};
+use ballrace_twin::recording::error::RecordingError;
+use ballrace_twin::scene::read::SceneError;
 use anyhow::{Result, bail};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::io::Write;

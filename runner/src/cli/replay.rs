@@ -2,15 +2,15 @@
 
 use super::live::{self, DEMO_RECORDING, LiveArgs};
 use super::{Format, keep_apart};
-use crate::fault::{SceneFault, scene_fault};
+use ballrace_twin::fault::{SceneFault, scene_fault};
 use crate::live as monitor;
-use crate::output::AtomicFile;
-use crate::recording::Reader;
-use crate::recording::rotation::RotationError;
-use crate::replay::outcome::Outcome;
-use crate::replay::{Options, Source, replay};
-use crate::report;
-use crate::scene::{Recording, Scene, Sensor};
+use ballrace_twin::output::AtomicFile;
+use ballrace_twin::recording::Reader;
+use ballrace_twin::recording::rotation::RotationError;
+use ballrace_twin::replay::outcome::Outcome;
+use ballrace_twin::replay::{Options, Source, replay};
+use ballrace_report as report;
+use ballrace_twin::scene::{Recording, Scene, Sensor};
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};

@@ -1,7 +1,7 @@
 //! `ballrace scenes`: the scenes that come with the program.
 
 use super::Format;
-use crate::fault::SceneFault;
+use ballrace_twin::fault::SceneFault;
 use anyhow::{Result, bail};
 use serde::Serialize;
 use std::io::Write;

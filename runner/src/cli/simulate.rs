@@ -1,14 +1,14 @@
 //! `ballrace simulate`: the time response of the scene's rotor from its rest position.
 
 use super::{Format, keep_apart, say};
-use crate::fault::{SceneFault, scene_fault};
-use crate::motion::{self, Moment, Span};
-use crate::needs::{self, Need};
-use crate::output::AtomicFile;
-use crate::plant::Plant;
-use crate::scene::Scene;
-use crate::scene::read::read_file;
-use crate::scene::units::{Dimension, parse};
+use ballrace_twin::fault::{SceneFault, scene_fault};
+use ballrace_twin::motion::{self, Moment, Span};
+use ballrace_twin::needs::{self, Need};
+use ballrace_twin::output::AtomicFile;
+use ballrace_twin::plant::Plant;
+use ballrace_twin::scene::Scene;
+use ballrace_twin::scene::read::read_file;
+use ballrace_twin::scene::units::{Dimension, parse};
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use serde::Serialize;

@@ -1,13 +1,13 @@
 //! `ballrace sweep`: a scene over ranges of its keys.
 
 use super::{Format, keep_apart, say};
-use crate::fault::SceneFault;
-use crate::needs;
-use crate::output::AtomicFile;
-use crate::report;
-use crate::scene::read::read_file;
-use crate::scene::units::{Dimension, parse};
-use crate::sweep::{self, Axis, Chain, Follow, Journal, Measure, Plan, Row};
+use ballrace_twin::fault::SceneFault;
+use ballrace_twin::needs;
+use ballrace_twin::output::AtomicFile;
+use ballrace_report as report;
+use ballrace_twin::scene::read::read_file;
+use ballrace_twin::scene::units::{Dimension, parse};
+use ballrace_twin::sweep::{self, Axis, Chain, Follow, Journal, Measure, Plan, Row};
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;

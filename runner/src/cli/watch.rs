@@ -2,13 +2,13 @@
 
 use super::live::{self, LiveArgs};
 use crate::dashboard;
-use crate::fault::SceneFault;
+use ballrace_twin::fault::SceneFault;
 use crate::live as monitor;
 use crate::live::source::lock;
 use crate::live::view::Shared;
-use crate::output::AtomicFile;
-use crate::replay::Options;
-use crate::report;
+use ballrace_twin::output::AtomicFile;
+use ballrace_twin::replay::Options;
+use ballrace_report as report;
 use anyhow::{Result, bail};
 use std::io::IsTerminal;
 use std::path::PathBuf;

@@ -8,7 +8,7 @@ mod trend;
 
 use crate::live::source::lock;
 use crate::live::view::{Shared, View};
-use crate::scene::{Limit, Scene};
+use ballrace_twin::scene::{Limit, Scene};
 use anyhow::Result;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -204,12 +204,12 @@ fn empty(frame: &mut Frame, area: Rect, block: Block<'static>, why: &str) {
 mod tests {
     use super::*;
     use crate::live::out::Told;
-    use crate::replay::Glance;
-    use crate::replay::outcome::MarkedLine;
-    use crate::replay::pictures::planes;
-    use crate::replay::recent::Glimpse;
-    use crate::replay::second::{ProbeSecond, Second};
-    use crate::scene::read::read_str;
+    use ballrace_twin::replay::Glance;
+    use ballrace_twin::replay::outcome::MarkedLine;
+    use ballrace_twin::replay::pictures::planes;
+    use ballrace_twin::replay::recent::Glimpse;
+    use ballrace_twin::replay::second::{ProbeSecond, Second};
+    use ballrace_twin::scene::read::read_str;
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
     use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! From the reader's thread to the loop: a ring of rows that never grows, and counts of all that came and did not.
 
-use crate::recording::Row;
+use ballrace_twin::recording::Row;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

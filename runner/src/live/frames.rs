@@ -3,8 +3,8 @@
 //! `u32` sequence, then `f32` for each probe in the scene's order and for its keyphasor or speed column where it names
 //! one, in the scene's units. The sequence number counts samples and wraps. A reading that is not a finite number is missing.
 
-use crate::recording::Row;
-use crate::scene::{Recording, Rotation};
+use ballrace_twin::recording::Row;
+use ballrace_twin::scene::{Recording, Rotation};
 
 /// Behind by up to so many frames is a repeated or late one; farther behind, a source that began to count anew.
 const LATE: i64 = 1 << 20;

@@ -1,7 +1,7 @@
 //! The timeline: blocks at absolute times, and the ledger of how well they were kept.
 
-use crate::replay::outcome::Pacing;
-use crate::replay::timing::{histogram, nanoseconds, quantiles};
+use ballrace_twin::replay::outcome::Pacing;
+use ballrace_twin::replay::timing::{histogram, nanoseconds, quantiles};
 use cpu_time::ProcessTime;
 use hdrhistogram::Histogram;
 use std::time::{Duration, Instant};

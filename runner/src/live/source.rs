@@ -6,10 +6,10 @@
 use super::address::Address;
 use super::feed::{Item, Note, Sender, count};
 use super::frames::{Layout, Place, Sequence};
-use crate::recording::Reader;
-use crate::recording::error::RecordingError;
-use crate::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
-use crate::scene::{Clock, Recording};
+use ballrace_twin::recording::Reader;
+use ballrace_twin::recording::error::RecordingError;
+use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
+use ballrace_twin::scene::{Clock, Recording};
 use anyhow::{Context, Result, bail};
 use std::io::{ErrorKind, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -153,7 +153,7 @@ impl Feeder {
     fn rate_of_frames(&self) -> Result<f64> {
         match self.recording.clock {
             Clock::Rate(rate) => Ok(rate),
-            Clock::Column(_) => bail!(crate::fault::SceneFault(
+            Clock::Column(_) => bail!(ballrace_twin::fault::SceneFault(
                 "[recording] time: found a column of times, allowed with frames: rate = \"51.2 kHz\"".to_owned()
             )),
         }

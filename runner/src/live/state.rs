@@ -1,7 +1,7 @@
 //! What a monitor that was killed needs to go on: one small file, replaced as a whole.
 
 use super::source::Resume;
-use crate::output::AtomicFile;
+use ballrace_twin::output::AtomicFile;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -48,7 +48,7 @@ impl StateFile {
             Err(error) => return Err(error).with_context(|| path.display().to_string()),
         };
         if state.form != FORM || state.scene != scene {
-            bail!(crate::fault::SceneFault(format!(
+            bail!(ballrace_twin::fault::SceneFault(format!(
                 "{}: found the state of scene {:?} (form {}), allowed: that of {scene:?} (form {FORM}), or another folder",
                 path.display(),
                 state.scene,

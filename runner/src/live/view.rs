@@ -1,9 +1,9 @@
 //! What a monitor shows of itself while it runs.
 
 use super::out::Told;
-use crate::replay::Glance;
-use crate::replay::outcome::{Quantiles, SourceFigures};
-use crate::replay::second::Second;
+use ballrace_twin::replay::Glance;
+use ballrace_twin::replay::outcome::{Quantiles, SourceFigures};
+use ballrace_twin::replay::second::Second;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 

@@ -1,10 +1,10 @@
 //! Any bytes as a recording in CSV: rows and flaws, or one error.
 #![no_main]
 
-use ballrace_runner::recording::Reader;
-use ballrace_runner::recording::rotation::Tracker;
-use ballrace_runner::scene::Scene;
-use ballrace_runner::scene::read::read_str;
+use ballrace_twin::recording::Reader;
+use ballrace_twin::recording::rotation::Tracker;
+use ballrace_twin::scene::Scene;
+use ballrace_twin::scene::read::read_str;
 use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;
 use std::path::Path;

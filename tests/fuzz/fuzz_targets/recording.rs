@@ -1,8 +1,8 @@
 //! Any bytes as a recording in a binary format: rows and flaws, or one error.
 #![no_main]
 
-use ballrace_runner::recording::{Reader, Row};
-use ballrace_runner::scene::{Clock, Direction, Probe, Recording, Rotation};
+use ballrace_twin::recording::{Reader, Row};
+use ballrace_twin::scene::{Clock, Direction, Probe, Recording, Rotation};
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 use tempfile::TempDir;

@@ -2,8 +2,8 @@
 #![no_main]
 
 use ballrace::Exact;
-use ballrace_runner::scene::build;
-use ballrace_runner::scene::read::read_str;
+use ballrace_twin::scene::build;
+use ballrace_twin::scene::read::read_str;
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 
@@ -11,7 +11,7 @@ fuzz_target!(|text: &str| {
     let Ok(scene) = read_str(text, Path::new("scene.toml")) else { return };
     for bearing in &scene.bearings {
         // A table is a minute's work that no text should start here.
-        if bearing.model != ballrace_runner::scene::Model::Tabulated {
+        if bearing.model != ballrace_twin::scene::Model::Tabulated {
             let _ = build::bearing::<f64, Exact>(&scene, bearing, bearing.model);
         }
         let _ = build::kinematics(&scene, bearing);

@@ -1,8 +1,8 @@
 //! Events as JSON lines.
 
 use super::super::feed::Note;
-use crate::fault::SceneFault;
-use crate::replay::limits::Event;
+use ballrace_twin::fault::SceneFault;
+use ballrace_twin::replay::limits::Event;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::fs::{File, OpenOptions};

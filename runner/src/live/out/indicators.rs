@@ -1,8 +1,8 @@
 //! Every second's indicators: a Parquet file an hour, and between two of them a journal that survives a kill.
 
-use crate::output::AtomicFile;
-use crate::parquet_table::{self, Column};
-use crate::replay::second::Second;
+use ballrace_twin::output::AtomicFile;
+use ballrace_twin::parquet_table::{self, Column};
+use ballrace_twin::replay::second::Second;
 use anyhow::{Context, Result};
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -172,7 +172,7 @@ mod tests {
     use parquet::file::reader::{FileReader, SerializedFileReader};
 
     fn second(time_s: f64) -> Second {
-        let probe = crate::replay::second::ProbeSecond { name: "X".to_owned(), mean_um: time_s, ..Default::default() };
+        let probe = ballrace_twin::replay::second::ProbeSecond { name: "X".to_owned(), mean_um: time_s, ..Default::default() };
         Second { time_s, probes: vec![probe], ..Second::default() }
     }
 

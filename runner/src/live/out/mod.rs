@@ -9,7 +9,7 @@ mod prometheus;
 pub use events::{EventLog, Told};
 
 use super::feed::Counts;
-use crate::replay::second::Second;
+use ballrace_twin::replay::second::Second;
 use anyhow::Result;
 use indicators::Indicators;
 use prometheus::Prometheus;

@@ -2,7 +2,7 @@
 
 use super::super::feed::Counts;
 use super::super::source::lock;
-use crate::replay::second::{ProbeSecond, Second};
+use ballrace_twin::replay::second::{ProbeSecond, Second};
 use anyhow::{Result, anyhow};
 use std::fmt::Write;
 use std::net::Ipv4Addr;

@@ -1,0 +1,132 @@
+//! One row a probe, for spreadsheets: units in the heads, an empty cell where there is no number.
+
+use ballrace_twin::replay::outcome::{BallPassLine, Motion, Outcome, ProbeOutcome};
+
+/// Heads and cells of one row, in order.
+type Row = Vec<(String, String)>;
+
+/// The comparison as CSV: a head and one row for each probe, in the scene's order.
+///
+/// Bearings with moving elements add five columns each, named after the bearing.
+#[must_use]
+pub fn csv(outcome: &Outcome) -> String {
+    let bearings = bearings(outcome);
+    let heads = row(&ProbeOutcome::default(), &bearings).into_iter().map(|cell| cell.0);
+    let mut text = joined(heads);
+    for probe in &outcome.probes {
+        text.push_str(&joined(row(probe, &bearings).into_iter().map(|cell| cell.1)));
+    }
+    text
+}
+
+/// Every bearing that some probe has a line of, once.
+fn bearings(outcome: &Outcome) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for line in outcome.probes.iter().flat_map(|probe| &probe.ball_pass) {
+        if !names.contains(&line.bearing) {
+            names.push(line.bearing.clone());
+        }
+    }
+    names
+}
+
+fn row(probe: &ProbeOutcome, bearings: &[String]) -> Row {
+    let mut row = vec![
+        ("probe".to_owned(), probe.name.clone()),
+        number("station_mm", probe.station_mm),
+        number("angle_deg", probe.angle_deg.unwrap_or(f64::NAN)),
+    ];
+    row.extend(motion("measured", &probe.measured));
+    row.extend(motion("twin", &probe.twin));
+    row.extend(difference(probe));
+    for bearing in bearings {
+        row.extend(ball_pass(bearing, probe.ball_pass.iter().find(|line| line.bearing == *bearing)));
+    }
+    row
+}
+
+fn motion(whose: &str, motion: &Motion) -> Row {
+    vec![
+        number(&format!("{whose}_mean_um"), motion.mean_um),
+        number(&format!("{whose}_peak_to_peak_um"), motion.peak_to_peak_um),
+        number(&format!("{whose}_rms_um"), motion.rms_um),
+        number(&format!("{whose}_1x_um_peak"), motion.one_x_um),
+        number(&format!("{whose}_1x_lag_deg"), motion.one_x_phase_lag_deg),
+    ]
+}
+
+fn difference(probe: &ProbeOutcome) -> Row {
+    vec![
+        number("1x_vector_error_um_peak", probe.one_x_error_um),
+        number("residual_bias_um", probe.residual_bias_um),
+        number("residual_rms_um", probe.residual_rms_um),
+        number("nrmse_percent", probe.nrmse_percent),
+        ("nrmse_normaliser".to_owned(), probe.nrmse_normaliser.clone()),
+        number("noise_rms_um", probe.noise_um.unwrap_or(f64::NAN)),
+        number("baseline_mean_rms_um", probe.baselines.mean.residual_rms_um),
+        number("baseline_persistence_rms_um", probe.baselines.persistence.residual_rms_um),
+        number("baseline_1x_rms_um", probe.baselines.one_x.residual_rms_um),
+        number("baseline_linear_rms_um", probe.baselines.linear.residual_rms_um),
+        ("twin_to_best_baseline".to_owned(), super::words::standing(probe.baselines.worst()).to_lowercase()),
+    ]
+}
+
+fn ball_pass(bearing: &str, line: Option<&BallPassLine>) -> Row {
+    let head = |what: &str| format!("{bearing}_ball_pass_{what}");
+    let value = |of: fn(&BallPassLine) -> f64| line.map_or(f64::NAN, of);
+    vec![
+        number(&head("order"), value(|line| line.order)),
+        number(&head("hz"), value(|line| line.frequency_hz)),
+        number(&head("measured_um_peak"), value(|line| line.measured_um)),
+        number(&head("twin_um_peak"), value(|line| line.twin_um)),
+        number(&head("residual_um_peak"), value(|line| line.residual_um)),
+    ]
+}
+
+fn number(head: &str, value: f64) -> (String, String) {
+    (head.to_owned(), if value.is_finite() { value.to_string() } else { String::new() })
+}
+
+fn joined(cells: impl Iterator<Item = String>) -> String {
+    let mut line = cells.map(|cell| quoted(&cell)).collect::<Vec<_>>().join(",");
+    line.push('\n');
+    line
+}
+
+/// RFC 4180.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn every_row_has_every_column() {
+        for outcome in [fixture::usual(), fixture::bare(), fixture::broken(), fixture::crowded()] {
+            let text = csv(&outcome);
+            let mut reader = ::csv::Reader::from_reader(text.as_bytes());
+            let columns = reader.headers().unwrap().len();
+            let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
+            assert_eq!(rows.len(), outcome.probes.len());
+            assert!(rows.iter().all(|row| row.len() == columns));
+            assert!(!text.contains("NaN") && !text.contains("inf"));
+        }
+    }
+
+    #[test]
+    fn figures_stand_under_their_heads() {
+        let outcome = fixture::usual();
+        let text = csv(&outcome);
+        let mut reader = ::csv::Reader::from_reader(text.as_bytes());
+        let heads = reader.headers().unwrap().clone();
+        let row = reader.records().next().unwrap().unwrap();
+        let cell = |name: &str| row.get(heads.iter().position(|head| head == name).unwrap()).unwrap().to_owned();
+        assert_eq!(cell("probe"), "DE_X");
+        assert_eq!(cell("residual_rms_um").parse::<f64>().unwrap(), outcome.probes[0].residual_rms_um);
+        assert_eq!(cell("NDE_ball_pass_twin_um_peak").parse::<f64>().unwrap(), outcome.probes[0].ball_pass[1].twin_um);
+    }
+}

@@ -1,0 +1,149 @@
+//! The equilibrium for people: a text for the terminal, a page with pictures.
+
+use super::figures::{Picture, balance};
+use super::number::alone;
+use ballrace_twin::equilibrium::{EffectShare, Element, Settled};
+use ballrace_twin::plant::PRESSURE_LIMIT;
+use anyhow::Result;
+use minijinja::{Environment, context};
+use std::fmt::Write;
+
+/// The page's template, filled by [`html`].
+const PAGE: &str = include_str!("page.html");
+/// Cells of a bar.
+const BAR: usize = 24;
+
+/// For the terminal, 100 columns.
+#[must_use]
+pub fn text(settled: &Settled) -> String {
+    let mut out = String::new();
+    let rpm = settled.speed * 60.0 / std::f64::consts::TAU;
+    line(&mut out, &format!("{}: equilibrium at {} rpm", settled.scene, alone(rpm)));
+    if settled.residual > 1e-6 {
+        let part = settled.residual * 100.0;
+        line(
+            &mut out,
+            &format!("NOT IN EQUILIBRIUM: {part:.2e} % of the load is left; nothing holds it in some direction."),
+        );
+    }
+    for b in &settled.bearings {
+        let [u, v, w, thu, thv] = b.displacement;
+        let [fx, fy, fz, mx, my] = b.force;
+        line(&mut out, "");
+        line(&mut out, &format!("Bearing {}", b.name));
+        let angles = format!("tilt {:.4} {:.4} mrad", thu * 1e3, thv * 1e3);
+        line(&mut out, &format!("  displacement  {:.4} {:.4} {:.4} um, {angles}", u * 1e6, v * 1e6, w * 1e6));
+        line(&mut out, &format!("  force         {fx:.3} {fy:.3} {fz:.3} N, moment {mx:.4} {my:.4} N m"));
+        let k: Vec<String> = (0..5).map(|i| format!("{:.5e}", b.stiffness[i][i])).collect();
+        line(&mut out, &format!("  stiffness     {} N/m, {} N m/rad", k[..3].join(" "), k[3..].join(" ")));
+        element_table(&mut out, settled, &b.name);
+    }
+    let pressed =
+        settled.elements.iter().flat_map(|e| [e.inner_pressure, e.outer_pressure]).flatten().fold(0.0, f64::max);
+    if pressed > PRESSURE_LIMIT {
+        let (found, limit) = (pressed / 1e9, PRESSURE_LIMIT / 1e9);
+        line(
+            &mut out,
+            &format!("BEYOND YIELD: {found:.2} GPa of peak pressure, the static limit of ISO 76 is {limit:.1} GPa."),
+        );
+    }
+    if !settled.natural_frequencies_hz.is_empty() {
+        line(&mut out, "");
+        let list: Vec<String> = settled.natural_frequencies_hz.iter().map(|f| format!("{f:.2}")).collect();
+        line(&mut out, &format!("Natural frequencies, Hz: {}", list.join(", ")));
+    }
+    effect_table(&mut out, &settled.effects);
+    line(&mut out, "");
+    line(&mut out, &format!("Solved in {:.3} ms.", settled.solving_seconds * 1e3));
+    out
+}
+
+fn line(out: &mut String, text: &str) {
+    out.push_str(text);
+    out.push('\n');
+}
+
+fn of<'a>(settled: &'a Settled, name: &str) -> Vec<&'a Element> {
+    settled.elements.iter().filter(|e| e.bearing == name).collect()
+}
+
+fn element_table(out: &mut String, settled: &Settled, name: &str) {
+    let elements = of(settled, name);
+    let most = elements.iter().map(|e| e.inner_load.max(e.outer_load)).fold(0.0, f64::max);
+    let has_film = elements.iter().any(|e| e.outer_film > 0.0);
+    let film = if has_film { "  film, um" } else { "" };
+    line(out, &format!("   no azimuth       load, N     contact angle  pressure, MPa{film}"));
+    line(
+        out,
+        &format!(
+            "          deg  inner  outer    inner  outer    inner  outer{}",
+            if has_film { "  in  out" } else { "" }
+        ),
+    );
+    for e in elements {
+        let degrees = |a: Option<f64>| a.map_or("-".to_owned(), |a| format!("{:.2}", a.to_degrees()));
+        let mpa = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{:.0}", p / 1e6));
+        let film = if has_film {
+            let ratio = e.film_ratio.map_or(String::new(), |r| format!(" ratio {r:.1}"));
+            format!(" {:.2} {:.2}{ratio}", e.inner_film * 1e6, e.outer_film * 1e6)
+        } else {
+            String::new()
+        };
+        let filled = if most > 0.0 { (e.inner_load / most * BAR as f64).round() as usize } else { 0 };
+        let text = format!(
+            "  {:>3} {:>8.2} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6}{film} {}",
+            e.number,
+            e.azimuth.to_degrees(),
+            alone(e.inner_load),
+            alone(e.outer_load),
+            degrees(e.inner_angle),
+            degrees(e.outer_angle),
+            mpa(e.inner_pressure),
+            mpa(e.outer_pressure),
+            "#".repeat(filled.min(BAR))
+        );
+        line(out, text.trim_end());
+    }
+}
+
+fn effect_table(out: &mut String, effects: &[EffectShare]) {
+    if effects.is_empty() {
+        return;
+    }
+    line(out, "");
+    line(out, "What each effect does (this equilibrium without it):");
+    line(out, "  effect          u, v, w, um                stiffness X, Y, Z, %       largest load, %");
+    for e in effects {
+        let [u, v, w, ..] = e.displacement.map(|x| x * 1e6);
+        let [kx, ky, kz, ..] = e.stiffness.map(|x| x * 100.0);
+        let load = e.largest_load * 100.0;
+        let _ = writeln!(
+            out,
+            "  {:<13} {u:>+8.4} {v:>+8.4} {w:>+8.4}   {kx:>+8.2} {ky:>+8.2} {kz:>+8.2}   {load:>+8.2}",
+            e.effect
+        );
+    }
+}
+
+/// A page that stands alone.
+///
+/// # Errors
+/// None is known; those of the template and the pictures.
+pub fn html(settled: &Settled) -> Result<String> {
+    let pictures =
+        settled.bearings.iter().map(|b| balance(&b.name, &of(settled, &b.name))).collect::<Result<Vec<_>>>()?;
+    page(&settled.scene, "equilibrium", &pictures, &text(settled))
+}
+
+/// A page of pictures and words.
+pub(super) fn page(scene: &str, what: &str, pictures: &[Picture], words: &str) -> Result<String> {
+    let mut environment = Environment::new();
+    environment.add_template("page.html", PAGE)?;
+    let figures: Vec<_> = pictures
+        .iter()
+        .map(
+            |p| context! { title => p.title.as_str(), note => p.note.as_str(), svg => minijinja::Value::from_safe_string(p.svg.clone()) },
+        )
+        .collect();
+    Ok(environment.get_template("page.html")?.render(context! { scene, what, figures, words })?)
+}

@@ -1,0 +1,143 @@
+//! Spectra one behind the other: a waterfall over time, or a cascade over speed where that changes.
+
+use super::Picture;
+use super::axis::{Axis, extent};
+use super::canvas::{Anchor, Canvas, Dashes, FAINT, Frame, INK, MARK, MEASURED, PAPER, Stroke, gutter, picture};
+use super::line::{Point, peaks};
+use super::mark::{self, Mark};
+use ballrace_twin::replay::outcome::{Cascade, MarkedLine, Slice};
+use anyhow::Result;
+
+const WIDTH: f64 = 620.0;
+const HEIGHT: f64 = 330.0;
+/// Of the highest peak.
+const PEAK: f64 = 56.0;
+/// Points of one spectrum at most.
+const POINTS: usize = 170;
+/// The view ends at this many times the highest marked line.
+const BEYOND_LINES: f64 = 1.3;
+/// Lowest bins, which hold what the window spreads of the mean.
+const MEAN_BINS: usize = 2;
+
+/// One picture a plane or probe; over the speed where it changes.
+pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool) -> Result<Picture> {
+    let view = View::new(cascade, lines, over_speed);
+    let mut marks = mark::marks(&view.lines, view.highest);
+    let frame = view.frame(&mut marks);
+    let largest = view.slices.iter().flat_map(|s| view.points(s)).map(|p| p.1).fold(0.0, f64::max);
+    let svg = picture((WIDTH, frame.bottom + 36.0), Dashes::None, |canvas| {
+        frame.axes(canvas, true)?;
+        // Those further up lie behind.
+        for slice in view.slices.iter().rev() {
+            let base = frame.at(&(0.0, view.along(slice))).1;
+            draw(canvas, &frame, &view.points(slice), base, largest)?;
+        }
+        view.order_lines(canvas, &frame, &marks)?;
+        mark::names(canvas, &frame, &marks)?;
+        canvas.text(
+            &format!("height: root of the amplitude, highest {largest:.3} um peak"),
+            (frame.left, 8.0),
+            Anchor::Start,
+            INK,
+        )
+    })?;
+    let (kind, over) = if over_speed { ("Cascade", "speed") } else { ("Waterfall", "time") };
+    Ok(Picture {
+        title: format!("{kind} of {} over {over}", cascade.name),
+        note: if cascade.two_sided {
+            "Full spectra: forward precession to the right, reverse to the left."
+        } else {
+            ""
+        }
+        .to_owned(),
+        svg,
+    })
+}
+
+/// What of a cascade is shown, and how.
+struct View<'a> {
+    cascade: &'a Cascade,
+    over_speed: bool,
+    /// From the front to the back.
+    slices: Vec<&'a Slice>,
+    /// Frequencies where the orders are at the top of the frame.
+    lines: Vec<MarkedLine>,
+    highest: f64,
+    low: f64,
+    /// At the top of the frame.
+    high: f64,
+}
+
+impl<'a> View<'a> {
+    fn new(cascade: &'a Cascade, lines: &[MarkedLine], over_speed: bool) -> Self {
+        let along = |slice: &Slice| if over_speed { slice.speed_rpm.abs() } else { slice.time_s };
+        let finite = |slice: &&Slice| along(slice).is_finite() && along(slice).abs() < 1e12;
+        let mut slices: Vec<&Slice> = cascade.slices.iter().filter(finite).collect();
+        slices.sort_by(|a, b| along(a).total_cmp(&along(b)));
+        let (low, last) = extent(slices.iter().map(|slice| along(slice))).unwrap_or((0.0, 1.0));
+        // The last spectrum stands inside the frame.
+        let high = last + (last - low).max(1e-3 * last.abs()).max(1e-6) * PEAK / (HEIGHT - PEAK);
+        let at_top = |line: &MarkedLine| if over_speed { line.order * high / 60.0 } else { line.hz };
+        let lines = lines.iter().map(|line| MarkedLine { hz: at_top(line), ..line.clone() }).collect::<Vec<_>>();
+        let bins = slices.iter().map(|slice| slice.amplitude_um.len() / 2).max().unwrap_or(0);
+        let whole = Some(cascade.bin_hz * bins as f64).filter(|hz| *hz > 0.0 && *hz < 1e12).unwrap_or(1.0);
+        let marked = lines.iter().map(|line| line.hz).filter(|hz| hz.is_finite()).fold(0.0, f64::max);
+        let highest = if marked > 0.0 { whole.min(BEYOND_LINES * marked) } else { whole };
+        Self { cascade, over_speed, slices, lines, highest, low, high }
+    }
+
+    fn along(&self, slice: &Slice) -> f64 {
+        if self.over_speed { slice.speed_rpm.abs() } else { slice.time_s }
+    }
+
+    fn frame(&self, marks: &mut [Mark]) -> Frame {
+        let lowest = if self.cascade.two_sided { -self.highest } else { 0.0 };
+        let x = Axis::exact(Some((lowest, self.highest)), 9, "Frequency, Hz");
+        let y = Axis::exact(Some((self.low, self.high)), 8, if self.over_speed { "Speed, rpm" } else { "Time, s" });
+        let left = gutter(&[&y]);
+        let right = mark::right_edge(marks, left, WIDTH, |hz| x.place(hz));
+        let rows = mark::stack(marks, |hz| left + x.place(hz) * (right - left));
+        let top = 24.0 + mark::height(rows);
+        Frame { start: 0.0, left, top, right, bottom: top + HEIGHT, x, y }
+    }
+
+    /// Frequency and amplitude, without the mean.
+    fn points(&self, slice: &Slice) -> Vec<Point> {
+        let half = slice.amplitude_um.len() / 2;
+        let hz = |i: usize| (i as f64 - half as f64) * self.cascade.bin_hz;
+        let lowest = if self.cascade.two_sided { -self.highest } else { 0.0 };
+        let bins = slice.amplitude_um.iter().enumerate();
+        let kept = bins.filter(|(i, a)| a.is_finite() && hz(*i) >= lowest && hz(*i) <= self.highest);
+        let size = |i: usize, a: f64| if i.abs_diff(half) < MEAN_BINS { 0.0 } else { a.min(1e12) };
+        peaks(&kept.map(|(i, a)| (hz(i), size(i, *a))).collect::<Vec<_>>(), POINTS)
+    }
+
+    /// Straight up over time; through the origin over speed.
+    fn order_lines(&self, canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) -> Result<()> {
+        if !self.over_speed {
+            return mark::lines(canvas, frame, marks);
+        }
+        for mark in marks {
+            let foot = mark.hz * self.low / self.high;
+            for side in [1.0, -1.0] {
+                let (from, to) = ((side * foot, self.low), (side * mark.hz, self.high));
+                if frame.x.holds(from.0) && frame.x.holds(to.0) {
+                    canvas.line(&[frame.at(&from), frame.at(&to)], Stroke(FAINT, 0.75))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One spectrum, which hides those behind it.
+fn draw(canvas: &mut Canvas, frame: &Frame, points: &[Point], base: f64, largest: f64) -> Result<()> {
+    let height = |a: f64| PEAK * (a / largest.max(f64::MIN_POSITIVE)).max(0.0).sqrt();
+    let line: Vec<Point> = points.iter().map(|(hz, a)| (frame.at(&(*hz, 0.0)).0, base - height(*a))).collect();
+    let (Some(first), Some(last)) = (line.first(), line.last()) else { return Ok(()) };
+    let mut body = line.clone();
+    body.extend([(last.0, base), (first.0, base)]);
+    canvas.polygon(&body, PAPER)?;
+    canvas.line(&[(frame.left, base), (frame.right, base)], Stroke(MARK, 0.25))?;
+    canvas.line(&line, Stroke(MEASURED, 0.9))
+}

@@ -1,0 +1,74 @@
+//! Shaft centrelines: the mean place in a plane, from the start of the recording to its end, inside the clearance.
+
+use super::Picture;
+use super::axis::{Axis, extent, signed};
+use super::canvas::{Dashes, Frame, Key, MARK, MEASURED, Stroke, TWIN, gutter, picture};
+use super::line::Point;
+use ballrace_twin::replay::outcome::{Clearance, Orbit};
+use crate::number::fixed;
+use anyhow::Result;
+
+const SIDE: f64 = 340.0;
+const CLEARANCE: Stroke = Stroke(MARK, 1.2);
+const WAY: Stroke = Stroke(MEASURED, 1.6);
+
+/// Of one plane; each point has its speed.
+pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<&Clearance>) -> Result<Picture> {
+    let points: Vec<Point> = way.iter().map(|(point, _)| *point).collect();
+    let radius = clearance.map(|c| c.radius_um).filter(|radius| *radius > 0.0 && *radius < 1e6);
+    let frame = square(&points, radius);
+    let rpm = |at: Option<&(Point, f64)>| fixed(at.map_or(f64::NAN, |(_, rpm)| *rpm), 0);
+    let (start, end) = (format!("start, {} rpm", rpm(way.first())), format!("end, {} rpm", rpm(way.last())));
+    let rim = clearance.map_or_else(String::new, |c| format!("clearance of {}", c.bearing));
+    let mut legend = vec![(Key::Line(WAY), "mean place"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
+    if radius.is_some() {
+        legend.push((Key::Line(CLEARANCE), &rim));
+    }
+    let svg = picture((frame.right + 14.0, frame.bottom + 36.0), Dashes::None, |canvas| {
+        canvas.legend(frame.left, 0.0, &legend)?;
+        frame.axes(canvas, true)?;
+        if let Some(radius) = radius {
+            let circle = (0..=180).map(|i| f64::from(2 * i).to_radians().sin_cos());
+            frame.curve(canvas, &circle.map(|(s, c)| (radius * c, radius * s)).collect::<Vec<_>>(), CLEARANCE)?;
+        }
+        frame.curve(canvas, &points, WAY)?;
+        let ends = [points.first(), points.last()].map(|end| end.filter(|(x, y)| x.is_finite() && y.is_finite()));
+        if let [Some(first), Some(last)] = ends {
+            let (x, y) = frame.at(last);
+            canvas.dot(x, y, 3.6, MEASURED)?;
+            let (x, y) = frame.at(first);
+            canvas.ring(x, y, TWIN)?;
+        }
+        frame.say_if_empty(canvas, &[&points])
+    })?;
+    let title = format!("Shaft centreline at {} at {} mm", orbit.name, signed(&fixed(orbit.station_mm, 0)));
+    Ok(Picture { title, note: words(clearance), svg })
+}
+
+fn words(clearance: Option<&Clearance>) -> String {
+    let circle = clearance.map_or_else(
+        || "The scene gives no clearance to draw.".to_owned(),
+        |c| {
+            format!(
+                "Circle: half the diametral clearance of {}, {} um, {} mm away along the shaft, about the scene's \
+                 bearing centre.",
+                c.bearing,
+                fixed(c.radius_um, 2),
+                fixed(c.distance_mm, 0)
+            )
+        },
+    );
+    format!("Mean of each block of four turns. Equal scales. {circle}")
+}
+
+/// A square that holds the way and the clearance.
+fn square(points: &[Point], radius: Option<f64>) -> Frame {
+    let rim = radius.map_or_else(Vec::new, |radius| vec![-radius, radius]);
+    let range = |of: fn(&Point) -> f64| extent(points.iter().map(of).chain(rim.iter().copied())).unwrap_or((-1.0, 1.0));
+    let (x, y) = (range(|point| point.0), range(|point| point.1));
+    let half = 0.55 * (x.1 - x.0).max(y.1 - y.0).max(1e-3);
+    let about = |(low, high): (f64, f64)| Some((0.5 * (low + high) - half, 0.5 * (low + high) + half));
+    let (x, y) = (Axis::exact(about(x), 7, "X, um"), Axis::exact(about(y), 7, "Y, um"));
+    let left = gutter(&[&y]);
+    Frame { start: 0.0, left, top: 40.0, right: left + SIDE, bottom: 40.0 + SIDE, x, y }
+}

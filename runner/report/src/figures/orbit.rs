@@ -1,0 +1,232 @@
+//! Orbits: both axes to one scale, the probes where they look from, blank and bright at the keyphasor.
+
+use super::axis::{Axis, extent, signed};
+use super::canvas::{
+    Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, TWIN, gutter, picture, text_width,
+};
+use super::line::{Point, thinned};
+use super::{Budget, Picture};
+use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit};
+use crate::number::{fixed, shortened};
+use anyhow::Result;
+
+/// Side of the square.
+const SIDE: f64 = 340.0;
+/// Radius of the rim that the probes sit on.
+const RIM: f64 = 0.5 * SIDE - 24.0;
+/// Share of the rim's radius that the orbit fills.
+const FILLED: f64 = 0.8;
+/// Turns drawn at most.
+const TURNS: usize = 8;
+/// Share of a turn that stays blank before the bright dot.
+const BLANK: f64 = 0.035;
+
+/// What the reader must know.
+const NOTE: &str = "Equal scales. X to the right, Y up, Z towards the reader. Blank, then bright: motion runs from the \
+                    gap to the keyphasor dot (twin: ring).";
+
+/// Points of a 1X orbit.
+const ELLIPSE: u16 = 180;
+
+/// The 1X part of an orbit, once around; `forward` is the sense of rotation.
+pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Option<Picture>> {
+    let Some(FilteredOrbit { speed_rpm, measured, twin }) = orbit.one_x else { return Ok(None) };
+    let around = |[cos, sin]: [(f64, f64); 2]| -> Vec<Point> {
+        let point = |i: u16| {
+            // The shaft's angle as time goes on.
+            let (s, c) = (forward * std::f64::consts::TAU * f64::from(i) / f64::from(ELLIPSE)).sin_cos();
+            (cos.0 * c + sin.0 * s, cos.1 * c + sin.1 * s)
+        };
+        (0..=ELLIPSE).map(point).collect()
+    };
+    let filtered = Orbit {
+        name: orbit.name.clone(),
+        station_mm: orbit.station_mm,
+        measured: around(measured),
+        twin: around(twin),
+        keyphasor: vec![0, usize::from(ELLIPSE)],
+        probes: orbit.probes.clone(),
+        one_x: None,
+    };
+    let drawn = self::orbit(&filtered, forward, budget)?;
+    let title = drawn.title.replacen("Orbit", &format!("1X orbit at {} rpm", fixed(speed_rpm, 0)), 1);
+    Ok(Some(Picture { title, ..drawn }))
+}
+
+/// The sense in which a curve is run through, against that of rotation; nothing where noise alone could have done it.
+fn precession(points: &[Point], forward: f64) -> &'static str {
+    let finite: Vec<&Point> = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
+    let count = finite.len().max(1) as f64;
+    let middle = finite.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / count, sum.1 + p.1 / count));
+    let area = |pair: &[&Point]| {
+        let [a, b] = [pair[0], pair[1]].map(|p| (p.0 - middle.0, p.1 - middle.1));
+        a.0 * b.1 - a.1 * b.0
+    };
+    let steps: Vec<f64> = finite.windows(2).map(area).collect();
+    let by_chance = steps.iter().map(|step| step * step).sum::<f64>().sqrt();
+    match forward * steps.iter().sum::<f64>() {
+        area if area > 4.0 * by_chance => ", forward precession",
+        area if area < -4.0 * by_chance => ", reverse precession",
+        _ => "",
+    }
+}
+
+/// One picture for each plane; `forward` is the sense of rotation, +1 from +X towards +Y.
+pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Picture> {
+    let shown = shown_samples(orbit);
+    let frame = square(orbit, shown);
+    let svg = picture((frame.right + 14.0, frame.bottom + 36.0), Dashes::Twin, |canvas| {
+        canvas.legend(frame.left, 0.0, &legend())?;
+        frame.axes(canvas, true)?;
+        rim(canvas, &frame, orbit)?;
+        sense(canvas, &frame, forward)?;
+        let marks: Vec<usize> = orbit.keyphasor.iter().copied().filter(|at| *at < shown).collect();
+        draw_path(canvas, &frame, &orbit.measured, &marks, shown, Stroke(MEASURED, 1.3), budget)?;
+        draw_path(canvas, &frame, &orbit.twin, &marks, shown, Stroke(TWIN, 1.1), budget)?;
+        dots(canvas, &frame, orbit, &marks)?;
+        frame.say_if_empty(canvas, &[&orbit.measured, &orbit.twin])
+    })?;
+    // Where 1X is drawn beside it, that one says it: it is free of noise.
+    let filtered = orbit.one_x.is_some();
+    let run = orbit.measured.get(..shown).unwrap_or(&orbit.measured);
+    let sense = if filtered { "" } else { precession(run, forward) };
+    Ok(Picture {
+        title: format!("Orbit of {} at {} mm{sense}", orbit.name, signed(&fixed(orbit.station_mm, 0))),
+        note: NOTE.to_owned(),
+        svg,
+    })
+}
+
+fn legend() -> [(Key, &'static str); 3] {
+    [
+        (Key::Line(Stroke(MEASURED, 1.5)), "measured"),
+        (Key::Line(Stroke(TWIN, 1.5)), "twin"),
+        (Key::Dot(MEASURED), "keyphasor"),
+    ]
+}
+
+/// Samples of the first turns.
+fn shown_samples(orbit: &Orbit) -> usize {
+    let all = orbit.measured.len().max(orbit.twin.len());
+    orbit.keyphasor.get(TURNS).map_or(all, |end| all.min(end + 1))
+}
+
+/// A square about the middle of both curves, with one scale in both directions.
+fn square(orbit: &Orbit, shown: usize) -> Frame {
+    let points = || orbit.measured.iter().take(shown).chain(orbit.twin.iter().take(shown));
+    let x = extent(points().map(|point| point.0)).unwrap_or((-1.0, 1.0));
+    let y = extent(points().map(|point| point.1)).unwrap_or((-1.0, 1.0));
+    let radius = 0.5 * (x.1 - x.0).max(y.1 - y.0);
+    let size = [x.0, x.1, y.0, y.1].into_iter().map(f64::abs).fold(0.0, f64::max);
+    // A motion that the digits of its position cannot show is drawn as a point.
+    let radius = if radius > 1e-9 * size.max(1e-3) { radius } else { 1.0f64.max(1e-3 * size) };
+    let half = radius * 0.5 * SIDE / (FILLED * RIM);
+    let about = |range: (f64, f64)| {
+        let middle = 0.5 * (range.0 + range.1);
+        Some((middle - half, middle + half))
+    };
+    let x = Axis::exact(about(x), 8, "X, um");
+    let y = Axis::exact(about(y), 8, "Y, um");
+    let left = gutter(&[&y]);
+    Frame { start: 0.0, left, top: 24.0, right: left + SIDE, bottom: 24.0 + SIDE, x, y }
+}
+
+/// The circle with the probes on it.
+fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit) -> Result<()> {
+    let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
+    canvas.circle(x, y, RIM, Stroke(RESIDUAL, 0.75))?;
+    for (name, angle) in orbit.probes.iter().filter(|probe| probe.1.is_finite()) {
+        let (sine, cosine) = angle.sin_cos();
+        let tip = (x + RIM * cosine, y - RIM * sine);
+        canvas.triangle(tip, *angle, 11.0, MARK)?;
+        name_probe(canvas, frame, tip, (cosine, sine), &shortened(name, 14))?;
+    }
+    Ok(())
+}
+
+/// A probe's name between rim and frame: upright near the X axis, where there is height but no width.
+fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Point, name: &str) -> Result<()> {
+    let half = 0.5 * text_width(name, SMALL) + 3.0;
+    let side = if cosine < -1e-6 { -1.0 } else { 1.0 };
+    if cosine.abs() > 0.87 {
+        let x = if side > 0.0 { frame.right - 7.0 } else { frame.left + 7.0 };
+        return canvas.upright(name, (x, tip.1.clamp(frame.top + half, frame.bottom - half)));
+    }
+    // A long name goes into the corner, where the rim leaves more room.
+    if half > 30.0 && cosine.abs() > 0.3 {
+        let y = (tip.1 - 34.0 * sine).clamp(frame.top + 32.0, frame.bottom - 8.0);
+        let (x, anchor) = if side > 0.0 { (frame.right - 5.0, Anchor::End) } else { (frame.left + 5.0, Anchor::Start) };
+        return canvas.text(name, (x, y), anchor, INK);
+    }
+    let x = (tip.0 + side * (half + 10.0)).clamp(frame.left + half, frame.right - half);
+    let y = (tip.1 - 9.0 * sine).clamp(frame.top + 8.0, frame.bottom - 8.0);
+    canvas.text(name, (x, y), Anchor::Middle, INK)
+}
+
+/// An arc with a head in the upper left corner: the sense of rotation.
+fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64) -> Result<()> {
+    let (x, y, radius) = (frame.left + 18.0, frame.top + 18.0, 9.0);
+    let at = |angle: f64| (x + radius * angle.cos(), y - radius * angle.sin());
+    let turn = |share: f64| std::f64::consts::PI * (0.5 + forward * (1.5 * share - 0.75));
+    let arc: Vec<Point> = (0..=18).map(|i| at(turn(f64::from(i) / 18.0))).collect();
+    canvas.line(&arc, Stroke(MARK, 1.2))?;
+    let end = turn(1.0) + forward * 0.35;
+    let back = turn(1.0) - forward * std::f64::consts::FRAC_PI_2;
+    canvas.triangle(at(end), back, 7.0, MARK)?;
+    canvas.text("rotation", (x + 14.0, y), Anchor::Start, MARK)
+}
+
+/// The curve, blank just before each keyphasor.
+fn draw_path(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    points: &[Point],
+    marks: &[usize],
+    shown: usize,
+    stroke: Stroke,
+    budget: Budget,
+) -> Result<()> {
+    let turn = marks.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).max().unwrap_or(0);
+    let blank = if turn > 0 { 2 + (BLANK * turn as f64) as usize } else { 0 };
+    let mut start = 0;
+    let share = budget.line() / (marks.len() + 1);
+    for end in marks.iter().copied().chain([shown.saturating_add(blank)]) {
+        let until = end.saturating_sub(blank).min(points.len());
+        if start < until {
+            let mut piece = thinned(&points[start..until], share.max(24));
+            piece.push(points[until - 1]);
+            frame.curve(canvas, &piece, stroke)?;
+        }
+        start = end;
+    }
+    Ok(())
+}
+
+/// The bright dots: the machine's filled, the twin's a ring, so that both can be seen at one place.
+fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) -> Result<()> {
+    let at = |points: &[Point], mark: &usize| {
+        points.get(*mark).filter(|point| point.0.is_finite() && point.1.is_finite()).map(|point| frame.at(point))
+    };
+    for (x, y) in marks.iter().filter_map(|mark| at(&orbit.measured, mark)) {
+        canvas.dot(x, y, 3.6, MEASURED)?;
+    }
+    for (x, y) in marks.iter().filter_map(|mark| at(&orbit.twin, mark)) {
+        canvas.ring(x, y, TWIN)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sense_is_that_of_the_way() {
+        let circle: Vec<Point> = (0..50).map(|i| f64::from(i).sin_cos()).map(|(s, c)| (3.0 + c, s)).collect();
+        assert_eq!(precession(&circle, 1.0), ", forward precession");
+        assert_eq!(precession(&circle, -1.0), ", reverse precession");
+        assert_eq!(precession(&[(0.0, 0.0), (1.0, 1.0), (f64::NAN, 0.0)], 1.0), "");
+        let scattered: Vec<Point> = (0..500).map(|i| (f64::from(i * 37 % 101), f64::from(i * i * 53 % 97))).collect();
+        assert_eq!(precession(&scattered, 1.0), "");
+    }
+}

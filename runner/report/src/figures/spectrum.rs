@@ -1,0 +1,267 @@
+//! Half spectra (one a probe, logarithmic) and full spectra (one a plane, linear).
+
+use super::axis::{Axis, extent};
+use super::canvas::{Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
+use super::line::{Point, peaks};
+use super::mark::{self, Mark};
+use super::{Budget, Picture};
+use ballrace_twin::replay::outcome::{FullSpectrum, HalfSpectrum, MarkedLine};
+use anyhow::Result;
+
+const WIDTH: f64 = 620.0;
+/// Height of a frame; the rows of names come on top.
+const HEIGHT: f64 = 176.0;
+/// The close view ends at this many times the highest marked line.
+const BEYOND_LINES: f64 = 3.0;
+/// The same of a full spectrum, which has half the room.
+const BEYOND_LINES_FULL: f64 = 1.6;
+/// Below the highest peak at most so much is shown.
+const DYNAMIC_RANGE: f64 = 1e6;
+const MEASURED_FINE: Stroke = Stroke(MEASURED, 1.1);
+const TWIN_WIDE: Stroke = Stroke(TWIN, 2.6);
+const RESIDUAL_FINE: Stroke = Stroke(RESIDUAL, 0.8);
+/// Lowest bins, which hold the mean and what the window spreads of it, at most.
+const MEAN_BINS: usize = 3;
+
+/// One picture for each probe: the range of the bearing lines, and beside it the whole range.
+pub(super) fn half(spectrum: &HalfSpectrum, lines: &[MarkedLine], budget: Budget) -> Result<Picture> {
+    let whole = whole_range(spectrum.bin_hz, longest(spectrum).saturating_sub(1));
+    let close = close_view(lines, whole, BEYOND_LINES);
+    let curves = Curves::new(spectrum, mean_bins(lines, spectrum.bin_hz));
+    let y = curves.amplitude_axis();
+    let mut marks = mark::marks(lines, close);
+    let split = whole > 1.5 * close;
+    let width = if split { 0.70 * WIDTH } else { WIDTH };
+    let x = Axis::exact(Some((0.0, close)), 7, "Frequency, Hz");
+    let left = gutter(&[&y]);
+    let right = mark::right_edge(&marks, left, width, |hz| x.place(hz));
+    let rows = mark::stack(&mut marks, |hz| left + x.place(hz) * (right - left));
+    let top = 24.0 + mark::height(rows);
+    let frame = Frame { start: 0.0, left, top, right, bottom: top + HEIGHT, x, y };
+    let svg = picture((WIDTH, frame.bottom + 36.0), Dashes::None, |canvas| {
+        canvas.legend(left, 0.0, &half_legend())?;
+        frame.axes(canvas, true)?;
+        mark::lines(canvas, &frame, &marks)?;
+        mark::names(canvas, &frame, &marks)?;
+        curves.draw(canvas, &frame, budget)?;
+        residual_at(canvas, &frame, spectrum, &marks)?;
+        if split { overview(canvas, &frame, &curves, whole, budget) } else { Ok(()) }
+    })?;
+    let note = if split { ", with the whole range beside it" } else { "" };
+    Ok(Picture {
+        title: format!("Spectrum of {}", spectrum.name),
+        note: format!("Amplitude zero to peak, logarithmic scale. Mean position left out; 0 to {close:.0} Hz{note}."),
+        svg,
+    })
+}
+
+fn half_legend() -> [(Key, &'static str); 4] {
+    [
+        (Key::Line(MEASURED_FINE), "measured"),
+        (Key::Line(TWIN_WIDE), "twin"),
+        (Key::Line(RESIDUAL_FINE), "measured \u{2212} twin"),
+        (Key::Ring(MARK), "the same at a marked line"),
+    ]
+}
+
+/// The same three curves from 0 to the highest frequency, narrow.
+fn overview(canvas: &mut Canvas, close: &Frame, curves: &Curves, whole: f64, budget: Budget) -> Result<()> {
+    let x = Axis::exact(Some((0.0, whole)), 4, "Whole range, Hz");
+    let mut y = close.y.clone();
+    y.title = String::new();
+    y.ticks.iter_mut().for_each(|tick| tick.1.clear());
+    let frame = Frame { left: 0.73 * WIDTH, right: WIDTH - 16.0, x, y, ..close.clone() };
+    frame.axes(canvas, true)?;
+    curves.draw(canvas, &frame, budget)
+}
+
+/// The three curves of a half spectrum, without the mean.
+struct Curves {
+    measured: Vec<Point>,
+    twin: Vec<Point>,
+    residual: Vec<Point>,
+}
+
+impl Curves {
+    fn new(spectrum: &HalfSpectrum, mean_bins: usize) -> Self {
+        let points = |amplitudes: &[f64]| {
+            let bins = amplitudes.iter().enumerate().skip(mean_bins).filter(|(_, amplitude)| amplitude.is_finite());
+            bins.map(|(i, amplitude)| (i as f64 * spectrum.bin_hz, *amplitude)).collect()
+        };
+        Self {
+            measured: points(&spectrum.measured),
+            twin: points(&spectrum.twin),
+            residual: points(&spectrum.residual),
+        }
+    }
+
+    /// From just under the noise to just above the highest peak.
+    fn amplitude_axis(&self) -> Axis {
+        let noisy = self.measured.iter().chain(&self.residual).map(|point| point.1);
+        let mut noisy: Vec<f64> = noisy.filter(|amplitude| *amplitude > 0.0).collect();
+        noisy.sort_by(f64::total_cmp);
+        let high = noisy.iter().copied().chain(self.twin.iter().map(|point| point.1)).fold(0.0, f64::max);
+        let floor = noisy.get(noisy.len() / 20).copied().unwrap_or(high / 1000.0);
+        Axis::decades((0.5 * floor).max(high / DYNAMIC_RANGE), 1.6 * high, "Amplitude, um peak")
+    }
+
+    /// The twin wide and below, so that it shows on both sides of a peak that the machine has too.
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: Budget) -> Result<()> {
+        let curves = [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE), (&self.residual, RESIDUAL_FINE)];
+        for (points, stroke) in curves {
+            let points = peaks(&inside(frame, points), budget.spectrum());
+            frame.curve(canvas, &standing_out(frame, points), stroke)?;
+        }
+        frame.say_if_empty(canvas, &[&self.measured, &self.twin, &self.residual])
+    }
+}
+
+/// How many of the lowest bins hold the mean: fewer where the lowest marked line is close.
+fn mean_bins(lines: &[MarkedLine], bin_hz: f64) -> usize {
+    let lowest = lines.iter().map(|line| line.hz).filter(|hz| *hz > 0.0).fold(f64::INFINITY, f64::min);
+    ((0.5 * lowest / bin_hz) as usize).clamp(1, MEAN_BINS)
+}
+
+/// Rings at the residual's peaks on the marked lines, where its curve runs inside the machine's peak.
+fn residual_at(canvas: &mut Canvas, frame: &Frame, spectrum: &HalfSpectrum, marks: &[Mark]) -> Result<()> {
+    for mark in marks {
+        let near = |i: usize| (i as f64 * spectrum.bin_hz - mark.hz).abs() <= 1.5 * spectrum.bin_hz;
+        let peak = spectrum.residual.iter().enumerate().filter(|(i, a)| near(*i) && a.is_finite()).map(|(_, a)| *a);
+        let peak = peak.fold(0.0, f64::max);
+        if peak > frame.y.low() {
+            let (x, y) = frame.at(&(mark.hz, peak));
+            canvas.ring(x, y, MARK)?;
+        }
+    }
+    Ok(())
+}
+
+fn inside(frame: &Frame, points: &[Point]) -> Vec<Point> {
+    points.iter().copied().filter(|point| point.1.is_finite() && frame.x.holds(point.0)).collect()
+}
+
+/// Without the stretches that lie below the frame: they would run along its lower edge.
+fn standing_out(frame: &Frame, points: Vec<Point>) -> Vec<Point> {
+    let above: Vec<bool> = points.iter().map(|point| point.1 > frame.y.low()).collect();
+    let near = |i: usize| above[i] || (i > 0 && above[i - 1]) || above.get(i + 1) == Some(&true);
+    points.into_iter().enumerate().map(|(i, point)| if near(i) { point } else { (point.0, f64::NAN) }).collect()
+}
+
+/// Highest frequency; 0 where the width of a bin is no number.
+fn whole_range(bin_hz: f64, bins: usize) -> f64 {
+    let highest = bin_hz * bins as f64;
+    if highest.is_finite() { highest.max(0.0) } else { 0.0 }
+}
+
+fn longest(spectrum: &HalfSpectrum) -> usize {
+    spectrum.measured.len().max(spectrum.twin.len()).max(spectrum.residual.len())
+}
+
+/// End of the range that the bearing lines need; the whole range when there are none.
+fn close_view(lines: &[MarkedLine], whole: f64, beyond: f64) -> f64 {
+    let highest = lines.iter().map(|line| line.hz).filter(|hz| hz.is_finite()).fold(0.0, f64::max);
+    if highest > 0.0 { whole.min(beyond * highest) } else { whole }
+}
+
+/// One picture for each plane: forward to the right, reverse to the left; below it, magnified, all but 1X.
+pub(super) fn full(spectrum: &FullSpectrum, lines: &[MarkedLine], budget: Budget) -> Result<Picture> {
+    let sides = Sides::new(spectrum, lines);
+    let mut marks = mark::marks(lines, sides.close);
+    let frames = sides.frames(&mut marks);
+    let bottom = frames.last().map_or(0.0, |frame| frame.bottom);
+    let svg = picture((WIDTH, bottom + 36.0), Dashes::None, |canvas| {
+        canvas.legend(frames[0].left, 0.0, &half_legend()[..2])?;
+        for (i, frame) in frames.iter().enumerate() {
+            frame.axes(canvas, i + 1 == frames.len())?;
+            mark::lines(canvas, frame, &marks)?;
+            sides.draw(canvas, frame, budget)?;
+        }
+        mark::names(canvas, &frames[0], &marks)?;
+        name_sides(canvas, &frames[frames.len() - 1])
+    })?;
+    let magnified = if frames.len() > 1 { "; below, magnified, with 1X cut off" } else { "" };
+    let (close, whole) = (sides.close, sides.whole);
+    Ok(Picture {
+        title: format!("Full spectrum of {}", spectrum.name),
+        note: format!(
+            "Amplitude zero to peak, linear scale{magnified}. Mean position left out; \u{b1}{close:.0} Hz of \
+             \u{b1}{whole:.0} Hz."
+        ),
+        svg,
+    })
+}
+
+/// Both curves of a full spectrum, and how far and high they are shown.
+struct Sides {
+    measured: Vec<Point>,
+    twin: Vec<Point>,
+    close: f64,
+    whole: f64,
+    highest: Option<f64>,
+    highest_but_one_x: Option<f64>,
+}
+
+impl Sides {
+    fn new(spectrum: &FullSpectrum, lines: &[MarkedLine]) -> Self {
+        let half = spectrum.measured.len().max(spectrum.twin.len()) / 2;
+        let whole = whole_range(spectrum.bin_hz, half);
+        let close = close_view(lines, whole, BEYOND_LINES_FULL);
+        let mean_bins = mean_bins(lines, spectrum.bin_hz);
+        let measured = two_sided(&spectrum.measured, spectrum.bin_hz, mean_bins);
+        let twin = two_sided(&spectrum.twin, spectrum.bin_hz, mean_bins);
+        let one_x = lines.iter().find(|line| line.label == "1X").map(|line| line.hz);
+        let near_one_x = |hz: f64| one_x.is_some_and(|one_x| (hz.abs() - one_x).abs() < 3.5 * spectrum.bin_hz);
+        let highest = |shown: &dyn Fn(f64) -> bool| {
+            let points = measured.iter().chain(&twin).filter(|point| shown(point.0));
+            extent(points.map(|point| point.1)).map(|range| range.1)
+        };
+        let all = highest(&|hz| hz.abs() <= close);
+        let others = highest(&|hz| hz.abs() <= close && !near_one_x(hz));
+        Self { close, whole, highest: all, highest_but_one_x: others, measured, twin }
+    }
+
+    /// The frames, one above the other; one only where 1X does not dwarf the rest.
+    fn frames(&self, marks: &mut [Mark]) -> Vec<Frame> {
+        let magnified = match (self.highest, self.highest_but_one_x) {
+            (Some(all), Some(others)) => others > 0.0 && all > 3.0 * others,
+            _ => false,
+        };
+        let highs = if magnified { vec![self.highest, self.highest_but_one_x] } else { vec![self.highest] };
+        let height = if magnified { 0.6 * HEIGHT } else { HEIGHT };
+        let axes: Vec<Axis> = highs.into_iter().map(|high| Axis::from_zero(high, 6, "Ampl., um peak")).collect();
+        let x = Axis::exact(Some((-self.close, self.close)), 9, "Frequency, Hz");
+        let left = gutter(&axes.iter().collect::<Vec<_>>());
+        let right = mark::right_edge(marks, left, WIDTH, |hz| x.place(hz));
+        let rows = mark::stack(marks, |hz| left + x.place(hz) * (right - left));
+        let first = 24.0 + mark::height(rows);
+        let frame = |(i, y): (usize, Axis)| {
+            let top = first + i as f64 * (height + 14.0);
+            Frame { start: 0.0, left, top, right, bottom: top + height, x: x.clone(), y }
+        };
+        axes.into_iter().enumerate().map(frame).collect()
+    }
+
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: Budget) -> Result<()> {
+        for (points, stroke) in [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE)] {
+            frame.curve(canvas, &peaks(&inside(frame, points), budget.spectrum()), stroke)?;
+        }
+        let middle = frame.at(&(0.0, 0.0)).0;
+        canvas.line(&[(middle, frame.top), (middle, frame.bottom)], Stroke(MARK, 1.0))?;
+        frame.say_if_empty(canvas, &[&self.measured, &self.twin])
+    }
+}
+
+/// Says which side is which, below the frame.
+fn name_sides(canvas: &mut Canvas, frame: &Frame) -> Result<()> {
+    let y = frame.bottom + 26.0;
+    canvas.text("\u{2190} reverse precession", (frame.left, y), Anchor::Start, INK)?;
+    canvas.text("forward precession \u{2192}", (frame.right, y), Anchor::End, INK)
+}
+
+/// Amplitudes with their frequencies, without the bins about 0 Hz, which hold the mean.
+fn two_sided(amplitudes: &[f64], bin_hz: f64, mean_bins: usize) -> Vec<Point> {
+    let half = amplitudes.len() / 2;
+    let bin = |i: usize| i as f64 - half as f64;
+    let kept = amplitudes.iter().enumerate().filter(|(i, _)| i.abs_diff(half) >= mean_bins);
+    kept.map(|(i, amplitude)| (bin(i) * bin_hz, *amplitude)).collect()
+}

@@ -1,0 +1,91 @@
+//! Error against cost: every candidate a dot, the front a line, what lies on it numbered.
+
+use super::Picture;
+use super::axis::Axis;
+use super::canvas::{Anchor, Canvas, Dashes, FAINT, Frame, INK, Key, MEASURED, Stroke, TWIN, gutter, picture};
+use super::line::Point;
+use anyhow::Result;
+
+const WIDTH: f64 = 760.0;
+const HEIGHT: f64 = 360.0;
+/// Errors below this are drawn here: what is rounded away says nothing of the model.
+const LEAST: f64 = 1e-16;
+
+/// One dot.
+pub(in crate) struct Dot {
+    /// In the unit of the axis.
+    pub cost: f64,
+    /// Relative.
+    pub error: f64,
+    /// Nothing beats it.
+    pub front: bool,
+    /// In single precision.
+    pub single: bool,
+    /// For the list below.
+    pub name: String,
+}
+
+/// The picture; none where nothing has a cost.
+pub(in crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Result<Option<Picture>> {
+    let shown: Vec<&Dot> = dots.iter().filter(|d| d.cost > 0.0 && d.error.is_finite()).collect();
+    if shown.is_empty() {
+        return Ok(None);
+    }
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let error = |d: &Dot| d.error.max(LEAST);
+    let (low, high) = range(&mut shown.iter().map(|d| d.cost));
+    let x = Axis::decades(low / 1.6, high * 1.6, costs);
+    let (low, high) = range(&mut shown.iter().map(|d| error(d)));
+    let y = Axis::decades(low / 2.5, high * 2.5, errors);
+    let left = gutter(&[&y]);
+    let frame = Frame { start: 0.0, left, top: 34.0, right: WIDTH - 18.0, bottom: HEIGHT, x, y };
+    let mut best: Vec<&Dot> = shown.iter().copied().filter(|d| d.front).collect();
+    best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let svg = picture((WIDTH, HEIGHT + 36.0), Dashes::None, |canvas| {
+        let keys = [
+            (Key::Dot(MEASURED), "f64"),
+            (Key::Dot(TWIN), "f32"),
+            (Key::Line(Stroke(FAINT, 1.5)), "front: nothing is both cheaper and truer"),
+        ];
+        canvas.legend(left, 0.0, &keys)?;
+        frame.axes(canvas, true)?;
+        frame.curve(canvas, &stairs(&best), Stroke(FAINT, 1.5))?;
+        for dot in &shown {
+            let (px, py) = frame.at(&(dot.cost, error(dot)));
+            let colour = if dot.single { TWIN } else { MEASURED };
+            if dot.front { canvas.dot(px, py, 4.0, colour)? } else { canvas.dot(px, py, 2.2, colour)? }
+        }
+        numbers(canvas, &frame, &best)
+    })?;
+    let list: Vec<String> = best.iter().enumerate().map(|(i, d)| format!("{} {}", i + 1, d.name)).collect();
+    Ok(Some(Picture { title: title.to_owned(), note: format!("On the front: {}.", list.join("; ")), svg }))
+}
+
+/// The front as a border between what can be had and what cannot.
+fn stairs(best: &[&Dot]) -> Vec<Point> {
+    let mut line = Vec::new();
+    for dot in best {
+        let error = dot.error.max(LEAST);
+        if let Some(&(_, above)) = line.last() {
+            line.push((dot.cost, above));
+        }
+        line.push((dot.cost, error));
+    }
+    line
+}
+
+/// Numbers beside the dots of the front, on the side where nothing can be.
+fn numbers(canvas: &mut Canvas, frame: &Frame, best: &[&Dot]) -> Result<()> {
+    let mut last: Option<Point> = None;
+    for (i, dot) in best.iter().enumerate() {
+        let (px, py) = frame.at(&(dot.cost, dot.error.max(LEAST)));
+        // Dots that all but fall on each other would write over each other.
+        let near = last.is_some_and(|(x, y)| (px - x).abs() < 12.0 && (py - y).abs() < 12.0);
+        let at = if near { (px + 9.0, py - 9.0) } else { (px - 9.0, py + 9.0) };
+        canvas.text(&(i + 1).to_string(), at, Anchor::Middle, INK)?;
+        last = Some((px, py));
+    }
+    Ok(())
+}

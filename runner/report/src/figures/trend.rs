@@ -1,0 +1,145 @@
+//! Trends: the indicators of one probe from the start of the recording to its end, with limits and events.
+
+use super::axis::{Axis, extent};
+use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
+use super::line::{Point, decimated};
+use super::{Budget, Picture};
+use ballrace_twin::replay::limits::Event;
+use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine};
+use anyhow::Result;
+
+const WIDTH: f64 = 620.0;
+const HEIGHT: f64 = 78.0;
+const VALUE: Stroke = Stroke(MEASURED, 1.4);
+const LIMIT: Stroke = Stroke(TWIN, 1.4);
+
+/// An indicator: as limits name it, its axis, its value.
+type Indicator = (&'static str, &'static str, fn(&BlockFigures) -> f64);
+
+const INDICATORS: [Indicator; 4] = [
+    ("peak-to-peak", "Overall, um pp", |f| f.greatest_um_pp),
+    ("1X", "1X, um peak", |f| f.one_x_um[0].hypot(f.one_x_um[1])),
+    ("residual", "Resid., um rms", |f| f.residual_rms_um),
+    ("kurtosis", "Kurtosis", |f| f.kurtosis),
+];
+
+/// What there is to draw of one probe.
+pub(super) struct Trend<'a> {
+    /// The probe, and its index.
+    pub(super) name: &'a str,
+    pub(super) probe: usize,
+    pub(super) blocks: &'a [Block],
+    pub(super) limits: Vec<&'a LimitLine>,
+    pub(super) events: Vec<&'a Event>,
+}
+
+/// One picture for each probe.
+pub(super) fn trend(trend: &Trend, budget: Budget) -> Result<Picture> {
+    let clock = Clock::of(trend.blocks);
+    let frames = frames(trend, &clock);
+    let bottom = frames.last().map_or(0.0, |frame| frame.bottom);
+    let left = frames.first().map_or(0.0, |frame| frame.left);
+    let svg = picture((WIDTH, bottom + 36.0), Dashes::Twin, |canvas| {
+        canvas.legend(left, 0.0, &legend(trend))?;
+        for (k, (frame, indicator)) in frames.iter().zip(&INDICATORS).enumerate() {
+            events(canvas, frame, trend, indicator, &clock)?;
+            frame.axes(canvas, k + 1 == INDICATORS.len())?;
+            limits(canvas, frame, trend, indicator)?;
+            let points = trend.points(indicator, &clock);
+            frame.curve(canvas, &decimated(&points, budget.line()), VALUE)?;
+            frame.say_if_empty(canvas, &[&points])?;
+        }
+        Ok(())
+    })?;
+    Ok(Picture { title: format!("Trend of {}", trend.name), note: trend.words(), svg })
+}
+
+impl Trend<'_> {
+    fn points(&self, indicator: &Indicator, clock: &Clock) -> Vec<Point> {
+        let of = |block: &Block| {
+            let value = block.probes.get(self.probe).map_or(f64::NAN, indicator.2);
+            (0.5 * (block.start_s + block.end_s) * clock.scale, value)
+        };
+        self.blocks.iter().map(of).collect()
+    }
+
+    fn limits_of<'s>(&'s self, indicator: &'s Indicator) -> impl Iterator<Item = f64> + 's {
+        self.limits.iter().filter(|limit| limit.indicator == indicator.0).map(|limit| limit.max)
+    }
+
+    fn words(&self) -> String {
+        let others = self.events.iter().filter(|event| INDICATORS.iter().all(|i| i.0 != event.indicator)).count();
+        let others = if others > 0 { " Events of other indicators: shaded in all." } else { "" };
+        format!(
+            "Blocks of four turns, or neighbours of them joined: overall is the greatest, the others are means. Limits \
+             are held against blocks of 16 turns.{others}"
+        )
+    }
+}
+
+fn legend(trend: &Trend) -> Vec<(Key, &'static str)> {
+    let mut legend = vec![(Key::Line(VALUE), "measured")];
+    if !trend.limits.is_empty() {
+        legend.push((Key::Line(LIMIT), "limit"));
+    }
+    if !trend.events.is_empty() {
+        legend.push((Key::Band(BAND), "limit crossed"));
+    }
+    legend
+}
+
+fn frames(trend: &Trend, clock: &Clock) -> Vec<Frame> {
+    let ends = trend.blocks.iter().flat_map(|block| [block.start_s, block.end_s]);
+    let x = Axis::exact(extent(ends.map(|t| t * clock.scale)), 9, clock.title);
+    let axis = |indicator: &Indicator| {
+        let values = trend.points(indicator, clock).into_iter().map(|point| point.1);
+        let highest = extent(values.chain(trend.limits_of(indicator))).map(|range| range.1);
+        Axis::from_zero(highest, 3, indicator.1)
+    };
+    let axes: Vec<Axis> = INDICATORS.iter().map(axis).collect();
+    let left = gutter(&axes.iter().collect::<Vec<_>>());
+    let frame = |(k, y): (usize, Axis)| {
+        let top = 30.0 + k as f64 * (HEIGHT + 16.0);
+        Frame { start: 0.0, left, top, right: WIDTH - 18.0, bottom: top + HEIGHT, x: x.clone(), y }
+    };
+    axes.into_iter().enumerate().map(frame).collect()
+}
+
+fn limits(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator) -> Result<()> {
+    for max in trend.limits_of(indicator).filter(|max| max.is_finite()) {
+        let y = frame.at(&(0.0, max)).1;
+        canvas.line(&[(frame.left, y), (frame.right, y)], LIMIT)?;
+    }
+    Ok(())
+}
+
+/// From start to end of each event of this indicator; of one that is not drawn, in every frame.
+fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator, clock: &Clock) -> Result<()> {
+    let drawn = |name: &str| INDICATORS.iter().any(|i| i.0 == name);
+    for event in trend.events.iter().filter(|e| e.indicator == indicator.0 || !drawn(e.indicator)) {
+        let x = |t: f64| frame.at(&(t * clock.scale, 0.0)).0;
+        let (from, to) = (x(event.start_s), event.end_s.map_or(frame.right, x));
+        let to = to.max(from + 1.0);
+        canvas.polygon(&[(from, frame.top), (to, frame.top), (to, frame.bottom), (from, frame.bottom)], BAND)?;
+        canvas.line(&[(from, frame.top), (from, frame.bottom)], Stroke(RESIDUAL, 0.75))?;
+    }
+    Ok(())
+}
+
+/// Seconds, minutes or hours.
+struct Clock {
+    scale: f64,
+    title: &'static str,
+}
+
+impl Clock {
+    fn of(blocks: &[Block]) -> Self {
+        let last = blocks.last().map_or(0.0, |block| block.end_s);
+        let (unit, title) = match last {
+            t if t > 3.0 * 3600.0 => (3600.0, "Time, h"),
+            t if t > 600.0 => (60.0, "Time, min"),
+            _ => (1.0, "Time, s"),
+        };
+        Self { scale: 1.0 / unit, title }
+    }
+}

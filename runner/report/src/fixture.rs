@@ -1,0 +1,643 @@
+//! Outcomes for the tests: a usual one, an empty one, one with everything wrong, one with too much of everything.
+
+use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
+use ballrace_twin::replay::outcome::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+const SPEED_HZ: f64 = 50.0;
+const RATE_HZ: f64 = 12_800.0;
+const OUTER: f64 = 3.584;
+const SAMPLES: usize = 2048;
+
+/// Repeatable noise of about one standard deviation.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        let uniform = || {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        };
+        std::iter::repeat_with(uniform).take(12).sum::<f64>() - 6.0
+    }
+}
+
+/// Position at one probe, um, without noise; the twin is slightly off.
+fn position(time: f64, angle: f64, size: f64, twin: bool) -> f64 {
+    let (gain, lag) = if twin { (1.04, 0.05) } else { (1.0, 0.0) };
+    let turn = TAU * SPEED_HZ * time;
+    let pass = 0.12 * gain * (OUTER * turn + 0.4).cos() + 0.05 * (2.0 * OUTER * turn).cos();
+    let (cosine, sine) = (angle.cos(), angle.sin());
+    let static_part = -6.8 * sine + 0.3 * cosine;
+    static_part
+        + gain * size * (turn - angle - 0.6 - lag).cos()
+        + 0.35 * (turn + angle).cos()
+        + pass * sine.abs().max(0.3)
+}
+
+fn times() -> Vec<f64> {
+    (0..SAMPLES).map(|i| i as f64 / RATE_HZ).collect()
+}
+
+fn motion(angle: f64, size: f64, twin: bool) -> Motion {
+    let values: Vec<f64> = times().iter().map(|t| position(*t, angle, size, twin)).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let range = values.iter().fold((f64::MAX, f64::MIN), |r, v| (r.0.min(*v), r.1.max(*v)));
+    Motion {
+        mean_um: mean,
+        peak_to_peak_um: range.1 - range.0,
+        rms_um: (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt(),
+        one_x_um: size * if twin { 1.04 } else { 1.0 },
+        one_x_phase_lag_deg: (angle.to_degrees() + 34.4 + if twin { 2.9 } else { 0.0 }).rem_euclid(360.0),
+    }
+}
+
+fn probe(name: &str, station: f64, angle: Option<f64>, size: f64) -> ProbeOutcome {
+    let direction = angle.unwrap_or(0.0).to_radians();
+    let line = |bearing: &str, size: f64| BallPassLine {
+        bearing: bearing.to_owned(),
+        order: OUTER,
+        frequency_hz: OUTER * SPEED_HZ,
+        measured_um: size,
+        twin_um: 1.04 * size,
+        residual_um: 0.011,
+    };
+    ProbeOutcome {
+        name: name.to_owned(),
+        station_mm: station,
+        angle_deg: angle,
+        measured: motion(direction, size, false),
+        twin: motion(direction, size, true),
+        one_x_error_um: 0.064 * size,
+        ball_pass: vec![line("DE", 0.121), line("NDE", 0.118)],
+        residual_bias_um: -0.0123,
+        residual_rms_um: 0.0571 * size.max(0.5),
+        nrmse_percent: 1.62,
+        nrmse_normaliser: "the peak-to-peak value of the measured signal".to_owned(),
+        noise_um: Some(0.03),
+        baselines: Baselines {
+            mean: Baseline::new(0.71 * size, 0.034 * size),
+            persistence: Baseline::new(0.045 * size, 0.034 * size),
+            one_x: Baseline::new(0.098, 0.034 * size),
+            linear: Baseline::new(0.1834, 0.034 * size),
+        },
+        list: Some(TabularList {
+            direct_um_pp: 2.3 * size,
+            greatest_um_pp: 2.4 * size,
+            gap_um: -6.8,
+            one_x_um_pp: 2.0 * size,
+            one_x_phase_lag_deg: Some(34.4),
+            two_x_um_pp: 0.08,
+            not_one_x_um_pp: 0.4,
+            half_x_um_pp: 0.02,
+            crest_factor: 1.5,
+            kurtosis: 1.6,
+        }),
+    }
+}
+
+/// One block after the other; the shaft's speed grows where it does.
+pub(crate) fn blocks(probes: usize, rpm: impl Fn(f64) -> f64) -> Vec<Block> {
+    let figures = |probe: usize, share: f64| {
+        let (sin, cos) = (0.4 + probe as f64 + 2.6 * share).sin_cos();
+        let size = 0.5 + 5.0 * share;
+        BlockFigures {
+            mean_um: -6.8 + share,
+            peak_to_peak_um: 2.1 * size,
+            greatest_um_pp: 2.2 * size,
+            not_one_x_um_pp: 0.3,
+            rms_um: 0.7 * size,
+            crest_factor: 1.5,
+            kurtosis: 1.6 + share,
+            residual_rms_um: 0.05,
+            one_x_um: [size * cos, size * sin],
+            twin_one_x_um: [1.04 * size * cos, 1.04 * size * sin],
+            two_x_um: 0.04,
+            half_x_um: 0.01,
+        }
+    };
+    let block = |i: u32| {
+        let share = f64::from(i) / 50.0;
+        Block {
+            start_s: 0.08 * f64::from(i),
+            end_s: 0.08 * f64::from(i + 1),
+            speed_rpm: rpm(share),
+            probes: (0..probes).map(|probe| figures(probe, share)).collect(),
+            smax_um: vec![3.0; 2],
+        }
+    };
+    (0..50).map(block).collect()
+}
+
+fn cascade(name: &str) -> Cascade {
+    let mut noise = Noise(4);
+    let slice = |i: u32| {
+        let at = |k: i32| amplitude(6.25 * f64::from(k), &spectrum_peaks(5.7, 1.0), 0.001, &mut noise);
+        Slice { time_s: 0.16 * f64::from(i), speed_rpm: 3000.0, amplitude_um: (-400..=400).map(at).collect() }
+    };
+    Cascade { name: name.to_owned(), two_sided: true, bin_hz: 6.25, slices: (0..24).map(slice).collect() }
+}
+
+fn envelope_spectrum(name: &str) -> EnvelopeSpectrum {
+    let mut noise = Noise(8);
+    let at = |i: i32| amplitude(1.5625 * f64::from(i), &spectrum_peaks(0.3, 1.0)[1..], 0.01, &mut noise);
+    EnvelopeSpectrum {
+        name: name.to_owned(),
+        band_hz: [2000.0, 3200.0],
+        reason: "the band on which the finding rests".to_owned(),
+        bin_hz: 1.5625,
+        modulation: (0..700).map(at).collect(),
+        lines: lines(),
+        side_bands_hz: vec![220.0, 320.0],
+    }
+}
+
+/// [`usual`] of a machine that runs up, with limits and an event.
+pub(crate) fn run_up() -> Outcome {
+    let mut outcome = usual();
+    outcome.record.min_speed_rpm = 600.0;
+    outcome.record.max_speed_rpm = 6000.0;
+    let pictures = &mut outcome.pictures;
+    pictures.blocks = blocks(5, |share| 600.0 + 5400.0 * share);
+    for slice in pictures.cascades.iter_mut().flat_map(|cascade| &mut cascade.slices) {
+        slice.speed_rpm = 600.0 + 1400.0 * slice.time_s;
+    }
+    let limit = |indicator, max| LimitLine { indicator, probe: "DE_X".to_owned(), max };
+    pictures.limits = vec![limit("peak-to-peak", 9.0), limit("1X", 4.0), limit("kurtosis", 3.0)];
+    outcome.events = vec![ballrace_twin::replay::limits::Event {
+        indicator: "peak-to-peak",
+        probe: "DE_X".to_owned(),
+        bearing: None,
+        start_s: 3.0,
+        end_s: None,
+        worst: 12.0,
+        worst_s: 4.0,
+        limit: 9.0,
+        unit: "um",
+        sentence: "Limit crossed: peak-to-peak at DE_X up to 12.000 um.".to_owned(),
+    }];
+    outcome
+}
+
+fn bearing(name: &str, station: f64) -> BearingOutcome {
+    let figures =
+        |mean: f64, swing: f64| ForceFigures { mean, min: mean - swing, max: mean + swing, noise_sigma: Some(0.9) };
+    let force =
+        [figures(-0.2, 24.0), figures(29.6, 31.0), figures(-30.1, 4.2), figures(0.02, 0.11), figures(-0.01, 0.12)];
+    BearingOutcome {
+        name: name.to_owned(),
+        model: "angular, 9 balls".to_owned(),
+        station_mm: station,
+        orders: BearingOrders { cage: 0.398, outer_race: OUTER, inner_race: 5.416, ball_spin: Some(2.357) },
+        force_measured: force,
+        force_estimated: force,
+        force_twin: force.map(|f| ForceFigures { min: 0.97 * f.min, noise_sigma: None, ..f }),
+        largest_element_load_n: 31.4,
+        contact_lost_samples: 0,
+        held_samples: 12,
+    }
+}
+
+fn trace(name: &str, angle: f64, size: f64) -> Trace {
+    let mut noise = Noise(name.len() as u64 + 7);
+    let time = times();
+    let mut measured: Vec<f64> = time.iter().map(|t| position(*t, angle, size, false) + 0.03 * noise.next()).collect();
+    measured[700..712].fill(f64::NAN);
+    Trace {
+        name: name.to_owned(),
+        measured,
+        twin: time.iter().map(|t| position(*t, angle, size, true)).collect(),
+        keyphasor: (0..8).map(|turn| f64::from(turn) / SPEED_HZ + 0.001).collect(),
+        time,
+    }
+}
+
+fn orbit(x: (&str, f64), y: (&str, f64), station: f64, size: f64) -> Orbit {
+    let mut noise = Noise(99);
+    let mut at = |t: &f64, twin: bool, grain: f64| {
+        let mut read = |angle: f64| position(*t, angle, size, twin) + grain * noise.next();
+        (read(0.0), read(FRAC_PI_2))
+    };
+    Orbit {
+        name: format!("{} and {}", x.0, y.0),
+        station_mm: station,
+        measured: times().iter().map(|t| at(t, false, 0.03)).collect(),
+        twin: times().iter().map(|t| at(t, true, 0.0)).collect(),
+        keyphasor: (0..8).map(|turn| 13 + 256 * turn).collect(),
+        probes: [x, y].map(|probe| (probe.0.to_owned(), probe.1.to_radians())).to_vec(),
+        one_x: Some(FilteredOrbit {
+            speed_rpm: 3000.0,
+            measured: [(size, 0.3), (-0.2, 0.8 * size)],
+            twin: [(1.04 * size, 0.3), (-0.2, 0.83 * size)],
+        }),
+    }
+}
+
+/// Peaks of a windowed sine on a noise floor.
+fn amplitude(hz: f64, peaks: &[(f64, f64)], floor: f64, noise: &mut Noise) -> f64 {
+    let peak = |(at, size): &(f64, f64)| {
+        let bins = (hz - at).abs() / 1.5625;
+        size * if bins < 2.0 { (0.25 * TAU * bins / 2.0).cos().powi(2) } else { 0.0 }
+    };
+    floor * (0.3 + noise.next().hypot(noise.next())) + peaks.iter().map(peak).sum::<f64>()
+}
+
+fn spectrum_peaks(size: f64, gain: f64) -> Vec<(f64, f64)> {
+    let pass = OUTER * SPEED_HZ;
+    vec![
+        (0.0, 6.0),
+        (SPEED_HZ, gain * size),
+        (2.0 * SPEED_HZ, 0.04),
+        (pass, 0.12 * gain),
+        (2.0 * pass, 0.05),
+        (pass - 50.0, 0.01),
+        (pass + 50.0, 0.012),
+        (3.0 * pass, 0.008),
+    ]
+}
+
+fn half_spectrum(name: &str, size: f64) -> HalfSpectrum {
+    let mut noise = Noise(5);
+    let mut curve = |peaks: &[(f64, f64)], floor: f64| {
+        (0..4097).map(|i| amplitude(1.5625 * f64::from(i), peaks, floor, &mut noise)).collect()
+    };
+    let residual = [(SPEED_HZ, 0.06 * size), (OUTER * SPEED_HZ, 0.011), (0.0, 0.01)];
+    HalfSpectrum {
+        name: name.to_owned(),
+        bin_hz: 1.5625,
+        measured: curve(&spectrum_peaks(size, 1.0), 0.0008),
+        twin: curve(&spectrum_peaks(size, 1.04), 1e-6),
+        residual: curve(&residual, 0.0008),
+    }
+}
+
+fn full_spectrum(name: &str, size: f64) -> FullSpectrum {
+    let mut noise = Noise(6);
+    let mut curve = |gain: f64| {
+        let mut peaks = spectrum_peaks(size, gain);
+        peaks.extend([(-SPEED_HZ, 0.35), (-OUTER * SPEED_HZ, 0.05)]);
+        (-2048..=2048).map(|i| amplitude(3.125 * f64::from(i), &peaks, 0.001, &mut noise)).collect()
+    };
+    FullSpectrum { name: name.to_owned(), bin_hz: 3.125, measured: curve(1.0), twin: curve(1.04) }
+}
+
+fn lines() -> Vec<MarkedLine> {
+    let line = |label: &str, order: f64| MarkedLine { label: label.to_owned(), order, hz: order * SPEED_HZ };
+    let mut lines = vec![line("1X", 1.0), line("2X", 2.0)];
+    for bearing in ["DE", "NDE"] {
+        let kinds = [("cage", 0.398), ("outer", OUTER), ("inner", 5.416), ("spin", 2.357)];
+        lines.extend(kinds.map(|(kind, order)| line(&format!("{bearing} {kind}"), order)));
+    }
+    lines
+}
+
+fn force_trace(name: &str) -> ForceTrace {
+    let mut noise = Noise(3);
+    let means = [0.0, 29.6, -30.1];
+    let swing = [19.0, 21.0, 1.5];
+    let mut curve = |axis: usize, grain: f64| -> Vec<f64> {
+        let at = |t: &f64| {
+            let turn = TAU * SPEED_HZ * t - axis as f64 * FRAC_PI_2;
+            means[axis] + swing[axis] * turn.cos() + 4.0 * (OUTER * turn).cos() + grain * noise.next()
+        };
+        times().iter().map(at).collect()
+    };
+    let measured = [0, 1, 2].map(|axis| curve(axis, 0.9));
+    let twin = [0, 1, 2].map(|axis| curve(axis, 0.0));
+    ForceTrace {
+        name: name.to_owned(),
+        time: times(),
+        measured,
+        twin,
+        sigma: [0.9, 1.1, 0.6].map(|s| vec![s; SAMPLES]),
+    }
+}
+
+fn element_loads(name: &str) -> ElementLoads {
+    let azimuth: Vec<f64> = (0..72).map(|i| (f64::from(i) + 0.5) * TAU / 72.0).collect();
+    let zone = |at: f64, size: f64| 4.0 + size * (at + FRAC_PI_2).cos().max(0.0).powf(1.5);
+    let loads = |size: f64| azimuth.iter().map(|at| zone(*at, size)).collect::<Vec<f64>>();
+    let way = |i: u32| {
+        let at = 0.398 * TAU * f64::from(i) / 256.0;
+        (at, zone(at, 14.0) + 3.0 * (TAU * f64::from(i) / 256.0).cos())
+    };
+    ElementLoads {
+        name: name.to_owned(),
+        mean: loads(14.0),
+        largest: loads(26.0),
+        twin_mean: loads(14.8),
+        first_element: (0..256 * 12).map(way).collect(),
+        azimuth,
+    }
+}
+
+fn pictures() -> Pictures {
+    let probes = [
+        ("DE_X", 0.0, 5.7),
+        ("DE_Y", FRAC_PI_2, 5.7),
+        ("NDE_X", 0.0, 3.9),
+        ("NDE_Y", FRAC_PI_2, 3.9),
+        ("AXIAL", 0.2, 0.4),
+    ];
+    Pictures {
+        traces: probes.iter().map(|(name, angle, size)| trace(name, *angle, *size)).collect(),
+        orbits: vec![
+            orbit(("DE_X", 0.0), ("DE_Y", 90.0), -120.0, 5.7),
+            orbit(("NDE_X", 45.0), ("NDE_Y", 135.0), 120.0, 3.9),
+        ],
+        half_spectra: probes.iter().map(|(name, _, size)| half_spectrum(name, *size)).collect(),
+        full_spectra: vec![full_spectrum("DE_X and DE_Y", 5.7), full_spectrum("NDE_X and NDE_Y", 3.9)],
+        lines: lines(),
+        forces: vec![force_trace("DE"), force_trace("NDE")],
+        element_loads: vec![element_loads("DE"), element_loads("NDE")],
+        blocks: blocks(5, |_| 3000.0),
+        cascades: vec![cascade("DE_X and DE_Y"), cascade("NDE_X and NDE_Y")],
+        clearances: vec![Some(Clearance { bearing: "DE".to_owned(), distance_mm: 20.0, radius_um: 5.0 }), None],
+        limits: vec![],
+        envelopes: vec![envelope_spectrum("acceleration_DE")],
+    }
+}
+
+fn flaws() -> Vec<FlawSummary> {
+    let mut ledger = FlawLedger::default();
+    ledger.record(Flaw::MissingValue, Some("DE_X"), Position { index: 700, line: 702, time: 0.0547 }, 12);
+    ledger.record(Flaw::Gap, None, Position { index: 30_000, line: 30_002, time: 2.343_75 }, 640);
+    ledger.summary()
+}
+
+fn observer() -> ObserverOutcome {
+    ObserverOutcome {
+        nis_mean: 5.02,
+        nis_expected: 5.0,
+        nis_bounds: [4.93, 5.07],
+        consistent: true,
+        wander_n_per_root_s: 5.9,
+        noise_um: vec![0.03; 5],
+        unknown_load_mean: [0.1, -0.2, 0.0, 1e-3, 0.0],
+        unknown_load_rms: [0.4, 0.5, 0.1, 2e-3, 3e-3],
+    }
+}
+
+fn timing() -> Timing {
+    Timing {
+        paced: true,
+        samples: 51_200,
+        compute: Quantiles { p50_ns: 1_210, p99_ns: 1_870, p999_ns: 3_440, max_ns: 41_300 },
+        pacing: Some(Pacing {
+            block_ns: 5_000_000,
+            blocks: 800,
+            compute: Quantiles { p50_ns: 91_000, p99_ns: 130_000, p999_ns: 410_000, max_ns: 5_300_000 },
+            lateness: Quantiles { p50_ns: 8_200, p99_ns: 31_000, p999_ns: 74_000, max_ns: 212_000 },
+            deadline_misses: 1,
+            starting_s: 0.31,
+            idle_percent: 97.2,
+            scheduling: "ordinary scheduling".to_owned(),
+        }),
+        source: Some(SourceFigures {
+            rows: 51_200,
+            lost_frames: 12,
+            ring_capacity: 262_144,
+            ..SourceFigures::default()
+        }),
+        sample_period_ns: 78_125,
+        wall_s: 4.003,
+        times_real_time: 0.9993,
+        peak_memory_bytes: Some(18_400_000),
+    }
+}
+
+/// Two bearings, four radial probes and an axial one, 3000 rpm.
+pub(crate) fn usual() -> Outcome {
+    let record = Record {
+        samples: 51_200,
+        compared: 51_188,
+        rate_hz: RATE_HZ,
+        duration_s: 4.0,
+        turns: 200.0,
+        mean_speed_rpm: 3000.0,
+        min_speed_rpm: 2997.2,
+        max_speed_rpm: 3002.9,
+        angle_source: "keyphasor column KEY, 1 pulse a turn".to_owned(),
+        load: [0.0, 0.0, 60.0, 0.0, 0.0],
+        spectra: SpectraSettings { lines: 2048, bin_hz: 3.125, averages: 24 },
+    };
+    let finding = Finding {
+        kind: FindingKind::OuterRace,
+        bearing: Some("DE".to_owned()),
+        line_hz: 179.2,
+        order: OUTER,
+        level_db: 17.4,
+        confidence: 0.91,
+        sentence: "The outer race of bearing DE is damaged: its ball-pass line and two harmonics stand 17 dB above \
+                   what the twin explains. Plan a replacement and repeat the measurement within a week."
+            .to_owned(),
+    };
+    Outcome {
+        scene: "Test rig with two 6205 bearings".to_owned(),
+        recording: "outer-spall.csv".to_owned(),
+        version: "0.1.0".to_owned(),
+        verdict: "The twin follows the machine to within 0.33 um rms (NRMSE 1.6 %) and beats every simple predictor \
+                  at 1 of 5 probes; bearing DE shows damage of its outer race."
+            .to_owned(),
+        record,
+        observation: Observation { condition_number: 1.41, noise_gain: 1.07, supplied_by_twin: Vec::new() },
+        probes: vec![
+            probe("DE_X", -120.0, Some(0.0), 5.7),
+            probe("DE_Y", -120.0, Some(90.0), 5.7),
+            probe("NDE_X", 120.0, Some(0.0), 3.9),
+            probe("NDE_Y", 120.0, Some(90.0), 3.9),
+            probe("AXIAL", 0.0, None, 0.4),
+        ],
+        planes: [("DE_X / DE_Y", -120.0), ("NDE_X / NDE_Y", 120.0)]
+            .map(|(name, station_mm)| PlaneOutcome {
+                name: name.to_owned(),
+                station_mm,
+                smax_um_peak: 5.9,
+                one_x_major_um_pp: 11.4,
+                one_x_minor_um_pp: 10.1,
+                one_x_forward: true,
+            })
+            .to_vec(),
+        bearings: vec![bearing("DE", -100.0), bearing("NDE", 100.0)],
+        timing: timing(),
+        observer: Some(observer()),
+        events: vec![],
+        findings: vec![finding],
+        flaws: flaws(),
+        notes: vec![
+            "The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(),
+            "Runout was not removed: part of 1X may be runout.".to_owned(),
+        ],
+        learned: ballrace_twin::replay::baseline::Baseline::default(),
+        pictures: pictures(),
+    }
+}
+
+/// Nothing in it at all.
+pub(crate) fn bare() -> Outcome {
+    Outcome {
+        scene: String::new(),
+        recording: String::new(),
+        version: String::new(),
+        verdict: String::new(),
+        record: Record::default(),
+        observation: Observation::default(),
+        probes: Vec::new(),
+        planes: Vec::new(),
+        bearings: Vec::new(),
+        timing: Timing::default(),
+        observer: None,
+        events: vec![],
+        findings: Vec::new(),
+        flaws: Vec::new(),
+        notes: Vec::new(),
+        learned: ballrace_twin::replay::baseline::Baseline::default(),
+        pictures: Pictures::default(),
+    }
+}
+
+fn broken_pictures(values: &[f64]) -> Pictures {
+    let pairs: Vec<(f64, f64)> = values.iter().map(|value| (*value, *value)).collect();
+    let values = values.to_vec();
+    let three = || [values.clone(), Vec::new(), values.clone()];
+    Pictures {
+        traces: vec![Trace {
+            name: "A".into(),
+            time: values.clone(),
+            measured: values.clone(),
+            twin: Vec::new(),
+            keyphasor: values.clone(),
+        }],
+        orbits: vec![Orbit {
+            name: "A".into(),
+            station_mm: f64::NAN,
+            measured: pairs.clone(),
+            twin: pairs.iter().take(1).copied().collect(),
+            keyphasor: vec![0, 0, 5, 3, usize::MAX],
+            probes: vec![("A".into(), f64::NAN), ("B".into(), 1e9)],
+            one_x: values.first().map(|x| FilteredOrbit {
+                speed_rpm: *x,
+                measured: [(*x, *x), (f64::NAN, 0.0)],
+                twin: [(*x, *x), (*x, *x)],
+            }),
+        }],
+        half_spectra: vec![HalfSpectrum {
+            name: "A".into(),
+            bin_hz: 0.0,
+            measured: values.clone(),
+            twin: values.clone(),
+            residual: Vec::new(),
+        }],
+        full_spectra: vec![FullSpectrum {
+            name: "A".into(),
+            bin_hz: f64::NAN,
+            measured: values.clone(),
+            twin: Vec::new(),
+        }],
+        lines: vec![
+            MarkedLine { label: String::new(), order: f64::NAN, hz: f64::NAN },
+            MarkedLine { label: "1X".into(), order: 1.0, hz: 1e300 },
+        ],
+        forces: vec![ForceTrace {
+            name: "B".into(),
+            time: values.clone(),
+            measured: three(),
+            twin: three(),
+            sigma: three(),
+        }],
+        element_loads: vec![ElementLoads {
+            name: "B".into(),
+            azimuth: values.clone(),
+            mean: values.clone(),
+            largest: Vec::new(),
+            twin_mean: values.clone(),
+            first_element: pairs,
+        }],
+        blocks: values.iter().map(|x| broken_block(*x)).collect(),
+        cascades: vec![Cascade {
+            name: "A".into(),
+            two_sided: true,
+            bin_hz: f64::NAN,
+            slices: values.iter().map(|x| Slice { time_s: *x, speed_rpm: *x, amplitude_um: values.clone() }).collect(),
+        }],
+        clearances: vec![Some(Clearance { bearing: "B".into(), distance_mm: f64::NAN, radius_um: 1e300 })],
+        limits: vec![LimitLine { indicator: "1X", probe: "A".into(), max: f64::INFINITY }],
+        envelopes: vec![EnvelopeSpectrum { name: "A".into(), modulation: values, ..EnvelopeSpectrum::default() }],
+    }
+}
+
+fn broken_block(x: f64) -> Block {
+    let figures = BlockFigures {
+        mean_um: x,
+        greatest_um_pp: x,
+        one_x_um: [x, x],
+        twin_one_x_um: [0.0, x],
+        residual_rms_um: x,
+        kurtosis: x,
+        ..BlockFigures::default()
+    };
+    Block { start_s: x, end_s: x, speed_rpm: x, probes: vec![figures; 2], smax_um: vec![x] }
+}
+
+/// Numbers that are none, and data that do not fit together.
+pub(crate) fn broken() -> Outcome {
+    let nan = f64::NAN;
+    let motion = Motion {
+        mean_um: nan,
+        peak_to_peak_um: f64::INFINITY,
+        rms_um: -1e300,
+        one_x_um: nan,
+        one_x_phase_lag_deg: nan,
+    };
+    let mut outcome = usual();
+    outcome.record =
+        Record { rate_hz: nan, duration_s: nan, turns: f64::INFINITY, mean_speed_rpm: nan, ..Record::default() };
+    for probe in &mut outcome.probes {
+        (probe.measured, probe.twin) = (motion, motion);
+        (probe.residual_rms_um, probe.one_x_error_um, probe.nrmse_percent) = (nan, nan, nan);
+        probe.noise_um = None;
+    }
+    outcome.bearings[0].orders = BearingOrders::default();
+    outcome.bearings[0].force_measured[0] = ForceFigures { mean: nan, min: 1e200, max: -1e200, noise_sigma: Some(nan) };
+    outcome.findings[0].confidence = nan;
+    outcome.observation.condition_number = f64::INFINITY;
+    outcome.pictures = broken_pictures(&[1.0, nan, 1e308, -1e308, 0.0, f64::INFINITY]);
+    outcome
+}
+
+/// [`usual`] with pictures of the data given, which may be anything.
+pub(crate) fn with_data(values: &[f64]) -> Outcome {
+    Outcome { pictures: broken_pictures(values), ..usual() }
+}
+
+/// Many probes with long names, and names that are mark-up.
+pub(crate) fn crowded() -> Outcome {
+    let mut outcome = usual();
+    outcome.scene =
+        "Cooling-water pump 3B, <motor & pump> \"as found\" on the test bed of the works, before overhaul".to_owned();
+    let name = |i: usize| format!("Channel {i:02} <b>proximity</b> radial 45 degrees left of vertical");
+    outcome.probes = (0..16)
+        .map(|i| probe(&name(i), 55.5 * i as f64 - 400.0, Some(22.5 * i as f64), 1234.5 * (i + 1) as f64))
+        .collect();
+    outcome.bearings =
+        (0..4).map(|i| bearing(&format!("Bearing {i} of the intermediate gear shaft"), 300.0 * f64::from(i))).collect();
+    let pictures = &mut outcome.pictures;
+    pictures.traces = (0..16).map(|i| trace(&name(i), 0.1 * i as f64, 1e4)).collect();
+    pictures.half_spectra = (0..16).map(|i| half_spectrum(&name(i), 1e4)).collect();
+    for orbit in &mut pictures.orbits {
+        orbit.probes =
+            (0..8).map(|i| (format!("Channel {i} left"), std::f64::consts::FRAC_PI_4 * f64::from(i))).collect();
+    }
+    pictures.lines.push(MarkedLine {
+        label: "Bearing 0 of the intermediate gear shaft outer".into(),
+        order: 7.99,
+        hz: 399.5,
+    });
+    pictures.lines.extend((2..7).map(|i| MarkedLine {
+        label: format!("Bearing {i} inner"),
+        order: f64::from(i) + 0.1,
+        hz: 50.0 * f64::from(i) + 5.0,
+    }));
+    outcome.flaws = outcome.flaws.iter().cycle().take(12).cloned().collect();
+    outcome
+}

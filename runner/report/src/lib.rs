@@ -1,0 +1,50 @@
+//! Reports of a replay: a page for people, text for the terminal, JSON and CSV for programs.
+
+pub mod campbell;
+mod csv;
+pub mod equilibrium;
+mod figures;
+pub mod fit;
+#[cfg(test)]
+pub(crate) mod fixture;
+mod html;
+mod number;
+pub mod sweep;
+mod text;
+pub mod trade;
+mod words;
+
+use ballrace_twin::replay::outcome::Outcome;
+use anyhow::{Context, Result};
+
+pub use csv::csv;
+pub use html::html;
+pub use text::text;
+pub use words::pacing;
+
+/// The outcome as JSON, without the pictures. A number that is not finite becomes `null`.
+///
+/// # Errors
+/// None is known; the serialiser's own.
+pub fn json(outcome: &Outcome) -> Result<String> {
+    serde_json::to_string_pretty(outcome).context("writing the outcome as JSON")
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn json_knows_no_nan() {
+        for outcome in [fixture::usual(), fixture::bare(), fixture::broken()] {
+            let text = json(&outcome).unwrap();
+            let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+            assert!(value.get("probes").unwrap().is_array());
+            assert!(value.get("pictures").is_none());
+        }
+        let value: serde_json::Value = serde_json::from_str(&json(&fixture::broken()).unwrap()).unwrap();
+        assert!(value["probes"][0]["residual_rms_um"].is_null());
+    }
+}

@@ -1,0 +1,56 @@
+//! The page of a sweep: response curve, bifurcation diagram, waterfall.
+
+use super::equilibrium::page;
+use super::figures::{Curve, bifurcation, response, waterfall};
+use ballrace_twin::sweep::{Axis, Row};
+use anyhow::Result;
+
+/// Ways through the other axes that the pictures show.
+const MOST_CURVES: usize = 6;
+
+/// The page, one file without references.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
+    let Some(first) = axes.first() else { return page(scene, "sweep", &[], "") };
+    let title = if first.unit.is_empty() { first.key.clone() } else { format!("{}, {}", first.key, first.unit) };
+    let mut curves: Vec<Curve<'_>> = Vec::new();
+    for row in rows {
+        let name = named(axes, row);
+        match curves.iter_mut().find(|curve| curve.name == name && curve.way == row.way) {
+            Some(curve) => curve.rows.push(row),
+            None => curves.push(Curve { name, way: row.way.clone(), rows: vec![row] }),
+        }
+    }
+    for curve in &mut curves {
+        curve.rows.sort_by(|a, b| along(a).total_cmp(&along(b)));
+    }
+    let all = curves.len();
+    curves.truncate(MOST_CURVES);
+    let mut pictures = vec![response(&title, &curves)?, bifurcation(&title, &curves)?];
+    if let Some(curve) = curves.first() {
+        pictures.push(waterfall(&title, curve)?);
+    }
+    let mut words =
+        format!("{} points over {}.", rows.len(), axes.iter().map(|a| a.key.as_str()).collect::<Vec<_>>().join(", "));
+    if all > MOST_CURVES {
+        words += &format!(" The pictures show {MOST_CURVES} of {all} ways; the tables have all.");
+    }
+    page(scene, "sweep", &pictures, &words)
+}
+
+fn along(row: &Row) -> f64 {
+    row.values.first().copied().unwrap_or(0.0)
+}
+
+/// The other axes' values and the way.
+fn named(axes: &[Axis], row: &Row) -> String {
+    let others = axes.iter().zip(&row.values).skip(1).map(|(axis, value)| {
+        let key = axis.key.rsplit('.').next().unwrap_or(&axis.key);
+        format!("{key} {value} {}", axis.unit).trim_end().to_owned()
+    });
+    let way = (row.way != "rest").then(|| row.way.clone());
+    let all: Vec<String> = others.chain(way).collect();
+    if all.is_empty() { "from rest".to_owned() } else { all.join(", ") }
+}

@@ -1,0 +1,368 @@
+//! The outcome for the terminal: plain text, aligned, at most 100 columns.
+
+use super::number::{NONE, alone, counted, decimals, fixed, maybe, microseconds, shortened};
+use super::words;
+use ballrace_twin::replay::outcome::{BearingOutcome, Motion, Outcome, ProbeOutcome, Quantiles, Timing};
+
+/// Sentences are broken here.
+const WIDTH: usize = 80;
+/// Longest name in a table.
+const NAME: usize = 16;
+/// Components of a force with their units.
+const COMPONENTS: [&str; 5] = ["FX, N", "FY, N", "FZ, N", "MX, N m", "MY, N m"];
+
+/// The outcome as plain text: verdict, recording, figures of every probe and bearing, findings, flaws, timing.
+#[must_use]
+pub fn text(outcome: &Outcome) -> String {
+    let mut page = Page::default();
+    page.sentence("", if outcome.verdict.is_empty() { "No verdict." } else { &outcome.verdict });
+    page.gap();
+    for (name, value) in words::facts(outcome) {
+        page.sentence(&format!("{:<21}", format!("{name}:")), if value.is_empty() { NONE } else { &value });
+    }
+    motion(&mut page, outcome);
+    residual(&mut page, outcome);
+    baselines(&mut page, outcome);
+    ball_pass(&mut page, outcome);
+    forces(&mut page, outcome);
+    orders(&mut page, &outcome.bearings);
+    findings(&mut page, outcome);
+    sentences(&mut page, "FLAWS OF THE RECORDING", outcome.flaws.iter().map(|flaw| flaw.sentence.as_str()));
+    sentences(&mut page, "NOTES", outcome.notes.iter().map(String::as_str));
+    timing(&mut page, &outcome.timing);
+    page.text
+}
+
+/// Text that grows line by line.
+#[derive(Default)]
+struct Page {
+    text: String,
+}
+
+impl Page {
+    fn line(&mut self, line: &str) {
+        self.text.push_str(line.trim_end());
+        self.text.push('\n');
+    }
+
+    fn gap(&mut self) {
+        self.line("");
+    }
+
+    /// A title with an empty line before it.
+    fn title(&mut self, title: &str) {
+        self.gap();
+        self.line(title);
+    }
+
+    /// A sentence broken at spaces; its further lines begin under the first one's text.
+    fn sentence(&mut self, lead: &str, sentence: &str) {
+        let indent = lead.chars().count();
+        for (i, piece) in broken(sentence, WIDTH - indent).iter().enumerate() {
+            let lead = if i == 0 { lead.to_owned() } else { " ".repeat(indent) };
+            self.line(&format!("{lead}{piece}"));
+        }
+    }
+
+    /// A table: the first `names` columns to the left, the others to the right.
+    fn table(&mut self, names: usize, heads: &[&[&str]], rows: &[Vec<String>]) {
+        let heads: Vec<Vec<String>> =
+            heads.iter().map(|head| head.iter().map(|cell| (*cell).to_owned()).collect()).collect();
+        let columns = heads.iter().chain(rows).map(Vec::len).max().unwrap_or(0);
+        let width =
+            |i: usize| heads.iter().chain(rows).filter_map(|row| row.get(i)).map(|cell| cell.chars().count()).max();
+        let widths: Vec<usize> = (0..columns).map(|i| width(i).unwrap_or(0)).collect();
+        for row in heads.iter().chain(rows) {
+            let cells: Vec<String> =
+                row.iter().zip(&widths).enumerate().map(|(i, (cell, width))| set(cell, *width, i < names)).collect();
+            self.line(&format!("  {}", cells.join("  ")));
+        }
+    }
+}
+
+fn set(cell: &str, width: usize, left: bool) -> String {
+    if left { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+}
+
+/// Lines of at most `width` characters. A longer word is cut.
+fn broken(sentence: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in sentence.split_whitespace() {
+        let mut word: Vec<char> = word.chars().collect();
+        while !word.is_empty() {
+            let used = lines.last().map_or(0, |line| line.chars().count());
+            let space = usize::from(used > 0);
+            if used + space + word.len() > width && used > 0 {
+                lines.push(String::new());
+                continue;
+            }
+            let rest = word.split_off(word.len().min(width - used - space));
+            if let Some(line) = lines.last_mut() {
+                line.extend(std::iter::repeat_n(' ', space).chain(word));
+            }
+            word = rest;
+        }
+    }
+    lines
+}
+
+fn name(text: &str) -> String {
+    shortened(text, NAME)
+}
+
+/// A column with the same decimals all the way down.
+fn column(values: &[f64]) -> Vec<String> {
+    let decimals = decimals(values.iter().copied());
+    values.iter().map(|value| fixed(*value, decimals)).collect()
+}
+
+/// Rows from columns.
+fn rows(columns: &[Vec<String>]) -> Vec<Vec<String>> {
+    let count = columns.first().map_or(0, Vec::len);
+    (0..count).map(|i| columns.iter().filter_map(|column| column.get(i).cloned()).collect()).collect()
+}
+
+fn motion(page: &mut Page, outcome: &Outcome) {
+    if outcome.probes.is_empty() {
+        return;
+    }
+    page.title("MOTION AT THE PROBES");
+    let pairs: Vec<(&ProbeOutcome, &str, &Motion)> = outcome
+        .probes
+        .iter()
+        .flat_map(|probe| [(probe, "measured", &probe.measured), (probe, "twin", &probe.twin)])
+        .collect();
+    let figures = |of: fn(&Motion) -> f64| column(&pairs.iter().map(|pair| of(pair.2)).collect::<Vec<_>>());
+    let first =
+        |pair: &(&ProbeOutcome, &str, &Motion)| if pair.1 == "twin" { String::new() } else { name(&pair.0.name) };
+    let columns = [
+        pairs.iter().map(first).collect(),
+        pairs.iter().map(|pair| pair.1.to_owned()).collect(),
+        figures(|motion| motion.mean_um),
+        figures(|motion| motion.peak_to_peak_um),
+        figures(|motion| motion.rms_um),
+        figures(|motion| motion.one_x_um),
+        pairs.iter().map(|pair| fixed(pair.2.one_x_phase_lag_deg, 1)).collect(),
+    ];
+    let heads: [&[&str]; 2] = [
+        &["probe", "", "mean", "peak-peak", "rms", "1X", "1X phase"],
+        &["", "", "um", "um pp", "um rms", "um peak", "deg lag"],
+    ];
+    page.table(2, &heads, &rows(&columns));
+}
+
+fn residual(page: &mut Page, outcome: &Outcome) {
+    if outcome.probes.is_empty() {
+        return;
+    }
+    page.title("MEASURED - TWIN");
+    let figures = |of: fn(&ProbeOutcome) -> f64| column(&outcome.probes.iter().map(of).collect::<Vec<_>>());
+    let columns = [
+        outcome.probes.iter().map(|probe| name(&probe.name)).collect(),
+        figures(|probe| probe.one_x_error_um),
+        figures(|probe| probe.residual_bias_um),
+        figures(|probe| probe.residual_rms_um),
+        figures(|probe| probe.nrmse_percent),
+        outcome.probes.iter().map(|probe| maybe(probe.noise_um)).collect(),
+    ];
+    let heads: [&[&str]; 2] = [
+        &["probe", "1X vector", "bias", "rms", "NRMSE", "probe noise"],
+        &["", "um peak", "um", "um rms", "%", "um rms"],
+    ];
+    page.table(1, &heads, &rows(&columns));
+    let normaliser = words::normaliser(&outcome.probes);
+    if !normaliser.is_empty() {
+        page.sentence("  ", &normaliser);
+    }
+}
+
+fn baselines(page: &mut Page, outcome: &Outcome) {
+    if outcome.probes.is_empty() {
+        return;
+    }
+    page.title("RESIDUAL OF SIMPLER PREDICTORS, um rms (the twin should leave less)");
+    let values = |probe: &ProbeOutcome| {
+        let [mean, persistence, one_x, linear] = probe.baselines.all().map(|b| b.residual_rms_um);
+        [probe.residual_rms_um, mean, persistence, one_x, linear]
+    };
+    // The figures of a row are compared, so a row has its own digits: probes may differ a lot.
+    let row = |probe: &ProbeOutcome| {
+        let digits = decimals(values(probe));
+        let mut row = vec![name(&probe.name)];
+        row.extend(values(probe).map(|value| fixed(value, digits)));
+        row.push(words::standing(probe.baselines.worst()).to_owned());
+        row
+    };
+    let heads: [&[&str]; 2] = [
+        &["probe", "twin", "own", "sample", "mean", "linear", "twin to"],
+        &["", "", "mean", "before", "and 1X", "springs", "the best"],
+    ];
+    page.table(1, &heads, &outcome.probes.iter().map(row).collect::<Vec<_>>());
+}
+
+fn ball_pass(page: &mut Page, outcome: &Outcome) {
+    let lines: Vec<_> =
+        outcome.probes.iter().flat_map(|probe| probe.ball_pass.iter().map(move |line| (probe, line))).collect();
+    if lines.is_empty() {
+        return;
+    }
+    page.title("BALL-PASS LINES, outer race");
+    let digits = decimals(lines.iter().flat_map(|(_, line)| [line.measured_um, line.twin_um, line.residual_um]));
+    let row = |(probe, line): &(&ProbeOutcome, &ballrace_twin::replay::outcome::BallPassLine)| {
+        vec![
+            name(&probe.name),
+            name(&line.bearing),
+            fixed(line.order, 3),
+            fixed(line.frequency_hz, 1),
+            fixed(line.measured_um, digits),
+            fixed(line.twin_um, digits),
+            fixed(line.residual_um, digits),
+        ]
+    };
+    let heads: [&[&str]; 2] = [
+        &["probe", "bearing", "order", "line", "measured", "twin", "difference"],
+        &["", "", "per turn", "Hz", "um peak", "um peak", "um peak"],
+    ];
+    page.table(2, &heads, &lines.iter().map(row).collect::<Vec<_>>());
+}
+
+fn forces(page: &mut Page, outcome: &Outcome) {
+    if outcome.bearings.is_empty() || outcome.probes.is_empty() {
+        return;
+    }
+    page.title("FORCES ON THE INNER RINGS");
+    let heads: [&[&str]; 2] = [
+        &["bearing", "", "measured", "", "", "noise", "twin", "", ""],
+        &["", "", "mean", "least", "largest", "1 sigma", "mean", "least", "largest"],
+    ];
+    let rows: Vec<Vec<String>> = outcome.bearings.iter().flat_map(force_rows).collect();
+    page.table(2, &heads, &rows);
+    for bearing in &outcome.bearings {
+        let mut said =
+            vec![format!("{}, largest load on one element {} N", bearing.model, alone(bearing.largest_element_load_n))];
+        said.extend(words::remarks(bearing.contact_lost_samples, bearing.held_samples));
+        page.sentence(&format!("  {}: ", name(&bearing.name)), &format!("{}.", said.join("; ")));
+    }
+}
+
+fn force_rows(bearing: &BearingOutcome) -> Vec<Vec<String>> {
+    let row = |i: usize| {
+        let (measured, twin) = (&bearing.force_measured[i], &bearing.force_twin[i]);
+        let values = [measured.mean, measured.min, measured.max, twin.mean, twin.min, twin.max];
+        let digits = decimals(values);
+        let mut cells: Vec<String> = values.iter().map(|value| fixed(*value, digits)).collect();
+        cells.insert(3, maybe(measured.noise_sigma));
+        let first = if i == 0 { name(&bearing.name) } else { String::new() };
+        [vec![first, COMPONENTS[i].to_owned()], cells].concat()
+    };
+    (0..COMPONENTS.len()).map(row).collect()
+}
+
+fn orders(page: &mut Page, bearings: &[BearingOutcome]) {
+    let known: Vec<&BearingOutcome> = bearings.iter().filter(|bearing| bearing.orders.outer_race > 0.0).collect();
+    if known.is_empty() {
+        return;
+    }
+    page.title("ORDERS, per turn of the shaft");
+    let row = |bearing: &&BearingOutcome| {
+        let orders = &bearing.orders;
+        let spin = orders.ball_spin.map_or_else(|| NONE.to_owned(), |spin| fixed(spin, 3));
+        vec![name(&bearing.name), fixed(orders.cage, 3), fixed(orders.outer_race, 3), fixed(orders.inner_race, 3), spin]
+    };
+    let heads: [&[&str]; 1] = [&["bearing", "cage", "outer race", "inner race", "ball spin"]];
+    page.table(1, &heads, &known.iter().map(row).collect::<Vec<_>>());
+}
+
+fn findings(page: &mut Page, outcome: &Outcome) {
+    page.title("FINDINGS");
+    if outcome.findings.is_empty() {
+        page.line("  none");
+    }
+    for finding in &outcome.findings {
+        let place = finding.bearing.as_ref().map_or_else(String::new, |bearing| format!(" of {bearing}"));
+        page.sentence("  * ", &format!("{}{place}: {}", words::kind(finding.kind), finding.sentence));
+        let evidence = format!(
+            "line {} Hz, order {}, {} dB, confidence {} %",
+            fixed(finding.line_hz, 1),
+            fixed(finding.order, 3),
+            fixed(finding.level_db, 1),
+            fixed(100.0 * finding.confidence, 0)
+        );
+        page.sentence("    ", &evidence);
+    }
+}
+
+fn sentences<'a>(page: &mut Page, title: &str, items: impl Iterator<Item = &'a str>) {
+    let mut items = items.peekable();
+    if items.peek().is_none() {
+        return;
+    }
+    page.title(title);
+    items.for_each(|item| page.sentence("  * ", item));
+}
+
+fn timing(page: &mut Page, timing: &Timing) {
+    page.title("TIMING");
+    let pace = format!(
+        "{} in {} s, {} times real time{}",
+        counted(timing.samples, "sample"),
+        fixed(timing.wall_s, 3),
+        alone(timing.times_real_time),
+        timing
+            .peak_memory_bytes
+            .map_or_else(String::new, |bytes| format!("; peak memory {} MB", fixed(bytes as f64 / 1e6, 1)))
+    );
+    page.sentence("  ", &pace);
+    let mut rows = vec![quantiles("a sample", &timing.compute)];
+    if let Some(pacing) = &timing.pacing {
+        rows.push(quantiles("a block", &pacing.compute));
+        rows.push(quantiles("lateness", &pacing.lateness));
+    }
+    let heads: [&[&str]; 1] = [&["us", "median", "99 %", "99.9 %", "largest"]];
+    page.table(1, &heads, &rows);
+    for sentence in words::pacing(timing) {
+        page.sentence("  ", &sentence);
+    }
+}
+
+fn quantiles(what: &str, times: &Quantiles) -> Vec<String> {
+    let values = [times.p50_ns, times.p99_ns, times.p999_ns, times.max_ns].map(microseconds);
+    [vec![what.to_owned()], values.map(|value| fixed(value, 2)).to_vec()].concat()
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn says_everything_within_the_width() {
+        for (outcome, width) in
+            [(fixture::usual(), 80), (fixture::bare(), 80), (fixture::broken(), 100), (fixture::crowded(), 100)]
+        {
+            let text = text(&outcome);
+            let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
+            assert!(longest.chars().count() <= width, "{longest}");
+            assert!(text.starts_with(outcome.verdict.split(' ').next().unwrap()), "{text}");
+            assert!(!text.contains("NaN") && !text.contains("inf "));
+            assert!(text.lines().all(|line| line.trim_end() == line));
+        }
+    }
+
+    #[test]
+    fn names_every_probe_and_bearing() {
+        let outcome = fixture::usual();
+        let text = text(&outcome);
+        assert!(outcome.probes.iter().all(|probe| text.contains(&probe.name)));
+        assert!(outcome.bearings.iter().all(|bearing| text.contains(&bearing.model)));
+        assert!(outcome.findings.iter().all(|finding| text.contains(&finding.sentence[..20])));
+    }
+
+    #[test]
+    fn sentences_break_between_words() {
+        assert_eq!(broken("one two three", 7), ["one two", "three"]);
+        assert_eq!(broken("abcdefghij k", 4), ["abcd", "efgh", "ij k"]);
+        assert_eq!(broken("", 4), [""]);
+    }
+}

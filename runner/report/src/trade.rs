@@ -1,0 +1,231 @@
+//! A trade for people: tables for the terminal, a page with the fronts.
+
+use super::equilibrium::page;
+use super::figures::{Dot, front};
+use ballrace_twin::trade::{Candidate, Choice, Response, Trade};
+use anyhow::Result;
+use std::fmt::Write;
+
+/// For the terminal: what is exact or on a front, and motions by the integrator that a scene takes by itself. The page and
+/// the tables for programs have all.
+#[must_use]
+pub fn text(trade: &Trade) -> String {
+    let mut out = String::new();
+    let Trade { scene, motion, poses, truth, largest_load, .. } = trade;
+    line(&mut out, &format!("{scene}: speed against accuracy at {poses} poses of each bearing from the {motion}"));
+    line(
+        &mut out,
+        &format!("Truth: {truth}, f64, converged. Errors are relative to the largest load, {largest_load:.4} N."),
+    );
+    forces(&mut out, &trade.candidates);
+    if !trade.responses.is_empty() {
+        motions(&mut out, &trade.responses);
+    }
+    if !trade.impossible.is_empty() {
+        line(&mut out, "\nNot possible in this scene:");
+        let mut rest = trade.impossible.as_slice();
+        while let Some(first) = rest.first() {
+            let same = rest.iter().take_while(|one| one.why == first.why).count();
+            let names: Vec<&str> = rest.iter().take(same).map(|one| one.rung.as_str()).collect();
+            line(&mut out, &format!("  {}: {}", names.join("; "), first.why));
+            rest = rest.get(same..).unwrap_or_default();
+        }
+    }
+    out
+}
+
+/// What was chosen, in a sentence.
+#[must_use]
+pub fn chosen(choice: &Choice) -> String {
+    let Choice { rung, precision, error, cost, unit, seconds } = choice;
+    let time = seconds.map_or(String::new(), |s| format!(" ({:.3} us)", s * 1e6));
+    format!(
+        "Take {rung} in {precision}: off by {} in 99 of 100 poses, {cost:.0} {unit}{time} for one force of every bearing.",
+        percent(*error)
+    )
+}
+
+fn line(out: &mut String, text: &str) {
+    out.push_str(text);
+    out.push('\n');
+}
+
+/// Relative to 1, as people read it.
+fn percent(x: f64) -> String {
+    match x * 100.0 {
+        p if !p.is_finite() => "-".to_owned(),
+        0.0 => "0 %".to_owned(),
+        p if p < 0.01 => format!("{p:.1e} %"),
+        p if p < 10.0 => format!("{p:.3} %"),
+        p => format!("{p:.1} %"),
+    }
+}
+
+fn forces(out: &mut String, candidates: &[Candidate]) {
+    line(
+        out,
+        "\nForces of all bearings, one sample (* nothing is both cheaper and truer; ~ between or beyond counted rows)",
+    );
+    line(
+        out,
+        &format!(
+            "  {:<52} {:<9} {:>10} {:>10} {:>10} {:>10} {:>9} {:>11} {:>11}",
+            "", "", "error:", "", "", "of which", "desktop", "Cortex-M4F", ""
+        ),
+    );
+    line(
+        out,
+        &format!(
+            "  {:<52} {:<9} {:>10} {:>10} {:>10} {:>10} {:>9} {:>11} {:>11}",
+            "model", "numbers", "median", "99 %", "largest", "rounding", "ns", "instr.", "cycles"
+        ),
+    );
+    for c in candidates.iter().filter(|c| c.arithmetic.math == "exact" || c.front_desktop || c.front_cortex) {
+        let numbers = format!("{}{}", c.arithmetic.precision, if c.arithmetic.math == "fast" { " fast" } else { "" });
+        let front = |yes: bool| if yes { "*" } else { " " };
+        let (instructions, cycles) = c.cortex.map_or(("-".to_owned(), "- ".to_owned()), |cost| {
+            let about = if cost.counted { "" } else { "~" };
+            let [instructions, cycles] = [cost.instructions, cost.cycles].map(|n| format!("{about}{n:.0}"));
+            (instructions, format!("{cycles}{}", front(c.front_cortex)))
+        });
+        let ns = format!("{:.0}{}", c.desktop_ns, front(c.front_desktop));
+        line(
+            out,
+            &format!(
+                "  {:<52} {numbers:<9} {:>10} {:>10} {:>10} {:>10} {ns:>9} {instructions:>11} {cycles:>11}",
+                c.rung,
+                percent(c.error.median),
+                percent(c.error.most_99),
+                percent(c.error.largest),
+                percent(c.rounding.most_99),
+            ),
+        );
+    }
+}
+
+fn motions(out: &mut String, responses: &[Response]) {
+    line(
+        out,
+        "\nMotion computed with each model (1X vector, ball pass, peak to peak, mean and what is left, relative to the truth's)",
+    );
+    line(
+        out,
+        &format!(
+            "  {:<52} {:<5} {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}",
+            "model", "", "integrator", "step us", "1X", "ball pass", "p-p", "mean", "left", "x real"
+        ),
+    );
+    for r in responses.iter().filter(|r| r.usual || r.front) {
+        let e = &r.error;
+        let front = if r.front { "*" } else { " " };
+        let held = if r.held > 0 { format!("  {} steps overflowed", r.held) } else { String::new() };
+        line(
+            out,
+            &format!(
+                "  {:<52} {:<5} {:<12} {:>9.2} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7.1}{front}{held}",
+                r.rung,
+                r.precision,
+                r.method,
+                r.step * 1e6,
+                percent(e.one_per_turn),
+                percent(e.ball_pass),
+                percent(e.peak_to_peak),
+                percent(e.mean),
+                percent(e.residual),
+                r.times_real_time,
+            ),
+        );
+    }
+}
+
+/// One row a candidate, then one a motion; empty where a column does not apply.
+#[must_use]
+pub fn csv(trade: &Trade) -> String {
+    let mut out = "kind,model,precision,math,integrator,step_s,error_median,error_99,error_largest,modelling_99,rounding_99,\
+                   desktop_ns,m4f_instructions,m4f_cycles,m4f_counted,one_per_turn,ball_pass,peak_to_peak,mean,residual,\
+                   times_real_time,front_desktop,front_m4f\n"
+        .to_owned();
+    for c in &trade.candidates {
+        let cortex = c.cortex.map_or(",,".to_owned(), |m| format!("{},{},{}", m.instructions, m.cycles, m.counted));
+        // A string takes whatever is written.
+        let _ = writeln!(
+            out,
+            "force,\"{}\",{},{},,,{},{},{},{},{},{},{cortex},,,,,,,{},{}",
+            c.rung,
+            c.arithmetic.precision,
+            c.arithmetic.math,
+            c.error.median,
+            c.error.most_99,
+            c.error.largest,
+            c.modelling.most_99,
+            c.rounding.most_99,
+            c.desktop_ns,
+            c.front_desktop,
+            c.front_cortex,
+        );
+    }
+    for r in &trade.responses {
+        let e = &r.error;
+        let _ = writeln!(
+            out,
+            "motion,\"{}\",{},exact,{},{},,,,,,,,,,{},{},{},{},{},{},{},",
+            r.rung,
+            r.precision,
+            r.method,
+            r.step,
+            e.one_per_turn,
+            e.ball_pass,
+            e.peak_to_peak,
+            e.mean,
+            e.residual,
+            r.times_real_time,
+            r.front,
+        );
+    }
+    out
+}
+
+/// The page, one file without references.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn html(trade: &Trade) -> Result<String> {
+    let name = |c: &Candidate| {
+        let fast = if c.arithmetic.math == "fast" { " fast" } else { "" };
+        format!("{}, {}{fast}", c.rung, c.arithmetic.precision)
+    };
+    let dot = |c: &Candidate, cost: f64, front: bool| Dot {
+        cost,
+        error: c.error.most_99,
+        front,
+        single: c.arithmetic.precision == "f32",
+        name: name(c),
+    };
+    let desktop: Vec<Dot> = trade.candidates.iter().map(|c| dot(c, c.desktop_ns, c.front_desktop)).collect();
+    let target: Vec<Dot> =
+        trade.candidates.iter().filter_map(|c| Some(dot(c, c.cortex?.cycles, c.front_cortex))).collect();
+    let moved = |r: &Response| Dot {
+        cost: 1e3 / r.times_real_time,
+        error: r.error.residual,
+        front: r.front,
+        single: r.precision == "f32",
+        name: format!("{}, {}, {:.1} us", r.rung, r.method, r.step * 1e6),
+    };
+    let motions: Vec<Dot> = trade.responses.iter().map(moved).collect();
+    let error = "Force error in 99 of 100 poses, over the largest load";
+    let pictures = [
+        front("Forces on a Cortex-M4F", "Modelled cycles of one force of every bearing", error, &target)?,
+        front("Forces on this machine", "Time of one force of every bearing, ns", error, &desktop)?,
+        front(
+            "Motion",
+            "Computing time of a second of motion, ms",
+            "What is left of the motion, rms over rms",
+            &motions,
+        )?,
+    ];
+    let words = match &trade.choice {
+        Some(choice) => format!("{}\n\n{}", chosen(choice), text(trade)),
+        None => text(trade),
+    };
+    page(&trade.scene, "speed against accuracy", &pictures.into_iter().flatten().collect::<Vec<_>>(), &words)
+}

@@ -1,0 +1,276 @@
+//! What the page and the terminal say in the same words.
+
+use super::number::{alone, count, counted, fixed};
+use ballrace_twin::replay::findings;
+use ballrace_twin::replay::outcome::{
+    Finding, FindingKind, Observation, Outcome, ProbeOutcome, Record, SourceFigures, Standing, Timing,
+};
+
+/// Condition number from which the probes count as badly placed.
+const BADLY_PLACED: f64 = 100.0;
+
+/// Name of a kind of fault.
+pub(super) fn kind(kind: FindingKind) -> &'static str {
+    match kind {
+        FindingKind::OuterRace => "outer race",
+        FindingKind::InnerRace => "inner race",
+        FindingKind::Element => "rolling element",
+        FindingKind::Cage => "cage",
+        FindingKind::Unbalance => "unbalance",
+        FindingKind::Misalignment => "misalignment",
+        FindingKind::Clearance => "clearance",
+        FindingKind::Other => "other",
+    }
+}
+
+/// What to do about a limit that was crossed.
+pub(super) const EVENT_ACTION: &str =
+    "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
+/// What to do where nothing was found.
+pub(super) fn no_action(outcome: &Outcome) -> &'static str {
+    match (outcome.probes.is_empty(), findings::follows(&outcome.probes)) {
+        (true, _) => "none; repeat the measurement as planned.",
+        (_, true) => "none; keep this recording as the baseline (--learn) for later ones.",
+        (_, false) => {
+            "see that the scene is this machine, or fit it (ballrace fit), before the comparison is relied on."
+        }
+    }
+}
+
+/// What every figure of the page is in.
+pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column says; phase in \
+                                degrees of lag, 0 to 360; frequency in Hz and orders (X)";
+
+/// What to do about a finding, in one sentence.
+pub(super) const fn action(kind: FindingKind) -> &'static str {
+    match kind {
+        FindingKind::OuterRace | FindingKind::InnerRace | FindingKind::Element => {
+            "Order a spare bearing, repeat the measurement within a week and replace the bearing where the line grows."
+        }
+        FindingKind::Cage => "Check lubrication and load, and plan the replacement: a cage fails without much warning.",
+        FindingKind::Unbalance => {
+            "Look for deposits, lost weights and loose parts, then balance; repeat with the new unbalance in the scene."
+        }
+        FindingKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
+        FindingKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene anew.",
+        FindingKind::Other => "Look at the residual's spectrum and orbit, and check mounting and probes.",
+    }
+}
+
+/// How far a finding stands out, in a word; it is a level, not a rate of damage.
+pub(super) fn severity(finding: &Finding) -> &'static str {
+    match finding.level_db {
+        db if db >= 30.0 => "strong",
+        db if db >= 20.0 => "clear",
+        _ => "slight",
+    }
+}
+
+/// What a reader wants to know before the figures: name and value.
+pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
+    let record = &outcome.record;
+    let mut facts = vec![
+        ("Machine", outcome.scene.clone()),
+        ("Recording", outcome.recording.clone()),
+        ("Speed", speed(record)),
+        ("Rotation", rotation(record).to_owned()),
+        ("Shaft angle from", record.angle_source.clone()),
+        ("Rate", format!("{} Hz", rate(record.rate_hz))),
+        ("Duration", format!("{} s, {} turns", fixed(record.duration_s, 3), fixed(record.turns, 1))),
+        ("Samples", samples(record)),
+    ];
+    facts.extend(setting(outcome));
+    if !outcome.probes.is_empty() {
+        facts.push(("Condition number", condition(&outcome.observation)));
+    }
+    if outcome.observation.noise_gain > 0.0 {
+        facts.push((
+            "Noise gain",
+            format!("at most {} from a probe to a bearing", alone(outcome.observation.noise_gain)),
+        ));
+    }
+    let supplied = &outcome.observation.supplied_by_twin;
+    if !supplied.is_empty() {
+        facts.push(("Supplied by the twin", format!("{}: no probe sees it", supplied.join(", "))));
+    }
+    facts
+}
+
+/// How it was measured and worked out: bearings, probes, load, spectra, filters.
+fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
+    let mut facts = Vec::new();
+    let bearings =
+        outcome.bearings.iter().map(|b| format!("{} ({}) at {} mm", b.name, b.model, fixed(b.station_mm, 1)));
+    let bearings: Vec<String> = bearings.collect();
+    if !bearings.is_empty() {
+        facts.push(("Bearings", bearings.join("; ")));
+    }
+    if outcome.probes.is_empty() {
+        return facts;
+    }
+    facts.push(("Probes", outcome.probes.iter().map(probe).collect::<Vec<_>>().join("; ")));
+    let load = outcome.record.load.iter().zip(["FX", "FY", "FZ", "MX", "MY"]).zip([" N", " N", " N", " N m", " N m"]);
+    let load: Vec<String> =
+        load.filter(|((x, _), _)| **x != 0.0).map(|((x, name), unit)| format!("{name} {}{unit}", alone(*x))).collect();
+    facts.push(("Load on the rotor", if load.is_empty() { "weight alone".to_owned() } else { load.join(", ") }));
+    let spectra = &outcome.record.spectra;
+    facts.push((
+        "Spectra",
+        format!(
+            "{} lines, {} Hz apart, Hann window, {}",
+            count(spectra.lines as u64),
+            alone(spectra.bin_hz),
+            counted(spectra.averages, "average"),
+        ),
+    ));
+    facts.push(("Filter", "1X, 2X and 0.5X by the shaft's angle, blocks of 4 turns".to_owned()));
+    let compensated = if outcome.record.speed_changes() {
+        "in Bode and polar plots, where it says so; nowhere else"
+    } else {
+        "no slow roll in this recording: not compensated"
+    };
+    facts.push(("Slow roll", compensated.to_owned()));
+    facts
+}
+
+/// Name, station and angle.
+fn probe(probe: &ProbeOutcome) -> String {
+    let looks = probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| format!("{} deg", fixed(angle, 0)));
+    format!("{} at {} mm, {looks}", probe.name, fixed(probe.station_mm, 1))
+}
+
+/// A whole number of hertz as a count.
+fn rate(hz: f64) -> String {
+    if (1.0..1e15).contains(&hz) && hz.fract() == 0.0 { count(hz as u64) } else { alone(hz) }
+}
+
+fn speed(record: &Record) -> String {
+    let (low, high) = (record.min_speed_rpm, record.max_speed_rpm);
+    let mean = format!("{} rpm", fixed(record.mean_speed_rpm, 1));
+    if high - low < 0.1 { mean } else { format!("{mean} mean, {} to {}", fixed(low, 1), fixed(high, 1)) }
+}
+
+fn rotation(record: &Record) -> &'static str {
+    match record.mean_speed_rpm {
+        speed if speed > 0.0 => "from +X towards +Y (anticlockwise, Z towards the reader)",
+        speed if speed < 0.0 => "from +Y towards +X (clockwise, Z towards the reader)",
+        _ => "none",
+    }
+}
+
+fn samples(record: &Record) -> String {
+    let left_out = record.samples.saturating_sub(record.compared);
+    let read = format!("{} read", count(record.samples));
+    if left_out == 0 { format!("{read}, all compared") } else { format!("{read}, {} not compared", count(left_out)) }
+}
+
+fn condition(observation: &Observation) -> String {
+    if observation.condition_number.is_nan() || observation.condition_number <= 0.0 {
+        return "not known".to_owned();
+    }
+    let number = alone(observation.condition_number);
+    let verdict = if observation.condition_number > BADLY_PLACED {
+        "the probes are badly placed"
+    } else {
+        "1 is perfect, above 100 is bad"
+    };
+    format!("{number} ({verdict})")
+}
+
+/// What the NRMSE is normalised by: one sentence for all probes, or one for each kind.
+pub(super) fn normaliser(probes: &[ProbeOutcome]) -> String {
+    let mut kinds: Vec<&str> =
+        probes.iter().map(|probe| probe.nrmse_normaliser.as_str()).filter(|kind| !kind.is_empty()).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    match kinds.as_slice() {
+        [] => String::new(),
+        [kind] => format!("NRMSE: residual rms over {kind}."),
+        _ => probes
+            .iter()
+            .map(|probe| format!("NRMSE of {}: residual rms over {}.", probe.name, probe.nrmse_normaliser))
+            .collect::<Vec<_>>()
+            .join(" "),
+    }
+}
+
+/// Contact lost and readings held at one bearing, where there is something to say.
+pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if contact_lost > 0 {
+        remarks.push(format!("no element carried load in {}", counted(contact_lost, "sample")));
+    }
+    if held > 0 {
+        remarks.push(format!("last good force held in {}", counted(held, "sample")));
+    }
+    remarks
+}
+
+/// The twin against the best simpler predictor.
+pub(super) const fn standing(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Better => "better",
+        Standing::Same => "same",
+        Standing::Worse => "WORSE",
+    }
+}
+
+/// "DE_X, NDE_X": the probes at which a simple predictor does better than the twin.
+pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
+    let names: Vec<&str> =
+        probes.iter().filter(|p| p.baselines.worst() == Standing::Worse).map(|p| p.name.as_str()).collect();
+    names.join(", ")
+}
+
+/// How a timeline was kept and what its source did, a sentence each; nothing of a replay that was not paced.
+pub fn pacing(timing: &Timing) -> Vec<String> {
+    let kept = timing.pacing.as_ref().map(|pacing| {
+        format!(
+            "Blocks of {} ms: {}, deadline missed {}; {} % of one processor idle after {} s of starting; {}.",
+            alone(pacing.block_ns as f64 * 1e-6),
+            count(pacing.blocks),
+            counted(pacing.deadline_misses, "time"),
+            fixed(pacing.idle_percent, 1),
+            fixed(pacing.starting_s, 2),
+            pacing.scheduling
+        )
+    });
+    kept.into_iter().chain(timing.source.as_ref().map(source)).collect()
+}
+
+fn source(source: &SourceFigures) -> String {
+    let counts = [
+        (source.lost_frames, "lost"),
+        (source.repeated_frames, "repeated or late"),
+        (source.malformed_frames, "malformed"),
+        (source.dropped_rows, "dropped for want of room"),
+    ];
+    let told: Vec<String> = counts.iter().map(|(n, what)| format!("{} {what}", count(*n))).collect();
+    let stalls = match source.stalls {
+        0 => "never silent".to_owned(),
+        n => format!("silent {}, up to {} s", counted(n, "time"), fixed(source.longest_stall_s, 1)),
+    };
+    format!(
+        "Source: {} read, {}; {stalls}; up to {} of {} places of the ring in use.",
+        counted(source.rows, "sample"),
+        told.join(", "),
+        count(source.ring_highest),
+        count(source.ring_capacity)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speed_says_its_range_only_when_there_is_one() {
+        let mut record =
+            Record { mean_speed_rpm: 3000.0, min_speed_rpm: 3000.0, max_speed_rpm: 3000.0, ..Record::default() };
+        assert_eq!(speed(&record), "3000.0 rpm");
+        record.max_speed_rpm = 3012.0;
+        assert_eq!(speed(&record), "3000.0 rpm mean, 3000.0 to 3012.0");
+        record.mean_speed_rpm = -3000.0;
+        assert!(rotation(&record).starts_with("from +Y towards +X"));
+    }
+}

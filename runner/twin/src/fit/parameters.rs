@@ -1,0 +1,252 @@
+//! What of a scene can be fitted, where it stands, and how far it may plausibly be off.
+
+use crate::plant::Plant;
+use crate::scene::{Fit, Preload, Scene, Unbalance};
+use std::f64::consts::TAU;
+
+/// Groups of parameters that a user asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Group {
+    /// Amount, angle and station.
+    Unbalance,
+    /// Clearance, play or preload of each bearing.
+    Clearance,
+    /// Of the rotor: radial, axial, of tilt.
+    Damping,
+    /// Of the contacts of each bearing.
+    Stiffness,
+    /// Of each probe.
+    Offset,
+}
+
+/// All of them.
+pub const ALL: [Group; 5] = [Group::Unbalance, Group::Clearance, Group::Damping, Group::Stiffness, Group::Offset];
+
+/// One number of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Sum of the unbalances, X or Y, kg m.
+    Unbalance(usize),
+    /// Sum of the unbalances times their stations, X or Y, kg m^2.
+    Couple(usize),
+    /// `diametral_clearance` of a bearing, m.
+    Clearance(usize),
+    /// `radial_play`, m.
+    Play(usize),
+    /// `preload`, m or N.
+    Preload(usize),
+    /// `youngs_modulus`, Pa.
+    Modulus(usize),
+    /// `stiffness`, N/m^n.
+    Stiffness(usize),
+    /// `damping` along X and Y, along Z, of the tilts.
+    Damping(usize),
+    /// `offset` of a probe, m.
+    Offset(usize),
+}
+
+/// One unknown.
+#[derive(Debug, Clone)]
+pub struct Parameter {
+    /// Which.
+    pub place: Place,
+    /// The scene's value, SI.
+    pub given: f64,
+    /// How far it may plausibly be off, SI: the unknown is counted in this.
+    pub scale: f64,
+}
+
+impl Parameter {
+    /// The unknown of the scene's value: what is believed before the recording is heard, within 1 either way.
+    #[must_use]
+    pub fn believed(&self) -> f64 {
+        if self.spread().is_some() { 0.0 } else { self.given / self.scale }
+    }
+
+    /// The value, SI, of an unknown.
+    #[must_use]
+    pub fn value(&self, unknown: f64) -> f64 {
+        let of = |spread: f64| self.given.max(1e-2 * self.scale) * (spread * unknown).clamp(-12.0, 12.0).exp();
+        self.spread().map_or(self.scale * unknown, of)
+    }
+
+    /// What cannot fall below 0 is sought by its logarithm: how much of that is plausible.
+    const fn spread(&self) -> Option<f64> {
+        match self.place {
+            Place::Damping(_) => Some(1.0),
+            Place::Modulus(_) | Place::Stiffness(_) => Some(0.2),
+            Place::Preload(_) => Some(0.5),
+            _ => None,
+        }
+    }
+}
+
+/// The unknowns of the groups asked for.
+#[must_use]
+pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Parameter> {
+    let mut all = Vec::new();
+    let mut add = |place, given, scale: f64| all.push(Parameter { place, given, scale });
+    let Some(rotor) = &scene.rotor else { return all };
+    if groups.contains(&Group::Unbalance) {
+        // An eccentricity of 20 um.
+        let scale = 20e-6 * rotor.mass;
+        let (force, couple) = sums(&rotor.unbalance);
+        let lever = lever(plant);
+        (0..2).for_each(|i| add(Place::Unbalance(i), force[i], scale));
+        (0..2).for_each(|i| add(Place::Couple(i), couple[i], scale * lever));
+    }
+    for (i, b) in scene.bearings.iter().enumerate() {
+        let fit = b.geometry.map(|g| g.fit);
+        if groups.contains(&Group::Clearance) {
+            match (b.preload, fit, b.law.and_then(|l| l.radial_play)) {
+                (Some(Preload::Force(force)), ..) => add(Place::Preload(i), force, 0.5 * force),
+                (Some(Preload::Displacement(length)), ..) => add(Place::Preload(i), length, 5e-6),
+                (None, _, Some(play)) => add(Place::Play(i), play, 5e-6),
+                (None, Some(Fit::DiametralClearance(clearance)), None) => add(Place::Clearance(i), clearance, 5e-6),
+                _ => {}
+            }
+        }
+        if groups.contains(&Group::Stiffness) {
+            match (b.law.and_then(|l| l.stiffness), b.geometry) {
+                (Some(stiffness), _) => add(Place::Stiffness(i), stiffness, 0.2 * stiffness),
+                (None, Some(geometry)) => {
+                    add(Place::Modulus(i), geometry.youngs_modulus, 0.2 * geometry.youngs_modulus)
+                }
+                _ => {}
+            }
+        }
+    }
+    if groups.contains(&Group::Damping) {
+        // Against a tenth of what is critical for the stiffness at rest.
+        for (k, entry) in [(0, 0), (1, 2), (2, 3)] {
+            let mass = if k == 2 { rotor.diametral_inertia } else { rotor.mass };
+            let critical = 2.0 * (mass * plant.stiffness[(entry, entry)].abs()).sqrt();
+            add(Place::Damping(k), rotor.damping[entry], (0.5 * rotor.damping[entry]).max(0.02 * critical));
+        }
+    }
+    if groups.contains(&Group::Offset) {
+        let probes = scene.recording.iter().flat_map(|r| &r.probes).enumerate();
+        probes.for_each(|(i, probe)| add(Place::Offset(i), probe.offset, 5e-6));
+    }
+    all
+}
+
+fn lever(plant: &Plant) -> f64 {
+    plant.seats.iter().map(|s| s.station.abs()).fold(0.02, f64::max)
+}
+
+/// Sum of the unbalances, and of each times its station.
+fn sums(unbalances: &[Unbalance]) -> ([f64; 2], [f64; 2]) {
+    let (mut force, mut couple) = ([0.0; 2], [0.0; 2]);
+    for one in unbalances {
+        for (i, part) in [one.angle.cos(), one.angle.sin()].into_iter().enumerate() {
+            force[i] += one.moment * part;
+            couple[i] += one.moment * part * one.station;
+        }
+    }
+    (force, couple)
+}
+
+/// Unbalances in two planes with this sum and couple.
+#[must_use]
+pub fn two_planes(force: [f64; 2], couple: [f64; 2], planes: [f64; 2]) -> [Unbalance; 2] {
+    let [near, far] = planes;
+    let second: [f64; 2] = std::array::from_fn(|i| (couple[i] - near * force[i]) / (far - near));
+    let first: [f64; 2] = std::array::from_fn(|i| force[i] - second[i]);
+    let at = |[x, y]: [f64; 2], station| Unbalance { moment: x.hypot(y), angle: y.atan2(x).rem_euclid(TAU), station };
+    [at(first, near), at(second, far)]
+}
+
+/// Two planes that are apart: the outermost bearings', or 10 cm.
+#[must_use]
+pub fn planes(scene: &Scene) -> [f64; 2] {
+    let stations = || scene.bearings.iter().map(|b| b.station);
+    let (near, far) = (stations().fold(f64::INFINITY, f64::min), stations().fold(f64::NEG_INFINITY, f64::max));
+    if far - near > 1e-3 { [near, far] } else { [near - 0.05, near + 0.05] }
+}
+
+/// The scene with these values, SI, in the places of `parameters`.
+#[must_use]
+pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
+    let mut scene = scene.clone();
+    let planes = planes(&scene);
+    let Some(rotor) = &mut scene.rotor else { return scene };
+    let (mut force, mut couple) = sums(&rotor.unbalance);
+    let mut turned = false;
+    for (parameter, &value) in parameters.iter().zip(values) {
+        match parameter.place {
+            Place::Unbalance(i) => (force[i], turned) = (value, true),
+            Place::Couple(i) => (couple[i], turned) = (value, true),
+            Place::Damping(k) => {
+                let entries = [0..2, 2..3, 3..5][k].clone();
+                rotor.damping[entries].fill(value.max(0.0));
+            }
+            Place::Clearance(b) => {
+                if let Some(geometry) = &mut scene.bearings[b].geometry {
+                    geometry.fit = Fit::DiametralClearance(value);
+                }
+            }
+            Place::Modulus(b) => {
+                if let Some(geometry) = &mut scene.bearings[b].geometry {
+                    geometry.youngs_modulus = value.max(1e6);
+                }
+            }
+            Place::Play(b) | Place::Stiffness(b) => {
+                if let Some(law) = &mut scene.bearings[b].law {
+                    match parameter.place {
+                        Place::Play(_) => law.radial_play = Some(value),
+                        _ => law.stiffness = Some(value.max(1e-3)),
+                    }
+                }
+            }
+            Place::Preload(b) => {
+                scene.bearings[b].preload = scene.bearings[b].preload.map(|preload| match preload {
+                    Preload::Force(_) => Preload::Force(value.max(1e-6)),
+                    Preload::Displacement(_) => Preload::Displacement(value.max(1e-12)),
+                });
+            }
+            Place::Offset(p) => {
+                if let Some(probe) = scene.recording.as_mut().and_then(|r| r.probes.get_mut(p)) {
+                    probe.offset = value;
+                }
+            }
+        }
+    }
+    if turned {
+        rotor.unbalance = two_planes(force, couple, planes).to_vec();
+    }
+    scene
+}
+
+impl Place {
+    /// As the scene names it, and the unit for people with its size in SI.
+    #[must_use]
+    pub fn name(self, scene: &Scene) -> (String, &'static str, f64) {
+        let bearing = |b: usize| scene.bearings.get(b).map_or("", |b| b.name.as_str());
+        let axis = |i: usize| ["X", "Y"][i % 2];
+        match self {
+            Self::Unbalance(i) => (format!("unbalance along {}", axis(i)), "g mm", 1e-6),
+            Self::Couple(i) => (format!("unbalance couple along {}", axis(i)), "g mm^2", 1e-9),
+            Self::Clearance(b) => (format!("{}: diametral_clearance", bearing(b)), "um", 1e-6),
+            Self::Play(b) => (format!("{}: radial_play", bearing(b)), "um", 1e-6),
+            Self::Preload(b) => match scene.bearings.get(b).and_then(|b| b.preload) {
+                Some(Preload::Force(_)) => (format!("{}: preload", bearing(b)), "N", 1.0),
+                _ => (format!("{}: preload", bearing(b)), "um", 1e-6),
+            },
+            Self::Modulus(b) => (format!("{}: youngs_modulus", bearing(b)), "GPa", 1e9),
+            Self::Stiffness(b) => {
+                let exponent = scene.bearings.get(b).and_then(|b| b.law).map_or(1.5, |l| l.exponent);
+                let unit = if exponent == 1.5 { "N/m^1.5" } else { "N/m^n" };
+                (format!("{}: stiffness", bearing(b)), unit, 1.0)
+            }
+            Self::Damping(0) => ("damping along X and Y".to_owned(), "N s/m", 1.0),
+            Self::Damping(1) => ("damping along Z".to_owned(), "N s/m", 1.0),
+            Self::Damping(_) => ("damping of tilt".to_owned(), "N m s/rad", 1.0),
+            Self::Offset(p) => {
+                let probe = scene.recording.as_ref().and_then(|r| r.probes.get(p));
+                (format!("{}: offset", probe.map_or("", |p| p.column.as_str())), "um", 1e-6)
+            }
+        }
+    }
+}

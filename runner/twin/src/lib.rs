@@ -1,0 +1,25 @@
+//! Scenes of rotating machines, recordings of their shafts, and the digital twin that joins the two.
+//!
+//! Data flows one way: scene and recording -> displacement at each bearing -> force -> twin -> residual -> outcome. The
+//! crate has no terminal, no HTML and no command line: `ballrace-report` renders its outcomes, `ballrace-runner` is the
+//! program.
+#![forbid(unsafe_code)]
+
+pub mod bake;
+pub mod campbell;
+pub mod equilibrium;
+pub mod fault;
+pub mod fit;
+pub mod motion;
+pub mod needs;
+pub mod observer;
+pub mod output;
+pub mod parquet_table;
+pub mod plant;
+pub mod recording;
+pub mod replay;
+pub mod scene;
+pub mod sweep;
+pub mod trade;
+pub mod vibration;
+pub mod wide;

@@ -1,0 +1,689 @@
+//! The main job: a recording through the kernel and the twin, sample by sample, and what comes of it.
+
+pub mod align;
+pub mod baseline;
+pub mod cascade;
+pub mod comparison;
+pub mod findings;
+pub mod forces;
+pub mod history;
+pub mod innovation;
+pub mod limits;
+pub mod lines;
+pub mod list;
+pub mod locate;
+pub mod outcome;
+pub mod pictures;
+pub mod pose;
+pub mod recent;
+pub mod second;
+mod session;
+pub mod spectrum;
+pub mod statistics;
+pub mod timing;
+pub mod trend;
+
+use crate::fault::SceneFault;
+use crate::needs;
+use crate::observer::{Heard, MOST_PROBES, Start, Tuned, Watch, tuned, watch};
+use crate::output::AtomicFile;
+use crate::plant::{Plant, Seat, Twin, only_rigid};
+use crate::recording::Reader;
+use crate::recording::Sample;
+use crate::recording::flaws::FlawSummary;
+use crate::recording::rotation::Tracker;
+use crate::scene::{Probe, Rotation, Scene, Speed};
+use crate::vibration;
+use anyhow::{Context, Result, bail};
+use ballrace::rotor::{Drive, PartAngles};
+use ballrace::{Displacement, Status, Turn};
+use baseline::Baseline;
+use comparison::{Angles, Comparison, Seen};
+use forces::{BearingSums, Evaluated, noise_band};
+use innovation::Innovation;
+use limits::Guards;
+use locate::Locator;
+use outcome::{Outcome, Record};
+use pictures::{Collector, Plane};
+use pose::PoseSolver;
+pub use recent::Glance;
+use recent::Recent;
+use second::{Second, Seconds};
+pub use session::{News, Replay};
+use statistics::Running;
+use std::f64::consts::TAU;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+use timing::Ledger;
+
+/// What the user asked of a replay.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// Where every sample's forces go.
+    pub forces: Option<&'a Path>,
+    /// Which forces those are.
+    pub source: Source,
+    /// Error of force that is good enough: an effect left out that matters more is warned of.
+    pub error: Option<f64>,
+    /// A baseline to judge against.
+    pub baseline: Option<&'a Path>,
+    /// For a machine that is watched while it runs: indicators of every second are kept for [`Replay::news`], and forces
+    /// that no one asked for sample by sample are computed for [`WATCHED_FORCES`] samples a second at most.
+    pub watched: bool,
+    /// Someone looks on: [`Replay::glance`] has something to show.
+    pub viewed: bool,
+    /// Called now and then with the bytes read and, when known, their total.
+    pub progress: Option<&'a (dyn Fn(u64, Option<u64>) + Sync)>,
+}
+
+/// Where a force comes from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Source {
+    /// The bearing's model at the position that the observer takes to be behind the probes' noise.
+    #[default]
+    Observer,
+    /// The bearing's model at the position that the probes show.
+    Displacement,
+}
+
+/// Samples a second whose readings are weighed on a machine that is watched; a quarter of them enters the figures.
+pub const WATCHED_FORCES: f64 = 3200.0;
+/// Of so many samples one has its noise band computed, after the first turns, which the pictures show.
+const BANDED: u64 = 8;
+/// Rows between two calls of the progress function.
+const PROGRESS_ROWS: u64 = 4096;
+/// A gap longer than this in turns tells the twin nothing of where it is: it starts anew.
+const LONGEST_COAST_TURNS: f64 = 200.0;
+
+/// Replays `reader` through the scene's kernel and twin.
+///
+/// # Errors
+/// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
+pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
+    let Some(recording) = &scene.recording else {
+        bail!(SceneFault(format!(
+            "{}: [recording]: found none, allowed: the recording to replay",
+            scene.path.display()
+        )));
+    };
+    if !recording.sensors.is_empty() {
+        return vibration::replay(scene, reader, recording_name, options);
+    }
+    let mut replay = Replay::try_new(scene, reader.rate(), options)?;
+    let mut row = replay.blank();
+    while reader.next_row(&mut row)? {
+        replay.push(row)?;
+        row = replay.blank();
+        if replay.rows % PROGRESS_ROWS == 0
+            && let Some(progress) = options.progress
+        {
+            let (read, total) = reader.progress();
+            progress(read, total);
+        }
+    }
+    replay.finish(recording_name, reader.flaws().summary())
+}
+
+/// Everything that a replay carries from sample to sample.
+struct Run<'a> {
+    probes: &'a [Probe],
+    rows: Vec<[f64; 5]>,
+    planes: Vec<Plane>,
+    solver: PoseSolver,
+    plant: Plant,
+    linear: Plant,
+    moving: Option<Moving>,
+    tuned: Option<Tuned>,
+    speeds: Speed,
+    wander: Option<f64>,
+    innovation: Innovation,
+    guards: Guards,
+    /// The first samples, until they are enough to tell the lag.
+    first: Option<Vec<Sample>>,
+    /// s, removed from every sample's shaft angle.
+    lag: f64,
+    comparison: Comparison,
+    bearings: Vec<BearingSums>,
+    collector: Collector,
+    locator: Option<Locator>,
+    ledger: Ledger,
+    forces: Option<ForcesFile>,
+    baseline: Option<Baseline>,
+    speed: Running,
+    first_time: f64,
+    last_time: f64,
+    turns: f64,
+    rate: f64,
+    notes: Vec<String>,
+    twin_held: u64,
+    seconds: Option<Seconds>,
+    recent: Option<Recent>,
+    ended_seconds: Vec<Second>,
+    /// Of so many samples one has the forces of its readings computed ...
+    weighed: u64,
+    /// ... and of so many, a multiple of that, all its forces.
+    thorough: u64,
+    buffers: Buffers,
+}
+
+/// Reused every sample.
+#[derive(Default)]
+struct Buffers {
+    twin: Vec<f64>,
+    linear: Vec<f64>,
+    planes: Vec<f64>,
+    evaluated: Vec<Evaluated>,
+}
+
+/// What the first sample starts.
+struct Moving {
+    twin: Box<dyn Twin>,
+    linear: Box<dyn Twin>,
+    watch: Option<Box<dyn Watch>>,
+    cages: Vec<Turn>,
+    /// Angles of all parts of each bearing.
+    parts: Vec<PartAngles>,
+    drive: Drive<f64>,
+    index: u64,
+}
+
+/// From one sample to the next.
+struct Way {
+    /// The shaft at the earlier one.
+    from: Drive<f64>,
+    /// Sample periods between them; more than 1 over a gap.
+    steps: u64,
+    /// Revolutions between them.
+    arc: f64,
+}
+
+impl Way {
+    /// The drive at the start of each period.
+    fn drives(&self, period: f64) -> impl Iterator<Item = Drive<f64>> {
+        let from = self.from;
+        (0..self.steps).map(move |i| from.after(i as f64 * period))
+    }
+
+    /// A bearing's parts after the way, which ends at the shaft angle `end`.
+    fn parts(&self, parts: PartAngles, seat: &Seat, end: Turn) -> PartAngles {
+        if self.steps > 1 {
+            let gone = seat.kinematics.parts_at(self.arc);
+            return PartAngles {
+                cage: parts.cage.plus(gone.cage),
+                ball: parts.ball.plus(gone.ball),
+                outer: parts.outer.plus(gone.outer),
+            };
+        }
+        seat.kinematics.gear().after(parts, end.since(self.from.angle))
+    }
+}
+
+struct ForcesFile {
+    file: AtomicFile,
+    path: String,
+    source: Source,
+}
+
+impl ForcesFile {
+    fn create(path: &Path, source: Source, seats: &[Seat]) -> Result<Self> {
+        let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string(), source };
+        let mut head = "time_s".to_owned();
+        for seat in seats {
+            for entry in ["FX", "FY", "FZ", "MX", "MY"] {
+                head += &format!(",{}_{entry}", seat.name);
+            }
+        }
+        file.line(format_args!("{head}\n"))?;
+        Ok(file)
+    }
+
+    fn line(&mut self, text: std::fmt::Arguments) -> Result<()> {
+        self.file.write_fmt(text).with_context(|| format!("{}: this file cannot be written", self.path))
+    }
+
+    fn add(&mut self, time: f64, forces: &[Evaluated]) -> Result<()> {
+        self.line(format_args!("{time:.9}"))?;
+        let observed = self.source == Source::Observer;
+        let force = |f: &Evaluated| if observed { f.estimated } else { f.measured };
+        for entry in forces.iter().flat_map(force) {
+            self.line(format_args!(",{entry:.9e}"))?;
+        }
+        self.line(format_args!("\n"))
+    }
+}
+
+impl<'a> Run<'a> {
+    fn try_new(scene: &Scene, probes: &'a [Probe], rate: f64, options: &Options) -> Result<Self> {
+        only_rigid(scene, "replay")?;
+        let plant = Plant::try_new(scene)?;
+        let mut notes = plant.notes.clone();
+        notes.extend(needs::words(&needs::at_rest(scene, &plant)?, options.error.unwrap_or(needs::GOOD_ENOUGH)));
+        let linear = plant.linearised(&vec![true; plant.seats.len()])?;
+        let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
+        let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
+        let planes = pictures::planes(probes);
+        let sparing = options.watched && options.forces.is_none();
+        let weighed = if sparing { (rate / WATCHED_FORCES).ceil() as u64 } else { 1 };
+        let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
+        let guards = Guards::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
+        let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
+        Ok(Self {
+            probes,
+            rows: probes.iter().map(pose::row).collect(),
+            comparison: Comparison::new(probes.len(), &plant.seats, planes.len()),
+            collector: Collector::new(probes, planes.clone(), &plant.seats, rate, scene.shaft.speed),
+            bearings: plant.seats.iter().map(|s| BearingSums::new(s.elements)).collect(),
+            locator: Locator::new(&plant),
+            planes,
+            solver,
+            notes,
+            linear,
+            moving: None,
+            tuned: None,
+            speeds: scene.shaft.speed,
+            wander: scene.observer.wander,
+            innovation: Innovation::default(),
+            guards,
+            first: Some(Vec::new()),
+            lag: 0.0,
+            ledger: Ledger::try_new(1.0 / rate)?,
+            forces,
+            baseline,
+            speed: Running::default(),
+            first_time: 0.0,
+            last_time: 0.0,
+            turns: 0.0,
+            rate,
+            twin_held: 0,
+            recent: options.viewed.then(Recent::default),
+            seconds: options.watched.then(|| {
+                let bearings = plant.seats.iter().map(|s| s.name.clone()).collect();
+                Seconds::new(probes.iter().map(|p| p.column.clone()).collect(), bearings)
+            }),
+            plant,
+            ended_seconds: Vec::new(),
+            weighed,
+            thorough: weighed * if sparing { 4 } else { 1 },
+            buffers: Buffers::default(),
+        })
+    }
+
+    /// Takes in a sample; the first ones wait until the lag is known.
+    fn take(&mut self, sample: &mut Sample) -> Result<()> {
+        let Some(first) = &mut self.first else {
+            *sample = align::shifted(std::mem::take(sample), self.lag);
+            return self.sample(sample);
+        };
+        first.push(sample.clone());
+        let turns = first.first().map_or(0.0, |start| total_turns(sample) - total_turns(start));
+        if turns.abs() >= align::TURNS || first.len() >= align::MOST_SAMPLES { self.align() } else { Ok(()) }
+    }
+
+    /// Finds the lag from the waiting samples and works on them. Nothing to do once that is done.
+    fn align(&mut self) -> Result<()> {
+        let Some(samples) = self.first.take() else { return Ok(()) };
+        let period = 1.0 / self.rate;
+        for _ in 0..2 {
+            let shifted: Vec<Sample> = samples.iter().map(|s| align::shifted(s.clone(), self.lag)).collect();
+            let Some(start) = shifted.first() else { return Ok(()) };
+            let mut twin = self.begin(start, &drive(start))?.twin;
+            let more = align::lag(&shifted, twin.as_mut(), &self.rows, period);
+            self.lag = (self.lag + more).clamp(-0.5 * period, 0.5 * period);
+        }
+        let shifted: Vec<Sample> = samples.into_iter().map(|s| align::shifted(s, self.lag)).collect();
+        self.tuned = self.tune(&shifted)?;
+        for sample in &shifted {
+            self.sample(sample)?;
+        }
+        Ok(())
+    }
+
+    /// The observer that makes the first samples the most likely.
+    fn tune(&self, samples: &[Sample]) -> Result<Option<Tuned>> {
+        let Some(first) = samples.first() else { return Ok(None) };
+        let twin = self.begin(first, &drive(first))?.twin;
+        let noise: Vec<Option<f64>> = self.probes.iter().map(|p| p.noise).collect();
+        let heard = Heard {
+            samples,
+            rows: &self.rows,
+            given_noise: &noise,
+            period: 1.0 / self.rate,
+            speed: self.speeds,
+            wander: self.wander,
+        };
+        tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref())).map(Some)
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<()> {
+        let drive = drive(sample);
+        let way = self.way(sample, &drive)?;
+        self.ledger.sample(sample.row.time);
+        let begun = Instant::now();
+        let Some(moving) = &mut self.moving else { return Ok(()) };
+        let mut left = way.steps;
+        for now in way.drives(1.0 / self.rate) {
+            self.twin_held += u64::from(moving.twin.step(&now).is_held());
+            left -= 1;
+            if let Some(watch) = &mut moving.watch {
+                let missing = [f64::NAN; MOST_PROBES];
+                let readings = if left == 0 { sample.row.probes.as_slice() } else { &missing };
+                let (nis, status) = watch.sample(&now, readings);
+                self.innovation.add((nis, status), watch.load());
+                if let Some(seconds) = self.seconds.as_mut().filter(|_| status == Status::OK) {
+                    seconds.add_innovation(nis);
+                }
+            }
+        }
+        for ((parts, cage), seat) in moving.parts.iter_mut().zip(&mut moving.cages).zip(&self.plant.seats) {
+            *parts = way.parts(*parts, seat, sample.angle);
+            *cage = parts.cage;
+        }
+        let twin_pose = moving.twin.pose();
+        let likely = moving.watch.as_ref().map_or(twin_pose, |watch| watch.pose());
+        // Not a number where any reading is missing: the kernel then holds its last force and says so.
+        let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
+        self.buffers.evaluated.clear();
+        let others = (sample.row.index.is_multiple_of(self.thorough)).then_some([&twin_pose, &likely]);
+        let seats = if sample.row.index.is_multiple_of(self.weighed) { self.plant.seats.as_slice() } else { &[] };
+        for ((seat, sums), &parts) in seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
+            let at = seat.rotation(parts, &drive);
+            self.buffers.evaluated.push(sums.evaluate(seat, &pose, others, &at));
+        }
+        self.ledger.worked(begun);
+        for now in way.drives(1.0 / self.rate) {
+            moving.linear.step(&now);
+        }
+        (moving.drive, moving.index) = (drive, sample.row.index);
+        self.compare(sample, &pose, &twin_pose, way.arc)
+    }
+
+    /// The way from the last sample to this one. Starts the twin where there is none, or after too long a gap.
+    fn way(&mut self, sample: &Sample, drive: &Drive<f64>) -> Result<Way> {
+        let here = Way { from: *drive, steps: 0, arc: 0.0 };
+        let Some(moving) = &self.moving else {
+            self.moving = Some(self.begin(sample, drive)?);
+            return Ok(here);
+        };
+        let steps = sample.row.index.saturating_sub(moving.index);
+        let coasted = moving.drive.speed * steps as f64 / self.rate / TAU;
+        if coasted.abs() > LONGEST_COAST_TURNS {
+            self.moving = Some(self.begin(sample, drive)?);
+            self.notes.push(format!("After the gap before line {} the twin started anew.", sample.row.line));
+            return Ok(here);
+        }
+        // Over one period the angle's own difference; over a gap the whole turns between come from the speed.
+        let fraction = drive.angle.since(moving.drive.angle).radians::<f64>() / TAU;
+        Ok(Way { from: moving.drive, steps, arc: fraction + (coasted - fraction).round() })
+    }
+
+    /// Twin and cages at a sample with nothing before it.
+    fn begin(&self, sample: &Sample, drive: &Drive<f64>) -> Result<Moving> {
+        let revolutions = total_turns(sample);
+        let period = 1.0 / self.rate;
+        let twin = self.plant.run_in(period, revolutions, drive)?;
+        let watch = |tuned: &Tuned| {
+            let start = if self.moving.is_none() { tuned.start } else { Start::of(twin.as_ref()) };
+            watch(&self.plant, &self.rows, &tuned.gains, start, sample, period)
+        };
+        Ok(Moving {
+            watch: self.tuned.as_ref().map(watch).transpose()?,
+            twin,
+            linear: self.linear.run_in(period, revolutions, drive)?,
+            cages: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions).cage).collect(),
+            parts: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
+            drive: *drive,
+            index: sample.row.index,
+        })
+    }
+
+    fn compare(
+        &mut self,
+        sample: &Sample,
+        pose: &Displacement<f64>,
+        twin_pose: &Displacement<f64>,
+        arc: f64,
+    ) -> Result<()> {
+        let Some(moving) = &self.moving else { return Ok(()) };
+        let buffers = &mut self.buffers;
+        let readings = |q: &Displacement<f64>, into: &mut Vec<f64>| {
+            into.clear();
+            into.extend(self.rows.iter().map(|row| pose::reading(row, q)));
+        };
+        readings(twin_pose, &mut buffers.twin);
+        readings(&moving.linear.pose(), &mut buffers.linear);
+        buffers.planes.clear();
+        for values in [&sample.row.probes, &buffers.twin] {
+            buffers.planes.extend(self.planes.iter().flat_map(|p| <[f64; 2]>::from(p.xy(values))));
+        }
+        let seen = Seen {
+            measured: &sample.row.probes,
+            twin: &buffers.twin,
+            linear: &buffers.linear,
+            planes: &buffers.planes,
+        };
+        let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
+        if !seen.measured.iter().any(|y| y.is_nan()) {
+            self.guards.add(sample.row.time, seen.measured, seen.twin);
+        }
+        if let Some(seconds) = self.seconds.as_mut().filter(|_| !seen.measured.iter().any(|y| y.is_nan())) {
+            self.ended_seconds.extend(seconds.add(sample, seen.twin, &self.comparison));
+        }
+        if self.comparison.add(&seen, angles) {
+            let comparison = &self.comparison;
+            self.guards.block(sample.row.time, |line, probe, residual| comparison.block_line(line, probe, residual));
+        }
+        let is_held = buffers.evaluated.iter().any(|e| e.status.is_held());
+        if let Some(locator) = self.locator.as_mut().filter(|_| !is_held) {
+            locator.add(&self.plant, pose, &buffers.evaluated, angles, sample.speed);
+        }
+        self.collector.add(sample, &buffers.twin, arc);
+        if let Some(recent) = &mut self.recent {
+            let passed = arc != 0.0 && sample.angle.revolutions() < arc.abs();
+            recent.add(seen.measured, seen.twin, passed);
+        }
+        if sample.row.index.is_multiple_of(self.thorough) {
+            self.weigh(sample, [pose, twin_pose]);
+        }
+        if let Some(file) = &mut self.forces {
+            file.add(sample.row.time, &self.buffers.evaluated)?;
+        }
+        if self.speed.count() == 0.0 {
+            self.first_time = sample.row.time;
+        }
+        self.last_time = sample.row.time;
+        self.turns += arc;
+        self.speed.add(sample.speed);
+        Ok(())
+    }
+
+    fn glance(&self) -> Option<Glance> {
+        let (recent, moving) = (self.recent.as_ref()?, self.moving.as_ref()?);
+        let pose = moving.watch.as_ref().map_or_else(|| moving.twin.pose(), |watch| watch.pose());
+        let loads = self.plant.seats.iter().zip(&moving.parts).map(|(seat, &parts)| {
+            let at = seat.rotation(parts, &moving.drive);
+            (seat.name.clone(), forces::loads(seat, &pose, &at))
+        });
+        let name = |plane: &Plane| plane.probes.map(|i| self.probes[i].column.as_str()).join(" / ");
+        Some(Glance {
+            time_s: self.last_time,
+            speed_rpm: moving.drive.speed * 60.0 / TAU,
+            rate_hz: self.rate,
+            samples: recent.samples.iter().cloned().collect(),
+            planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
+            loads: loads.collect(),
+            lines: pictures::marked_lines(&self.plant.seats, moving.drive.speed.abs() / TAU),
+        })
+    }
+
+    /// The bearings' forces into sums and pictures.
+    fn weigh(&mut self, sample: &Sample, [pose, twin_pose]: [&Displacement<f64>; 2]) {
+        let Some(moving) = &self.moving else { return };
+        let banded = sample.row.index.is_multiple_of(BANDED) || self.collector.shows_forces();
+        for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
+            let (force, cage) = (&mut self.buffers.evaluated[i], moving.cages[i]);
+            let at = seat.rotation(moving.parts[i], &moving.drive);
+            if banded
+                && !force.status.is_held()
+                && let Some(sigma) = noise_band(seat, &self.solver, self.probes, pose, &at)
+            {
+                force.sigma = sigma;
+            }
+            let first_load = sums.add(seat, force, [pose, twin_pose], &at);
+            self.collector.add_force(i, sample.row.time, force, seat, cage, first_load);
+            if let Some(seconds) = &mut self.seconds {
+                seconds.add_force(i, force);
+            }
+        }
+    }
+
+    fn finish(
+        mut self,
+        scene: &Scene,
+        recording: &str,
+        rows: u64,
+        angle_source: String,
+        flaws: Vec<FlawSummary>,
+    ) -> Result<Outcome> {
+        if self.speed.count() == 0.0 {
+            bail!("{recording}: found no sample, allowed: at least one turn of the shaft");
+        }
+        if let Some(forces) = self.forces.take() {
+            forces.file.finish()?;
+        }
+        self.comparison.finish();
+        let speed_hz = self.speed.mean().abs() / TAU;
+        let mut probes = self.comparison.outcomes(self.probes, &self.plant.seats, speed_hz);
+        let evidence = findings::Evidence {
+            probes: self.probes,
+            seats: &self.plant.seats,
+            comparison: &self.comparison,
+            locator: self.locator.as_ref(),
+            baseline: self.baseline.as_ref(),
+            speed_hz,
+            rate: self.rate,
+        };
+        let findings = findings::findings(&evidence);
+        let learned = Baseline::learn(&scene.name, recording, &self.comparison, self.probes, &self.plant.seats);
+        self.explain();
+        let observer = self.tuned.as_ref().map(|tuned| self.innovation.outcome(tuned));
+        self.notes.extend(observer.as_ref().map(innovation::words));
+        let limits = self.guards.lines();
+        let events = self.guards.finish();
+        self.notes.extend(events.iter().map(|event| event.sentence.clone()));
+        let mut pictures =
+            self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
+        pictures.clearances = list::clearances(scene, &self.planes);
+        pictures.limits = limits;
+        let record = Record {
+            load: scene.rotor.as_ref().map_or([0.0; 5], |rotor| rotor.load),
+            spectra: self.comparison.spectra.settings(self.rate),
+            ..record(
+                &self.speed,
+                rows,
+                self.comparison.compared,
+                self.rate,
+                self.last_time - self.first_time,
+                self.turns,
+                angle_source,
+            )
+        };
+        list::fill(&mut probes, &pictures.blocks, record.speed_changes());
+        Ok(Outcome {
+            scene: scene.name.clone(),
+            recording: recording.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            verdict: findings::verdict(&findings, &probes),
+            record,
+            planes: list::planes(&self.planes, &pictures, self.speed.mean().signum()),
+            observation: self.solver.observation.clone(),
+            probes,
+            bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
+            timing: self.ledger.finish(),
+            observer,
+            findings,
+            events,
+            flaws,
+            notes: self.notes,
+            learned,
+            pictures,
+        })
+    }
+
+    /// What the reader of the report should know besides.
+    fn explain(&mut self) {
+        let (slow, fast) = self.speed.extremes();
+        if (fast - slow).abs() > 0.05 * self.speed.mean().abs() {
+            self.notes.push(
+                "The speed changes by more than 5 %: spectra in Hz smear; 1X and ball-pass figures follow the shaft and do not.".to_owned(),
+            );
+        }
+        if self.lag != 0.0 {
+            self.notes.push(format!(
+                "Lag removed: {:.1} us ({:.2} samples), within the keyphasor's resolution; found from the first turns.",
+                self.lag * 1e6,
+                self.lag * self.rate
+            ));
+        }
+        if !self.solver.observation.supplied_by_twin.is_empty() {
+            self.notes.push("No axial probe: the axial position behind the measured forces is the twin's.".to_owned());
+        }
+        if self.probes.iter().any(|p| p.noise.is_none()) {
+            self.notes.push(
+                "Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band."
+                    .to_owned(),
+            );
+        }
+        if self.twin_held > 0 {
+            self.notes.push(format!("The twin's motion overflowed and was held for {} samples.", self.twin_held));
+        }
+        if self.comparison.compared == 0 {
+            self.notes
+                .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
+        }
+    }
+}
+
+fn drive(sample: &Sample) -> Drive<f64> {
+    Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration }
+}
+
+fn total_turns(sample: &Sample) -> f64 {
+    sample.revolution as f64 + sample.angle.revolutions()
+}
+
+fn record(
+    speed: &Running,
+    samples: u64,
+    compared: u64,
+    rate_hz: f64,
+    duration_s: f64,
+    turns: f64,
+    angle_source: String,
+) -> Record {
+    let rpm = |w: f64| w * 60.0 / TAU;
+    let (slow, fast) = speed.extremes();
+    Record {
+        samples,
+        compared,
+        rate_hz,
+        duration_s,
+        turns,
+        mean_speed_rpm: rpm(speed.mean()),
+        min_speed_rpm: rpm(slow),
+        max_speed_rpm: rpm(fast),
+        angle_source,
+        ..Record::default()
+    }
+}
+
+fn angle_source(rotation: &Rotation, tracker: &Tracker) -> String {
+    match rotation {
+        Rotation::Keyphasor { column, pulses_per_turn } => {
+            format!("keyphasor {column}, {} pulses, {pulses_per_turn} a turn", tracker.pulses())
+        }
+        Rotation::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
+        Rotation::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
+    }
+}

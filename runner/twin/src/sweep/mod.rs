@@ -1,0 +1,208 @@
+//! A scene run over ranges of its keys: points in parallel, results on disk as they come.
+
+mod axis;
+mod journal;
+mod measure;
+mod tables;
+
+pub use axis::{Axis, put};
+pub use journal::{Journal, read};
+pub use measure::{Figures, Measure, State, measure};
+pub use tables::{csv, parquet, sections};
+
+use crate::scene::Scene;
+use crate::scene::read::read_str;
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use toml_edit::DocumentMut;
+
+/// How points follow each other along the first axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Follow {
+    /// Each from rest.
+    None,
+    /// Each from where the one before it ended, upwards.
+    Up,
+    /// The same downwards.
+    Down,
+    /// Up and down: where the two differ there is hysteresis.
+    Both,
+}
+
+/// A whole sweep.
+pub struct Plan {
+    /// The scene's text.
+    pub text: String,
+    /// Where it came from.
+    pub path: PathBuf,
+    /// The keys and their values; the first runs fastest.
+    pub axes: Vec<Axis>,
+    /// How points follow each other.
+    pub follow: Follow,
+    /// What is asked of each.
+    pub measure: Measure,
+}
+
+/// Points that are computed one after the other: one, or a whole way along the first axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Chain {
+    /// From 0.
+    pub number: usize,
+    /// Its points.
+    pub rows: Vec<Row>,
+}
+
+/// One point and what was found there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Number of the point, from 0; the same on the way up and down.
+    pub point: usize,
+    /// `rest`, `up` or `down`.
+    pub way: String,
+    /// Value of each axis in its unit.
+    pub values: Vec<f64>,
+    /// What was found.
+    pub figures: Figures,
+}
+
+/// Of each thread, bytes: a system of many coordinates keeps its matrices there.
+const STACK: usize = 32 << 20;
+
+impl Plan {
+    /// Number of points.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    fn along(&self) -> usize {
+        self.axes.first().map_or(1, |axis| axis.values.len())
+    }
+
+    /// Number of chains.
+    #[must_use]
+    pub fn chains(&self) -> usize {
+        match self.follow {
+            Follow::None => self.points(),
+            Follow::Up | Follow::Down => self.points() / self.along(),
+            Follow::Both => 2 * self.points() / self.along(),
+        }
+    }
+
+    /// What tells this sweep from another one.
+    ///
+    /// # Errors
+    /// None in practice.
+    pub fn identity(&self) -> Result<String> {
+        let axes: Vec<_> = self.axes.iter().map(|a| (&a.key, &a.values, &a.unit)).collect();
+        let all = serde_json::to_string(&(env!("CARGO_PKG_VERSION"), &self.text, axes, self.follow, &self.measure))?;
+        // FNV-1a.
+        let hash = all.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3));
+        Ok(format!("{hash:016x}"))
+    }
+
+    /// The points of chain `number` in the order in which they are computed, and their way.
+    fn chain(&self, number: usize) -> (Vec<usize>, &'static str) {
+        let along = self.along();
+        let up = |which: usize| (which * along..(which + 1) * along).collect::<Vec<_>>();
+        let down = |which: usize| up(which).into_iter().rev().collect();
+        match self.follow {
+            Follow::None => (vec![number], "rest"),
+            Follow::Up => (up(number), "up"),
+            Follow::Down => (down(number), "down"),
+            Follow::Both if number.is_multiple_of(2) => (up(number / 2), "up"),
+            Follow::Both => (down(number / 2), "down"),
+        }
+    }
+
+    /// Value of each axis at a point.
+    #[must_use]
+    pub fn values(&self, point: usize) -> Vec<f64> {
+        let mut rest = point;
+        let value = |axis: &Axis| {
+            let count = axis.values.len().max(1);
+            let value = axis.values.get(rest % count).copied().unwrap_or(0.0);
+            rest /= count;
+            value
+        };
+        self.axes.iter().map(value).collect()
+    }
+
+    /// The scene at a point.
+    ///
+    /// # Errors
+    /// A key that leads nowhere, a value that the scene refuses.
+    pub fn scene(&self, values: &[f64]) -> Result<Scene> {
+        let mut document: DocumentMut =
+            self.text.parse().with_context(|| format!("{}: found no TOML", self.path.display()))?;
+        for (axis, &value) in self.axes.iter().zip(values) {
+            put(&mut document, &axis.key, axis.written(value))?;
+        }
+        Ok(read_str(&document.to_string(), &self.path)?)
+    }
+
+    /// Computes one chain.
+    ///
+    /// # Errors
+    /// As [`measure`], with the point named.
+    pub fn compute(&self, number: usize) -> Result<Chain> {
+        let (points, way) = self.chain(number);
+        let (mut rows, mut state) = (Vec::new(), None);
+        for point in points {
+            let values = self.values(point);
+            let (figures, end) = self
+                .scene(&values)
+                .and_then(|scene| measure(&scene, &self.measure, state.as_ref()))
+                .with_context(|| self.named(&values))?;
+            state = (self.follow != Follow::None).then_some(end);
+            rows.push(Row { point, way: way.to_owned(), values, figures });
+        }
+        Ok(Chain { number, rows })
+    }
+
+    fn named(&self, values: &[f64]) -> String {
+        let one = |(axis, value): (&Axis, &f64)| format!("{} = {value} {}", axis.key, axis.unit);
+        let all: Vec<String> = self.axes.iter().zip(values).map(one).collect();
+        all.join(", ").trim_end().to_owned()
+    }
+
+    /// Computes those of `chains` that the journal does not have, `jobs` at a time; `told` hears of each finished one.
+    ///
+    /// # Errors
+    /// The first that goes wrong; what was found until then stays in the journal.
+    pub fn run(&self, chains: &[usize], journal: Journal, jobs: usize, told: impl Fn() + Sync) -> Result<Journal> {
+        let open: Vec<usize> = chains.iter().copied().filter(|number| !journal.done.contains_key(number)).collect();
+        let (next, journal, failed) = (AtomicUsize::new(0), Mutex::new(journal), Mutex::new(None));
+        let work = || {
+            while let Some(&number) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let found = self.compute(number).and_then(|chain| locked(&journal).add(chain));
+                if let Err(error) = found {
+                    locked(&failed).get_or_insert(error);
+                    next.store(open.len(), Ordering::Relaxed);
+                }
+                told();
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..jobs.clamp(1, open.len().max(1)) {
+                let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+                if let Err(error) = thread {
+                    locked(&failed).get_or_insert(error.into());
+                }
+            }
+        });
+        match locked(&failed).take() {
+            Some(error) => Err(error),
+            None => Ok(journal.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)),
+        }
+    }
+}
+
+/// A thread that panicked has left nothing half done.
+fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

@@ -1,0 +1,139 @@
+//! The Pareto front, and what to take for a given error or deadline.
+
+use super::{Candidate, Response};
+use crate::fault::SceneFault;
+use anyhow::{Result, bail};
+use serde::Serialize;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// The cheapest with at most this error in 99 of 100 poses, relative to the largest load.
+    Error(f64, Target),
+    /// The truest with at most this many cycles for one force of every bearing.
+    Deadline {
+        /// s
+        time: f64,
+        /// Hz
+        clock: f64,
+    },
+}
+
+/// Whose cost counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
+pub enum Target {
+    /// Modelled cycles of a Cortex-M4F, in `f32` and exact: what `bake` writes.
+    CortexM4f,
+    /// Time on this machine, in `f64` and exact: what the runner computes with.
+    Desktop,
+}
+
+/// What to take.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Choice {
+    /// The rung.
+    pub rung: String,
+    /// Its arithmetic.
+    pub precision: &'static str,
+    /// Its error in 99 of 100 poses.
+    pub error: f64,
+    /// Its cost in the unit asked for.
+    pub cost: f64,
+    /// `cycles` or `ns`
+    pub unit: &'static str,
+    /// s on the given clock, where there is one.
+    pub seconds: Option<f64>,
+}
+
+/// Errors below this tell nothing apart.
+const ROUNDED: f64 = 1e-12;
+
+/// Marks what nothing else beats in both cost and error.
+pub fn mark(candidates: &mut [Candidate]) {
+    let error = |c: &Candidate| c.error.most_99.max(ROUNDED);
+    let desktop: Vec<_> = candidates.iter().map(|c| Some((c.desktop_ns, error(c)))).collect();
+    let cortex: Vec<_> = candidates.iter().map(|c| c.cortex.map(|cost| (cost.cycles, error(c)))).collect();
+    for (i, candidate) in candidates.iter_mut().enumerate() {
+        candidate.front_desktop = on_front(&desktop, i);
+        candidate.front_cortex = on_front(&cortex, i);
+    }
+}
+
+/// The same of motions, by computing time and what is left of the motion.
+pub fn mark_responses(responses: &mut [Response]) {
+    let points: Vec<_> = responses.iter().map(|r| Some((1.0 / r.times_real_time, r.error.residual))).collect();
+    for (i, response) in responses.iter_mut().enumerate() {
+        response.front = on_front(&points, i);
+    }
+}
+
+fn on_front(points: &[Option<(f64, f64)>], i: usize) -> bool {
+    let Some(Some(own)) = points.get(i) else { return false };
+    let beats = |other: &(f64, f64)| other.0 <= own.0 && other.1 <= own.1 && (other.0 < own.0 || other.1 < own.1);
+    own.1.is_finite() && !points.iter().flatten().any(beats)
+}
+
+/// The candidate that meets the goal best.
+///
+/// # Errors
+/// None does: says what comes nearest.
+pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
+    let target = match goal {
+        Goal::Error(_, target) => *target,
+        Goal::Deadline { .. } => Target::CortexM4f,
+    };
+    let cost = |c: &Candidate| match target {
+        Target::CortexM4f => c.cortex.map(|cost| cost.cycles),
+        Target::Desktop => Some(c.desktop_ns),
+    };
+    let precision = if target == Target::CortexM4f { "f32" } else { "f64" };
+    let open = candidates.iter().filter(|c| c.arithmetic.precision == precision && c.arithmetic.math == "exact");
+    let open: Vec<(&Candidate, f64)> = open.filter_map(|c| Some((c, cost(c)?))).collect();
+    if open.is_empty() {
+        bail!(SceneFault(
+            "--error, --deadline: found no model of this scene among those counted on the Cortex-M4F (waviness, damage and a displaced housing never were), allowed: --error with --on desktop".to_owned()
+        ));
+    }
+    let error = |c: &Candidate| c.error.most_99;
+    let found = match goal {
+        Goal::Error(most, _) => open.iter().filter(|(c, _)| error(c) <= *most).min_by(|(_, a), (_, b)| a.total_cmp(b)),
+        Goal::Deadline { time, clock } => {
+            let within = open.iter().filter(|(_, cost)| *cost <= time * clock);
+            within.min_by(|(a, x), (b, y)| error(a).total_cmp(&error(b)).then(x.total_cmp(y)))
+        }
+    };
+    let Some((candidate, cost)) = found else { bail!(SceneFault(nearest(goal, &open))) };
+    let clock = if let Goal::Deadline { clock, .. } = goal { Some(*clock) } else { None };
+    Ok(Choice {
+        rung: candidate.rung.clone(),
+        precision,
+        error: error(candidate),
+        cost: *cost,
+        unit: if target == Target::CortexM4f { "cycles" } else { "ns" },
+        seconds: clock.map(|clock| cost / clock),
+    })
+}
+
+fn nearest(goal: &Goal, open: &[(&Candidate, f64)]) -> String {
+    match goal {
+        Goal::Error(most, _) => {
+            let best = open.iter().map(|(c, _)| c.error.most_99).fold(f64::INFINITY, f64::min);
+            format!(
+                "--error: found {:.3e} %, allowed here: {:.3e} % or more, the truest that has a cost",
+                most * 100.0,
+                best * 100.0
+            )
+        }
+        Goal::Deadline { time, clock } => {
+            let least = open.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
+            format!(
+                "--deadline: found {:.3} us at {:.0} MHz, allowed here: {:.3} us or more, the cheapest that has a count",
+                time * 1e6,
+                clock / 1e6,
+                least / clock * 1e6
+            )
+        }
+    }
+}
