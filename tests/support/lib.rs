@@ -19,3 +19,9 @@ macro_rules! with_elements {
         }
     };
 }
+
+/// Whether tests that have a short and a full form run in full: `tests/run --all` sets the variable.
+#[must_use]
+pub fn runs_all() -> bool {
+    std::env::var_os("BALLRACE_TEST_ALL").is_some()
+}

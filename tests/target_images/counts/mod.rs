@@ -119,7 +119,7 @@ fn figures_do_not_depend_on_the_input_and_stand_in_the_readme() {
         let section = table::section(&compiler(), &rows, &yardstick::rows(), &fast::errors());
         std::fs::write(readme(), format!("{before}{section}{after}")).expect("the README takes it");
         let known: String = rows.iter().map(Row::known).collect();
-        std::fs::write(super::root().join("runner/src/trade/cortex-m4f.csv"), known).expect("the runner takes it");
+        std::fs::write(super::root().join("runner/twin/src/trade/cortex-m4f.csv"), known).expect("the runner takes it");
         return;
     }
     if !stated.contains(&format!("Compiled by {},", compiler())) {
