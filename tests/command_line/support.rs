@@ -1,9 +1,11 @@
 //! The built program, a desk with scene and recording to run it at, and what it answered.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -160,6 +162,21 @@ impl Desk {
         }
     }
 
+    /// Runs the program and kills it once `limit` has passed: the answer then has no exit code.
+    pub fn run_within(&self, limit: Duration, args: &[&str]) -> Answer {
+        bounded(self.command(args), limit, args)
+    }
+
+    /// The same with at most so many KiB of address space.
+    #[cfg(unix)]
+    pub fn run_in_memory(&self, kibibytes: u32, limit: Duration, args: &[&str]) -> Answer {
+        let mut command = Command::new("sh");
+        command.arg("-c").arg(format!("ulimit -v {kibibytes}; exec \"$@\"")).arg("sh").arg(program()).args(args);
+        command.current_dir(self.folder.path());
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        bounded(command, limit, args)
+    }
+
     /// Runs what has to go well, without a word on standard error.
     pub fn done(&self, args: &[&str]) -> Answer {
         let answer = self.run(args);
@@ -189,6 +206,33 @@ impl Desk {
         let scene = if scene == [""] { &[][..] } else { &scene[..] };
         self.done(&[&["replay"], scene, more, &["--format", "json"]].concat()).json()
     }
+}
+
+/// Runs `command` to its end, or kills it once `limit` has passed.
+fn bounded(mut command: Command, limit: Duration, args: &[&str]) -> Answer {
+    let mut child = command.spawn().unwrap();
+    let mut pipes = (child.stdout.take().unwrap(), child.stderr.take().unwrap());
+    let read = |pipe: &mut dyn Read| {
+        let mut text = String::new();
+        pipe.read_to_string(&mut text).unwrap();
+        text
+    };
+    std::thread::scope(|scope| {
+        let (out, err) = (scope.spawn(|| read(&mut pipes.0)), scope.spawn(|| read(&mut pipes.1)));
+        let deadline = Instant::now() + limit;
+        let code = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                break status.code();
+            }
+            if Instant::now() > deadline {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                break None;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        Answer { command: args.join(" "), code, out: out.join().unwrap(), err: err.join().unwrap() }
+    })
 }
 
 /// What the program answered.
