@@ -2,7 +2,7 @@
 
 use super::{Format, keep_apart, say};
 use ballrace_twin::fault::{SceneFault, scene_fault};
-use ballrace_twin::motion::{self, Moment, Span};
+use ballrace_twin::motion::{self, MOST_SAMPLES, Moment, Span};
 use ballrace_twin::needs::{self, Need};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::plant::Plant;
@@ -17,9 +17,6 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
-
-/// Most samples of one simulation.
-const MOST_SAMPLES: f64 = 1e9;
 
 /// What `simulate` takes.
 #[derive(Debug, clap::Args)]
@@ -90,6 +87,7 @@ fn option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
 }
 
 fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Summary> {
+    let steps_per_sample = plant.substeps(1.0 / span.rate)?;
     let mut file = AtomicFile::create(path)?;
     let failed = || format!("{}: this file cannot be written", path.display());
     writeln!(file, "{}", header(plant)).with_context(failed)?;
@@ -126,7 +124,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
         scene: scene.name.clone(),
         samples: span.samples,
         rate_hz: span.rate,
-        steps_per_sample: plant.substeps(1.0 / span.rate),
+        steps_per_sample,
         held_samples: held,
         peak_to_peak_um: std::array::from_fn(|i| (high[i] - low[i]) * 1e6),
         mean_um: sum.map(|s| s / span.samples as f64 * 1e6),
@@ -247,8 +245,12 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
         Format::Text => {
             writeln!(
                 out,
-                "{}: {} samples at {} Hz, {} steps a sample",
-                summary.scene, summary.samples, summary.rate_hz, summary.steps_per_sample
+                "{}: {} samples at {} Hz, {} integration {} per sample",
+                summary.scene,
+                summary.samples,
+                summary.rate_hz,
+                summary.steps_per_sample,
+                if summary.steps_per_sample == 1 { "step" } else { "steps" }
             )?;
             writeln!(out, "Centre of mass, um peak to peak: X {x:.4}, Y {y:.4}, Z {z:.4}")?;
             writeln!(out, "                um mean:         X {mean_x:.4}, Y {mean_y:.4}, Z {mean_z:.4}")?;

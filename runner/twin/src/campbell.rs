@@ -1,6 +1,6 @@
 //! Natural frequencies, damping and whirl of a scene's rotor over the shaft's speed, linearised at rest at each speed.
 
-use crate::plant::Plant;
+use crate::plant::{Plant, eigenvalues, resolution};
 use crate::scene::{Scene, Speed};
 use anyhow::{Context, Result};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -43,6 +43,8 @@ pub enum Whirl {
 const PAIR: f64 = 1e-7;
 /// Tilts count as the way of a point so far from the centre of mass, m.
 const LEVER: f64 = 0.1;
+/// Real parts below this part of the largest eigenvalue are rounding.
+const ROUNDING: f64 = 1e-13;
 /// A whirl of less than this part of the motion is a line.
 const ROUND: f64 = 1e-3;
 
@@ -63,7 +65,7 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
 /// Modes of `M q'' + (B + w G) q' + K q = 0`, with or without `B`, lowest frequency first.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// What the kernel refuses; eigenvalues that cannot be computed.
 pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     let (scales, n) = (plant.scales()?, plant.layout.order);
     let inverse = scales.mass.try_inverse().context("found a mass matrix without an inverse")?;
@@ -73,7 +75,9 @@ pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     system.view_mut((0, n), (n, n)).fill_with_identity();
     system.view_mut((n, 0), (n, n)).copy_from(&(-stiffness));
     system.view_mut((n, n), (n, n)).copy_from(&(-damping));
-    let mut values: Vec<Complex<f64>> = system.complex_eigenvalues().iter().copied().filter(|v| v.im > 0.0).collect();
+    let all = eigenvalues(&system)?;
+    let least = resolution(&all);
+    let mut values: Vec<Complex<f64>> = all.into_iter().filter(|value| value.im > least).collect();
     values.sort_by(|a, b| a.im.total_cmp(&b.im));
     let alone = |i: usize| {
         let near = |j: Option<usize>| {
@@ -81,9 +85,11 @@ pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
         };
         !near(i.checked_sub(1)) && !near(i.checked_add(1))
     };
+    let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let decay = |value: &Complex<f64>| if value.re.abs() > ROUNDING * largest { -value.re } else { 0.0 };
     let mode = |(i, value): (usize, &Complex<f64>)| Mode {
         frequency_hz: value.im / TAU,
-        damping_ratio: -value.re / value.norm(),
+        damping_ratio: decay(value) / value.norm(),
         whirl: if alone(i) { whirl(&system, *value, plant) } else { Whirl::Straight },
     };
     Ok(values.iter().enumerate().map(mode).collect())

@@ -9,6 +9,9 @@ use anyhow::Result;
 use ballrace::Wrench;
 use ballrace::rotor::Drive;
 
+/// Most samples of one run, with those that are left out at the start.
+pub const MOST_SAMPLES: f64 = 1e9;
+
 /// How long and how fast.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {

@@ -34,7 +34,7 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     writeln!(out, "\n/// The observer behind the scene's probes, and the rotor that it moves.\npub mod observer {{")?;
     writeln!(out, "    use ballrace::rotor::{{RotorParams, Unbalance}};\n    use ballrace::twin::SpeedGain;\n")?;
     writeln!(out, "    /// From sample to sample, s.\n    pub const PERIOD: f32 = {:?};", (1.0 / rate) as f32)?;
-    let substeps = plant.substeps(1.0 / rate);
+    let substeps = plant.substeps(1.0 / rate)?;
     writeln!(out, "    /// Steps of the integrator in it.\n    pub const SUBSTEPS: u32 = {substeps};")?;
     let memory = memory(1.0 / rate) as f32;
     writeln!(out, "    /// What is left of the unknown load after it.\n    pub const MEMORY: f32 = {memory:?};")?;

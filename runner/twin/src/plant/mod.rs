@@ -1,5 +1,6 @@
 //! The plant: the scene's rotor on the scene's bearings, where it rests, and how fast it can move.
 
+mod eigen;
 mod given;
 mod machine;
 mod seat;
@@ -7,6 +8,7 @@ mod system;
 mod twin;
 mod warm;
 
+pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
 use machine::Fit;
 pub use machine::{LARGEST, MOST_BEARINGS, RigidMachine, RigidTask};
@@ -14,20 +16,25 @@ pub use seat::{Balls, Seat};
 pub use system::{Layout, Scales, only_rigid};
 pub use twin::{Step, Twin, first_five};
 
+use crate::fault::SceneFault;
 use crate::scene::build;
 use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Drive, Equilibrium, Machine, System, equilibrium};
 use ballrace::{Displacement, Rotation, Turn};
 use machine::MachineTask;
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 use twin::{StartTask, array};
 
 /// Peak pressure of the static limit of ISO 76 for ball bearings, Pa.
 pub const PRESSURE_LIMIT: f64 = 4.2e9;
+/// Part of the load that may be left unbalanced at a static equilibrium.
+pub const LARGEST_RESIDUAL: f64 = 1e-6;
+/// Most integration steps in one sample period.
+pub const MOST_SUBSTEPS: u32 = 10_000;
 /// Rest positions over one ball pitch that a linearised bearing is the mean of.
 const PITCH_SAMPLES: u32 = 16;
 
@@ -47,6 +54,7 @@ pub struct Plant {
     pub stiffness: DMatrix<f64>,
     /// Part of the load that rest leaves unbalanced.
     pub residual: f64,
+    highest_frequency: f64,
     damping: DMatrix<f64>,
     /// Speed at which the rotor rests, rad/s.
     speed: f64,
@@ -87,6 +95,7 @@ impl Plant {
             seats,
             stiffness: none.clone(),
             residual: 0.0,
+            highest_frequency: 0.0,
             damping: none,
             speed: scene.shaft.speed.nominal(),
             notes: vec![],
@@ -103,12 +112,12 @@ impl Plant {
         plant.damping = &plant.stiffness * plant.proportional_damping;
         // A bearing's tangent may be a little off symmetry at speed; damping is not.
         plant.damping = 0.5 * (&plant.damping + plant.damping.transpose());
-        plant.warn(scene);
+        plant.warn(scene)?;
         Ok(plant)
     }
 
     /// Notes what is beyond its range: contacts pressed flat, a step that the integrator cannot take.
-    fn warn(&mut self, scene: &Scene) {
+    fn warn(&mut self, scene: &Scene) -> Result<()> {
         for (i, (of, seat)) in scene.bearings.iter().zip(&self.seats).enumerate() {
             let Ok(Some(geometry)) = build::geometry(of) else { continue };
             let mut loads = vec![0.0; seat.elements];
@@ -124,7 +133,8 @@ impl Plant {
                 ));
             }
         }
-        if let (Some(step), Some(limit)) = (self.integration.step, self.stable_step())
+        if let Some(step) = self.integration.step
+            && let Some(limit) = self.stable_step()?
             && step > limit
         {
             self.notes.push(format!(
@@ -133,20 +143,28 @@ impl Plant {
                 limit * 1e6
             ));
         }
+        Ok(())
     }
 
-    /// Largest step that the integrator takes without growing, at the stiffness of rest, s; none where it has no limit.
-    #[must_use]
-    pub fn stable_step(&self) -> Option<f64> {
+    /// Returns the largest step that the integrator takes without growing, at the stiffness of rest, s; none where it has
+    /// no limit.
+    ///
+    /// # Errors
+    /// Mass or stiffness out of the range of numbers.
+    pub fn stable_step(&self) -> Result<Option<f64>> {
         let most = match self.integration.method {
             Method::RungeKutta => 8.0_f64.sqrt(),
             Method::Verlet => 2.0,
-            Method::Newmark { .. } => return None,
+            Method::Newmark { .. } => return Ok(None),
         };
-        let inverse = self.scales().ok()?.mass.try_inverse()?;
-        let squares = (inverse * &self.stiffness).complex_eigenvalues();
-        let highest = squares.iter().fold(0.0_f64, |most, square| most.max(square.re)).sqrt();
-        (highest > 0.0).then(|| most / highest)
+        let highest = largest_real(&self.frequency_squares()?).sqrt();
+        Ok((highest > 0.0).then(|| most / highest))
+    }
+
+    /// Eigenvalues of M^-1 K, (rad/s)^2.
+    fn frequency_squares(&self) -> Result<Vec<Complex<f64>>> {
+        let inverse = self.scales()?.mass.try_inverse().context("mass matrix: found a singular one")?;
+        Ok(eigenvalues(&(inverse * &self.stiffness))?)
     }
 
     /// The same plant on springs: each bearing marked in `which` replaced by its mean tangent over a ball pitch.
@@ -178,7 +196,7 @@ impl Plant {
 
     fn settle(&mut self) -> Result<()> {
         let found = self.equilibrium(vec![0.0; self.layout.order], |_| Turn::ZERO)?;
-        if found.residual > 1e-6 {
+        if found.residual > LARGEST_RESIDUAL {
             self.notes.push(format!(
                 "The rotor finds no rest under its constant load ({:.1e} of the load is left unbalanced): nothing holds it in some direction.",
                 found.residual
@@ -187,6 +205,7 @@ impl Plant {
         self.rest = found.coordinates;
         self.stiffness = found.stiffness;
         self.residual = found.residual;
+        self.highest_frequency = self.find_highest_frequency()?;
         Ok(())
     }
 
@@ -242,17 +261,26 @@ impl Plant {
         self.layout.scales(self.rotor.as_ref(), &self.seats, &self.damping)
     }
 
-    /// Highest natural frequency at rest, rad/s: an upper bound, the trace of M^-1 K.
+    /// Returns an upper bound of the highest natural frequency at rest, rad/s.
     #[must_use]
-    pub fn highest_frequency(&self) -> f64 {
-        let Ok(scales) = self.scales() else { return 0.0 };
-        if self.layout.given.is_some() {
+    pub const fn highest_frequency(&self) -> f64 {
+        self.highest_frequency
+    }
+
+    fn find_highest_frequency(&self) -> Result<f64> {
+        let square = if self.layout.given.is_some() {
             // The trace of many coordinates is no bound worth having: the highest itself, with the same room above it.
-            let Some(inverse) = scales.mass.try_inverse() else { return 0.0 };
-            let squares = (inverse * &self.stiffness).complex_eigenvalues();
-            return (1.5 * squares.iter().fold(0.0_f64, |most, square| most.max(square.re))).sqrt();
+            1.5 * largest_real(&self.frequency_squares()?)
+        } else {
+            let mass = self.scales()?.mass;
+            (0..self.layout.order).map(|i| self.stiffness[(i, i)] / mass[(i, i)]).sum()
+        };
+        if !square.is_finite() {
+            bail!(
+                "found a natural frequency beyond the range of numbers: {square} (rad/s)^2, expected masses, inertias and stiffnesses within it"
+            );
         }
-        (0..self.layout.order).map(|i| self.stiffness[(i, i)] / scales.mass[(i, i)]).sum::<f64>().max(0.0).sqrt()
+        Ok(square.max(0.0).sqrt())
     }
 
     /// Time in which a start from rest dies down to 1e-5, s: from the weakest damping of the rotor, at least 0.2 s, at
@@ -281,11 +309,21 @@ impl Plant {
         self.integration.method.largest_phase() / self.highest_frequency().max(1e-9)
     }
 
-    /// Integration steps that one sample period needs.
-    #[must_use]
-    pub fn substeps(&self, sample_period: f64) -> u32 {
+    /// Returns the number of integration steps in one sample period.
+    ///
+    /// # Errors
+    /// More than [`MOST_SUBSTEPS`]: longer steps would not be stable.
+    pub fn substeps(&self, sample_period: f64) -> Result<u32> {
         let step = self.integration.step.unwrap_or_else(|| self.own_step());
-        (sample_period / step * (1.0 - 1e-9)).ceil().clamp(1.0, 10_000.0) as u32
+        let steps = (sample_period / step * (1.0 - 1e-9)).ceil().max(1.0);
+        if !(steps <= f64::from(MOST_SUBSTEPS)) {
+            let longer = if self.integration.step.is_some() { " or a longer [integration] step" } else { "" };
+            bail!(SceneFault(format!(
+                "too many integration steps per sample: {steps:.0} of {step:.3e} s, expected at most {MOST_SUBSTEPS}: a sampling rate of {:.3e} Hz or more{longer}",
+                1.0 / (step * f64::from(MOST_SUBSTEPS))
+            )));
+        }
+        Ok(steps as u32)
     }
 
     /// Runs `task` with the machine of a rigid rotor, and with the integrator's step and how many make a sample period.
@@ -293,7 +331,7 @@ impl Plant {
     /// # Errors
     /// A scene of another system, what the kernel refuses.
     pub fn with_rigid<R>(&self, sample_period: f64, task: impl RigidTask<R>) -> Result<R> {
-        let substeps = self.substeps(sample_period);
+        let substeps = self.substeps(sample_period)?;
         let step = Step { method: self.integration.method, length: sample_period / f64::from(substeps) };
         self.rigid_machine(step, substeps, task)
     }
@@ -319,7 +357,7 @@ impl Plant {
     /// # Errors
     /// What the kernel refuses.
     pub fn start(&self, sample_period: f64, revolutions: f64) -> Result<Box<dyn Twin>> {
-        let substeps = self.substeps(sample_period);
+        let substeps = self.substeps(sample_period)?;
         let task = StartTask {
             rest: self.rest.clone(),
             shaft: Turn::from_revolutions(revolutions),
@@ -329,6 +367,11 @@ impl Plant {
         };
         self.with_machine(Seat::moving, task)
     }
+}
+
+/// Returns the largest real part of all, at least 0.
+fn largest_real(all: &[Complex<f64>]) -> f64 {
+    all.iter().fold(0.0, |most, value| most.max(value.re))
 }
 
 impl Method {

@@ -269,7 +269,7 @@ fn response_of(
         rung: one.rung.name.clone(),
         precision,
         method,
-        step: 1.0 / span.rate / f64::from(plant.substeps(1.0 / span.rate)),
+        step: 1.0 / span.rate / f64::from(plant.substeps(1.0 / span.rate)?),
         usual,
         error: found.errors(truth),
         times_real_time: 1.0 / found.seconds_per_second,
