@@ -2,8 +2,9 @@
 
 use super::figures::{Picture, balance};
 use super::number::alone;
-use ballrace_twin::equilibrium::{EffectShare, Element, Settled};
+use ballrace_twin::equilibrium::{BearingSettled, EffectShare, Element, Settled};
 use ballrace_twin::plant::PRESSURE_LIMIT;
+use ballrace_twin::replay::outcome::BearingOrders;
 use anyhow::Result;
 use minijinja::{Environment, context};
 use std::fmt::Write;
@@ -19,7 +20,7 @@ pub fn text(settled: &Settled) -> String {
     let mut out = String::new();
     let rpm = settled.speed * 60.0 / std::f64::consts::TAU;
     line(&mut out, &format!("{}: equilibrium at {} rpm", settled.scene, alone(rpm)));
-    if settled.residual > 1e-6 {
+    if !settled.is_in_equilibrium() {
         let part = settled.residual * 100.0;
         line(
             &mut out,
@@ -36,6 +37,7 @@ pub fn text(settled: &Settled) -> String {
         line(&mut out, &format!("  force         {fx:.3} {fy:.3} {fz:.3} N, moment {mx:.4} {my:.4} N m"));
         let k: Vec<String> = (0..5).map(|i| format!("{:.5e}", b.stiffness[i][i])).collect();
         line(&mut out, &format!("  stiffness     {} N/m, {} N m/rad", k[..3].join(" "), k[3..].join(" ")));
+        kinematics(&mut out, b);
         element_table(&mut out, settled, &b.name);
     }
     let pressed =
@@ -61,6 +63,26 @@ pub fn text(settled: &Settled) -> String {
 fn line(out: &mut String, text: &str) {
     out.push_str(text);
     out.push('\n');
+}
+
+/// Prints the contact angle that the cage and the orders use, and beside it the one under load.
+fn kinematics(out: &mut String, b: &BearingSettled) {
+    let per_turn = |o: &BearingOrders| {
+        format!("cage {:.3}, outer race {:.3}, inner race {:.3} per turn", o.cage, o.outer_race, o.inner_race)
+    };
+    let Some(orders) = &b.orders else { return };
+    let source = match (b.cage_ratio, b.contact_angle) {
+        (Some(ratio), _) => format!("cage_ratio {ratio} of the scene"),
+        (None, Some(angle)) => format!("free contact angle {:.2} deg", angle.free.to_degrees()),
+        (None, None) => return,
+    };
+    line(out, &format!("  kinematics    {source}: the cage and the orders use it"));
+    line(out, &format!("                {}", per_turn(orders)));
+    let loaded = b.contact_angle.and_then(|angle| angle.loaded);
+    if let Some((angle, orders)) = loaded.zip(b.orders_under_load.as_ref()) {
+        line(out, &format!("                mean angle under load {:.2} deg: by rolling at it", angle.to_degrees()));
+        line(out, &format!("                {}", per_turn(orders)));
+    }
 }
 
 fn of<'a>(settled: &'a Settled, name: &str) -> Vec<&'a Element> {

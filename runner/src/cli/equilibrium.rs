@@ -4,6 +4,7 @@ use super::{Format, keep_apart, say};
 use ballrace_twin::equilibrium::{Element, settle};
 use ballrace_twin::fault::scene_fault;
 use ballrace_twin::output::AtomicFile;
+use ballrace_twin::plant::LARGEST_RESIDUAL;
 use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
 use anyhow::{Result, bail};
@@ -29,7 +30,7 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with scene or load.
+/// What is wrong with scene or load; a load that nothing balances, after the result is printed.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     if let Some(path) = &args.report {
@@ -57,7 +58,15 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     {
         writeln!(out, "Written: {}", path.display())?;
     }
-    Ok(out.flush()?)
+    out.flush()?;
+    if !settled.is_in_equilibrium() {
+        bail!(
+            "{}: no equilibrium: {:.2e} of the load is not balanced, expected at most {LARGEST_RESIDUAL:.0e}",
+            scene.path.display(),
+            settled.residual
+        );
+    }
+    Ok(())
 }
 
 fn load(text: &str) -> Result<[f64; 5]> {

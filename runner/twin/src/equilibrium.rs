@@ -2,8 +2,9 @@
 
 use crate::campbell::modes;
 use crate::needs::{self, Need};
-use crate::plant::Plant;
-use crate::scene::build::{self, AnyBearing};
+use crate::plant::{LARGEST_RESIDUAL, Plant};
+use crate::replay::outcome::BearingOrders;
+use crate::scene::build::{self, AnyBearing, Kinematics};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
 use anyhow::{Result, bail};
 use ballrace::bearing::Bearing;
@@ -44,6 +45,14 @@ pub struct Settled {
     pub needs: Vec<Need>,
 }
 
+impl Settled {
+    /// Returns whether the load is balanced, to [`LARGEST_RESIDUAL`] of it.
+    #[must_use]
+    pub fn is_in_equilibrium(&self) -> bool {
+        self.residual <= LARGEST_RESIDUAL
+    }
+}
+
 /// One bearing in its place.
 #[derive(Debug, Clone, Serialize)]
 pub struct BearingSettled {
@@ -55,6 +64,25 @@ pub struct BearingSettled {
     pub force: [f64; 5],
     /// Tangent.
     pub stiffness: [[f64; 5]; 5],
+    /// `cage_ratio` of the scene, where it has one.
+    pub cage_ratio: Option<f64>,
+    /// Contact angles; none without a geometry.
+    pub contact_angle: Option<ContactAngle>,
+    /// Orders of the bearing that every command uses: from the scene's `cage_ratio`, else by rolling at the free contact
+    /// angle; none where neither is given.
+    pub orders: Option<BearingOrders>,
+    /// Orders by rolling at the mean contact angle under this load; none where no contact angle is known.
+    pub orders_under_load: Option<BearingOrders>,
+}
+
+/// Contact angles of a bearing, rad, 0 or more.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ContactAngle {
+    /// Free contact angle: `contact_angle` of the scene, or `cos(free) = 1 - s/(2 A)` from the diametral clearance `s` and
+    /// the groove distance `A`. The cage speed and the orders use it.
+    pub free: f64,
+    /// Mean of the angles at the inner and outer contacts under this load, weighted by their loads.
+    pub loaded: Option<f64>,
 }
 
 /// One rolling element.
@@ -160,7 +188,8 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         }
     };
     let solving_seconds = begun.elapsed().as_secs_f64();
-    let one = bearing_settled(&of.name, &built, &u, &u, &at);
+    let elements = elements(of, &built, &u, &at)?;
+    let one = bearing_settled(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
     // The displacement has the preload in it.
     let needs = needs::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(Settled {
@@ -169,7 +198,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         displacement: one.displacement,
         force: one.force,
         stiffness: one.stiffness,
-        elements: elements(of, &built, &u, &at)?,
+        elements,
         natural_frequencies_hz: vec![],
         bearings: vec![one],
         residual,
@@ -217,7 +246,48 @@ fn bearing_settled(
         displacement: total.to_array(),
         force: reaction.wrench.to_array(),
         stiffness: rows(&k),
+        cage_ratio: None,
+        contact_angle: None,
+        orders: None,
+        orders_under_load: None,
     }
+}
+
+impl BearingSettled {
+    /// The same with contact angles and orders, `elements` being this bearing's.
+    fn with_kinematics(self, scene: &Scene, of: &BearingScene, elements: &[Element]) -> Result<Self> {
+        let orders = |kinematics: &Kinematics| {
+            let Kinematics { orders: o, spin_known, .. } = kinematics;
+            let ball_spin = spin_known.then_some(o.ball_spin);
+            let orders = BearingOrders { cage: o.cage, outer_race: o.outer_race, inner_race: o.inner_race, ball_spin };
+            (o.cage != 0.0).then_some(orders)
+        };
+        let geometry = build::geometry(of)?;
+        let contact_angle =
+            geometry.map(|g| ContactAngle { free: g.contact_angle, loaded: mean_contact_angle(elements) });
+        let loaded = geometry.zip(contact_angle.and_then(|angle| angle.loaded));
+        let rolling = BearingScene { cage_ratio: None, ..of.clone() };
+        let under_load = |(g, contact_angle): (BallBearingGeometry, f64)| {
+            build::kinematics_of(scene, &rolling, Some(BallBearingGeometry { contact_angle, ..g }))
+        };
+        Ok(Self {
+            cage_ratio: of.cage_ratio,
+            contact_angle,
+            orders: orders(&build::kinematics(scene, of)?),
+            orders_under_load: loaded.map(under_load).transpose()?.as_ref().and_then(orders),
+            ..self
+        })
+    }
+}
+
+/// Returns the mean size of the contact angles, weighted by the loads of the contacts; none where no contact with an angle
+/// is loaded.
+fn mean_contact_angle(elements: &[Element]) -> Option<f64> {
+    let contacts = elements.iter().flat_map(|e| [(e.inner_load, e.inner_angle), (e.outer_load, e.outer_angle)]);
+    let (sum, load) = contacts
+        .filter_map(|(load, angle)| angle.map(|angle| (load, angle.abs())))
+        .fold((0.0, 0.0), |(sum, all), (load, angle)| (sum + load * angle, all + load));
+    (load > 0.0).then(|| sum / load)
 }
 
 fn settle_rotor(scene: &Scene) -> Result<Settled> {
@@ -236,8 +306,9 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
             *sum += f;
         }
         let plain = build::bearing::<f64, Exact>(scene, of, model_with_elements(of))?;
-        all.extend(elements(of, &plain, &total, &at)?);
-        bearings.push(one);
+        let elements = elements(of, &plain, &total, &at)?;
+        bearings.push(one.with_kinematics(scene, of, &elements)?);
+        all.extend(elements);
     }
     Ok(Settled {
         scene: scene.name.clone(),

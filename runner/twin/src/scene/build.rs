@@ -83,14 +83,26 @@ impl Kinematics {
     }
 }
 
-/// Cage ratio and orders of a bearing: from the scene's `cage_ratio`, or by pure rolling from geometry.
+/// Cage ratio and orders of a bearing: from the scene's `cage_ratio`, or by pure rolling at the free contact angle, that of
+/// the unloaded bearing.
 ///
 /// # Errors
 /// An outer ring that turns under a shaft whose speed changes: the ratio is then no constant.
 pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics> {
+    kinematics_of(scene, bearing, geometry(bearing)?)
+}
+
+/// The same with another `geometry` than the bearing's own, such as one with the contact angle under load.
+///
+/// # Errors
+/// As [`kinematics`].
+pub fn kinematics_of(
+    scene: &Scene,
+    bearing: &BearingScene,
+    geometry: Option<BallBearingGeometry>,
+) -> Result<Kinematics> {
     let n = bearing.elements as f64;
-    let by_geometry =
-        geometry(bearing)?.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter));
+    let by_geometry = geometry.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter));
     let spin = by_geometry.map(|o| o.ball_spin);
     let rolling = by_geometry.map(|o| o.cage).unwrap_or(0.0);
     let outer = outer_ratio(scene)?;
