@@ -2,7 +2,7 @@
 
 use super::{Format, keep_apart, say};
 use ballrace_twin::fault::SceneFault;
-use ballrace_twin::needs;
+use ballrace_twin::needs::Need;
 use ballrace_twin::output::AtomicFile;
 use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
@@ -69,6 +69,8 @@ struct Summary {
     computed: usize,
     taken_over: usize,
     written: Vec<String>,
+    /// Each effect at the point where it matters most.
+    needs: Vec<Need>,
 }
 
 /// Runs the command.
@@ -86,7 +88,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         by_shaft: args.section == Section::Shaft,
         lyapunov: args.lyapunov,
     };
-    let plan = Plan { text, path: args.scene.clone(), axes, follow: args.follow, measure };
+    let plan = Plan { text, path: args.scene.clone(), axes, follow: args.follow, measure }.checked()?;
     // All that can be known to be wrong is said before hours of work.
     for point in [0, plan.points() - 1] {
         plan.scene(&plan.values(point))?;
@@ -117,11 +119,16 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         std::fs::remove_file(&journal).with_context(|| journal.display().to_string())?;
     }
     let written = [&table, &columns, &section, &page].map(|path| path.display().to_string()).to_vec();
-    let summary =
-        Summary { scene: scene.name, points: rows.len(), computed, taken_over: rows.len() - computed, written };
+    let summary = Summary {
+        scene: scene.name,
+        points: rows.len(),
+        computed,
+        taken_over: rows.len() - computed,
+        written,
+        needs: plan.needs(&rows)?,
+    };
     print(&summary, &plan.axes, &rows, format)?;
-    let first = plan.scene(&plan.values(0))?;
-    if format == Format::Text { say(&mut std::io::stdout().lock(), &needs::of_scene(&first)?, error) } else { Ok(()) }
+    if format == Format::Text { say(&mut std::io::stdout().lock(), &summary.needs, error) } else { Ok(()) }
 }
 
 fn time(text: &str) -> Result<f64> {
@@ -186,6 +193,7 @@ fn one_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()
         computed,
         taken_over: points - computed,
         written: vec![path.display().to_string()],
+        needs: vec![],
     };
     print(&summary, &plan.axes, &[], format)
 }

@@ -30,16 +30,15 @@ pub struct Need {
     pub change: f64,
     /// Whether the scene's model has it.
     pub modelled: bool,
-    /// Whether the scene says all that the prediction needs: a film of an oil that nobody named is not warned of.
-    pub known: bool,
     /// What it comes from, in words.
     pub because: String,
+    /// Point of a sweep at which the change is largest, such as `shaft.speed = 6000 rpm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
 }
 
 /// An error of force that is warned of where nobody says what is good enough.
 pub const GOOD_ENOUGH: f64 = 0.01;
-/// Oil that is assumed where a scene names none: mineral oil of a viscosity that is usual at running temperature.
-const USUAL_OIL: Oil = Oil { viscosity: 0.02, pressure_viscosity: 2e-8 };
 /// Rest positions over a ball pitch.
 const PITCH_SAMPLES: u32 = 16;
 /// Rounds of the equation for `x_t`: a monotone one of a single unknown.
@@ -111,13 +110,11 @@ pub fn of_bearing(scene: &Scene, of: &BearingScene, u: &Displacement<f64>, at: &
         look(&u.plus(along(more))).sum(whole)
     };
     let change = |with: [f64; 3], without: [f64; 3]| size(minus(with, without)) / force;
-    let (fitted, oil) = (
-        of.effects,
-        of.lubricant.map_or(USUAL_OIL, |f| Oil { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity }),
-    );
+    let fitted = of.effects;
+    // Without a lubricant there is no film to predict.
+    let oil = of.lubricant.map(|f| Oil { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity });
     let inertia = Inertia::new(of, &geometry, at);
     let [thrown, spun] = [false, true].map(|spin| pushed(&|ball| inertia.change(ball, spin)));
-    let wet = pushed(&|ball| ball.film(&geometry, oil, at));
     let solved = matches!(of.model, Model::QuasiStatic | Model::Tabulated);
     let named = of.name.clone();
     let need = |effect, change, modelled, because: String| Need {
@@ -125,16 +122,22 @@ pub fn of_bearing(scene: &Scene, of: &BearingScene, u: &Displacement<f64>, at: &
         effect,
         change,
         modelled,
-        known: effect != "film" || of.lubricant.is_some(),
         because,
+        at: None,
     };
     let worst = |ratio: &dyn Fn(&Ball) -> f64| loaded.0.iter().filter(|b| b.load > 0.0).map(ratio).fold(0.0, f64::max);
     let throw = worst(&|b| inertia.centrifugal(b) / b.load);
     let spin = worst(&|b| 2.0 * inertia.moment(b) / inertia.diameter / b.load);
-    let thick = worst(&|b| b.films(&geometry, oil, at, b.load) / b.approach);
-    let turned = worst(&|b| (b.angle - b.free_angle).abs().to_degrees());
+    let film = oil.map(|oil| {
+        let wet = pushed(&|ball| ball.film(&geometry, oil, at));
+        let thick = worst(&|b| b.films(&geometry, oil, at, b.load) / b.approach);
+        let because = format!("film {} of the approach", share(thick));
+        need("film", change(wet, right), solved && fitted.film.is_some(), because)
+    });
+    let fixed = loaded.fixed_angle(of.facing);
+    let turned = worst(&|b| (b.angle - fixed).abs().to_degrees());
     let pass = pass(&built, &u.plus(offset), at, of.elements, force);
-    let all = [
+    let inertial = [
         need(
             "centrifugal",
             change(thrown, right),
@@ -147,26 +150,18 @@ pub fn of_bearing(scene: &Scene, of: &BearingScene, u: &Displacement<f64>, at: &
             solved && fitted.gyroscopic,
             format!("friction against the gyroscopic moment {} of the load of a ball", share(spin)),
         ),
-        need(
-            "film",
-            change(wet, right),
-            solved && fitted.film.is_some(),
-            format!(
-                "film {} of the approach{}",
-                share(thick),
-                if of.lubricant.is_some() { "" } else { " with a usual oil" }
-            ),
-        ),
+    ];
+    let geometric = [
         need(
             "contact-angle",
-            loaded.held_angle(force),
+            loaded.held_angle(fixed, force),
             !matches!(of.model, Model::Linear | Model::Lumped | Model::Dynamic),
-            format!("contact angles turned by up to {turned:.2} degrees"),
+            format!("contact angles up to {turned:.2} degrees from a fixed one of {:.2}", fixed.abs().to_degrees()),
         ),
         need("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
     ];
     // What is no number cannot be told.
-    Ok(all.into_iter().filter(|need| need.change.is_finite()).collect())
+    Ok(inertial.into_iter().chain(film).chain(geometric).filter(|need| need.change.is_finite()).collect())
 }
 
 /// Half the swing of the force while the balls pass by, over the force.
@@ -219,7 +214,11 @@ fn root(f: impl Fn(f64) -> f64, first: f64) -> f64 {
 }
 
 fn share(x: f64) -> String {
-    if x < 1e-4 { format!("{:.1e} %", x * 100.0) } else { format!("{:.2} %", x * 100.0) }
+    match x {
+        0.0 => "0 %".to_owned(),
+        x if x < 1e-4 => format!("{:.1e} %", x * 100.0),
+        x => format!("{:.2} %", x * 100.0),
+    }
 }
 
 /// One ball under its static load, in its plane: radial outward and axial.
@@ -288,18 +287,30 @@ impl Balls {
         sum
     }
 
-    /// What changes when the contact angles are held where they were before anything moved, over the force.
-    fn held_angle(&self, force: f64) -> f64 {
+    /// Returns the contact angle of a model with a fixed one, rad: the free angle of an angular contact bearing; of a
+    /// deep-groove bearing, which has none before it is loaded, the mean under this load, weighted by the loads.
+    fn fixed_angle(&self, facing: Facing) -> f64 {
+        match facing {
+            Facing::PlusZ | Facing::MinusZ => self.0.first().map_or(0.0, |ball| ball.free_angle),
+            Facing::Both => {
+                let [radial, axial] = self.0.iter().map(Ball::push).fold([0.0; 2], plus);
+                axial.atan2(radial)
+            }
+        }
+    }
+
+    /// What changes when all contact angles are held at `fixed`, over the force.
+    fn held_angle(&self, fixed: f64, force: f64) -> f64 {
         size(self.sum(|ball| {
-            let off = ball.angle - ball.free_angle;
+            let off = ball.angle - fixed;
             let (sin, cos) = off.sin_cos();
             // Only what lies along the held line presses the contacts.
             let approach = (ball.approach - ball.apart * (1.0 - cos)).max(0.0);
             let held = ball.constants[2] * approach.powf(1.5);
-            let (free_sin, free_cos) = ball.free_angle.sin_cos();
+            let (fixed_sin, fixed_cos) = fixed.sin_cos();
             let along = held - ball.load * cos;
             let across = -ball.load * sin;
-            [along * free_cos - across * free_sin, along * free_sin + across * free_cos]
+            [along * fixed_cos - across * fixed_sin, along * fixed_sin + across * fixed_cos]
         })) / force
     }
 }
@@ -408,6 +419,28 @@ impl Inertia {
     }
 }
 
+/// Returns, for each bearing and effect, the entry with the largest change, in the order in which they first occur.
+#[must_use]
+pub fn largest(all: impl IntoIterator<Item = Need>) -> Vec<Need> {
+    let mut largest: Vec<Need> = Vec::new();
+    for need in all {
+        match largest.iter_mut().find(|other| other.bearing == need.bearing && other.effect == need.effect) {
+            Some(other) if need.change > other.change => *other = need,
+            Some(_) => {}
+            None => largest.push(need),
+        }
+    }
+    // Some points may have an effect that the first one lacks.
+    let mut bearings: Vec<String> = Vec::new();
+    for need in &largest {
+        if !bearings.contains(&need.bearing) {
+            bearings.push(need.bearing.clone());
+        }
+    }
+    largest.sort_by_key(|need| bearings.iter().position(|name| *name == need.bearing));
+    largest
+}
+
 /// What a command says of a scene: which effects are kept, which are left out and what that is predicted to change, and
 /// a warning where that is more than `error`.
 #[must_use]
@@ -428,8 +461,9 @@ pub fn words(needs: &[Need], error: f64) -> Vec<String> {
         )
     };
     let warning = |need: &Need| {
+        let at = need.at.as_ref().map_or_else(String::new, |at| format!(" at {at}"));
         format!(
-            "{}: WARNING: {} is left out and predicted to change the force by {} ({}), more than {}",
+            "{}: WARNING: {} is left out and predicted to change the force by {} ({}){at}, more than {}",
             need.bearing,
             need.effect,
             share(need.change),
@@ -437,8 +471,12 @@ pub fn words(needs: &[Need], error: f64) -> Vec<String> {
             share(error)
         )
     };
-    let lacking = needs.iter().filter(|need| need.known && !need.modelled && need.change > error);
-    names.iter().map(line).chain(lacking.map(warning)).collect()
+    let lacking = needs.iter().filter(|need| !need.modelled && need.change > error);
+    let has_film = |name: &&str| needs.iter().any(|need| need.bearing == *name && need.effect == "film");
+    let dry: Vec<&str> = names.iter().copied().filter(|name| !has_film(name)).collect();
+    let dry =
+        (!dry.is_empty()).then(|| format!("{}: film is not considered: the scene names no lubricant", dry.join(", ")));
+    names.iter().map(line).chain(dry).chain(lacking.map(warning)).collect()
 }
 
 #[cfg(test)]

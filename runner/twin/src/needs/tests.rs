@@ -149,6 +149,8 @@ fn held(of: &BearingScene, u: &Displacement<f64>) -> [f64; 3] {
     let g = build::geometry(of).unwrap().unwrap();
     let sign = if of.facing == Facing::MinusZ { -1.0 } else { 1.0 };
     let free = if of.facing == Facing::Both { 0.0 } else { sign * g.contact_angle };
+    // A deep-groove bearing is held at its mean angle under load, from the force of the angles that turn.
+    let fixed = if of.facing == Facing::Both { mean_angle(of, &g, u) } else { free };
     let rest = g.groove_distance() * if of.facing == Facing::Both { g.contact_angle.cos() } else { 1.0 };
     let mut sum = [0.0; 3];
     for j in 0..of.elements {
@@ -156,9 +158,24 @@ fn held(of: &BearingScene, u: &Displacement<f64>) -> [f64; 3] {
         let (sin, cos) = azimuth.sin_cos();
         let arm = g.inner_groove_radius();
         let (radial, axial) = (u.u * cos + u.v * sin, u.w + arm * (u.thu * sin - u.thv * cos));
-        let approach = rest + radial * free.cos() + axial * free.sin() - g.groove_distance();
+        let (radial, axial) = (rest * free.cos() + radial, rest * free.sin() + axial);
+        let approach = radial * fixed.cos() + axial * fixed.sin() - g.groove_distance();
         let load = g.stiffness() * approach.max(0.0).powf(1.5);
-        sum = [sum[0] - load * free.cos() * cos, sum[1] - load * free.cos() * sin, sum[2] - load * free.sin()];
+        sum = [sum[0] - load * fixed.cos() * cos, sum[1] - load * fixed.cos() * sin, sum[2] - load * fixed.sin()];
     }
     sum
+}
+
+/// Angle of the sum of the balls' forces in their planes, rad, of a deep-groove bearing.
+fn mean_angle(of: &BearingScene, g: &BallBearingGeometry, u: &Displacement<f64>) -> f64 {
+    let (mut radial, mut axial) = (0.0, 0.0);
+    for j in 0..of.elements {
+        let (sin, cos) = build::place::<f64>(of, j).azimuth().radians().sin_cos();
+        let x = g.groove_distance() * g.contact_angle.cos() + u.u * cos + u.v * sin;
+        let z = u.w + g.inner_groove_radius() * (u.thu * sin - u.thv * cos);
+        let load = g.stiffness() * (x.hypot(z) - g.groove_distance()).max(0.0).powf(1.5);
+        radial += load * x / x.hypot(z);
+        axial += load * z / x.hypot(z);
+    }
+    axial.atan2(radial)
 }

@@ -81,11 +81,13 @@ impl Journal {
     /// A file that cannot be written.
     pub fn add(&mut self, chain: Chain) -> Result<()> {
         let line = serde_json::to_string(&chain)? + "\n";
+        // As a reader will have it: what is told does not depend on whether the sweep was stopped in between. What
+        // cannot be read again, such as a figure that is no number, is never written.
+        let chain: Chain =
+            serde_json::from_str(line.trim_end()).context("found a result that is no finite number in a point")?;
         let failed = || format!("{}: this file cannot be written", self.path.display());
         self.file.write_all(line.as_bytes()).with_context(failed)?;
         self.file.sync_data().with_context(failed)?;
-        // As a reader will have it: what is told does not depend on whether the sweep was stopped in between.
-        let chain: Chain = serde_json::from_str(line.trim_end())?;
         self.done.insert(chain.number, chain);
         Ok(())
     }

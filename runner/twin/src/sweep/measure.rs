@@ -1,9 +1,11 @@
 //! One point of a sweep: the scene's rotor run until it has settled, and what its motion is then.
 
-use crate::motion::{self, Moment, Span};
+use crate::fault::SceneFault;
+use crate::motion::{self, MOST_SAMPLES, Moment, Span};
+use crate::needs::{self, Need};
 use crate::plant::{Plant, Twin};
 use crate::scene::Scene;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -54,6 +56,26 @@ pub struct Figures {
     pub section: Vec<[f64; 2]>,
     /// Amplitude along X over multiples of the section's frequency, um: the highest of each strip.
     pub spectrum: Vec<f64>,
+    /// Predicted change of force by each effect; empty in journals of older versions.
+    #[serde(default)]
+    pub effects: Vec<EffectChange>,
+}
+
+/// Predicted change of a bearing's force when an effect is left out (see [`crate::needs::Need`]).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectChange {
+    /// The scene's name of the bearing.
+    pub bearing: String,
+    /// As `Need::effect` names it.
+    pub effect: String,
+    /// Over the force.
+    pub change: f64,
+}
+
+impl From<Need> for EffectChange {
+    fn from(need: Need) -> Self {
+        Self { bearing: need.bearing, effect: need.effect.to_owned(), change: need.change }
+    }
 }
 
 /// Where one run left off and the next may begin.
@@ -79,7 +101,7 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
     let plant = Plant::try_new(scene)?;
     let (section, pass) = frequencies(scene, &plant, asked.by_shaft);
     if section <= 0.0 {
-        anyhow::bail!(
+        bail!(
             "{}: shaft.speed: found a shaft that stands still, allowed in a sweep: one that turns",
             scene.path.display()
         );
@@ -87,8 +109,13 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
     let rate = section * A_PERIOD as f64;
     let settle = asked.settle.unwrap_or_else(|| plant.settling_time());
     // Whole periods, so that the section is taken at the same place at every point.
-    let settle = (settle * section).ceil() as u64 * A_PERIOD as u64;
-    let span = Span { rate, settle, samples: (asked.periods * A_PERIOD) as u64 };
+    let settle = (settle * section).ceil() * A_PERIOD as f64;
+    if !(settle <= MOST_SAMPLES) {
+        bail!(SceneFault(format!(
+            "--settle: too many samples: {settle:.3e} at {rate:.3e} Hz, expected at most {MOST_SAMPLES:.0e}"
+        )));
+    }
+    let span = Span { rate, settle: settle as u64, samples: (asked.periods * A_PERIOD) as u64 };
     let mut path = Path::default();
     let mut neighbour = Neighbour::default();
     let begin = |twin: &mut dyn Twin| {
@@ -111,6 +138,7 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
         lyapunov: asked.lyapunov.then(|| neighbour.exponent()),
         section: path.section(),
         spectrum: path.spectrum(asked.periods),
+        effects: needs::at_rest(scene, &plant)?.into_iter().map(EffectChange::from).collect(),
     };
     Ok((figures, State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() }))
 }

@@ -7,13 +7,16 @@ mod tables;
 
 pub use axis::{Axis, put};
 pub use journal::{Journal, read};
-pub use measure::{Figures, Measure, State, measure};
+pub use measure::{EffectChange, Figures, Measure, State, measure};
 pub use tables::{csv, parquet, sections};
 
+use crate::fault::SceneFault;
+use crate::needs::{self, Need};
 use crate::scene::Scene;
 use crate::scene::read::read_str;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -72,7 +75,31 @@ pub struct Row {
 /// Of each thread, bytes: a system of many coordinates keeps its matrices there.
 const STACK: usize = 32 << 20;
 
+/// Most numbers in the results of a sweep: 1 GiB, all of which is in memory at the end.
+const MOST_NUMBERS: usize = 1 << 27;
+/// Numbers of one point besides its sections.
+const NUMBERS_OF_POINT: usize = 256;
+
 impl Plan {
+    /// Checks the number of points, before anything of their number is allocated.
+    ///
+    /// # Errors
+    /// Results of more than 2^27 numbers.
+    pub fn checked(self) -> Result<Self> {
+        let both_ways = if self.follow == Follow::Both { 2 } else { 1 };
+        let most = MOST_NUMBERS / (both_ways * (NUMBERS_OF_POINT + 2 * self.measure.periods));
+        let points = self.axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.values.len()));
+        if points.is_some_and(|points| points <= most) {
+            return Ok(self);
+        }
+        let counts: Vec<String> = self.axes.iter().map(|axis| axis.values.len().to_string()).collect();
+        bail!(SceneFault(format!(
+            "--over: too many points: {}, expected at most {most} with {} section periods at each",
+            counts.join(" x "),
+            self.measure.periods
+        )))
+    }
+
     /// Number of points.
     #[must_use]
     pub fn points(&self) -> usize {
@@ -164,10 +191,36 @@ impl Plan {
         Ok(Chain { number, rows })
     }
 
+    /// Returns each effect at the point of `rows` where it matters most, with that point named.
+    ///
+    /// # Errors
+    /// What the kernel refuses.
+    pub fn needs(&self, rows: &[&Row]) -> Result<Vec<Need>> {
+        let mut worst: BTreeMap<(&str, &str), (f64, &Row)> = BTreeMap::new();
+        for row in rows {
+            for EffectChange { bearing, effect, change } in &row.figures.effects {
+                let entry = worst.entry((bearing, effect)).or_insert((*change, row));
+                if *change > entry.0 {
+                    *entry = (*change, row);
+                }
+            }
+        }
+        let mut points: Vec<&Row> = worst.into_values().map(|(_, row)| row).collect();
+        points.sort_by_key(|row| row.point);
+        points.dedup_by_key(|row| row.point);
+        let mut all = Vec::new();
+        for row in points {
+            let at = Some(self.named(&row.values));
+            let of_point = needs::of_scene(&self.scene(&row.values)?)?;
+            all.extend(of_point.into_iter().map(|need| Need { at: at.clone(), ..need }));
+        }
+        Ok(needs::largest(all))
+    }
+
     fn named(&self, values: &[f64]) -> String {
         let one = |(axis, value): (&Axis, &f64)| format!("{} = {value} {}", axis.key, axis.unit);
         let all: Vec<String> = self.axes.iter().zip(values).map(one).collect();
-        all.join(", ").trim_end().to_owned()
+        all.iter().map(|one| one.trim_end()).collect::<Vec<_>>().join(", ")
     }
 
     /// Computes those of `chains` that the journal does not have, `jobs` at a time; `told` hears of each finished one.
