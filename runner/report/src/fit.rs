@@ -1,6 +1,6 @@
 //! A fit in words.
 
-use ballrace_twin::fit::Fitted;
+use ballrace_twin::fit::{Fitted, LARGEST_CHI_SQUARE};
 use std::fmt::Write;
 
 /// For people.
@@ -13,13 +13,28 @@ pub fn text(found: &Fitted) -> String {
     let _ = writeln!(out, "{:<28} {:>11} {:>11} {:>11} {:>11}  unit", "", "scene", "fitted", "from", "to");
     for p in &found.parameters {
         let mark = if p.told { "" } else { "  not told" };
+        let end = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
         let _ = writeln!(
             out,
-            "{:<28} {:>11.4} {:>11.4} {:>11.4} {:>11.4}  {}{mark}",
-            p.name, p.given, p.value, p.low, p.high, p.unit
+            "{:<28} {:>11.4} {:>11.4} {:>11} {:>11}  {}{mark}",
+            p.name,
+            p.given,
+            p.value,
+            end(p.low),
+            end(p.high),
+            p.unit
         );
     }
-    let _ = writeln!(out, "\nThe intervals hold together in 95 of 100 cases.");
+    if found.consistent {
+        let _ = writeln!(out, "\nThe intervals hold together in 95 of 100 cases.");
+    } else {
+        let _ = writeln!(
+            out,
+            "\nWARNING: the scene does not describe the recording: chi-squared per reading is {:.3e}, expected about 1 \
+             and at most {LARGEST_CHI_SQUARE}. No intervals are given.",
+            found.chi_square_per_reading
+        );
+    }
     let _ = writeln!(
         out,
         "Squares of what is left over those of the noise: {:.1} for {} readings.\n",
@@ -40,7 +55,9 @@ pub fn text(found: &Fitted) -> String {
 pub fn csv(found: &Fitted) -> String {
     let mut out = "parameter,unit,scene,fitted,from,to,told\n".to_owned();
     for p in &found.parameters {
-        let _ = writeln!(out, "{},{},{},{},{},{},{}", p.name, p.unit, p.given, p.value, p.low, p.high, p.told);
+        let end = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
+        let (low, high) = (end(p.low), end(p.high));
+        let _ = writeln!(out, "{},{},{},{},{low},{high},{}", p.name, p.unit, p.given, p.value, p.told);
     }
     out
 }

@@ -1,4 +1,5 @@
-//! Least squares of what a simulation leaves: Levenberg and Marquardt with differences on both sides.
+//! Least squares of what a simulation leaves, within bounds: Levenberg and Marquardt with steps projected onto the bounds
+//! and differences on both sides.
 
 use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
@@ -6,6 +7,26 @@ use nalgebra::{DMatrix, DVector};
 /// Unknowns in units of their scale: a step of [`DIFFERENCE`] changes the residuals visibly and nearly linearly.
 const DIFFERENCE: f64 = 1e-4;
 const ITERATIONS: usize = 40;
+
+/// Least and largest value of an unknown, in units of its scale.
+pub type Bounds = [f64; 2];
+
+/// Where a search may go.
+#[derive(Debug, Clone)]
+pub struct Limits {
+    /// Of each unknown.
+    pub bounds: Vec<Bounds>,
+    /// Longest step of an unknown, in units of its scale.
+    pub longest_step: f64,
+}
+
+impl Limits {
+    /// No limit to any of `count` unknowns.
+    #[must_use]
+    pub fn none(count: usize) -> Self {
+        Self { bounds: vec![[f64::NEG_INFINITY, f64::INFINITY]; count], longest_step: f64::INFINITY }
+    }
+}
 
 /// Of a thread: a machine of many coordinates is large before it is boxed.
 const STACK: usize = 16 << 20;
@@ -27,24 +48,40 @@ pub struct Solution {
 /// after each.
 ///
 /// # Errors
-/// What `residuals` says.
+/// As [`solve_within`].
 pub fn solve(
     start: Vec<f64>,
     residuals: Residuals,
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Solution> {
-    let mut x = start;
+    let limits = Limits::none(start.len());
+    solve_within(start, &limits, residuals, least_fall, progress)
+}
+
+/// The same with `residuals` evaluated only within `limits`.
+///
+/// # Errors
+/// What `residuals` returns at the start or close to a point that it has accepted. A trial step at which it fails is
+/// rejected and a shorter one is tried.
+pub fn solve_within(
+    start: Vec<f64>,
+    limits: &Limits,
+    residuals: Residuals,
+    least_fall: f64,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Solution> {
+    let mut x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
     let mut r = DVector::from_vec(residuals(&x)?);
-    let mut jacobian = slopes(&x, residuals)?;
+    let mut jacobian = slopes(&x, &limits.bounds, residuals)?;
     let mut damping = 1e-3;
     for iteration in 0..ITERATIONS {
         progress(iteration);
         let (normal, gradient) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &r);
-        let Some((next, left)) = step(&x, &r, &normal, &gradient, &mut damping, residuals)? else { break };
+        let Some((next, left)) = step((&x, &r), limits, (&normal, &gradient), &mut damping, residuals) else { break };
         let fall = 1.0 - left.norm_squared() / r.norm_squared();
         (x, r) = (next, left);
-        jacobian = slopes(&x, residuals)?;
+        jacobian = slopes(&x, &limits.bounds, residuals)?;
         if fall < least_fall {
             break;
         }
@@ -52,45 +89,63 @@ pub fn solve(
     Ok(Solution { x, residuals: r, jacobian })
 }
 
-/// The next unknowns, if any step makes less of the residuals.
+/// The next unknowns, if any step makes less of the residuals. An unknown at a bound that the step would cross is held
+/// there while the others move.
 fn step(
-    x: &[f64],
-    r: &DVector<f64>,
-    normal: &DMatrix<f64>,
-    gradient: &DVector<f64>,
+    (x, r): (&[f64], &DVector<f64>),
+    Limits { bounds, longest_step }: &Limits,
+    (normal, gradient): (&DMatrix<f64>, &DVector<f64>),
     damping: &mut f64,
     residuals: Residuals,
-) -> Result<Option<(Vec<f64>, DVector<f64>)>> {
-    let largest = normal.diagonal().max();
+) -> Option<(Vec<f64>, DVector<f64>)> {
+    // A step goes against the gradient.
+    let held = |i: usize| {
+        let [low, high] = bounds[i];
+        (x[i] <= low && gradient[i] > 0.0) || (x[i] >= high && gradient[i] < 0.0)
+    };
+    let free: Vec<usize> = (0..x.len()).filter(|&i| !held(i)).collect();
+    if free.is_empty() {
+        return None;
+    }
+    let part = DMatrix::from_fn(free.len(), free.len(), |i, j| normal[(free[i], free[j])]);
+    let downhill = DVector::from_fn(free.len(), |i, _| gradient[free[i]]);
+    let largest = part.diagonal().iter().copied().fold(0.0, f64::max);
     for _ in 0..8 {
-        let mut damped = normal.clone();
-        for i in 0..x.len() {
-            damped[(i, i)] += *damping * normal[(i, i)].max(1e-12 * largest);
+        let mut damped = part.clone();
+        for i in 0..free.len() {
+            damped[(i, i)] += *damping * part[(i, i)].max(1e-12 * largest);
         }
         if let Some(factor) = damped.cholesky() {
-            let change = factor.solve(gradient);
-            let next: Vec<f64> = x.iter().zip(change.iter()).map(|(x, d)| x - d).collect();
-            let left = DVector::from_vec(residuals(&next)?);
-            if left.norm_squared() < r.norm_squared() {
+            let change = factor.solve(&downhill);
+            let shorter = (longest_step / change.amax()).min(1.0);
+            let mut next = x.to_vec();
+            for (&i, change) in free.iter().zip(change.iter()) {
+                next[i] = (x[i] - shorter * change).clamp(bounds[i][0], bounds[i][1]);
+            }
+            // A scene that cannot be computed is as bad as one that leaves more.
+            let left = residuals(&next).ok().map(DVector::from_vec);
+            if let Some(left) = left.filter(|left| left.norm_squared() < r.norm_squared()) {
                 *damping = (*damping * 0.1).max(1e-9);
-                return Ok(Some((next, left)));
+                return Some((next, left));
             }
         }
         *damping *= 10.0;
     }
-    Ok(None)
+    None
 }
 
-/// Central differences, the unknowns shared out over all cores.
-fn slopes(x: &[f64], residuals: Residuals) -> Result<DMatrix<f64>> {
+/// Central differences, one-sided at a bound, the unknowns shared out over all cores.
+fn slopes(x: &[f64], bounds: &[Bounds], residuals: Residuals) -> Result<DMatrix<f64>> {
     let column = |i: usize| -> Result<Vec<f64>> {
-        let moved = |by: f64| {
+        let [low, high] = bounds[i];
+        let at = |x_i: f64| {
             let mut there = x.to_vec();
-            there[i] += by;
+            there[i] = x_i;
             residuals(&there)
         };
-        let (up, down) = (moved(DIFFERENCE)?, moved(-DIFFERENCE)?);
-        Ok(up.iter().zip(&down).map(|(a, b)| (a - b) / (2.0 * DIFFERENCE)).collect())
+        let (above, below) = ((x[i] + DIFFERENCE).min(high), (x[i] - DIFFERENCE).max(low));
+        let (up, down) = (at(above)?, at(below)?);
+        Ok(up.iter().zip(&down).map(|(a, b)| (a - b) / (above - below)).collect())
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(x.len().max(1));
     let share = |t: usize| (t..x.len()).step_by(threads).map(|i| Ok((i, column(i)?))).collect::<Result<Vec<_>>>();
@@ -108,4 +163,65 @@ fn slopes(x: &[f64], residuals: Residuals) -> Result<DMatrix<f64>> {
     }
     let rows = columns.first().map_or(0, Vec::len);
     Ok(DMatrix::from_fn(rows, x.len(), |i, j| columns[j][i]))
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use anyhow::bail;
+
+    const OPEN: Bounds = [f64::NEG_INFINITY, f64::INFINITY];
+
+    fn solved(start: Vec<f64>, bounds: &[Bounds], residuals: Residuals) -> Solution {
+        let limits = Limits { bounds: bounds.to_vec(), longest_step: 10.0 };
+        solve_within(start, &limits, residuals, 1e-12, &mut |_| {}).unwrap()
+    }
+
+    #[test]
+    fn the_least_squares_of_a_line() {
+        let line = |x: &[f64]| Ok((0..5).map(|i| x[0] + f64::from(i) * x[1] - (2.0 + 3.0 * f64::from(i))).collect());
+        let found = solved(vec![0.0, 0.0], &[OPEN; 2], &line);
+        assert!((found.x[0] - 2.0).abs() < 1e-6 && (found.x[1] - 3.0).abs() < 1e-6, "{:?}", found.x);
+    }
+
+    /// Outside the bounds the residuals cannot be computed; the least within them is at a bound for one unknown and
+    /// inside for the other.
+    #[test]
+    fn nothing_is_evaluated_beyond_a_bound() {
+        let residuals = |x: &[f64]| {
+            if x[0] < 0.0 {
+                bail!("below the bound: {}", x[0]);
+            }
+            Ok(vec![x[0] + 1.0, x[1] - 2.0 + 0.5 * x[0]])
+        };
+        for start in [0.0, 1e-5, 3.0] {
+            let found = solved(vec![start, 0.0], &[[0.0, 5.0], OPEN], &residuals);
+            assert!(found.x[0].abs() < 1e-9 && (found.x[1] - 2.0).abs() < 1e-6, "{start}: {:?}", found.x);
+        }
+    }
+
+    /// The search leaves a bound at which it starts.
+    #[test]
+    fn a_start_at_a_bound() {
+        let residuals = |x: &[f64]| Ok(vec![x[0] - 1.0]);
+        for start in [0.0, 9.0] {
+            let found = solved(vec![start], &[[0.0, 9.0]], &residuals);
+            assert!((found.x[0] - 1.0).abs() < 1e-6, "{start}: {:?}", found.x);
+        }
+    }
+
+    /// A step to where nothing can be computed is shortened instead of ending the search.
+    #[test]
+    fn a_step_that_fails_is_rejected() {
+        let residuals = |x: &[f64]| {
+            if x[0] > 4.0 {
+                bail!("beyond");
+            }
+            // Its first Newton step from 0.5 leads beyond 4.
+            Ok(vec![x[0].powi(3) - 8.0])
+        };
+        let found = solved(vec![0.5], &[OPEN], &residuals);
+        assert!((found.x[0] - 2.0).abs() < 1e-5, "{:?}", found.x);
+    }
 }

@@ -18,7 +18,7 @@ use crate::replay::pose::reading;
 use crate::scene::{Rotation, Scene};
 use anyhow::{Result, bail};
 use ballrace::rotor::Drive;
-use least_squares::Solution;
+use least_squares::{Bounds, Limits, Solution};
 use nalgebra::DMatrix;
 use parameters::{Group, Parameter, Place, parameters, with};
 use serde::Serialize;
@@ -34,6 +34,11 @@ const TOLD: f64 = 0.3;
 const NEAR: f64 = 1e-3;
 /// See [`NEAR`].
 const THERE: f64 = 1e-7;
+/// Longest step of a search over how far an unknown may plausibly be off.
+const LONGEST_STEP: f64 = 10.0;
+/// Chi-squared per reading up to which intervals are given. Above it the error of the model is larger than the noise, and an
+/// interval that takes it for noise holds nothing.
+pub const LARGEST_CHI_SQUARE: f64 = 2.0;
 /// Samples over which the residual's memory is looked for.
 const MEMORY: usize = 64;
 
@@ -52,6 +57,10 @@ pub struct Fitted {
     pub chi_square: f64,
     /// That count.
     pub readings: usize,
+    /// Chi-squared per reading, about 1 where the scene is true.
+    pub chi_square_per_reading: f64,
+    /// Whether chi-squared per reading is at most [`LARGEST_CHI_SQUARE`]. Where it is not, no interval is given.
+    pub consistent: bool,
     /// What the twin leaves at each probe, rms, before and after, um.
     pub residuals: Vec<Residual>,
     /// The numbers found.
@@ -89,10 +98,10 @@ pub struct Estimate {
     pub given: f64,
     /// The fitted one.
     pub value: f64,
-    /// Its interval.
-    pub low: f64,
-    /// See `low`.
-    pub high: f64,
+    /// Lower end of its interval; none where the scene does not describe the recording.
+    pub low: Option<f64>,
+    /// Upper end, as `low`.
+    pub high: Option<f64>,
     /// The interval is narrow enough to be of use.
     pub told: bool,
 }
@@ -195,13 +204,23 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     };
     let last = of.samples.last().unwrap_or(first);
     let turns = turns_of(last) - total;
+    let readings = rows.len() * of.samples.len();
+    let chi_square: f64 = heard(&solution, rows.len(), of).iter().map(|r| r * r).sum();
+    let chi_square_per_reading = chi_square / readings as f64;
+    let consistent = chi_square_per_reading <= LARGEST_CHI_SQUARE;
+    let interval = |end: Option<f64>| end.filter(|_| consistent);
+    let parameters = found.parameters.into_iter();
+    let parameters = parameters.map(|p| Estimate { low: interval(p.low), high: interval(p.high), ..p }).collect();
     Ok(Fitted {
         scene: scene.name.clone(),
         recording: of.recording.to_owned(),
         samples: of.samples.len(),
         turns,
-        chi_square: heard(&solution, rows.len(), of).iter().map(|r| r * r).sum(),
-        readings: rows.len() * of.samples.len(),
+        chi_square,
+        readings,
+        chi_square_per_reading,
+        consistent,
+        parameters,
         residuals: recording.probes.iter().enumerate().map(residual).collect(),
         ..found
     })
@@ -287,13 +306,21 @@ impl Model<'_> {
                 Ok(left)
             };
             let from: Vec<f64> = free.iter().map(|tied| at[tied[0]]).collect();
-            let found = least_squares::solve(from, &residuals, least_fall, progress)?;
+            let bounds = free.iter().map(|tied| self.bounds(tied)).collect();
+            let limits = Limits { bounds, longest_step: LONGEST_STEP };
+            let found = least_squares::solve_within(from, &limits, &residuals, least_fall, progress)?;
             at = whole(&found.x, &at);
             if weight > 0.7 * last || weight <= 1.0 {
                 return Ok(Solution { x: at, ..found });
             }
             last = weight;
         }
+    }
+
+    /// Bounds of unknowns that move together: those of all.
+    fn bounds(&self, tied: &Tied) -> Bounds {
+        let each = tied.iter().filter_map(|&i| self.unknown.get(i)).map(Parameter::unknown_bounds);
+        each.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], [a, b]| [low.max(a), high.min(b)])
     }
 
     /// What the twin leaves, sample by sample and probe by probe, in units of the probes' noise; 0 where nothing was read.
@@ -361,8 +388,8 @@ impl Model<'_> {
                 unit,
                 given: parameter.given / size,
                 value: values[i] / size,
-                low: parameter.value(solution.x[i] - reach) / size,
-                high: parameter.value(solution.x[i] + reach) / size,
+                low: Some(parameter.value(solution.x[i] - reach) / size),
+                high: Some(parameter.value(solution.x[i] + reach) / size),
                 told,
             });
         }
@@ -378,6 +405,8 @@ impl Model<'_> {
             turns: 0.0,
             chi_square: 0.0,
             readings: 0,
+            chi_square_per_reading: 0.0,
+            consistent: true,
             residuals: vec![],
             parameters: all,
             notes,
@@ -492,8 +521,8 @@ fn unbalance(
         unit,
         given: given / size,
         value: value / size,
-        low: (value - plus_minus) / size,
-        high: (value + plus_minus) / size,
+        low: Some((value - plus_minus) / size),
+        high: Some((value + plus_minus) / size),
         told,
     };
     let degree = TAU / 360.0;

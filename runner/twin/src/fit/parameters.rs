@@ -1,7 +1,8 @@
 //! What of a scene can be fitted, where it stands, and how far it may plausibly be off.
 
+use super::least_squares::Bounds;
 use crate::plant::Plant;
-use crate::scene::{Fit, Preload, Scene, Unbalance};
+use crate::scene::{Fit, Linear, Model, Preload, Scene, Unbalance};
 use std::f64::consts::TAU;
 
 /// Groups of parameters that a user asks for.
@@ -55,7 +56,14 @@ pub struct Parameter {
     pub given: f64,
     /// How far it may plausibly be off, SI: the unknown is counted in this.
     pub scale: f64,
+    /// Least and largest value that the scene may have, SI.
+    pub bounds: [f64; 2],
 }
+
+/// No bounds.
+const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+/// Largest clearance of a search over the groove distance, at which the free contact angle reaches 60 degrees.
+const LARGEST_CLEARANCE: f64 = 0.999;
 
 impl Parameter {
     /// The unknown of the scene's value: what is believed before the recording is heard, within 1 either way.
@@ -64,11 +72,17 @@ impl Parameter {
         if self.spread().is_some() { 0.0 } else { self.given / self.scale }
     }
 
-    /// The value, SI, of an unknown.
+    /// The value, SI, of an unknown, within its bounds.
     #[must_use]
     pub fn value(&self, unknown: f64) -> f64 {
         let of = |spread: f64| self.given.max(1e-2 * self.scale) * (spread * unknown).clamp(-12.0, 12.0).exp();
-        self.spread().map_or(self.scale * unknown, of)
+        self.spread().map_or(self.scale * unknown, of).clamp(self.bounds[0], self.bounds[1])
+    }
+
+    /// Least and largest unknown.
+    #[must_use]
+    pub fn unknown_bounds(&self) -> Bounds {
+        if self.spread().is_some() { OPEN } else { self.bounds.map(|bound| bound / self.scale) }
     }
 
     /// What cannot fall below 0 is sought by its logarithm: how much of that is plausible.
@@ -86,7 +100,7 @@ impl Parameter {
 #[must_use]
 pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Parameter> {
     let mut all = Vec::new();
-    let mut add = |place, given, scale: f64| all.push(Parameter { place, given, scale });
+    let mut add = |place, given, scale: f64| all.push(Parameter { place, given, scale, bounds: bounds(scene, place) });
     let Some(rotor) = &scene.rotor else { return all };
     if groups.contains(&Group::Unbalance) {
         // An eccentricity of 20 um.
@@ -130,6 +144,20 @@ pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Paramet
         probes.for_each(|(i, probe)| add(Place::Offset(i), probe.offset, 5e-6));
     }
     all
+}
+
+/// What the scene's own checks allow: a clearance leaves a free contact angle of 0 to 60 degrees, or, with the `lumped`
+/// model, may be an interference as deep.
+fn bounds(scene: &Scene, place: Place) -> [f64; 2] {
+    let Place::Clearance(b) = place else { return OPEN };
+    let Some((bearing, g)) = scene.bearings.get(b).and_then(|b| b.geometry.map(|g| (b, g))) else { return OPEN };
+    let largest = LARGEST_CLEARANCE * (g.inner_conformity + g.outer_conformity - 1.0) * g.ball_diameter;
+    let is_lumped = |model: Model| matches!(model, Model::Lumped | Model::Dynamic);
+    let source = match bearing.linear {
+        Some(Linear::Of(source)) => source,
+        _ => bearing.model,
+    };
+    [if is_lumped(source) { -largest } else { 0.0 }, largest]
 }
 
 fn lever(plant: &Plant) -> f64 {
