@@ -3,6 +3,7 @@
 use super::{Format, say};
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::needs::{self, Need};
+use ballrace_twin::scene::bounded::BoundedLines;
 use ballrace_twin::scene::build::{self, AnyBearing};
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::{Bearing, Linear, Model, Scene};
@@ -11,8 +12,14 @@ use ballrace::bearing::{Bearing as _, HeldWrench};
 use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Turn};
 use clap::ValueEnum;
 use serde::Serialize;
+use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+/// Longest line of displacements, bytes.
+const LONGEST_LINE: usize = 1 << 20;
+/// Most rows of displacements; their forces take 2 GB.
+const MOST_ROWS: usize = 10_000_000;
 
 /// What `force` takes.
 #[derive(Debug, clap::Args)]
@@ -174,27 +181,34 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
     if path.is_dir() {
         bail!("{name}: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv");
     }
+    let file = File::open(path).with_context(|| format!("{name}: this file cannot be read"))?;
     let mut reader = ::csv::ReaderBuilder::new()
         .trim(::csv::Trim::All)
         .flexible(true)
-        .from_path(path)
-        .map_err(|e| anyhow::anyhow!("{name}: this file cannot be read: {e}"))?;
+        .from_reader(BoundedLines::new(file, LONGEST_LINE));
     let header: Vec<String> =
         reader.headers().map_err(|e| anyhow::anyhow!("{name}: {e}"))?.iter().map(str::to_owned).collect();
     if header.is_empty() {
         bail!("{name}: found an empty file, allowed: a CSV file with the columns u,v,w,thu,thv");
     }
-    let column = |wanted: &str| header.iter().position(|h| h.trim_start_matches('\u{feff}') == wanted);
+    let column = |wanted: &str| -> Result<Option<usize>> {
+        let named = |(i, h): (usize, &String)| (h.trim_start_matches('\u{feff}') == wanted).then_some(i);
+        let mut places = header.iter().enumerate().filter_map(named);
+        match (places.next(), places.next()) {
+            (first, None) => Ok(first),
+            (_, Some(_)) => bail!(SceneFault(format!("{name}:1: two columns are named {wanted:?}, expected one"))),
+        }
+    };
     let mut places = [0; 5];
     for (place, wanted) in places.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
-        *place = column(wanted).ok_or_else(|| {
+        *place = column(wanted)?.ok_or_else(|| {
             SceneFault(format!(
                 "{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle",
                 header.join(",")
             ))
         })?;
     }
-    let (time, angle) = (column("t"), column("cage_angle"));
+    let (time, angle) = (column("t")?, column("cage_angle")?);
     if time.is_some() && angle.is_some() {
         bail!(SceneFault(format!("{name}:1: found both t and cage_angle, allowed: one of them")));
     }
@@ -202,6 +216,9 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
     for record in reader.records() {
         let record = record.map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
         let line = record.position().map_or(0, ::csv::Position::line);
+        if rows.len() == MOST_ROWS {
+            bail!("{name}:{line}: too many rows, expected at most {MOST_ROWS}");
+        }
         if record.len() != header.len() {
             let (found, allowed) = (record.len(), header.len());
             bail!("{name}:{line}: found {found} cells, allowed: {allowed}, as many as the header has names");

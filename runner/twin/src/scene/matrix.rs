@@ -4,6 +4,8 @@ use anyhow::{Context, Result, bail};
 use nalgebra::DMatrix;
 use nalgebra_sparse::io::load_coo_from_matrix_market_str;
 use npyz::{NpyFile, Order};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 /// Largest file that is read; a system of 128 coordinates in text takes less than a megabyte.
@@ -18,11 +20,12 @@ const MOST: usize = 4096;
 /// A file that cannot be read, is neither format, or holds something else than a matrix of finite numbers.
 pub fn read(path: &Path) -> Result<DMatrix<f64>> {
     let name = || path.display().to_string();
-    let size = std::fs::metadata(path).with_context(name)?.len();
-    if size > LARGEST_FILE {
-        bail!("{}: found {size} bytes, allowed: a matrix of at most 64 MiB", path.display());
+    // The length of a device or a pipe is not known before it is read.
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes)).with_context(name)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        bail!("{}: matrix file too long, expected at most 64 MiB", path.display());
     }
-    let bytes = std::fs::read(path).with_context(name)?;
     let matrix = if bytes.starts_with(b"\x93NUMPY") {
         npy(&bytes).with_context(name)?
     } else {

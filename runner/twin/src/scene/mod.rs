@@ -3,6 +3,7 @@
 //! [`read`] turns text into the plain SI numbers of this file and refuses what it does not understand;
 //! `build` turns those into kernel types. Nothing else in the runner knows both.
 
+pub mod bounded;
 pub mod build;
 pub mod matrix;
 pub mod read;

@@ -1,0 +1,62 @@
+//! Reading from files and devices that may have no end.
+
+use std::io::{self, Read};
+
+/// A reader that fails once a line is longer than a limit, so that no line has to fit into memory whatever its length.
+pub struct BoundedLines<R> {
+    inner: R,
+    limit: usize,
+    /// Bytes since the last line feed.
+    length: usize,
+}
+
+impl<R: Read> BoundedLines<R> {
+    /// Reads from `inner` lines of at most `limit` bytes.
+    pub const fn new(inner: R, limit: usize) -> Self {
+        Self { inner, limit, length: 0 }
+    }
+}
+
+impl<R: Read> Read for BoundedLines<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        for part in buffer.get(..count).unwrap_or_default().split_inclusive(|byte| *byte == b'\n') {
+            self.length += part.len();
+            if self.length > self.limit {
+                let limit = self.limit;
+                return Err(io::Error::other(format!("a line of more than {limit} bytes, expected shorter lines")));
+            }
+            if part.last() == Some(&b'\n') {
+                self.length = 0;
+            }
+        }
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    fn read(text: &[u8], limit: usize) -> io::Result<Vec<u8>> {
+        let mut all = Vec::new();
+        BoundedLines::new(text, limit).read_to_end(&mut all).map(|_| all)
+    }
+
+    #[test]
+    fn lines_up_to_the_limit() {
+        for text in [&b""[..], b"\n", b"1234\n1234\n\n1234", b"1234"] {
+            assert_eq!(read(text, 5).unwrap(), text);
+        }
+        for text in [&b"123456"[..], b"1\n12345\n", b"1\n\n123456\n1"] {
+            assert!(read(text, 5).unwrap_err().to_string().contains("more than 5 bytes"));
+        }
+    }
+
+    #[test]
+    fn a_line_without_end() {
+        let error = io::copy(&mut BoundedLines::new(io::repeat(0), 1 << 20), &mut io::sink()).unwrap_err();
+        assert!(error.to_string().contains("more than 1048576 bytes"));
+    }
+}
