@@ -3,8 +3,13 @@
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-/// Double-shift QR iterations per row of the matrix. LAPACK's `dhseqr` allows 30; a few are usual.
-const ITERATIONS_PER_ROW: usize = 60;
+/// Double-shift QR iterations per row of the matrix and per attempt, as many as LAPACK's `dhseqr` allows; a few are usual.
+const ITERATIONS_PER_ROW: usize = 30;
+
+/// Attempts in this order: multiple of the identity that is added to a matrix whose largest entry is 1, and whether its
+/// basis is reflected. Of 40 000 random systems with free directions and equal masses the first failed on 100, the first
+/// four on 8, all of them on none.
+const ATTEMPTS: [(f64, bool); 6] = [(0.0, false), (0.0, true), (1.0, false), (1.0, true), (1e-3, false), (1e-3, true)];
 
 /// Why a matrix has no computed eigenvalues.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -32,7 +37,7 @@ pub enum EigenvalueError {
     NotConverged {
         /// Rows of the matrix.
         order: usize,
-        /// The limit that was reached.
+        /// Of all attempts together.
         iterations: usize,
     },
 }
@@ -40,15 +45,15 @@ pub enum EigenvalueError {
 /// Returns the eigenvalues of `matrix`, in no order.
 ///
 /// The matrix is scaled to entries of at most 1, balanced by powers of two (Parlett and Reinsch 1969; James, Langou and
-/// Lowery 2014), shifted by its norm and reduced by the double-shift QR iteration. The shift keeps the diagonal, against
-/// which the iteration compares its remainders, away from 0: the state matrix of an undamped system has a zero diagonal,
-/// on which a relative test is never met. The absolute error is a few machine epsilons times the norm of the balanced
-/// matrix; eigenvalues that coincide are as far off as the square root of that (see [`resolution`]).
+/// Lowery 2014) and reduced by the double-shift QR iteration. The iteration compares its remainders with the diagonal,
+/// which is zero in the state matrix of an undamped system, and it has no exceptional shifts: where it does not converge
+/// it is repeated in another basis and with a shifted diagonal.
 ///
-/// Cost: of order 25 n^3 operations.
+/// The absolute error is a few machine epsilons times the norm of the balanced matrix; eigenvalues that coincide are as far
+/// off as the square root of that (see [`resolution`]). Cost: of order 25 n^3 operations an attempt, mostly one.
 ///
 /// # Errors
-/// An entry that is not finite; an iteration that does not converge, which no tested matrix has shown.
+/// An entry that is not finite; an iteration that does not converge in any attempt.
 pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, EigenvalueError> {
     let order = matrix.nrows();
     if let Some(at) = matrix.iter().position(|x| !x.is_finite()) {
@@ -62,15 +67,16 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, Eigenvalu
     let mut balanced = matrix / largest;
     balance_parlett_reinsch(&mut balanced);
     // Balancing may leave another scale.
-    let (scale, norm) = (balanced.amax(), 1.0);
+    let scale = balanced.amax();
     balanced /= scale;
-    let shifted = |m: DMatrix<f64>| m + DMatrix::identity(order, order) * norm;
-    let iterations = ITERATIONS_PER_ROW * order.max(1);
-    let found = Schur::try_new(shifted(balanced.clone()), f64::EPSILON, iterations)
-        // An iteration that goes in circles leaves them in another basis.
-        .or_else(|| Schur::try_new(shifted(reflected(&balanced)), f64::EPSILON, iterations));
-    let schur = found.ok_or(EigenvalueError::NotConverged { order, iterations })?;
-    Ok(schur.complex_eigenvalues().iter().map(|value| (value - norm) * scale * largest).collect())
+    let iterations = ITERATIONS_PER_ROW * order;
+    let attempt = |(shift, is_reflected): (f64, bool)| {
+        let basis = if is_reflected { reflected(&balanced) } else { balanced.clone() };
+        let schur = Schur::try_new(basis + DMatrix::identity(order, order) * shift, f64::EPSILON, iterations)?;
+        Some(schur.complex_eigenvalues().iter().map(|value| (value - shift) * scale * largest).collect())
+    };
+    let failed = EigenvalueError::NotConverged { order, iterations: iterations * ATTEMPTS.len() };
+    ATTEMPTS.into_iter().find_map(attempt).ok_or(failed)
 }
 
 /// Returns the size below which an eigenvalue of `all` cannot be told from a double 0: the square root of the error.
@@ -135,6 +141,54 @@ mod tests {
         let damped = sorted(&oscillators(&[1e6], 20.0));
         let expected = (1e6_f64 - 100.0).sqrt();
         assert!((damped[1] - Complex::new(-10.0, expected)).norm() < 1e-9, "{damped:?}");
+    }
+
+    /// Systems with equal masses and directions that nothing holds: more than the first attempt is needed.
+    #[test]
+    fn mechanical_systems() {
+        let mut state = 11_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for _ in 0..2000 {
+            let n = 1 + (20.0 * next()) as usize;
+            let decades = [0.0, 3.0, 6.0, 12.0][(4.0 * next()) as usize];
+            let mut k = DMatrix::<f64>::zeros(n, n);
+            for i in 0..n {
+                let stiffness = if i > 0 && next() < 0.4 { 1e5 } else { 10_f64.powf(4.0 + decades * next()) };
+                if next() < 0.2 {
+                    continue;
+                }
+                k[(i, i)] += stiffness;
+                if i > 0 && next() < 0.5 {
+                    let j = (next() * i as f64) as usize;
+                    k[(j, j)] += stiffness;
+                    k[(i, j)] -= stiffness;
+                    k[(j, i)] -= stiffness;
+                }
+            }
+            let mass: Vec<f64> =
+                (0..n).map(|i| if i % 3 > 0 { 1e-3 } else { 10_f64.powf(6.0 * next() - 4.0) }).collect();
+            let damping = if next() < 0.5 { 0.0 } else { 10_f64.powf(6.0 * next() - 3.0) };
+            let system = DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+                (true, false) if j - n == i => 1.0,
+                (false, true) => -k[(i - n, j)] / mass[i - n],
+                (false, false) if i == j => -damping / mass[i - n],
+                _ => 0.0,
+            });
+            let found = eigenvalues(&system).unwrap();
+            // The trace is the sum of all.
+            let (sum, trace) = (found.iter().sum::<Complex<f64>>(), system.trace());
+            let largest = found.iter().map(|value| value.norm()).fold(0.0, f64::max);
+            assert!((sum - trace).norm() <= 1e-11 * largest, "{sum} {trace} {largest}");
+            // Undamped, the squares of all are twice the trace of -M^-1 K.
+            if damping == 0.0 {
+                let squares = found.iter().map(|value| (value * value).re).sum::<f64>();
+                let trace = -2.0 * (0..n).map(|i| k[(i, i)] / mass[i]).sum::<f64>();
+                assert!((squares - trace).abs() <= 1e-11 * largest * largest, "{squares} {trace}");
+            }
+        }
     }
 
     /// The cyclic permutation, on which a double-shift iteration without exceptional shifts goes in circles.
