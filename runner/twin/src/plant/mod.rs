@@ -316,7 +316,7 @@ impl Plant {
     pub fn substeps(&self, sample_period: f64) -> Result<u32> {
         let step = self.integration.step.unwrap_or_else(|| self.own_step());
         let steps = (sample_period / step * (1.0 - 1e-9)).ceil().max(1.0);
-        if !(steps <= f64::from(MOST_SUBSTEPS)) {
+        if steps > f64::from(MOST_SUBSTEPS) {
             let longer = if self.integration.step.is_some() { " or a longer [integration] step" } else { "" };
             bail!(SceneFault(format!(
                 "too many integration steps per sample: {steps:.0} of {step:.3e} s, expected at most {MOST_SUBSTEPS}: a sampling rate of {:.3e} Hz or more{longer}",

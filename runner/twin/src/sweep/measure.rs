@@ -110,7 +110,7 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
     let settle = asked.settle.unwrap_or_else(|| plant.settling_time());
     // Whole periods, so that the section is taken at the same place at every point.
     let settle = (settle * section).ceil() * A_PERIOD as f64;
-    if !(settle <= MOST_SAMPLES) {
+    if settle > MOST_SAMPLES {
         bail!(SceneFault(format!(
             "--settle: too many samples: {settle:.3e} at {rate:.3e} Hz, expected at most {MOST_SAMPLES:.0e}"
         )));
