@@ -47,7 +47,7 @@ fn every_command_on_such_a_scene_ends() {
     for args in [
         &["campbell", "scene.toml", "--speeds", "0rpm..3000rpm:4"][..],
         &["simulate", "scene.toml", "--duration", "10 ms", "--rate", "10 kHz", "-o", "m.csv"],
-        &["sweep", "scene.toml", "--over", "shaft.speed=2000rpm", "--settle", "10 ms", "--periods", "16", "-o", "s"],
+        &["sweep", "scene.toml", "--over", "shaft.speed=30000rpm", "--settle", "1 ms", "--periods", "16", "-o", "s"],
     ] {
         let answer = desk.run_within(LIMIT, args);
         assert_eq!(answer.code, Some(0), "{answer:?}");
