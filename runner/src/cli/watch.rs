@@ -10,9 +10,12 @@ use ballrace_twin::output::AtomicFile;
 use ballrace_twin::replay::Options;
 use ballrace_report as report;
 use anyhow::{Result, bail};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Stack of the monitor's thread, bytes.
+const STACK: usize = 16 << 20;
 
 /// What `watch` takes.
 #[derive(Debug, clap::Args)]
@@ -49,7 +52,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<bool> {
     let options = args.live.options(source, Some(view.clone()), replay);
     let (stop, over) = (live::stop_on_signal()?, AtomicBool::new(false));
     let (outcome, shown) = std::thread::scope(|scope| {
-        let work = scope.spawn(|| {
+        let work = || {
             let outcome = monitor::monitor(&scene, &options, &stop);
             match &outcome {
                 // The last picture stays until a key is pressed.
@@ -57,20 +60,24 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<bool> {
                 Err(_) => over.store(true, Ordering::Relaxed),
             }
             outcome
-        });
-        let shown = dashboard::show(&scene, &name, &view, &over);
+        };
+        // The machine of a scene is large while it is built.
+        let work =
+            std::thread::Builder::new().name("monitor".to_owned()).stack_size(STACK).spawn_scoped(scope, work)?;
+        let shown = dashboard::show(&scene, &name, &view, &stop, &over);
         stop.store(true, Ordering::Relaxed);
-        (work.join(), shown)
-    });
+        Ok::<_, std::io::Error>((work.join(), shown))
+    })?;
     let Ok(outcome) = outcome else { bail!("the monitor broke") };
     let outcome = outcome?;
     shown?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::html(&outcome)?)?;
     }
-    println!("{}", outcome.verdict);
-    for sentence in report::pacing(&outcome.timing) {
-        println!("{sentence}");
+    // The terminal may have gone; report and state are written.
+    let mut out = std::io::stdout().lock();
+    for sentence in std::iter::once(outcome.verdict.clone()).chain(report::pacing(&outcome.timing)) {
+        let _ = writeln!(out, "{sentence}");
     }
     Ok(!outcome.events.is_empty())
 }

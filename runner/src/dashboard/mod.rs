@@ -1,5 +1,6 @@
 //! The live view in the terminal: orbits, spectrum, trends, loads, the ledger and the events.
 
+mod input;
 mod ledger;
 mod loads;
 mod orbit;
@@ -10,13 +11,15 @@ use crate::live::source::lock;
 use crate::live::view::{Shared, View};
 use ballrace_twin::scene::{Limit, Scene};
 use anyhow::Result;
-use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
+use input::Input;
+use ratatui::crossterm::event::{KeyCode, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph};
 use ratatui::{DefaultTerminal, Frame};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 /// From one picture to the next. Only cells that changed are sent.
@@ -57,41 +60,46 @@ struct Machine<'a> {
     limits: &'a [Limit],
 }
 
-/// Shows `view` until a key or `stop` ends it; the terminal is then as it was.
+/// Shows `view` until a key, the end of the terminal, `stop` or `over` ends it; the terminal is then as it was.
 ///
 /// # Errors
-/// A terminal that cannot be written or read.
-pub fn show(scene: &Scene, source: &str, view: &Shared, stop: &AtomicBool) -> Result<()> {
+/// A terminal that cannot be set up. One that goes away later ends the view without an error.
+pub fn show(scene: &Scene, source: &str, view: &Shared, stop: &AtomicBool, over: &AtomicBool) -> Result<()> {
     let probes = scene.recording.iter().flat_map(|r| &r.probes).map(|p| p.column.clone()).collect();
     let machine = Machine { name: &scene.name, source, probes, limits: &scene.limits };
     let mut terminal = ratatui::try_init()?;
-    let shown = run(&mut terminal, &machine, view, stop);
-    ratatui::try_restore()?;
-    shown
+    run(&mut terminal, &machine, view, [stop, over]);
+    // There may be no terminal left to restore, nor one on which the drop could report that.
+    if terminal.show_cursor().is_err() {
+        std::mem::forget(terminal);
+    }
+    let _ = ratatui::try_restore();
+    Ok(())
 }
 
-fn run(terminal: &mut DefaultTerminal, machine: &Machine, view: &Shared, stop: &AtomicBool) -> Result<()> {
+fn run(terminal: &mut DefaultTerminal, machine: &Machine, view: &Shared, ends: [&AtomicBool; 2]) {
     let mut choice = Choice { probe: 0, bearing: 0, indicator: 0, panel: None, held: false };
     let mut seen = View::default();
-    while !stop.load(Ordering::Relaxed) {
+    let Ok(inputs) = input::start() else { return };
+    while !ends.iter().any(|end| end.load(Ordering::Relaxed)) {
         if !choice.held {
             seen = lock(view).clone();
         }
-        terminal.draw(|frame| draw(frame, machine, &seen, choice))?;
-        if !event::poll(REFRESH)? {
-            continue;
+        if terminal.draw(|frame| draw(frame, machine, &seen, choice)).is_err() {
+            return;
         }
-        if let Event::Key(key) = event::read()?
-            && key.kind == KeyEventKind::Press
-        {
-            let interrupt = key.modifiers.contains(KeyModifiers::CONTROL) && key.code == KeyCode::Char('c');
-            if interrupt || matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) {
-                return Ok(());
+        match inputs.recv_timeout(REFRESH) {
+            Ok(Input::Key(key)) => {
+                let interrupt = key.modifiers.contains(KeyModifiers::CONTROL) && key.code == KeyCode::Char('c');
+                if interrupt || matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) {
+                    return;
+                }
+                choice = choice.after(key.code, machine.probes.len(), seen.glance.loads.len());
             }
-            choice = choice.after(key.code, machine.probes.len(), seen.glance.loads.len());
+            Ok(Input::Resized) | Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
         }
     }
-    Ok(())
 }
 
 impl Choice {
