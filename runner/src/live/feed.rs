@@ -2,14 +2,19 @@
 
 use ballrace_twin::recording::Row;
 use rtrb::{Consumer, Producer, RingBuffer};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::time::{Duration, Instant};
 
 /// Rows between reader and loop: some seconds at 51.2 kHz, during which a twin starts.
 pub const CAPACITY: usize = 1 << 18;
 /// How long a reader sleeps that has to wait for room.
 const PAUSE: Duration = Duration::from_millis(20);
+/// Events of one kind that are passed on at once.
+const BURST: u32 = 10;
+/// Interval at which further events of the same kind are passed on.
+const INTERVAL: Duration = Duration::from_secs(10);
 
 /// What a reader sends.
 pub enum Item {
@@ -29,7 +34,7 @@ pub struct Note {
 }
 
 /// What a reader counts; all of it may be read at any time.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Counts {
     /// Rows handed on.
     pub rows: AtomicU64,
@@ -47,6 +52,96 @@ pub struct Counts {
     pub connections: AtomicU64,
     /// Sequence number less sample number of the last frame, above `1 << 32`; 0 where there are no frames.
     pub offset: AtomicU64,
+    /// Number of the first sample that `offset` holds for.
+    pub since: AtomicU64,
+    /// Number of the first sample that is not acknowledged; [`u64::MAX`] where nothing is acknowledged.
+    pub acknowledged: AtomicU64,
+}
+
+impl Default for Counts {
+    fn default() -> Self {
+        let zero = AtomicU64::default;
+        Self {
+            rows: zero(),
+            lost: zero(),
+            repeated: zero(),
+            malformed: zero(),
+            dropped: zero(),
+            highest: zero(),
+            connections: zero(),
+            offset: zero(),
+            since: zero(),
+            acknowledged: AtomicU64::new(u64::MAX),
+        }
+    }
+}
+
+/// Limits the number of events of each kind: [`BURST`] at once, then one in [`INTERVAL`] with the count of those left out.
+#[derive(Debug, Default)]
+pub struct EventLimiter {
+    kinds: BTreeMap<&'static str, Passed>,
+}
+
+#[derive(Debug)]
+struct Passed {
+    /// Events that may still pass.
+    left: u32,
+    refilled: Instant,
+    /// Events left out since the last one that passed.
+    left_out: u64,
+}
+
+impl EventLimiter {
+    /// Returns the event where it passes, with the count of those left out before it.
+    pub fn pass(&mut self, mut note: Note) -> Option<Note> {
+        let now = Instant::now();
+        let passed = self.kinds.entry(note.kind).or_insert(Passed { left: BURST, refilled: now, left_out: 0 });
+        let refills = (now.saturating_duration_since(passed.refilled).as_secs() / INTERVAL.as_secs()) as u32;
+        if refills > 0 {
+            passed.left = passed.left.saturating_add(refills).min(BURST);
+            passed.refilled = now;
+        }
+        let Some(left) = passed.left.checked_sub(1) else {
+            passed.left_out += 1;
+            return None;
+        };
+        passed.left = left;
+        let left_out = std::mem::take(&mut passed.left_out);
+        if left_out > 0 {
+            note.sentence += &format!(" {left_out} events of this kind before it were not logged.");
+        }
+        Some(note)
+    }
+
+    /// Returns the counts of events left out since the last one of their kind, in words.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<String> {
+        let words = |(kind, passed): (&&str, &Passed)| {
+            (passed.left_out > 0).then(|| format!("{} further events of kind {kind} were not logged.", passed.left_out))
+        };
+        self.kinds.iter().filter_map(words).collect()
+    }
+}
+
+/// A handle on the events of a source that do not follow the order of its samples.
+#[derive(Clone)]
+pub struct Notes {
+    limiter: Arc<Mutex<EventLimiter>>,
+    sender: mpsc::Sender<Note>,
+}
+
+impl Notes {
+    /// Passes an event on.
+    pub fn send(&self, kind: &'static str, sentence: String) {
+        if let Some(note) = limiter(&self.limiter).pass(Note { kind, sentence }) {
+            // Nobody reads events after the end of the monitor.
+            let _ = self.sender.send(note);
+        }
+    }
+}
+
+fn limiter(mutex: &Mutex<EventLimiter>) -> MutexGuard<'_, EventLimiter> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Adds to a count.
@@ -72,6 +167,7 @@ pub struct Sender {
     /// Of this feed.
     pub counts: Arc<Counts>,
     stop: Arc<AtomicBool>,
+    notes: Notes,
 }
 
 /// The loop's end.
@@ -81,6 +177,8 @@ pub struct Receiver {
     /// Of this feed.
     pub counts: Arc<Counts>,
     stop: Arc<AtomicBool>,
+    limiter: Arc<Mutex<EventLimiter>>,
+    notes: mpsc::Receiver<Note>,
 }
 
 /// Both ends.
@@ -90,8 +188,11 @@ pub fn feed(capacity: usize) -> (Sender, Receiver) {
     let (give, take) = RingBuffer::new(capacity);
     let counts = Arc::new(Counts::default());
     let stop = Arc::new(AtomicBool::new(false));
-    let sender = Sender { ring: to, spare: take, counts: counts.clone(), stop: stop.clone() };
-    (sender, Receiver { ring: from, spare: give, counts, stop })
+    let limiter = Arc::new(Mutex::default());
+    let (send, notes) = mpsc::channel();
+    let send = Notes { limiter: limiter.clone(), sender: send };
+    let sender = Sender { ring: to, spare: take, counts: counts.clone(), stop: stop.clone(), notes: send };
+    (sender, Receiver { ring: from, spare: give, counts, stop, limiter, notes })
 }
 
 impl Sender {
@@ -111,6 +212,20 @@ impl Sender {
     #[must_use]
     pub fn stopped(&self) -> Stopped {
         Stopped(self.stop.clone())
+    }
+
+    /// A handle on events that do not follow the order of samples.
+    #[must_use]
+    pub fn notes(&self) -> Notes {
+        self.notes.clone()
+    }
+
+    /// Passes an event on in the order of samples.
+    pub fn note(&mut self, kind: &'static str, sentence: String) {
+        let note = limiter(&self.notes.limiter).pass(Note { kind, sentence });
+        if let Some(note) = note {
+            self.push(Item::Note(note));
+        }
     }
 
     /// Hands an item on; waits for room.
@@ -158,9 +273,41 @@ impl Receiver {
         let _ = self.spare.push(row);
     }
 
-    /// Sequence number of the frame that has or will have the sample number `index`.
+    /// The next event that does not follow the order of samples.
+    pub fn note(&self) -> Option<Note> {
+        self.notes.try_recv().ok()
+    }
+
+    /// Returns an event of the loop itself where it passes the limit.
+    #[must_use]
+    pub fn limited(&self, note: Note) -> Option<Note> {
+        limiter(&self.limiter).pass(note)
+    }
+
+    /// Returns the counts of events left out, in words.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<String> {
+        limiter(&self.limiter).left_out()
+    }
+
+    /// Ends the reader.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// No item waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.ring.is_empty()
+    }
+
+    /// Sequence number of the frame that has or will have the sample number `index`; none where the source has counted anew
+    /// since then.
     #[must_use]
     pub fn sequence_at(&self, index: u64) -> Option<u32> {
+        if index < self.counts.since.load(Ordering::Acquire) {
+            return None;
+        }
         let offset = self.counts.offset.load(Ordering::Relaxed);
         (offset >> 32 != 0).then(|| (offset as u32).wrapping_add(index as u32))
     }

@@ -5,6 +5,7 @@
 //! goes on at the first sample that was not.
 
 pub mod address;
+mod connections;
 pub mod feed;
 pub mod frames;
 pub mod out;
@@ -40,6 +41,8 @@ const SILENT: Duration = Duration::from_secs(1);
 const GLANCE: Duration = Duration::from_millis(200);
 /// How long the end waits for a reader.
 const FAREWELL: Duration = Duration::from_millis(500);
+/// Longest time for which the twin works at once.
+const SLICE: Duration = Duration::from_millis(50);
 
 /// What was asked of a monitor.
 pub struct Options<'a> {
@@ -73,10 +76,18 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let (resume, done) = state.as_ref().map_or_else(Default::default, |file| (file.state.resume, file.state.time_s));
     let goes_on = state.as_ref().is_some_and(|file| file.state.starts > 1);
     let mut outputs = Outputs::open(options.outputs, goes_on.then_some(done))?;
-    let (sender, receiver) = feed::feed(CAPACITY);
-    let reading = source::start(&options.source, options.encoding, recording, resume, sender)?;
+    let (sender, mut receiver) = feed::feed(CAPACITY);
+    if state.is_some() {
+        receiver.counts.acknowledged.store(resume.index, Ordering::Relaxed);
+    }
+    let reading = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
     show(options, |view| view.state = "waiting for the source");
-    let Some(rate) = rate(&reading, stop)? else { bail!("{}: stopped before a sample came", options.source) };
+    let rate = first_rate(&reading, &mut receiver, stop, |note| {
+        let told = Told::note(note, done);
+        show(options, |view| view.add_event(&told));
+        outputs.event(&told)
+    });
+    let Some(rate) = rate? else { bail!("{}: stopped before a sample came", options.source) };
     let scheduling = realtime::ask(options.realtime, options.core);
     let replay = Replay::try_new(scene, rate, &options.replay)?;
     if goes_on {
@@ -95,6 +106,8 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         first: None,
         time: done,
         heard_at: Instant::now(),
+        heard: 0,
+        shown: f64::NEG_INFINITY,
         silent: false,
         source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
         pace: Pace::begin()?,
@@ -103,6 +116,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     monitor.run(stop)?;
     let Monitor { replay, receiver, outputs, pace, mut source, .. } = monitor;
     let counts = receiver.counts.clone();
+    let left_out = receiver.left_out();
     drop(receiver);
     outputs.finish()?;
     let flaws = flaws(reading.end)?;
@@ -113,6 +127,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
             .notes
             .push("The reader still waited for its source: what it found wrong with it is not listed.".to_owned());
     }
+    outcome.notes.extend(left_out);
     read_counts(&counts, &mut source);
     outcome.timing.paced = true;
     outcome.timing.pacing = Some(pace.finish(scheduling));
@@ -133,9 +148,21 @@ fn probed(scene: &Scene) -> Result<&Recording> {
     }
 }
 
-/// The source's rate as soon as it is known; none where the monitor was stopped before.
-fn rate(reading: &Reading, stop: &AtomicBool) -> Result<Option<f64>> {
+/// Returns the source's rate as soon as it is known, none where the monitor was stopped before; `tell` takes the events that
+/// come before it.
+fn first_rate(
+    reading: &Reading,
+    receiver: &mut Receiver,
+    stop: &AtomicBool,
+    mut tell: impl FnMut(feed::Note) -> Result<()>,
+) -> Result<Option<f64>> {
     loop {
+        while let Some(Item::Note(note)) = receiver.pop_if(|_| false) {
+            tell(note)?;
+        }
+        while let Some(note) = receiver.note() {
+            tell(note)?;
+        }
         match reading.rate.recv_timeout(Duration::from_millis(50)) {
             Ok(rate) => return rate.map(Some),
             Err(std::sync::mpsc::RecvTimeoutError::Timeout) if !stop.load(Ordering::Relaxed) => {}
@@ -189,6 +216,10 @@ struct Monitor<'a, 'o> {
     /// Time of the last row, s.
     time: f64,
     heard_at: Instant,
+    /// Rows that had come when the source was last looked at.
+    heard: u64,
+    /// End of the last second shown, s.
+    shown: f64,
     silent: bool,
     source: SourceFigures,
     pace: Pace,
@@ -206,7 +237,45 @@ impl Monitor<'_, '_> {
             self.glance();
             self.pace.done(begun, caught_up);
         }
-        Ok(())
+        self.receiver.stop();
+        if stop.load(Ordering::Relaxed) && !self.options.source.is_recording() {
+            self.take_rest()?;
+        }
+        self.replay.end()?;
+        self.work_off(stop)
+    }
+
+    /// Takes what was read until the reader has ended, which may wait for standard input for ever.
+    fn take_rest(&mut self) -> Result<()> {
+        let since = Instant::now();
+        while !self.receiver.is_over() && since.elapsed() < FAREWELL {
+            match self.receiver.pop_if(|_| true) {
+                Some(item) => self.item(item)?,
+                None => std::thread::sleep(BLOCK),
+            }
+        }
+        while let Some(item) = self.receiver.pop_if(|_| true) {
+            self.item(item)?;
+        }
+        self.tell()
+    }
+
+    /// Passes the samples that still wait to the twin.
+    fn work_off(&mut self, stop: &AtomicBool) -> Result<()> {
+        loop {
+            if stop.load(Ordering::Relaxed) {
+                self.replay.cancel_search();
+            }
+            if self.replay.is_searching() {
+                std::thread::sleep(BLOCK);
+            }
+            self.replay.work(Some(Instant::now() + SLICE))?;
+            self.tell()?;
+            self.glance();
+            if self.replay.is_idle() {
+                return Ok(());
+            }
+        }
     }
 
     fn is_long_enough(&self) -> bool {
@@ -216,30 +285,38 @@ impl Monitor<'_, '_> {
     /// Works off what is due; true where nothing that is due waits any more.
     fn block(&mut self, until: Duration) -> Result<bool> {
         let own_time = self.options.source.is_recording();
-        let starts = own_time && !self.replay.has_started();
+        let has_started = self.replay.has_started();
         let end = self.first.map_or(f64::INFINITY, |first| first + until.as_secs_f64());
-        let due = |row: &Row| !own_time || starts || row.time < end;
+        let due = |row: &Row| !own_time || !has_started || row.time < end;
         let mut worked = 0_u64;
         // No more at once than comes in while they are worked off several times over, so that others get their turn.
         let most = if self.first.is_none() { 1 } else { (self.rate * 0.25) as u64 + 1 };
+        // A recording waits while its twin is started.
         while worked < most
+            && !(own_time && self.replay.is_searching())
+            && self.replay.waiting() < CAPACITY
             && let Some(item) = self.receiver.pop_if(due)
         {
             worked += 1;
-            match item {
-                Item::Row(row) => self.row(row)?,
-                Item::Note(note) => self.event(&Told::note(note, self.time))?,
-            }
-            if starts && self.replay.has_started() {
-                // A recording waits for its twin: its time begins now.
-                self.pace.restart();
-                return Ok(false);
-            }
+            self.item(item)?;
         }
-        if worked > 0 {
-            self.heard_at = Instant::now();
+        while let Some(note) = self.receiver.note() {
+            self.event(&Told::note(note, self.time))?;
         }
-        Ok(worked < most && self.replay.has_started())
+        self.replay.work(Some(Instant::now() + SLICE))?;
+        if own_time && !has_started && self.replay.has_started() {
+            // Its time begins now.
+            self.pace.restart();
+            return Ok(false);
+        }
+        Ok(worked < most && self.replay.has_started() && self.replay.is_idle())
+    }
+
+    fn item(&mut self, item: Item) -> Result<()> {
+        match item {
+            Item::Row(row) => self.row(row),
+            Item::Note(note) => self.event(&Told::note(note, self.time)),
+        }
     }
 
     fn row(&mut self, row: Row) -> Result<()> {
@@ -254,8 +331,9 @@ impl Monitor<'_, '_> {
         match self.replay.push(row) {
             Err(error) if error.is::<RotationError>() => {
                 let sentence = format!("{error:#}; the twin waits until it turns.");
-                self.replay.begin_anew();
-                self.event(&Told::note(feed::Note { kind: "shaft-not-turning", sentence }, self.time))
+                self.replay.begin_anew()?;
+                let note = self.receiver.limited(feed::Note { kind: "shaft-not-turning", sentence });
+                note.map_or(Ok(()), |note| self.event(&Told::note(note, self.time)))
             }
             other => other,
         }
@@ -273,8 +351,15 @@ impl Monitor<'_, '_> {
             self.event(&Told::limit(event))?;
         }
         for second in &news.seconds {
+            self.outputs.second(second)?;
+        }
+        // While the twin catches up, its seconds are behind those of the readings.
+        for second in news.preliminary.iter().chain(&news.seconds) {
             show(self.options, |view| view.add_second(second));
-            self.outputs.second(second, &self.receiver.counts, self.pace.misses())?;
+            if second.time_s >= self.shown {
+                self.shown = second.time_s;
+                self.outputs.show(second, &self.receiver.counts, self.pace.misses());
+            }
         }
         let Some(second) = news.seconds.last() else { return Ok(()) };
         if self.state.is_some() {
@@ -285,6 +370,7 @@ impl Monitor<'_, '_> {
 
     fn acknowledge(&mut self, index: u64, time_s: f64) -> Result<()> {
         let Some(file) = &mut self.state else { return Ok(()) };
+        self.receiver.counts.acknowledged.store(index, Ordering::Relaxed);
         // The distance in samples is the distance in frames, whatever was lost between.
         let sequence = self.receiver.sequence_at(index);
         file.state.resume = Resume { index, sequence };
@@ -301,6 +387,13 @@ impl Monitor<'_, '_> {
 
     /// Notices a source that has fallen silent, and one that speaks again.
     fn listen(&mut self) -> Result<()> {
+        let counts = &self.receiver.counts;
+        let heard = counts.rows.load(Ordering::Relaxed) + counts.dropped.load(Ordering::Relaxed);
+        // A recording is never silent; a source is not while what it sent waits.
+        if heard != self.heard || !self.receiver.is_empty() || self.options.source.is_recording() {
+            self.heard = heard;
+            self.heard_at = Instant::now();
+        }
         let quiet = self.heard_at.elapsed();
         if self.first.is_none() || (quiet < SILENT && !self.silent) {
             return Ok(());
@@ -319,7 +412,8 @@ impl Monitor<'_, '_> {
             _ => return Ok(()),
         };
         self.silent = quiet >= SILENT;
-        self.event(&Told::note(note, self.time))
+        let note = self.receiver.limited(note);
+        note.map_or(Ok(()), |note| self.event(&Told::note(note, self.time)))
     }
 
     fn glance(&mut self) {

@@ -1,22 +1,26 @@
 //! The reader's thread: rows from a file, from standard input or from a socket into the ring.
 //!
 //! What can wait (a file, a pipe, a TCP connection) waits while the ring is full. Datagrams cannot; what finds no room is
-//! dropped and counted. A TCP source that goes away may come back, and it or another one goes on.
+//! dropped and counted. A TCP source that goes away may come back, and it or another one goes on. A connection that does not
+//! begin as a source does, or that has another sampling rate, is refused.
 
 use super::address::Address;
-use super::feed::{Item, Note, Sender, count};
+use super::connections::{Beginning, Connections, Followed};
+use super::feed::{Item, Sender, count};
 use super::frames::{Layout, Place, Sequence};
-use ballrace_twin::recording::Reader;
-use ballrace_twin::recording::error::RecordingError;
+use ballrace_twin::fault::SceneFault;
+use ballrace_twin::recording::clock::check_rate;
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
-use ballrace_twin::scene::{Clock, Recording};
+use ballrace_twin::recording::{Reader, Row};
+use ballrace_twin::scene::{Clock, Recording, Rotation, Scene};
 use anyhow::{Context, Result, bail};
-use std::io::{ErrorKind, Read};
+use socket2::SockRef;
+use std::io::{BufReader, ErrorKind, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::path::Path;
-use std::sync::mpsc;
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, mpsc};
+use std::time::{Duration, Instant};
 
 /// How often a reader that waits for its source looks whether it is to end.
 const PATIENCE: Duration = Duration::from_millis(100);
@@ -24,6 +28,8 @@ const PATIENCE: Duration = Duration::from_millis(100);
 const DATAGRAM: usize = 1 << 16;
 /// The system is asked for this much room for datagrams.
 const MOST_WAITING: usize = 4 << 20;
+/// How far the sampling rates of two connections may lie apart.
+const RATE_TOLERANCE: f64 = 1e-3;
 
 /// Form of the samples on a stream.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -33,6 +39,8 @@ pub enum Encoding {
     Csv,
     /// Binary: `u32` sequence number and one `f32` a column, little-endian.
     Frames,
+    /// The same, and a `u32` CRC-32 of the bytes before it.
+    FramesCrc,
 }
 
 /// Where a monitor that was stopped goes on.
@@ -64,6 +72,7 @@ pub type Back = Arc<Mutex<Option<TcpStream>>>;
 pub fn start(
     address: &Address,
     encoding: Encoding,
+    scene: &Scene,
     recording: &Recording,
     resume: Resume,
     sender: Sender,
@@ -78,12 +87,20 @@ pub fn start(
         Address::Udp(place) => Some(UdpSocket::bind(place).with_context(|| cannot_listen(address))?),
         _ => None,
     };
+    let frame_rate = match recording.clock {
+        Clock::Rate(rate) => rate,
+        Clock::Column(_) => 0.0,
+    };
     let feeder = Feeder {
-        layout: Layout::new(recording),
+        layout: Layout::new(recording, encoding == Encoding::FramesCrc),
         recording: recording.clone(),
+        scene: scene.clone(),
         encoding,
-        sequence: Sequence { due: resume.sequence, index: resume.index },
+        sequence: Sequence::new(frame_rate, resume.sequence, resume.index),
+        suspect: None,
         next: resume.index,
+        next_time: None,
+        rate: None,
         sender,
         tell: Some(tell),
         ledger: FlawLedger::default(),
@@ -102,11 +119,18 @@ fn cannot_listen(address: &Address) -> String {
 
 struct Feeder {
     recording: Recording,
+    scene: Scene,
     layout: Layout,
     encoding: Encoding,
     sequence: Sequence,
+    /// A frame whose number does not fit, until the next one comes.
+    suspect: Option<Row>,
     /// Number of the next sample of CSV.
     next: u64,
+    /// Its time where a connection was followed before, s.
+    next_time: Option<f64>,
+    /// Sampling rate of the first connection, Hz.
+    rate: Option<f64>,
     sender: Sender,
     tell: Option<mpsc::Sender<Result<f64>>>,
     ledger: FlawLedger,
@@ -122,7 +146,7 @@ impl Feeder {
         socket: Option<UdpSocket>,
     ) -> Result<Vec<FlawSummary>> {
         let done = match (address, listener, socket) {
-            (_, Some(listener), _) => self.connections(&listener),
+            (_, Some(listener), _) => self.connections(listener),
             (_, _, Some(socket)) => self.datagrams(socket),
             (Address::File(path), ..) => self.file(path),
             (Address::BuiltIn(bytes, name), ..) => self.stream(Box::new(std::io::Cursor::new(*bytes)), name),
@@ -139,21 +163,27 @@ impl Feeder {
         Ok(self.flaws)
     }
 
-    fn tell_rate(&mut self, rate: f64) {
+    /// Passes on the rate of the first connection, and refuses another one of a later connection.
+    fn establish_rate(&mut self, rate: f64, name: &str) -> Result<()> {
+        if let Some(known) = self.rate {
+            if (rate / known - 1.0).abs() > RATE_TOLERANCE {
+                bail!("{name}: found a sampling rate of {rate:.3} Hz, allowed: {known:.3} Hz as before");
+            }
+            return Ok(());
+        }
+        check_rate(rate, &self.recording, self.scene.shaft.speed).map_err(|e| e.of(&self.scene, name))?;
+        self.rate = Some(rate);
         if let Some(tell) = self.tell.take() {
             let _ = tell.send(Ok(rate));
         }
-    }
-
-    fn note(&mut self, kind: &'static str, sentence: String) {
-        self.sender.push(Item::Note(Note { kind, sentence }));
+        Ok(())
     }
 
     /// Frames have no header from which anything else could be learned.
     fn rate_of_frames(&self) -> Result<f64> {
         match self.recording.clock {
             Clock::Rate(rate) => Ok(rate),
-            Clock::Column(_) => bail!(ballrace_twin::fault::SceneFault(
+            Clock::Column(_) => bail!(SceneFault(
                 "[recording] time: found a column of times, allowed with frames: rate = \"51.2 kHz\"".to_owned()
             )),
         }
@@ -165,11 +195,11 @@ impl Feeder {
                 let reader = Reader::open(path, &self.recording)?;
                 // A file begins where it began before: what is done already is passed over.
                 let done = std::mem::take(&mut self.next);
-                self.rows(reader, done)
+                self.rows(reader, done, &path.display().to_string())
             }
-            Encoding::Frames => {
+            Encoding::Frames | Encoding::FramesCrc => {
                 let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
-                self.stream(Box::new(std::io::BufReader::new(file)), &path.display().to_string())
+                self.stream(Box::new(file), &path.display().to_string())
             }
         }
     }
@@ -178,27 +208,28 @@ impl Feeder {
         match self.encoding {
             Encoding::Csv => {
                 let reader = Reader::from_reader(stream, Path::new(name), None, &self.recording)?;
-                self.rows(reader, 0)
+                self.rows(reader, 0, name)
             }
-            Encoding::Frames => self.frames(stream),
+            Encoding::Frames | Encoding::FramesCrc => self.frames(stream, name),
         }
     }
 
     /// Rows of text, those before the number `done` left out.
-    fn rows(&mut self, mut reader: Reader, done: u64) -> Result<()> {
-        self.tell_rate(reader.rate());
-        let (first, rate) = (self.next, reader.rate());
+    fn rows(&mut self, mut reader: Reader, done: u64, name: &str) -> Result<()> {
+        self.establish_rate(reader.rate(), name)?;
+        // Another connection goes on where the one before it ended, whatever its own clock says.
+        let rate = self.rate.unwrap_or_else(|| reader.rate());
+        let (first, begin) = (self.next, self.next_time.unwrap_or(self.next as f64 / rate));
         let mut row = self.sender.blank();
         while !self.sender.is_stopped() && reader.next_row(&mut row)? {
             if row.index < done {
                 continue;
             }
             if first > 0 {
-                // Goes on from another connection, whatever its own clock says.
+                row.time = begin + row.index as f64 / rate;
                 row.index += first;
-                row.time = row.index as f64 / rate;
             }
-            self.next = row.index + 1;
+            (self.next, self.next_time) = (row.index + 1, Some(row.time + 1.0 / rate));
             let full = std::mem::replace(&mut row, self.sender.blank());
             self.sender.push(Item::Row(full));
         }
@@ -206,11 +237,12 @@ impl Feeder {
         Ok(())
     }
 
-    fn frames(&mut self, mut stream: Box<dyn Read + Send>) -> Result<()> {
+    fn frames(&mut self, stream: Box<dyn Read + Send>, name: &str) -> Result<()> {
         let rate = self.rate_of_frames()?;
-        self.tell_rate(rate);
+        self.establish_rate(rate, name)?;
+        let mut stream = BufReader::new(stream);
         let mut frame = vec![0; self.layout.size()];
-        let mut held = 0;
+        let (mut held, mut aligned) = (0, true);
         while !self.sender.is_stopped() {
             match stream.read(&mut frame[held..]) {
                 Ok(0) => break,
@@ -218,40 +250,70 @@ impl Feeder {
                 Err(error) if is_wait(&error) => continue,
                 Err(error) => return Err(error).context("frames cannot be read further"),
             }
-            if held == frame.len() {
-                held = 0;
-                self.frame(&frame, rate, false);
+            if held < frame.len() {
+                continue;
             }
+            if self.layout.is_whole(&frame) {
+                (held, aligned) = (0, true);
+                self.frame(&frame, false);
+                continue;
+            }
+            // The next frame may begin at any byte.
+            if std::mem::replace(&mut aligned, false) {
+                count(&self.sender.counts.malformed, 1);
+            }
+            frame.copy_within(1.., 0);
+            held -= 1;
         }
-        if held > 0 {
+        if held > 0 && aligned {
             count(&self.sender.counts.malformed, 1);
         }
         Ok(())
     }
 
-    fn frame(&mut self, frame: &[u8], rate: f64, may_drop: bool) {
+    fn frame(&mut self, frame: &[u8], may_drop: bool) {
         let mut row = self.sender.blank();
         let Some(number) = self.layout.read(frame, &mut row) else {
             count(&self.sender.counts.malformed, 1);
             return;
         };
-        let (index, lost) = match self.sequence.place(number) {
-            Place::Repeated => {
-                count(&self.sender.counts.repeated, 1);
-                return;
-            }
-            Place::Sample { index, lost } => (index, lost),
+        let open = self.sender.counts.acknowledged.load(Ordering::Relaxed);
+        let place = self.sequence.place(number, Instant::now(), (open != u64::MAX).then_some(open));
+        let suspect = self.suspect.take();
+        if suspect.is_some() && !matches!(place, Place::AnewFromSuspect { .. }) {
+            count(&self.sender.counts.malformed, 1);
+        }
+        match place {
+            Place::Repeated => count(&self.sender.counts.repeated, 1),
+            Place::Suspect => self.suspect = Some(row),
+            Place::Sample { index, lost } => self.sample(row, number, index, lost, may_drop),
             Place::Anew { index } => {
-                let sentence = format!("The source counts anew, from {number}; time goes on from the last sample.");
-                self.note("source-counts-anew", sentence);
-                (index, 0)
+                self.note_new_count(number);
+                self.sample(row, number, index, 0, may_drop);
             }
-        };
+            Place::AnewFromSuspect { index } => {
+                self.note_new_count(number.wrapping_sub(1));
+                if let Some(suspect) = suspect {
+                    self.sample(suspect, number.wrapping_sub(1), index, 0, may_drop);
+                }
+                self.sample(row, number, index + 1, 0, may_drop);
+            }
+        }
+    }
+
+    fn note_new_count(&mut self, number: u32) {
+        let sentence = format!("The source counts anew, from {number}; time goes on from the last sample.");
+        self.sender.note("source-counts-anew", sentence);
+    }
+
+    /// Hands on the readings of frame `number`, which are sample `index`, with `lost` samples missing before it.
+    fn sample(&mut self, mut row: Row, number: u32, index: u64, lost: u64, may_drop: bool) {
         let offset = u64::from(number.wrapping_sub(index as u32)) | 1 << 32;
-        self.sender.counts.offset.store(offset, std::sync::atomic::Ordering::Relaxed);
+        self.sender.counts.since.store(self.sequence.since(), Ordering::Release);
+        self.sender.counts.offset.store(offset, Ordering::Relaxed);
         row.index = index;
         row.line = index + 1;
-        row.time = index as f64 / rate;
+        row.time = index as f64 / self.rate.unwrap_or(1.0);
         let at = Position::from(&row);
         if lost > 0 {
             count(&self.sender.counts.lost, lost);
@@ -265,51 +327,85 @@ impl Feeder {
         if may_drop { self.sender.push_or_drop(row) } else { self.sender.push(Item::Row(row)) }
     }
 
-    fn connections(&mut self, listener: &TcpListener) -> Result<()> {
-        listener.set_nonblocking(true)?;
-        if self.encoding == Encoding::Frames {
-            let rate = self.rate_of_frames()?;
-            self.tell_rate(rate);
+    /// What a source of this scene sends first.
+    fn beginning(&self) -> Beginning {
+        if self.encoding != Encoding::Csv {
+            return Beginning::Frame(self.layout.clone());
         }
+        let mut names: Vec<String> = self.recording.probes.iter().map(|probe| probe.column.clone()).collect();
+        match &self.recording.rotation {
+            Rotation::Keyphasor { column, .. } | Rotation::SpeedColumn { column, .. } => names.push(column.clone()),
+            Rotation::Scene => {}
+        }
+        if let Clock::Column(column) = &self.recording.clock {
+            names.push(column.clone());
+        }
+        Beginning::Columns(names)
+    }
+
+    fn connections(&mut self, listener: TcpListener) -> Result<()> {
+        if self.encoding != Encoding::Csv {
+            let rate = self.rate_of_frames()?;
+            self.establish_rate(rate, "frames")?;
+        }
+        let connections = Connections::new(listener, self.beginning(), self.sender.notes())?;
+        let connections = Arc::new(Mutex::new(connections));
         while !self.sender.is_stopped() {
-            match listener.accept() {
-                Ok((stream, peer)) => self.connection(stream, peer)?,
-                Err(error) if is_wait(&error) => std::thread::sleep(PATIENCE / 4),
-                Err(error) => return Err(error).context("no connection can be accepted"),
+            let next = lock(&connections).take();
+            match next {
+                Some((stream, peer)) => self.connection(stream, peer, &connections)?,
+                None => std::thread::sleep(PATIENCE / 4),
             }
         }
         Ok(())
     }
 
-    /// A connection to its end. What one source does wrong does not end the monitor.
-    fn connection(&mut self, stream: TcpStream, peer: SocketAddr) -> Result<()> {
+    /// Follows a connection to its end. Errors of one source do not end the monitor.
+    fn connection(&mut self, stream: TcpStream, peer: SocketAddr, others: &Arc<Mutex<Connections>>) -> Result<()> {
         stream.set_nonblocking(false)?;
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;
+        let rows = self.sender.counts.rows.load(Ordering::Relaxed);
         count(&self.sender.counts.connections, 1);
-        self.note("source-connected", format!("Source {peer} connected."));
+        self.sender.note("source-connected", format!("Source {peer} connected."));
         *lock(&self.back) = stream.try_clone().ok();
-        let patient = Patient { stream, stopped: self.sender.stopped() };
-        let end = self.stream(Box::new(patient), &format!("tcp {peer}"));
+        let replaced = Arc::new(AtomicBool::new(false));
+        let followed = Followed {
+            stream,
+            connections: others.clone(),
+            replaced: replaced.clone(),
+            stopped: self.sender.stopped(),
+            heard: Instant::now(),
+        };
+        let end = self.stream(Box::new(followed), &format!("tcp {peer}"));
         *lock(&self.back) = None;
-        match end {
-            Ok(()) => self.note("source-gone", format!("Source {peer} has gone; waiting for the next.")),
-            // Before a first row, what is wrong is between source and scene.
-            Err(error) if self.tell.is_some() || is_scene_fault(&error) => return Err(error),
-            Err(error) => self.note("source-failed", format!("Source {peer} ended: {error:#}.")),
+        if self.sender.is_stopped() {
+            // The monitor has ended the connection.
+            return Ok(());
         }
+        let has_rows = self.sender.counts.rows.load(Ordering::Relaxed) > rows;
+        let (kind, sentence) = match end {
+            Ok(()) if replaced.load(Ordering::Relaxed) => {
+                ("source-replaced", format!("Source {peer} is silent; the next one takes its place."))
+            }
+            Ok(()) => ("source-gone", format!("Source {peer} has gone; waiting for the next.")),
+            Err(error) if has_rows => ("source-failed", format!("Source {peer} ended: {error:#}.")),
+            Err(error) => ("source-refused", format!("Source {peer} is refused: {error:#}.")),
+        };
+        self.sender.note(kind, sentence);
         Ok(())
     }
 
     fn datagrams(&mut self, socket: UdpSocket) -> Result<()> {
         socket.set_read_timeout(Some(PATIENCE))?;
-        enlarge(&socket);
+        // What the system gives is enough where it gives less.
+        let _ = SockRef::from(&socket).set_recv_buffer_size(MOST_WAITING);
         if self.encoding == Encoding::Csv {
             let lines = Lines { socket, stopped: self.sender.stopped(), datagram: vec![0; DATAGRAM], at: 0, end: 0 };
             return self.stream(Box::new(lines), "udp");
         }
         let rate = self.rate_of_frames()?;
-        self.tell_rate(rate);
+        self.establish_rate(rate, "frames")?;
         let size = self.layout.size();
         let mut datagram = vec![0; DATAGRAM];
         while !self.sender.is_stopped() {
@@ -317,7 +413,7 @@ impl Feeder {
                 Ok(length) if length == 0 || length % size != 0 => count(&self.sender.counts.malformed, 1),
                 Ok(length) => {
                     for frame in datagram.get(..length).unwrap_or_default().chunks_exact(size) {
-                        self.frame(frame, rate, true);
+                        self.frame(frame, true);
                     }
                 }
                 Err(error) if is_wait(&error) => {}
@@ -328,49 +424,14 @@ impl Feeder {
     }
 }
 
-/// Asks for room for bursts; what the system gives is enough where it gives less.
-#[cfg(target_os = "linux")]
-fn enlarge(socket: &UdpSocket) {
-    use nix::sys::socket::{setsockopt, sockopt::RcvBuf};
-    let _ = setsockopt(socket, RcvBuf, &MOST_WAITING);
-}
-
-#[cfg(not(target_os = "linux"))]
-fn enlarge(_: &UdpSocket) {
-    let _ = MOST_WAITING;
-}
-
-fn is_scene_fault(error: &anyhow::Error) -> bool {
-    error.downcast_ref::<RecordingError>().is_some_and(RecordingError::is_scene_fault)
-}
-
-fn is_wait(error: &std::io::Error) -> bool {
+/// The read is to be repeated.
+pub(super) fn is_wait(error: &std::io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }
 
 /// The connection, also where a thread broke while it had it: there is nothing in it that could be half done.
 pub fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-/// A connection that waits for as long as it takes, unless the monitor is to end.
-struct Patient {
-    stream: TcpStream,
-    stopped: super::feed::Stopped,
-}
-
-impl Read for Patient {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        loop {
-            match self.stream.read(buffer) {
-                Err(error) if is_wait(&error) && !self.stopped.is_stopped() => {}
-                Err(error) if is_wait(&error) => return Ok(0),
-                // Gone without a word: as if it had said goodbye.
-                Err(error) if error.kind() == ErrorKind::ConnectionReset => return Ok(0),
-                other => return other,
-            }
-        }
-    }
 }
 
 /// Datagrams of whole lines, as one stream.

@@ -39,8 +39,12 @@ pub struct View {
 pub type Shared = Arc<Mutex<View>>;
 
 impl View {
-    /// A second more.
+    /// Adds a second, in place of the one of the same time where there is one.
     pub fn add_second(&mut self, second: &Second) {
+        if let Some(same) = self.seconds.iter_mut().rev().find(|other| other.time_s == second.time_s) {
+            same.clone_from(second);
+            return;
+        }
         if self.seconds.len() == TREND {
             self.seconds.pop_front();
         }

@@ -76,18 +76,22 @@ impl Outputs {
     ///
     /// # Errors
     /// A full disk.
-    pub fn second(&mut self, second: &Second, counts: &Counts, misses: u64) -> Result<()> {
+    pub fn second(&mut self, second: &Second) -> Result<()> {
         if let Some(indicators) = &mut self.indicators {
             indicators.add(second)?;
-        }
-        if let Some(prometheus) = &self.prometheus {
-            prometheus.show(second, counts, misses);
         }
         #[cfg(feature = "mqtt")]
         if let Some(publisher) = &mut self.mqtt {
             publisher.publish("indicators", &serde_json::to_string(second)?);
         }
         Ok(())
+    }
+
+    /// Shows a second where it is asked for; the last one counts.
+    pub fn show(&self, second: &Second, counts: &Counts, misses: u64) {
+        if let Some(prometheus) = &self.prometheus {
+            prometheus.show(second, counts, misses);
+        }
     }
 
     /// Events and indicators so far are on disk when this returns.

@@ -6,7 +6,7 @@ mod start;
 mod tune;
 
 pub use model::{Uncertainty, memory, weight};
-pub use tune::{Heard, Tuned, noise, tuned, watch};
+pub use tune::{Cancelled, Heard, Tuned, noise, tuned, watch};
 
 use crate::plant::{Plant, RigidMachine, RigidTask, Step, Twin};
 use crate::replay::pose::row;

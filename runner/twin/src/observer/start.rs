@@ -1,9 +1,8 @@
 //! Where the rotor was at the first sample: the state from which the twin follows the first turns best.
 
-use super::{D, Gains, Start, model, tune};
+use super::{D, Gains, Heard, Start, model, tune};
 use crate::fit::least_squares;
 use crate::plant::Plant;
-use crate::recording::Sample;
 use crate::replay::pose::reading;
 use anyhow::Result;
 use ballrace::rotor::Drive;
@@ -15,18 +14,12 @@ const SAMPLES: usize = 1024;
 const ABOUT: [f64; 4] = [50e-6, 50e-3, 1.0, 1.0];
 const STATES: usize = 4 * D;
 
-/// Finds the state at the first of `samples`, from what `guess` says it is.
+/// Finds the state at the first sample, from what `guess` says it is.
 ///
 /// # Errors
-/// What the kernel refuses.
-pub fn start(
-    plant: &Plant,
-    samples: &[Sample],
-    rows: &[[f64; D]],
-    noise: &[f64],
-    period: f64,
-    guess: Start,
-) -> Result<Start> {
+/// What the kernel refuses, a cancelled search.
+pub fn start(plant: &Plant, heard: &Heard, noise: &[f64], guess: Start) -> Result<Start> {
+    let Heard { samples, rows, period, .. } = *heard;
     let samples = samples.get(..SAMPLES.min(samples.len())).unwrap_or_default();
     let Some(first) = samples.first() else { return Ok(guess) };
     let (lever, weight) = (model::lever(plant), model::weight(plant));
@@ -46,6 +39,7 @@ pub fn start(
     };
     let none = Gains::none();
     let residuals = |x: &[f64]| -> Result<Vec<f64>> {
+        heard.go_on()?;
         let mut watch = tune::watch(plant, rows, &none, at(x), first, period)?;
         let mut left = Vec::with_capacity(samples.len() * rows.len() + x.len());
         for (i, sample) in samples.iter().enumerate() {

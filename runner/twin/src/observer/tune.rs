@@ -7,6 +7,7 @@ use crate::recording::Sample;
 use crate::scene::Speed;
 use anyhow::{Result, bail};
 use ballrace::rotor::Drive;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What the first turns are.
 pub struct Heard<'a> {
@@ -22,6 +23,21 @@ pub struct Heard<'a> {
     pub speed: Speed,
     /// How far the unknown force wanders where the scene says so, N per root second.
     pub wander: Option<f64>,
+    /// Set to end the search with [`Cancelled`].
+    pub cancelled: &'a AtomicBool,
+}
+
+/// Error returned when the search for an observer is cancelled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the search for the observer was cancelled")]
+pub struct Cancelled;
+
+impl Heard<'_> {
+    /// # Errors
+    /// [`Cancelled`].
+    pub(super) fn go_on(&self) -> Result<(), Cancelled> {
+        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
+    }
 }
 
 /// An observer's making.
@@ -57,12 +73,13 @@ pub fn tuned(plant: &Plant, linear: &Plant, heard: &Heard, guess: Start) -> Resu
     }
     let noise: Vec<f64> =
         (0..heard.rows.len()).map(|p| noise(heard.samples, p, heard.given_noise.get(p).copied().flatten())).collect();
-    let start = start::start(plant, heard.samples, heard.rows, &noise, heard.period, guess)?;
+    let start = start::start(plant, heard, &noise, guess)?;
     let weight = model::weight(plant);
     let mut best: Option<(f64, f64, Gains)> = None;
     let ladder = WANDERS.map(|i| weight * STRIDE.powi(i));
     let wanders = heard.wander.map_or_else(|| ladder.collect(), |given| vec![given]);
     for wander in wanders {
+        heard.go_on()?;
         let of = Uncertainty::new(&noise, wander, weight);
         let gains = Gains::try_new(linear, heard.rows, heard.speed, heard.period, &of)?;
         let unlikely = unlikely(plant, heard, &gains, start)?;

@@ -1,5 +1,55 @@
 //! Time stamps -> sample numbers, against a grid that follows the recording's own clock.
 
+use crate::fault::SceneFault;
+use crate::scene::{Clock, Recording, Scene, Speed};
+use std::f64::consts::TAU;
+
+/// Fewest samples in a revolution at the scene's shaft speed: 1X and a keyphasor pulse need more than two.
+const FEWEST_PER_TURN: f64 = 4.0;
+/// Highest sampling rate, Hz: ten times that of the fastest displacement probes.
+const HIGHEST_RATE: f64 = 1e7;
+
+/// Error returned for a sampling rate at which the scene's shaft cannot have been recorded.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("found {rate} Hz at a shaft speed of {speed_rpm:.0} rpm, allowed: {least:.6} Hz to 10 MHz")]
+pub struct ImplausibleRate {
+    /// Samples a second, averaged ones counted once, Hz.
+    rate: f64,
+    speed_rpm: f64,
+    /// Lowest rate, Hz.
+    least: f64,
+    /// The scene states the rate.
+    by_scene: bool,
+}
+
+impl ImplausibleRate {
+    /// The error of a command: of the scene where that states the rate, else of the recording `name`.
+    #[must_use]
+    pub fn of(self, scene: &Scene, name: &str) -> anyhow::Error {
+        if self.by_scene {
+            SceneFault(format!("{}: [recording] rate: {self}", scene.path.display())).into()
+        } else {
+            anyhow::anyhow!("{name}: sampling rate from its time stamps: {self}")
+        }
+    }
+}
+
+/// Checks the sampling rate (Hz) of a recording against the scene's shaft speed.
+///
+/// # Errors
+/// Fewer than [`FEWEST_PER_TURN`] samples in a revolution after averaging, or more than [`HIGHEST_RATE`].
+pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), ImplausibleRate> {
+    let turns_per_second = speed.nominal().abs() / TAU;
+    let least = FEWEST_PER_TURN * turns_per_second * f64::from(recording.average);
+    if rate >= least && rate <= HIGHEST_RATE {
+        return Ok(());
+    }
+    let by_scene = matches!(recording.clock, Clock::Rate(_));
+    // Of a rate from time stamps the last digits are rounding.
+    let rate = format!("{rate:.8e}").parse().unwrap_or(rate);
+    Err(ImplausibleRate { rate, speed_rpm: 60.0 * turns_per_second, least, by_scene })
+}
+
 /// Rows from which the step is learned.
 pub const LEARN: usize = 1000;
 

@@ -138,10 +138,10 @@ impl Comparison {
         self.lines.amplitude(line, probe)
     }
 
-    /// The same over the last block, in the motion or (`residual`) in what the twin leaves.
+    /// Amplitude of a followed line in a probe's residual over the last block, m.
     #[must_use]
-    pub fn block_line(&self, line: usize, probe: usize, residual: bool) -> f64 {
-        let signal = if residual { 2 * self.probes.len() + probe } else { probe };
+    pub fn block_line(&self, line: usize, probe: usize) -> f64 {
+        let signal = 2 * self.probes.len() + probe;
         self.lines.block(line).get(signal).map_or(0.0, |[c, s]| c.hypot(*s))
     }
 

@@ -63,11 +63,38 @@ struct Open {
 pub struct Guards {
     guards: Vec<Guard>,
     names: Vec<String>,
-    measured: Vec<Statistics<f64>>,
-    residual: Vec<Statistics<f64>>,
-    since: Option<f64>,
+    /// The running block of readings.
+    readings: Block,
+    /// The running block of residuals, which follows where the twin runs.
+    residuals: Block,
     events: Vec<Event>,
     news: Vec<Event>,
+}
+
+/// Statistics of every probe over a running block.
+struct Block {
+    /// Time of its first sample, s; none before the first.
+    start: Option<f64>,
+    probes: Vec<Statistics<f64>>,
+}
+
+impl Block {
+    fn new(probes: usize) -> Self {
+        Self { start: None, probes: vec![Statistics::new(u32::MAX); probes] }
+    }
+
+    fn add(&mut self, time: f64, values: impl Iterator<Item = f64>) {
+        self.start.get_or_insert(time);
+        for (statistics, value) in self.probes.iter_mut().zip(values) {
+            statistics.add::<Exact>(value);
+        }
+    }
+
+    /// Ends the block at `time` and begins the next; returns its start and the figures of every probe.
+    fn close(&mut self, time: f64) -> Option<(f64, Vec<Figures<f64>>)> {
+        let start = self.start.replace(time)?;
+        Some((start, self.probes.iter_mut().map(Statistics::close::<Exact>).collect()))
+    }
 }
 
 impl Guards {
@@ -97,9 +124,15 @@ impl Guards {
                 )));
             }
         }
-        let blocks = || vec![Statistics::new(u32::MAX); probes.len()];
         let names = probes.iter().map(|p| p.column.clone()).collect();
-        Ok(Self { guards, names, measured: blocks(), residual: blocks(), since: None, events: vec![], news: vec![] })
+        let (readings, residuals) = (Block::new(probes.len()), Block::new(probes.len()));
+        Ok(Self { guards, names, readings, residuals, events: vec![], news: vec![] })
+    }
+
+    /// True where the scene has no limit.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.guards.is_empty()
     }
 
     /// The limits as lines to draw, in um where they are lengths.
@@ -113,40 +146,58 @@ impl Guards {
         self.guards.iter().map(line).collect()
     }
 
-    /// One sample with a reading of every probe.
-    pub fn add(&mut self, time: f64, measured: &[f64], twin: &[f64]) {
-        if self.guards.is_empty() {
-            return;
-        }
-        self.since.get_or_insert(time);
-        for (i, (y, x)) in measured.iter().zip(twin).enumerate() {
-            self.measured[i].add::<Exact>(*y);
-            self.residual[i].add::<Exact>(y - x);
+    /// Adds a sample with a reading of every probe, for limits on readings.
+    pub fn add_readings(&mut self, time: f64, measured: &[f64]) {
+        if !self.is_empty() {
+            self.readings.add(time, measured.iter().copied());
         }
     }
 
-    /// Ends a block at `time`; `amplitude` gives a followed line's in a probe's motion (false) or residual (true), m.
-    pub fn block(&mut self, time: f64, amplitude: impl Fn(usize, usize, bool) -> f64) {
-        let Some(start) = self.since.replace(time) else { return };
-        let measured: Vec<Figures<f64>> = self.measured.iter_mut().map(Statistics::close::<Exact>).collect();
-        let residual: Vec<Figures<f64>> = self.residual.iter_mut().map(Statistics::close::<Exact>).collect();
+    /// Adds the residuals of such a sample, for limits on residuals.
+    pub fn add_residuals(&mut self, time: f64, measured: &[f64], twin: &[f64]) {
+        if !self.is_empty() {
+            self.residuals.add(time, measured.iter().zip(twin).map(|(y, x)| y - x));
+        }
+    }
+
+    /// Ends a block of readings at `time`; `amplitude` returns a followed line's amplitude in a probe's motion, m.
+    pub fn close_readings(&mut self, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
+        let Some((start, figures)) = self.readings.close(time) else { return };
+        self.evaluate(start, time, |guard| {
+            let of = &figures[guard.probe];
+            match guard.limit.indicator {
+                Indicator::PeakToPeak => Some(of.peak_to_peak),
+                Indicator::Rms => Some(of.rms),
+                Indicator::CrestFactor => Some(of.crest_factor),
+                Indicator::Kurtosis => Some(of.kurtosis),
+                Indicator::OneX => Some(amplitude(0, guard.probe)),
+                Indicator::TwoX => Some(amplitude(1, guard.probe)),
+                Indicator::Residual | Indicator::OuterRace | Indicator::InnerRace => None,
+            }
+        });
+    }
+
+    /// Ends a block of residuals at `time`; `amplitude` returns a followed line's amplitude in a probe's residual, m.
+    pub fn close_residuals(&mut self, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
+        let Some((start, figures)) = self.residuals.close(time) else { return };
+        self.evaluate(start, time, |guard| match guard.limit.indicator {
+            Indicator::Residual => Some(figures[guard.probe].rms),
+            Indicator::OuterRace | Indicator::InnerRace => {
+                Some(guard.line.map_or(0.0, |line| amplitude(line, guard.probe)))
+            }
+            _ => None,
+        });
+    }
+
+    /// Compares the limits whose indicator has a `value` in the block from `start` to `end`.
+    fn evaluate(&mut self, start: f64, end: f64, value: impl Fn(&Guard) -> Option<f64>) {
         for guard in &mut self.guards {
-            let (m, p) = (&measured[guard.probe], guard.probe);
-            let value = match guard.limit.indicator {
-                Indicator::PeakToPeak => m.peak_to_peak,
-                Indicator::Rms => m.rms,
-                Indicator::CrestFactor => m.crest_factor,
-                Indicator::Kurtosis => m.kurtosis,
-                Indicator::Residual => residual[p].rms,
-                Indicator::OneX => amplitude(0, p, false),
-                Indicator::TwoX => amplitude(1, p, false),
-                Indicator::OuterRace | Indicator::InnerRace => guard.line.map_or(0.0, |line| amplitude(line, p, true)),
-            };
-            if let Some(event) = guard.hear(value, start, time, &self.names[p]) {
+            let (Some(value), Some(name)) = (value(guard), self.names.get(guard.probe)) else { continue };
+            if let Some(event) = guard.hear(value, start, end, name) {
                 self.news.push(event.clone());
                 self.events.push(event);
             }
-            self.news.extend(guard.tell(time, &self.names[p]));
+            self.news.extend(guard.tell(end, name));
         }
     }
 
@@ -159,7 +210,10 @@ impl Guards {
     pub fn finish(mut self) -> Vec<Event> {
         for guard in &mut self.guards {
             if let Some(open) = guard.open.take() {
-                let last = self.since.unwrap_or(open.start);
+                let residual =
+                    matches!(guard.limit.indicator, Indicator::Residual | Indicator::OuterRace | Indicator::InnerRace);
+                let block = if residual { &self.residuals } else { &self.readings };
+                let last = block.start.unwrap_or(open.start);
                 self.events.extend(guard.event(&open, None, last, &self.names[guard.probe]));
             }
         }

@@ -15,24 +15,26 @@ pub mod locate;
 pub mod outcome;
 pub mod pictures;
 pub mod pose;
+mod readings;
 pub mod recent;
 pub mod second;
 mod session;
 pub mod spectrum;
+mod startup;
 pub mod statistics;
 pub mod timing;
 pub mod trend;
 
 use crate::fault::SceneFault;
 use crate::needs;
-use crate::observer::{Heard, MOST_PROBES, Start, Tuned, Watch, tuned, watch};
+use crate::observer::{MOST_PROBES, Start, Tuned, Watch, watch};
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
-use crate::recording::Reader;
-use crate::recording::Sample;
+use crate::recording::clock::check_rate;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
-use crate::scene::{Probe, Rotation, Scene, Speed};
+use crate::recording::{Reader, Row, Sample};
+use crate::scene::{Probe, Rotation, Scene};
 use crate::vibration;
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Drive, PartAngles};
@@ -46,14 +48,19 @@ use locate::Locator;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
 use pose::PoseSolver;
+use readings::Readings;
 pub use recent::Glance;
 use recent::Recent;
 use second::{Second, Seconds};
 pub use session::{News, Replay};
+use startup::{Search, Startup};
 use statistics::Running;
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use timing::Ledger;
 
@@ -94,8 +101,10 @@ pub const WATCHED_FORCES: f64 = 3200.0;
 const BANDED: u64 = 8;
 /// Rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
-/// A gap longer than this in turns tells the twin nothing of where it is: it starts anew.
+/// Gaps longer than this many revolutions restart the twin.
 const LONGEST_COAST_TURNS: f64 = 200.0;
+/// Gaps longer than this many seconds restart the twin, where it does not take longer to settle.
+const LONGEST_COAST: f64 = 2.0;
 
 /// Replays `reader` through the scene's kernel and twin.
 ///
@@ -111,10 +120,12 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     if !recording.sensors.is_empty() {
         return vibration::replay(scene, reader, recording_name, options);
     }
+    check_rate(reader.rate(), recording, scene.shaft.speed).map_err(|e| e.of(scene, recording_name))?;
     let mut replay = Replay::try_new(scene, reader.rate(), options)?;
     let mut row = replay.blank();
     while reader.next_row(&mut row)? {
         replay.push(row)?;
+        replay.work(None)?;
         row = replay.blank();
         if replay.rows % PROGRESS_ROWS == 0
             && let Some(progress) = options.progress
@@ -132,16 +143,21 @@ struct Run<'a> {
     rows: Vec<[f64; 5]>,
     planes: Vec<Plane>,
     solver: PoseSolver,
-    plant: Plant,
-    linear: Plant,
+    plant: Arc<Plant>,
+    linear: Arc<Plant>,
     moving: Option<Moving>,
     tuned: Option<Tuned>,
-    speeds: Speed,
-    wander: Option<f64>,
     innovation: Innovation,
     guards: Guards,
-    /// The first samples, until they are enough to tell the lag.
-    first: Option<Vec<Sample>>,
+    readings: Readings,
+    startup: Startup,
+    /// The search for the start, until it runs.
+    search: Option<Search>,
+    /// Set to end the search without an observer.
+    cancelled: Arc<AtomicBool>,
+    /// Samples that wait for the twin.
+    queue: VecDeque<Queued>,
+    watched: bool,
     /// s, removed from every sample's shaft angle.
     lag: f64,
     comparison: Comparison,
@@ -158,6 +174,8 @@ struct Run<'a> {
     rate: f64,
     notes: Vec<String>,
     twin_held: u64,
+    /// Gaps that restarted the twin, and the line after the first.
+    restarts: (u64, u64),
     seconds: Option<Seconds>,
     recent: Option<Recent>,
     ended_seconds: Vec<Second>,
@@ -175,6 +193,13 @@ struct Buffers {
     linear: Vec<f64>,
     planes: Vec<f64>,
     evaluated: Vec<Evaluated>,
+}
+
+/// What waits for the twin.
+enum Queued {
+    Sample(Sample),
+    /// The shaft angle begins anew: the twin restarts with the next sample.
+    Restart,
 }
 
 /// What the first sample starts.
@@ -260,7 +285,21 @@ impl<'a> Run<'a> {
         let plant = Plant::try_new(scene)?;
         let mut notes = plant.notes.clone();
         notes.extend(needs::words(&needs::at_rest(scene, &plant)?, options.error.unwrap_or(needs::GOOD_ENOUGH)));
-        let linear = plant.linearised(&vec![true; plant.seats.len()])?;
+        let linear = Arc::new(plant.linearised(&vec![true; plant.seats.len()])?);
+        let plant = Arc::new(plant);
+        let rows: Vec<[f64; 5]> = probes.iter().map(pose::row).collect();
+        let cancelled = Arc::new(AtomicBool::new(false));
+        let search = Search {
+            plant: plant.clone(),
+            linear: linear.clone(),
+            rows: rows.clone(),
+            noise: probes.iter().map(|p| p.noise).collect(),
+            period: 1.0 / rate,
+            speed: scene.shaft.speed,
+            process_noise: scene.observer.wander,
+            cancelled: cancelled.clone(),
+        };
+        let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
         let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
@@ -271,7 +310,7 @@ impl<'a> Run<'a> {
         let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
         Ok(Self {
             probes,
-            rows: probes.iter().map(pose::row).collect(),
+            rows,
             comparison: Comparison::new(probes.len(), &plant.seats, planes.len()),
             collector: Collector::new(probes, planes.clone(), &plant.seats, rate, scene.shaft.speed),
             bearings: plant.seats.iter().map(|s| BearingSums::new(s.elements)).collect(),
@@ -282,11 +321,14 @@ impl<'a> Run<'a> {
             linear,
             moving: None,
             tuned: None,
-            speeds: scene.shaft.speed,
-            wander: scene.observer.wander,
             innovation: Innovation::default(),
             guards,
-            first: Some(Vec::new()),
+            readings: Readings::new(names.clone(), options.watched),
+            startup: Startup::Collecting,
+            search: Some(search),
+            cancelled,
+            queue: VecDeque::new(),
+            watched: options.watched,
             lag: 0.0,
             ledger: Ledger::try_new(1.0 / rate)?,
             forces,
@@ -297,10 +339,11 @@ impl<'a> Run<'a> {
             turns: 0.0,
             rate,
             twin_held: 0,
+            restarts: (0, 0),
             recent: options.viewed.then(Recent::default),
             seconds: options.watched.then(|| {
                 let bearings = plant.seats.iter().map(|s| s.name.clone()).collect();
-                Seconds::new(probes.iter().map(|p| p.column.clone()).collect(), bearings)
+                Seconds::new(names, bearings)
             }),
             plant,
             ended_seconds: Vec::new(),
@@ -310,50 +353,101 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Takes in a sample; the first ones wait until the lag is known.
-    fn take(&mut self, sample: &mut Sample) -> Result<()> {
-        let Some(first) = &mut self.first else {
-            *sample = align::shifted(std::mem::take(sample), self.lag);
-            return self.sample(sample);
+    /// Evaluates the readings of a sample, queues it for the twin, and starts the search for the start as soon as it can.
+    fn take(&mut self, sample: Sample) -> Result<()> {
+        self.readings.add(&sample, &mut self.guards);
+        let enough = match (&self.startup, self.queue.front()) {
+            (Startup::Collecting, Some(Queued::Sample(first))) => startup::is_enough(first, &sample),
+            _ => false,
         };
-        first.push(sample.clone());
-        let turns = first.first().map_or(0.0, |start| total_turns(sample) - total_turns(start));
-        if turns.abs() >= align::TURNS || first.len() >= align::MOST_SAMPLES { self.align() } else { Ok(()) }
+        self.queue.push_back(Queued::Sample(sample));
+        if enough { self.begin_search() } else { Ok(()) }
     }
 
-    /// Finds the lag from the waiting samples and works on them. Nothing to do once that is done.
-    fn align(&mut self) -> Result<()> {
-        let Some(samples) = self.first.take() else { return Ok(()) };
-        let period = 1.0 / self.rate;
-        for _ in 0..2 {
-            let shifted: Vec<Sample> = samples.iter().map(|s| align::shifted(s.clone(), self.lag)).collect();
-            let Some(start) = shifted.first() else { return Ok(()) };
-            let mut twin = self.begin(start, &drive(start))?.twin;
-            let more = align::lag(&shifted, twin.as_mut(), &self.rows, period);
-            self.lag = (self.lag + more).clamp(-0.5 * period, 0.5 * period);
-        }
-        let shifted: Vec<Sample> = samples.into_iter().map(|s| align::shifted(s, self.lag)).collect();
-        self.tuned = self.tune(&shifted)?;
-        for sample in &shifted {
-            self.sample(sample)?;
+    /// Searches the start from the queued samples: on its own thread where the machine is watched, else at once.
+    fn begin_search(&mut self) -> Result<()> {
+        let Some(search) = self.search.take() else { return Ok(()) };
+        let sample = |queued: &Queued| match queued {
+            Queued::Sample(sample) => Some(sample.clone()),
+            Queued::Restart => None,
+        };
+        let samples: Vec<Sample> = self.queue.iter().take(align::MOST_SAMPLES).map_while(sample).collect();
+        if self.watched {
+            self.startup = Startup::Searching(search.spawn(samples)?);
+        } else {
+            let started = search.run(&samples)?;
+            self.started(started);
         }
         Ok(())
     }
 
-    /// The observer that makes the first samples the most likely.
-    fn tune(&self, samples: &[Sample]) -> Result<Option<Tuned>> {
-        let Some(first) = samples.first() else { return Ok(None) };
-        let twin = self.begin(first, &drive(first))?.twin;
-        let noise: Vec<Option<f64>> = self.probes.iter().map(|p| p.noise).collect();
-        let heard = Heard {
-            samples,
-            rows: &self.rows,
-            given_noise: &noise,
-            period: 1.0 / self.rate,
-            speed: self.speeds,
-            wander: self.wander,
+    fn started(&mut self, started: startup::Started) {
+        self.lag = started.lag;
+        self.tuned = started.tuned;
+        self.startup = Startup::Done;
+        if self.cancelled.load(Ordering::Relaxed) && self.tuned.is_none() {
+            self.notes.push(
+                "Stopped before the observer was found: forces at the observer's position are those at the twin's."
+                    .to_owned(),
+            );
+        }
+    }
+
+    /// No sample follows: the samples so far have to do for the start.
+    fn end(&mut self) -> Result<()> {
+        if matches!(self.startup, Startup::Collecting) && !self.queue.is_empty() { self.begin_search() } else { Ok(()) }
+    }
+
+    /// Passes queued samples to the twin until `deadline`, or all of them; `recycle` takes back their rows.
+    fn work(&mut self, deadline: Option<Instant>, mut recycle: impl FnMut(Row)) -> Result<()> {
+        let search = match std::mem::replace(&mut self.startup, Startup::Collecting) {
+            Startup::Searching(search) if deadline.is_none() || search.is_finished() => Some(search),
+            other => {
+                self.startup = other;
+                None
+            }
         };
-        tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref())).map(Some)
+        if let Some(search) = search {
+            let started = startup::joined(search)?;
+            self.started(started);
+        }
+        if !matches!(self.startup, Startup::Done) {
+            return Ok(());
+        }
+        while let Some(queued) = self.queue.pop_front() {
+            match queued {
+                Queued::Restart => self.moving = None,
+                Queued::Sample(sample) => {
+                    let sample = align::shifted(sample, self.lag);
+                    self.sample(&sample)?;
+                    recycle(sample.row);
+                }
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return Ok(());
+            }
+        }
+        self.readings.hand_over();
+        Ok(())
+    }
+
+    /// The shaft angle begins anew with the next sample.
+    fn restart(&mut self) {
+        self.readings.restart();
+        match self.startup {
+            Startup::Collecting => self.queue.clear(),
+            Startup::Searching(_) | Startup::Done => self.queue.push_back(Queued::Restart),
+        }
+    }
+
+    /// A sample was compared or waits for it.
+    fn has_samples(&self) -> bool {
+        self.speed.count() > 0.0 || !self.queue.is_empty()
+    }
+
+    /// No sample waits for the twin.
+    fn is_idle(&self) -> bool {
+        self.queue.is_empty() && !matches!(self.startup, Startup::Searching(_))
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<()> {
@@ -408,9 +502,11 @@ impl<'a> Run<'a> {
         };
         let steps = sample.row.index.saturating_sub(moving.index);
         let coasted = moving.drive.speed * steps as f64 / self.rate / TAU;
-        if coasted.abs() > LONGEST_COAST_TURNS {
+        let longest = self.plant.settling_time().max(LONGEST_COAST) * self.rate;
+        if coasted.abs() > LONGEST_COAST_TURNS || steps as f64 > longest {
             self.moving = Some(self.begin(sample, drive)?);
-            self.notes.push(format!("After the gap before line {} the twin started anew.", sample.row.line));
+            let (count, line) = self.restarts;
+            self.restarts = (count + 1, if count == 0 { sample.row.line } else { line });
             return Ok(here);
         }
         // Over one period the angle's own difference; over a gap the whole turns between come from the speed.
@@ -465,14 +561,14 @@ impl<'a> Run<'a> {
         };
         let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
         if !seen.measured.iter().any(|y| y.is_nan()) {
-            self.guards.add(sample.row.time, seen.measured, seen.twin);
+            self.guards.add_residuals(sample.row.time, seen.measured, seen.twin);
         }
         if let Some(seconds) = self.seconds.as_mut().filter(|_| !seen.measured.iter().any(|y| y.is_nan())) {
-            self.ended_seconds.extend(seconds.add(sample, seen.twin, &self.comparison));
+            self.ended_seconds.extend(seconds.add(sample, seen.twin, self.comparison.lines.block(0)));
         }
         if self.comparison.add(&seen, angles) {
             let comparison = &self.comparison;
-            self.guards.block(sample.row.time, |line, probe, residual| comparison.block_line(line, probe, residual));
+            self.guards.close_residuals(sample.row.time, |line, probe| comparison.block_line(line, probe));
         }
         let is_held = buffers.evaluated.iter().any(|e| e.status.is_held());
         if let Some(locator) = self.locator.as_mut().filter(|_| !is_held) {
@@ -634,6 +730,13 @@ impl<'a> Run<'a> {
                 "Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band."
                     .to_owned(),
             );
+        }
+        match self.restarts {
+            (0, _) => {}
+            (1, line) => self.notes.push(format!("The twin restarted after the gap before line {line}.")),
+            (count, line) => {
+                self.notes.push(format!("The twin restarted after {count} gaps, the first before line {line}."));
+            }
         }
         if self.twin_held > 0 {
             self.notes.push(format!("The twin's motion overflowed and was held for {} samples.", self.twin_held));

@@ -1,6 +1,5 @@
 //! The indicators of every second, for those who watch while a recording runs.
 
-use super::comparison::Comparison;
 use super::forces::Evaluated;
 use super::outcome::phase_lag_deg;
 use crate::recording::Sample;
@@ -103,12 +102,13 @@ impl Seconds {
         }
     }
 
-    /// One sample with a reading of every probe; the second that ended before it.
-    pub fn add(&mut self, sample: &Sample, twin: &[f64], comparison: &Comparison) -> Option<Second> {
+    /// Adds a sample with a reading of every probe; returns the second that ended before it. `one_x` holds the amplitudes of
+    /// cosine and sine of each probe's 1X in the last block.
+    pub fn add(&mut self, sample: &Sample, twin: &[f64], one_x: &[[f64; 2]]) -> Option<Second> {
         let number = sample.row.time.floor() as i64;
         let before = self.number.replace(number);
         let done = before.filter(|n| *n != number).map(|n| {
-            let second = self.close((n + 1) as f64, comparison);
+            let second = self.close((n + 1) as f64, one_x);
             Second { next_index: sample.row.index, ..second }
         });
         for (i, (y, x)) in sample.row.probes.iter().zip(twin).enumerate() {
@@ -137,7 +137,7 @@ impl Seconds {
         sum.largest = sum.largest.max(x.hypot(y));
     }
 
-    fn close(&mut self, time_s: f64, comparison: &Comparison) -> Second {
+    fn close(&mut self, time_s: f64, one_x: &[[f64; 2]]) -> Second {
         let samples = std::mem::take(&mut self.samples);
         let speed = std::mem::take(&mut self.speed);
         let (nis, count) = std::mem::take(&mut self.innovation);
@@ -147,14 +147,14 @@ impl Seconds {
             samples,
             speed_rpm: speed / samples.max(1) as f64 * 60.0 / TAU,
             innovation: nis / count.max(1.0) / self.names.len().max(1) as f64,
-            probes: (0..self.names.len()).map(|i| self.probe(i, comparison)).collect(),
+            probes: (0..self.names.len()).map(|i| self.probe(i, one_x)).collect(),
             bearings: self.forces.iter_mut().zip(&self.bearings).map(|(force, name)| force.close(name)).collect(),
         }
     }
 
-    fn probe(&mut self, i: usize, comparison: &Comparison) -> ProbeSecond {
+    fn probe(&mut self, i: usize, one_x: &[[f64; 2]]) -> ProbeSecond {
         let Figures { mean, rms, peak_to_peak, crest_factor, kurtosis } = self.measured[i].close::<Exact>();
-        let [cosine, sine] = comparison.lines.block(0).get(i).copied().unwrap_or_default();
+        let [cosine, sine] = one_x.get(i).copied().unwrap_or_default();
         ProbeSecond {
             name: self.names[i].clone(),
             mean_um: mean * UM,

@@ -4,13 +4,15 @@ use super::limits::Event;
 use super::outcome::Outcome;
 use super::recent::Glance;
 use super::second::Second;
-use super::{Options, Run, angle_source};
+use super::{Options, Run, Startup, angle_source};
 use crate::fault::{SceneFault, scene_fault};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
 use crate::scene::{Recording, Rotation, Scene};
 use anyhow::{Result, bail};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 /// Seconds for which a machine that is watched may keep its keyphasor's pulse back before it counts as standing still.
 const WATCHED_WAIT: f64 = 10.0;
@@ -23,13 +25,16 @@ pub struct Replay<'a> {
     pub(super) rows: u64,
     /// Of the times before the shaft stood still.
     flaws: Vec<FlawSummary>,
+    ended: bool,
 }
 
 /// What came up since it was last asked for.
 #[derive(Default)]
 pub struct News {
-    /// Seconds that ended.
+    /// Seconds that ended and that the twin has passed through.
     pub seconds: Vec<Second>,
+    /// Seconds that ended while the twin was started, without its figures.
+    pub preliminary: Vec<Second>,
     /// Limits crossed (without an end) and crossings that ended.
     pub events: Vec<Event>,
 }
@@ -44,7 +49,7 @@ impl<'a> Replay<'a> {
         let tracker = tracker(scene, recording, rate, options.watched);
         let rate = rate / f64::from(recording.average);
         let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
-        Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0, flaws: vec![] })
+        Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0, flaws: vec![], ended: false })
     }
 
     /// A row to read into.
@@ -53,41 +58,95 @@ impl<'a> Replay<'a> {
         self.tracker.blank()
     }
 
-    /// Takes in the next row.
+    /// Takes in the next row: evaluates limits and indicators of readings and queues the samples for the twin.
     ///
     /// # Errors
-    /// A shaft whose angle cannot be told, a machine that cannot be started.
+    /// A shaft whose angle cannot be found, a search that cannot be started.
     pub fn push(&mut self, row: Row) -> Result<()> {
         self.rows += 1;
-        self.tracker.push(row)?;
-        self.drain()
+        let pushed = self.tracker.push(row);
+        self.drain()?;
+        Ok(pushed?)
     }
 
     fn drain(&mut self) -> Result<()> {
-        while let Some(mut sample) = self.tracker.pop() {
-            self.run.take(&mut sample)?;
-            self.tracker.recycle(sample.row);
+        while let Some(sample) = self.tracker.pop() {
+            self.run.take(sample)?;
         }
         Ok(())
     }
 
-    /// The twin has started.
-    #[must_use]
-    pub const fn has_started(&self) -> bool {
-        self.run.first.is_none()
+    /// Passes samples to the twin until `deadline`, or all that wait; without a deadline it waits for the twin's start.
+    ///
+    /// # Errors
+    /// A machine that cannot be started, an output that cannot be written.
+    pub fn work(&mut self, deadline: Option<Instant>) -> Result<()> {
+        let tracker = &mut self.tracker;
+        self.run.work(deadline, |row| tracker.recycle(row))
     }
 
-    /// After a time without rotation: angle, twin and observer start anew with the next turns.
-    pub fn begin_anew(&mut self) {
+    /// The start of the twin is found.
+    #[must_use]
+    pub const fn has_started(&self) -> bool {
+        matches!(self.run.startup, Startup::Done)
+    }
+
+    /// The start of the twin is searched for.
+    #[must_use]
+    pub const fn is_searching(&self) -> bool {
+        matches!(self.run.startup, Startup::Searching(_))
+    }
+
+    /// No sample waits for the twin.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.run.is_idle()
+    }
+
+    /// Number of samples that wait for the twin.
+    #[must_use]
+    pub fn waiting(&self) -> usize {
+        self.run.queue.len()
+    }
+
+    /// Ends the search for the observer: the twin starts without one.
+    pub fn cancel_search(&self) {
+        self.run.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// No row follows: the samples that wait for the shaft angle are evaluated and queued.
+    ///
+    /// # Errors
+    /// A shaft whose angle cannot be found. On a machine that is watched this is a note where anything was measured before.
+    pub fn end(&mut self) -> Result<()> {
+        if std::mem::replace(&mut self.ended, true) {
+            return Ok(());
+        }
+        let finished = self.tracker.finish();
+        self.drain()?;
+        self.run.end()?;
+        match finished {
+            Err(error) if self.run.watched && self.run.has_samples() => {
+                self.run.notes.push(format!("The last samples have no shaft angle: {error}."));
+                Ok(())
+            }
+            other => Ok(other?),
+        }
+    }
+
+    /// After a standstill: angle, twin and observer start anew with the next revolutions.
+    ///
+    /// # Errors
+    /// A search that cannot be started.
+    pub fn begin_anew(&mut self) -> Result<()> {
+        self.drain()?;
         if let Some(recording) = &self.scene.recording {
             let rate = self.run.rate * f64::from(recording.average);
             self.flaws.extend(self.tracker.flaws().summary());
             self.tracker = tracker(self.scene, recording, rate, true);
         }
-        self.run.moving = None;
-        if let Some(first) = &mut self.run.first {
-            first.clear();
-        }
+        self.run.restart();
+        Ok(())
     }
 
     /// What there is to see now; nothing unless someone looks on.
@@ -98,7 +157,11 @@ impl<'a> Replay<'a> {
 
     /// What came up since the last call.
     pub fn news(&mut self) -> News {
-        News { seconds: std::mem::take(&mut self.run.ended_seconds), events: self.run.guards.news() }
+        News {
+            seconds: std::mem::take(&mut self.run.ended_seconds),
+            preliminary: self.run.readings.ended(),
+            events: self.run.guards.news(),
+        }
     }
 
     /// The end of the recording, its flaws as the reader found them.
@@ -106,9 +169,8 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// Nothing to compare, an output that cannot be written.
     pub fn finish(mut self, name: &str, mut flaws: Vec<FlawSummary>) -> Result<Outcome> {
-        self.tracker.finish()?;
-        self.drain()?;
-        self.run.align()?;
+        self.end()?;
+        self.work(None)?;
         flaws.append(&mut self.flaws);
         flaws.extend(self.tracker.flaws().summary());
         let angle_source = angle_source(self.rotation, &self.tracker);

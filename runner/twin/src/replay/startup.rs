@@ -1,0 +1,115 @@
+//! Start of the twin: the keyphasor's lag and the observer, found from the first turns.
+//!
+//! The search takes seconds. On a machine that is watched it runs on its own thread; limits and indicators of readings do
+//! not depend on it.
+
+use super::{align, drive, total_turns};
+use crate::observer::{Cancelled, Heard, Start, Tuned, tuned};
+use crate::plant::Plant;
+use crate::recording::Sample;
+use crate::scene::Speed;
+use anyhow::{Result, bail};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::thread::JoinHandle;
+
+/// Stack of the search's thread, bytes: the machine of a scene is large while it is built.
+const STACK: usize = 16 << 20;
+
+/// How far the start has come.
+pub(super) enum Startup {
+    /// The first turns are collected.
+    Collecting,
+    /// The search runs on its own thread.
+    Searching(JoinHandle<Result<Started>>),
+    /// The twin follows the samples.
+    Done,
+}
+
+/// Result of the search.
+pub(super) struct Started {
+    /// Lag of the keyphasor behind the motion, s.
+    pub(super) lag: f64,
+    /// The observer; none where the search was cancelled.
+    pub(super) tuned: Option<Tuned>,
+}
+
+/// Inputs of the search.
+pub(super) struct Search {
+    pub(super) plant: Arc<Plant>,
+    pub(super) linear: Arc<Plant>,
+    /// Readings of each probe per unit of each coordinate.
+    pub(super) rows: Vec<[f64; 5]>,
+    /// Noise of each probe where the scene states it, m.
+    pub(super) noise: Vec<Option<f64>>,
+    /// Sample period, s.
+    pub(super) period: f64,
+    pub(super) speed: Speed,
+    pub(super) process_noise: Option<f64>,
+    /// Set to end the search without an observer.
+    pub(super) cancelled: Arc<AtomicBool>,
+}
+
+/// Returns true where `first` to `last` are enough for the search.
+pub(super) fn is_enough(first: &Sample, last: &Sample) -> bool {
+    let turns = total_turns(last) - total_turns(first);
+    turns.abs() >= align::TURNS || last.row.index - first.row.index + 1 >= align::MOST_SAMPLES as u64
+}
+
+impl Search {
+    /// Finds lag and observer from the first samples.
+    ///
+    /// # Errors
+    /// A machine that cannot be started, probes that no observer takes.
+    pub(super) fn run(&self, samples: &[Sample]) -> Result<Started> {
+        let mut lag = 0.0;
+        // A gap leaves fewer samples, never a longer time to integrate.
+        let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MOST_SAMPLES as u64;
+        let shifted =
+            |lag| samples.iter().take_while(within).map(|s| align::shifted(s.clone(), lag)).collect::<Vec<_>>();
+        for _ in 0..2 {
+            let shifted = shifted(lag);
+            let Some(first) = shifted.first() else { return Ok(Started { lag, tuned: None }) };
+            let mut twin = self.plant.run_in(self.period, total_turns(first), &drive(first))?;
+            let more = align::lag(&shifted, twin.as_mut(), &self.rows, self.period);
+            lag = (lag + more).clamp(-0.5 * self.period, 0.5 * self.period);
+        }
+        match self.tune(&shifted(lag)) {
+            Err(error) if error.is::<Cancelled>() => Ok(Started { lag, tuned: None }),
+            tuned => Ok(Started { lag, tuned: tuned? }),
+        }
+    }
+
+    /// Finds the observer under which the first samples are the most likely.
+    fn tune(&self, samples: &[Sample]) -> Result<Option<Tuned>> {
+        let Some(first) = samples.first() else { return Ok(None) };
+        let twin = self.plant.run_in(self.period, total_turns(first), &drive(first))?;
+        let heard = Heard {
+            samples,
+            rows: &self.rows,
+            given_noise: &self.noise,
+            period: self.period,
+            speed: self.speed,
+            wander: self.process_noise,
+            cancelled: &self.cancelled,
+        };
+        tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref())).map(Some)
+    }
+
+    /// Runs the search on its own thread.
+    ///
+    /// # Errors
+    /// No thread can be started.
+    pub(super) fn spawn(self, samples: Vec<Sample>) -> Result<JoinHandle<Result<Started>>> {
+        let thread = std::thread::Builder::new().name("start".to_owned()).stack_size(STACK);
+        Ok(thread.spawn(move || self.run(&samples))?)
+    }
+}
+
+/// Returns what a finished search found.
+///
+/// # Errors
+/// Those of the search.
+pub(super) fn joined(search: JoinHandle<Result<Started>>) -> Result<Started> {
+    search.join().unwrap_or_else(|_| bail!("the search for the twin's start panicked"))
+}
