@@ -1,0 +1,260 @@
+//! Sources that are not what they should be: foreign, vanished, changed, restarted, corrupted.
+
+use crate::live::{connected, desk, endless, frame, kinds, monitor, outcome, port, rows, source};
+use crate::live_start::{terminate, wait, wait_for_event};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, number, short_recording, swap};
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream, UdpSocket};
+use std::time::{Duration, Instant};
+
+/// Writes what a monitor may no longer want.
+fn offer(stream: &mut TcpStream, bytes: &[u8]) {
+    let _ = stream.write_all(bytes);
+}
+
+/// A request of HTTP, and the end of the connection.
+fn foreign(port: u16) {
+    let mut stream = connected(port);
+    offer(&mut stream, b"GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+    let _ = stream.shutdown(std::net::Shutdown::Write);
+    let _ = stream.read_to_end(&mut vec![]);
+}
+
+#[test]
+fn foreign_connections_are_logged_and_the_next_one_is_followed() {
+    let (desk, port) = (desk(), port());
+    let source_at = format!("tcp:{port}");
+    let child = monitor(&desk, &["--source", &source_at, "--for", "1.9 s", "--events", "events.jsonl"]);
+    drop(connected(port));
+    foreign(port);
+    let mut stream = connected(port);
+    offer(&mut stream, DEMO_RECORDING.as_bytes());
+    drop(stream);
+    foreign(port);
+    let mut stream = connected(port);
+    offer(&mut stream, DEMO_RECORDING.as_bytes());
+    let outcome = outcome(child);
+    assert!(number(&outcome, "/record/samples") > 24_000.0);
+    let kinds = kinds(&desk, "events.jsonl");
+    assert_eq!(kinds.iter().filter(|kind| *kind == "source-refused").count(), 3, "{kinds:?}");
+}
+
+#[test]
+fn a_source_that_vanished_does_not_block_its_successor() {
+    let (desk, port) = (desk(), port());
+    let source_at = format!("tcp:{port}");
+    let args = ["--source", &source_at, "--encoding", "frames", "--for", "1.9 s", "--events", "events.jsonl"];
+    let child = monitor(&desk, &args);
+    let rows = rows(12_800);
+    let frame_of = endless(&rows);
+    let mut vanished = connected(port);
+    (0..12_800).for_each(|sequence| vanished.write_all(&frame_of(sequence)).unwrap());
+    // Its end never comes.
+    let mut successor = connected(port);
+    (12_800..25_600).for_each(|sequence| successor.write_all(&frame_of(sequence)).unwrap());
+    let outcome = outcome(child);
+    assert!(number(&outcome, "/record/samples") > 24_000.0);
+    assert_eq!((source(&outcome, "connections"), source(&outcome, "lost_frames")), (2.0, 0.0));
+    let kinds = kinds(&desk, "events.jsonl");
+    assert!(kinds.contains(&"source-replaced".to_owned()), "{kinds:?}");
+    drop(vanished);
+}
+
+/// A connection that asks for something else does not end the source that pauses.
+#[test]
+fn a_foreign_connection_does_not_replace_a_source_that_pauses() {
+    let (desk, port) = (desk(), port());
+    let source_at = format!("tcp:{port}");
+    let child = monitor(&desk, &["--source", &source_at, "--for", "0.9 s", "--events", "events.jsonl"]);
+    let (head, tail) = DEMO_RECORDING.split_at(DEMO_RECORDING.len() / 2);
+    let mut stream = connected(port);
+    stream.write_all(head.as_bytes()).unwrap();
+    wait_for_event(&desk, "events.jsonl", "source-connected");
+    foreign(port);
+    wait_for_event(&desk, "events.jsonl", "source-refused");
+    stream.write_all(tail.as_bytes()).unwrap();
+    let outcome = outcome(child);
+    assert_eq!(source(&outcome, "connections"), 1.0);
+    assert!(number(&outcome, "/record/samples") > 11_500.0);
+}
+
+/// The demonstration's recording with time stamps of another rate from another beginning.
+fn stamped(rate: f64, begin: f64) -> String {
+    let line = |(i, line): (usize, &str)| match line.split_once(',') {
+        Some((_, rest)) if i > 0 => format!("{:.9},{rest}\n", begin + (i - 1) as f64 / rate),
+        _ => line.to_owned() + "\n",
+    };
+    short_recording(6_400).lines().enumerate().map(line).collect()
+}
+
+#[test]
+fn a_source_that_returns_with_another_rate_is_refused() {
+    let scene = swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "time = \"time_s\"");
+    let (desk, port) = (Desk::with(&scene, &short_recording(2048)), port());
+    let source_at = format!("tcp:{port}");
+    let child = monitor(&desk, &["--source", &source_at, "--events", "events.jsonl"]);
+    let send = |text: &str, events: usize| {
+        let mut stream = connected(port);
+        offer(&mut stream, text.as_bytes());
+        drop(stream);
+        wait("the end of a connection", || {
+            let ends = |kind: &&String| matches!(kind.as_str(), "source-gone" | "source-refused");
+            (kinds(&desk, "events.jsonl").iter().filter(ends).count() == events).then_some(())
+        });
+    };
+    send(&stamped(12_800.0, 1000.0), 1);
+    send(&stamped(25_600.0, 2000.0), 2);
+    send(&swap(&stamped(12_800.0, 3000.0), "DE_X_um", "DE_Z_um"), 3);
+    send(&stamped(12_800.0, 4000.0), 4);
+    terminate(child.id());
+    let outcome = outcome(child);
+    assert_eq!(number(&outcome, "/record/samples"), 12_800.0);
+    // Time goes on from the last sample and never back.
+    assert!((number(&outcome, "/record/duration_s") - 12_799.0 / 12_800.0).abs() < 1e-4);
+    let text = desk.read("events.jsonl");
+    let refused: Vec<&str> = text.lines().filter(|line| line.contains("source-refused")).collect();
+    assert!(refused.len() == 2 && refused[0].contains("Hz") && refused[1].contains("DE_X_um"), "{refused:?}");
+}
+
+#[test]
+fn a_source_that_counts_from_0_again_is_followed() {
+    let (desk, port) = (desk(), port());
+    let source_at = format!("tcp:{port}");
+    let args = ["--source", &source_at, "--encoding", "frames", "--for", "3.4 s", "--events", "events.jsonl"];
+    let child = monitor(&desk, &args);
+    let rows = rows(12_800);
+    let frame_of = endless(&rows);
+    for count in [30_000, 15_000] {
+        let mut stream = connected(port);
+        (0..count).for_each(|sequence| offer(&mut stream, &frame_of(sequence)));
+    }
+    let outcome = outcome(child);
+    assert!(number(&outcome, "/record/samples") > 43_500.0);
+    assert_eq!((source(&outcome, "repeated_frames"), source(&outcome, "lost_frames")), (0.0, 0.0));
+    let kinds = kinds(&desk, "events.jsonl");
+    assert_eq!(kinds.iter().filter(|kind| *kind == "source-counts-anew").count(), 1, "{kinds:?}");
+}
+
+/// Where the restart falls within what a source may repeat, its pace shows that the samples are new.
+#[test]
+fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
+    let (desk, port) = (desk(), port());
+    let source_at = format!("tcp:{port}");
+    let args = ["--source", &source_at, "--encoding", "frames", "--events", "events.jsonl"];
+    let child = monitor(&desk, &args);
+    let rows = rows(12_800);
+    let frame_of = endless(&rows);
+    let mut stream = connected(port);
+    (0..12_800).for_each(|sequence| offer(&mut stream, &frame_of(sequence)));
+    drop(stream);
+    let mut stream = connected(port);
+    let since = Instant::now();
+    // In real time, until the monitor has noticed.
+    for sequence in 0..12_000 {
+        offer(&mut stream, &frame_of(sequence));
+        if sequence % 128 == 0 {
+            let due = Duration::from_secs_f64(f64::from(sequence) / 12_800.0);
+            std::thread::sleep(due.saturating_sub(since.elapsed()));
+        }
+    }
+    drop(stream);
+    wait("both ends", || {
+        (kinds(&desk, "events.jsonl").iter().filter(|k| *k == "source-gone").count() == 2).then_some(())
+    });
+    terminate(child.id());
+    let outcome = outcome(child);
+    let repeated = source(&outcome, "repeated_frames");
+    assert!(repeated > 0.0 && repeated < 6_400.0, "{repeated}");
+    assert_eq!(source(&outcome, "rows") + repeated, 24_800.0);
+}
+
+#[test]
+fn wrong_frames_move_nothing() {
+    let (desk, port) = (desk(), port());
+    let source_at = format!("udp:{port}");
+    let args = ["--source", &source_at, "--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"];
+    let child = monitor(&desk, &args);
+    let rows = rows(12_800);
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let to: SocketAddr = ([127, 0, 0, 1], port).into();
+    while socket.send_to(b"x", to).is_err() || UdpSocket::bind(to).is_ok() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let mut random = 0x2545_f491_u32;
+    for (i, block) in rows.chunks(32).enumerate() {
+        let first = i * 32;
+        let datagram: Vec<u8> = block.iter().enumerate().flat_map(|(k, row)| frame((first + k) as u32, row)).collect();
+        socket.send_to(&datagram, to).unwrap();
+        // A wrong number and wrong readings.
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        socket.send_to(&frame((1 << 20) + (random >> 1), &[1e30; 6]), to).unwrap();
+        if i % 50 == 49 {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+    let outcome = outcome(child);
+    assert!(source(&outcome, "lost_frames") < 1_000.0, "{}", source(&outcome, "lost_frames"));
+    assert!(source(&outcome, "malformed_frames") > 300.0);
+    assert!(number(&outcome, "/probes/0/measured/peak_to_peak_um") < 1e3);
+    assert!(kinds(&desk, "events.jsonl").len() < 10, "{}", desk.read("events.jsonl"));
+}
+
+/// A frame of the second version: its CRC-32 at its end.
+fn checked(sequence: u32, row: &[f32]) -> Vec<u8> {
+    let mut frame = frame(sequence, row);
+    let crc = crc32(&frame);
+    frame.extend(crc.to_le_bytes());
+    frame
+}
+
+/// CRC-32 of IEEE 802.3, bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let bit = |crc: u32| if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 };
+    let byte = |crc: u32, byte: &u8| (0..8).fold(crc ^ u32::from(*byte), |crc, _| bit(crc));
+    !bytes.iter().fold(!0, byte)
+}
+
+#[test]
+fn frames_with_a_checksum_are_checked() {
+    assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+    let (desk, port) = (desk(), port());
+    let source_at = format!("tcp:{port}");
+    let args = ["--source", &source_at, "--encoding", "frames-crc", "--for", "0.9 s", "--events", "events.jsonl"];
+    let child = monitor(&desk, &args);
+    let (rows, mut stream) = (rows(12_800), connected(port));
+    for sequence in 0..12_800 {
+        let mut frame = checked(sequence, &rows[sequence as usize]);
+        if sequence == 4_000 {
+            // A reading changed on its way.
+            frame[9] ^= 0x40;
+        }
+        if sequence == 6_000 {
+            // A byte lost: the frames after it are found again.
+            frame.remove(5);
+        }
+        offer(&mut stream, &frame);
+    }
+    let outcome = outcome(child);
+    assert_eq!((source(&outcome, "lost_frames"), source(&outcome, "malformed_frames")), (2.0, 2.0));
+    assert_eq!(kinds(&desk, "events.jsonl"), ["source-connected"]);
+}
+
+#[test]
+fn events_of_one_kind_are_limited_in_number() {
+    let (desk, port) = (desk(), port());
+    let source_at = format!("tcp:{port}");
+    let args = ["--source", &source_at, "--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"];
+    let child = monitor(&desk, &args);
+    let rows = rows(12_800);
+    let frame_of = endless(&rows);
+    for i in 0..200 {
+        let mut stream = connected(port);
+        (i * 64..(i + 1) * 64).for_each(|sequence| offer(&mut stream, &frame_of(sequence)));
+    }
+    let outcome = outcome(child);
+    assert!(source(&outcome, "connections") > 150.0);
+    let kinds = kinds(&desk, "events.jsonl");
+    assert!(kinds.len() < 40, "{}", kinds.len());
+    let notes = outcome["notes"].to_string();
+    assert!(notes.contains("source-connected"), "{notes}");
+}
