@@ -17,7 +17,7 @@ use ballrace_twin::fault::SceneFault;
 use ballrace_twin::needs::{self, Need};
 use ballrace_twin::recording::error::RecordingError;
 use ballrace_twin::scene::read::SceneError;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -83,6 +83,22 @@ pub enum Command {
     Scenes(scenes::Args),
 }
 
+impl Command {
+    /// A command that ends on a signal by itself, with a report of what it measured.
+    const fn is_live(&self) -> bool {
+        matches!(self, Self::Watch(_) | Self::Replay(replay::Args { paced: true, .. }))
+    }
+}
+
+/// Exit code of a process that a signal ended, as shells give it for an interrupt.
+const INTERRUPTED: i32 = 130;
+
+/// Removes temporary files when a signal ends the process.
+fn exit_on_signal() -> Result<()> {
+    ctrlc::set_handler(|| ballrace_twin::output::exit_without_temporary_files(INTERRUPTED))
+        .context("signals cannot be received")
+}
+
 /// `--format`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
@@ -124,6 +140,11 @@ fn place(path: &Path) -> PathBuf {
 /// Runs the command; errors go to standard error as one line.
 #[must_use]
 pub fn run(cli: &Cli) -> ExitCode {
+    if !cli.command.is_live()
+        && let Err(error) = exit_on_signal()
+    {
+        return code(Err(error));
+    }
     let done = match &cli.command {
         Command::Replay(args) => {
             return limited(replay::run(args, cli.format, cli.error));

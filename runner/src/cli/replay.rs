@@ -41,7 +41,7 @@ pub struct Args {
     baseline: Option<PathBuf>,
     /// In real time: a recording keeps to its own time, a source is followed as it comes.
     #[arg(long)]
-    paced: bool,
+    pub(super) paced: bool,
     #[command(flatten)]
     live: LiveArgs,
 }

@@ -1,9 +1,10 @@
-//! Output files that are whole or not there: written beside their place, moved into it at the end.
+//! Output files that are complete or absent: written beside their place and moved into it at the end.
 
 use anyhow::{Context, Result};
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, Permissions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
 /// A file under way. Dropped before [`AtomicFile::finish`], it leaves nothing behind.
@@ -11,11 +12,13 @@ pub struct AtomicFile {
     writer: BufWriter<Place>,
     /// Where it goes, links followed.
     path: PathBuf,
+    /// Permissions of the file that it replaces.
+    permissions: Option<Permissions>,
 }
 
 enum Place {
     /// A new or a regular file: replaced as a whole.
-    Beside(NamedTempFile),
+    Beside(Temporary),
     /// A pipe or a device, which has no whole to replace.
     Straight(File),
 }
@@ -23,16 +26,67 @@ enum Place {
 impl Write for Place {
     fn write(&mut self, buffer: &[u8]) -> std::io::Result<usize> {
         match self {
-            Self::Beside(file) => file.write(buffer),
+            Self::Beside(temporary) => temporary.file.write(buffer),
             Self::Straight(file) => file.write(buffer),
         }
     }
     fn flush(&mut self) -> std::io::Result<()> {
         match self {
-            Self::Beside(file) => file.flush(),
+            Self::Beside(temporary) => temporary.file.flush(),
             Self::Straight(file) => file.flush(),
         }
     }
+}
+
+/// Temporary files that exist now, for [`exit_without_temporary_files`].
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A temporary file that is removed when it is dropped, and by [`exit_without_temporary_files`].
+struct Temporary {
+    file: NamedTempFile,
+    listed: Listed,
+}
+
+/// Entry in the list of temporary files.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| *path != self.0);
+    }
+}
+
+impl Temporary {
+    fn create(folder: &Path, permissions: Option<&Permissions>) -> std::io::Result<Self> {
+        // Held until the file is listed: a signal in between would leave the file behind.
+        let mut listed = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".ballrace-");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // The system takes the user's mask off a new file's permissions.
+            builder.permissions(permissions.cloned().unwrap_or_else(|| Permissions::from_mode(0o666)));
+        }
+        #[cfg(not(unix))]
+        let _ = permissions;
+        // The system's reason alone: the temporary name means nothing to the user.
+        let file = builder.tempfile_in(folder).map_err(|e| std::io::Error::from(e.kind()))?;
+        listed.push(file.path().to_owned());
+        let listed = Listed(file.path().to_owned());
+        Ok(Self { file, listed })
+    }
+}
+
+/// Removes every temporary file of this process and ends it with `code`, for a signal that ends the process.
+pub fn exit_without_temporary_files(code: i32) -> ! {
+    // Held until the end, so that no other thread begins a file in between.
+    let listed = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in listed.iter() {
+        // A file that cannot be removed stays: nothing else can be done about it now.
+        let _ = std::fs::remove_file(path);
+    }
+    std::process::exit(code)
 }
 
 fn failed(path: &Path) -> impl FnOnce() -> String {
@@ -50,17 +104,16 @@ impl AtomicFile {
         }
         // A link is followed, not replaced.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let special = path.metadata().is_ok_and(|m| !m.is_file());
+        let existing = path.metadata().ok();
+        let special = existing.as_ref().is_some_and(|m| !m.is_file());
+        let permissions = existing.filter(|m| m.is_file()).map(|m| m.permissions());
         let place = if special {
             Place::Straight(OpenOptions::new().write(true).open(&path).with_context(failed(&path))?)
         } else {
-            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            let file = tempfile::Builder::new().prefix(".ballrace-").tempfile_in(folder);
-            // The system's reason alone: the temporary name would mean nothing to the user.
-            let file = file.map_err(|e| std::io::Error::from(e.kind())).with_context(failed(&path))?;
-            Place::Beside(file)
+            let temporary = Temporary::create(folder_of(&path), permissions.as_ref());
+            Place::Beside(temporary.with_context(failed(&path))?)
         };
-        Ok(Self { writer: BufWriter::with_capacity(1 << 16, place), path })
+        Ok(Self { writer: BufWriter::with_capacity(1 << 16, place), path, permissions })
     }
 
     /// Writes the whole of `contents` to `path`.
@@ -73,24 +126,25 @@ impl AtomicFile {
         file.finish()
     }
 
-    /// Moves the file into its place, with the permissions that a new file has.
+    /// Moves the file into its place, with the permissions of the file that it replaces, or those of a new file.
     ///
     /// # Errors
     /// A full disk, a place that became unwritable.
     pub fn finish(self) -> Result<()> {
-        let Self { writer, path } = self;
-        let Place::Beside(file) = writer.into_inner().map_err(|e| e.into_error()).with_context(failed(&path))? else {
+        let Self { writer, path, permissions } = self;
+        let Place::Beside(temporary) = writer.into_inner().map_err(|e| e.into_error()).with_context(failed(&path))?
+        else {
             return Ok(());
         };
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            let permissions = std::fs::Permissions::from_mode(0o644);
+        let Temporary { file, listed } = temporary;
+        if let Some(permissions) = permissions {
             file.as_file().set_permissions(permissions).with_context(failed(&path))?;
         }
         // In its place it has to be whole, also after the power failed.
         file.as_file().sync_all().with_context(failed(&path))?;
         file.persist(&path).map_err(|e| e.error).with_context(failed(&path))?;
+        drop(listed);
+        sync_folder(&path);
         Ok(())
     }
 }
@@ -102,4 +156,32 @@ impl Write for AtomicFile {
     fn flush(&mut self) -> std::io::Result<()> {
         self.writer.flush()
     }
+}
+
+/// Replaces the file `path`, which no other process writes, by `contents`; durable when this returns.
+///
+/// The temporary file has a fixed name, `PATH.new`: a process that is killed leaves at most one of them, which the next
+/// call overwrites.
+///
+/// # Errors
+/// A full disk, a folder that cannot be written.
+pub fn replace(path: &Path, contents: &[u8]) -> std::io::Result<File> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".new");
+    let temporary = PathBuf::from(name);
+    let mut file = OpenOptions::new().write(true).create(true).truncate(true).open(&temporary)?;
+    file.write_all(contents)?;
+    file.sync_all()?;
+    std::fs::rename(&temporary, path)?;
+    sync_folder(path);
+    Ok(file)
+}
+
+/// Makes a rename durable where the system can do so.
+fn sync_folder(path: &Path) {
+    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
