@@ -399,6 +399,7 @@ fn timing() -> Timing {
             ring_capacity: 262_144,
             ..SourceFigures::default()
         }),
+        outputs: None,
         sample_period_ns: 78_125,
         wall_s: 4.003,
         times_real_time: 0.9993,

@@ -3,7 +3,7 @@
 use super::number::{alone, count, counted, fixed};
 use ballrace_twin::replay::findings;
 use ballrace_twin::replay::outcome::{
-    Finding, FindingKind, Observation, Outcome, ProbeOutcome, Record, SourceFigures, Standing, Timing,
+    Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, SourceFigures, Standing, Timing,
 };
 
 /// Condition number from which the probes count as badly placed.
@@ -235,7 +235,18 @@ pub fn pacing(timing: &Timing) -> Vec<String> {
             pacing.scheduling
         )
     });
-    kept.into_iter().chain(timing.source.as_ref().map(source)).collect()
+    kept.into_iter().chain(timing.source.as_ref().map(source)).chain(timing.outputs.and_then(not_written)).collect()
+}
+
+/// What the outputs lack, where they lack anything.
+fn not_written(outputs: OutputFigures) -> Option<String> {
+    (outputs != OutputFigures::default()).then(|| {
+        format!(
+            "Not written: {}, {} of indicators.",
+            counted(outputs.events_not_written, "event"),
+            counted(outputs.seconds_not_written, "second")
+        )
+    })
 }
 
 fn source(source: &SourceFigures) -> String {

@@ -12,7 +12,7 @@ use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};
 use anyhow::{Result, bail};
 use ballrace::Exact;
 use ballrace::twin::{Figures, Statistics};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 const UM: f64 = 1e6;
 
@@ -38,8 +38,58 @@ pub struct Event {
     pub limit: f64,
     /// Of `worst` and `limit`: um, or nothing.
     pub unit: &'static str,
-    /// For the maintenance engineer.
+    /// For the maintenance engineer; empty where a line of the event log has it already.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub sentence: String,
+}
+
+/// State of the limits at the end of their last blocks, from which another process can go on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct LimitState {
+    /// Number of the first sample after the last block of readings.
+    pub readings_index: Option<u64>,
+    /// The same of residuals, which follow where the twin runs; none before the twin runs.
+    pub residuals_index: Option<u64>,
+    /// Limits that are exceeded there.
+    pub crossings: Vec<OpenCrossing>,
+}
+
+impl LimitState {
+    /// The first and the last of both positions; none before the first sample.
+    #[must_use]
+    pub fn positions(&self) -> Option<[u64; 2]> {
+        let readings = self.readings_index?;
+        let residuals = self.residuals_index.unwrap_or(readings);
+        Some([readings.min(residuals), readings.max(residuals)])
+    }
+
+    /// The same state with every position changed by `change`.
+    #[must_use]
+    pub fn map_positions(self, change: impl Fn(u64) -> u64) -> Self {
+        let (readings_index, residuals_index) = (self.readings_index.map(&change), self.residuals_index.map(&change));
+        Self { readings_index, residuals_index, ..self }
+    }
+}
+
+/// A limit that is exceeded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OpenCrossing {
+    /// The indicator, as the scene names it.
+    pub indicator: String,
+    /// The probe's column.
+    pub probe: String,
+    /// Of a race's line.
+    pub bearing: Option<String>,
+    /// The limit, m or a number.
+    pub limit: f64,
+    /// An event reported it already.
+    pub is_reported: bool,
+    /// Start of the first block beyond the limit, s.
+    pub start_s: f64,
+    /// The worst value, in the limit's unit.
+    pub worst: f64,
+    /// End of the block with the worst value, s.
+    pub worst_s: f64,
 }
 
 /// One limit on one probe.
@@ -75,24 +125,33 @@ pub struct Guards {
 struct Block {
     /// Time of its first sample, s; none before the first.
     start: Option<f64>,
+    /// Number of the first sample that is not part of a finished block; none before the first sample.
+    next_index: Option<u64>,
     probes: Vec<Statistics<f64>>,
 }
 
 impl Block {
     fn new(probes: usize) -> Self {
-        Self { start: None, probes: vec![Statistics::new(u32::MAX); probes] }
+        Self { start: None, next_index: None, probes: vec![Statistics::new(u32::MAX); probes] }
     }
 
-    fn add(&mut self, time: f64, values: impl Iterator<Item = f64>) {
+    /// True where the sample `index` is not part of a block that was finished before a restart.
+    fn is_due(&self, index: u64) -> bool {
+        self.next_index.is_none_or(|next| index >= next)
+    }
+
+    fn add(&mut self, index: u64, time: f64, values: impl Iterator<Item = f64>) {
+        self.next_index.get_or_insert(index);
         self.start.get_or_insert(time);
         for (statistics, value) in self.probes.iter_mut().zip(values) {
             statistics.add::<Exact>(value);
         }
     }
 
-    /// Ends the block at `time` and begins the next; returns its start and the figures of every probe.
-    fn close(&mut self, time: f64) -> Option<(f64, Vec<Figures<f64>>)> {
+    /// Ends the block with the sample `index` at `time` and begins the next; returns its start and the figures of every probe.
+    fn close(&mut self, index: u64, time: f64) -> Option<(f64, Vec<Figures<f64>>)> {
         let start = self.start.replace(time)?;
+        self.next_index = Some(index + 1);
         Some((start, self.probes.iter_mut().map(Statistics::close::<Exact>).collect()))
     }
 }
@@ -146,23 +205,87 @@ impl Guards {
         self.guards.iter().map(line).collect()
     }
 
+    /// Goes on from `state`: samples before its position are ignored. Crossings of limits that the scene does not have are
+    /// dropped.
+    pub fn restore(&mut self, state: &LimitState) {
+        (self.readings.next_index, self.residuals.next_index) = (state.readings_index, state.residuals_index);
+        for crossing in &state.crossings {
+            let names = &self.names;
+            let matches = |guard: &&mut Guard| {
+                guard.open.is_none()
+                    && guard.limit.indicator.name().0 == crossing.indicator
+                    && guard.limit.bearing == crossing.bearing
+                    && names.get(guard.probe) == Some(&crossing.probe)
+                    // A number that went through a text file may differ in its last digit.
+                    && (guard.max - crossing.limit).abs() <= 1e-9 * guard.max.abs()
+            };
+            if let Some(guard) = self.guards.iter_mut().find(matches) {
+                guard.open = Some(Open {
+                    told: crossing.is_reported,
+                    start: crossing.start_s,
+                    worst: crossing.worst,
+                    worst_at: crossing.worst_s,
+                });
+            }
+        }
+    }
+
+    /// The state at the end of the last block; none without limits and before the first sample.
+    #[must_use]
+    pub fn state(&self) -> Option<LimitState> {
+        if self.is_empty() || self.readings.next_index.is_none() {
+            return None;
+        }
+        let crossing = |guard: &Guard| {
+            let open = guard.open.as_ref()?;
+            Some(OpenCrossing {
+                indicator: guard.limit.indicator.name().0.to_owned(),
+                probe: self.names.get(guard.probe).cloned().unwrap_or_default(),
+                bearing: guard.limit.bearing.clone(),
+                limit: guard.max,
+                is_reported: open.told,
+                start_s: open.start,
+                // An infinite value has no form in JSON.
+                worst: open.worst.min(f64::MAX),
+                worst_s: open.worst_at,
+            })
+        };
+        Some(LimitState {
+            readings_index: self.readings.next_index,
+            residuals_index: self.residuals.next_index,
+            crossings: self.guards.iter().filter_map(crossing).collect(),
+        })
+    }
+
+    /// True where the readings of sample `index` are not part of a block that was finished before a restart.
+    #[must_use]
+    pub fn are_readings_due(&self, index: u64) -> bool {
+        self.readings.is_due(index)
+    }
+
+    /// The same of its residuals.
+    #[must_use]
+    pub fn are_residuals_due(&self, index: u64) -> bool {
+        self.residuals.is_due(index)
+    }
+
     /// Adds a sample with a reading of every probe, for limits on readings.
-    pub fn add_readings(&mut self, time: f64, measured: &[f64]) {
-        if !self.is_empty() {
-            self.readings.add(time, measured.iter().copied());
+    pub fn add_readings(&mut self, index: u64, time: f64, measured: &[f64]) {
+        if !self.is_empty() && self.readings.is_due(index) {
+            self.readings.add(index, time, measured.iter().copied());
         }
     }
 
     /// Adds the residuals of such a sample, for limits on residuals.
-    pub fn add_residuals(&mut self, time: f64, measured: &[f64], twin: &[f64]) {
-        if !self.is_empty() {
-            self.residuals.add(time, measured.iter().zip(twin).map(|(y, x)| y - x));
+    pub fn add_residuals(&mut self, index: u64, time: f64, measured: &[f64], twin: &[f64]) {
+        if !self.is_empty() && self.residuals.is_due(index) {
+            self.residuals.add(index, time, measured.iter().zip(twin).map(|(y, x)| y - x));
         }
     }
 
-    /// Ends a block of readings at `time`; `amplitude` returns a followed line's amplitude in a probe's motion, m.
-    pub fn close_readings(&mut self, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
-        let Some((start, figures)) = self.readings.close(time) else { return };
+    /// Ends a block of readings with the sample `index` at `time`; `amplitude` returns a followed line's amplitude in a probe's motion, m.
+    pub fn close_readings(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
+        let Some((start, figures)) = self.readings.close(index, time) else { return };
         self.evaluate(start, time, |guard| {
             let of = &figures[guard.probe];
             match guard.limit.indicator {
@@ -177,9 +300,9 @@ impl Guards {
         });
     }
 
-    /// Ends a block of residuals at `time`; `amplitude` returns a followed line's amplitude in a probe's residual, m.
-    pub fn close_residuals(&mut self, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
-        let Some((start, figures)) = self.residuals.close(time) else { return };
+    /// Ends a block of residuals with the sample `index` at `time`; `amplitude` returns a followed line's amplitude in a probe's residual, m.
+    pub fn close_residuals(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
+        let Some((start, figures)) = self.residuals.close(index, time) else { return };
         self.evaluate(start, time, |guard| match guard.limit.indicator {
             Indicator::Residual => Some(figures[guard.probe].rms),
             Indicator::OuterRace | Indicator::InnerRace => {
@@ -317,4 +440,71 @@ fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Bas
     bail!(SceneFault(format!(
         "limit: growth_db: found a baseline without {name}, allowed: one learned by this version"
     )))
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    /// One limit of the peak-to-peak value at 1 um, with a duration in s.
+    fn guards(duration: f64) -> Guards {
+        let limit = Limit {
+            indicator: Indicator::PeakToPeak,
+            probe: None,
+            bearing: None,
+            allowed: Allowed::Most(1e-6),
+            hysteresis: 0.1,
+            duration,
+        };
+        let guard = Guard { limit, probe: 0, line: None, max: 1e-6, open: None };
+        let blocks = || vec![Statistics::new(u32::MAX)];
+        Guards {
+            guards: vec![guard],
+            names: vec!["X".to_owned()],
+            measured: blocks(),
+            residual: blocks(),
+            since: None,
+            next_index: None,
+            events: vec![],
+            news: vec![],
+        }
+    }
+
+    /// Blocks of ten samples, 1 s each; those of `high` exceed the limit.
+    fn run(guards: &mut Guards, samples: std::ops::Range<u64>, high: std::ops::Range<u64>) -> Vec<Event> {
+        for index in samples {
+            let size = if high.contains(&(index / 10)) { 3e-6 } else { 0.1e-6 };
+            let time = index as f64 / 10.0;
+            guards.add(index, time, &[if index % 2 == 0 { 0.0 } else { size }], &[0.0]);
+            if guards.is_due(index) && index % 10 == 9 {
+                guards.block(index, time, |_, _, _| 0.0);
+            }
+        }
+        guards.news()
+    }
+
+    /// Stopped at any sample and restored from its state at that moment, the limits report what they would have reported.
+    #[test]
+    fn a_restored_monitor_reports_what_is_left() {
+        for duration in [0.0, 2.0] {
+            let expected = run(&mut guards(duration), 0..100, 3..7);
+            assert_eq!(expected.len(), 2, "{expected:?}");
+            for stop in 0..100 {
+                let mut first = guards(duration);
+                let mut events = run(&mut first, 0..stop, 3..7);
+                let Some(state) = first.state() else { continue };
+                let text = serde_json::to_string(&state).unwrap();
+                let mut second = guards(duration);
+                second.restore(&serde_json::from_str(&text).unwrap());
+                // The indicators may have to read again from farther back.
+                let again = state.next_index.saturating_sub(7)..100;
+                events.extend(run(&mut second, again, 3..7));
+                let key = |e: &Event| (e.end_s.is_some(), e.start_s.round() as u64);
+                let (found, wanted): (Vec<_>, Vec<_>) =
+                    (events.iter().map(key).collect(), expected.iter().map(key).collect());
+                assert_eq!(found, wanted, "stopped at {stop}");
+            }
+        }
+    }
 }

@@ -561,14 +561,16 @@ impl<'a> Run<'a> {
         };
         let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
         if !seen.measured.iter().any(|y| y.is_nan()) {
-            self.guards.add_residuals(sample.row.time, seen.measured, seen.twin);
+            self.guards.add_residuals(sample.row.index, sample.row.time, seen.measured, seen.twin);
         }
         if let Some(seconds) = self.seconds.as_mut().filter(|_| !seen.measured.iter().any(|y| y.is_nan())) {
             self.ended_seconds.extend(seconds.add(sample, seen.twin, self.comparison.lines.block(0)));
         }
-        if self.comparison.add(&seen, angles) {
+        // After a restart, blocks begin where those of the limits go on.
+        let (index, time) = (sample.row.index, sample.row.time);
+        if self.guards.are_residuals_due(index) && self.comparison.add(&seen, angles) {
             let comparison = &self.comparison;
-            self.guards.close_residuals(sample.row.time, |line, probe| comparison.block_line(line, probe));
+            self.guards.close_residuals(index, time, |line, probe| comparison.block_line(line, probe));
         }
         let is_held = buffers.evaluated.iter().any(|e| e.status.is_held());
         if let Some(locator) = self.locator.as_mut().filter(|_| !is_held) {

@@ -4,7 +4,7 @@
 
 mod timing;
 
-pub use timing::{Pacing, Quantiles, SourceFigures, Timing};
+pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
 use super::baseline;
 use crate::recording::flaws::FlawSummary;

@@ -43,15 +43,17 @@ impl Readings {
         if !needed || measured.iter().any(|y| y.is_nan()) {
             return;
         }
-        limits.add_readings(sample.row.time, measured);
+        limits.add_readings(sample.row.index, sample.row.time, measured);
         if let Some(seconds) = &mut self.seconds {
             self.ended.extend(seconds.add(sample, &self.no_twin, self.lines.block(0)).map(without_twin));
         }
         let arc = (sample.revolution - revolution) as f64 + (sample.angle.revolutions() - angle.revolutions());
-        if self.lines.add(measured, Angles { shaft: sample.angle, cages: &[], arc }) {
+        // After a restart, blocks begin where those of the limits go on.
+        let index = sample.row.index;
+        if limits.are_readings_due(index) && self.lines.add(measured, Angles { shaft: sample.angle, cages: &[], arc }) {
             let amplitude =
                 |line: usize, probe: usize| self.lines.block(line).get(probe).map_or(0.0, |[c, s]| c.hypot(*s));
-            limits.close_readings(sample.row.time, amplitude);
+            limits.close_readings(index, sample.row.time, amplitude);
         }
     }
 

@@ -1,6 +1,6 @@
 //! A replay row by row, whoever brings the rows.
 
-use super::limits::Event;
+use super::limits::{Event, LimitState};
 use super::outcome::Outcome;
 use super::recent::Glance;
 use super::second::Second;
@@ -162,6 +162,17 @@ impl<'a> Replay<'a> {
             preliminary: self.run.readings.ended(),
             events: self.run.guards.news(),
         }
+    }
+
+    /// Goes on with limits in a state of an earlier process.
+    pub fn restore_limits(&mut self, state: &LimitState) {
+        self.run.guards.restore(state);
+    }
+
+    /// The limits' state after the events that [`Replay::news`] gave.
+    #[must_use]
+    pub fn limit_state(&self) -> Option<LimitState> {
+        self.run.guards.state()
     }
 
     /// The end of the recording, its flaws as the reader found them.

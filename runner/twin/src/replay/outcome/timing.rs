@@ -38,6 +38,18 @@ pub struct Timing {
     /// What came from the source and what did not; only when paced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<SourceFigures>,
+    /// What the outputs could not write; only when paced.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outputs: Option<OutputFigures>,
+}
+
+/// Counts of what outputs could not write, such as on a full disk.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct OutputFigures {
+    /// Events that are not in the log.
+    pub events_not_written: u64,
+    /// Seconds that are not in the indicators.
+    pub seconds_not_written: u64,
 }
 
 /// Blocks of a timeline. A block's work is due when the next one begins.
