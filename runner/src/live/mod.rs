@@ -1,13 +1,18 @@
 //! The monitor: samples from a source, in real time, through kernel and twin.
 //!
 //! A thread reads the source into a ring; the loop wakes at absolute times, takes what is due, and tells seconds and events
-//! to whom they were promised. With a state, what is told is on disk before it counts as done: a monitor that was killed
-//! goes on at the first sample that was not.
+//! to whom they were promised.
+//!
+//! With a state, the order of writing makes every second and every limit event appear once, whenever the process is killed:
+//! first the indicators, then the state with the positions of indicators and limits and with the new event lines, then
+//! these lines in the event log, and then the acknowledgement. A restart appends the lines of the state that the log does not
+//! have, and ignores samples before either position.
 
 pub mod address;
 mod connections;
 pub mod feed;
 pub mod frames;
+mod lock;
 pub mod out;
 pub mod pace;
 pub mod realtime;
@@ -25,10 +30,10 @@ use ballrace_twin::scene::{Recording, Scene};
 use address::Address;
 use anyhow::{Result, bail};
 use feed::{CAPACITY, Counts, Item, Receiver};
-use out::{Outputs, Told};
+use out::{Network, Outputs, Told};
 use pace::{BLOCK, Pace};
 use source::{Encoding, Reading, Resume, lock};
-use state::StateFile;
+use state::{State, StateFile};
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -72,15 +77,19 @@ pub struct Options<'a> {
 /// A scene without probes, a source that cannot be opened or understood, an output that cannot be written.
 pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Outcome> {
     let recording = probed(scene)?;
+    // The state is locked and every port bound before a file is touched: a start that fails changes nothing.
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
-    let (resume, done) = state.as_ref().map_or_else(Default::default, |file| (file.state.resume, file.state.time_s));
-    let goes_on = state.as_ref().is_some_and(|file| file.state.starts > 1);
-    let mut outputs = Outputs::open(options.outputs, goes_on.then_some(done))?;
+    let network = Network::bind(options.outputs)?;
+    let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();
+    let before = state.as_ref().map_or_else(State::default, |file| file.state.clone());
+    let (resume, done, goes_on) = (before.resume(can_repeat), before.time_s, before.starts > 0);
     let (sender, mut receiver) = feed::feed(CAPACITY);
     if state.is_some() {
         receiver.counts.acknowledged.store(resume.index, Ordering::Relaxed);
     }
     let reading = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
+    let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
+    state.as_mut().map_or(Ok(()), StateFile::begin)?;
     show(options, |view| view.state = "waiting for the source");
     let rate = first_rate(&reading, &mut receiver, stop, |note| {
         let told = Told::note(note, done);
@@ -89,7 +98,11 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     });
     let Some(rate) = rate? else { bail!("{}: stopped before a sample came", options.source) };
     let scheduling = realtime::ask(options.realtime, options.core);
-    let replay = Replay::try_new(scene, rate, &options.replay)?;
+    let mut replay = Replay::try_new(scene, rate, &options.replay)?;
+    let average = u64::from(recording.average);
+    if let Some(limits) = &before.limits {
+        replay.restore_limits(&limits.clone().map_positions(|index| index.div_ceil(average)));
+    }
     if goes_on {
         let sentence = format!("Started again, at sample {} ({:.3} s).", resume.index, done);
         outputs.event(&Told::note(feed::Note { kind: "monitor-resumed", sentence }, done))?;
@@ -102,7 +115,9 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         state: state.as_mut(),
         back: &reading.back,
         rate,
-        average: u64::from(recording.average),
+        average,
+        seconds: (before.seconds_index, done),
+        acknowledged: None,
         first: None,
         time: done,
         heard_at: Instant::now(),
@@ -113,12 +128,15 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         pace: Pace::begin()?,
         glanced: Instant::now(),
     };
-    monitor.run(stop)?;
+    let end = monitor.run(stop);
+    // Also after an error, what was found until then is written.
+    monitor.save_the_rest();
+    end?;
     let Monitor { replay, receiver, outputs, pace, mut source, .. } = monitor;
     let counts = receiver.counts.clone();
     let left_out = receiver.left_out();
     drop(receiver);
-    outputs.finish()?;
+    let not_written = outputs.finish();
     let flaws = flaws(reading.end)?;
     let told = flaws.is_some();
     let mut outcome = replay.finish(&options.source.to_string(), flaws.unwrap_or_default())?;
@@ -132,6 +150,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     outcome.timing.paced = true;
     outcome.timing.pacing = Some(pace.finish(scheduling));
     outcome.timing.source = Some(source);
+    outcome.timing.outputs = Some(not_written);
     Ok(outcome)
 }
 
@@ -211,6 +230,10 @@ struct Monitor<'a, 'o> {
     /// Hz
     rate: f64,
     average: u64,
+    /// The first sample after the last second that was handed to the outputs, and that second's end, s.
+    seconds: (u64, f64),
+    /// The sequence number that was acknowledged last.
+    acknowledged: Option<u32>,
     /// Time of the first row, s.
     first: Option<f64>,
     /// Time of the last row, s.
@@ -344,14 +367,21 @@ impl Monitor<'_, '_> {
         self.outputs.event(told)
     }
 
-    /// Tells what came up; at the end of a second it is put on disk, and only then acknowledged.
+    /// Hands events and seconds to the outputs, and writes them.
     fn tell(&mut self) -> Result<()> {
         let news = self.replay.news();
+        let is_new = !news.events.is_empty() || !news.seconds.is_empty();
         for event in news.events {
             self.event(&Told::limit(event))?;
         }
         for second in &news.seconds {
-            self.outputs.second(second)?;
+            let next_index = second.next_index * self.average;
+            if next_index <= self.seconds.0 {
+                // On disk since before a restart; the limits alone needed its samples again.
+                continue;
+            }
+            self.seconds = (next_index, second.time_s);
+            self.outputs.second(second, next_index)?;
         }
         // While the twin catches up, its seconds are behind those of the readings.
         for second in news.preliminary.iter().chain(&news.seconds) {
@@ -361,28 +391,66 @@ impl Monitor<'_, '_> {
                 self.outputs.show(second, &self.receiver.counts, self.pace.misses());
             }
         }
-        let Some(second) = news.seconds.last() else { return Ok(()) };
-        if self.state.is_some() {
-            self.outputs.sync()?;
+        if is_new || self.outputs.is_retry_due() {
+            self.save();
+        } else {
+            // Events of the source are in no state.
+            self.outputs.save_events();
         }
-        self.acknowledge(second.next_index * self.average, second.time_s)
-    }
-
-    fn acknowledge(&mut self, index: u64, time_s: f64) -> Result<()> {
-        let Some(file) = &mut self.state else { return Ok(()) };
-        self.receiver.counts.acknowledged.store(index, Ordering::Relaxed);
-        // The distance in samples is the distance in frames, whatever was lost between.
-        let sequence = self.receiver.sequence_at(index);
-        file.state.resume = Resume { index, sequence };
-        file.state.time_s = time_s;
-        file.keep()?;
-        if let Some(sequence) = sequence
-            && let Some(stream) = lock(self.back).as_mut()
-        {
-            // Who does not listen to acknowledgements may leave them.
-            let _ = writeln!(stream, "acknowledged {}", sequence.wrapping_sub(1));
+        for note in self.outputs.take_notes() {
+            self.event(&Told::note(note, self.time))?;
         }
         Ok(())
+    }
+
+    /// Writes indicators, then the state with the events that wait, then these events, and only then acknowledges.
+    fn save(&mut self) {
+        let has_indicators = self.outputs.save_indicators();
+        if let Some(StateFile { state, .. }) = self.state.as_deref_mut() {
+            if has_indicators {
+                (state.seconds_index, state.time_s) = self.seconds;
+            }
+            let average = self.average;
+            state.limits = self.replay.limit_state().map(|limits| limits.map_positions(|index| index * average));
+            let index = state.first_unprocessed();
+            // The distance in samples is the distance in frames, whatever was lost between.
+            let sequence = self.receiver.sequence_at(index).or(state.resume.sequence);
+            state.resume = Resume { index, sequence };
+        }
+        let has_state = self.outputs.save_state(self.state.as_deref_mut());
+        let has_events = self.outputs.save_events();
+        if has_indicators && has_state && has_events {
+            self.acknowledge();
+        }
+    }
+
+    /// Writes what waits for the last time.
+    fn save_the_rest(&mut self) {
+        self.outputs.retry_now();
+        // The limits' state is that after these events.
+        let _ = self.tell();
+        self.save();
+        for note in self.outputs.take_notes() {
+            let _ = self.event(&Told::note(note, self.time));
+        }
+        self.outputs.save_events();
+        // Without the events that are in the log now.
+        self.outputs.save_state(self.state.as_deref_mut());
+    }
+
+    /// Tells the source which frames it need not keep.
+    fn acknowledge(&mut self) {
+        let Some(file) = &self.state else { return };
+        let Some(last) = file.state.resume.sequence.map(|sequence| sequence.wrapping_sub(1)) else { return };
+        if self.acknowledged == Some(last) || file.state.resume.index == 0 {
+            return;
+        }
+        self.receiver.counts.acknowledged.store(file.state.resume.index, Ordering::Relaxed);
+        if let Some(stream) = lock(self.back).as_mut() {
+            self.acknowledged = Some(last);
+            // Who does not listen to acknowledgements may leave them.
+            let _ = writeln!(stream, "acknowledged {last}");
+        }
     }
 
     /// Notices a source that has fallen silent, and one that speaks again.

@@ -2,18 +2,42 @@
 
 use super::super::feed::Counts;
 use super::super::source::lock;
+use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::{ProbeSecond, Second};
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result};
+use http_body_util::Full;
+use hyper::body::Bytes;
+use hyper::header::{CONTENT_TYPE, HeaderValue};
+use hyper::{Method, Request, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use std::collections::VecDeque;
+use std::convert::Infallible;
 use std::fmt::Write;
 use std::net::Ipv4Addr;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
-use tiny_http::{Header, Response, Server};
+use std::time::Duration;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::oneshot;
+use tokio::task::AbortHandle;
 
-/// Answers in a thread of its own.
+/// Most clients at a time; a further one takes the place of the oldest.
+const MOST_CLIENTS: usize = 32;
+/// Time for a client to send its header.
+const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
+/// Time for a client to be done.
+const CLIENT_TIMEOUT: Duration = Duration::from_secs(10);
+/// Largest header, bytes.
+const MOST_HEADER: usize = 16 << 10;
+/// Pause after a connection that could not be accepted, such as for want of descriptors.
+const PAUSE: Duration = Duration::from_millis(100);
+
+type Page = Arc<Mutex<String>>;
+
+/// An HTTP endpoint with a thread of its own, which ends when this is dropped.
 pub struct Prometheus {
-    page: Arc<Mutex<String>>,
-    server: Arc<Server>,
+    page: Page,
+    _stop: oneshot::Sender<()>,
 }
 
 impl Prometheus {
@@ -22,39 +46,82 @@ impl Prometheus {
     /// # Errors
     /// A port that is taken.
     pub fn listen(port: u16) -> Result<Self> {
-        let server = Server::http((Ipv4Addr::LOCALHOST, port))
-            .map_err(|e| anyhow!("--prometheus {port}: cannot be listened at ({e}), allowed: a free port"))?;
-        let server = Arc::new(server);
-        let page = Arc::new(Mutex::new(String::new()));
-        let (answering, shown) = (server.clone(), page.clone());
-        std::thread::Builder::new().name("prometheus".to_owned()).spawn(move || answer(&answering, &shown))?;
-        Ok(Self { page, server })
+        let refused = || format!("--prometheus {port}: cannot be listened at, allowed: a free port");
+        let listener = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(refused)?;
+        listener.set_nonblocking(true).with_context(refused)?;
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
+        let listener = {
+            let _entered = runtime.enter();
+            TcpListener::from_std(listener).with_context(refused)?
+        };
+        let page = Page::default();
+        let (stop, stopped) = oneshot::channel();
+        let shown = page.clone();
+        let serve = move || {
+            runtime.block_on(async {
+                tokio::select! {
+                    // Also where the other end is dropped.
+                    _ = stopped => {}
+                    () = accept(listener, shown) => {}
+                }
+            });
+        };
+        std::thread::Builder::new().name("prometheus".to_owned()).spawn(serve)?;
+        Ok(Self { page, _stop: stop })
     }
 
     /// Shows a second.
-    pub fn show(&self, second: &Second, counts: &Counts, misses: u64) {
-        *lock(&self.page) = page(second, counts, misses);
+    pub fn show(&self, second: &Second, counts: &Counts, misses: u64, outputs: &OutputFigures) {
+        *lock(&self.page) = page(second, counts, misses, outputs);
     }
 }
 
-impl Drop for Prometheus {
-    fn drop(&mut self) {
-        self.server.unblock();
-    }
-}
-
-fn answer(server: &Server, page: &Mutex<String>) {
-    let kind = Header::from_bytes("Content-Type", "text/plain; version=0.0.4; charset=utf-8").ok();
-    for request in server.incoming_requests() {
-        let known = request.url() == "/metrics" || request.url() == "/";
-        let mut response = Response::from_string(if known { lock(page).clone() } else { "see /metrics\n".to_owned() });
-        response = response.with_status_code(if known { 200 } else { 404 });
-        if let Some(kind) = &kind {
-            response.add_header(kind.clone());
+/// Accepts clients for ever.
+async fn accept(listener: TcpListener, page: Page) {
+    let mut clients: VecDeque<AbortHandle> = VecDeque::new();
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(PAUSE).await;
+            continue;
+        };
+        clients.retain(|client| !client.is_finished());
+        if clients.len() >= MOST_CLIENTS
+            && let Some(oldest) = clients.pop_front()
+        {
+            oldest.abort();
         }
-        // Whoever asked may have gone.
-        let _ = request.respond(response);
+        let answered = tokio::time::timeout(CLIENT_TIMEOUT, answer(stream, page.clone()));
+        clients.push_back(tokio::spawn(answered).abort_handle());
     }
+}
+
+/// One request and its answer. A body is not read.
+async fn answer(stream: TcpStream, page: Page) {
+    let service = hyper::service::service_fn(|request: Request<hyper::body::Incoming>| {
+        let response = response(request.method(), request.uri().path(), &page);
+        async { Ok::<_, Infallible>(response) }
+    });
+    // A client that goes away or sends no HTTP concerns nobody else.
+    let _ = hyper::server::conn::http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEADER_TIMEOUT)
+        .max_buf_size(MOST_HEADER)
+        .keep_alive(false)
+        .serve_connection(TokioIo::new(stream), service)
+        .await;
+}
+
+fn response(method: &Method, path: &str, page: &Page) -> Response<Full<Bytes>> {
+    let (status, text) = match (method, path) {
+        (&Method::GET | &Method::HEAD, "/metrics" | "/") => (StatusCode::OK, lock(page).clone()),
+        (&Method::GET | &Method::HEAD, _) => (StatusCode::NOT_FOUND, "see /metrics\n".to_owned()),
+        _ => (StatusCode::METHOD_NOT_ALLOWED, "expected GET\n".to_owned()),
+    };
+    let mut response = Response::new(Full::from(text));
+    *response.status_mut() = status;
+    let kind = HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8");
+    response.headers_mut().insert(CONTENT_TYPE, kind);
+    response
 }
 
 /// One metric with its description and all its samples.
@@ -81,7 +148,7 @@ fn escaped(text: &str) -> String {
 
 type Figure = fn(&ProbeSecond) -> f64;
 
-fn page(second: &Second, counts: &Counts, misses: u64) -> String {
+fn page(second: &Second, counts: &Counts, misses: u64, outputs: &OutputFigures) -> String {
     let mut page = String::new();
     let gauge = |name, help| Metric { name, help, kind: "gauge" };
     gauge("ballrace_time_seconds", "End of the second shown, in the recording's time.")
@@ -129,5 +196,16 @@ fn page(second: &Second, counts: &Counts, misses: u64) -> String {
     let missed =
         Metric { name: "ballrace_deadline_misses_total", help: "Blocks that were not done in time.", kind: "counter" };
     missed.write(&mut page, [(String::new(), misses as f64)]);
+    let not_written = [
+        (
+            "ballrace_events_not_written",
+            "Events that are not on disk because their log fails.",
+            outputs.events_not_written,
+        ),
+        ("ballrace_seconds_not_written", "Seconds of indicators that are not on disk.", outputs.seconds_not_written),
+    ];
+    for (name, help, value) in not_written {
+        gauge(name, help).write(&mut page, [(String::new(), value as f64)]);
+    }
     page
 }

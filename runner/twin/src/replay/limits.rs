@@ -458,14 +458,11 @@ mod tests {
             duration,
         };
         let guard = Guard { limit, probe: 0, line: None, max: 1e-6, open: None };
-        let blocks = || vec![Statistics::new(u32::MAX)];
         Guards {
             guards: vec![guard],
             names: vec!["X".to_owned()],
-            measured: blocks(),
-            residual: blocks(),
-            since: None,
-            next_index: None,
+            readings: Block::new(1),
+            residuals: Block::new(1),
             events: vec![],
             news: vec![],
         }
@@ -476,9 +473,9 @@ mod tests {
         for index in samples {
             let size = if high.contains(&(index / 10)) { 3e-6 } else { 0.1e-6 };
             let time = index as f64 / 10.0;
-            guards.add(index, time, &[if index % 2 == 0 { 0.0 } else { size }], &[0.0]);
-            if guards.is_due(index) && index % 10 == 9 {
-                guards.block(index, time, |_, _, _| 0.0);
+            guards.add_readings(index, time, &[if index % 2 == 0 { 0.0 } else { size }]);
+            if guards.are_readings_due(index) && index % 10 == 9 {
+                guards.close_readings(index, time, |_, _| 0.0);
             }
         }
         guards.news()
@@ -498,7 +495,7 @@ mod tests {
                 let mut second = guards(duration);
                 second.restore(&serde_json::from_str(&text).unwrap());
                 // The indicators may have to read again from farther back.
-                let again = state.next_index.saturating_sub(7)..100;
+                let again = state.readings_index.unwrap().saturating_sub(7)..100;
                 events.extend(run(&mut second, again, 3..7));
                 let key = |e: &Event| (e.end_s.is_some(), e.start_s.round() as u64);
                 let (found, wanted): (Vec<_>, Vec<_>) =
