@@ -1,0 +1,194 @@
+//! A source of frames over TCP that keeps what was not acknowledged, and a monitor that can be killed under it.
+
+use crate::support::{DEMO_SCENE, Desk, short_recording, swap};
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::Child;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Sampling rate of the frames, Hz: a quarter of the demonstration's.
+pub const RATE: u64 = 3200;
+/// Samples of a turn at that rate.
+const TURN: u64 = 64;
+/// Samples that may be sent beyond the last acknowledged one.
+const WINDOW: u64 = 6 * RATE;
+/// How long a monitor may take for a step of a test.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A spike on the first probe every 1.3 s, which exceeds its limit in one block.
+pub fn spike(number: u64) -> u64 {
+    3 * RATE / 10 + number * (RATE + 3 * RATE / 10)
+}
+
+/// Vibration on the third probe for 2 s in every 6 s, which exceeds its limit for longer than the limit's duration.
+pub fn plateau(number: u64) -> std::ops::Range<u64> {
+    (1 + 6 * number) * RATE..(3 + 6 * number) * RATE
+}
+
+/// The demonstration's scene at the frames' rate, with a limit for the spikes and one for the plateaus.
+pub fn scene() -> String {
+    swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "rate = \"3.2 kHz\"")
+        + "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"2.5 um\"\n"
+        + "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"NDE_X_um\"\nmax = \"2.5 um\"\nduration = \"0.5 s\"\n"
+}
+
+/// A port that nobody has.
+pub fn port() -> u16 {
+    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
+}
+
+/// A connection to a monitor as soon as it listens.
+pub fn connected(port: u16) -> TcpStream {
+    let since = Instant::now();
+    loop {
+        match TcpStream::connect(("127.0.0.1", port)) {
+            Ok(stream) => return stream,
+            Err(error) if since.elapsed() > PATIENCE => panic!("nobody listens: {error}"),
+            Err(_) => std::thread::sleep(Duration::from_millis(10)),
+        }
+    }
+}
+
+/// Waits until `holds` does.
+pub fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
+    let since = Instant::now();
+    while !holds() {
+        assert!(since.elapsed() < PATIENCE, "timed out: {what}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Sends a signal such as `TERM`.
+pub fn signal(child: &Child, name: &str) {
+    let sent =
+        std::process::Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// Frames of the demonstration's motion with spikes and plateaus.
+pub struct Frames {
+    rows: Vec<Vec<f32>>,
+}
+
+impl Frames {
+    pub fn new() -> Self {
+        let cells = |line: &str| line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        Self { rows: short_recording(12_800).lines().skip(1).step_by(4).map(cells).collect() }
+    }
+
+    pub fn bytes(&self, index: u64) -> Vec<u8> {
+        let mut row = self.rows[index as usize % self.rows.len()].clone();
+        let number = index.saturating_sub(spike(0)) / (spike(1) - spike(0));
+        if index == spike(number) {
+            row[0] += 5.0;
+        }
+        if plateau(index / (6 * RATE)).contains(&index) && index.is_multiple_of(2) {
+            row[2] += 5.0;
+        }
+        // The pulse is too short to be there in every fourth sample.
+        *row.last_mut().unwrap() = if index % TURN < 3 { 1.0 } else { 0.0 };
+        let mut frame = (index as u32).to_le_bytes().to_vec();
+        row.iter().for_each(|value| frame.extend(value.to_le_bytes()));
+        frame
+    }
+}
+
+/// A desk with a monitor's folders, and a source that remembers what was acknowledged.
+pub struct Rig {
+    pub desk: Desk,
+    pub frames: Frames,
+    port: u16,
+    options: Vec<String>,
+    /// Samples that were acknowledged.
+    pub acknowledged: Arc<AtomicU64>,
+}
+
+impl Rig {
+    /// With `options` of the monitor besides its source.
+    pub fn new(options: &[&str]) -> Self {
+        let desk = Desk::with(&scene(), "");
+        let options = options.iter().map(|&option| option.to_owned()).collect();
+        Self { desk, frames: Frames::new(), port: port(), options, acknowledged: Arc::default() }
+    }
+
+    pub fn acknowledged(&self) -> u64 {
+        self.acknowledged.load(Ordering::SeqCst)
+    }
+
+    pub fn start(&self) -> Child {
+        let source = format!("tcp:{}", self.port);
+        let options: Vec<&str> = self.options.iter().map(String::as_str).collect();
+        let args = ["replay", "scene.toml", "--paced", "--format", "json", "--source", &source, "--encoding", "frames"];
+        self.desk.command(&[&args[..], &options].concat()).spawn().unwrap()
+    }
+
+    /// A connection whose acknowledgements are counted.
+    pub fn connect(&self) -> TcpStream {
+        let stream = connected(self.port);
+        stream.set_write_timeout(Some(Duration::from_millis(50))).unwrap();
+        let lines = BufReader::new(stream.try_clone().unwrap()).lines();
+        let acknowledged = self.acknowledged.clone();
+        std::thread::spawn(move || {
+            for line in lines.map_while(Result::ok) {
+                // A kill may cut a line short.
+                if let Some(Ok(last)) = line.strip_prefix("acknowledged ").map(str::parse::<u64>) {
+                    acknowledged.fetch_max(last + 1, Ordering::SeqCst);
+                }
+            }
+        });
+        stream
+    }
+
+    /// Sends what was not acknowledged, up to the sample `end`, until `until` holds.
+    pub fn feed(&self, end: u64, mut until: impl FnMut(&Self) -> bool) {
+        let mut stream = self.connect();
+        let mut next = self.acknowledged();
+        let mut unsent = Vec::new();
+        let since = Instant::now();
+        while !until(self) {
+            assert!(since.elapsed() < PATIENCE, "timed out with {} samples acknowledged", self.acknowledged());
+            let most = end.min(self.acknowledged() + WINDOW).min(next + 256);
+            if unsent.is_empty() {
+                unsent.extend((next..most).flat_map(|index| self.frames.bytes(index)));
+                next = next.max(most);
+            }
+            match stream.write(&unsent) {
+                Ok(0) => std::thread::sleep(Duration::from_millis(5)),
+                Ok(written) => drop(unsent.drain(..written)),
+                Err(error) if matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut) => {
+                }
+                // Killed.
+                Err(_) => std::thread::sleep(Duration::from_millis(5)),
+            }
+        }
+    }
+
+    /// The events of the log of these kinds: kind, probe, start, s.
+    pub fn limit_events(&self, log: &str) -> Vec<(String, String, f64)> {
+        let text = if self.desk.path(log).exists() { self.desk.read(log) } else { String::new() };
+        let event = |line: &str| {
+            assert_eq!(line.matches("\"sentence\"").count(), 1, "a key stands twice: {line}");
+            let event: Value = serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {line}"));
+            let text = |key: &str| event[key].as_str().map(str::to_owned);
+            Some((text("kind")?, text("probe")?, event["start_s"].as_f64()?))
+        };
+        text.lines().filter_map(event).collect()
+    }
+
+    /// Time and samples of the seconds of every indicators file, in order.
+    pub fn seconds(&self, folder: &str) -> Vec<(f64, f64)> {
+        use parquet::file::reader::{FileReader, SerializedFileReader};
+        use parquet::record::RowAccessor;
+        let path = |number: u32| self.desk.path(&format!("{folder}/indicators-{number:04}.parquet"));
+        let mut all = vec![];
+        for number in (1..).take_while(|number| path(*number).exists()) {
+            let reader = SerializedFileReader::new(std::fs::File::open(path(number)).unwrap()).unwrap();
+            let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
+            all.extend(rows.map(|row| (row.get_double(0).unwrap(), row.get_double(1).unwrap())));
+        }
+        all
+    }
+}

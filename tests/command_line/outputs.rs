@@ -1,0 +1,169 @@
+//! Files that a monitor writes: who owns them, what a start that fails leaves, what a disk that fails costs.
+
+use crate::frames_source::{PATIENCE, RATE, Rig, port, signal, wait_until};
+use crate::support::{DEMO_SCENE, Desk, number, short_recording};
+use serde_json::Value;
+use std::fs;
+use std::net::TcpListener;
+use std::time::Instant;
+
+const FILES: [&str; 6] = ["--state", "state", "--events", "events.jsonl", "--indicators", "trend"];
+
+fn kinds(desk: &Desk, log: &str) -> Vec<String> {
+    let kind = |line: &str| serde_json::from_str::<Value>(line).unwrap()["kind"].as_str().unwrap().to_owned();
+    desk.read(log).lines().map(kind).collect()
+}
+
+fn end(child: std::process::Child) -> Value {
+    signal(&child, "TERM");
+    let output = child.wait_with_output().unwrap();
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{:?} {err}", output.status);
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_start_on_a_busy_port_changes_nothing() {
+    let desk = Desk::rig();
+    let earlier = "{\"at\":\"2026-01-01T00:00:00Z\",\"time_s\":99.0,\"kind\":\"limit-crossed\",\"sentence\":\"\"}\n";
+    desk.put("events.jsonl", earlier);
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let busy = taken.local_addr().unwrap().port();
+    let (source, metrics) = (format!("tcp:{busy}"), busy.to_string());
+    let free = format!("tcp:{}", port());
+    for args in [["--source", &source].to_vec(), ["--source", &free, "--prometheus", &metrics].to_vec()] {
+        let args = [&["replay", "scene.toml", "--paced", "--encoding", "frames"], &args[..], &FILES].concat();
+        let answer = desk.run(&args);
+        assert!(answer.code == Some(1) && answer.err.contains("free port"), "{answer:?}");
+        assert_eq!(desk.read("events.jsonl"), earlier);
+        assert!(!desk.path("trend").exists() && !desk.path("state/state.json").exists(), "{:?}", desk.files());
+    }
+    // Nor does the next start remove anything.
+    let args = ["replay", "scene.toml", "--paced", "--format", "json"];
+    let answer = desk.run(&[&args[..], &FILES].concat());
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    assert!(desk.read("events.jsonl").starts_with(earlier), "{}", desk.read("events.jsonl"));
+}
+
+#[test]
+fn a_killed_monitor_keeps_the_events_of_earlier_runs() {
+    let rig = Rig::new(&FILES);
+    let earlier = "{\"at\":\"2026-01-01T00:00:00Z\",\"time_s\":99.0,\"kind\":\"limit-crossed\",\"sentence\":\"\"}\n";
+    rig.desk.put("events.jsonl", earlier);
+    let mut child = rig.start();
+    rig.feed(u64::MAX, |rig| rig.acknowledged() >= 4 * RATE);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let before = rig.desk.read("events.jsonl");
+    assert!(before.starts_with(earlier) && before.lines().count() > 3, "{before}");
+    // A kill in the middle of a line leaves a part of it.
+    rig.desk.put("events.jsonl", before.clone() + "{\"at\":\"2026-");
+    let child = rig.start();
+    rig.feed(u64::MAX, |rig| rig.acknowledged() >= 6 * RATE);
+    end(child);
+    let after = rig.desk.read("events.jsonl");
+    assert!(after.starts_with(&before), "{before}\nbecame\n{after}");
+    assert!(kinds(&rig.desk, "events.jsonl").contains(&"monitor-resumed".to_owned()), "{after}");
+}
+
+#[test]
+fn one_running_monitor_owns_state_log_and_indicators() {
+    let rig = Rig::new(&FILES);
+    let child = rig.start();
+    rig.feed(u64::MAX, |rig| rig.acknowledged() >= 3 * RATE);
+    let before = rig.desk.read("events.jsonl");
+    let owner = format!("in use by process {} since", child.id());
+    let source = format!("tcp:{}", port());
+    for (files, found) in [
+        (&FILES[..], owner.as_str()),
+        (&["--indicators", "trend"], owner.as_str()),
+        (&["--events", "events.jsonl"], "events.jsonl: this log is in use by another process"),
+    ] {
+        let args = ["replay", "scene.toml", "--paced", "--encoding", "frames", "--source", &source];
+        let answer = rig.desk.run(&[&args[..], files].concat());
+        assert!(answer.code == Some(1) && answer.err.contains(found), "{files:?}: {answer:?}");
+    }
+    assert!(rig.desk.read("events.jsonl").starts_with(&before));
+    // The running one goes on.
+    rig.feed(u64::MAX, |rig| rig.acknowledged() >= 5 * RATE);
+    end(child);
+    let times: Vec<f64> = rig.seconds("trend").into_iter().map(|(time, _)| time).collect();
+    assert_eq!(times, (1..=times.len()).map(|i| i as f64).collect::<Vec<_>>());
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_under_the_events_costs_events_only() {
+    let rig = Rig::new(&["--events", "/dev/full", "--indicators", "trend", "--report", "report.html"]);
+    let child = rig.start();
+    let since = Instant::now();
+    let trend = rig.desk.path("trend/indicators.journal");
+    rig.feed(6 * RATE, |_| {
+        assert!(since.elapsed() < PATIENCE);
+        fs::read_to_string(&trend).is_ok_and(|journal| journal.lines().count() >= 5)
+    });
+    let outcome = end(child);
+    assert!(number(&outcome, "/timing/outputs/events_not_written") >= 3.0, "{outcome:#}");
+    assert_eq!(number(&outcome, "/timing/outputs/seconds_not_written"), 0.0);
+    assert!(rig.seconds("trend").len() >= 4 && rig.desk.read("report.html").contains("Not written: "));
+}
+
+/// Folders that are gone for a while, as a disk that is full for a while: writing to it fails, then works again.
+#[test]
+fn outputs_that_fail_for_a_while_lose_nothing() {
+    let rig = Rig::new(&[&FILES[..], &["--indicators-file-length", "2 s"]].concat());
+    let child = rig.start();
+    rig.feed(u64::MAX, |rig| rig.acknowledged() >= 3 * RATE);
+    for folder in ["state", "trend"] {
+        fs::rename(rig.desk.path(folder), rig.desk.path(&format!("{folder}-away"))).unwrap();
+    }
+    let failing = |rig: &Rig| kinds(&rig.desk, "events.jsonl").iter().filter(|kind| *kind == "output-failing").count();
+    rig.feed(u64::MAX, |rig| failing(rig) == 2);
+    let acknowledged = rig.acknowledged();
+    for folder in ["state", "trend"] {
+        fs::rename(rig.desk.path(&format!("{folder}-away")), rig.desk.path(folder)).unwrap();
+    }
+    rig.feed(u64::MAX, |rig| rig.acknowledged() >= acknowledged + 4 * RATE);
+    let outcome = end(child);
+    assert_eq!(number(&outcome, "/timing/outputs/seconds_not_written"), 0.0);
+    assert_eq!(number(&outcome, "/timing/outputs/events_not_written"), 0.0);
+    let times: Vec<f64> = rig.seconds("trend").into_iter().map(|(time, _)| time).collect();
+    assert_eq!(times, (1..=times.len()).map(|i| i as f64).collect::<Vec<_>>());
+    assert!(times.len() as u64 >= acknowledged / RATE + 4, "{times:?}");
+    let kinds = kinds(&rig.desk, "events.jsonl");
+    assert_eq!(kinds.iter().filter(|kind| *kind == "output-recovered").count(), 2, "{kinds:?}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_report_keeps_the_permissions_of_the_one_it_replaces() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::rig();
+    let mode = |name: &str| fs::metadata(desk.path(name)).unwrap().permissions().mode() & 0o777;
+    for wanted in [0o600, 0o640, 0o664] {
+        desk.put("report.html", "from before");
+        fs::set_permissions(desk.path("report.html"), fs::Permissions::from_mode(wanted)).unwrap();
+        desk.done(&["replay", "scene.toml", "--report", "report.html"]);
+        assert_eq!(format!("{:o}", mode("report.html")), format!("{wanted:o}"));
+    }
+    // A new one has those of any new file.
+    desk.put("any", "");
+    desk.done(&["replay", "scene.toml", "--report", "new.html"]);
+    assert_eq!(mode("new.html"), mode("any"));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_leaves_no_temporary_file() {
+    for name in ["TERM", "INT", "HUP"] {
+        let desk = Desk::with(DEMO_SCENE, &short_recording(12_800));
+        let before = desk.files();
+        let args = ["simulate", "scene.toml", "--duration", "1 h", "--rate", "1 kHz", "--output", "out.csv"];
+        let mut child = desk.command(&args).spawn().unwrap();
+        wait_until("a temporary file", || desk.files().len() > before.len());
+        signal(&child, name);
+        let status = child.wait().unwrap();
+        assert_eq!(status.code(), Some(130), "{name}: {status:?}");
+        assert_eq!(desk.files(), before, "{name}");
+    }
+}
