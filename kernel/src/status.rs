@@ -20,6 +20,8 @@ impl Status {
     pub const GYROSCOPIC_SLIP: Self = Self(16);
     /// Outside of what was declared when the bearing's table was made.
     pub const OUT_OF_TABLE: Self = Self(32);
+    /// The normalised innovation squared is above the observer's gate: the sample corrects nothing.
+    pub const INNOVATION_REJECTED: Self = Self(64);
 
     /// The flags as bits, for logs and tables.
     #[must_use]

@@ -170,7 +170,7 @@ fn the_observer_is_baked() {
          let gear = Gear::new(bearing_de::CAGE_RATIO);\n\
          let bearings = [Mounted {{ bearing: bearing_de::bearing(), station: bearing_de::STATION, gear }}, Mounted {{ bearing: bearing_nde::bearing(), station: bearing_nde::STATION, gear }}];\n\
          let step = PERIOD / SUBSTEPS as f32;\n\
-         let observer = Observer {{ machine: Machine {{ rotor, bearings }}, integrator: RungeKutta4 {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, memory: MEMORY }};\n\
+         let observer = Observer {{ machine: Machine {{ rotor, bearings }}, integrator: RungeKutta4 {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, memory: MEMORY, gate: GATE }};\n\
          let first = READINGS[0]; let _ = first;\n\
          let start = Displacement {{ u: 0.5 * (first[0] + first[2]), v: 0.5 * (first[1] + first[3]), w: first[4], thu: 0.0, thv: 0.0 }};\n\
          let mut state = ObserverState::new(RotorState::at_rest(start, Turn::ZERO, [Turn::ZERO; 2]));\n\

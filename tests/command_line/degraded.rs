@@ -60,7 +60,7 @@ fn verdict(scene: &str, recording: &str) -> Option<Verdict> {
     }
     let outcome: Value = answer.json();
     let (header, rows) = numbers(&desk.read("f.csv"));
-    let [x, y] = ["DE_FX", "DE_FY"].map(|name| header.iter().position(|h| h == name).unwrap());
+    let [x, y] = ["DE_FX_N", "DE_FY_N"].map(|name| header.iter().position(|h| h == name).unwrap());
     let findings = outcome["findings"].as_array().unwrap().iter().map(|f| f["kind"].as_str().unwrap().to_owned());
     let flaws = outcome["flaws"].as_array().map_or(0, Vec::len);
     Some(Verdict { force: rows.iter().map(|row| [row[x], row[y]]).collect(), findings: findings.collect(), flaws })

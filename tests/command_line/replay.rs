@@ -78,12 +78,12 @@ fn forces_of_every_sample() {
     desk.done(&["replay", "scene.toml", "--forces", "forces.csv"]);
     let text = desk.read("forces.csv");
     let mut lines = text.lines();
-    let head = "time_s,DE_FX,DE_FY,DE_FZ,DE_MX,DE_MY,NDE_FX,NDE_FY,NDE_FZ,NDE_MX,NDE_MY";
+    let head = "time_s,DE_FX_N,DE_FY_N,DE_FZ_N,DE_MX_Nm,DE_MY_Nm,NDE_FX_N,NDE_FY_N,NDE_FZ_N,NDE_MX_Nm,NDE_MY_Nm,status";
     assert_eq!(lines.next(), Some(head));
     assert_eq!(lines.clone().count(), SHORT);
     for (i, line) in lines.enumerate() {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        assert_eq!(cells.len(), 11);
+        assert_eq!((cells.len(), cells[11]), (12, 0.0), "{line}");
         assert!((cells[0] - i as f64 / 12_800.0).abs() < 1e-9, "{line}");
         assert!(cells.iter().all(|x| x.is_finite()), "{line}");
     }

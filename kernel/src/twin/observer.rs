@@ -53,6 +53,14 @@ pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
     pub speeds: [T; 2],
     /// What is left of the unknown load from sample to sample where nothing is heard of it, up to 1.
     pub memory: T,
+    /// Validation gate: a sample whose normalised innovation squared is above it corrects nothing.
+    ///
+    /// Range: above 0. With a true model and true noise the quantity is chi-square distributed with `P` degrees of freedom,
+    /// so its quantile at `1 - alpha` rejects a sound sample with probability `alpha`; 51 for five probes at 1e-9.
+    /// Infinity disables the gate.
+    ///
+    /// Source: Bar-Shalom, Li, Kirubarajan 2001, Estimation with Applications to Tracking and Navigation, section 5.4.
+    pub gate: T,
 }
 
 /// What changes from sample to sample.
@@ -74,7 +82,8 @@ pub struct Estimate<T, const P: usize> {
     /// Normalised innovation squared, `e^T S^-1 e`: of a model and noise that are true, chi-square distributed with as many
     /// degrees of freedom as there are probes, and so `P` in the mean.
     pub nis: T,
-    /// [`Status::INPUT_NOT_FINITE`] where a reading is missing, and what the machine says.
+    /// [`Status::INPUT_NOT_FINITE`] where a reading is missing, [`Status::INNOVATION_REJECTED`] where `nis` is above the
+    /// gate, and the flags of the machine.
     pub status: Status,
 }
 
@@ -95,7 +104,8 @@ where
 {
     /// One sample further: the shaft moved as `drive` said at the last sample, the probes now read `readings` (m).
     ///
-    /// A reading that is not finite corrects nothing; the others do. The instructions are the same for every sample.
+    /// A reading that is not finite corrects nothing; the others do. A sample beyond the gate corrects nothing at all: the
+    /// state is then the prediction. The instructions are the same for every sample.
     pub fn sample<M: Math<T>>(
         &self,
         state: &mut ObserverState<T, N>,
@@ -111,8 +121,18 @@ where
             *e = T::choose(usable, found, T::ZERO);
             status = status.and(Status::INPUT_NOT_FINITE.when(!usable));
         }
-        let nis = self.correct(state, drive.speed, &innovation);
-        Estimate { innovation, nis, status }
+        let weights = self.weights(drive.speed);
+        let gains = || self.gains.as_ref().iter().skip(weights.below as usize).zip(weights.of_each);
+        let mut nis = T::ZERO;
+        for (gain, weight) in gains() {
+            nis += weight * gain.normalised_square(&innovation);
+        }
+        let accepted = nis <= self.gate;
+        let correction = innovation.map(|e| T::choose(accepted, e, T::ZERO));
+        for (gain, weight) in gains() {
+            gain.apply(state, weight, &correction);
+        }
+        Estimate { innovation, nis, status: status.and(Status::INNOVATION_REJECTED.when(!accepted)) }
     }
 
     fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, N>, drive: &Drive<T>) -> Status {
@@ -139,8 +159,8 @@ where
         status
     }
 
-    /// Adds what the innovation says; gives its normalised square.
-    fn correct(&self, state: &mut ObserverState<T, N>, speed: T, innovation: &[T; P]) -> T {
+    /// Interpolates between the gains at `speed`.
+    fn weights(&self, speed: T) -> Weights<T> {
         let gains = self.gains.as_ref();
         let [first, density] = self.speeds;
         let place = (speed - first) * density;
@@ -148,17 +168,21 @@ where
         let part = (place - below.number).larger(T::ZERO).smaller(T::ONE);
         // A single gain is all there is: nothing to mix, nothing to pay for.
         let part = if gains.len() > 1 { part } else { T::ZERO };
-        let mut nis = T::ZERO;
-        for (gain, weight) in gains.iter().skip(below.count as usize).zip([T::ONE - part, part]) {
-            nis += gain.apply(state, weight, innovation);
-        }
-        nis
+        Weights { below: below.count, of_each: [T::ONE - part, part] }
     }
 }
 
+/// Linear interpolation between two neighbouring gains.
+struct Weights<T> {
+    /// Index of the first of them.
+    below: u32,
+    /// Weight of the first and of the second.
+    of_each: [T; 2],
+}
+
 impl<T: Scalar, const P: usize> SpeedGain<T, P> {
-    /// Adds `weight` of what the innovation says; gives as much of its normalised square.
-    fn apply<const N: usize>(&self, state: &mut ObserverState<T, N>, weight: T, innovation: &[T; P]) -> T {
+    /// Adds `weight` times the correction of this innovation to the state.
+    fn apply<const N: usize>(&self, state: &mut ObserverState<T, N>, weight: T, innovation: &[T; P]) {
         let motion = &mut state.motion;
         let states = [&mut motion.q, &mut motion.rate, &mut state.load, &mut state.turning];
         for (to, gains) in states.into_iter().zip([&self.position, &self.rate, &self.load, &self.turning]) {
@@ -169,12 +193,16 @@ impl<T: Scalar, const P: usize> SpeedGain<T, P> {
                 }
             }
         }
+    }
+
+    /// Returns the normalised square `e^T S^-1 e` of an innovation.
+    fn normalised_square(&self, innovation: &[T; P]) -> T {
         let mut square = T::ZERO;
         for row in &self.whitening {
             let white = row.iter().zip(innovation).fold(T::ZERO, |sum, (&w, &e)| sum + w * e);
             square += white * white;
         }
-        weight * square
+        square
     }
 }
 

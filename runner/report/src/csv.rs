@@ -1,5 +1,6 @@
 //! One row a probe, for spreadsheets: units in the heads, an empty cell where there is no number.
 
+use ballrace_twin::output::quoted;
 use ballrace_twin::replay::outcome::{BallPassLine, Motion, Outcome, ProbeOutcome};
 
 /// Heads and cells of one row, in order.
@@ -91,11 +92,6 @@ fn joined(cells: impl Iterator<Item = String>) -> String {
     let mut line = cells.map(|cell| quoted(&cell)).collect::<Vec<_>>().join(",");
     line.push('\n');
     line
-}
-
-/// RFC 4180.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
 
 #[cfg(test)]

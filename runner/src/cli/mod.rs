@@ -16,6 +16,8 @@ pub mod watch;
 use ballrace_twin::fault::SceneFault;
 use ballrace_twin::needs::{self, Need};
 use ballrace_twin::recording::error::RecordingError;
+use ballrace_twin::recording::rotation::RotationError;
+use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::scene::read::SceneError;
 use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand, ValueEnum};
@@ -147,9 +149,9 @@ pub fn run(cli: &Cli) -> ExitCode {
     }
     let done = match &cli.command {
         Command::Replay(args) => {
-            return limited(replay::run(args, cli.format, cli.error));
+            return ended(replay::run(args, cli.format, cli.error));
         }
-        Command::Watch(args) => return limited(watch::run(args, cli.error)),
+        Command::Watch(args) => return ended(watch::run(args, cli.error)),
         Command::Force(args) => force::run(args, cli.format, cli.error),
         Command::Bake(args) => bake::run(args, cli.format, cli.error),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),
@@ -163,12 +165,36 @@ pub fn run(cli: &Cli) -> ExitCode {
     code(done)
 }
 
-/// Of a replay in which a limit of the scene was crossed.
+/// Exit code of a replay in which a limit of the scene was crossed.
 const LIMIT_CROSSED: u8 = 3;
+/// Exit code of a replay whose recording is not plausible for the scene.
+const IMPLAUSIBLE: u8 = 4;
 
-fn limited(crossed: Result<bool>) -> ExitCode {
-    match crossed {
-        Ok(true) => ExitCode::from(LIMIT_CROSSED),
+/// How a replay ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// With nothing to report by the exit code.
+    Done,
+    /// With a limit of the scene crossed.
+    LimitCrossed,
+    /// With a recording that cannot be one of the scene's machine.
+    Implausible,
+}
+
+impl From<&Outcome> for Ending {
+    fn from(outcome: &Outcome) -> Self {
+        match (outcome.implausible.is_empty(), outcome.events.is_empty()) {
+            (false, _) => Self::Implausible,
+            (true, false) => Self::LimitCrossed,
+            (true, true) => Self::Done,
+        }
+    }
+}
+
+fn ended(ending: Result<Ending>) -> ExitCode {
+    match ending {
+        Ok(Ending::LimitCrossed) => ExitCode::from(LIMIT_CROSSED),
+        Ok(Ending::Implausible) => ExitCode::from(IMPLAUSIBLE),
         other => code(other.map(|_| ())),
     }
 }
@@ -179,7 +205,11 @@ fn code(done: Result<()>) -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("ballrace: {error:#}");
-            ExitCode::from(if is_users_fault(&error) { 2 } else { 1 })
+            ExitCode::from(match error.downcast_ref::<RotationError>() {
+                Some(RotationError::ImplausibleSpeed { .. }) => IMPLAUSIBLE,
+                _ if is_users_fault(&error) => 2,
+                _ => 1,
+            })
         }
     }
 }

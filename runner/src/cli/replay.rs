@@ -1,7 +1,7 @@
 //! `ballrace replay`
 
 use super::live::{self, DEMO_RECORDING, LiveArgs};
-use super::{Format, keep_apart};
+use super::{Ending, Format, keep_apart};
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use crate::live as monitor;
 use ballrace_twin::output::AtomicFile;
@@ -46,11 +46,11 @@ pub struct Args {
     live: LiveArgs,
 }
 
-/// Runs the command; true where a limit of the scene was crossed.
+/// Runs the command; returns what the exit code reports.
 ///
 /// # Errors
 /// What is wrong with scene, recording or outputs.
-pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<bool> {
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
     let scene = live::scene(args.scene.as_deref())?;
     if args.paced {
         return paced(args, &scene, format, error);
@@ -85,7 +85,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<bool> {
 }
 
 /// The same in real time.
-fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<bool> {
+fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<Ending> {
     let source = args.live.source(scene, args.recording.as_deref(), args.scene.is_none());
     let path = PathBuf::from(source.to_string());
     check_outputs(args, &path)?;
@@ -104,14 +104,15 @@ fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Resu
     deliver(args, &outcome, format)
 }
 
-/// Report, baseline and words; true where a limit was crossed.
-fn deliver(args: &Args, outcome: &Outcome, format: Format) -> Result<bool> {
+/// Writes report and baseline, prints the outcome. A recording that does not fit the scene is no baseline.
+fn deliver(args: &Args, outcome: &Outcome, format: Format) -> Result<Ending> {
     AtomicFile::write(&args.report, &report::html(outcome)?)?;
-    if let Some(path) = &args.learn {
+    let fits = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
+    if let Some(path) = args.learn.as_ref().filter(|_| fits) {
         AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
     }
     print(outcome, &args.report, format)?;
-    Ok(!outcome.events.is_empty())
+    Ok(Ending::from(outcome))
 }
 
 /// An output that cannot be written should not cost a long replay first.

@@ -4,7 +4,7 @@ use super::{Format, keep_apart, say};
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::motion::{self, MOST_SAMPLES, Moment, Span};
 use ballrace_twin::needs::{self, Need};
-use ballrace_twin::output::AtomicFile;
+use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::scene::Scene;
 use ballrace_twin::scene::read::read_file;
@@ -200,12 +200,14 @@ fn header(plant: &Plant) -> String {
     let mut head = "t".to_owned();
     for rate in ["", "_dot"] {
         for name in plant.layout.names(&plant.seats) {
-            head += &format!(",{name}{rate}");
+            head += ",";
+            head += &quoted(&format!("{name}{rate}"));
         }
     }
     for seat in &plant.seats {
         for entry in ["FX", "FY", "FZ", "MX", "MY"] {
-            head += &format!(",{}_{entry}", seat.name);
+            head += ",";
+            head += &quoted(&format!("{}_{entry}", seat.name));
         }
     }
     head

@@ -1,5 +1,6 @@
 //! `ballrace watch`
 
+use super::Ending;
 use super::live::{self, LiveArgs};
 use crate::dashboard;
 use ballrace_twin::fault::SceneFault;
@@ -32,11 +33,11 @@ pub struct Args {
     live: LiveArgs,
 }
 
-/// Runs the command; true where a limit of the scene was crossed.
+/// Runs the command; returns what the exit code reports.
 ///
 /// # Errors
 /// What is wrong with scene, source or outputs; a standard output that is no terminal.
-pub fn run(args: &Args, error: Option<f64>) -> Result<bool> {
+pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
     if !std::io::stdout().is_terminal() {
         bail!(SceneFault(
             "watch: found a standard output that is no terminal, allowed: a terminal, or `ballrace replay --paced`"
@@ -79,5 +80,5 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<bool> {
     for sentence in std::iter::once(outcome.verdict.clone()).chain(report::pacing(&outcome.timing)) {
         let _ = writeln!(out, "{sentence}");
     }
-    Ok(!outcome.events.is_empty())
+    Ok(Ending::from(&outcome))
 }

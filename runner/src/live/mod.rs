@@ -374,6 +374,10 @@ impl Monitor<'_, '_> {
         for event in news.events {
             self.event(&Told::limit(event))?;
         }
+        for notice in news.notices {
+            let note = feed::Note { kind: notice.kind, sentence: notice.sentence };
+            self.event(&Told::note(note, notice.time_s))?;
+        }
         for second in &news.seconds {
             let next_index = second.next_index * self.average;
             if next_index <= self.seconds.0 {

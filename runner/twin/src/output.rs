@@ -185,3 +185,9 @@ fn sync_folder(path: &Path) {
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
+/// Returns a cell as RFC 4180 writes it: quoted where it holds a comma, a quote or a line break.
+#[must_use]
+pub fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+}
+

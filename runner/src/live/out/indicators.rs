@@ -316,6 +316,7 @@ fn row(second: &Second) -> (Vec<String>, Vec<f64>) {
         ("samples".to_owned(), second.samples as f64),
         ("speed_rpm".to_owned(), second.speed_rpm),
         ("innovation".to_owned(), second.innovation),
+        ("status".to_owned(), f64::from(second.status)),
     ];
     for p in &second.probes {
         let figures = [

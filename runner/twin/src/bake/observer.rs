@@ -1,6 +1,6 @@
 //! The scene's rotor and observer as constants.
 
-use crate::observer::{Gains, Uncertainty, memory, observed_rows, weight};
+use crate::observer::{Gains, Uncertainty, gate, memory, observed_rows, weight};
 use crate::plant::{Plant, only_rigid};
 use crate::scene::{Clock, Scene, build};
 use anyhow::{Result, bail};
@@ -38,6 +38,9 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     writeln!(out, "    /// Steps of the integrator in it.\n    pub const SUBSTEPS: u32 = {substeps};")?;
     let memory = memory(1.0 / rate) as f32;
     writeln!(out, "    /// What is left of the unknown load after it.\n    pub const MEMORY: f32 = {memory:?};")?;
+    let gate = gate(p) as f32;
+    writeln!(out, "    /// Largest normalised innovation squared that still corrects the state.")?;
+    writeln!(out, "    pub const GATE: f32 = {gate:?};")?;
     let [first, density] = gains.speeds.map(|x| x as f32);
     writeln!(out, "    /// Speed of the first gain, rad/s, gains per rad/s.")?;
     writeln!(out, "    pub const SPEEDS: [f32; 2] = [{first:?}, {density:?}];")?;

@@ -1,10 +1,12 @@
 //! The observer of a replay: the kernel's, with gains made here, started where the first turns say.
 
+mod consistency;
 mod model;
 mod riccati;
 mod start;
 mod tune;
 
+pub use consistency::{Consistency, Verdict, gate};
 pub use model::{Uncertainty, memory, weight};
 pub use tune::{Cancelled, Heard, Tuned, noise, tuned, watch};
 
@@ -116,8 +118,12 @@ impl Gains {
 
 /// An observer under way, whatever the count of bearings.
 pub trait Watch {
-    /// One sample further; the shaft moved as `drive` said at the last one.
+    /// One sample further; the shaft moved as `drive` said at the last one. Returns the normalised innovation squared.
     fn sample(&mut self, drive: &Drive<f64>, readings: &[f64]) -> (f64, Status);
+    /// Sets the validation gate; infinity disables it.
+    fn set_gate(&mut self, gate: f64);
+    /// Restarts the observer at this displacement and rate, with no unknown load.
+    fn restart(&mut self, pose: &Displacement<f64>, rate: &Displacement<f64>);
     /// Where the rotor is.
     fn pose(&self) -> Displacement<f64>;
     /// The unknown load.
@@ -170,6 +176,7 @@ impl RigidTask<Box<dyn Watch>> for Watching<'_> {
             gains: self.gains.all.clone(),
             speeds: self.gains.speeds,
             memory: memory(self.period),
+            gate: f64::INFINITY,
         };
         Box::new(Running {
             observer,
@@ -187,6 +194,15 @@ impl<const N: usize> Watch for Running<N> {
         }
         let estimate = self.observer.sample::<Exact>(&mut self.state, drive, &self.readings);
         (estimate.nis, estimate.status)
+    }
+    fn set_gate(&mut self, gate: f64) {
+        self.observer.gate = gate;
+    }
+    fn restart(&mut self, pose: &Displacement<f64>, rate: &Displacement<f64>) {
+        self.state.motion.q = pose.to_array();
+        self.state.motion.rate = rate.to_array();
+        self.state.load = [0.0; D];
+        self.state.turning = [0.0; D];
     }
     fn pose(&self) -> Displacement<f64> {
         self.state.motion.displacement()

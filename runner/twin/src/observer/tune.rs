@@ -65,9 +65,11 @@ const LEAST_NOISE: f64 = 1e-10;
 
 /// Makes the observer of `plant`; `linear` is the same on springs, `guess` where the twin is at the first sample.
 ///
+/// None where the probes do not determine a steady filter: a coordinate that neither a probe nor a bearing holds.
+///
 /// # Errors
-/// More probes than an observer takes, what the kernel refuses, a filter that does not settle.
-pub fn tuned(plant: &Plant, linear: &Plant, heard: &Heard, guess: Start) -> Result<Tuned> {
+/// More probes than an observer takes, what the kernel refuses.
+pub fn tuned(plant: &Plant, linear: &Plant, heard: &Heard, guess: Start) -> Result<Option<Tuned>> {
     if heard.rows.len() > MOST_PROBES {
         bail!("recording.probes: found {}, allowed: up to {MOST_PROBES}", heard.rows.len());
     }
@@ -81,14 +83,13 @@ pub fn tuned(plant: &Plant, linear: &Plant, heard: &Heard, guess: Start) -> Resu
     for wander in wanders {
         heard.go_on()?;
         let of = Uncertainty::new(&noise, wander, weight);
-        let gains = Gains::try_new(linear, heard.rows, heard.speed, heard.period, &of)?;
+        let Ok(gains) = Gains::try_new(linear, heard.rows, heard.speed, heard.period, &of) else { continue };
         let unlikely = unlikely(plant, heard, &gains, start)?;
         if best.as_ref().is_none_or(|(least, ..)| unlikely < *least) {
             best = Some((unlikely, wander, gains));
         }
     }
-    let Some((_, wander, gains)) = best else { bail!("found no filter") };
-    Ok(Tuned { gains, start, wander, noise })
+    Ok(best.map(|(_, wander, gains)| Tuned { gains, start, wander, noise }))
 }
 
 /// Twice the negative logarithm of the likelihood of the innovations, but for a constant.

@@ -48,9 +48,12 @@ impl Average {
             *sum += reading;
         }
         group.count += 1;
+        let status = group.middle.status.and(sample.status);
+        group.middle.status = status;
         let mut spare = sample;
         if spare.row.index % self.size == self.size / 2 {
             std::mem::swap(&mut group.middle, &mut spare);
+            group.middle.status = status;
         }
         if group.count == self.size {
             done = self.close();
@@ -93,6 +96,7 @@ mod tests {
             revolution: turns.floor() as i64,
             speed: TAU * (7.3 + 4.0 * time),
             acceleration: TAU * 4.0,
+            status: Default::default(),
         }
     }
 

@@ -29,6 +29,19 @@ pub enum Flaw {
     MissedPulse,
     /// A keyphasor pulse too many. It is left out.
     SpuriousPulse,
+    /// No keyphasor pulse up to the end. The angle is extrapolated and nothing is judged there.
+    DeadKeyphasor,
+    /// A speed beyond what the scene's machine can have. The speed before it is held.
+    ImplausibleSpeed,
+    /// A reading outside the range that the bearings allow. Observer and force do not use it.
+    ReadingOutOfRange,
+}
+
+impl Flaw {
+    /// Samples one after the other are one occurrence.
+    const fn joins_neighbours(self) -> bool {
+        matches!(self, Self::MissingValue | Self::ImplausibleSpeed | Self::ReadingOutOfRange)
+    }
 }
 
 /// A place in the recording.
@@ -144,7 +157,7 @@ impl FlawLedger {
 
     fn enter(&mut self, flaw: Flaw, column: Option<&str>, occurrence: Occurrence) {
         match self.find(flaw, column) {
-            Some(entry) if flaw == Flaw::MissingValue && entry.end == occurrence.at.index => {
+            Some(entry) if flaw.joins_neighbours() && entry.end == occurrence.at.index => {
                 entry.lengthen(occurrence.samples);
             }
             Some(entry) => entry.add(occurrence),
@@ -218,6 +231,15 @@ impl Entry {
                 format!("{} missing and filled in{}, {place}", counted(self.samples, "pulse"), places(count))
             }
             Flaw::SpuriousPulse => format!("{} too many and left out, {place}", counted(count, "pulse")),
+            Flaw::DeadKeyphasor => {
+                format!("no pulse in the last {samples}, {place}: the shaft angle there is not measured")
+            }
+            Flaw::ImplausibleSpeed => {
+                format!("speed out of range in {samples}{}, {place}: the speed before it is held", places(count))
+            }
+            Flaw::ReadingOutOfRange => {
+                format!("reading{} out of range in {samples}{}, {place}", at_reading(first), places(count))
+            }
         };
         self.column.as_ref().map_or_else(|| said.clone(), |column| format!("{column}: {said}"))
     }

@@ -16,6 +16,7 @@ mod parquet;
 pub mod probe;
 mod reader;
 pub mod rotation;
+pub mod status;
 mod table;
 mod tdms;
 mod wav;
@@ -23,6 +24,7 @@ mod wav;
 pub use reader::Reader;
 
 use ballrace::Turn;
+use status::SampleStatus;
 
 /// One sample as read from the file, before the shaft's angle is known.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -53,4 +55,6 @@ pub struct Sample {
     pub speed: f64,
     /// rad/s^2
     pub acceleration: f64,
+    /// Flags of reading and angle.
+    pub status: SampleStatus,
 }

@@ -18,17 +18,24 @@ mod tests;
 mod total;
 
 use std::collections::VecDeque;
+use std::f64::consts::TAU;
 
 use self::given::{SceneSpeed, SpeedColumn};
 use self::keyphasor::Keyphasor;
 use self::total::Total;
 use super::average::Average;
 use super::flaws::FlawLedger;
+use super::status::SampleStatus;
 use super::{Row, Sample};
 use crate::scene::{Recording, Rotation, Speed};
 
 /// Most samples that wait for a pulse or a speed.
 const LONGEST_WAIT: usize = 4_000_000;
+
+/// A speed reading this many times above the scene's fastest speed is no speed of this machine.
+pub const SPEED_MARGIN: f64 = 3.0;
+/// No rolling bearing turns faster, rad/s: 1e6 rpm.
+const FASTEST: f64 = 1.05e5;
 
 /// Why the shaft's angle cannot be told.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -77,6 +84,20 @@ pub enum RotationError {
         /// Samples looked at.
         samples: usize,
     },
+    /// A speed column without a speed that the scene's machine can have.
+    #[error(
+        "recording not plausible for the scene: column {column}: {rejected} speeds, none within {:.0} rpm, {SPEED_MARGIN} times the scene's fastest: found {:.3e} rpm first", fastest * 60.0 / TAU, found * 60.0 / TAU
+    )]
+    ImplausibleSpeed {
+        /// Column of the speed.
+        column: String,
+        /// Readings beyond the limit.
+        rejected: u64,
+        /// The first of them, rad/s.
+        found: f64,
+        /// The limit, rad/s.
+        fastest: f64,
+    },
 }
 
 fn stays(low: f64, high: f64) -> String {
@@ -118,14 +139,20 @@ struct Output {
 }
 
 impl Output {
+    /// A sample at a measured angle.
     fn deliver(&mut self, row: Row, motion: Motion) {
+        self.deliver_with(row, motion, SampleStatus::default());
+    }
+
+    /// A sample whose angle has these flags.
+    fn deliver_with(&mut self, row: Row, motion: Motion, status: SampleStatus) {
         let Motion { total, speed, acceleration } = motion;
         self.count += 1;
         self.sum += speed;
         let (low, high) = self.range.unwrap_or((speed, speed));
         self.range = Some((low.min(speed), high.max(speed)));
         let (angle, revolution) = (total.angle(), total.revolution());
-        self.ready.push_back(Sample { row, angle, revolution, speed, acceleration });
+        self.ready.push_back(Sample { row, angle, revolution, speed, acceleration, status });
     }
 }
 
@@ -148,7 +175,11 @@ impl Tracker {
     #[must_use]
     pub fn of(recording: &Recording, rate: f64, speed: Speed) -> Self {
         let average = Average::new(recording.average, rate);
-        Self { average, ..Self::new(&recording.rotation, rate, speed) }
+        let mut tracker = Self { average, ..Self::new(&recording.rotation, rate, speed) };
+        if let Source::Column(column) = &mut tracker.source {
+            column.fastest = largest_speed(speed);
+        }
+        tracker
     }
 
     /// With at most so many samples that wait for a pulse, 1024 or more.
@@ -244,6 +275,14 @@ impl Tracker {
     pub const fn flaws(&self) -> &FlawLedger {
         &self.output.ledger
     }
+}
+
+/// Largest magnitude of a shaft speed that a reading of a speed column can have, rad/s: [`SPEED_MARGIN`] times the scene's
+/// fastest, or [`FASTEST`] where the scene's shaft stands still.
+fn largest_speed(speed: Speed) -> f64 {
+    let (slow, fast) = speed.range();
+    let scene = slow.abs().max(fast.abs());
+    if scene > 0.0 { SPEED_MARGIN * scene } else { FASTEST }
 }
 
 /// The shaft turns about -Z, on the whole.

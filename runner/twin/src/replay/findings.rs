@@ -214,9 +214,31 @@ pub fn follows(probes: &[ProbeOutcome]) -> bool {
     at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
 }
 
-/// The verdict in one sentence.
+/// The verdict in one sentence: why there is none, else what stands out, else whether the twin follows.
 #[must_use]
-pub fn verdict(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
+pub fn verdict(
+    findings: &[Finding],
+    probes: &[ProbeOutcome],
+    implausible: &[String],
+    not_judged: &[String],
+    out_of_range: u64,
+) -> String {
+    if !implausible.is_empty() {
+        return format!("The recording is not plausible for the scene: {}. Nothing is diagnosed.", implausible.join("; "));
+    }
+    if !not_judged.is_empty() {
+        return format!("No verdict: {}.", not_judged.join("; "));
+    }
+    let left_out = match out_of_range {
+        0 => String::new(),
+        1 => " 1 sample with a reading out of range is left out.".to_owned(),
+        count => format!(" {count} samples with a reading out of range are left out."),
+    };
+    let verdict = judged(findings, probes);
+    format!("{verdict}{left_out}")
+}
+
+fn judged(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
     if let Some(worst) = findings.first() {
         return format!("The machine departs from its twin. {}", worst.sentence);
     }

@@ -18,7 +18,7 @@ pub struct Evaluated {
     pub measured: [f64; 5],
     /// The twin's.
     pub twin: [f64; 5],
-    /// At the position that the observer takes to be behind the noise.
+    /// At the observer's position; `measured` where the observer is not trusted.
     pub estimated: [f64; 5],
     /// What probe noise alone puts on `measured`, one standard deviation; NaN when unknown.
     pub sigma: [f64; 5],
@@ -34,6 +34,9 @@ pub struct BearingSums {
     estimated: [Running; 5],
     sigma: [Running; 5],
     contact_lost: u64,
+    /// Samples with a force from the displacement, and those in which the twin carries no load.
+    evaluated: u64,
+    twin_contact_lost: u64,
     held_samples: u64,
     largest: f64,
     loads: Vec<f64>,
@@ -52,6 +55,8 @@ impl BearingSums {
             estimated: Default::default(),
             sigma: Default::default(),
             contact_lost: 0,
+            evaluated: 0,
+            twin_contact_lost: 0,
             held_samples: 0,
             largest: 0.0,
             loads: vec![0.0; elements],
@@ -60,22 +65,28 @@ impl BearingSums {
     }
 
     /// The forces from the measured pose (NaN where a reading is missing: the last good force is held), and where they are
-    /// given, from the twin's and the observer's (0 where not).
+    /// given, from the twin's and the observer's (0 where not). An observer without a pose is one that is not trusted: the
+    /// measured force takes its place.
     pub fn evaluate(
         &mut self,
         seat: &Seat,
         pose: &Displacement<f64>,
-        others: Option<[&Displacement<f64>; 2]>,
+        others: Option<(&Displacement<f64>, Option<&Displacement<f64>>)>,
         at: &Rotation<f64>,
     ) -> Evaluated {
         let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), at);
-        let [twin, estimated] = others.map_or([[0.0; 5]; 2], |both| both.map(|pose| force_at(seat, pose, at)));
-        Evaluated { measured: wrench.to_array(), twin, estimated, sigma: [f64::NAN; 5], status }
+        let measured = wrench.to_array();
+        let (twin, estimated) = others.map_or(([0.0; 5], [0.0; 5]), |(twin, observed)| {
+            (force_at(seat, twin, at), observed.map_or(measured, |pose| force_at(seat, pose, at)))
+        });
+        Evaluated { measured, twin, estimated, sigma: [f64::NAN; 5], status }
     }
 
     /// Adds a sample to the sums; returns the load on element 1.
     pub fn add(&mut self, seat: &Seat, sample: &Evaluated, poses: [&Displacement<f64>; 2], at: &Rotation<f64>) -> f64 {
         self.contact_lost += u64::from(sample.status.has(Status::CONTACT_LOST));
+        self.evaluated += u64::from(!sample.status.is_held());
+        self.twin_contact_lost += u64::from(sample.twin == [0.0; 5]);
         self.held_samples += u64::from(sample.status.is_held());
         for i in 0..5 {
             self.twin[i].add(sample.twin[i]);
@@ -89,6 +100,13 @@ impl BearingSums {
         }
         let twin_first = self.gather(seat, poses[1], at, 1);
         if sample.status.is_held() { twin_first } else { self.gather(seat, poses[0], at, 0) }
+    }
+
+    /// Shares of the samples in which no element carries load: at the measured displacement and in the twin.
+    #[must_use]
+    pub fn unloaded_shares(&self) -> [f64; 2] {
+        let twin = self.twin.first().map_or(0.0, Running::count);
+        [self.contact_lost as f64 / self.evaluated.max(1) as f64, self.twin_contact_lost as f64 / twin.max(1.0)]
     }
 
     fn gather(&mut self, seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>, which: usize) -> f64 {

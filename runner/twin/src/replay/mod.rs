@@ -12,10 +12,13 @@ pub mod limits;
 pub mod lines;
 pub mod list;
 pub mod locate;
+pub mod notices;
 pub mod outcome;
 pub mod pictures;
+pub mod plausibility;
 pub mod pose;
 mod readings;
+pub mod range;
 pub mod recent;
 pub mod second;
 mod session;
@@ -27,14 +30,16 @@ pub mod trend;
 
 use crate::fault::SceneFault;
 use crate::needs;
-use crate::observer::{MOST_PROBES, Start, Tuned, Watch, watch};
+use crate::observer::{Consistency, MOST_PROBES, Start, Tuned, Verdict, Watch, watch};
 use crate::output::AtomicFile;
 use crate::plant::{Plant, Seat, Twin, only_rigid};
 use crate::recording::clock::check_rate;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
+use crate::output::quoted;
+use crate::recording::status::SampleStatus;
 use crate::recording::{Reader, Row, Sample};
-use crate::scene::{Probe, Rotation, Scene};
+use crate::scene::{Probe, Rotation, Scene, Speed};
 use crate::vibration;
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Drive, PartAngles};
@@ -45,9 +50,12 @@ use forces::{BearingSums, Evaluated, noise_band};
 use innovation::Innovation;
 use limits::Guards;
 use locate::Locator;
+use notices::Notices;
 use outcome::{Outcome, Record};
 use pictures::{Collector, Plane};
+use plausibility::Counts;
 use pose::PoseSolver;
+use range::ReadingRange;
 use readings::Readings;
 pub use recent::Glance;
 use recent::Recent;
@@ -101,6 +109,8 @@ pub const WATCHED_FORCES: f64 = 3200.0;
 const BANDED: u64 = 8;
 /// Rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
+/// Samples one after the other with a held twin after which it starts anew.
+const TWIN_HELD_IN_A_ROW: u32 = 64;
 /// Gaps longer than this many revolutions restart the twin.
 const LONGEST_COAST_TURNS: f64 = 200.0;
 /// Gaps longer than this many seconds restart the twin, where it does not take longer to settle.
@@ -139,6 +149,8 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
 
 /// Everything that a replay carries from sample to sample.
 struct Run<'a> {
+    /// Speed that the scene states.
+    scene_speed: Speed,
     probes: &'a [Probe],
     rows: Vec<[f64; 5]>,
     planes: Vec<Plane>,
@@ -176,6 +188,11 @@ struct Run<'a> {
     twin_held: u64,
     /// Gaps that restarted the twin, and the line after the first.
     restarts: (u64, u64),
+    /// Time of the last restart of a held twin, s.
+    twin_restarted: f64,
+    range: ReadingRange,
+    counts: Counts,
+    notices: Notices,
     seconds: Option<Seconds>,
     recent: Option<Recent>,
     ended_seconds: Vec<Second>,
@@ -189,6 +206,10 @@ struct Run<'a> {
 /// Reused every sample.
 #[derive(Default)]
 struct Buffers {
+    /// Readings, NaN where missing or out of range.
+    readings: Vec<f64>,
+    /// NaN for every probe.
+    nothing: Vec<f64>,
     twin: Vec<f64>,
     linear: Vec<f64>,
     planes: Vec<f64>,
@@ -206,7 +227,9 @@ enum Queued {
 struct Moving {
     twin: Box<dyn Twin>,
     linear: Box<dyn Twin>,
-    watch: Option<Box<dyn Watch>>,
+    watch: Option<(Box<dyn Watch>, Consistency)>,
+    /// Samples one after the other in which the twin was held.
+    held: u32,
     cages: Vec<Turn>,
     /// Angles of all parts of each bearing.
     parts: Vec<PartAngles>,
@@ -222,6 +245,8 @@ struct Way {
     steps: u64,
     /// Revolutions between them.
     arc: f64,
+    /// Twin and observer start anew at the later one.
+    restarted: bool,
 }
 
 impl Way {
@@ -256,11 +281,12 @@ impl ForcesFile {
         let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string(), source };
         let mut head = "time_s".to_owned();
         for seat in seats {
-            for entry in ["FX", "FY", "FZ", "MX", "MY"] {
-                head += &format!(",{}_{entry}", seat.name);
+            for entry in ["FX_N", "FY_N", "FZ_N", "MX_Nm", "MY_Nm"] {
+                head += ",";
+                head += &quoted(&format!("{}_{entry}", seat.name));
             }
         }
-        file.line(format_args!("{head}\n"))?;
+        file.line(format_args!("{head},status\n"))?;
         Ok(file)
     }
 
@@ -268,14 +294,15 @@ impl ForcesFile {
         self.file.write_fmt(text).with_context(|| format!("{}: this file cannot be written", self.path))
     }
 
-    fn add(&mut self, time: f64, forces: &[Evaluated]) -> Result<()> {
+    fn add(&mut self, time: f64, forces: &[Evaluated], status: SampleStatus) -> Result<()> {
         self.line(format_args!("{time:.9}"))?;
         let observed = self.source == Source::Observer;
+        let status = if observed { status } else { status.without(SampleStatus::FROM_DISPLACEMENT) };
         let force = |f: &Evaluated| if observed { f.estimated } else { f.measured };
         for entry in forces.iter().flat_map(force) {
             self.line(format_args!(",{entry:.9e}"))?;
         }
-        self.line(format_args!("\n"))
+        self.line(format_args!(",{}\n", status.bits()))
     }
 }
 
@@ -308,7 +335,13 @@ impl<'a> Run<'a> {
         let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
         let guards = Guards::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
         let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
+        let range = ReadingRange::try_new(scene, &plant, probes)?;
         Ok(Self {
+            scene_speed: scene.shaft.speed,
+            range,
+            counts: Counts::default(),
+            notices: Notices::default(),
+            twin_restarted: f64::NEG_INFINITY,
             probes,
             rows,
             comparison: Comparison::new(probes.len(), &plant.seats, planes.len()),
@@ -354,7 +387,8 @@ impl<'a> Run<'a> {
     }
 
     /// Evaluates the readings of a sample, queues it for the twin, and starts the search for the start as soon as it can.
-    fn take(&mut self, sample: Sample) -> Result<()> {
+    fn take(&mut self, mut sample: Sample) -> Result<()> {
+        self.check(&mut sample);
         self.readings.add(&sample, &mut self.guards);
         let enough = match (&self.startup, self.queue.front()) {
             (Startup::Collecting, Some(Queued::Sample(first))) => startup::is_enough(first, &sample),
@@ -364,11 +398,33 @@ impl<'a> Run<'a> {
         if enough { self.begin_search() } else { Ok(()) }
     }
 
+    /// Checks the readings against their range.
+    fn check(&mut self, sample: &mut Sample) {
+        let status = self.range.check(&mut sample.row);
+        if status != SampleStatus::default() {
+            let count = self.range.count();
+            self.notices.add("reading-out-of-range", sample.row.time, || {
+                format!("A reading is farther from zero than the bearings allow; {count} so far. It is left out.")
+            });
+        }
+        if sample.status.has(SampleStatus::ANGLE_NOT_MEASURED) {
+            self.notices.add("angle-not-measured", sample.row.time, || "The shaft speed is out of range; the speed before it is held.".to_owned());
+        }
+        sample.status = sample.status.and(status);
+    }
+
+    /// Copies a sample without the readings out of range, for the start of twin and observer.
+    fn without_outliers(&self, sample: &Sample) -> Sample {
+        let mut copy = sample.clone();
+        self.range.within(&sample.row.probes, &mut copy.row.probes);
+        copy
+    }
+
     /// Searches the start from the queued samples: on its own thread where the machine is watched, else at once.
     fn begin_search(&mut self) -> Result<()> {
         let Some(search) = self.search.take() else { return Ok(()) };
         let sample = |queued: &Queued| match queued {
-            Queued::Sample(sample) => Some(sample.clone()),
+            Queued::Sample(sample) => Some(self.without_outliers(sample)),
             Queued::Restart => None,
         };
         let samples: Vec<Sample> = self.queue.iter().take(align::MOST_SAMPLES).map_while(sample).collect();
@@ -389,6 +445,10 @@ impl<'a> Run<'a> {
             self.notes.push(
                 "Stopped before the observer was found: forces at the observer's position are those at the twin's."
                     .to_owned(),
+            );
+        } else if self.tuned.is_none() {
+            self.notes.push(
+                "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter (an axial probe or an axial stiffness is missing). Forces come from the displacement that the probes show.".to_owned(),
             );
         }
     }
@@ -456,46 +516,91 @@ impl<'a> Run<'a> {
         self.ledger.sample(sample.row.time);
         let begun = Instant::now();
         let Some(moving) = &mut self.moving else { return Ok(()) };
+        let mut status = sample.status.and(SampleStatus::RESTARTED.when(way.restarted));
+        self.range.within(&sample.row.probes, &mut self.buffers.readings);
+        let readings = self.buffers.readings.as_slice();
         let mut left = way.steps;
         for now in way.drives(1.0 / self.rate) {
-            self.twin_held += u64::from(moving.twin.step(&now).is_held());
+            let held = moving.twin.step(&now).is_held();
+            self.twin_held += u64::from(held);
+            moving.held = if held { moving.held + 1 } else { 0 };
             left -= 1;
-            if let Some(watch) = &mut moving.watch {
-                let missing = [f64::NAN; MOST_PROBES];
-                let readings = if left == 0 { sample.row.probes.as_slice() } else { &missing };
-                let (nis, status) = watch.sample(&now, readings);
-                self.innovation.add((nis, status), watch.load());
-                if let Some(seconds) = self.seconds.as_mut().filter(|_| status == Status::OK) {
-                    seconds.add_innovation(nis);
-                }
+            let Some((watch, consistency)) = &mut moving.watch else { continue };
+            let missing = [f64::NAN; MOST_PROBES];
+            let heard = if left == 0 { readings } else { &missing };
+            watch.set_gate(consistency.gate());
+            let (nis, flags) = watch.sample(&now, heard);
+            status = status.and(flags.into());
+            if left > 0 || readings.iter().any(|y| y.is_nan()) {
+                continue;
+            }
+            let estimate = watch.pose();
+            let possible = !flags.has(Status::INPUT_NOT_FINITE)
+                && self.range.allows(self.rows.iter().map(|row| pose::reading(row, &estimate)));
+            let nis = consistency.bounded(nis);
+            let was_trusted = consistency.is_trusted();
+            let verdict = consistency.sample(nis, possible);
+            self.innovation.add(nis, flags, verdict);
+            if let Some(seconds) = &mut self.seconds {
+                seconds.add_innovation(nis);
+            }
+            if verdict == Verdict::Restart {
+                let twin = moving.twin.pose();
+                watch.restart(&self.solver.pose(readings, twin.w), &moving.twin.rate());
+                status = status.and(SampleStatus::RESTARTED);
+            }
+            if was_trusted && verdict != Verdict::Trusted {
+                let (ratio, restarts) = (consistency.ratio(), self.innovation.restarts());
+                self.notices.add("observer-not-consistent", sample.row.time, || {
+                    format!("The observer does not describe the motion: normalised innovation squared {ratio:.1} times what is expected, {restarts} restarts so far. Forces come from the displacement.")
+                });
             }
         }
+        let trusted = moving.watch.as_ref().filter(|(_, consistency)| consistency.is_trusted());
+        if let Some((watch, _)) = trusted {
+            self.innovation.add_load(watch.load());
+        }
+        status = status
+            .and(SampleStatus::FROM_DISPLACEMENT.when(trusted.is_none()))
+            .and(SampleStatus::TWIN_HELD.when(moving.held > 0));
         for ((parts, cage), seat) in moving.parts.iter_mut().zip(&mut moving.cages).zip(&self.plant.seats) {
             *parts = way.parts(*parts, seat, sample.angle);
             *cage = parts.cage;
         }
         let twin_pose = moving.twin.pose();
-        let likely = moving.watch.as_ref().map_or(twin_pose, |watch| watch.pose());
+        let likely = trusted.map(|(watch, _)| watch.pose());
         // Not a number where any reading is missing: the kernel then holds its last force and says so.
-        let pose = self.solver.pose(&sample.row.probes, twin_pose.w);
+        let pose = self.solver.pose(&self.buffers.readings, twin_pose.w);
         self.buffers.evaluated.clear();
-        let others = (sample.row.index.is_multiple_of(self.thorough)).then_some([&twin_pose, &likely]);
+        let others = (sample.row.index.is_multiple_of(self.thorough)).then_some((&twin_pose, likely.as_ref()));
         let seats = if sample.row.index.is_multiple_of(self.weighed) { self.plant.seats.as_slice() } else { &[] };
         for ((seat, sums), &parts) in seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
             let at = seat.rotation(parts, &drive);
-            self.buffers.evaluated.push(sums.evaluate(seat, &pose, others, &at));
+            let evaluated = sums.evaluate(seat, &pose, others, &at);
+            status = status.and(evaluated.status.into());
+            self.buffers.evaluated.push(evaluated);
         }
         self.ledger.worked(begun);
         for now in way.drives(1.0 / self.rate) {
             moving.linear.step(&now);
         }
         (moving.drive, moving.index) = (drive, sample.row.index);
-        self.compare(sample, &pose, &twin_pose, way.arc)
+        let stuck = moving.held >= TWIN_HELD_IN_A_ROW;
+        self.counts.add(status, sample.speed, self.scene_speed);
+        self.compare(sample, &pose, &twin_pose, way.arc, status)?;
+        // As long as its run-in takes, the twin is not restarted again: work stays bounded where it overflows at once.
+        if stuck && sample.row.time - self.twin_restarted > 1.0 + self.plant.settling_time() {
+            self.twin_restarted = sample.row.time;
+            self.moving = None;
+            self.notes.push(format!("The twin's motion overflowed; it started anew after line {}.", sample.row.line));
+            self.notices.add("twin-restarted", sample.row.time, || "The motion of the twin overflowed; it started anew.".to_owned());
+        }
+        Ok(())
     }
 
     /// The way from the last sample to this one. Starts the twin where there is none, or after too long a gap.
     fn way(&mut self, sample: &Sample, drive: &Drive<f64>) -> Result<Way> {
-        let here = Way { from: *drive, steps: 0, arc: 0.0 };
+        let here = Way { from: *drive, steps: 0, arc: 0.0, restarted: self.has_begun() };
         let Some(moving) = &self.moving else {
             self.moving = Some(self.begin(sample, drive)?);
             return Ok(here);
@@ -511,7 +616,12 @@ impl<'a> Run<'a> {
         }
         // Over one period the angle's own difference; over a gap the whole turns between come from the speed.
         let fraction = drive.angle.since(moving.drive.angle).radians::<f64>() / TAU;
-        Ok(Way { from: moving.drive, steps, arc: fraction + (coasted - fraction).round() })
+        Ok(Way { from: moving.drive, steps, arc: fraction + (coasted - fraction).round(), restarted: false })
+    }
+
+    /// A sample was worked on.
+    fn has_begun(&self) -> bool {
+        self.speed.count() > 0.0
     }
 
     /// Twin and cages at a sample with nothing before it.
@@ -520,8 +630,12 @@ impl<'a> Run<'a> {
         let period = 1.0 / self.rate;
         let twin = self.plant.run_in(period, revolutions, drive)?;
         let watch = |tuned: &Tuned| {
-            let start = if self.moving.is_none() { tuned.start } else { Start::of(twin.as_ref()) };
-            watch(&self.plant, &self.rows, &tuned.gains, start, sample, period)
+            let probes = self.probes.len();
+            let (start, consistency) = match self.has_begun() {
+                false => (tuned.start, Consistency::new(probes)),
+                true => (Start::of(twin.as_ref()), Consistency::restarted(probes)),
+            };
+            watch(&self.plant, &self.rows, &tuned.gains, start, sample, period).map(|watch| (watch, consistency))
         };
         Ok(Moving {
             watch: self.tuned.as_ref().map(watch).transpose()?,
@@ -531,6 +645,7 @@ impl<'a> Run<'a> {
             parts: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             drive: *drive,
             index: sample.row.index,
+            held: 0,
         })
     }
 
@@ -540,9 +655,14 @@ impl<'a> Run<'a> {
         pose: &Displacement<f64>,
         twin_pose: &Displacement<f64>,
         arc: f64,
+        status: SampleStatus,
     ) -> Result<()> {
         let Some(moving) = &self.moving else { return Ok(()) };
         let buffers = &mut self.buffers;
+        // Nothing is judged at an extrapolated angle, except on a machine that is watched, whose limits stay in force.
+        let judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
+        buffers.nothing.resize(sample.row.probes.len(), f64::NAN);
+        let measured = if judged { &sample.row.probes } else { &buffers.nothing };
         let readings = |q: &Displacement<f64>, into: &mut Vec<f64>| {
             into.clear();
             into.extend(self.rows.iter().map(|row| pose::reading(row, q)));
@@ -550,11 +670,11 @@ impl<'a> Run<'a> {
         readings(twin_pose, &mut buffers.twin);
         readings(&moving.linear.pose(), &mut buffers.linear);
         buffers.planes.clear();
-        for values in [&sample.row.probes, &buffers.twin] {
+        for values in [measured, &buffers.twin] {
             buffers.planes.extend(self.planes.iter().flat_map(|p| <[f64; 2]>::from(p.xy(values))));
         }
         let seen = Seen {
-            measured: &sample.row.probes,
+            measured,
             twin: &buffers.twin,
             linear: &buffers.linear,
             planes: &buffers.planes,
@@ -562,6 +682,9 @@ impl<'a> Run<'a> {
         let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
         if !seen.measured.iter().any(|y| y.is_nan()) {
             self.guards.add_residuals(sample.row.index, sample.row.time, seen.measured, seen.twin);
+        }
+        if let Some(seconds) = &mut self.seconds {
+            seconds.add_status(status);
         }
         if let Some(seconds) = self.seconds.as_mut().filter(|_| !seen.measured.iter().any(|y| y.is_nan())) {
             self.ended_seconds.extend(seconds.add(sample, seen.twin, self.comparison.lines.block(0)));
@@ -585,7 +708,7 @@ impl<'a> Run<'a> {
             self.weigh(sample, [pose, twin_pose]);
         }
         if let Some(file) = &mut self.forces {
-            file.add(sample.row.time, &self.buffers.evaluated)?;
+            file.add(sample.row.time, &self.buffers.evaluated, status)?;
         }
         if self.speed.count() == 0.0 {
             self.first_time = sample.row.time;
@@ -598,7 +721,8 @@ impl<'a> Run<'a> {
 
     fn glance(&self) -> Option<Glance> {
         let (recent, moving) = (self.recent.as_ref()?, self.moving.as_ref()?);
-        let pose = moving.watch.as_ref().map_or_else(|| moving.twin.pose(), |watch| watch.pose());
+        let trusted = moving.watch.as_ref().filter(|(_, consistency)| consistency.is_trusted());
+        let pose = trusted.map_or_else(|| moving.twin.pose(), |(watch, _)| watch.pose());
         let loads = self.plant.seats.iter().zip(&moving.parts).map(|(seat, &parts)| {
             let at = seat.rotation(parts, &moving.drive);
             (seat.name.clone(), forces::loads(seat, &pose, &at))
@@ -642,8 +766,9 @@ impl<'a> Run<'a> {
         recording: &str,
         rows: u64,
         angle_source: String,
-        flaws: Vec<FlawSummary>,
+        mut flaws: Vec<FlawSummary>,
     ) -> Result<Outcome> {
+        flaws.extend(self.range.flaws().summary());
         if self.speed.count() == 0.0 {
             bail!("{recording}: found no sample, allowed: at least one turn of the shaft");
         }
@@ -662,10 +787,22 @@ impl<'a> Run<'a> {
             speed_hz,
             rate: self.rate,
         };
-        let findings = findings::findings(&evidence);
+        let implausible = plausibility::implausible(&plausibility::Evidence {
+            counts: &self.counts,
+            rotation: scene.recording.as_ref().map_or(&Rotation::Scene, |r| &r.rotation),
+            scene_speed: scene.shaft.speed,
+            mean_speed: self.speed.mean(),
+            range: &self.range,
+            probes: &probes,
+            bearings: &self.bearings,
+            seats: &self.plant.seats,
+        });
+        let not_judged = self.counts.not_judged(self.comparison.compared);
+        let is_judged = implausible.is_empty() && not_judged.is_empty();
+        let findings = if is_judged { findings::findings(&evidence) } else { vec![] };
         let learned = Baseline::learn(&scene.name, recording, &self.comparison, self.probes, &self.plant.seats);
         self.explain();
-        let observer = self.tuned.as_ref().map(|tuned| self.innovation.outcome(tuned));
+        let observer = self.tuned.as_ref().and_then(|tuned| self.innovation.outcome(tuned));
         self.notes.extend(observer.as_ref().map(innovation::words));
         let limits = self.guards.lines();
         let events = self.guards.finish();
@@ -692,7 +829,9 @@ impl<'a> Run<'a> {
             scene: scene.name.clone(),
             recording: recording.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            verdict: findings::verdict(&findings, &probes),
+            verdict: findings::verdict(&findings, &probes, &implausible, &not_judged, self.counts.out_of_range()),
+            implausible,
+            not_judged,
             record,
             planes: list::planes(&self.planes, &pictures, self.speed.mean().signum()),
             observation: self.solver.observation.clone(),

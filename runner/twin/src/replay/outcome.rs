@@ -35,6 +35,10 @@ pub struct Outcome {
     pub timing: Timing,
     /// How the observer went.
     pub observer: Option<ObserverOutcome>,
+    /// Reasons why the recording cannot be one of the scene's machine; where there is one, nothing is diagnosed.
+    pub implausible: Vec<String>,
+    /// Reasons why there is no verdict: what was not measured.
+    pub not_judged: Vec<String>,
     /// What is wrong with the machine; empty when nothing is.
     pub findings: Vec<Finding>,
     /// Limits of the scene that were crossed; empty when none was.
@@ -308,8 +312,16 @@ pub struct ObserverOutcome {
     pub nis_expected: f64,
     /// Least and greatest mean that chance leaves it with, at 99 %.
     pub nis_bounds: [f64; 2],
-    /// The mean is between them.
+    /// The mean is between them and no sample is distrusted.
     pub consistent: bool,
+    /// Largest normalised square that corrects the observer.
+    pub gate: f64,
+    /// Samples beyond it.
+    pub rejected_samples: u64,
+    /// Restarts after repeated rejection.
+    pub restarts: u64,
+    /// Samples in which the force comes from the displacement because the observer is not consistent.
+    pub distrusted_samples: u64,
     /// How far the unknown force was taken to wander, N per root second.
     pub wander_n_per_root_s: f64,
     /// Noise that each probe was taken to have, rms.

@@ -3,6 +3,7 @@
 use super::forces::Evaluated;
 use super::outcome::phase_lag_deg;
 use crate::recording::Sample;
+use crate::recording::status::SampleStatus;
 use ballrace::Exact;
 use ballrace::twin::{Figures, Statistics};
 use serde::Serialize;
@@ -24,6 +25,8 @@ pub struct Second {
     pub speed_rpm: f64,
     /// Mean of the observer's normalised innovation squared over the count of probes: 1 where model and noise are true.
     pub innovation: f64,
+    /// Status flags of all its samples.
+    pub status: u16,
     /// One entry a probe.
     pub probes: Vec<ProbeSecond>,
     /// One entry a bearing.
@@ -81,6 +84,7 @@ pub struct Seconds {
     samples: u64,
     speed: f64,
     innovation: (f64, f64),
+    status: SampleStatus,
     number: Option<i64>,
 }
 
@@ -98,6 +102,7 @@ impl Seconds {
             samples: 0,
             speed: 0.0,
             innovation: (0.0, 0.0),
+            status: SampleStatus::default(),
             number: None,
         }
     }
@@ -126,6 +131,11 @@ impl Seconds {
         self.innovation.1 += 1.0;
     }
 
+    /// Status flags of a sample.
+    pub fn add_status(&mut self, status: SampleStatus) {
+        self.status = self.status.and(status);
+    }
+
     /// A bearing's force.
     pub fn add_force(&mut self, bearing: usize, force: &Evaluated) {
         let Some(sum) = self.forces.get_mut(bearing) else { return };
@@ -141,12 +151,14 @@ impl Seconds {
         let samples = std::mem::take(&mut self.samples);
         let speed = std::mem::take(&mut self.speed);
         let (nis, count) = std::mem::take(&mut self.innovation);
+        let status = std::mem::take(&mut self.status);
         Second {
             time_s,
             next_index: 0,
             samples,
             speed_rpm: speed / samples.max(1) as f64 * 60.0 / TAU,
             innovation: nis / count.max(1.0) / self.names.len().max(1) as f64,
+            status: status.bits(),
             probes: (0..self.names.len()).map(|i| self.probe(i, one_x)).collect(),
             bearings: self.forces.iter_mut().zip(&self.bearings).map(|(force, name)| force.close(name)).collect(),
         }

@@ -1,6 +1,7 @@
 //! A replay row by row, whoever brings the rows.
 
 use super::limits::{Event, LimitState};
+use super::notices::Notice;
 use super::outcome::Outcome;
 use super::recent::Glance;
 use super::second::Second;
@@ -37,6 +38,8 @@ pub struct News {
     pub preliminary: Vec<Second>,
     /// Limits crossed (without an end) and crossings that ended.
     pub events: Vec<Event>,
+    /// Rejected readings, restarts and what else a monitor reports at once.
+    pub notices: Vec<Notice>,
 }
 
 impl<'a> Replay<'a> {
@@ -161,6 +164,7 @@ impl<'a> Replay<'a> {
             seconds: std::mem::take(&mut self.run.ended_seconds),
             preliminary: self.run.readings.ended(),
             events: self.run.guards.news(),
+            notices: self.run.notices.take(),
         }
     }
 

@@ -30,7 +30,7 @@ pub(super) enum Startup {
 pub(super) struct Started {
     /// Lag of the keyphasor behind the motion, s.
     pub(super) lag: f64,
-    /// The observer; none where the search was cancelled.
+    /// The observer; none where the search was cancelled or where there is no steady filter.
     pub(super) tuned: Option<Tuned>,
 }
 
@@ -93,7 +93,7 @@ impl Search {
             wander: self.process_noise,
             cancelled: &self.cancelled,
         };
-        tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref())).map(Some)
+        tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref()))
     }
 
     /// Runs the search on its own thread.

@@ -199,6 +199,17 @@ impl Speed {
         }
     }
 
+    /// Returns the lowest and the highest speed, rad/s.
+    #[must_use]
+    pub fn range(self) -> (f64, f64) {
+        let (a, b) = match self {
+            Self::Constant(speed) => (speed, speed),
+            Self::Ramp { from, to, .. } => (from, to),
+            Self::Fluctuating { mean, fluctuation, .. } => (mean * (1.0 - fluctuation), mean * (1.0 + fluctuation)),
+        };
+        (a.min(b), a.max(b))
+    }
+
     /// Revolutions from time 0 to `time` (s, 0 or more).
     #[must_use]
     pub fn revolutions(self, time: f64) -> f64 {

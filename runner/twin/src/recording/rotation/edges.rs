@@ -6,6 +6,12 @@ const HYSTERESIS: f64 = 0.1;
 /// Beginnings of pulses that the levels are judged by while more may come.
 const ENOUGH: usize = 10;
 
+/// The same at the end of a recording.
+const FEW: usize = 3;
+
+/// Largest share of readings at either end that may be spikes. A pulse is longer: one sample in 256 at least.
+const SPIKES: f64 = 1.0 / 512.0;
+
 /// Share of samples half way between the levels from which on there are no levels: noise has most of its
 /// samples there, a sine a quarter.
 const BETWEEN: f64 = 0.35;
@@ -48,14 +54,34 @@ pub(super) struct Levels {
 impl Levels {
     /// Finds the levels in the first samples; none as long as they do not show clearly. At the `end` of the
     /// recording one change of level has to do.
+    ///
+    /// Spikes beyond the levels hide them: where all readings show no even pulses, those without the few lowest and highest
+    /// may, up to [`SPIKES`] of them.
     pub(super) fn learn(readings: impl Iterator<Item = f64> + Clone, end: bool) -> Option<Self> {
-        let (low, high) = range(readings.clone());
+        let mut sorted: Vec<f64> = readings.clone().filter(|reading| !reading.is_nan()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let trimmed = |spikes: usize| {
+            let last = sorted.len().checked_sub(1 + spikes)?;
+            Some((*sorted.get(spikes)?, *sorted.get(last)?))
+        };
+        let most = (sorted.len() as f64 * SPIKES) as usize;
+        let spikes = std::iter::once(0).chain((0..).map(|k| 1 << k)).take_while(|spikes| *spikes <= most);
+        let least = if end { FEW } else { ENOUGH };
+        let even = spikes.filter_map(trimmed).find_map(|range| {
+            Self::between(range, readings.clone()).filter(|levels| levels.show(readings.clone(), least))
+        });
+        let all = || trimmed(0).and_then(|range| Self::between(range, readings.clone()));
+        even.or_else(|| if end { all() } else { None })
+    }
+
+    /// From the lowest and the highest level; none where too many samples are between them.
+    fn between((low, high): (f64, f64), readings: impl Iterator<Item = f64>) -> Option<Self> {
         if low >= high {
             return None;
         }
         let levels = Self { threshold: 0.5 * (low + high), scale: 1.0 / (high - low) };
         let (mut known, mut between, mut upper) = (0_u64, 0_u64, 0_u64);
-        for value in readings.clone().map(|reading| levels.value(reading)).filter(|value| !value.is_nan()) {
+        for value in readings.map(|reading| levels.value(reading)).filter(|value| !value.is_nan()) {
             known += 1;
             between += u64::from(value.abs() < 0.2);
             upper += u64::from(value >= 0.0);
@@ -64,8 +90,12 @@ impl Levels {
             return None;
         }
         let inverted = upper as f64 > MOSTLY_HIGH * known as f64;
-        let levels = if inverted { Self { scale: -levels.scale, ..levels } } else { levels };
-        (end || levels.show(readings)).then_some(levels)
+        Some(if inverted { Self { scale: -levels.scale, ..levels } } else { levels })
+    }
+
+    /// The reading is farther beyond a level than half the way between the two.
+    pub(super) fn is_spike(self, reading: f64) -> bool {
+        self.value(reading).abs() > 1.0
     }
 
     /// -0.5 at rest to 0.5 in a pulse.
@@ -73,14 +103,15 @@ impl Levels {
         (reading - self.threshold) * self.scale
     }
 
-    /// There are enough pulses, and they come evenly: the flicker of a signal's last digit does not.
-    fn show(self, readings: impl Iterator<Item = f64>) -> bool {
+    /// There are at least so many pulses, and they come evenly: the flicker of a signal's last digit does not.
+    fn show(self, readings: impl Iterator<Item = f64>, least: usize) -> bool {
         let mut edges = Edges::new(self);
+        let readings = readings.map(|reading| if self.is_spike(reading) { f64::NAN } else { reading });
         let found = readings.zip(0..).filter_map(|(reading, index)| edges.see(index, reading));
         let starts: Vec<Instant> = found.collect();
         let intervals: Vec<f64> = starts.windows(2).map(|pair| pair[1].since(pair[0])).collect();
         let uneven = intervals.windows(2).filter(|pair| pair[1] < 0.6 * pair[0] || pair[1] > 1.6 * pair[0]).count();
-        starts.len() >= ENOUGH && uneven * 5 <= intervals.len()
+        starts.len() >= least && uneven * 5 <= intervals.len()
     }
 }
 

@@ -6,6 +6,8 @@ use std::f64::consts::TAU;
 use super::total::Total;
 use super::{LONGEST_WAIT, Motion, Output, RotationError};
 use crate::recording::Row;
+use crate::recording::flaws::{Flaw, Position};
+use crate::recording::status::SampleStatus;
 use crate::scene::Speed;
 
 /// Integrates a column of speeds. One sample behind, for the acceleration.
@@ -17,6 +19,12 @@ pub(super) struct SpeedColumn {
     /// Number and speed of the sample before `held`.
     before: Option<(u64, f64)>,
     held: Option<Held>,
+    /// Largest magnitude of a plausible speed, rad/s.
+    pub(super) fastest: f64,
+    /// Readings beyond it.
+    rejected: u64,
+    /// The first of them, rad/s.
+    first_rejected: f64,
 }
 
 /// A sample that lacks its acceleration only.
@@ -24,25 +32,35 @@ struct Held {
     row: Row,
     total: Total,
     speed: f64,
+    status: SampleStatus,
 }
 
 impl SpeedColumn {
     pub(super) fn new(column: &str, rate: f64) -> Self {
-        Self { column: column.into(), rate, waiting: VecDeque::new(), before: None, held: None }
+        Self { column: column.into(), rate, waiting: VecDeque::new(), before: None, held: None, fastest: f64::INFINITY, rejected: 0, first_rejected: f64::NAN }
     }
 
     pub(super) fn push(&mut self, row: Row, output: &mut Output) -> Result<(), RotationError> {
         let known = self.held.as_ref().map(|held| held.speed);
-        // Where the speed is missing, the last one holds; before the first, the first.
-        let speed = if row.rotation.is_nan() { known } else { Some(row.rotation) };
+        let rejected = row.rotation.abs() > self.fastest;
+        if rejected {
+            if self.rejected == 0 {
+                self.first_rejected = row.rotation;
+            }
+            self.rejected += 1;
+            output.ledger.record(Flaw::ImplausibleSpeed, Some(&self.column), Position::from(&row), 1);
+        }
+        // Where there is no plausible speed, the last one holds; before the first, the first.
+        let speed = if row.rotation.is_nan() || rejected { known } else { Some(row.rotation) };
         let Some(speed) = speed else {
             self.waiting.push_back(row);
             return if self.waiting.len() < LONGEST_WAIT { Ok(()) } else { Err(self.no_speed()) };
         };
         while let Some(row) = self.waiting.pop_front() {
-            self.advance(row, speed, output);
+            let status = SampleStatus::ANGLE_NOT_MEASURED.when(!row.rotation.is_nan());
+            self.advance(row, speed, status, output);
         }
-        self.advance(row, speed, output);
+        self.advance(row, speed, SampleStatus::ANGLE_NOT_MEASURED.when(rejected), output);
         Ok(())
     }
 
@@ -57,14 +75,14 @@ impl SpeedColumn {
         Ok(())
     }
 
-    fn advance(&mut self, row: Row, speed: f64, output: &mut Output) {
+    fn advance(&mut self, row: Row, speed: f64, status: SampleStatus, output: &mut Output) {
         let mut total = Total::default();
         if let Some(held) = self.held.take() {
             let time = row.index.saturating_sub(held.row.index) as f64 / self.rate;
             total = held.total.plus(Total::of(0.5 * (held.speed + speed) * time / TAU));
             self.give(held, (row.index, speed), output);
         }
-        self.held = Some(Held { row, total, speed });
+        self.held = Some(Held { row, total, speed, status });
     }
 
     /// Gives out a sample, now that the speed after it is known.
@@ -73,10 +91,15 @@ impl SpeedColumn {
         let samples = next.0.saturating_sub(last.0) as f64;
         let acceleration = if samples > 0.0 { (next.1 - last.1) / samples * self.rate } else { 0.0 };
         self.before = Some((held.row.index, held.speed));
-        output.deliver(held.row, Motion { total: held.total, speed: held.speed, acceleration });
+        let motion = Motion { total: held.total, speed: held.speed, acceleration };
+        output.deliver_with(held.row, motion, held.status);
     }
 
     fn no_speed(&self) -> RotationError {
+        if self.rejected > 0 {
+            let (rejected, found, fastest) = (self.rejected, self.first_rejected, self.fastest);
+            return RotationError::ImplausibleSpeed { column: self.column.clone(), rejected, found, fastest };
+        }
         RotationError::NoSpeed { column: self.column.clone(), samples: self.waiting.len() }
     }
 }

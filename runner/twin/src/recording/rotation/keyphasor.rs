@@ -8,6 +8,7 @@ use super::fit::{Fit, Progress, Pulse, SIDE};
 use super::total::Total;
 use super::{LONGEST_WAIT, Motion, Output, RotationError};
 use crate::recording::Row;
+use crate::recording::status::SampleStatus;
 use crate::recording::flaws::{Flaw, Position};
 
 /// Samples before the levels are looked for; then again each time there are a quarter more.
@@ -15,6 +16,9 @@ const FIRST_LOOK: usize = 1024;
 
 /// So many times the last interval without a pulse is a standstill.
 const STANDSTILL: f64 = 20.0;
+
+/// A recording that goes on for more than this many intervals after its last pulse has a dead keyphasor there.
+const DEAD: f64 = 2.5;
 
 /// An interval this much shorter than expected ends in a pulse too many: after two pulses, when a shaft that
 /// starts from rest may be at 0.41, and when the trend is known.
@@ -127,17 +131,39 @@ impl Keyphasor {
             self.release_interval(output);
         }
         let last = self.left_fit.unwrap_or_else(|| self.fit(self.left));
+        let measured = self.measured_until(&last);
+        let dead = |row: &Row| row.index > measured;
+        let lost = self.waiting.iter().filter(|row| dead(row)).count() as u64;
+        if let Some(first) = self.waiting.iter().find(|row| dead(row)) {
+            output.ledger.record(Flaw::DeadKeyphasor, Some(&self.column), Position::from(first), lost);
+        }
         while let Some(row) = self.waiting.pop_front() {
             let motion = self.motion(&last, last.progress(Instant::sample(row.index)));
-            output.deliver(row, motion);
+            let status = SampleStatus::ANGLE_NOT_MEASURED.when(dead(&row));
+            output.deliver_with(row, motion, status);
         }
         Ok(())
+    }
+
+    /// Returns the last sample whose angle the pulses determine: all where the recording ends within [`DEAD`] intervals of
+    /// the last pulse, else the one at which the next pulse was due.
+    fn measured_until(&self, last: &Fit) -> u64 {
+        let end = self.waiting.back().map_or(0, |row| row.index);
+        let period = last.pulse.period;
+        if Instant::sample(end).since(last.pulse.at) <= DEAD * period {
+            return end;
+        }
+        last.pulse.at.index.saturating_add(period.ceil() as u64)
     }
 
     /// Looks for the levels in all samples so far, and then for the pulses.
     fn look(&mut self, end: bool, output: &mut Output) -> Result<(), RotationError> {
         let Some(levels) = Levels::learn(self.waiting.iter().map(|row| row.rotation), end) else { return Ok(()) };
         self.edges = Some(Edges::new(levels));
+        for row in self.waiting.iter_mut().filter(|row| levels.is_spike(row.rotation)) {
+            output.ledger.record(Flaw::SpuriousPulse, Some(&self.column), Position::from(&*row), 1);
+            row.rotation = f64::NAN;
+        }
         for place in 0..self.waiting.len() {
             let row = &self.waiting[place];
             self.see(Position::from(row), row.rotation, output)?;

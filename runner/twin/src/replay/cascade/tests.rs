@@ -33,6 +33,7 @@ fn spectra(probes: &[Probe], seconds: f64) -> Vec<Cascade> {
             revolution: 0,
             speed: TAU * 50.0,
             acceleration: 0.0,
+            status: Default::default(),
         });
     }
     spectra.finish()

@@ -35,6 +35,7 @@ fn gone(trend: &mut Trend, seconds: f64, hz: impl Fn(f64) -> f64, reading: impl 
             revolution: turns.floor() as i64,
             speed: TAU * hz(time),
             acceleration: 0.0,
+            status: Default::default(),
         };
         trend.add(&sample, &[0.0, 0.0], turns - last);
         last = turns;

@@ -1,0 +1,55 @@
+//! What a monitor reports at once besides limits: rejected readings, restarts, a distrusted observer.
+
+/// Seconds of the recording between two notices of one kind.
+const INTERVAL: f64 = 10.0;
+
+/// One notice.
+#[derive(Debug, Clone)]
+pub struct Notice {
+    /// Its kind, as event logs spell it.
+    pub kind: &'static str,
+    /// In the recording's time.
+    pub time_s: f64,
+    /// For people.
+    pub sentence: String,
+}
+
+/// Notices of a recording, at most one of a kind every 10 s: a fault that lasts does not flood the log.
+#[derive(Default)]
+pub struct Notices {
+    last: Vec<(&'static str, f64)>,
+    waiting: Vec<Notice>,
+}
+
+impl Notices {
+    /// Adds a notice unless one of the kind came shortly before.
+    pub fn add(&mut self, kind: &'static str, time_s: f64, sentence: impl FnOnce() -> String) {
+        let last = self.last.iter_mut().find(|(of, _)| *of == kind);
+        match last {
+            Some((_, last)) if time_s - *last < INTERVAL => return,
+            Some((_, last)) => *last = time_s,
+            None => self.last.push((kind, time_s)),
+        }
+        self.waiting.push(Notice { kind, time_s, sentence: sentence() });
+    }
+
+    /// Returns the notices since the last call.
+    pub fn take(&mut self) -> Vec<Notice> {
+        std::mem::take(&mut self.waiting)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kind_is_reported_once_in_ten_seconds() {
+        let mut notices = Notices::default();
+        (0..250).for_each(|i| notices.add("a", 0.1 * f64::from(i), String::new));
+        notices.add("b", 25.0, String::new);
+        let kinds: Vec<&str> = notices.take().iter().map(|n| n.kind).collect();
+        assert_eq!(kinds, ["a", "a", "a", "b"]);
+        assert!(notices.take().is_empty());
+    }
+}

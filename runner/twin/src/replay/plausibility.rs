@@ -1,0 +1,161 @@
+//! Whether a recording can be one of the scene's machine, and whether enough of it was measured for a verdict.
+
+use super::forces::BearingSums;
+use super::outcome::ProbeOutcome;
+use super::range::ReadingRange;
+use crate::plant::Seat;
+use crate::recording::status::SampleStatus;
+use crate::scene::{Rotation, Speed};
+use std::f64::consts::TAU;
+
+/// Speeds within this factor of the scene's are plausible.
+const SPEED_FACTOR: f64 = 1.5;
+/// Least share of samples with a plausible speed.
+const LEAST_AT_SPEED: f64 = 0.1;
+/// Largest share of a probe's readings out of range.
+const MOST_OUT_OF_RANGE: f64 = 0.5;
+/// Readings this much smaller than the twin's at every probe have another unit.
+const TOO_SMALL: f64 = 0.01;
+/// Largest share of samples in which no element of a bearing carries load although the twin's does.
+const MOST_UNLOADED: f64 = 1.0 / 3.0;
+/// Largest share of samples without what a verdict needs.
+const MOST_NOT_MEASURED: f64 = 0.1;
+
+const UM: f64 = 1e6;
+
+/// Counts over a recording.
+#[derive(Default)]
+pub struct Counts {
+    samples: u64,
+    at_speed: u64,
+    angle_not_measured: u64,
+    out_of_range: u64,
+    twin_held: u64,
+    twin_is_held: bool,
+}
+
+impl Counts {
+    /// One sample at this shaft speed, rad/s.
+    pub fn add(&mut self, status: SampleStatus, speed: f64, scene: Speed) {
+        let (a, b) = scene.range();
+        // The signs agree, as a keyphasor has none.
+        let (slow, fast) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
+        let measured = !status.has(SampleStatus::ANGLE_NOT_MEASURED);
+        let plausible = (slow / SPEED_FACTOR..=fast * SPEED_FACTOR).contains(&speed.abs());
+        self.samples += 1;
+        self.at_speed += u64::from(measured && plausible);
+        self.angle_not_measured += u64::from(!measured);
+        self.out_of_range += u64::from(status.has(SampleStatus::READING_OUT_OF_RANGE));
+        self.twin_is_held = status.has(SampleStatus::TWIN_HELD);
+        self.twin_held += u64::from(self.twin_is_held);
+    }
+
+    fn share(&self, count: u64) -> f64 {
+        count as f64 / self.samples.max(1) as f64
+    }
+
+    /// Samples with a reading out of range.
+    #[must_use]
+    pub const fn out_of_range(&self) -> u64 {
+        self.out_of_range
+    }
+
+    /// Reasons why there is no verdict although the recording is plausible; `compared` samples had every reading.
+    #[must_use]
+    pub fn not_judged(&self, compared: u64) -> Vec<String> {
+        let mut reasons = Vec::new();
+        let mut beyond = |count: u64, what: &str| {
+            if self.share(count) > MOST_NOT_MEASURED {
+                reasons.push(format!("{what} in {:.0} % of the samples", 100.0 * self.share(count)));
+            }
+        };
+        beyond(self.angle_not_measured, "the shaft angle is not measured");
+        beyond(self.out_of_range, "a reading is out of range");
+        beyond(self.twin_held, "the motion of the twin overflowed and was held");
+        if reasons.is_empty() && self.twin_is_held {
+            reasons.push("the motion of the twin overflowed and is held at the end".to_owned());
+        }
+        if reasons.is_empty() && compared == 0 {
+            reasons.push("no sample has a reading of every probe".to_owned());
+        }
+        reasons
+    }
+}
+
+/// What is compared with the scene.
+pub struct Evidence<'a> {
+    /// Counts over the recording.
+    pub counts: &'a Counts,
+    /// Source of the shaft angle.
+    pub rotation: &'a Rotation,
+    /// The scene's shaft speed.
+    pub scene_speed: Speed,
+    /// Mean measured speed, rad/s.
+    pub mean_speed: f64,
+    /// Ranges of the probes.
+    pub range: &'a ReadingRange,
+    /// Figures of the probes.
+    pub probes: &'a [ProbeOutcome],
+    /// The bearings with the sums of their forces.
+    pub bearings: &'a [BearingSums],
+    /// The same bearings.
+    pub seats: &'a [Seat],
+}
+
+/// Returns the reasons why the recording cannot be one of the scene's machine; empty where it can.
+#[must_use]
+pub fn implausible(of: &Evidence) -> Vec<String> {
+    let unloaded = of.bearings.iter().zip(of.seats).filter_map(unloaded);
+    speed(of).into_iter().chain(size(of)).chain(unloaded).collect()
+}
+
+fn speed(of: &Evidence) -> Option<String> {
+    let (low, high) = of.scene_speed.range();
+    let measured = !matches!(of.rotation, Rotation::Scene);
+    let counts = of.counts;
+    let judged = counts.samples - counts.angle_not_measured;
+    let at_speed = counts.at_speed as f64 / judged.max(1) as f64;
+    if !measured || (low == 0.0 && high == 0.0) || judged == 0 || at_speed >= LEAST_AT_SPEED {
+        return None;
+    }
+    let rpm = |w: f64| w * 60.0 / TAU;
+    let scene = if low == high { format!("{:.0} rpm", rpm(low)) } else { format!("{:.0} to {:.0} rpm", rpm(low), rpm(high)) };
+    Some(format!(
+        "mean shaft speed {:.0} rpm, the scene's is {scene}; expected within a factor of {SPEED_FACTOR} (check pulses_per_turn, the unit of the speed and [shaft] speed)",
+        rpm(of.mean_speed)
+    ))
+}
+
+fn size(of: &Evidence) -> Option<String> {
+    if let Some((column, share, largest)) = of.range.mostly_outside(MOST_OUT_OF_RANGE).next() {
+        return Some(format!(
+            "{column}: {:.0} % of the readings are farther from zero than {:.0} um, which the bearings allow (check unit and offset)",
+            100.0 * share,
+            largest * UM
+        ));
+    }
+    let total = |m: &super::outcome::Motion| m.mean_um.hypot(m.rms_um);
+    let small = |p: &&ProbeOutcome| total(&p.measured) < TOO_SMALL * total(&p.twin);
+    let radial = || of.probes.iter().filter(|p| p.angle_deg.is_some());
+    let first = radial().next()?;
+    radial().all(|p| small(&p)).then(|| {
+        format!(
+            "{}: the readings are {:.1e} um in size where the scene's motion is {:.1e} um, and likewise at every radial probe (check the unit)",
+            first.name,
+            total(&first.measured),
+            total(&first.twin)
+        )
+    })
+}
+
+fn unloaded((sums, seat): (&BearingSums, &Seat)) -> Option<String> {
+    let [measured, twin] = sums.unloaded_shares();
+    (measured > MOST_UNLOADED && twin < 0.5 * measured).then(|| {
+        format!(
+            "bearing {}: no element carries load in {:.0} % of the samples, in the scene's motion in {:.0} % (check unit, offset and clearance)",
+            seat.name,
+            100.0 * measured,
+            100.0 * twin
+        )
+    })
+}

@@ -1,0 +1,201 @@
+//! The range that the bearings allow each probe's reading: beyond it no sound bearing lets the shaft go.
+//!
+//! A bearing reaches its limit in a direction where its most loaded element is pressed with the static limit of ISO 76
+//! (clearance plus elastic deflection), or, where contact pressures are not known, where it answers with
+//! [`LARGEST_FORCE`] times the loads on the rotor. A rigid shaft between two bearings cannot be farther from zero than
+//! their limits allow at the probe's station. [`MARGIN`] leaves room for zero errors and damaged races.
+
+use crate::plant::{PRESSURE_LIMIT, Plant, Seat};
+use crate::recording::Row;
+use crate::recording::flaws::{Flaw, FlawLedger, Position};
+use crate::recording::status::SampleStatus;
+use crate::scene::{Direction, Probe, Scene, build};
+use anyhow::Result;
+use ballrace::bearing::Bearing as _;
+use ballrace::contact::hertz::Race;
+use ballrace::{Displacement, Turn};
+
+/// Readings up to so many times the bearings' limit are accepted.
+const MARGIN: f64 = 3.0;
+/// Force over the loads on the rotor that no bearing of unknown contact pressure answers with.
+const LARGEST_FORCE: f64 = 1000.0;
+/// First displacement tried, and the last, m.
+const SEARCH: (f64, f64) = (1e-7, 1e-2);
+/// Growth from one displacement to the next: the limit is found within so much above.
+const STRIDE: f64 = 1.1;
+/// So many readings out of range one after the other are no spike: limits and statistics then see them.
+const SUSTAINED: u32 = 16;
+
+/// Ranges of a scene's probes, and the readings found outside.
+pub struct ReadingRange {
+    /// Largest magnitude of each reading, m; infinite where nothing bounds it.
+    largest: Vec<f64>,
+    names: Vec<String>,
+    /// Readings out of range one after the other, up to now.
+    runs: Vec<u32>,
+    /// Readings out of range in all.
+    outside: Vec<u64>,
+    /// Finite readings in all.
+    readings: Vec<u64>,
+    ledger: FlawLedger,
+}
+
+impl ReadingRange {
+    /// Of the probes on this plant.
+    ///
+    /// # Errors
+    /// What the kernel refuses of a bearing's geometry.
+    pub fn try_new(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Result<Self> {
+        let loads = loads(scene);
+        let limits = scene.bearings.iter().zip(&plant.seats).map(|(bearing, seat)| {
+            let geometry = build::geometry(bearing)?;
+            let pressure_limit = geometry.map(|g| {
+                // The pressure grows with the third root of the load.
+                let unit = g.contact(Race::Inner).ellipse(1.0).2;
+                (PRESSURE_LIMIT / unit).powi(3)
+            });
+            Ok(Limit::new(plant, seat, pressure_limit, LARGEST_FORCE * loads))
+        });
+        let limits = limits.collect::<Result<Vec<_>>>()?;
+        let largest: Vec<f64> = probes.iter().map(|probe| MARGIN * at_probe(&limits, probe)).collect();
+        Ok(Self {
+            names: probes.iter().map(|p| p.column.clone()).collect(),
+            runs: vec![0; largest.len()],
+            outside: vec![0; largest.len()],
+            readings: vec![0; largest.len()],
+            largest,
+            ledger: FlawLedger::default(),
+        })
+    }
+
+    /// Checks the readings of a row. A short run of readings out of range is removed from it; a longer one stays, flagged.
+    pub fn check(&mut self, row: &mut Row) -> SampleStatus {
+        let at = Position::from(&*row);
+        let mut any = false;
+        for (i, reading) in row.probes.iter_mut().enumerate().take(self.largest.len()) {
+            if reading.is_nan() {
+                continue;
+            }
+            self.readings[i] += 1;
+            if reading.abs() <= self.largest[i] {
+                self.runs[i] = 0;
+                continue;
+            }
+            any = true;
+            self.outside[i] += 1;
+            self.runs[i] = self.runs[i].saturating_add(1);
+            self.ledger.record_reading(Flaw::ReadingOutOfRange, &self.names[i], at, 1, *reading);
+            if self.runs[i] <= SUSTAINED {
+                *reading = f64::NAN;
+            }
+        }
+        SampleStatus::READING_OUT_OF_RANGE.when(any)
+    }
+
+    /// Copies readings, NaN in the place of those out of range.
+    pub fn within(&self, readings: &[f64], into: &mut Vec<f64>) {
+        into.clear();
+        let limited = readings.iter().zip(&self.largest);
+        into.extend(limited.map(|(&y, &largest)| if y.abs() <= largest { y } else { f64::NAN }));
+    }
+
+    /// Each of these readings is one that the bearings allow.
+    pub fn allows(&self, readings: impl Iterator<Item = f64>) -> bool {
+        readings.zip(&self.largest).all(|(y, &largest)| y.abs() <= largest)
+    }
+
+    /// Probes with more than `share` of their readings out of range: column, share, largest reading allowed (m).
+    pub fn mostly_outside(&self, share: f64) -> impl Iterator<Item = (&str, f64, f64)> {
+        let counts = self.outside.iter().zip(&self.readings).map(|(o, n)| *o as f64 / (*n).max(1) as f64);
+        let all = counts.zip(&self.names).zip(&self.largest);
+        all.filter(move |((found, _), _)| *found > share).map(|((found, name), largest)| (name.as_str(), found, *largest))
+    }
+
+    /// Readings out of range so far, over all probes.
+    pub fn count(&self) -> u64 {
+        self.outside.iter().sum()
+    }
+
+    /// The readings found outside, for the report.
+    pub const fn flaws(&self) -> &FlawLedger {
+        &self.ledger
+    }
+}
+
+/// Largest displacement of one bearing's inner ring, m and rad; infinite where the bearing does not resist.
+struct Limit {
+    station: f64,
+    radial: f64,
+    axial: f64,
+    tilt: f64,
+}
+
+impl Limit {
+    fn new(plant: &Plant, seat: &Seat, element_load: Option<f64>, force: f64) -> Self {
+        let at = plant.resting(seat, Turn::ZERO);
+        let mut loads = vec![0.0; seat.elements];
+        let mut beyond = |u: &Displacement<f64>| match element_load {
+            Some(limit) if seat.elements > 0 => {
+                loads.fill(0.0);
+                seat.bearing.element_loads(u, &at, &mut loads);
+                loads.iter().any(|load| !(*load < limit))
+            }
+            _ => {
+                let [x, y, z, ..] = seat.bearing.reaction(u, &at).wrench.to_array();
+                !(x * x + y * y + z * z < force * force)
+            }
+        };
+        let mut reach = |along: fn(f64) -> Displacement<f64>, unit: f64| {
+            let mut size = SEARCH.0;
+            while size < SEARCH.1 {
+                if beyond(&along(size * unit)) {
+                    return size * unit.abs();
+                }
+                size *= STRIDE;
+            }
+            f64::INFINITY
+        };
+        // A bearing that carries thrust one way limits that way only; the other one is limited by its partner.
+        let one_way = |a: f64, b: f64| if a.is_infinite() || b.is_infinite() { a.min(b) } else { a.max(b) };
+        let u = |x| Displacement { u: x, ..Displacement::default() };
+        let v = |x| Displacement { v: x, ..Displacement::default() };
+        let w = |x| Displacement { w: x, ..Displacement::default() };
+        let tilt = |x| Displacement { thu: x, ..Displacement::default() };
+        let radial = [reach(u, 1.0), reach(u, -1.0), reach(v, 1.0), reach(v, -1.0)];
+        Self {
+            station: seat.station,
+            radial: radial.into_iter().fold(0.0, f64::max),
+            axial: one_way(reach(w, 1.0), reach(w, -1.0)),
+            tilt: one_way(reach(tilt, 10.0), reach(tilt, -10.0)),
+        }
+    }
+}
+
+/// Largest magnitude of a probe's reading that the bearings' limits allow.
+fn at_probe(limits: &[Limit], probe: &Probe) -> f64 {
+    if probe.direction == Direction::Axial {
+        // Thrust one way may be carried by one bearing and the other way by another: the larger of their limits.
+        let finite = limits.iter().map(|l| l.axial).filter(|x| x.is_finite());
+        return finite.reduce(f64::max).unwrap_or(f64::INFINITY);
+    }
+    let z = probe.station;
+    let mut least = limits.iter().map(|l| l.radial + (z - l.station).abs() * l.tilt).fold(f64::INFINITY, f64::min);
+    for (i, a) in limits.iter().enumerate() {
+        for b in limits.iter().skip(i + 1).filter(|b| b.station != a.station) {
+            let share = (z - a.station) / (b.station - a.station);
+            least = least.min((1.0 - share).abs() * a.radial + share.abs() * b.radial);
+        }
+    }
+    least
+}
+
+/// Size of the loads on the rotor at the scene's highest speed: weight, load and unbalance, N.
+fn loads(scene: &Scene) -> f64 {
+    let Some(rotor) = &scene.rotor else { return 0.0 };
+    let (slow, fast) = scene.shaft.speed.range();
+    let speed = slow.abs().max(fast.abs());
+    let unbalance: f64 = build::unbalances(rotor).iter().map(|u| u.moment.abs() * speed * speed).sum();
+    let length = |x: [f64; 3]| x.iter().map(|a| a * a).sum::<f64>().sqrt();
+    let [x, y, z, ..] = rotor.load;
+    rotor.mass * length(rotor.gravity) + length([x, y, z]) + unbalance
+}
