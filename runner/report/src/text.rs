@@ -275,7 +275,9 @@ fn orders(page: &mut Page, bearings: &[BearingOutcome]) {
 
 fn findings(page: &mut Page, outcome: &Outcome) {
     page.title("FINDINGS");
-    if outcome.findings.is_empty() {
+    if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
+        page.line("  not judged");
+    } else if outcome.findings.is_empty() {
         page.line("  none");
     }
     for finding in &outcome.findings {

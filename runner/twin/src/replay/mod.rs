@@ -537,12 +537,12 @@ impl<'a> Run<'a> {
             let estimate = watch.pose();
             let possible = !flags.has(Status::INPUT_NOT_FINITE)
                 && self.range.allows(self.rows.iter().map(|row| pose::reading(row, &estimate)));
-            let nis = consistency.bounded(nis);
             let was_trusted = consistency.is_trusted();
             let verdict = consistency.sample(nis, possible);
-            self.innovation.add(nis, flags, verdict);
+            let bounded = consistency.bounded(nis);
+            self.innovation.add(bounded, flags, verdict);
             if let Some(seconds) = &mut self.seconds {
-                seconds.add_innovation(nis);
+                seconds.add_innovation(bounded);
             }
             if verdict == Verdict::Restart {
                 let twin = moving.twin.pose();

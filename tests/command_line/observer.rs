@@ -1,0 +1,127 @@
+//! The observer where it does not describe the machine: its forces are flagged and replaced, never wrong in silence.
+
+use crate::support::{Desk, list, number, numbers};
+use serde_json::Value;
+
+const RATE: f64 = 12_800.0;
+const TURN: usize = 256;
+
+/// A 20 kg rotor on two 6309 bearings; `defect` is a line of the first.
+fn rotor(model: &str, defect: &str, axial: &str) -> String {
+    let bearing = |name: &str, station: i32, more: &str| {
+        format!(
+            "[[bearing]]\nname = \"{name}\"\nstation = \"{station} mm\"\nfacing = \"both\"\nmodel = \"{model}\"\nelements = 8\n\
+             ball_diameter = \"17.462 mm\"\npitch_diameter = \"72.5 mm\"\ninner_conformity = 0.52\nouter_conformity = 0.52\n\
+             diametral_clearance = \"10 um\"\n{more}\n"
+        )
+    };
+    let probe = |name: &str, station: i32, angle: i32| {
+        format!("{{ column = \"{name}\", unit = \"um\", station = \"{station} mm\", angle = \"{angle} deg\", noise = \"0.03 um\" }},")
+    };
+    let probes = [probe("AX", -120, 0), probe("AY", -120, 90), probe("BX", 120, 0), probe("BY", 120, 90)].concat();
+    let (load, third) = match axial {
+        "" => (0, String::new()),
+        column => (100, format!("{{ column = \"{column}\", unit = \"um\", axial = true, noise = \"0.03 um\" }}")),
+    };
+    format!(
+        "name = \"6309\"\n[shaft]\nspeed = \"3000 rpm\"\n[rotor]\nmass = \"20 kg\"\ndiametral_inertia = 0.3\npolar_inertia = 0.05\n\
+         damping = [800, 800, 800, 2, 2]\nload = [0, 0, {load}, 0, 0]\n\
+         unbalance = [{{ moment = \"200 g mm\", angle = \"17 deg\", station = \"20 mm\" }}]\n{}{}\
+         [recording]\nfile = \"recording.csv\"\nrate = \"12.8 kHz\"\nprobes = [{probes}{third}]\n\
+         keyphasor = {{ column = \"key\", pulses_per_turn = 1 }}\n",
+        bearing("A", -100, defect),
+        bearing("B", 100, "")
+    )
+}
+
+/// The motion that the program computes for a scene: `u, v, w, thu, thv` at each sample of so many turns after the start.
+fn motion(desk: &Desk, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f64>> {
+    let duration = format!("{} s", (turns.end * TURN) as f64 / RATE);
+    desk.done(&["simulate", scene, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
+    let (_, rows) = numbers(&desk.read("motion.csv"));
+    rows[turns.start * TURN..turns.end * TURN].iter().map(|row| row[1..6].to_vec()).collect()
+}
+
+/// The probes' readings of this motion with noise of 0.03 um rms, and a keyphasor.
+fn recording(motion: &[Vec<f64>]) -> String {
+    let mut state = 1_u64;
+    let mut noise = || {
+        let sum: f64 = (0..12)
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            })
+            .sum();
+        0.03 * (sum - 6.0)
+    };
+    let mut text = "AX,AY,BX,BY,Z,key\n".to_owned();
+    for (i, q) in motion.iter().enumerate() {
+        let at = |station: f64| [q[0] + station * q[4], q[1] - station * q[3]];
+        let [[ax, ay], [bx, by]] = [at(-0.12), at(0.12)];
+        for x in [ax, ay, bx, by, q[2]] {
+            text += &format!("{:.5},", 1e6 * x + noise());
+        }
+        text += if i % TURN == 0 { "1\n" } else { "0\n" };
+    }
+    text
+}
+
+fn forces(desk: &Desk, source: &str) -> (Value, Vec<Vec<f64>>) {
+    let outcome = desk.replay("sound.toml", &["--forces", "forces.csv", "--force-source", source]);
+    (outcome, numbers(&desk.read("forces.csv")).1)
+}
+
+/// A strong spall breaks out after the observer was tuned to a sound bearing: no force without a flag is far from the model
+/// at the measured displacement, and none at all is beyond it.
+#[test]
+fn a_strong_spall_does_not_carry_the_observer_away() {
+    let desk = Desk::empty();
+    let spall = "defect = [{ surface = \"outer\", azimuth = \"-90 deg\", half_width = \"4 deg\", depth = \"100 um\", shape = \"half-sine\" }]";
+    desk.put("sound.toml", rotor("angular", "", "Z"));
+    desk.put("spalled.toml", rotor("angular", spall, "Z"));
+    let mut all = motion(&desk, "sound.toml", 10..20);
+    all.extend(motion(&desk, "spalled.toml", 0..20));
+    desk.put("recording.csv", recording(&all));
+    let (outcome, observed) = forces(&desk, "observer");
+    let (_, measured) = forces(&desk, "displacement");
+    let sigma: Vec<f64> = (0..10)
+        .map(|i| number(&outcome, &format!("/bearings/{}/force_measured/{}/noise_sigma", i / 5, i % 5)))
+        .collect();
+    let largest = |rows: &[Vec<f64>], k: usize| rows.iter().map(|row| row[k].abs()).fold(0.0, f64::max);
+    let flagged = observed.iter().filter(|row| row[11] != 0.0).count();
+    assert!(flagged > 10 * TURN && flagged < 22 * TURN, "{flagged}");
+    for k in 1..=10 {
+        let (most, allowed) = (largest(&observed, k), largest(&measured, k) + 8.0 * sigma[k - 1]);
+        assert!(most <= allowed, "column {k}: {most} N, {allowed} N at the measured displacement");
+        for (i, (o, m)) in observed.iter().zip(&measured).enumerate().filter(|(_, (o, _))| o[11] == 0.0) {
+            assert!((o[k] - m[k]).abs() <= 8.0 * sigma[k - 1], "sample {i}, column {k}: {} N, {} N", o[k], m[k]);
+        }
+    }
+    let observer = &outcome["observer"];
+    assert_eq!(observer["consistent"], false);
+    for figure in ["rejected_samples", "restarts", "distrusted_samples"] {
+        assert!(number(observer, &format!("/{figure}")) > 0.0, "{observer:#}");
+    }
+    let estimated = number(&outcome, "/bearings/0/force_estimated/1/max");
+    assert!(estimated <= largest(&measured, 2) + 8.0 * sigma[1], "{estimated}");
+    let notes = list(&outcome, "notes").iter().map(|note| note.as_str().unwrap()).collect::<Vec<_>>().join(" ");
+    assert!(notes.contains("the force comes from the displacement instead"), "{notes}");
+}
+
+/// Lumped bearings have no axial stiffness: without an axial probe there is no steady filter, and the replay does without.
+#[test]
+fn lumped_bearings_with_radial_probes_only() {
+    let desk = Desk::empty();
+    desk.put("sound.toml", rotor("lumped", "", ""));
+    let motion = motion(&desk, "sound.toml", 10..20);
+    desk.put("recording.csv", recording(&motion));
+    let (outcome, observed) = forces(&desk, "observer");
+    let notes = list(&outcome, "notes").iter().map(|note| note.as_str().unwrap()).collect::<Vec<_>>().join(" ");
+    assert!(notes.contains("No observer: "), "{notes}");
+    assert!(outcome["observer"].is_null());
+    assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0), "{outcome:#}");
+    let (_, measured) = forces(&desk, "displacement");
+    for (o, m) in observed.iter().zip(&measured) {
+        assert_eq!((&o[..11], o[11], m[11]), (&m[..11], 128.0, 0.0));
+    }
+}

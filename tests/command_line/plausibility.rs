@@ -1,0 +1,122 @@
+//! Recordings that cannot be of the scene's machine: exit code 4, the verdict says so first, nothing is diagnosed.
+
+use serde_json::Value;
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, list, numbers, scene, short_recording, swap};
+
+/// Replays what is not plausible and returns the outcome.
+fn implausible(scene: &str, recording: &str) -> Value {
+    let desk = Desk::with(scene, recording);
+    let args = ["replay", "scene.toml", "--format", "json", "--learn", "learned.json"];
+    let answer = desk.run(&args);
+    assert_eq!(answer.code, Some(4), "{answer:?}");
+    let outcome: Value = answer.json();
+    let verdict = outcome["verdict"].as_str().unwrap();
+    assert!(verdict.starts_with("The recording is not plausible for the scene: "), "{verdict}");
+    assert!(!verdict.contains("follows"), "{verdict}");
+    assert_eq!(list(&outcome, "findings").len(), 0, "{outcome:#}");
+    assert!(!list(&outcome, "implausible").is_empty());
+    assert!(desk.read("ballrace-report.html").contains("not plausible"));
+    assert!(!desk.files().contains(&"learned.json".to_owned()), "it is no baseline");
+    let text = desk.run(&args[..2]).out;
+    assert!(text.starts_with("The recording is not plausible") && text.contains("not judged"), "{text}");
+    outcome
+}
+
+/// The demonstration's first turns with each cell of a row changed.
+fn changed(samples: usize, change: impl Fn(usize, usize, f64) -> f64) -> String {
+    let text = short_recording(samples);
+    let (header, rows) = numbers(&text);
+    let line = |(i, row): (usize, &Vec<f64>)| {
+        let cells: Vec<String> = row.iter().enumerate().map(|(k, x)| change(i, k, *x).to_string()).collect();
+        cells.join(",") + "\n"
+    };
+    header.join(",") + "\n" + &rows.iter().enumerate().map(line).collect::<String>()
+}
+
+const KEYPHASOR: usize = 6;
+const SAMPLES: usize = 16 * TURN;
+
+/// A keyphasor with a second pulse half a turn after the first.
+fn twice_the_speed() -> String {
+    let (_, rows) = numbers(&short_recording(SAMPLES));
+    changed(SAMPLES, |i, k, x| if k == KEYPHASOR && i >= TURN / 2 { x.max(rows[i - TURN / 2][k]) } else { x })
+}
+
+#[test]
+fn twice_the_speed_of_the_scene() {
+    let outcome = implausible(DEMO_SCENE, &twice_the_speed());
+    let verdict = outcome["verdict"].as_str().unwrap();
+    assert!(verdict.contains("6000 rpm") && verdict.contains("3000 rpm"), "{verdict}");
+}
+
+#[test]
+fn half_the_speed_of_the_scene() {
+    implausible(&scene(&[("3000 rpm", "6000 rpm")]), &short_recording(SAMPLES));
+}
+
+#[test]
+fn a_unit_a_thousand_times_off() {
+    let probes = |factor: f64| changed(SAMPLES, move |_, k, x| if (1..KEYPHASOR).contains(&k) { factor * x } else { x });
+    let large = implausible(DEMO_SCENE, &probes(1000.0));
+    assert!(large["verdict"].as_str().unwrap().contains("farther from zero than"), "{large:#}");
+    let small = implausible(DEMO_SCENE, &probes(0.001));
+    let verdict = small["verdict"].as_str().unwrap();
+    assert!(verdict.contains("the readings are") && verdict.contains("no element carries load in 100 %"), "{verdict}");
+}
+
+/// A machine off centre in the other direction along its axis: no element carries load.
+#[test]
+fn no_element_carries_load() {
+    let lifted = changed(SAMPLES, |_, k, x| if k == 5 { 0.0 } else { x });
+    let outcome = implausible(DEMO_SCENE, &lifted);
+    assert!(outcome["verdict"].as_str().unwrap().contains("no element carries load"), "{outcome:#}");
+}
+
+#[test]
+fn a_speed_column_without_a_plausible_speed() {
+    let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
+    let speed = swap(DEMO_SCENE, keyphasor, "speed = { column = \"keyphasor\", unit = \"rpm\" }");
+    let fast = changed(2 * TURN, |_, k, x| if k == KEYPHASOR { 1e9 } else { x });
+    let desk = Desk::with(&speed, &fast);
+    desk.refused(&["replay", "scene.toml"], 4, &["not plausible for the scene: column keyphasor: 512 speeds"]);
+}
+
+#[test]
+fn the_demonstration_is_plausible() {
+    let outcome = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0));
+}
+
+/// A keyphasor that dies: its part of the recording is flagged and nothing is said of the machine.
+#[test]
+fn a_keyphasor_that_dies() {
+    let dead = 10 * TURN;
+    let text = changed(SAMPLES, |i, k, x| if k == KEYPHASOR && i > dead { 0.0 } else { x });
+    let desk = Desk::with(DEMO_SCENE, &text);
+    let outcome = desk.replay("scene.toml", &["--forces", "forces.csv"]);
+    let verdict = outcome["verdict"].as_str().unwrap();
+    assert!(verdict.starts_with("No verdict: the shaft angle is not measured in 3"), "{verdict}");
+    assert_eq!(list(&outcome, "findings").len(), 0);
+    let flaw = &list(&outcome, "flaws")[0];
+    assert_eq!((flaw["kind"].as_str(), flaw["column"].as_str()), (Some("dead_keyphasor"), Some("keyphasor")));
+    let lost = flaw["samples_affected"].as_u64().unwrap() as usize;
+    assert!((SAMPLES - dead - 2 * TURN..SAMPLES - dead).contains(&lost), "{lost}");
+    let (_, rows) = numbers(&desk.read("forces.csv"));
+    let flagged = rows.iter().filter(|row| row[row.len() - 1] as u16 & 1024 != 0).count();
+    assert_eq!(flagged, lost, "each of its samples is flagged");
+}
+
+/// A spike of twice the pulse's level, wherever it is, is left out and changes nothing else.
+#[test]
+fn a_spike_of_the_keyphasor() {
+    let plain = Desk::with(DEMO_SCENE, &short_recording(SAMPLES)).replay("scene.toml", &[]);
+    for place in [100, 5 * TURN + 77, 14 * TURN + 100] {
+        let text = changed(SAMPLES, |i, k, x| if k == KEYPHASOR && i == place { 2.0 } else { x });
+        let outcome = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
+        for key in ["verdict", "probes", "record"] {
+            assert_eq!(outcome[key], plain[key], "{place}: {key}");
+        }
+        assert_eq!(list(&outcome, "flaws")[0]["kind"], "spurious_pulse", "{place}");
+    }
+}
