@@ -16,7 +16,9 @@ fn rotor(model: &str, defect: &str, axial: &str) -> String {
         )
     };
     let probe = |name: &str, station: i32, angle: i32| {
-        format!("{{ column = \"{name}\", unit = \"um\", station = \"{station} mm\", angle = \"{angle} deg\", noise = \"0.03 um\" }},")
+        format!(
+            "{{ column = \"{name}\", unit = \"um\", station = \"{station} mm\", angle = \"{angle} deg\", noise = \"0.03 um\" }},"
+        )
     };
     let probes = [probe("AX", -120, 0), probe("AY", -120, 90), probe("BX", 120, 0), probe("BY", 120, 90)].concat();
     let (load, third) = match axial {

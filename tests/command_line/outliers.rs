@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, list, number, numbers, short_recording, swap, with_cell};
+use crate::support::{
+    DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, list, number, numbers, short_recording, swap, with_cell,
+};
 
 const BAD: usize = 1000;
 
@@ -45,7 +47,10 @@ fn a_wild_reading() {
         let (outcome, found) = replayed(DEMO_SCENE, &with_bad(1, cell));
         leaves_no_trace(&forces, &found, 256, 2.0);
         let flaw = &list(&outcome, "flaws")[0];
-        assert_eq!((flaw["kind"].as_str(), flaw["first_line"].as_u64()), (Some("reading_out_of_range"), Some(BAD as u64 + 2)));
+        assert_eq!(
+            (flaw["kind"].as_str(), flaw["first_line"].as_u64()),
+            (Some("reading_out_of_range"), Some(BAD as u64 + 2))
+        );
         for (a, b) in list(&plain, "probes").iter().zip(list(&outcome, "probes")) {
             let ratio = number(b, "/residual_rms_um") / number(a, "/residual_rms_um");
             assert!((ratio - 1.0).abs() < 0.01, "{cell}: {ratio}");
@@ -106,7 +111,8 @@ fn a_monitor_reports_a_wild_reading() {
     let desk = Desk::with(DEMO_SCENE, &replaced(DEMO_RECORDING, 1, "1e7"));
     desk.done(&["replay", "scene.toml", "--paced", "--events", "events.jsonl"]);
     let events = desk.read("events.jsonl");
-    let kinds: Vec<Value> = events.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["kind"].clone()).collect();
+    let kinds: Vec<Value> =
+        events.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["kind"].clone()).collect();
     assert!(kinds.contains(&Value::from("reading-out-of-range")), "{events}");
 }
 

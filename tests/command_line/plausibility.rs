@@ -57,7 +57,8 @@ fn half_the_speed_of_the_scene() {
 
 #[test]
 fn a_unit_a_thousand_times_off() {
-    let probes = |factor: f64| changed(SAMPLES, move |_, k, x| if (1..KEYPHASOR).contains(&k) { factor * x } else { x });
+    let probes =
+        |factor: f64| changed(SAMPLES, move |_, k, x| if (1..KEYPHASOR).contains(&k) { factor * x } else { x });
     let large = implausible(DEMO_SCENE, &probes(1000.0));
     assert!(large["verdict"].as_str().unwrap().contains("farther from zero than"), "{large:#}");
     let small = implausible(DEMO_SCENE, &probes(0.001));

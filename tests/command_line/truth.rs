@@ -15,7 +15,10 @@ fn off(desk: &Desk, name: &str) -> Vec<Vec<f64>> {
     let ((head, found), (truth_head, truth)) = (numbers(&desk.read("forces.csv")), numbers(&truth));
     // The truth has no units in its header and no status.
     let plain: Vec<&str> = head.iter().map(|name| name.trim_end_matches("_Nm").trim_end_matches("_N")).collect();
-    assert_eq!(plain.split_last(), Some((&"status", truth_head.iter().map(String::as_str).collect::<Vec<_>>().as_slice())));
+    assert_eq!(
+        plain.split_last(),
+        Some((&"status", truth_head.iter().map(String::as_str).collect::<Vec<_>>().as_slice()))
+    );
     assert_eq!(found.len(), EVERY * truth.len());
     let pairs = || truth.iter().zip(found.iter().step_by(EVERY));
     assert!(pairs().all(|(truth, found)| (truth[0] - found[0]).abs() < 1e-6), "the same moments");

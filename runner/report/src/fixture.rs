@@ -367,6 +367,10 @@ fn flaws() -> Vec<FlawSummary> {
 
 fn observer() -> ObserverOutcome {
     ObserverOutcome {
+        gate: 53.3,
+        rejected_samples: 0,
+        restarts: 0,
+        distrusted_samples: 0,
         nis_mean: 5.02,
         nis_expected: 5.0,
         nis_bounds: [4.93, 5.07],
@@ -434,6 +438,8 @@ pub(crate) fn usual() -> Outcome {
             .to_owned(),
     };
     Outcome {
+        implausible: vec![],
+        not_judged: vec![],
         scene: "Test rig with two 6205 bearings".to_owned(),
         recording: "outer-spall.csv".to_owned(),
         version: "0.1.0".to_owned(),
@@ -477,6 +483,8 @@ pub(crate) fn usual() -> Outcome {
 /// Nothing in it at all.
 pub(crate) fn bare() -> Outcome {
     Outcome {
+        implausible: vec![],
+        not_judged: vec![],
         scene: String::new(),
         recording: String::new(),
         version: String::new(),

@@ -224,7 +224,10 @@ pub fn verdict(
     out_of_range: u64,
 ) -> String {
     if !implausible.is_empty() {
-        return format!("The recording is not plausible for the scene: {}. Nothing is diagnosed.", implausible.join("; "));
+        return format!(
+            "The recording is not plausible for the scene: {}. Nothing is diagnosed.",
+            implausible.join("; ")
+        );
     }
     if !not_judged.is_empty() {
         return format!("No verdict: {}.", not_judged.join("; "));

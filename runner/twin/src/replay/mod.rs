@@ -408,7 +408,9 @@ impl<'a> Run<'a> {
             });
         }
         if sample.status.has(SampleStatus::ANGLE_NOT_MEASURED) {
-            self.notices.add("angle-not-measured", sample.row.time, || "The shaft speed is out of range; the speed before it is held.".to_owned());
+            self.notices.add("angle-not-measured", sample.row.time, || {
+                "The shaft speed is out of range; the speed before it is held.".to_owned()
+            });
         }
         sample.status = sample.status.and(status);
     }
@@ -593,7 +595,9 @@ impl<'a> Run<'a> {
             self.twin_restarted = sample.row.time;
             self.moving = None;
             self.notes.push(format!("The twin's motion overflowed; it started anew after line {}.", sample.row.line));
-            self.notices.add("twin-restarted", sample.row.time, || "The motion of the twin overflowed; it started anew.".to_owned());
+            self.notices.add("twin-restarted", sample.row.time, || {
+                "The motion of the twin overflowed; it started anew.".to_owned()
+            });
         }
         Ok(())
     }
@@ -673,12 +677,7 @@ impl<'a> Run<'a> {
         for values in [measured, &buffers.twin] {
             buffers.planes.extend(self.planes.iter().flat_map(|p| <[f64; 2]>::from(p.xy(values))));
         }
-        let seen = Seen {
-            measured,
-            twin: &buffers.twin,
-            linear: &buffers.linear,
-            planes: &buffers.planes,
-        };
+        let seen = Seen { measured, twin: &buffers.twin, linear: &buffers.linear, planes: &buffers.planes };
         let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
         if !seen.measured.iter().any(|y| y.is_nan()) {
             self.guards.add_residuals(sample.row.index, sample.row.time, seen.measured, seen.twin);

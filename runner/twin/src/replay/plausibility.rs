@@ -119,7 +119,8 @@ fn speed(of: &Evidence) -> Option<String> {
         return None;
     }
     let rpm = |w: f64| w * 60.0 / TAU;
-    let scene = if low == high { format!("{:.0} rpm", rpm(low)) } else { format!("{:.0} to {:.0} rpm", rpm(low), rpm(high)) };
+    let scene =
+        if low == high { format!("{:.0} rpm", rpm(low)) } else { format!("{:.0} to {:.0} rpm", rpm(low), rpm(high)) };
     Some(format!(
         "mean shaft speed {:.0} rpm, the scene's is {scene}; expected within a factor of {SPEED_FACTOR} (check pulses_per_turn, the unit of the speed and [shaft] speed)",
         rpm(of.mean_speed)

@@ -108,7 +108,8 @@ impl ReadingRange {
     pub fn mostly_outside(&self, share: f64) -> impl Iterator<Item = (&str, f64, f64)> {
         let counts = self.outside.iter().zip(&self.readings).map(|(o, n)| *o as f64 / (*n).max(1) as f64);
         let all = counts.zip(&self.names).zip(&self.largest);
-        all.filter(move |((found, _), _)| *found > share).map(|((found, name), largest)| (name.as_str(), found, *largest))
+        all.filter(move |((found, _), _)| *found > share)
+            .map(|((found, name), largest)| (name.as_str(), found, *largest))
     }
 
     /// Readings out of range so far, over all probes.

@@ -37,7 +37,16 @@ struct Held {
 
 impl SpeedColumn {
     pub(super) fn new(column: &str, rate: f64) -> Self {
-        Self { column: column.into(), rate, waiting: VecDeque::new(), before: None, held: None, fastest: f64::INFINITY, rejected: 0, first_rejected: f64::NAN }
+        Self {
+            column: column.into(),
+            rate,
+            waiting: VecDeque::new(),
+            before: None,
+            held: None,
+            fastest: f64::INFINITY,
+            rejected: 0,
+            first_rejected: f64::NAN,
+        }
     }
 
     pub(super) fn push(&mut self, row: Row, output: &mut Output) -> Result<(), RotationError> {

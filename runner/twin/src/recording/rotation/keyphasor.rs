@@ -8,8 +8,8 @@ use super::fit::{Fit, Progress, Pulse, SIDE};
 use super::total::Total;
 use super::{LONGEST_WAIT, Motion, Output, RotationError};
 use crate::recording::Row;
-use crate::recording::status::SampleStatus;
 use crate::recording::flaws::{Flaw, Position};
+use crate::recording::status::SampleStatus;
 
 /// Samples before the levels are looked for; then again each time there are a quarter more.
 const FIRST_LOOK: usize = 1024;
