@@ -16,7 +16,7 @@ const TURN: u64 = 64;
 /// Samples that may be sent beyond the last acknowledged one.
 const WINDOW: u64 = 6 * RATE;
 /// How long a monitor may take for a step of a test.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A spike on the first probe every 1.3 s, which exceeds its limit in one block.
 pub fn spike(number: u64) -> u64 {
