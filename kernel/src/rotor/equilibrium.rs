@@ -47,11 +47,7 @@ pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize
     start: impl Into<[T; D]>,
 ) -> Equilibrium<T, D> {
     let load = machine.rotor.constant_load();
-    let mass = machine.rotor.effective([T::ONE, T::ZERO, T::ZERO], T::ZERO);
-    let mut shares = [T::ZERO; D];
-    for (i, share) in shares.iter_mut().enumerate() {
-        *share = mass[(i, i)];
-    }
+    let mut shares = masses(&machine.rotor);
     let heaviest = shares.iter().fold(T::ZERO, |most, &m| m.larger(most));
     shares = shares.map(|m| m / heaviest);
     // A force on a small share counts as the force on the whole mass that moves it as much.
@@ -66,14 +62,16 @@ pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize
     let mut q = start.into();
     let mut result = Equilibrium { q, stiffness: SMatrix::from_element(T::ZERO), residual: T::ONE };
     for iteration in 0..ITERATIONS {
-        let (bearings, tangent) = machine.push_and_stiffness(&q, at);
+        let mut stiffness = SMatrix::from_element(T::ZERO);
+        let bearings = machine.push_with_stiffness(&q, at, &mut stiffness);
         let mut residual = load;
         add(&mut residual, &bearings.force);
         add(&mut residual, &machine.rotor.internal(&q, &[T::ZERO; D], T::ZERO));
-        let stiffness = tangent + machine.rotor.effective([T::ZERO, T::ZERO, T::ONE], T::ZERO);
+        add_stiffness(&machine.rotor, &mut stiffness);
         let relative = size(&residual) / (scale + bearings.load);
         if relative < result.residual || iteration == 0 {
-            result = Equilibrium { q, stiffness, residual: relative };
+            (result.q, result.residual) = (q, relative);
+            result.stiffness.copy_from(&stiffness);
         }
         if relative < T::SETTLED * T::from_f64(1e-4) {
             break;
@@ -81,15 +79,31 @@ pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize
         if iteration > PATIENCE {
             drag *= T::from_f64(FADING);
         }
-        let mut matrix = stiffness;
         for (i, &share) in shares.iter().enumerate() {
             // A trace of drag stays so that a direction that nothing holds stays where it is.
-            matrix[(i, i)] += drag * (relative + T::from_f64(1e-12)) * share;
+            stiffness[(i, i)] += drag * (relative + T::from_f64(1e-12)) * share;
         }
-        let next = along(&q, T::ONE, &solve(matrix, residual));
+        let next = along(&q, T::ONE, &solve(stiffness, residual));
         if all_finite(&next) {
             q = next;
         }
     }
     result
+}
+
+/// Diagonal of the mass matrix. A function of its own, as the next: the stack holds the whole matrix only while it runs.
+#[inline(never)]
+fn masses<T: Scalar, R: System<T, D>, const D: usize>(rotor: &R) -> [T; D] {
+    let mass = rotor.effective([T::ONE, T::ZERO, T::ZERO], T::ZERO);
+    let mut masses = [T::ZERO; D];
+    for (i, entry) in masses.iter_mut().enumerate() {
+        *entry = mass[(i, i)];
+    }
+    masses
+}
+
+/// Adds the stiffness of the system without its bearings.
+#[inline(never)]
+fn add_stiffness<T: Scalar, R: System<T, D>, const D: usize>(rotor: &R, stiffness: &mut SMatrix<T, D, D>) {
+    *stiffness += rotor.effective([T::ZERO, T::ZERO, T::ONE], T::ZERO);
 }

@@ -3,22 +3,26 @@
 use super::{Drive, System};
 use crate::math::Math;
 use crate::scalar::Scalar;
+use core::borrow::Borrow;
 use core::fmt;
 use core::marker::PhantomData;
 use nalgebra::SMatrix;
 
 /// What an engineer says of a linear system of `D` coordinates, SI units. Coordinates that nothing uses take
 /// [`Matrices::idle`]'s entries: a mass of 1 and nothing else.
+///
+/// `A` stores one matrix: in place, or behind a pointer such as `Box` where `D` is so large that four matrices in one
+/// value would overflow a stack (128 KiB each for 128 coordinates).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Matrices<const D: usize> {
+pub struct Matrices<const D: usize, A = SMatrix<f64, D, D>> {
     /// M, symmetric and positive definite.
-    pub mass: SMatrix<f64, D, D>,
+    pub mass: A,
     /// B, symmetric.
-    pub damping: SMatrix<f64, D, D>,
+    pub damping: A,
     /// G, skew-symmetric, to be multiplied by the shaft speed.
-    pub gyroscopic: SMatrix<f64, D, D>,
+    pub gyroscopic: A,
     /// K, symmetric.
-    pub stiffness: SMatrix<f64, D, D>,
+    pub stiffness: A,
     /// Weight and constant load on each coordinate.
     pub load: [f64; D],
     /// Unbalance on each coordinate: `w^2 (c cos(theta) + s sin(theta))` for `[c, s]`, kg m.
@@ -39,7 +43,9 @@ impl<const D: usize> Matrices<D> {
             unbalance: [[0.0; 2]; D],
         }
     }
+}
 
+impl<const D: usize, A> Matrices<D, A> {
     /// Adds an unbalance of `moment` kg m at `angle` from the keyphasor mark, in a plane that moves along X with the
     /// coordinate `x` and along Y with the coordinate `y`. Coordinates beyond the system are left out.
     #[must_use]
@@ -112,13 +118,15 @@ fn check_mirror<const D: usize>(
 }
 
 /// A linear system of any fixed order, ready for the hot path. Cost of its forces: three products of matrix and vector.
+///
+/// `A` stores one matrix, as in [`Matrices`].
 #[derive(Debug, Clone, Copy)]
-pub struct General<T: Scalar, M, const D: usize> {
-    mass: SMatrix<T, D, D>,
-    inverse_mass: SMatrix<T, D, D>,
-    damping: SMatrix<T, D, D>,
-    gyroscopic: SMatrix<T, D, D>,
-    stiffness: SMatrix<T, D, D>,
+pub struct General<T: Scalar, M, const D: usize, A = SMatrix<T, D, D>> {
+    mass: A,
+    inverse_mass: A,
+    damping: A,
+    gyroscopic: A,
+    stiffness: A,
     constant: [T; D],
     unbalance: [[T; 2]; D],
     math: PhantomData<M>,
@@ -130,18 +138,31 @@ impl<T: Scalar, M: Math<T>, const D: usize> General<T, M, D> {
     /// # Errors
     /// The first entry that breaks a matrix's symmetry or is not finite; a mass matrix that is not positive definite.
     pub fn try_new(matrices: &Matrices<D>) -> Result<Self, InvalidMatrix> {
-        check_mirror("M", &matrices.mass, 1.0)?;
-        check_mirror("B", &matrices.damping, 1.0)?;
-        check_mirror("G", &matrices.gyroscopic, -1.0)?;
-        check_mirror("K", &matrices.stiffness, 1.0)?;
-        let inverse_mass = inverse(&matrices.mass)?;
+        Self::try_with_storage(matrices)
+    }
+}
+
+impl<T: Scalar, M: Math<T>, const D: usize, A: From<SMatrix<T, D, D>>> General<T, M, D, A> {
+    /// From matrices, each of them stored in an `A` such as `Box<SMatrix<T, D, D>>`.
+    ///
+    /// Cost: the stack holds up to four matrices at a time.
+    ///
+    /// # Errors
+    /// As [`General::try_new`].
+    pub fn try_with_storage<B: Borrow<SMatrix<f64, D, D>>>(matrices: &Matrices<D, B>) -> Result<Self, InvalidMatrix> {
+        let (mass, damping) = (matrices.mass.borrow(), matrices.damping.borrow());
+        let (gyroscopic, stiffness) = (matrices.gyroscopic.borrow(), matrices.stiffness.borrow());
+        check_mirror("M", mass, 1.0)?;
+        check_mirror("B", damping, 1.0)?;
+        check_mirror("G", gyroscopic, -1.0)?;
+        check_mirror("K", stiffness, 1.0)?;
         let round = |x: f64| T::from_f64(x);
         Ok(Self {
-            mass: matrices.mass.map(round),
-            inverse_mass: inverse_mass.map(round),
-            damping: matrices.damping.map(round),
-            gyroscopic: matrices.gyroscopic.map(round),
-            stiffness: matrices.stiffness.map(round),
+            mass: stored(mass),
+            inverse_mass: inverse(mass)?,
+            damping: stored(damping),
+            gyroscopic: stored(gyroscopic),
+            stiffness: stored(stiffness),
             constant: matrices.load.map(round),
             unbalance: matrices.unbalance.map(|both| both.map(round)),
             math: PhantomData,
@@ -149,8 +170,18 @@ impl<T: Scalar, M: Math<T>, const D: usize> General<T, M, D> {
     }
 }
 
+/// Rounds a matrix to `T` and stores it. A function of its own, so that the stack of its caller does not hold the copies of
+/// all matrices at once.
+#[inline(never)]
+fn stored<T: Scalar, A: From<SMatrix<T, D, D>>, const D: usize>(matrix: &SMatrix<f64, D, D>) -> A {
+    matrix.map(|x| T::from_f64(x)).into()
+}
+
 /// Of a symmetric matrix, by elimination in the given order: its pivots are positive where the matrix is definite.
-fn inverse<const D: usize>(mass: &SMatrix<f64, D, D>) -> Result<SMatrix<f64, D, D>, InvalidMatrix> {
+#[inline(never)]
+fn inverse<T: Scalar, A: From<SMatrix<T, D, D>>, const D: usize>(
+    mass: &SMatrix<f64, D, D>,
+) -> Result<A, InvalidMatrix> {
     let mut left = *mass;
     let mut right = SMatrix::<f64, D, D>::from_fn(|i, j| f64::from(u8::from(i == j)));
     for k in 0..D {
@@ -173,7 +204,7 @@ fn inverse<const D: usize>(mass: &SMatrix<f64, D, D>) -> Result<SMatrix<f64, D, 
             }
         }
     }
-    Ok(right)
+    Ok(stored(&right))
 }
 
 /// `f += scale A x`.
@@ -186,7 +217,7 @@ fn add_product<T: Scalar, const D: usize>(f: &mut [T; D], scale: T, a: &SMatrix<
     }
 }
 
-impl<T: Scalar, M: Math<T>, const D: usize> System<T, D> for General<T, M, D> {
+impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> System<T, D> for General<T, M, D, A> {
     fn constant_load(&self) -> [T; D] {
         self.constant
     }
@@ -205,25 +236,31 @@ impl<T: Scalar, M: Math<T>, const D: usize> System<T, D> for General<T, M, D> {
 
     fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
         let mut f = [T::ZERO; D];
-        add_product(&mut f, -T::ONE, &self.damping, rate);
-        add_product(&mut f, -speed, &self.gyroscopic, rate);
-        add_product(&mut f, -T::ONE, &self.stiffness, q);
+        add_product(&mut f, -T::ONE, self.damping.borrow(), rate);
+        add_product(&mut f, -speed, self.gyroscopic.borrow(), rate);
+        add_product(&mut f, -T::ONE, self.stiffness.borrow(), q);
         f
     }
 
     fn accelerate(&self, f: &[T; D]) -> [T; D] {
         let mut a = [T::ZERO; D];
-        add_product(&mut a, T::ONE, &self.inverse_mass, f);
+        add_product(&mut a, T::ONE, self.inverse_mass.borrow(), f);
         a
     }
 
     fn inertia(&self, a: &[T; D]) -> [T; D] {
         let mut f = [T::ZERO; D];
-        add_product(&mut f, T::ONE, &self.mass, a);
+        add_product(&mut f, T::ONE, self.mass.borrow(), a);
         f
     }
 
     fn effective(&self, [m, c, k]: [T; 3], speed: T) -> SMatrix<T, D, D> {
-        self.mass * m + self.damping * c + self.gyroscopic * (c * speed) + self.stiffness * k
+        // Entry by entry in one matrix: sums of whole matrices would put each of them on the stack.
+        let turning = c * speed;
+        let mut sum = self.mass.borrow() * m;
+        sum.zip_apply(self.damping.borrow(), |sum, b| *sum += b * c);
+        sum.zip_apply(self.gyroscopic.borrow(), |sum, g| *sum += g * turning);
+        sum.zip_apply(self.stiffness.borrow(), |sum, entry| *sum += entry * k);
+        sum
     }
 }

@@ -187,14 +187,27 @@ impl<R, C, const N: usize> Machine<R, C, N> {
     where
         C: Coupling<T, D>,
     {
-        let mut sum = Push { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
         let mut stiffness = SMatrix::from_element(T::ZERO);
+        (self.push_with_stiffness(q, at, &mut stiffness), stiffness)
+    }
+
+    /// As [`Machine::push`], and adds the tangent stiffness `-df/dq` to `stiffness`.
+    pub fn push_with_stiffness<T: Scalar, const D: usize>(
+        &self,
+        q: &[T; D],
+        at: &[Rotation<T>; N],
+        stiffness: &mut SMatrix<T, D, D>,
+    ) -> Push<T, D>
+    where
+        C: Coupling<T, D>,
+    {
+        let mut sum = Push { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
         for (bearing, at) in self.bearings.iter().zip(at) {
-            let (load, status) = bearing.push_with_stiffness(q, at, &mut sum.force, &mut stiffness);
+            let (load, status) = bearing.push_with_stiffness(q, at, &mut sum.force, stiffness);
             sum.load += load;
             sum.status = sum.status.and(status);
         }
-        (sum, stiffness)
+        sum
     }
 
     /// The bearings' parts after the shaft has gone `arc` further.

@@ -5,6 +5,7 @@ use super::vector::{add, add_scaled};
 use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept, solve};
 use crate::scalar::Scalar;
 use crate::status::Status;
+use nalgebra::SMatrix;
 
 /// Fixed step and fixed number of Newton steps. Cost: that many bearing tangents and solutions of `D` equations.
 ///
@@ -42,13 +43,15 @@ impl<T: Scalar> Integrator<T> for Newmark<T> {
         }
         let mut answer = (T::ONE, Status::OK);
         for _ in 0..self.newton_steps {
-            let (bearings, tangent) = machine.push_and_stiffness(&q, &at);
+            let mut tangent = SMatrix::from_element(T::ZERO);
+            let bearings = machine.push_with_stiffness(&q, &at, &mut tangent);
             answer = (bearings.load, bearings.status);
             let mut residual = excitation;
             add(&mut residual, &bearings.force);
             add(&mut residual, &machine.rotor.internal(&q, &v, end.speed));
             add_scaled(&mut residual, -T::ONE, &machine.rotor.inertia(&a));
-            let correction = solve(effective + tangent, residual);
+            tangent += &effective;
+            let correction = solve(tangent, residual);
             add(&mut q, &correction);
             add_scaled(&mut v, per_rate, &correction);
             add_scaled(&mut a, per_acceleration, &correction);

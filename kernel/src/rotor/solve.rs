@@ -1,17 +1,23 @@
 //! Linear equations of a fixed number, solved without pivoting and without a panic path.
 
 use crate::scalar::Scalar;
+use core::borrow::{Borrow, BorrowMut};
 use nalgebra::SMatrix;
 
 /// A matrix taken apart into a lower and an upper triangle, so that what takes long is done before the right side is known.
+/// `A` stores it: in place, or behind a pointer.
 #[derive(Debug, Clone, Copy)]
-pub struct Factored<T: Scalar, const D: usize>(SMatrix<T, D, D>);
+pub struct Factored<A>(A);
 
-impl<T: Scalar, const D: usize> Factored<T, D> {
-    /// By elimination in the given order. Cost: `D^3/3` multiplications, `D` divisions.
+impl<A> Factored<A> {
+    /// By elimination in the given order, in place. Cost: `D^3/3` multiplications, `D` divisions.
     #[must_use]
     #[inline(always)]
-    pub fn new(mut a: SMatrix<T, D, D>) -> Self {
+    pub fn new<T: Scalar, const D: usize>(mut matrix: A) -> Self
+    where
+        A: BorrowMut<SMatrix<T, D, D>>,
+    {
+        let a = matrix.borrow_mut();
         for k in 0..D {
             let inverse = T::ONE / a[(k, k)];
             a[(k, k)] = inverse;
@@ -24,14 +30,17 @@ impl<T: Scalar, const D: usize> Factored<T, D> {
                 }
             }
         }
-        Self(a)
+        Self(matrix)
     }
 
     /// `x` of `A x = b`. Cost: `D^2` multiplications.
     #[must_use]
     #[inline(always)]
-    pub fn solve(&self, mut b: [T; D]) -> [T; D] {
-        let a = &self.0;
+    pub fn solve<T: Scalar, const D: usize>(&self, mut b: [T; D]) -> [T; D]
+    where
+        A: Borrow<SMatrix<T, D, D>>,
+    {
+        let a = self.0.borrow();
         for k in 0..D {
             for i in (k + 1)..D {
                 b[i] -= a[(i, k)] * b[k];
@@ -47,32 +56,38 @@ impl<T: Scalar, const D: usize> Factored<T, D> {
     }
 }
 
-/// The inverse of a matrix that is asked for many right sides: a product instead of two chains of `D` steps.
+/// The inverse of a matrix that is asked for many right sides: a product instead of two chains of `D` steps. `A` stores it.
 #[derive(Debug, Clone, Copy)]
-pub struct Inverse<T: Scalar, const D: usize>([[T; D]; D]);
+pub struct Inverse<A>(A);
 
-impl<T: Scalar, const D: usize> Inverse<T, D> {
+impl<A> Inverse<A> {
     /// Column by column. Cost: `D^3` multiplications.
     #[must_use]
     #[inline(always)]
-    pub fn new(factored: &Factored<T, D>) -> Self {
-        let mut columns = [[T::ZERO; D]; D];
-        for (k, column) in columns.iter_mut().enumerate() {
+    pub fn new<T: Scalar, const D: usize>(factored: &Factored<A>) -> Self
+    where
+        A: BorrowMut<SMatrix<T, D, D>> + From<SMatrix<T, D, D>>,
+    {
+        let mut inverse = A::from(SMatrix::from_element(T::ZERO));
+        for (k, column) in inverse.borrow_mut().data.0.iter_mut().enumerate() {
             let mut unit = [T::ZERO; D];
             for (i, entry) in unit.iter_mut().enumerate() {
                 *entry = if i == k { T::ONE } else { T::ZERO };
             }
             *column = factored.solve(unit);
         }
-        Self(columns)
+        Self(inverse)
     }
 
     /// `x` of `A x = b`. Cost: `D^2` multiplications.
     #[must_use]
     #[inline(always)]
-    pub fn solve(&self, b: [T; D]) -> [T; D] {
+    pub fn solve<T: Scalar, const D: usize>(&self, b: [T; D]) -> [T; D]
+    where
+        A: Borrow<SMatrix<T, D, D>>,
+    {
         let mut x = [T::NEGATIVE_ZERO; D];
-        for (column, &b) in self.0.iter().zip(&b) {
+        for (column, &b) in self.0.borrow().data.0.iter().zip(&b) {
             for (entry, &a) in x.iter_mut().zip(column) {
                 *entry += a * b;
             }

@@ -5,6 +5,8 @@ use super::vector::{add, add_scaled, along};
 use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept};
 use crate::scalar::Scalar;
 use crate::status::Status;
+use core::borrow::BorrowMut;
+use nalgebra::SMatrix;
 
 /// Fixed step `h`, order 2, stable up to `h = 2 / w_max`: half a step along the rate, the whole push, half a step along
 /// the new rate.
@@ -31,8 +33,11 @@ impl<T: Scalar> Verlet<T> {
 
     /// `M + h/2 (B + w G)`.
     #[inline(always)]
-    fn effective<R: System<T, D>, const D: usize>(self, rotor: &R, speed: T) -> Factored<T, D> {
-        Factored::new(rotor.effective([T::ONE, T::HALF * self.step, T::ZERO], speed))
+    fn effective<R: System<T, D>, A, const D: usize>(self, rotor: &R, speed: T) -> Factored<A>
+    where
+        A: BorrowMut<SMatrix<T, D, D>> + From<SMatrix<T, D, D>>,
+    {
+        Factored::new(A::from(rotor.effective([T::ONE, T::HALF * self.step, T::ZERO], speed)))
     }
 
     /// A step with the equations `M + h/2 (B + w G)` solved as given.
@@ -74,7 +79,7 @@ impl<T: Scalar> Integrator<T> for Verlet<T> {
         state: &mut RotorState<T, D, N>,
         drive: &Drive<T>,
     ) -> Status {
-        let effective = self.effective(&machine.rotor, self.middle(drive).speed);
+        let effective: Factored<SMatrix<T, D, D>> = self.effective(&machine.rotor, self.middle(drive).speed);
         self.step_with(
             #[inline(always)]
             |push| effective.solve(push),
@@ -90,13 +95,15 @@ impl<T: Scalar> Integrator<T> for Verlet<T> {
 ///
 /// A step at the speed of the one before costs `D^2` multiplications in place of `D^3/3`; the first of them makes the inverse;
 /// a step at another speed is [`Verlet`]'s to the bit.
+///
+/// `A` stores one matrix: in place, or behind a pointer such as `Box` where `D` is large.
 #[derive(Debug, Clone, Copy)]
-pub struct SteadyVerlet<T: Scalar, const D: usize> {
+pub struct SteadyVerlet<T: Scalar, const D: usize, A = SMatrix<T, D, D>> {
     verlet: Verlet<T>,
     /// The equations at `speed`, and their inverse where it is made.
-    effective: Factored<T, D>,
+    effective: Factored<A>,
     speed: T,
-    inverse: Option<Inverse<T, D>>,
+    inverse: Option<Inverse<A>>,
     /// The speed with nothing to make for: infinite where there is no inverse. One comparison, so that a bad drive costs what a
     /// good one costs.
     ready: T,
@@ -106,9 +113,21 @@ impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
     /// For this rotor, ready to start at `speed`, rad/s (from rest where it is not finite).
     #[must_use]
     pub fn new<R: System<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
+        Self::with_storage(verlet, rotor, speed)
+    }
+}
+
+impl<T: Scalar, const D: usize, A> SteadyVerlet<T, D, A>
+where
+    A: BorrowMut<SMatrix<T, D, D>> + From<SMatrix<T, D, D>>,
+{
+    /// As [`SteadyVerlet::new`], each matrix stored in an `A` such as `Box<SMatrix<T, D, D>>`.
+    #[must_use]
+    pub fn with_storage<R: System<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         let speed = if speed.is_finite() { speed } else { T::ZERO };
         let effective = verlet.effective(rotor, speed);
-        Self { verlet, effective, speed, inverse: Some(Inverse::new(&effective)), ready: speed }
+        let inverse = Some(Inverse::new(&effective));
+        Self { verlet, effective, speed, inverse, ready: speed }
     }
 
     /// One step, as [`Integrator::step`] of machines with the rotor that it was made for.

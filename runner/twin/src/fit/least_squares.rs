@@ -28,9 +28,6 @@ impl Limits {
     }
 }
 
-/// Of a thread: a machine of many coordinates is large before it is boxed.
-const STACK: usize = 16 << 20;
-
 /// Residuals as a function of the unknowns.
 pub type Residuals<'a> = &'a (dyn Fn(&[f64]) -> Result<Vec<f64>> + Sync);
 
@@ -151,7 +148,7 @@ fn slopes(x: &[f64], bounds: &[Bounds], residuals: Residuals) -> Result<DMatrix<
     let share = |t: usize| (t..x.len()).step_by(threads).map(|i| Ok((i, column(i)?))).collect::<Result<Vec<_>>>();
     let share = &share;
     let parts = std::thread::scope(|scope| -> Result<Vec<_>> {
-        let start = |t| std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, move || share(t));
+        let start = |t| std::thread::Builder::new().name("fit".to_owned()).spawn_scoped(scope, move || share(t));
         let running = (0..threads).map(start).collect::<std::io::Result<Vec<_>>>()?;
         Ok(running.into_iter().map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect())
     })?;

@@ -1,5 +1,6 @@
 //! A system given by its matrices.
 
+use super::Scales;
 use crate::scene::{Coordinates, Scene, System, matrix};
 use anyhow::{Result, bail};
 use ballrace::rotor::Matrices;
@@ -95,22 +96,25 @@ impl Given {
         self.mass.nrows()
     }
 
-    /// As the kernel takes them, the coordinates past the system's own idle.
+    /// Its matrices, load and unbalance.
     #[must_use]
-    pub fn matrices<const D: usize>(&self) -> Matrices<D> {
-        let mut all = Matrices::<D>::idle();
-        let n = self.order().min(D);
-        for i in 0..n {
-            for j in 0..n {
-                all.mass[(i, j)] = self.mass[(i, j)];
-                all.damping[(i, j)] = self.damping[(i, j)];
-                all.gyroscopic[(i, j)] = self.gyroscopic[(i, j)];
-                all.stiffness[(i, j)] = self.stiffness[(i, j)];
+    pub fn scales(&self) -> Scales {
+        let mut unbalance = vec![[0.0; 2]; self.order()];
+        for given in &self.system.unbalance {
+            let plane = Matrices::<2>::idle().with_unbalance((0, 1), given.moment, given.angle);
+            for (at, [cos, sin]) in given.at.iter().zip(plane.unbalance) {
+                if let Some(entry) = unbalance.get_mut(*at) {
+                    *entry = [entry[0] + cos, entry[1] + sin];
+                }
             }
         }
-        for (entry, &load) in all.load.iter_mut().zip(&self.load) {
-            *entry = load;
+        Scales {
+            mass: self.mass.clone(),
+            damping: self.damping.clone(),
+            gyroscopic: self.gyroscopic.clone(),
+            stiffness: self.stiffness.clone(),
+            load: self.load.clone(),
+            unbalance,
         }
-        self.system.unbalance.iter().fold(all, |all, u| all.with_unbalance((u.at[0], u.at[1]), u.moment, u.angle))
     }
 }

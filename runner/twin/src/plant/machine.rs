@@ -1,6 +1,6 @@
 //! The kernel's machine of as many coordinates and bearings as a scene has: both are constants of its type.
 
-use super::system::RIGID;
+use super::system::{OnHeap, RIGID};
 use super::{Plant, Seat, Step};
 use crate::scene::build::{self, AnyBearing, Shared};
 use anyhow::{Context, Result, bail};
@@ -115,6 +115,7 @@ impl Plant {
     /// is idle changes nothing, and each pair of counts is a machine of its own in the program.
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
         let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
+        // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
         match (order, self.seats.len()) {
             (RIGID, 1) => self.rigid::<R, 1>(hold, task),
             (RIGID, 2) => self.rigid::<R, 2>(hold, task),
@@ -137,6 +138,7 @@ impl Plant {
         })
     }
 
+    #[inline(never)]
     fn rigid<R, const N: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
         Ok(task.run::<_, _, RIGID, N>(self.rotor_on_bearings(hold)?))
     }
@@ -157,9 +159,10 @@ impl Plant {
         Ok(Machine { rotor, bearings })
     }
 
+    #[inline(never)]
     fn general<R, const D: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
         let matrices = self.layout.matrices::<D>(self.rotor.as_ref(), &self.seats, &self.damping)?;
-        let rotor = General::<f64, Exact, D>::try_new(&matrices).context("[system]")?;
+        let rotor = General::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).context("[system]")?;
         let fitted = |i: usize| match self.seats.get(i) {
             Some(seat) => self.fitted(i, seat, hold),
             None => Ok(Fitted::Bearing(Attached {

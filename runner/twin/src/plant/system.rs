@@ -1,6 +1,7 @@
 //! Which coordinates a scene's system has, and its matrices.
 
-use super::{Given, LARGEST, Seat};
+use super::twin::array;
+use super::{Given, MOST_BEARINGS, Seat};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Attachment, Matrices, RotorParams, supported};
@@ -83,6 +84,7 @@ impl Layout {
     }
 
     /// The system's matrices in a machine of `D` coordinates, with the damping matrix `extra` besides the scene's own.
+    /// Coordinates beyond the system's are idle: a mass of 1 and nothing else.
     ///
     /// # Errors
     /// What the kernel refuses; a system of more coordinates.
@@ -91,32 +93,19 @@ impl Layout {
         rotor: Option<&Rotor>,
         seats: &[Seat],
         extra: &DMatrix<f64>,
-    ) -> Result<Matrices<D>> {
+    ) -> Result<Matrices<D, OnHeap<D>>> {
         if self.order > D {
             bail!("found a system of {} coordinates, allowed: up to {D}", self.order);
         }
-        let mut matrices = match (&self.given, rotor) {
-            (Some(given), _) => given.matrices(),
-            (None, Some(rotor)) => {
-                let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
-                let params: RotorParams = build::rotor_params(rotor);
-                supported::<D>(&params, &build::unbalances(rotor), &supports).context("[rotor]")?
-            }
-            (None, None) => bail!("found neither a rotor nor a system"),
-        };
-        for (seat, first) in seats.iter().zip(&self.balls) {
-            let (Some(balls), Some(first)) = (&seat.balls, *first) else { continue };
-            for i in first..first + seat.elements {
-                matrices.mass[(i, i)] = balls.params.ball_mass;
-                matrices.damping[(i, i)] = balls.damping;
-            }
-        }
-        for i in 0..self.order {
-            for j in 0..self.order {
-                matrices.damping[(i, j)] += extra[(i, j)];
-            }
-        }
-        Ok(matrices)
+        let scales = self.scales(rotor, seats, extra)?;
+        Ok(Matrices {
+            mass: on_heap(&scales.mass, 1.0),
+            damping: on_heap(&scales.damping, 0.0),
+            gyroscopic: on_heap(&scales.gyroscopic, 0.0),
+            stiffness: on_heap(&scales.stiffness, 0.0),
+            load: array(&scales.load),
+            unbalance: array(&scales.unbalance),
+        })
     }
 
     /// The same, as large as the system is.
@@ -124,19 +113,55 @@ impl Layout {
     /// # Errors
     /// As [`Layout::matrices`].
     pub fn scales(&self, rotor: Option<&Rotor>, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
-        match self.order {
-            ..=9 => self.scales_of::<9>(rotor, seats, extra),
-            10..=32 => self.scales_of::<32>(rotor, seats, extra),
-            _ => self.scales_of::<LARGEST>(rotor, seats, extra),
+        let mut scales = match (&self.given, rotor) {
+            (Some(given), _) => given.scales(),
+            (None, Some(rotor)) => self.rigid_rotor_in_supports(rotor)?,
+            (None, None) => bail!("found neither a rotor nor a system"),
+        };
+        for (seat, first) in seats.iter().zip(&self.balls) {
+            let (Some(balls), Some(first)) = (&seat.balls, *first) else { continue };
+            for i in first..first + seat.elements {
+                scales.mass[(i, i)] = balls.params.ball_mass;
+                scales.damping[(i, i)] = balls.damping;
+            }
         }
+        scales.damping += extra;
+        Ok(scales)
     }
 
-    fn scales_of<const D: usize>(&self, rotor: Option<&Rotor>, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
-        let all = self.matrices::<D>(rotor, seats, extra)?;
-        let n = self.order;
-        let part = |from: &SMatrix<f64, D, D>| DMatrix::from_fn(n, n, |i, j| from[(i, j)]);
-        Ok(Scales { mass: part(&all.mass), damping: part(&all.damping), gyroscopic: part(&all.gyroscopic) })
+    fn rigid_rotor_in_supports(&self, rotor: &Rotor) -> Result<Scales> {
+        /// Coordinates of a rigid rotor with a support under each of its bearings.
+        const MOST: usize = RIGID + 2 * MOST_BEARINGS;
+        let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
+        let params: RotorParams = build::rotor_params(rotor);
+        let all: Matrices<MOST> = supported(&params, &build::unbalances(rotor), &supports).context("[rotor]")?;
+        let part = |from: &SMatrix<f64, MOST, MOST>, idle: f64| {
+            let entry = |i, j| from.get((i, j)).map_or(if i == j { idle } else { 0.0 }, |&x: &f64| x);
+            DMatrix::from_fn(self.order, self.order, entry)
+        };
+        let (mut load, mut unbalance) = (all.load.to_vec(), all.unbalance.to_vec());
+        load.resize(self.order, 0.0);
+        unbalance.resize(self.order, [0.0; 2]);
+        Ok(Scales {
+            mass: part(&all.mass, 1.0),
+            damping: part(&all.damping, 0.0),
+            gyroscopic: part(&all.gyroscopic, 0.0),
+            stiffness: part(&all.stiffness, 0.0),
+            load,
+            unbalance,
+        })
     }
+}
+
+/// A matrix of the kernel on the heap: with 128 coordinates it has 128 KiB, of which a stack does not hold many.
+pub type OnHeap<const D: usize> = Box<SMatrix<f64, D, D>>;
+
+/// The matrix `from` with `idle` on the rest of its diagonal. A function of its own, so that the stack of its caller does
+/// not hold several matrices at once.
+#[inline(never)]
+fn on_heap<const D: usize>(from: &DMatrix<f64>, idle: f64) -> OnHeap<D> {
+    let entry = |i, j| from.get((i, j)).map_or(if i == j { idle } else { 0.0 }, |&x: &f64| x);
+    Box::new(SMatrix::from_fn(entry))
 }
 
 /// The matrices of a system as long as its coordinates are.
@@ -147,6 +172,12 @@ pub struct Scales {
     pub damping: DMatrix<f64>,
     /// G.
     pub gyroscopic: DMatrix<f64>,
+    /// K without the bearings.
+    pub stiffness: DMatrix<f64>,
+    /// Weight and constant load on each coordinate.
+    pub load: Vec<f64>,
+    /// Unbalance on each coordinate, as in [`Matrices::unbalance`].
+    pub unbalance: Vec<[f64; 2]>,
 }
 
 /// Refuses a scene whose system has more than the five coordinates of a rigid rotor.

@@ -1,6 +1,7 @@
 //! The digital twin: a plant that moves, driven by the shaft angle alone.
 
 use super::machine::{Fit, MachineTask};
+use super::system::OnHeap;
 use crate::scene::Method;
 use crate::wide::WideRegisters;
 use ballrace::rotor::{
@@ -87,7 +88,7 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
         S: System<f64, D> + 'static,
         C: Fit<D> + 'static,
     {
-        let steady = SteadyVerlet::new(Verlet { step: self.step.length }, &machine.rotor, 0.0);
+        let steady = SteadyVerlet::with_storage(Verlet { step: self.step.length }, &machine.rotor, 0.0);
         Box::new(Moving {
             machine,
             steady,
@@ -102,7 +103,7 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
 
 struct Moving<S, C, const D: usize, const N: usize> {
     machine: Machine<S, C, N>,
-    steady: SteadyVerlet<f64, D>,
+    steady: SteadyVerlet<f64, D, OnHeap<D>>,
     state: RotorState<f64, D, N>,
     /// Those that are not idle.
     coordinates: usize,

@@ -72,9 +72,6 @@ pub struct Row {
     pub figures: Figures,
 }
 
-/// Of each thread, bytes: a system of many coordinates keeps its matrices there.
-const STACK: usize = 32 << 20;
-
 /// Most numbers in the results of a sweep: 1 GiB, all of which is in memory at the end.
 const MOST_NUMBERS: usize = 1 << 27;
 /// Numbers of one point besides its sections.
@@ -242,7 +239,7 @@ impl Plan {
         };
         std::thread::scope(|scope| {
             for _ in 0..jobs.clamp(1, open.len().max(1)) {
-                let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+                let thread = std::thread::Builder::new().name("sweep".to_owned()).spawn_scoped(scope, work);
                 if let Err(error) = thread {
                     locked(&failed).get_or_insert(error.into());
                 }
