@@ -394,7 +394,7 @@ fn timing() -> Timing {
             lateness: Quantiles { p50_ns: 8_200, p99_ns: 31_000, p999_ns: 74_000, max_ns: 212_000 },
             deadline_misses: 1,
             starting_s: 0.31,
-            idle_percent: 97.2,
+            idle_percent: Some(97.2),
             scheduling: "ordinary scheduling".to_owned(),
         }),
         source: Some(SourceFigures {
@@ -422,7 +422,7 @@ pub(crate) fn usual() -> Outcome {
         mean_speed_rpm: 3000.0,
         min_speed_rpm: 2997.2,
         max_speed_rpm: 3002.9,
-        angle_source: "keyphasor column KEY, 1 pulse a turn".to_owned(),
+        angle_source: "keyphasor in column KEY, 200 pulses, 1 per revolution".to_owned(),
         load: [0.0, 0.0, 60.0, 0.0, 0.0],
         spectra: SpectraSettings { lines: 2048, bin_hz: 3.125, averages: 24 },
     };

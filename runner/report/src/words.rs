@@ -226,11 +226,11 @@ pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
 pub fn pacing(timing: &Timing) -> Vec<String> {
     let kept = timing.pacing.as_ref().map(|pacing| {
         format!(
-            "Blocks of {} ms: {}, deadline missed {}; {} % of one processor idle after {} s of starting; {}.",
+            "Blocks of {} ms: {}, deadline missed {}; {}started in {} s; {}.",
             alone(pacing.block_ns as f64 * 1e-6),
             count(pacing.blocks),
             counted(pacing.deadline_misses, "time"),
-            fixed(pacing.idle_percent, 1),
+            pacing.idle_percent.map(|idle| format!("{} % of one processor idle; ", fixed(idle, 1))).unwrap_or_default(),
             fixed(pacing.starting_s, 2),
             pacing.scheduling
         )

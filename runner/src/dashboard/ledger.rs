@@ -28,7 +28,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
         Line::from(vec![
             counted("dropped", source.dropped_rows),
             counted("malformed", source.malformed_frames),
-            Span::raw(format!("idle {:.0} %", 100.0 * (1.0 - view.busy))),
+            Span::raw(view.idle_percent.map_or_else(String::new, |idle| format!("idle {idle:.0} %"))),
         ]),
     ];
     frame.render_widget(Paragraph::new(lines).block(panel(" Deadlines ".to_owned())), area);

@@ -506,7 +506,7 @@ impl Monitor<'_, '_> {
             view.state = state;
             view.glance = glance;
             (view.lateness, view.compute) = (pacing.lateness, pacing.compute);
-            (view.misses, view.busy) = (pacing.deadline_misses, 1.0 - pacing.idle_percent / 100.0);
+            (view.misses, view.idle_percent) = (pacing.deadline_misses, pacing.idle_percent);
             view.source = self.source.clone();
         });
     }

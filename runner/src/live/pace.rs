@@ -2,7 +2,6 @@
 
 use ballrace_twin::replay::outcome::Pacing;
 use ballrace_twin::replay::timing::{histogram, nanoseconds, quantiles};
-use cpu_time::ProcessTime;
 use hdrhistogram::Histogram;
 use std::time::{Duration, Instant};
 
@@ -19,7 +18,8 @@ pub struct Pace {
     lateness: Histogram<u64>,
     compute: Histogram<u64>,
     misses: u64,
-    processor: Option<(ProcessTime, Instant)>,
+    /// Processor time used and the time of day when the start was over.
+    processor: Option<(Duration, Instant)>,
 }
 
 impl Pace {
@@ -67,7 +67,7 @@ impl Pace {
         if self.starting.is_none() {
             if caught_up && missed == 0 {
                 self.starting = Some(self.begun.elapsed());
-                self.processor = Some((ProcessTime::now(), now));
+                self.processor = processor_time().map(|used| (used, now));
             }
         } else {
             self.compute.saturating_record(nanoseconds(now.saturating_duration_since(begun)));
@@ -83,12 +83,13 @@ impl Pace {
         self.misses
     }
 
-    /// Share of one processor that this program took since it had started, 0 to 1.
+    /// Share of one processor that all threads of this program have used since the start was over, 0 to 1; none where
+    /// the system does not report it.
     #[must_use]
-    pub fn busy(&self) -> f64 {
-        self.processor.as_ref().map_or(0.0, |(processor, since)| {
-            processor.elapsed().as_secs_f64() / since.elapsed().as_secs_f64().max(1e-9)
-        })
+    pub fn busy(&self) -> Option<f64> {
+        let (before, since) = self.processor?;
+        let used = processor_time()?.saturating_sub(before);
+        Some(used.as_secs_f64() / since.elapsed().as_secs_f64().max(1e-9))
     }
 
     /// The figures.
@@ -101,10 +102,22 @@ impl Pace {
             lateness: quantiles(&self.lateness),
             deadline_misses: self.misses,
             starting_s: self.starting.unwrap_or_else(|| self.begun.elapsed()).as_secs_f64(),
-            idle_percent: 100.0 * (1.0 - self.busy()),
+            idle_percent: self.busy().map(|busy| 100.0 * (1.0 - busy)),
             scheduling,
         }
     }
+}
+
+/// Processor time that all threads of this program have used.
+#[cfg(unix)]
+fn processor_time() -> Option<Duration> {
+    rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime).try_into().ok()
+}
+
+/// None: only Unix systems have a clock for it that needs no code of the system's own.
+#[cfg(not(unix))]
+const fn processor_time() -> Option<Duration> {
+    None
 }
 
 #[cfg(test)]

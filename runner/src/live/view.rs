@@ -29,8 +29,8 @@ pub struct View {
     pub compute: Quantiles,
     /// Blocks not done in time.
     pub misses: u64,
-    /// Share of a processor, 0 to 1.
-    pub busy: f64,
+    /// Percentage of one processor that is idle, where the system reports it.
+    pub idle_percent: Option<f64>,
     /// What came and what did not.
     pub source: SourceFigures,
 }

@@ -68,8 +68,9 @@ pub struct Pacing {
     pub deadline_misses: u64,
     /// Until the twin had started and caught up; what was late till then is not counted.
     pub starting_s: f64,
-    /// What was left of one processor after the start, all threads of the program taken together.
-    pub idle_percent: f64,
+    /// What was left of one processor after the start, all threads of the program taken together; none where the system does not report
+    /// processor time.
+    pub idle_percent: Option<f64>,
     /// What the system gave of what was asked for.
     pub scheduling: String,
 }
