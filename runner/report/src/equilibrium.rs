@@ -1,7 +1,7 @@
 //! The equilibrium for people: a text for the terminal, a page with pictures.
 
 use super::figures::{Picture, balance};
-use super::number::alone;
+use super::number::{alone, fixed};
 use ballrace_twin::equilibrium::{BearingSettled, EffectShare, Element, Settled};
 use ballrace_twin::plant::PRESSURE_LIMIT;
 use ballrace_twin::replay::outcome::BearingOrders;
@@ -32,9 +32,12 @@ pub fn text(settled: &Settled) -> String {
         let [fx, fy, fz, mx, my] = b.force;
         line(&mut out, "");
         line(&mut out, &format!("Bearing {}", b.name));
-        let angles = format!("tilt {:.4} {:.4} mrad", thu * 1e3, thv * 1e3);
-        line(&mut out, &format!("  displacement  {:.4} {:.4} {:.4} um, {angles}", u * 1e6, v * 1e6, w * 1e6));
-        line(&mut out, &format!("  force         {fx:.3} {fy:.3} {fz:.3} N, moment {mx:.4} {my:.4} N m"));
+        let [u, v, w] = [u, v, w].map(|x| fixed(x * 1e6, 4));
+        let [thu, thv] = [thu, thv].map(|x| fixed(x * 1e3, 4));
+        line(&mut out, &format!("  displacement  {u} {v} {w} um, tilt {thu} {thv} mrad"));
+        let [fx, fy, fz] = [fx, fy, fz].map(|x| fixed(x, 3));
+        let [mx, my] = [mx, my].map(|x| fixed(x, 4));
+        line(&mut out, &format!("  force         {fx} {fy} {fz} N, moment {mx} {my} N m"));
         let k: Vec<String> = (0..5).map(|i| format!("{:.5e}", b.stiffness[i][i])).collect();
         line(&mut out, &format!("  stiffness     {} N/m, {} N m/rad", k[..3].join(" "), k[3..].join(" ")));
         kinematics(&mut out, b);

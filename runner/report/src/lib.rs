@@ -8,7 +8,7 @@ pub mod fit;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod html;
-mod number;
+pub mod number;
 pub mod sweep;
 mod text;
 pub mod trade;

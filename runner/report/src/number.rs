@@ -18,7 +18,7 @@ pub(super) fn decimals(values: impl IntoIterator<Item = f64>) -> usize {
 }
 
 /// A number with the given decimals; very large ones in powers of ten, [`NONE`] when not finite.
-pub(super) fn fixed(value: f64, decimals: usize) -> String {
+pub fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
     }
@@ -46,7 +46,7 @@ pub(super) fn maybe(value: Option<f64>) -> String {
 }
 
 /// A count with its thousands apart.
-pub(super) fn count(value: u64) -> String {
+pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
@@ -59,7 +59,7 @@ pub(super) fn count(value: u64) -> String {
 }
 
 /// "1 sample", "2 samples".
-pub(super) fn counted(value: u64, noun: &str) -> String {
+pub fn counted(value: u64, noun: &str) -> String {
     let plural = if value == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", count(value))
 }

@@ -34,11 +34,11 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     AtomicFile::write(&args.output, &source)?;
     let needs = needs::of_scene(&scene)?;
     print(&baked, args, format)?;
-    if format == Format::Text { say(&mut std::io::stdout().lock(), &needs, error) } else { Ok(()) }
+    if format == Format::Text { say(&mut super::standard_output(format), &needs, error) } else { Ok(()) }
 }
 
 fn print(baked: &[Baked], args: &Args, format: Format) -> Result<()> {
-    let mut out = std::io::stdout().lock();
+    let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(baked)?)?,
         Format::Csv => {

@@ -10,7 +10,7 @@ use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::sweep::Axis;
 use anyhow::{Result, bail};
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 /// What `campbell` takes.
@@ -40,7 +40,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::campbell::html(&scene.name, &all)?)?;
     }
-    let mut out = BufWriter::new(std::io::stdout().lock());
+    let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&all)?)?,
         Format::Csv => csv(&mut out, &all)?,

@@ -8,7 +8,7 @@ use ballrace_twin::plant::LARGEST_RESIDUAL;
 use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
 use anyhow::{Result, bail};
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 /// What `equilibrium` takes.
@@ -41,7 +41,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::equilibrium::html(&settled)?)?;
     }
-    let mut out = BufWriter::new(std::io::stdout().lock());
+    let mut out = super::standard_output(format);
     match format {
         Format::Json => {
             serde_json::to_writer_pretty(&mut out, &settled)?;

@@ -10,7 +10,7 @@ use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
-use std::io::{BufWriter, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 /// What `fit` takes.
@@ -74,7 +74,7 @@ fn beside(scene: &Path) -> PathBuf {
 }
 
 fn print(found: &Fitted, output: &Path, format: Format) -> Result<()> {
-    let mut out = BufWriter::new(std::io::stdout().lock());
+    let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(found)?)?,
         Format::Csv => out.write_all(report::fit::csv(found).as_bytes())?,

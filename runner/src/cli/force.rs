@@ -3,6 +3,9 @@
 use super::{Format, say};
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::needs::{self, Need};
+use ballrace_report::number::fixed;
+use ballrace_twin::printable;
+use ballrace_twin::recording::error::listed;
 use ballrace_twin::scene::bounded::BoundedLines;
 use ballrace_twin::scene::build::{self, AnyBearing};
 use ballrace_twin::scene::read::read_file;
@@ -13,7 +16,7 @@ use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Turn};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Longest line of displacements, bytes.
@@ -94,7 +97,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     };
     print(&forces, format, digits)?;
     let needs = needed(&scene, bearing, model, &rows)?;
-    if format == Format::Text { say(&mut std::io::stdout().lock(), &needs, error) } else { Ok(()) }
+    if format == Format::Text { say(&mut super::standard_output(format), &needs, error) } else { Ok(()) }
 }
 
 /// What matters at the largest displacement.
@@ -204,7 +207,7 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
         *place = column(wanted)?.ok_or_else(|| {
             SceneFault(format!(
                 "{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle",
-                header.join(",")
+                listed(&header)
             ))
         })?;
     }
@@ -227,8 +230,9 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
             let text = record.get(i).unwrap_or("");
             text.parse().map_err(|_| {
                 anyhow::anyhow!(
-                    "{name}:{line}: column {}: found {text:?}, allowed: a number",
-                    header.get(i).map_or("", String::as_str)
+                    "{name}:{line}: column {}: found `{}`, allowed: a number",
+                    printable::name(header.get(i).map_or("", String::as_str)),
+                    printable::name(text)
                 )
             })
         };
@@ -250,7 +254,7 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
 }
 
 fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {
-    let mut out = BufWriter::new(std::io::stdout().lock());
+    let mut out = super::standard_output(format);
     match format {
         Format::Json => {
             serde_json::to_writer_pretty(&mut out, forces)?;
@@ -269,7 +273,9 @@ fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {
                 "row", "FX N", "FY N", "FZ N", "MX N m", "MY N m"
             )?;
             for (i, Force { fx, fy, fz, mx, my, status }) in forces.iter().enumerate() {
-                writeln!(out, "{:>6} {fx:>13.4} {fy:>13.4} {fz:>13.4} {mx:>13.6} {my:>13.6}  {status}", i + 1)?;
+                let [fx, fy, fz] = [fx, fy, fz].map(|x| fixed(*x, 4));
+                let [mx, my] = [mx, my].map(|x| fixed(*x, 6));
+                writeln!(out, "{:>6} {fx:>13} {fy:>13} {fz:>13} {mx:>13} {my:>13}  {status}", i + 1)?;
             }
         }
     }

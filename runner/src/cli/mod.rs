@@ -15,13 +15,14 @@ pub mod watch;
 
 use ballrace_twin::fault::SceneFault;
 use ballrace_twin::needs::{self, Need};
+use ballrace_twin::printable::{self, Printable};
 use ballrace_twin::recording::error::RecordingError;
 use ballrace_twin::recording::rotation::RotationError;
 use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::scene::read::SceneError;
 use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand, ValueEnum};
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -110,6 +111,12 @@ pub enum Format {
     Json,
     /// Comma-separated values with a header.
     Csv,
+}
+
+/// Standard output. In text for people, names from files cannot steer the terminal.
+fn standard_output(format: Format) -> Box<dyn Write> {
+    let out = BufWriter::new(std::io::stdout().lock());
+    if format == Format::Text { Box::new(Printable(out)) } else { Box::new(out) }
 }
 
 /// Refuses an output that would take the place of a file that is read, or of another output.
@@ -204,7 +211,8 @@ fn code(done: Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("ballrace: {error:#}");
+            // Nobody may be left to read it.
+            let _ = writeln!(std::io::stderr(), "ballrace: {}", printable::message(&format!("{error:#}")));
             ExitCode::from(match error.downcast_ref::<RotationError>() {
                 Some(RotationError::ImplausibleSpeed { .. }) => IMPLAUSIBLE,
                 _ if is_users_fault(&error) => 2,

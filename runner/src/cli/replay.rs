@@ -176,7 +176,7 @@ fn print(outcome: &Outcome, report_path: &Path, format: Format) -> Result<()> {
         Format::Json => report::json(outcome)?,
         Format::Csv => report::csv(outcome),
     };
-    let mut out = std::io::stdout().lock();
+    let mut out = super::standard_output(format);
     out.write_all(text.as_bytes())?;
     if !text.ends_with('\n') {
         out.write_all(b"\n")?;

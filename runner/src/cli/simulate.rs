@@ -6,6 +6,7 @@ use ballrace_twin::motion::{self, MOST_SAMPLES, Moment, Span};
 use ballrace_twin::needs::{self, Need};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
+use ballrace_report::number::counted;
 use ballrace_twin::scene::Scene;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
@@ -229,7 +230,7 @@ fn write_row(file: &mut AtomicFile, row: &[f64]) -> std::io::Result<()> {
 }
 
 fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>) -> Result<()> {
-    let mut out = std::io::stdout().lock();
+    let mut out = super::standard_output(format);
     let ([x, y, z], [mean_x, mean_y, mean_z]) = (summary.peak_to_peak_um, summary.mean_um);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(summary)?)?,
@@ -247,12 +248,11 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
         Format::Text => {
             writeln!(
                 out,
-                "{}: {} samples at {} Hz, {} integration {} per sample",
+                "{}: {} at {} Hz, {} per sample",
                 summary.scene,
-                summary.samples,
+                counted(summary.samples, "sample"),
                 summary.rate_hz,
-                summary.steps_per_sample,
-                if summary.steps_per_sample == 1 { "step" } else { "steps" }
+                counted(u64::from(summary.steps_per_sample), "integration step")
             )?;
             writeln!(out, "Centre of mass, um peak to peak: X {x:.4}, Y {y:.4}, Z {z:.4}")?;
             writeln!(out, "                um mean:         X {mean_x:.4}, Y {mean_y:.4}, Z {mean_z:.4}")?;

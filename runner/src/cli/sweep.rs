@@ -128,7 +128,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         needs: plan.needs(&rows)?,
     };
     print(&summary, &plan.axes, &rows, format)?;
-    if format == Format::Text { say(&mut std::io::stdout().lock(), &summary.needs, error) } else { Ok(()) }
+    if format == Format::Text { say(&mut super::standard_output(format), &summary.needs, error) } else { Ok(()) }
 }
 
 fn time(text: &str) -> Result<f64> {
@@ -224,7 +224,7 @@ fn merged(output: &Path, plan: &Plan) -> Result<BTreeMap<usize, Chain>> {
 }
 
 fn print(summary: &Summary, axes: &[Axis], rows: &[&Row], format: Format) -> Result<()> {
-    let mut out = std::io::stdout().lock();
+    let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(summary)?)?,
         Format::Csv => sweep::csv(&mut out, axes, rows)?,

@@ -9,7 +9,7 @@ use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::trade::{Goal, Target, Trade, trade, written};
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{BufWriter, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 /// What `trade` takes.
@@ -101,7 +101,7 @@ fn deadline(text: &str) -> Result<Goal> {
 }
 
 fn print(found: &Trade, args: &Args, output: &Path, (format, error): (Format, Option<f64>)) -> Result<()> {
-    let mut out = BufWriter::new(std::io::stdout().lock());
+    let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(found)?)?,
         Format::Csv => out.write_all(report::trade::csv(found).as_bytes())?,

@@ -8,6 +8,7 @@ use crate::live as monitor;
 use crate::live::source::lock;
 use crate::live::view::Shared;
 use ballrace_twin::output::AtomicFile;
+use ballrace_twin::printable;
 use ballrace_twin::replay::Options;
 use ballrace_report as report;
 use anyhow::{Result, bail};
@@ -78,7 +79,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
     // The terminal may have gone; report and state are written.
     let mut out = std::io::stdout().lock();
     for sentence in std::iter::once(outcome.verdict.clone()).chain(report::pacing(&outcome.timing)) {
-        let _ = writeln!(out, "{sentence}");
+        let _ = writeln!(out, "{}", printable::lines(&sentence));
     }
     Ok(Ending::from(&outcome))
 }

@@ -16,6 +16,7 @@ pub mod observer;
 pub mod output;
 pub mod parquet_table;
 pub mod plant;
+pub mod printable;
 pub mod recording;
 pub mod replay;
 pub mod scene;

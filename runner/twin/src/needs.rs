@@ -214,10 +214,10 @@ fn root(f: impl Fn(f64) -> f64, first: f64) -> f64 {
 }
 
 fn share(x: f64) -> String {
-    match x {
+    match x * 100.0 {
         0.0 => "0 %".to_owned(),
-        x if x < 1e-4 => format!("{:.1e} %", x * 100.0),
-        x => format!("{:.2} %", x * 100.0),
+        percent if percent < 0.01 => format!("{percent:.1e} %"),
+        percent => format!("{percent:.2} %"),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Why a recording cannot be read.
 
+use crate::printable::name;
 use std::io;
 use std::path::PathBuf;
 
@@ -34,7 +35,7 @@ pub enum RecordingError {
         allowed: &'static str,
     },
     /// The file says another unit than the scene.
-    #[error("{file}, column {column}: found the unit `{found}`; allowed: the scene's, `{allowed}`, or no unit")]
+    #[error("{file}, column {column}: found the unit `{found}`; allowed: the scene's, `{allowed}`, or no unit", column = name(.column), found = name(.found))]
     Unit {
         /// The recording.
         file: PathBuf,
@@ -98,7 +99,7 @@ pub enum RecordingError {
         file: PathBuf,
     },
     /// The scene names a column that the file lacks.
-    #[error("{file}{at}: no column `{column}`; found the columns {found}{hint}", at = at_line(*.line), hint = did_you_mean(.nearest.as_deref()))]
+    #[error("{file}{at}: no column `{column}`; found the columns {found}{hint}", column = name(.column), at = at_line(*.line), hint = did_you_mean(.nearest.as_deref()))]
     AbsentColumn {
         /// The recording.
         file: PathBuf,
@@ -112,7 +113,7 @@ pub enum RecordingError {
         nearest: Option<String>,
     },
     /// Two columns of one name.
-    #[error("{file}{at}: the column `{column}` is there twice; allowed: once", at = at_line(*.line))]
+    #[error("{file}{at}: the column `{column}` is there twice; allowed: once", column = name(.column), at = at_line(*.line))]
     ColumnTwice {
         /// The recording.
         file: PathBuf,
@@ -122,7 +123,7 @@ pub enum RecordingError {
         column: String,
     },
     /// A cell that is not a number.
-    #[error("{file}, line {line}, column {column}: found `{found}`; allowed: {allowed}")]
+    #[error("{file}, line {line}, column {column}: found `{found}`; allowed: {allowed}", column = name(.column))]
     Cell {
         /// The recording.
         file: PathBuf,
@@ -149,7 +150,7 @@ pub enum RecordingError {
     },
     /// The time stamps give no sampling rate.
     #[error(
-        "{file}, column {column}: found {found}; allowed: time stamps in seconds that rise from row to row, or `rate` instead of `time` in the scene"
+        "{file}, column {column}: found {found}; allowed: time stamps in seconds that rise from row to row, or `rate` instead of `time` in the scene", column = name(.column)
     )]
     Clock {
         /// The recording.
@@ -174,12 +175,12 @@ fn at_line(line: Option<u64>) -> String {
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {
-    nearest.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+    nearest.map(|near| format!("; did you mean `{}`?", name(near))).unwrap_or_default()
 }
 
 /// Names for a message, shortened where there are very many.
-pub(super) fn listed(names: &[String]) -> String {
-    let shown: Vec<String> = names.iter().take(COLUMNS_SHOWN).map(|name| format!("`{name}`")).collect();
+pub fn listed(names: &[String]) -> String {
+    let shown: Vec<String> = names.iter().take(COLUMNS_SHOWN).map(|column| format!("`{}`", name(column))).collect();
     match names.len() - shown.len() {
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
@@ -194,7 +195,8 @@ pub(super) fn nearest(wanted: &str, names: &[String]) -> Option<String> {
     let limit = (length / 3).max(2).min(length.saturating_sub(1));
     names
         .iter()
-        .filter(|name| !name.is_empty())
+        // A length that differs by more needs no comparison, however long the name.
+        .filter(|name| !name.is_empty() && name.chars().count().abs_diff(length) <= limit)
         .map(|name| (edits(&wanted, &name.to_lowercase()), name))
         .min_by_key(|(edits, _)| *edits)
         .filter(|(edits, _)| *edits <= limit)

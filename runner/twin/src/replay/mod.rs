@@ -924,7 +924,7 @@ fn record(
 fn angle_source(rotation: &Rotation, tracker: &Tracker) -> String {
     match rotation {
         Rotation::Keyphasor { column, pulses_per_turn } => {
-            format!("keyphasor {column}, {} pulses, {pulses_per_turn} a turn", tracker.pulses())
+            format!("keyphasor in column {column}, {} pulses, {pulses_per_turn} per revolution", tracker.pulses())
         }
         Rotation::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
         Rotation::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
