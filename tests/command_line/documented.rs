@@ -1,0 +1,239 @@
+//! Every command line that stands in a README or in `docs`, run as it stands.
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, program, short_recording};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// Command lines that are not run here, by their beginning, and why.
+const EXCEPTIONS: [(&str, &str); 6] = [
+    ("cargo deny", "needs a program and a database of others"),
+    ("tests/run", "runs this test"),
+    ("tests/fuzz/run", "needs a C++ compiler and runs for the minutes that it is given"),
+    ("cargo test", "a part of tests/run"),
+    ("cargo bench", "measures for minutes; tests/run checks the instruction counts"),
+    ("BALLRACE_WRITE=1 cargo test", "rewrites a file of the repository"),
+];
+
+/// Values for the words that stand for a value. `SCENE`, `NAME` and `F.csv` are names of files of the desk.
+const VALUES: [(&str, &str); 4] = [
+    // The demonstration has two.
+    ("force SCENE", "force SCENE --bearing DE"),
+    ("--duration D", "--duration '1 ms'"),
+    ("--rate R", "--rate '1 kHz'"),
+    ("KEY=FROM..TO:COUNT", "shaft.speed=2000rpm..3000rpm:2"),
+];
+
+/// The same with less work, for the runs that are not ignored.
+const SMALLER: [(&str, &str); 4] = [
+    ("500rpm..10000rpm:200", "500rpm..10000rpm:2"),
+    ("2000rpm..3000rpm:2 ", "2000rpm..3000rpm:2 --periods 16 "),
+    ("ballrace trade ", "ballrace trade --forces-only "),
+    ("ballrace fit ", "ballrace fit --only unbalance --turns 4 "),
+];
+
+#[derive(Debug, PartialEq, Eq, Clone, Copy)]
+enum Kind {
+    /// Ends by itself.
+    Plain,
+    /// Needs a terminal.
+    Terminal,
+    /// Listens for samples until it is stopped.
+    Monitor,
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The Markdown files for users and developers.
+fn documents() -> Vec<PathBuf> {
+    let mut all = vec![];
+    let mut folders = vec![(repository(), 0)];
+    while let Some((folder, depth)) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap();
+            if path.is_dir() && depth < 3 && !matches!(name, "target" | "src") && !name.starts_with('.') {
+                folders.push((path, depth + 1));
+            } else if name.ends_with(".md") && name != "CHANGELOG.md" {
+                all.push(path);
+            }
+        }
+    }
+    assert!(all.iter().any(|path| path.ends_with("README.md")));
+    all
+}
+
+/// True for text that a user would type at a prompt.
+fn is_command(text: &str) -> bool {
+    let is_script = text.starts_with("tests/") && text.split(' ').next().is_some_and(|word| word.ends_with("/run"));
+    text.starts_with("ballrace ") || text.starts_with("cargo ") || text.contains(" cargo ") || is_script
+}
+
+/// The command lines of a document: lines of its fenced blocks and its inline code.
+fn commands_of(text: &str) -> Vec<String> {
+    let mut commands = vec![];
+    let mut fenced = false;
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            fenced = !fenced;
+        } else if fenced {
+            let command = line.split(" #").next().unwrap().trim();
+            commands.extend(is_command(command).then(|| command.to_owned()));
+        } else {
+            let code = line.split('`').skip(1).step_by(2).map(|code| code.replace("\\|", "|"));
+            commands.extend(code.filter(|code| is_command(code)));
+        }
+    }
+    commands
+}
+
+/// Every documented command line that is no exception, each once, as a shell takes it.
+fn documented(kind: Kind) -> BTreeSet<String> {
+    let mut lines = BTreeSet::new();
+    for document in documents() {
+        for command in commands_of(&fs::read_to_string(&document).unwrap()) {
+            if EXCEPTIONS.iter().any(|(start, _)| command.starts_with(start)) {
+                continue;
+            }
+            let command = command.replace("cargo run --release -- ", "ballrace ");
+            assert!(
+                command.starts_with("ballrace "),
+                "{}: {command}: no way to run it and not among the exceptions",
+                document.display()
+            );
+            let command = VALUES.iter().fold(command, |line, (word, value)| line.replace(word, value));
+            // A command by its name only, as text speaks of it.
+            let is_name = command.split(' ').count() == 2;
+            match command.split_once(" [") {
+                Some((without, optional)) => {
+                    let value = if optional == "NAME]" { "tiwari-balanced" } else { optional.trim_end_matches(']') };
+                    lines.extend([without.to_owned(), format!("{without} {value}")]);
+                }
+                None if is_name && !["ballrace watch", "ballrace replay", "ballrace scenes"].contains(&&*command) => {
+                    lines.insert(format!("{command} --help"));
+                }
+                None => {
+                    lines.insert(command);
+                }
+            }
+        }
+    }
+    lines.retain(|line| kind_of(line) == kind);
+    assert!(!lines.is_empty(), "no documented command is {kind:?}");
+    lines
+}
+
+fn kind_of(line: &str) -> Kind {
+    match line {
+        line if line.contains("--help") => Kind::Plain,
+        line if line.starts_with("ballrace watch") => Kind::Terminal,
+        line if line.contains("--source tcp:") => Kind::Monitor,
+        _ => Kind::Plain,
+    }
+}
+
+/// A folder with the files that the documented lines name.
+fn desk(recording: &str) -> Desk {
+    let desk = Desk::with(DEMO_SCENE, recording);
+    for name in ["SCENE", "machine.toml", "my-machine.toml", "rig.toml"] {
+        desk.put(name, DEMO_SCENE);
+    }
+    desk.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
+    desk
+}
+
+/// `line` in a shell that finds the program as an installed one.
+fn shell(desk: &Desk, line: &str) -> Command {
+    let folders = std::env::var_os("PATH").unwrap();
+    let folders = std::iter::once(program().parent().unwrap().to_owned()).chain(std::env::split_paths(&folders));
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg(line).current_dir(desk.path("")).env("PATH", std::env::join_paths(folders).unwrap());
+    shell.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    shell
+}
+
+fn assert_done(line: &str, output: &Output) {
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{line}: {:?}: {err}", output.status);
+}
+
+/// Runs all lines in one folder: what one writes another may read.
+fn run_all(recording: &str, smaller: &[(&str, &str)]) {
+    let desk = desk(recording);
+    let lines = documented(Kind::Plain);
+    // A line that writes a file for others comes first.
+    let (first, then): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.contains(" > "));
+    for line in first.into_iter().chain(then) {
+        let line = smaller.iter().fold(line.clone(), |line, (from, to)| line.replace(from, to));
+        let output = shell(&desk, &line).output().unwrap();
+        assert_done(&line, &output);
+        // `simulate` writes where `force` reads.
+        desk.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
+        let _ = fs::remove_file(desk.path("NAME.journal"));
+    }
+}
+
+#[test]
+fn documented_commands_end_well_with_less_work() {
+    run_all(&short_recording(SHORT), &SMALLER);
+}
+
+#[test]
+#[ignore = "slow: sweeps, fits and trades as they stand in the README"]
+fn long_documented_commands_end_well_as_they_stand() {
+    run_all(DEMO_RECORDING, &[]);
+}
+
+#[test]
+fn unknown_commands_are_found_in_text_and_blocks() {
+    let text = "See `ballrace a`, `ballrace-report.html` and `x \\| y`.\n```sh\nballrace b c   # why\ntests/run\n```\n`cargo d`\n";
+    assert_eq!(commands_of(text), ["ballrace a", "ballrace b c", "tests/run", "cargo d"]);
+}
+
+/// The live view in a pseudo-terminal, from its start to the key that ends it, with main and other stacks of 1 MiB.
+#[cfg(unix)]
+#[test]
+fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
+    use rexpect::process::WaitStatus;
+    let desk = desk(DEMO_RECORDING);
+    for line in documented(Kind::Terminal) {
+        let mut command = shell(&desk, &format!("stty cols 120 rows 40; ulimit -s 1024; exec {line}"));
+        command.env("TERM", "xterm-256color").env("RUST_MIN_STACK", "1048576");
+        command.stdin(Stdio::inherit()).stdout(Stdio::inherit()).stderr(Stdio::inherit());
+        let mut session = rexpect::session::spawn_command(command, Some(120_000)).unwrap();
+        session.exp_string("over: p").unwrap_or_else(|error| panic!("{line}: {error}"));
+        session.send("q").unwrap();
+        session.flush().unwrap();
+        let rest = session.exp_eof().unwrap();
+        let status = session.process().wait().unwrap();
+        assert!(matches!(status, WaitStatus::Exited(_, 0 | 3)), "{line}: {status:?}: {rest}");
+    }
+}
+
+/// A monitor as documented, fed with frames, ended by a signal.
+#[cfg(unix)]
+#[test]
+fn the_documented_monitor_follows_a_source_until_a_signal() {
+    use std::io::{BufRead, BufReader, Write};
+    let desk = desk(DEMO_RECORDING);
+    for line in documented(Kind::Monitor) {
+        let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let line = line.replace("tcp:9000", &format!("tcp:{port}"));
+        let child = shell(&desk, &format!("exec {line}")).spawn().unwrap();
+        let mut stream = crate::live::connected(port);
+        let acknowledged = BufReader::new(stream.try_clone().unwrap());
+        let rows = crate::live::rows(12_800);
+        for (sequence, row) in (0..).zip(rows.iter().cycle().take(16_000)) {
+            stream.write_all(&crate::live::frame(sequence, row)).unwrap();
+        }
+        let told = acknowledged.lines().next().unwrap().unwrap();
+        assert!(told.starts_with("acknowledged "), "{told}");
+        let killed = Command::new("kill").arg("-TERM").arg(child.id().to_string()).status().unwrap();
+        assert!(killed.success());
+        assert_done(&line, &child.wait_with_output().unwrap());
+        assert!(desk.read("rig.jsonl").contains("source-connected"));
+    }
+}
