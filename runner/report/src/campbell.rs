@@ -2,8 +2,8 @@
 
 use super::equilibrium::page;
 use super::figures::diagram;
-use ballrace_twin::campbell::{AtSpeed, Whirl};
 use anyhow::Result;
+use ballrace_twin::campbell::{AtSpeed, Whirl};
 use std::fmt::Write;
 
 /// For the terminal.

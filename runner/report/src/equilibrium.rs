@@ -2,10 +2,10 @@
 
 use super::figures::{Picture, balance};
 use super::number::{alone, fixed};
+use anyhow::Result;
 use ballrace_twin::equilibrium::{BearingSettled, EffectShare, Element, Settled};
 use ballrace_twin::plant::PRESSURE_LIMIT;
 use ballrace_twin::replay::outcome::BearingOrders;
-use anyhow::Result;
 use minijinja::{Environment, context};
 use std::fmt::Write;
 

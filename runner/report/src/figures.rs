@@ -26,8 +26,8 @@ pub(super) use campbell::diagram;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};
 
-use ballrace_twin::replay::outcome::{Block, Orbit, Outcome, ProbeOutcome};
 use anyhow::Result;
+use ballrace_twin::replay::outcome::{Block, Orbit, Outcome, ProbeOutcome};
 use line::Point;
 use one_x::OneX;
 

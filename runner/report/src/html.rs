@@ -3,11 +3,11 @@
 use super::figures::{Gallery, Picture, gallery};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
+use anyhow::{Context, Result};
 use ballrace_twin::replay::outcome::{
     Baseline, BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, Standing, TabularList,
     Timing,
 };
-use anyhow::{Context, Result};
 use minijinja::{Environment, Value, context};
 
 const NAME: &str = "report.html";

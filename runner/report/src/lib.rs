@@ -14,8 +14,8 @@ mod text;
 pub mod trade;
 mod words;
 
-use ballrace_twin::replay::outcome::Outcome;
 use anyhow::{Context, Result};
+use ballrace_twin::replay::outcome::Outcome;
 
 pub use csv::csv;
 pub use html::html;

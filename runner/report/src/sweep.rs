@@ -2,8 +2,8 @@
 
 use super::equilibrium::page;
 use super::figures::{Curve, bifurcation, response, waterfall};
-use ballrace_twin::sweep::{Axis, Row};
 use anyhow::Result;
+use ballrace_twin::sweep::{Axis, Row};
 
 /// Ways through the other axes that the pictures show.
 const MOST_CURVES: usize = 6;

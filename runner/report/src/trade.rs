@@ -2,8 +2,8 @@
 
 use super::equilibrium::page;
 use super::figures::{Dot, front};
-use ballrace_twin::trade::{Candidate, Choice, Response, Trade};
 use anyhow::Result;
+use ballrace_twin::trade::{Candidate, Choice, Response, Trade};
 use std::fmt::Write;
 
 /// For the terminal: what is exact or on a front, and motions by the integrator that a scene takes by itself. The page and

@@ -1,12 +1,12 @@
 //! `ballrace bake`: a scene as constants for firmware.
 
 use super::{Format, keep_apart, say};
+use anyhow::Result;
 use ballrace_twin::bake::{Baked, bake};
 use ballrace_twin::fault::scene_fault;
 use ballrace_twin::needs;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
-use anyhow::Result;
 use std::io::Write;
 use std::path::PathBuf;
 

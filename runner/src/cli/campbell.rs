@@ -1,15 +1,15 @@
 //! `ballrace campbell`: natural frequencies over the shaft's speed.
 
 use super::{Format, keep_apart, say};
+use anyhow::{Result, bail};
+use ballrace_report as report;
 use ballrace_twin::campbell::{AtSpeed, Whirl, campbell};
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::needs;
 use ballrace_twin::output::AtomicFile;
-use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::sweep::Axis;
-use anyhow::{Result, bail};
 use std::io::Write;
 use std::path::PathBuf;
 

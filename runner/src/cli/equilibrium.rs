@@ -1,13 +1,13 @@
 //! `ballrace equilibrium`: where the rotor or a bearing settles.
 
 use super::{Format, keep_apart, say};
+use anyhow::{Result, bail};
+use ballrace_report as report;
 use ballrace_twin::equilibrium::{Element, settle};
 use ballrace_twin::fault::scene_fault;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::plant::LARGEST_RESIDUAL;
-use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
-use anyhow::{Result, bail};
 use std::io::Write;
 use std::path::PathBuf;
 

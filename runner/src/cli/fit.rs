@@ -1,14 +1,14 @@
 //! `ballrace fit`: the scene's numbers from a recording.
 
 use super::{Format, keep_apart};
+use anyhow::{Context, Result, bail};
+use ballrace_report as report;
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::fit::parameters::{ALL, Group};
 use ballrace_twin::fit::{Fitted, Material, fit, read, written};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
-use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
-use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};

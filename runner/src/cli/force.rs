@@ -1,18 +1,18 @@
 //! `ballrace force`: ring displacements in, forces out.
 
 use super::{Format, say};
+use anyhow::{Context, Result, bail};
+use ballrace::bearing::{Bearing as _, HeldWrench};
+use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Turn};
+use ballrace_report::number::fixed;
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::needs::{self, Need};
-use ballrace_report::number::fixed;
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;
 use ballrace_twin::scene::bounded::BoundedLines;
 use ballrace_twin::scene::build::{self, AnyBearing};
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::{Bearing, Linear, Model, Scene};
-use anyhow::{Context, Result, bail};
-use ballrace::bearing::{Bearing as _, HeldWrench};
-use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Turn};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::fs::File;

@@ -13,6 +13,7 @@ pub mod sweep;
 pub mod trade;
 pub mod watch;
 
+use anyhow::{Context, Result, bail};
 use ballrace_twin::fault::SceneFault;
 use ballrace_twin::needs::{self, Need};
 use ballrace_twin::printable::{self, Printable};
@@ -20,7 +21,6 @@ use ballrace_twin::recording::error::RecordingError;
 use ballrace_twin::recording::rotation::RotationError;
 use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::scene::read::SceneError;
-use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};

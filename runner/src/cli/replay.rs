@@ -2,16 +2,16 @@
 
 use super::live::{self, DEMO_RECORDING, LiveArgs};
 use super::{Ending, Format, keep_apart};
-use ballrace_twin::fault::{SceneFault, scene_fault};
 use crate::live as monitor;
+use anyhow::{Context, Result, bail};
+use ballrace_report as report;
+use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::recording::rotation::RotationError;
 use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::replay::{Options, Source, replay};
-use ballrace_report as report;
 use ballrace_twin::scene::{Recording, Scene, Sensor};
-use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
 use std::path::{Path, PathBuf};

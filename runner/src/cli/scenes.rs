@@ -1,8 +1,8 @@
 //! `ballrace scenes`: the scenes that come with the program.
 
 use super::Format;
-use ballrace_twin::fault::SceneFault;
 use anyhow::{Result, bail};
+use ballrace_twin::fault::SceneFault;
 use serde::Serialize;
 use std::io::Write;
 

@@ -1,16 +1,16 @@
 //! `ballrace simulate`: the time response of the scene's rotor from its rest position.
 
 use super::{Format, keep_apart, say};
+use anyhow::{Context, Result, bail};
+use ballrace_report::number::counted;
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::motion::{self, MOST_SAMPLES, Moment, Span};
 use ballrace_twin::needs::{self, Need};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
-use ballrace_report::number::counted;
 use ballrace_twin::scene::Scene;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
-use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};

@@ -1,14 +1,14 @@
 //! `ballrace sweep`: a scene over ranges of its keys.
 
 use super::{Format, keep_apart, say};
+use anyhow::{Context, Result, bail};
+use ballrace_report as report;
 use ballrace_twin::fault::SceneFault;
 use ballrace_twin::needs::Need;
 use ballrace_twin::output::AtomicFile;
-use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::sweep::{self, Axis, Chain, Follow, Journal, Measure, Plan, Row};
-use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;

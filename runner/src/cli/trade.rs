@@ -1,13 +1,13 @@
 //! `ballrace trade`: error against cost of everything that a scene allows, and which to take.
 
 use super::{Format, keep_apart, say};
+use anyhow::{Context, Result, bail};
+use ballrace_report as report;
 use ballrace_twin::fault::SceneFault;
 use ballrace_twin::output::AtomicFile;
-use ballrace_report as report;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::trade::{Goal, Target, Trade, trade, written};
-use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};

@@ -3,21 +3,18 @@
 use super::Ending;
 use super::live::{self, LiveArgs};
 use crate::dashboard;
-use ballrace_twin::fault::SceneFault;
 use crate::live as monitor;
 use crate::live::source::lock;
 use crate::live::view::Shared;
+use anyhow::{Result, bail};
+use ballrace_report as report;
+use ballrace_twin::fault::SceneFault;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::printable;
 use ballrace_twin::replay::Options;
-use ballrace_report as report;
-use anyhow::{Result, bail};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Stack of the monitor's thread, bytes.
-const STACK: usize = 16 << 20;
 
 /// What `watch` takes.
 #[derive(Debug, clap::Args)]
@@ -63,9 +60,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
             }
             outcome
         };
-        // The machine of a scene is large while it is built.
-        let work =
-            std::thread::Builder::new().name("monitor".to_owned()).stack_size(STACK).spawn_scoped(scope, work)?;
+        let work = std::thread::Builder::new().name("monitor".to_owned()).spawn_scoped(scope, work)?;
         let shown = dashboard::show(&scene, &name, &view, &stop, &over);
         stop.store(true, Ordering::Relaxed);
         Ok::<_, std::io::Error>((work.join(), shown))

@@ -9,8 +9,8 @@ mod trend;
 
 use crate::live::source::lock;
 use crate::live::view::{Shared, View};
-use ballrace_twin::scene::{Limit, Scene};
 use anyhow::Result;
+use ballrace_twin::scene::{Limit, Scene};
 use input::Input;
 use ratatui::crossterm::event::{KeyCode, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};

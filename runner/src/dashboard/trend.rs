@@ -64,7 +64,9 @@ fn set(points: &[(f64, f64)]) -> Dataset<'_> {
 /// The scene's own limit, in the indicator's unit. What is allowed over a baseline is judged, but has no line here.
 fn limit(machine: &Machine, probe: &str, indicator: Option<Indicator>) -> Option<f64> {
     let indicator = indicator?;
-    let of = |l: &&ballrace_twin::scene::Limit| l.indicator == indicator && l.probe.as_deref().is_none_or(|name| name == probe);
+    let of = |l: &&ballrace_twin::scene::Limit| {
+        l.indicator == indicator && l.probe.as_deref().is_none_or(|name| name == probe)
+    };
     let Allowed::Most(most) = machine.limits.iter().find(of)?.allowed else { return None };
     let (_, is_length) = indicator.name();
     Some(if is_length { most * 1e6 } else { most })

@@ -20,6 +20,8 @@ pub mod source;
 pub mod state;
 pub mod view;
 
+use address::Address;
+use anyhow::{Result, bail};
 use ballrace_twin::fault::scene_fault;
 use ballrace_twin::recording::Row;
 use ballrace_twin::recording::flaws::FlawSummary;
@@ -27,8 +29,6 @@ use ballrace_twin::recording::rotation::RotationError;
 use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
 use ballrace_twin::replay::{self, Replay};
 use ballrace_twin::scene::{Recording, Scene};
-use address::Address;
-use anyhow::{Result, bail};
 use feed::{CAPACITY, Counts, Item, Receiver};
 use out::{Network, Outputs, Told};
 use pace::{BLOCK, Pace};
@@ -94,7 +94,9 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let rate = first_rate(&reading, &mut receiver, stop, |note| {
         let told = Told::note(note, done);
         show(options, |view| view.add_event(&told));
-        outputs.event(&told)
+        outputs.event(&told)?;
+        outputs.save_events();
+        Ok(())
     });
     let Some(rate) = rate? else { bail!("{}: stopped before a sample came", options.source) };
     let scheduling = realtime::ask(options.realtime, options.core);

@@ -5,9 +5,9 @@
 
 use super::lock::FolderLock;
 use super::source::Resume;
+use anyhow::{Context, Result, bail};
 use ballrace_twin::output;
 use ballrace_twin::replay::limits::LimitState;
-use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

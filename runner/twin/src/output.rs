@@ -190,4 +190,3 @@ fn folder_of(path: &Path) -> &Path {
 pub fn quoted(cell: &str) -> String {
     if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
-

@@ -5,15 +5,15 @@ use super::axis::{Axis, extent};
 use super::canvas::{Anchor, Dashes, Frame, INK, Key, MEASURED, Stroke, TWIN, gutter, picture};
 use super::line::Point;
 use super::ring::{MIDDLE, around, rings};
-use ballrace_twin::equilibrium::Element;
 use anyhow::Result;
+use ballrace_twin::equilibrium::Element;
 
 const WIDTH: f64 = 620.0;
 const INNER: Stroke = Stroke(MEASURED, 3.0);
 const OUTER: Stroke = Stroke(TWIN, 1.5);
 
 /// The picture of one bearing's elements.
-pub(in crate) fn balance(name: &str, elements: &[&Element]) -> Result<Picture> {
+pub(crate) fn balance(name: &str, elements: &[&Element]) -> Result<Picture> {
     let loads = elements.iter().flat_map(|e| [e.inner_load, e.outer_load]);
     let radial = Axis::from_zero(extent(loads).map(|range| range.1), 5, "");
     let angles = |of: fn(&Element) -> Option<f64>| -> Vec<Point> {

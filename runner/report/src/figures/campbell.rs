@@ -4,13 +4,13 @@ use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{Dashes, FAINT, Frame, Key, MARK, MEASURED, Stroke, TWIN, gutter, picture};
 use super::line::Point;
-use ballrace_twin::campbell::{AtSpeed, Whirl};
 use anyhow::Result;
+use ballrace_twin::campbell::{AtSpeed, Whirl};
 
 const WIDTH: f64 = 760.0;
 
 /// The diagram of all modes.
-pub(in crate) fn diagram(all: &[AtSpeed]) -> Result<Picture> {
+pub(crate) fn diagram(all: &[AtSpeed]) -> Result<Picture> {
     let x = Axis::exact(extent(all.iter().map(|at| at.speed_rpm)), 8, "Speed, rpm");
     let frequencies = all.iter().flat_map(|at| at.modes.iter().map(|m| m.frequency_hz));
     let y = Axis::from_zero(extent(frequencies).map(|range| range.1), 8, "Frequency, Hz");

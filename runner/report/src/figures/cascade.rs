@@ -5,8 +5,8 @@ use super::axis::{Axis, extent};
 use super::canvas::{Anchor, Canvas, Dashes, FAINT, Frame, INK, MARK, MEASURED, PAPER, Stroke, gutter, picture};
 use super::line::{Point, peaks};
 use super::mark::{self, Mark};
-use ballrace_twin::replay::outcome::{Cascade, MarkedLine, Slice};
 use anyhow::Result;
+use ballrace_twin::replay::outcome::{Cascade, MarkedLine, Slice};
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 330.0;

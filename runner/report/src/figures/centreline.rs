@@ -4,9 +4,9 @@ use super::Picture;
 use super::axis::{Axis, extent, signed};
 use super::canvas::{Dashes, Frame, Key, MARK, MEASURED, Stroke, TWIN, gutter, picture};
 use super::line::Point;
-use ballrace_twin::replay::outcome::{Clearance, Orbit};
 use crate::number::fixed;
 use anyhow::Result;
+use ballrace_twin::replay::outcome::{Clearance, Orbit};
 
 const SIDE: f64 = 340.0;
 const CLEARANCE: Stroke = Stroke(MARK, 1.2);

@@ -5,8 +5,8 @@ use super::axis::{Axis, extent};
 use super::canvas::{BAND, Dashes, FAINT, Frame, Key, MEASURED, Stroke, gutter, picture};
 use super::line::{Point, peaks};
 use super::{Budget, mark};
-use ballrace_twin::replay::outcome::EnvelopeSpectrum;
 use anyhow::Result;
+use ballrace_twin::replay::outcome::EnvelopeSpectrum;
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 190.0;

@@ -5,8 +5,8 @@ use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, Stroke, TWIN, gu
 use super::line::{Point, decimated, pieces, thinned, zipped};
 use super::trace::Clock;
 use super::{Budget, Picture};
-use ballrace_twin::replay::outcome::ForceTrace;
 use anyhow::Result;
+use ballrace_twin::replay::outcome::ForceTrace;
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 112.0;

@@ -1,9 +1,9 @@
 //! Names of the lines in a spectrum, set above it so that no name covers another or its line.
 
 use super::canvas::{Anchor, Canvas, FAINT, Frame, INK, MARK, SMALL, Stroke, text_width};
-use ballrace_twin::replay::outcome::MarkedLine;
 use crate::number::shortened;
 use anyhow::Result;
+use ballrace_twin::replay::outcome::MarkedLine;
 
 /// Height of one row of names.
 const ROW: f64 = 13.0;

@@ -6,9 +6,9 @@ use super::canvas::{
 };
 use super::line::{Point, thinned};
 use super::{Budget, Picture};
-use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit};
 use crate::number::{fixed, shortened};
 use anyhow::Result;
+use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit};
 
 /// Side of the square.
 const SIDE: f64 = 340.0;

@@ -6,8 +6,8 @@ use super::canvas::{
 };
 use super::line::{Point, decimated};
 use super::{Budget, Picture};
-use ballrace_twin::replay::outcome::ElementLoads;
 use anyhow::Result;
+use ballrace_twin::replay::outcome::ElementLoads;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const WIDTH: f64 = 620.0;

@@ -5,8 +5,8 @@ use super::canvas::{Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RES
 use super::line::{Point, peaks};
 use super::mark::{self, Mark};
 use super::{Budget, Picture};
-use ballrace_twin::replay::outcome::{FullSpectrum, HalfSpectrum, MarkedLine};
 use anyhow::Result;
+use ballrace_twin::replay::outcome::{FullSpectrum, HalfSpectrum, MarkedLine};
 
 const WIDTH: f64 = 620.0;
 /// Height of a frame; the rows of names come on top.

@@ -4,8 +4,8 @@ use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{Anchor, Dashes, Frame, INK, Key, MEASURED, PAPER, Stroke, TWIN, gutter, picture};
 use super::line::Point;
-use ballrace_twin::sweep::Row;
 use anyhow::Result;
+use ballrace_twin::sweep::Row;
 use plotters::prelude::RGBColor;
 
 const WIDTH: f64 = 760.0;
@@ -24,13 +24,13 @@ const COLOURS: [RGBColor; 6] = [
 ];
 
 /// Rows that belong together, in the order of the first axis.
-pub(in crate) struct Curve<'a> {
+pub(crate) struct Curve<'a> {
     /// What they have in common.
-    pub(in crate) name: String,
+    pub(crate) name: String,
     /// `rest`, `up` or `down`.
-    pub(in crate) way: String,
+    pub(crate) way: String,
     /// One a value of the first axis.
-    pub(in crate) rows: Vec<&'a Row>,
+    pub(crate) rows: Vec<&'a Row>,
 }
 
 fn along(row: &Row) -> f64 {
@@ -50,7 +50,7 @@ fn legend<'a>(curves: &'a [Curve<'a>]) -> Vec<(Key, &'a str)> {
 }
 
 /// Peak to peak along X above, along Y below.
-pub(in crate) fn response(title: &str, curves: &[Curve<'_>]) -> Result<Picture> {
+pub(crate) fn response(title: &str, curves: &[Curve<'_>]) -> Result<Picture> {
     let x = horizontal(title, curves);
     let points = |curve: &Curve<'_>, k: usize| -> Vec<Point> {
         curve.rows.iter().map(|row| (along(row), row.figures.peak_to_peak[k])).collect()
@@ -82,7 +82,7 @@ pub(in crate) fn response(title: &str, curves: &[Curve<'_>]) -> Result<Picture> 
 }
 
 /// Where the rotor is along X each time the section is taken.
-pub(in crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Result<Picture> {
+pub(crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Result<Picture> {
     let x = horizontal(title, curves);
     let sections = |row: &Row| -> Vec<f64> {
         let all = &row.figures.section;
@@ -123,7 +123,7 @@ pub(in crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Result<Pictur
 }
 
 /// The spectrum along X of each point, one behind the other.
-pub(in crate) fn waterfall(title: &str, curve: &Curve<'_>) -> Result<Picture> {
+pub(crate) fn waterfall(title: &str, curve: &Curve<'_>) -> Result<Picture> {
     let every = curve.rows.len().div_ceil(MOST_LINES).max(1);
     let rows: Vec<&&Row> = curve.rows.iter().step_by(every).collect();
     let count = rows.iter().map(|row| row.figures.spectrum.len()).max().unwrap_or(0);

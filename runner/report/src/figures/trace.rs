@@ -4,8 +4,8 @@ use super::axis::{Axis, extent};
 use super::canvas::{Canvas, Dashes, Frame, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
 use super::line::{Point, decimated, zipped};
 use super::{Budget, Picture};
-use ballrace_twin::replay::outcome::Trace;
 use anyhow::Result;
+use ballrace_twin::replay::outcome::Trace;
 
 const WIDTH: f64 = 620.0;
 

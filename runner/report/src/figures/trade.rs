@@ -12,7 +12,7 @@ const HEIGHT: f64 = 360.0;
 const LEAST: f64 = 1e-16;
 
 /// One dot.
-pub(in crate) struct Dot {
+pub(crate) struct Dot {
     /// In the unit of the axis.
     pub cost: f64,
     /// Relative.
@@ -26,7 +26,7 @@ pub(in crate) struct Dot {
 }
 
 /// The picture; none where nothing has a cost.
-pub(in crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Result<Option<Picture>> {
+pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Result<Option<Picture>> {
     let shown: Vec<&Dot> = dots.iter().filter(|d| d.cost > 0.0 && d.error.is_finite()).collect();
     if shown.is_empty() {
         return Ok(None);

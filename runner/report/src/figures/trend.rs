@@ -4,9 +4,9 @@ use super::axis::{Axis, extent};
 use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
 use super::line::{Point, decimated};
 use super::{Budget, Picture};
+use anyhow::Result;
 use ballrace_twin::replay::limits::Event;
 use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine};
-use anyhow::Result;
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 78.0;

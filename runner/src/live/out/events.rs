@@ -1,9 +1,9 @@
 //! Events as JSON lines.
 
 use super::super::feed::Note;
+use anyhow::{Context, Result, bail};
 use ballrace_twin::fault::SceneFault;
 use ballrace_twin::replay::limits::Event;
-use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions, TryLockError};

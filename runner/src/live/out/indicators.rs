@@ -4,10 +4,10 @@
 //! its place. A second is identified by the number of the first sample after it; one that is on disk already is ignored.
 
 use super::super::lock::FolderLock;
+use anyhow::{Context, Result};
 use ballrace_twin::output::{self, AtomicFile};
 use ballrace_twin::parquet_table::{self, Column};
 use ballrace_twin::replay::second::Second;
-use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions};
@@ -347,8 +347,11 @@ mod tests {
 
     /// A second of 100 samples.
     fn second(time_s: f64) -> Second {
-        let probe =
-            ballrace_twin::replay::second::ProbeSecond { name: "X,Y".to_owned(), mean_um: time_s, ..Default::default() };
+        let probe = ballrace_twin::replay::second::ProbeSecond {
+            name: "X,Y".to_owned(),
+            mean_um: time_s,
+            ..Default::default()
+        };
         Second { time_s, probes: vec![probe], ..Second::default() }
     }
 

@@ -11,10 +11,10 @@ pub use events::{EventLog, Told};
 
 use super::feed::{Counts, Note};
 use super::state::{State, StateFile};
+use anyhow::Result;
 use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::Second;
 use ballrace_twin::scene::units;
-use anyhow::Result;
 use health::Health;
 use indicators::{HOUR, Indicators};
 use prometheus::Prometheus;

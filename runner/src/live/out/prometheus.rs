@@ -2,9 +2,9 @@
 
 use super::super::feed::Counts;
 use super::super::source::lock;
+use anyhow::{Context, Result};
 use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::{ProbeSecond, Second};
-use anyhow::{Context, Result};
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::header::{CONTENT_TYPE, HeaderValue};

@@ -13,9 +13,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread::JoinHandle;
 
-/// Stack of the search's thread, bytes: the machine of a scene is large while it is built.
-const STACK: usize = 16 << 20;
-
 /// How far the start has come.
 pub(super) enum Startup {
     /// The first turns are collected.
@@ -101,7 +98,7 @@ impl Search {
     /// # Errors
     /// No thread can be started.
     pub(super) fn spawn(self, samples: Vec<Sample>) -> Result<JoinHandle<Result<Started>>> {
-        let thread = std::thread::Builder::new().name("start".to_owned()).stack_size(STACK);
+        let thread = std::thread::Builder::new().name("start".to_owned());
         Ok(thread.spawn(move || self.run(&samples))?)
     }
 }
