@@ -145,12 +145,17 @@ fn desk(recording: &str) -> Desk {
     desk
 }
 
-/// `line` in a shell that finds the program as an installed one.
-fn shell(desk: &Desk, line: &str) -> Command {
+/// The folders of commands, the program's own first.
+fn path() -> std::ffi::OsString {
     let folders = std::env::var_os("PATH").unwrap();
     let folders = std::iter::once(program().parent().unwrap().to_owned()).chain(std::env::split_paths(&folders));
+    std::env::join_paths(folders).unwrap()
+}
+
+/// `line` in a shell that finds the program as an installed one.
+fn shell(desk: &Desk, line: &str) -> Command {
     let mut shell = Command::new("sh");
-    shell.arg("-c").arg(line).current_dir(desk.path("")).env("PATH", std::env::join_paths(folders).unwrap());
+    shell.arg("-c").arg(line).current_dir(desk.path("")).env("PATH", path());
     shell.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     shell
 }
@@ -197,19 +202,20 @@ fn unknown_commands_are_found_in_text_and_blocks() {
 #[cfg(unix)]
 #[test]
 fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
-    use rexpect::process::WaitStatus;
+    use std::io::{Read, Write};
     let desk = desk(DEMO_RECORDING);
     for line in documented(Kind::Terminal) {
-        let mut command = shell(&desk, &format!("stty cols 120 rows 40; ulimit -s 1024; exec {line}"));
-        command.env("TERM", "xterm-256color").env("RUST_MIN_STACK", "1048576");
-        command.stdin(Stdio::inherit()).stdout(Stdio::inherit()).stderr(Stdio::inherit());
-        let mut session = rexpect::session::spawn_command(command, Some(120_000)).unwrap();
-        session.exp_string("over: p").unwrap_or_else(|error| panic!("{line}: {error}"));
-        session.send("q").unwrap();
-        session.flush().unwrap();
-        let rest = session.exp_eof().unwrap();
-        let status = session.process().wait().unwrap();
-        assert!(matches!(status, WaitStatus::Exited(_, 0 | 3)), "{line}: {status:?}: {rest}");
+        let (pty, terminal) = pty_process::blocking::open().unwrap();
+        pty.resize(pty_process::Size::new(40, 120)).unwrap();
+        let command = pty_process::blocking::Command::new("sh").args(["-c", &format!("ulimit -s 1024; exec {line}")]);
+        let command = command.env("PATH", path()).env("TERM", "xterm-256color").env("RUST_MIN_STACK", "1048576");
+        let mut child = command.current_dir(desk.path("")).spawn(terminal).unwrap();
+        crate::terminal::read_until(&pty, "over: p");
+        { &pty }.write_all(b"q").unwrap();
+        // What it shows at its end has to go somewhere.
+        std::thread::spawn(move || { &pty }.read_to_end(&mut vec![]));
+        let status = child.wait().unwrap();
+        assert!(matches!(status.code(), Some(0 | 3)), "{line}: {status:?}");
     }
 }
 

@@ -24,7 +24,7 @@ fn watched(desk: &Desk, port: u16) -> (Pty, Child) {
 }
 
 /// Reads what the program shows until it has shown `text`.
-fn read_until(pty: &Pty, text: &str) {
+pub fn read_until(pty: &Pty, text: &str) {
     let (mut shown, mut buffer) = (Vec::new(), [0; 4096]);
     while !String::from_utf8_lossy(&shown).contains(text) {
         let read = { pty }.read(&mut buffer).unwrap();
