@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn a_writer_escapes_each_piece() {
         let mut out = Printable(Vec::new());
-        let _ = write!(out, "bearing {}\n", "D\u{1b}E");
+        let _ = writeln!(out, "bearing D\u{1b}E");
         assert_eq!(out.0, b"bearing D\\u{1b}E\n");
     }
 }

@@ -139,11 +139,12 @@ impl Limit {
             Some(limit) if seat.elements > 0 => {
                 loads.fill(0.0);
                 seat.bearing.element_loads(u, &at, &mut loads);
-                loads.iter().any(|load| !(*load < limit))
+                loads.iter().any(|load| load.is_nan() || *load >= limit)
             }
             _ => {
                 let [x, y, z, ..] = seat.bearing.reaction(u, &at).wrench.to_array();
-                !(x * x + y * y + z * z < force * force)
+                let square = x * x + y * y + z * z;
+                square.is_nan() || square >= force * force
             }
         };
         let mut reach = |along: fn(f64) -> Displacement<f64>, unit: f64| {
