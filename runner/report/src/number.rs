@@ -17,7 +17,7 @@ pub(super) fn decimals(values: impl IntoIterator<Item = f64>) -> usize {
     }
 }
 
-/// A number with the given decimals; very large ones in powers of ten, [`NONE`] when not finite.
+/// A number with the given decimals; very large ones in powers of ten, `NONE` when not finite.
 pub fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();

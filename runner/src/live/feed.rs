@@ -76,7 +76,7 @@ impl Default for Counts {
     }
 }
 
-/// Limits the number of events of each kind: [`BURST`] at once, then one in [`INTERVAL`] with the count of those left out.
+/// Limits the number of events of each kind: `BURST` at once, then one in `INTERVAL` with the count of those left out.
 #[derive(Debug, Default)]
 pub struct EventLimiter {
     kinds: BTreeMap<&'static str, Passed>,

@@ -37,7 +37,7 @@ impl ImplausibleRate {
 /// Checks the sampling rate (Hz) of a recording against the scene's shaft speed.
 ///
 /// # Errors
-/// Fewer than [`FEWEST_PER_TURN`] samples in a revolution after averaging, or more than [`HIGHEST_RATE`].
+/// Fewer than 4 samples in a revolution after averaging, or more than 10 MHz.
 pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), ImplausibleRate> {
     let turns_per_second = speed.nominal().abs() / TAU;
     let least = FEWEST_PER_TURN * turns_per_second * f64::from(recording.average);

@@ -2,8 +2,8 @@
 //!
 //! A bearing reaches its limit in a direction where its most loaded element is pressed with the static limit of ISO 76
 //! (clearance plus elastic deflection), or, where contact pressures are not known, where it answers with
-//! [`LARGEST_FORCE`] times the loads on the rotor. A rigid shaft between two bearings cannot be farther from zero than
-//! their limits allow at the probe's station. [`MARGIN`] leaves room for zero errors and damaged races.
+//! `LARGEST_FORCE` times the loads on the rotor. A rigid shaft between two bearings cannot be farther from zero than
+//! their limits allow at the probe's station. `MARGIN` leaves room for zero errors and damaged races.
 
 use crate::plant::{PRESSURE_LIMIT, Plant, Seat};
 use crate::recording::Row;
