@@ -2,17 +2,17 @@
 
 use super::{Format, say};
 use anyhow::{Context, Result, bail};
-use ballrace::bearing::{Bearing as _, HeldWrench};
-use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Turn};
+use ballrace::{Displacement, Rotation, Status, Turn, Wrench};
 use ballrace_report::number::fixed;
 use ballrace_twin::fault::{SceneFault, scene_fault};
+use ballrace_twin::force::{MathBackend, Pose, Precision, forces};
 use ballrace_twin::needs::{self, Need};
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;
 use ballrace_twin::scene::bounded::BoundedLines;
-use ballrace_twin::scene::build::{self, AnyBearing};
+use ballrace_twin::scene::build;
 use ballrace_twin::scene::read::read_file;
-use ballrace_twin::scene::{Bearing, Linear, Model, Scene};
+use ballrace_twin::scene::{Bearing, Model, Scene};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::fs::File;
@@ -42,8 +42,8 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Precision::F64)]
     precision: Precision,
     /// Square roots and powers: exact (correctly rounded, libm) or fast (micromath).
-    #[arg(long, value_enum, default_value_t = MathName::Exact)]
-    math: MathName,
+    #[arg(long, value_enum, default_value_t = MathBackend::Exact)]
+    math: MathBackend,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -53,18 +53,6 @@ enum ModelName {
     Angular,
     QuasiStatic,
     Tabulated,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Precision {
-    F32,
-    F64,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum MathName {
-    Exact,
-    Fast,
 }
 
 /// Runs the command.
@@ -85,12 +73,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let turning = |time| build::rotation_at(&scene, bearing, time);
     turning(0.0).map_err(|e| scene_fault(&e))?;
     let rows = read_displacements(&args.displacements, &turning)?;
-    let forces = match (args.precision, args.math) {
-        (Precision::F64, MathName::Exact) => forces::<f64, Exact>(&scene, bearing, model, &rows)?,
-        (Precision::F64, MathName::Fast) => forces::<f64, Fast>(&scene, bearing, model, &rows)?,
-        (Precision::F32, MathName::Exact) => forces::<f32, Exact>(&scene, bearing, model, &rows)?,
-        (Precision::F32, MathName::Fast) => forces::<f32, Fast>(&scene, bearing, model, &rows)?,
-    };
+    let found = forces(&scene, bearing, model, (args.precision, args.math), &rows)?;
+    let forces: Vec<Force> = found.into_iter().map(Force::from).collect();
     let digits = match args.precision {
         Precision::F64 => 16,
         Precision::F32 => 8,
@@ -101,20 +85,14 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
 }
 
 /// What matters at the largest displacement.
-fn needed(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Row]) -> Result<Vec<Need>> {
-    let size = |row: &&Row| row.u.iter().take(3).map(|x| x * x).sum::<f64>();
+fn needed(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -> Result<Vec<Need>> {
+    let size = |row: &&Pose| row.u.iter().take(3).map(|x| x * x).sum::<f64>();
     let finite = rows.iter().filter(|row| size(row).is_finite());
     let Some(row) = finite.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(vec![]) };
     // The displacements have the preload in them.
     let of = Bearing { model, preload: None, ..bearing.clone() };
     let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..row.at };
     needs::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)
-}
-
-/// One displacement and how the bearing is turned with it.
-struct Row {
-    u: [f64; 5],
-    at: Rotation<f64>,
 }
 
 #[derive(Serialize)]
@@ -132,38 +110,11 @@ struct Force {
     status: String,
 }
 
-fn forces<T, M>(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Row]) -> Result<Vec<Force>>
-where
-    T: Scalar,
-    M: Math<T>,
-{
-    let kernel = kernel::<T, M>(scene, bearing, model).map_err(|e| scene_fault(&e))?;
-    let mut held = HeldWrench::new();
-    let evaluate = |row: &Row| {
-        let u = Displacement::from_array(row.u.map(T::from_f64));
-        let at = Rotation {
-            cage: row.at.cage,
-            inner: row.at.inner,
-            outer: row.at.outer,
-            ball: row.at.ball,
-            inner_speed: T::from_f64(row.at.inner_speed),
-            outer_speed: T::from_f64(row.at.outer_speed),
-        };
-        let (wrench, status) = kernel.sample(&mut held, &u, &at);
-        let [fx, fy, fz, mx, my] = wrench.to_array().map(Scalar::to_f64);
-        Force { fx, fy, fz, mx, my, status: words(status) }
-    };
-    Ok(rows.iter().map(evaluate).collect())
-}
-
-/// The bearing; one linearised from another model takes its springs from the rotor's rest.
-fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
-    if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
-        let plant = ballrace_twin::plant::Plant::try_new(scene)?;
-        let seat = plant.seats.iter().find(|s| s.name == bearing.name).context("the bearing has a seat")?;
-        return Ok(build::spring_of(&seat.bearing));
+impl From<(Wrench<f64>, Status)> for Force {
+    fn from((wrench, status): (Wrench<f64>, Status)) -> Self {
+        let Wrench { fx, fy, fz, mx, my } = wrench;
+        Self { fx, fy, fz, mx, my, status: words(status) }
     }
-    build::bearing::<T, M>(scene, bearing, model).with_context(|| scene.path.display().to_string())
 }
 
 fn words(status: Status) -> String {
@@ -179,7 +130,7 @@ fn words(status: Status) -> String {
     if set.is_empty() { "ok".to_owned() } else { set.join("+") }
 }
 
-fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64>>) -> Result<Vec<Row>> {
+fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64>>) -> Result<Vec<Pose>> {
     let name = path.display();
     if path.is_dir() {
         bail!("{name}: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv");
@@ -248,7 +199,7 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
         }
         let at = turning(if t.is_finite() { t } else { 0.0 })?;
         let cage = given.map_or(at.cage, Turn::from_radians);
-        rows.push(Row { u, at: Rotation { cage, ..at } });
+        rows.push(Pose { u, at: Rotation { cage, ..at } });
     }
     Ok(rows)
 }

@@ -10,6 +10,7 @@ pub mod campbell;
 pub mod equilibrium;
 pub mod fault;
 pub mod fit;
+pub mod force;
 pub mod motion;
 pub mod needs;
 pub mod observer;
