@@ -133,8 +133,8 @@ fn displacements_that_cannot_be_read() {
             "u.csv:1: column thv: found none among `u`, `v`, `w`, `thu`, allowed: u,v,w,thu,thv and",
         ),
         ("u,v,w,thu,thv,t,cage_angle\n0,0,0,0,0,0,0\n", 2, "u.csv:1: found both t and cage_angle, allowed: one"),
-        ("u,v,w,thu,thv\n0,0,0,0,0\n0,0,0,0,x\n", 1, "u.csv:3: column thv: found \"x\", allowed: a number"),
-        ("u,v,w,thu,thv\n0,0,,0,0\n", 1, "u.csv:2: column w: found \"\", allowed: a number"),
+        ("u,v,w,thu,thv\n0,0,0,0,0\n0,0,0,0,x\n", 1, "u.csv:3: column thv: found `x`, allowed: a number"),
+        ("u,v,w,thu,thv\n0,0,,0,0\n", 1, "u.csv:2: column w: found ``, allowed: a number"),
         ("u,v,w,thu,thv\n0,0,0,0\n", 1, "u.csv:2: found 4 cells, allowed: 5, as many as the header has names"),
         ("u,v,w,thu,thv\n0,0,0,0,0,0\n", 1, "u.csv:2: found 6 cells, allowed: 5"),
     ] {
