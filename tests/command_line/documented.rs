@@ -187,7 +187,7 @@ fn documented_commands_end_well_with_less_work() {
 }
 
 #[test]
-#[ignore = "slow: sweeps, fits and trades as they stand in the README"]
+#[ignore = "slow: sweeps, fits and trades as they stand in the README; tests/run --all runs it"]
 fn long_documented_commands_end_well_as_they_stand() {
     run_all(DEMO_RECORDING, &[]);
 }

@@ -90,7 +90,7 @@ fn kills_during_start_run_restart_and_file_change() {
 }
 
 #[test]
-#[ignore = "slow: some minutes"]
+#[ignore = "slow: some minutes; tests/run --all runs it"]
 fn long_200_kills_during_start_run_restart_and_file_change() {
     for seed in 0..4 {
         assert_nothing_lost_or_doubled(50, 100 + seed);

@@ -72,7 +72,7 @@ fn free_bytes(desk: &Desk) -> Option<u64> {
 }
 
 #[test]
-#[ignore = "writes and replays 1 GB; tests/run runs it"]
+#[ignore = "writes and replays 1 GB; tests/run --all runs it"]
 fn one_gigabyte() {
     const LEAST_FREE: u64 = 3_000_000_000;
     let desk = Desk::with(DEMO_SCENE, "");

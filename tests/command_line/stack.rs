@@ -123,7 +123,7 @@ fn quick_commands_work_with_stacks_of_one_mebibyte() {
 
 /// Prints what each command needs: `cargo test --release -p ballrace-tests --test command_line stack -- --ignored --nocapture`.
 #[test]
-#[ignore = "slow: runs each command a dozen times"]
+#[ignore = "slow: runs each command a dozen times; tests/run --all runs it"]
 fn long_stack_use_of_every_thread() {
     let desk = desk();
     let slow = [

@@ -127,7 +127,7 @@ fn printed_texts_have_no_slips() {
 
 /// The same with all that takes long: every shipped scene, every recording, real time, limits, trade, fit.
 #[test]
-#[ignore = "slow: runs every shipped scene and recording"]
+#[ignore = "slow: runs every shipped scene and recording; tests/run --all runs it"]
 fn long_printed_texts_of_recordings_have_no_slips() {
     let mut texts = Texts::default();
     let desk = Desk::empty();

@@ -94,7 +94,7 @@ fn random_bits_as_input() {
 
 /// A hundred million of them, in some minutes.
 #[test]
-#[ignore = "takes minutes; tests/run runs it"]
+#[ignore = "takes minutes; tests/run --all runs it"]
 fn a_hundred_million_random_bits() {
     random_bits(&rungs::direct::<f32, Exact>(), 97_000_000, 0x2545_f491_4f6c_dd1d);
     random_bits(&rungs::balanced::<f32, Exact>(), 3_000_000, 0x0bad_cafe_dead_beef);

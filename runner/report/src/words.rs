@@ -238,7 +238,7 @@ pub fn pacing(timing: &Timing) -> Vec<String> {
     kept.into_iter().chain(timing.source.as_ref().map(source)).chain(timing.outputs.and_then(not_written)).collect()
 }
 
-/// What the outputs lack, where they lack anything.
+/// Events and seconds that the outputs could not write, as a sentence; none where all are written.
 fn not_written(outputs: OutputFigures) -> Option<String> {
     (outputs != OutputFigures::default()).then(|| {
         format!(

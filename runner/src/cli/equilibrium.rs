@@ -30,7 +30,7 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with scene or load; a load that nothing balances, after the result is printed.
+/// An invalid scene or load; after the result is printed, a load that nothing balances.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     if let Some(path) = &args.report {

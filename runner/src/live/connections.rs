@@ -21,7 +21,7 @@ const LONGEST_LINE: usize = 1 << 16;
 /// Silence after which the system asks whether the other side is there, and the interval of further requests.
 const KEEPALIVE: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(5));
 
-/// What a source sends first.
+/// First bytes of a source.
 pub enum Beginning {
     /// A line with the names of these columns.
     Columns(Vec<String>),

@@ -327,7 +327,7 @@ impl Feeder {
         if may_drop { self.sender.push_or_drop(row) } else { self.sender.push(Item::Row(row)) }
     }
 
-    /// What a source of this scene sends first.
+    /// Returns the first bytes that a source of this scene sends.
     fn beginning(&self) -> Beginning {
         if self.encoding != Encoding::Csv {
             return Beginning::Frame(self.layout.clone());

@@ -187,7 +187,7 @@ impl Outputs {
         std::mem::take(&mut self.notes)
     }
 
-    /// What is not on disk.
+    /// Counts of events and seconds that are not on disk.
     fn figures(&self) -> OutputFigures {
         let [events_lost, events_waiting] = self.events.as_ref().map_or([0; 2], EventLog::lost_and_waiting);
         let [seconds_lost, seconds_waiting] = self.indicators.as_ref().map_or([0; 2], |i| [i.lost(), i.waiting()]);
