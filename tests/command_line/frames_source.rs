@@ -1,9 +1,10 @@
 //! A source of frames over TCP that keeps what was not acknowledged, and a monitor that can be killed under it.
 
+pub use crate::live::{connected, port};
 use crate::support::{DEMO_SCENE, Desk, short_recording, swap};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::process::Child;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -33,23 +34,6 @@ pub fn scene() -> String {
     swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "rate = \"3.2 kHz\"")
         + "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"2.5 um\"\n"
         + "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"NDE_X_um\"\nmax = \"2.5 um\"\nduration = \"0.5 s\"\n"
-}
-
-/// A port that nobody has.
-pub fn port() -> u16 {
-    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
-}
-
-/// A connection to a monitor as soon as it listens.
-pub fn connected(port: u16) -> TcpStream {
-    let since = Instant::now();
-    loop {
-        match TcpStream::connect(("127.0.0.1", port)) {
-            Ok(stream) => return stream,
-            Err(error) if since.elapsed() > PATIENCE => panic!("nobody listens: {error}"),
-            Err(_) => std::thread::sleep(Duration::from_millis(10)),
-        }
-    }
 }
 
 /// Waits until `holds` does.

@@ -29,12 +29,13 @@ pub fn port() -> u16 {
     TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
 }
 
+/// A connection to a monitor as soon as it listens.
 pub fn connected(port: u16) -> TcpStream {
     let since = Instant::now();
     loop {
         match TcpStream::connect(("127.0.0.1", port)) {
             Ok(stream) => return stream,
-            Err(error) if since.elapsed() > Duration::from_secs(60) => panic!("nobody listens: {error}"),
+            Err(error) if since.elapsed() > Duration::from_secs(120) => panic!("nobody listens: {error}"),
             Err(_) => std::thread::sleep(Duration::from_millis(20)),
         }
     }
