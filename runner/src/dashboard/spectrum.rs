@@ -2,13 +2,13 @@
 
 use super::{MEASURED, Machine, QUIET, empty, panel};
 use crate::live::view::View;
+use ballrace_twin::replay::spectrum::amplitudes;
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Canvas, Line as Stroke};
-use realfft::RealFftPlanner;
 
 /// Orders that are shown at most: what lies above is noise on the scale of a terminal.
 const ORDERS: f64 = 16.0;
@@ -55,13 +55,6 @@ fn spectrum(view: &View, probe: usize) -> Option<(Vec<f64>, f64)> {
     if values.len() != length || values.iter().any(|x| !x.is_finite()) {
         return None;
     }
-    let mean = values.iter().sum::<f64>() / length as f64;
-    let angle = |i: usize| std::f64::consts::TAU * i as f64 / length as f64;
-    let mut input: Vec<f64> =
-        values.iter().enumerate().map(|(i, x)| (x - mean) * 0.5 * (1.0 - angle(i).cos())).collect();
-    let fft = RealFftPlanner::new().plan_fft_forward(length);
-    let mut output = fft.make_output_vec();
-    fft.process(&mut input, &mut output).ok()?;
-    let scale = 4e6 / length as f64;
-    Some((output.iter().map(|x| x.norm() * scale).collect(), view.glance.rate_hz / length as f64))
+    let micrometres = amplitudes(&values).iter().map(|metres| metres * 1e6).collect();
+    Some((micrometres, view.glance.rate_hz / length as f64))
 }

@@ -6,7 +6,7 @@
 //! nanometre is not the difference of two lengths of a millimetre.
 
 use super::film::{Film, FilmConstants, press};
-use super::inertia::{BallInertia, Inertia, InertiaLoads, WithSlopes};
+use super::inertia::{BallInertia, Inertia, InertiaEffects, InertiaLoads, WithSlopes};
 use crate::lanes::{Lanes, Plane};
 use crate::math::Math;
 use crate::rotation::Rotation;
@@ -203,7 +203,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         (films, unit_film, before): (&FilmConstants<T>, Lanes<T, K>, Lanes<T, K>),
     ) -> Touch<Lanes<T, K>> {
         let k = Lanes::all(stiffness);
-        let (deflection, by_approach, film) = if F::THERE {
+        let (deflection, by_approach, film) = if self.film.is_present() {
             let wet = press::<T, M, K>(films, unit_film, (k, Lanes::all(floor)), approach, before);
             (wet.deflection, wet.slope, wet.film)
         } else {
@@ -213,7 +213,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let per_metre = k * size.sqrt::<M>();
         let load = per_metre * deflection.positive();
         let slope = Lanes::constant(1.5) * per_metre;
-        let slope = if F::THERE { slope * by_approach } else { slope };
+        let slope = if self.film.is_present() { slope * by_approach } else { slope };
         Touch { direction, inverse_length, deflection, load, slope, film }
     }
 
@@ -225,14 +225,18 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let inner = self.reach(seat.inner_length, drive.grooves.minus(at.centre));
         let zero = Lanes::all(T::ZERO);
         let ball: BallInertia<T> = self.inertia.ball();
-        let inertia = if I::CENTRIFUGAL {
-            ball.loads::<I, K>(seat.ratio, &drive.speeds, outer.0, inner.0, drive.rolling)
+        let inertia = if self.inertia.effects().centrifugal {
+            ball.loads(self.inertia.effects(), seat.ratio, &drive.speeds, outer.0, inner.0, drive.rolling)
         } else {
             InertiaLoads { orbital: zero, centrifugal: WithSlopes::none(), friction: WithSlopes::none() }
         };
         let films = self.film.constants();
-        let (outer_film, inner_film) = if F::THERE {
-            let orbital = if I::CENTRIFUGAL { inertia.orbital } else { self.orbital(&drive.speeds, outer.0, inner.0) };
+        let (outer_film, inner_film) = if self.film.is_present() {
+            let orbital = if self.inertia.effects().centrifugal {
+                inertia.orbital
+            } else {
+                self.orbital(&drive.speeds, outer.0, inner.0)
+            };
             self.unit_films(&drive.speeds, orbital, outer.0, inner.0)
         } else {
             (zero, zero)
@@ -243,7 +247,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             self.touch((seat.outer_stiffness, films.outer_floor), outer, (&films, outer_film, at.outer_deflection));
         let mut inner =
             self.touch((seat.inner_stiffness, films.inner_floor), inner, (&films, inner_film, at.inner_deflection));
-        if I::CENTRIFUGAL {
+        if self.inertia.effects().centrifugal {
             // A ball that the inner ring does not reach, or did not reach before, has nothing there to step into.
             let zero = Lanes::all(T::ZERO);
             inner.slope = Lanes::choose(inner.deflection.below(zero), inner.slope * at.inner_closing, inner.slope);
@@ -252,14 +256,14 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let (mut outer_share, mut inner_share) = (zero, zero);
         let (mut share_by_outer, mut share_by_inner) = (zero, zero);
         let mut residual = inner.direction.times(inner.load).minus(outer.direction.times(outer.load));
-        if I::CENTRIFUGAL {
+        if self.inertia.effects().centrifugal {
             residual.r = residual.r + inertia.centrifugal.value;
         }
-        if I::GYROSCOPIC && I::BY_OUTER_RACE {
+        if self.inertia.effects().gyroscopic && self.inertia.effects().by_outer_race {
             outer_share = Lanes::constant(2.0);
             let friction = outer.direction.tangent().times(outer_share * inertia.friction.value);
             residual = residual.plus(friction);
-        } else if I::GYROSCOPIC {
+        } else if self.inertia.effects().gyroscopic {
             let inverse = Lanes::all(T::ONE) / (inner.load + outer.load + Lanes::constant(NO_LOAD));
             let by_load = Lanes::all(ball.by_load) * inverse;
             outer_share = Lanes::all(ball.outer_share) + by_load * outer.load;
@@ -282,7 +286,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         inner: Plane<Lanes<T, K>>,
     ) -> Lanes<T, K> {
         let rolling = BallInertia { outer_control: T::ONE, ..BallInertia::default() };
-        let ball = if I::CENTRIFUGAL { self.inertia.ball() } else { rolling };
+        let ball = if self.inertia.effects().centrifugal { self.inertia.ball() } else { rolling };
         ball.orbital_speed(self.seat.ratio, speeds, outer, inner)
     }
 
@@ -347,21 +351,21 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     /// The same with the inertia loads: minus d(residual)/d(centre) through the outer, d(residual)/d(groove) through the
     /// inner contact. Their sum is Newton's matrix.
     #[inline(always)]
-    pub fn slopes<I: Inertia<T>>(&self) -> Slopes<Lanes<T, K>> {
+    pub fn slopes(&self, effects: InertiaEffects) -> Slopes<Lanes<T, K>> {
         let mut slopes = self.contact_stiffnesses();
-        if I::CENTRIFUGAL {
+        if effects.centrifugal {
             let out = |x: Lanes<T, K>| Plane { r: x, z: Lanes::all(T::ZERO) };
             let mut by_outer = out(self.inertia.centrifugal.outer);
             let mut by_inner = out(self.inertia.centrifugal.inner);
             let turn_outer = self.outer.direction.tangent().times(self.outer.inverse_length);
             let turn_inner = self.inner.direction.tangent().times(self.inner.inverse_length);
-            if I::GYROSCOPIC {
+            if effects.gyroscopic {
                 let (e_o, e_i) = (self.outer.direction, self.inner.direction);
                 let (t_o, t_i) = (e_o.tangent(), e_i.tangent());
                 let g = self.inertia.friction;
                 by_outer = by_outer.minus(e_o.times(g.value * self.outer_share));
                 let mut along = t_o.times(self.outer_share);
-                if !I::BY_OUTER_RACE {
+                if !effects.by_outer_race {
                     along = along.minus(t_i.times(self.inner_share));
                     by_inner = by_inner.plus(e_i.times(g.value * self.inner_share));
                     let shift = t_o.plus(t_i).times(g.value);

@@ -244,7 +244,7 @@ impl<T: Scalar> InnerSum<T> {
         for (_, settled) in places.iter().zip(solution.settled.0) {
             self.status = self.status.and(Status::NOT_SETTLED.when(!settled));
         }
-        if I::GYROSCOPIC {
+        if ball.inertia.effects().gyroscopic {
             for (_, slips) in places.iter().zip(solution.balance.slips().0) {
                 self.status = self.status.and(Status::GYROSCOPIC_SLIP.when(slips));
             }
@@ -265,7 +265,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let touch = &balance.inner;
         let mut force = touch.direction.times(touch.load);
         let mut tilting = force.z;
-        if I::GYROSCOPIC {
+        if self.inertia.effects().gyroscopic {
             let friction = balance.inner_share * balance.inertia.friction.value;
             force = force.minus(touch.direction.tangent().times(friction));
             tilting = force.z + friction * Lanes::all(self.seat.inner_couple);
@@ -279,7 +279,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let touch = &balance.outer;
         let mut force = touch.direction.times(-touch.load);
         let mut tilting = force.z;
-        if I::GYROSCOPIC {
+        if self.inertia.effects().gyroscopic {
             let friction = balance.outer_share * balance.inertia.friction.value;
             force = force.plus(touch.direction.tangent().times(friction));
             tilting = force.z + friction * Lanes::all(self.seat.outer_couple);

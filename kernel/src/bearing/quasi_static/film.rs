@@ -27,8 +27,8 @@ pub struct Lubricant {
 
 /// Whether the contacts have a film, and which.
 pub trait Film<T: Scalar>: Copy + Send + Sync + 'static {
-    /// False costs no instruction.
-    const THERE: bool;
+    /// Returns true where there is a film. A constant of the type costs no instruction.
+    fn is_present(&self) -> bool;
     /// `A` of the inner and the outer contact and half the pitch diameter.
     fn constants(&self) -> FilmConstants<T>;
 }
@@ -40,6 +40,21 @@ pub struct Dry;
 /// Hamrock and Dowson's film on both races.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HamrockDowson<T>(pub(super) FilmConstants<T>);
+
+/// A film or none, chosen at run time: one compiled bearing serves both.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SelectedFilm<T>(pub(super) Option<FilmConstants<T>>);
+
+impl<T: Scalar> Film<T> for SelectedFilm<T> {
+    #[inline(always)]
+    fn is_present(&self) -> bool {
+        self.0.is_some()
+    }
+    #[inline(always)]
+    fn constants(&self) -> FilmConstants<T> {
+        self.0.unwrap_or_default()
+    }
+}
 
 /// Thickness at unit entrainment speed and load, m, of both contacts.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -55,7 +70,10 @@ pub struct FilmConstants<T> {
 }
 
 impl<T: Scalar> Film<T> for Dry {
-    const THERE: bool = false;
+    #[inline(always)]
+    fn is_present(&self) -> bool {
+        false
+    }
     #[inline(always)]
     fn constants(&self) -> FilmConstants<T> {
         FilmConstants::default()
@@ -63,7 +81,10 @@ impl<T: Scalar> Film<T> for Dry {
 }
 
 impl<T: Scalar> Film<T> for HamrockDowson<T> {
-    const THERE: bool = true;
+    #[inline(always)]
+    fn is_present(&self) -> bool {
+        true
+    }
     #[inline(always)]
     fn constants(&self) -> FilmConstants<T> {
         self.0

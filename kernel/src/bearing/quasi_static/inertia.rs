@@ -34,16 +34,29 @@ pub enum FrictionSharing {
     Proportional,
 }
 
+/// Inertia loads that act on a ball.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct InertiaEffects {
+    /// The centrifugal force acts.
+    pub centrifugal: bool,
+    /// The gyroscopic moment acts.
+    pub gyroscopic: bool,
+    /// The outer race controls the spin and carries all friction: less to compute.
+    pub by_outer_race: bool,
+}
+
+impl InertiaEffects {
+    pub(super) const NONE: Self = Self { centrifugal: false, gyroscopic: false, by_outer_race: true };
+    pub(super) const CENTRIFUGAL: Self = Self { centrifugal: true, gyroscopic: false, by_outer_race: false };
+    pub(super) const OUTER_CONTROLLED: Self = Self { centrifugal: true, gyroscopic: true, by_outer_race: true };
+    pub(super) const GYROSCOPIC: Self = Self { centrifugal: true, gyroscopic: true, by_outer_race: false };
+}
+
 /// A ball's inertia, as much of it as the bearing takes into account.
 pub trait Inertia<T: Scalar>: Copy + Send + Sync + 'static {
-    /// Whether there is a centrifugal force.
-    const CENTRIFUGAL: bool;
-    /// Whether there is a gyroscopic moment.
-    const GYROSCOPIC: bool;
-    /// Whether the outer race controls the spin and carries all friction: less to compute.
-    const BY_OUTER_RACE: bool;
-
-    /// The numbers behind them.
+    /// Returns the loads that act. A constant of the type costs no instruction.
+    fn effects(&self) -> InertiaEffects;
+    /// Returns the constants of the loads.
     fn ball(&self) -> BallInertia<T>;
 }
 
@@ -63,6 +76,30 @@ pub struct OuterControlled<T>(pub(super) BallInertia<T>);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gyroscopic<T>(pub(super) BallInertia<T>);
 
+/// Inertia loads chosen at run time: one compiled bearing serves every choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SelectedInertia<T> {
+    pub(super) effects: InertiaEffects,
+    pub(super) ball: BallInertia<T>,
+}
+
+impl<T: Scalar> SelectedInertia<T> {
+    pub(super) fn none() -> Self {
+        Self { effects: InertiaEffects::NONE, ball: BallInertia::default() }
+    }
+}
+
+impl<T: Scalar> Inertia<T> for SelectedInertia<T> {
+    #[inline(always)]
+    fn effects(&self) -> InertiaEffects {
+        self.effects
+    }
+    #[inline(always)]
+    fn ball(&self) -> BallInertia<T> {
+        self.ball
+    }
+}
+
 /// Constants of the inertia loads.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallInertia<T> {
@@ -79,9 +116,10 @@ pub struct BallInertia<T> {
 }
 
 impl<T: Scalar> Inertia<T> for Massless {
-    const CENTRIFUGAL: bool = false;
-    const GYROSCOPIC: bool = false;
-    const BY_OUTER_RACE: bool = true;
+    #[inline(always)]
+    fn effects(&self) -> InertiaEffects {
+        InertiaEffects::NONE
+    }
     #[inline(always)]
     fn ball(&self) -> BallInertia<T> {
         BallInertia::default()
@@ -89,9 +127,10 @@ impl<T: Scalar> Inertia<T> for Massless {
 }
 
 impl<T: Scalar> Inertia<T> for Centrifugal<T> {
-    const CENTRIFUGAL: bool = true;
-    const GYROSCOPIC: bool = false;
-    const BY_OUTER_RACE: bool = false;
+    #[inline(always)]
+    fn effects(&self) -> InertiaEffects {
+        InertiaEffects::CENTRIFUGAL
+    }
     #[inline(always)]
     fn ball(&self) -> BallInertia<T> {
         self.0
@@ -99,9 +138,10 @@ impl<T: Scalar> Inertia<T> for Centrifugal<T> {
 }
 
 impl<T: Scalar> Inertia<T> for OuterControlled<T> {
-    const CENTRIFUGAL: bool = true;
-    const GYROSCOPIC: bool = true;
-    const BY_OUTER_RACE: bool = true;
+    #[inline(always)]
+    fn effects(&self) -> InertiaEffects {
+        InertiaEffects::OUTER_CONTROLLED
+    }
     #[inline(always)]
     fn ball(&self) -> BallInertia<T> {
         self.0
@@ -109,9 +149,10 @@ impl<T: Scalar> Inertia<T> for OuterControlled<T> {
 }
 
 impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
-    const CENTRIFUGAL: bool = true;
-    const GYROSCOPIC: bool = true;
-    const BY_OUTER_RACE: bool = false;
+    #[inline(always)]
+    fn effects(&self) -> InertiaEffects {
+        InertiaEffects::GYROSCOPIC
+    }
     #[inline(always)]
     fn ball(&self) -> BallInertia<T> {
         self.0
@@ -225,8 +266,9 @@ impl<T: Scalar> BallInertia<T> {
     /// Loads of balls whose contacts point along `outer` and `inner`; `rolling` is 0 for a ball off the inner race, which
     /// has no gyroscopic moment.
     #[inline(always)]
-    pub(super) fn loads<I: Inertia<T>, const K: usize>(
+    pub(super) fn loads<const K: usize>(
         &self,
+        effects: InertiaEffects,
         ratio: T,
         speeds: &Rotation<T>,
         outer: Plane<Lanes<T, K>>,
@@ -244,7 +286,7 @@ impl<T: Scalar> BallInertia<T> {
         let inverse = WithSlopes { value: inverse, outer: -turn, inner: turn };
 
         let near = one - g * inner.r;
-        let slip = if I::BY_OUTER_RACE {
+        let slip = if effects.by_outer_race {
             WithSlopes { value: near, outer: Lanes::all(T::ZERO), inner: g * inner.z }
         } else {
             WithSlopes {
@@ -256,9 +298,9 @@ impl<T: Scalar> BallInertia<T> {
         let excess = slip.times(inverse).scaled(relative);
         let orbital = WithSlopes { value: Lanes::all(speeds.outer_speed) + excess.value, ..excess };
         let centrifugal = orbital.times(orbital).scaled(Lanes::all(self.centrifugal));
-        let friction = if I::GYROSCOPIC {
+        let friction = if effects.gyroscopic {
             let far = one + g * outer.r;
-            let lever = if I::BY_OUTER_RACE {
+            let lever = if effects.by_outer_race {
                 WithSlopes { value: near * outer.z, outer: near * outer.r, inner: g * inner.z * outer.z }
             } else {
                 WithSlopes {

@@ -17,9 +17,10 @@ pub use elements::{BallPlace, BallState, RingReactions};
 pub(in crate::bearing) use tangent::contact_tangents;
 
 use self::ball::{Ball, BallSeat};
-use self::film::{Dry, FilmConstants, HamrockDowson, Lubricant};
+use self::film::{Dry, FilmConstants, HamrockDowson, Lubricant, SelectedFilm};
 use self::inertia::{
-    BallInertia, Centrifugal, FrictionSharing, Gyroscopic, InertiaParams, Massless, OuterControlled, RaceControl,
+    BallInertia, Centrifugal, FrictionSharing, Gyroscopic, InertiaEffects, InertiaParams, Massless, OuterControlled,
+    RaceControl, SelectedInertia,
 };
 use super::angular::Zero;
 use super::geometry::{BallBearingGeometry, InvalidParameter, check};
@@ -254,6 +255,26 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(self.with_loads(Centrifugal(constants)))
     }
 
+    /// The same bearing with the inertia loads that `params` names, chosen at run time: a program that serves every choice
+    /// holds one compiled bearing. Gives the bits of the bearing without inertia, of [`QuasiStatic::with_outer_control`]
+    /// or of [`QuasiStatic::with_inertia`], whichever is the cheapest that applies.
+    ///
+    /// # Errors
+    /// A density below 0 or not finite.
+    pub fn with_selected_inertia(self, params: &InertiaParams) -> Made<T, M, P, SelectedInertia<T>, F, S>
+    where
+        F: Copy,
+    {
+        let by_outer = params.control == RaceControl::Outer && params.sharing == FrictionSharing::Outer;
+        let effects = match (params.centrifugal, params.gyroscopic) {
+            (false, false) => return Ok(self.with_loads(SelectedInertia::none())),
+            (true, true) if by_outer => InertiaEffects::OUTER_CONTROLLED,
+            _ => InertiaEffects::GYROSCOPIC,
+        };
+        let ball = self.inertia_constants(params)?;
+        Ok(self.with_loads(SelectedInertia { effects, ball }))
+    }
+
     fn inertia_constants(&self, params: &InertiaParams) -> Result<BallInertia<T>, InvalidParameter> {
         check(params.density >= 0.0, "density", params.density, "0 kg/m^3 or more")?;
         Ok(params.constants(self.geometry.ball_diameter, self.geometry.pitch_diameter))
@@ -267,14 +288,38 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     where
         I: Copy,
     {
+        let film = HamrockDowson(self.film_constants(oil)?);
+        Ok(self.with_contacts(film))
+    }
+
+    /// The same bearing with an oil film or without, chosen at run time: a program that serves both holds one compiled
+    /// bearing. Gives the bits of [`QuasiStatic::with_film`] and of the bearing without film.
+    ///
+    /// # Errors
+    /// As [`QuasiStatic::with_film`].
+    pub fn with_selected_film(self, oil: Option<Lubricant>) -> Made<T, M, P, I, SelectedFilm<T>, S>
+    where
+        I: Copy,
+    {
+        let film = SelectedFilm(oil.map(|oil| self.film_constants(oil)).transpose()?);
+        Ok(self.with_contacts(film))
+    }
+
+    fn with_contacts<G>(self, film: G) -> QuasiStatic<T, M, P, I, G, S>
+    where
+        I: Copy,
+    {
+        let Ball { seat, inertia, math, .. } = self.ball;
+        self.with_ball(Ball { seat, inertia, film, math })
+    }
+
+    fn film_constants(&self, oil: Lubricant) -> Result<FilmConstants<T>, InvalidParameter> {
         check(oil.viscosity > 0.0, "viscosity", oil.viscosity, "above 0 Pa s")?;
         check(oil.pressure_viscosity > 0.0, "pressure_viscosity", oil.pressure_viscosity, "above 0 1/Pa")?;
         let ((inner, inner_along), (outer, outer_along)) =
             (rolling_contact(&self.geometry, Race::Inner), rolling_contact(&self.geometry, Race::Outer));
         let pitch = self.geometry.pitch_diameter;
-        let film = HamrockDowson(FilmConstants::new(oil, (&inner, inner_along), (&outer, outer_along), pitch));
-        let Ball { seat, inertia, math, .. } = self.ball;
-        Ok(self.with_ball(Ball { seat, inertia, film, math }))
+        Ok(FilmConstants::new(oil, (&inner, inner_along), (&outer, outer_along), pitch))
     }
 
     /// The same bearing with waviness or damage.

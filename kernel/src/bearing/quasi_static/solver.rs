@@ -66,10 +66,10 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             push = Lanes::choose(over, push, balance.residual.dot(step));
             cuts = Lanes::choose(over, cuts + one, zero);
             at.centre = at.centre.plus(way.times(further));
-            if I::CENTRIFUGAL {
+            if self.inertia.effects().centrifugal {
                 at.inner_closing = Lanes::choose(balance.inner.deflection.below(zero), zero, drive.rolling);
             }
-            if F::THERE {
+            if self.film.is_present() {
                 at.outer_deflection = balance.outer.deflection;
                 at.inner_deflection = balance.inner.deflection;
             }
@@ -85,8 +85,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let contacts = contacts.outer.plus(contacts.inner);
         let mut matrix = contacts;
         let mut determinant = contacts.determinant();
-        if I::CENTRIFUGAL {
-            let slopes = balance.slopes::<I>();
+        if self.inertia.effects().centrifugal {
+            let slopes = balance.slopes(self.inertia.effects());
             let newton = slopes.outer.plus(slopes.inner);
             let full = newton.determinant();
             let sure = (Lanes::constant(TRUSTED) * determinant).below(full);
@@ -108,7 +108,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     pub fn rolling<const K: usize>(&self, drive: &Drive<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
         let (inner, _, approach) = self.reach(self.seat.inner_length, drive.grooves.minus(at.centre));
         let mut room = approach + drive.inner_bulge;
-        if F::THERE {
+        if self.film.is_present() {
             let (outer, _, _) = self.reach(self.seat.outer_length, at.centre);
             let (_, film) = self.unit_films(&drive.speeds, self.orbital(&drive.speeds, outer, inner), outer, inner);
             room = room + film * Lanes::all(self.film.constants().at_floor);
@@ -146,11 +146,15 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             Lanes::all(seat.series) * deflection * deflection.sqrt::<M>()
         };
         let (mut outer_film, mut inner_film, mut thickest) = (zero, zero, zero);
-        let (outer, inner) = if F::THERE { films_at(direction, direction) } else { (zero, zero) };
+        let (outer, inner) = if self.film.is_present() { films_at(direction, direction) } else { (zero, zero) };
         let under = |load: Lanes<T, K>| (load + Lanes::constant(FLOOR)).power::<M>(T::from_f64(BY_LOAD));
-        if F::THERE {
+        if self.film.is_present() {
             let half_loaded = pressed_by(bulges + (outer + inner) * Lanes::constant(FILM_AT_1000_N));
-            let load = if I::CENTRIFUGAL { half_loaded + force_at(direction, direction) } else { half_loaded };
+            let load = if self.inertia.effects().centrifugal {
+                half_loaded + force_at(direction, direction)
+            } else {
+                half_loaded
+            };
             let by_load = under(load);
             (outer_film, inner_film) = (outer * by_load, inner * by_load);
             thickest = inner * Lanes::all(self.film.constants().at_floor);
@@ -161,7 +165,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let outer_length = Lanes::all(seat.outer_length) - outer_gap;
         let inner_length = Lanes::all(seat.inner_length) - inner_gap;
         let pressed = pressed_by(approach);
-        if !I::CENTRIFUGAL {
+        if !self.inertia.effects().centrifugal {
             // Pressed by both rings alike, or free in the middle of what room it has.
             let share = approach * Lanes::all(seat.outer_share);
             return self.position(direction.times(outer_length + share), [share, approach - share], one);
@@ -179,7 +183,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let inward = reach.times(one / reach_length);
             let centrifugal = force_at(out, inward);
             alone_deflection = (centrifugal * inverse_outer).two_thirds_roughly();
-            let film = if F::THERE { films_at(out, inward).0 * under(centrifugal) } else { zero };
+            let film = if self.film.is_present() { films_at(out, inward).0 * under(centrifugal) } else { zero };
             alone.r = Lanes::all(seat.outer_length) - drive.outer_bulge - film + alone_deflection;
         }
         let unreached = reach_length.below(Lanes::all(seat.inner_length) - drive.inner_bulge - thickest);

@@ -76,7 +76,7 @@ fn condensed<T: Scalar>(balance: &Balance<Lanes<T, ABREAST>>) -> [ContactStiffne
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// Slopes of the force on the inner groove (radial, axial, tilting) along its radial and axial displacement.
     fn tangents(&self, balance: &Balance<Lanes<T, ABREAST>>) -> [ContactTangent<T>; ABREAST] {
-        let slopes = balance.slopes::<I>();
+        let slopes = balance.slopes(self.inertia.effects());
         // d(centre)/d(groove)
         let follow = inverse(slopes.outer.plus(slopes.inner)).product(slopes.inner);
         let (e_i, t_i) = (balance.inner.direction, balance.inner.direction.tangent());
@@ -93,7 +93,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let nothing = Plane { r: zero, z: zero };
         let mut by_outer = Matrix::outer(nothing, nothing);
         let (mut couple_inner, mut couple_outer) = (nothing, nothing);
-        if I::GYROSCOPIC {
+        if self.inertia.effects().gyroscopic {
             let g = balance.inertia.friction;
             // Slopes of the friction lambda_i M_g/D.
             let friction_inner =

@@ -28,6 +28,26 @@ fn hann(length: usize) -> Vec<f64> {
     (0..length).map(|i| 0.5 * (1.0 - (i as f64 * step).cos())).collect()
 }
 
+/// Returns the amplitude spectrum of `samples` about their mean under a Hann window: at each multiple of the sample rate
+/// over their number, up to half the rate, the zero-to-peak amplitude of a sine there, in the unit of the samples.
+#[must_use]
+pub fn amplitudes(samples: &[f64]) -> Vec<f64> {
+    let fft = RealFftPlanner::new().plan_fft_forward(samples.len());
+    let window = hann(samples.len());
+    let scale = 2.0 / window.iter().sum::<f64>();
+    transform(fft.as_ref(), &window, samples).iter().map(|bin| bin.norm() * scale).collect()
+}
+
+/// Transform of `samples` about their mean, times `window`.
+fn transform(fft: &dyn RealToComplex<f64>, window: &[f64], samples: &[f64]) -> Vec<Complex<f64>> {
+    let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
+    let mut input: Vec<f64> = samples.iter().zip(window).map(|(s, w)| (s - mean) * w).collect();
+    let mut output = fft.make_output_vec();
+    // The lengths agree by construction; a disagreement would leave the output at zero.
+    let _ = fft.process(&mut input, &mut output);
+    output
+}
+
 impl Welch {
     /// For `signals` signals, of which `pairs` are the X and Y of planes.
     #[must_use]
@@ -98,12 +118,7 @@ impl Welch {
     /// Hann-windowed spectrum of one segment about its mean.
     fn transform(&self, samples: &[f64]) -> Vec<Complex<f64>> {
         let samples = samples.get(..self.length).unwrap_or(samples);
-        let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
-        let mut input: Vec<f64> = samples.iter().zip(&self.window).map(|(s, w)| (s - mean) * w).collect();
-        let mut output = self.fft.make_output_vec();
-        // The lengths agree by construction; a disagreement would leave the output at zero.
-        let _ = self.fft.process(&mut input, &mut output);
-        output
+        transform(self.fft.as_ref(), &self.window, samples)
     }
 
     /// Ends the recording: one shorter segment if it never held a whole one.

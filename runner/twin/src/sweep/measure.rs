@@ -4,9 +4,9 @@ use crate::fault::SceneFault;
 use crate::motion::{self, MOST_SAMPLES, Moment, Span};
 use crate::needs::{self, Need};
 use crate::plant::{Plant, Twin};
+use crate::replay::spectrum::amplitudes;
 use crate::scene::Scene;
 use anyhow::{Result, bail};
-use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -196,23 +196,12 @@ impl Path {
     }
 
     fn spectrum(&self, periods: usize) -> Vec<f64> {
-        let x = &self.along[0];
-        let n = x.len();
-        let mean = x.iter().sum::<f64>() / n.max(1) as f64;
-        let fft = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-        let (mut input, mut output) = (fft.make_input_vec(), fft.make_output_vec());
-        for (i, (slot, x)) in input.iter_mut().zip(x).enumerate() {
-            *slot = (1.0 - (TAU * i as f64 / n as f64).cos()) * (x - mean);
-        }
-        // Lengths are the plan's own.
-        if fft.process(&mut input, &mut output).is_err() {
-            return vec![];
-        }
+        let output = amplitudes(&self.along[0]);
         let (count, span) = SPECTRUM;
         let bin = |k: usize| (k as f64 / count as f64 * span * periods as f64).round() as usize;
         let strip = |k: usize| {
             let strip = output.get(bin(k)..bin(k + 1).max(bin(k) + 1)).unwrap_or_default();
-            strip.iter().map(|c| 2.0 / n as f64 * c.norm()).fold(0.0, f64::max)
+            strip.iter().copied().fold(0.0, f64::max)
         };
         (0..count).map(strip).collect()
     }

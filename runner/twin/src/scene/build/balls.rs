@@ -5,7 +5,7 @@ use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
 use crate::wide::shared;
 use anyhow::{Result, bail};
 use ballrace::bearing::geometry::BallBearingGeometry;
-use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
+use ballrace::bearing::quasi_static::film::{Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
 use ballrace::bearing::quasi_static::{BallPlace, BallState, COLD_STEPS, QuasiStatic, TableSeat};
 use ballrace::bearing::surface::{Surface, Uneven};
@@ -100,55 +100,17 @@ pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<d
 /// As [`quasi_static`].
 pub fn solved_in<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<T>>> {
     let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
-    let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
-    let built = built.with_steps(steps);
+    let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero)
+        .and_then(|b| b.with_selected_inertia(&inertia_params(scene)))
+        .and_then(|b| b.with_selected_film(lubricant(scene)))
+        .map_err(|e| named(scene, e))?;
     let surface = Uneven::<M, _>::new(features(scene));
-    let built = built.with_surface(surface);
-    let usual = InertiaParams {
-        centrifugal: true,
-        gyroscopic: true,
-        control: RaceControl::Outer,
-        sharing: FrictionSharing::Outer,
-        ..inertia_params(scene)
-    };
-    if inertia_params(scene) == usual {
-        with_film(scene, built.with_outer_control(&usual).map_err(|e| named(scene, e))?)
-    } else if scene.effects.centrifugal || scene.effects.gyroscopic {
-        let built = built.with_inertia(&inertia_params(scene)).map_err(|e| named(scene, e))?;
-        with_film(scene, built)
-    } else {
-        with_film(scene, built)
-    }
+    let built: Arc<dyn Solved<T>> = Arc::new(built.with_steps(steps).with_surface(surface));
+    Ok(if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built })
 }
 
-fn with_film<T, M, P, I, S>(scene: &BearingScene, built: QuasiStatic<T, M, P, I, Dry, S>) -> Result<Arc<dyn Solved<T>>>
-where
-    T: Scalar,
-    M: Math<T>,
-    P: Arrangement<T> + 'static,
-    I: Inertia<T>,
-    S: Surface<T> + 'static,
-{
-    Ok(match scene.effects.film {
-        None => solved(scene, built),
-        Some(crate::scene::Lubricant { viscosity, pressure_viscosity, .. }) => {
-            let oil = Lubricant { viscosity, pressure_viscosity };
-            solved(scene, built.with_film(oil).map_err(|e| named(scene, e))?)
-        }
-    })
-}
-
-fn solved<T, M, P, I, F, S>(scene: &BearingScene, built: QuasiStatic<T, M, P, I, F, S>) -> Arc<dyn Solved<T>>
-where
-    T: Scalar,
-    M: Math<T>,
-    P: Arrangement<T> + 'static,
-    I: Inertia<T>,
-    F: Film<T>,
-    S: Surface<T> + 'static,
-{
-    let built: Arc<dyn Solved<T>> = Arc::new(built);
-    if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built }
+fn lubricant(scene: &BearingScene) -> Option<Lubricant> {
+    scene.effects.film.map(|f| Lubricant { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity })
 }
 
 /// A bearing's table: its shape, its nodes, and what it needs besides.
@@ -177,18 +139,11 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
     let seat = plain.table_seat();
     let grid = domain.grid().map_err(|e| named(of, e))?;
     let mut nodes = vec![[0.0; 3]; grid.len()];
-    let oil = of.effects.film.map(|f| Lubricant { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity });
-    let massive = of.effects.centrifugal || of.effects.gyroscopic;
-    let inertia = inertia_params(of);
-    let open = match (massive, oil) {
-        (false, None) => fill(&plain, &domain, &grid, &mut nodes),
-        (false, Some(oil)) => fill(&plain.with_film(oil).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes),
-        (true, None) => fill(&plain.with_inertia(&inertia).map_err(|e| named(of, e))?, &domain, &grid, &mut nodes),
-        (true, Some(oil)) => {
-            let full = plain.with_inertia(&inertia).and_then(|b| b.with_film(oil)).map_err(|e| named(of, e))?;
-            fill(&full, &domain, &grid, &mut nodes)
-        }
-    };
+    let full = plain
+        .with_selected_inertia(&inertia_params(of))
+        .and_then(|b| b.with_selected_film(lubricant(of)))
+        .map_err(|e| named(of, e))?;
+    let open = fill(&full, &domain, &grid, &mut nodes);
     if open > 0 {
         bail!(
             "{}: bearing {}: table: found {open} of {} states in which a ball has no equilibrium, allowed: none; a smaller approach, angle or speed range in table = {{ ... }} leaves them out",
