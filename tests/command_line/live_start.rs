@@ -163,7 +163,7 @@ fn stopped_at_standstill_it_reports_what_was_measured() {
 }
 
 /// The demonstration with a speed column at 0 rpm, and a gap of `gap` seconds in the middle of its time column.
-fn at_rest_with_gap(gap: f64) -> Desk {
+pub fn at_rest_with_gap(gap: f64) -> Desk {
     let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
     let scene = swap(DEMO_SCENE, keyphasor, "speed = { column = \"keyphasor\", unit = \"rpm\" }");
     let scene = swap(&scene, "rate = \"12.8 kHz\"", "time = \"time_s\"");

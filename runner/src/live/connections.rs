@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// A source that is silent for this long gives way to a successor.
-const SILENT: Duration = Duration::from_secs(1);
+pub const SILENT: Duration = Duration::from_secs(1);
 /// A beginning that is not complete within this time is refused.
 const BEGINNING: Duration = Duration::from_secs(2);
 /// Most connections that wait.
@@ -30,6 +30,13 @@ pub enum Beginning {
 }
 
 impl Beginning {
+    /// Returns the first line where it is the header of a source.
+    pub fn header<'a>(&self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        let end = bytes.iter().position(|byte| *byte == b'\n')?;
+        let line = bytes.get(..=end)?;
+        (!line.trim_ascii().is_empty() && self.judge(bytes)?.is_ok()).then_some(line)
+    }
+
     /// Judges the first bytes: none where there are too few of them, else why they are not those of a source.
     fn judge(&self, bytes: &[u8]) -> Option<Result<(), String>> {
         match self {
