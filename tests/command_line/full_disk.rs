@@ -13,6 +13,8 @@ use crate::frames_source::{RATE, Rig, connected, port};
 use crate::live_start::terminate;
 use crate::support::{Desk, number};
 
+/// Granularity of a tmpfs, bytes.
+const PAGE: usize = 4096;
 /// Mounts the disk, runs the program on it, and copies the disk's files to `copy` at its end.
 const SCRIPT: &str = r#"
 mount -t tmpfs -o size=192k none disk || exit 99
@@ -65,8 +67,12 @@ impl SmallDisk {
         PathBuf::from(format!("/proc/{}/root{}/{name}", pid.trim(), desk.display()))
     }
 
-    /// Writes a file until no byte is left on the disk.
+    /// Fills the disk until neither a further page nor a further byte of the event log's last page is left.
     fn fill(&self) {
+        let log = self.path("events.jsonl");
+        let length = fs::metadata(&log).unwrap().len() as usize;
+        let blanks = " ".repeat(PAGE - 1 - length % PAGE) + "\n";
+        fs::OpenOptions::new().append(true).open(log).unwrap().write_all(blanks.as_bytes()).unwrap();
         let mut file = fs::File::create(self.path("filler")).unwrap();
         let since = std::time::Instant::now();
         while file.write_all(&[0; 512]).is_ok() {
@@ -103,7 +109,7 @@ impl SmallDisk {
 
 fn kinds(rig: &Rig) -> Vec<String> {
     let kind = |line: &str| serde_json::from_str::<Value>(line).unwrap()["kind"].as_str().unwrap().to_owned();
-    rig.desk.read("copy/events.jsonl").lines().map(kind).collect()
+    rig.desk.read("copy/events.jsonl").lines().filter(|line| !line.trim().is_empty()).map(kind).collect()
 }
 
 /// Times and number of the seconds on the disk: each once, from the first on.

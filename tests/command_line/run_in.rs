@@ -46,7 +46,7 @@ fn begun(desk: &Desk) -> (std::process::Child, TcpStream) {
     let source_at = format!("tcp:{port}");
     let child = monitor(desk, &["--source", &source_at, "--events", "events.jsonl"]);
     let mut stream = connected(port);
-    stream.write_all((short_recording(0) + &from(0.0, 2_560)).as_bytes()).unwrap();
+    stream.write_all((short_recording(0) + &from(0.0, 6_400)).as_bytes()).unwrap();
     (child, stream)
 }
 
@@ -58,7 +58,7 @@ fn limits_and_signals_do_not_wait_for_the_run_in() {
     wait_for_event(&desk, "events.jsonl", "limit-crossed");
     let outcome = ends_at_once(child);
     assert_eq!(list(&outcome, "events").len(), 1, "{outcome:#}");
-    assert_eq!(number(&outcome, "/record/samples"), 2_560.0);
+    assert_eq!(number(&outcome, "/record/samples"), 6_400.0);
     let notes = outcome["notes"].to_string();
     assert!(notes.contains("Stopped before the twin was run in"), "{notes}");
     assert!(kinds(&desk, "events.jsonl").contains(&"limit-crossed".to_owned()));

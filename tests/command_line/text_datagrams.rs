@@ -51,8 +51,9 @@ fn datagrams_of_other_columns_are_ignored() {
     terminate(child.id());
     let outcome = outcome(child);
     assert_eq!(number(&outcome, "/record/samples"), 6_000.0);
-    assert_eq!(source(&outcome, "connections"), 1.0);
-    assert_eq!(events(&desk, "source-refused"), 7);
+    let log = desk.read("events.jsonl");
+    assert_eq!(source(&outcome, "connections"), 1.0, "{log}");
+    assert_eq!(events(&desk, "source-refused"), 7, "{log}");
 }
 
 #[test]
