@@ -1,19 +1,18 @@
 //! A rotor with so little damping that its twin takes long to settle: the monitor does not wait for it.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::live::{connected, kinds, monitor, port};
+use crate::live::{connected, kinds, listening, port};
 use crate::live_start::{ended, terminate, wait, wait_for_event};
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, short_recording, swap};
 
 /// The demonstration with a damping under which a twin settles for 10 s of the recording's time, and a limit.
 fn lightly_damped(step: &str) -> String {
-    let damping =
-        "damping = [\"400 N s/m\", \"400 N s/m\", \"400 N s/m\", \"0.4 N m s/rad\", \"0.4 N m s/rad\"]";
+    let damping = "damping = [\"400 N s/m\", \"400 N s/m\", \"400 N s/m\", \"0.4 N m s/rad\", \"0.4 N m s/rad\"]";
     let scene = swap(DEMO_SCENE, damping, "damping = [4, 4, 4, 0.004, 0.004]");
     let scene = swap(&scene, "rate = \"12.8 kHz\"", "time = \"time_s\"");
     let limit = "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"0.1 um\"\n";
@@ -41,10 +40,8 @@ fn ends_at_once(child: std::process::Child) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-fn begun(desk: &Desk) -> (std::process::Child, TcpStream) {
-    let port = port();
-    let source_at = format!("tcp:{port}");
-    let child = monitor(desk, &["--source", &source_at, "--events", "events.jsonl"]);
+fn begun(desk: &Desk, more: &[&str]) -> (std::process::Child, TcpStream) {
+    let (child, port) = listening(desk, "tcp", &[&["--events", "events.jsonl"], more].concat());
     let mut stream = connected(port);
     stream.write_all((short_recording(0) + &from(0.0, 6_400)).as_bytes()).unwrap();
     (child, stream)
@@ -53,7 +50,7 @@ fn begun(desk: &Desk) -> (std::process::Child, TcpStream) {
 #[test]
 fn limits_and_signals_do_not_wait_for_the_run_in() {
     let desk = Desk::with(&lightly_damped("4 us"), &short_recording(2048));
-    let (child, stream) = begun(&desk);
+    let (child, stream) = begun(&desk, &[]);
     // The start takes ten times as long.
     wait_for_event(&desk, "events.jsonl", "limit-crossed");
     let outcome = ends_at_once(child);
@@ -70,15 +67,22 @@ fn limits_and_signals_do_not_wait_for_the_run_in() {
 #[ignore = "slow: the twin settles five times before the gap"]
 fn long_limits_and_signals_do_not_wait_for_the_run_in_after_a_gap() {
     let desk = Desk::with(&lightly_damped("20 us"), &short_recording(2048));
-    let (child, mut stream) = begun(&desk);
-    stream.write_all(from(0.2, 25_600).as_bytes()).unwrap();
+    let metrics = port();
+    let (child, mut stream) = begun(&desk, &["--prometheus", &metrics.to_string()]);
+    stream.write_all(from(0.5, 25_600).as_bytes()).unwrap();
+    wait("the twin", || {
+        let mut scrape = connected(metrics);
+        scrape.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+        let mut page = String::new();
+        scrape.read_to_string(&mut page).unwrap();
+        (page.contains("ballrace_time_seconds 2") && page.contains("ballrace_bearing_force_newtons{")).then_some(())
+    });
     let crossings = || kinds(&desk, "events.jsonl").iter().filter(|kind| kind.starts_with("limit-")).count();
-    wait_for_event(&desk, "events.jsonl", "source-silent");
     let before = crossings();
     // Still, then moving again: the crossing ends and begins anew.
     let still = "0,0,0,0,0,0\n";
     let rest: String = (0..256).map(|i| format!("{:.9},{still}", 100.0 + f64::from(i) / 12_800.0)).collect();
-    stream.write_all((rest + &from(100.02, 2_560)).as_bytes()).unwrap();
+    stream.write_all((rest + &from(100.02, 12_800)).as_bytes()).unwrap();
     let since = Instant::now();
     wait("a further limit event", || (crossings() > before).then_some(()));
     println!("reported {:?} after the gap", since.elapsed());

@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use crate::live::{connected, frame, kinds, monitor, port, rows};
+use crate::live::{connected, frame, kinds, listening, rows};
 use crate::live_start::{at_rest_with_gap, ended, terminate, wait_for_event};
 use crate::support::{DEMO_SCENE, Desk, TURN, edited_recording, list, number, short_recording, swap, with_cell};
 
@@ -75,7 +75,8 @@ fn reported(scene: &str, recording: &str, code: i32, cause: &str) {
 
 #[test]
 fn a_keyphasor_without_pulses() {
-    let cause = "the shaft did not turn: column keyphasor: no keyphasor pulses in 2048 samples: it stays between 0 and 0";
+    let cause =
+        "the shaft did not turn: column keyphasor: no keyphasor pulses in 2048 samples: it stays between 0 and 0";
     reported(DEMO_SCENE, &with_keyphasor("0"), 0, cause);
 }
 
@@ -102,7 +103,9 @@ fn speeds_that_are_none() {
 /// The shaft turns, stands for 30 turns' time, and turns again.
 #[test]
 fn a_standstill_in_the_middle_of_a_recording() {
-    let rows = |range: std::ops::Range<usize>| short_recording(12_800).lines().skip(1 + range.start).take(range.len()).map(str::to_owned).collect::<Vec<_>>();
+    let rows = |range: std::ops::Range<usize>| {
+        short_recording(12_800).lines().skip(1 + range.start).take(range.len()).map(str::to_owned).collect::<Vec<_>>()
+    };
     let still = rows(0..1)[0].clone();
     let mut lines = vec![short_recording(0).trim().to_owned()];
     lines.extend(rows(0..16 * TURN));
@@ -121,9 +124,8 @@ fn a_standstill_in_the_middle_of_a_recording() {
 #[test]
 fn a_monitor_stopped_before_the_shaft_turns() {
     let recording = with_keyphasor("0");
-    let (desk, port) = (Desk::with(DEMO_SCENE, &recording), port());
-    let source_at = format!("tcp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--events", "events.jsonl", "--report", "r.html"]);
+    let desk = Desk::with(DEMO_SCENE, &recording);
+    let (child, port) = listening(&desk, "tcp", &["--events", "events.jsonl", "--report", "r.html"]);
     let mut stream = connected(port);
     stream.write_all(recording.as_bytes()).unwrap();
     drop(stream);
@@ -140,10 +142,8 @@ fn a_monitor_stopped_before_the_shaft_turns() {
 /// After 10 s without a pulse the monitor reports it and goes on; readings until then are in the report.
 #[test]
 fn a_monitor_at_standstill_for_longer_than_it_waits() {
-    let (desk, port) = (Desk::with(DEMO_SCENE, &short_recording(TURN)), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = Desk::with(DEMO_SCENE, &short_recording(TURN));
+    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let mut still = rows(TURN)[10].clone();
     still[5] = 0.0;
     let mut stream = connected(port);
@@ -164,9 +164,8 @@ fn a_monitor_at_standstill_for_longer_than_it_waits() {
 /// A source at 0 rpm that pauses for 10 min of its time: no loop runs through the gap.
 #[test]
 fn a_gap_at_standstill_does_not_hold_up_a_signal() {
-    let (desk, port) = (at_rest_with_gap(600.0), port());
-    let source_at = format!("tcp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--events", "events.jsonl"]);
+    let desk = at_rest_with_gap(600.0);
+    let (child, port) = listening(&desk, "tcp", &["--events", "events.jsonl"]);
     let mut stream = connected(port);
     stream.write_all(desk.read("healthy.csv").as_bytes()).unwrap();
     drop(stream);

@@ -3,7 +3,7 @@
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
 
-use crate::live::{desk, kinds, monitor, outcome, port, source};
+use crate::live::{desk, kinds, listening, outcome, source};
 use crate::live_start::{terminate, wait, wait_for_event};
 use crate::support::{Desk, number, short_recording, swap};
 
@@ -31,9 +31,8 @@ fn events(desk: &Desk, kind: &str) -> usize {
 
 #[test]
 fn datagrams_of_other_columns_are_ignored() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("udp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--events", "events.jsonl"]);
+    let desk = desk();
+    let (child, port) = listening(&desk, "udp", &["--events", "events.jsonl"]);
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
     let (stranger, own) = (sender(to), sender(to));
     let other = swap(&short_recording(100), "DE_X_um", "DE_Z_um");
@@ -58,9 +57,8 @@ fn datagrams_of_other_columns_are_ignored() {
 
 #[test]
 fn a_sender_is_read_on_after_a_wrong_cell_and_after_its_restart() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("udp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--events", "events.jsonl"]);
+    let desk = desk();
+    let (child, port) = listening(&desk, "udp", &["--events", "events.jsonl"]);
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
     let own = sender(to);
     send(&own, to, &short_recording(2_560));

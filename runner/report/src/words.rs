@@ -131,9 +131,9 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     ));
     facts.push(("Filter", "1X, 2X and 0.5X by the shaft's angle, blocks of 4 turns".to_owned()));
     let compensated = if outcome.record.speed_changes() {
-        "in Bode and polar plots, where it says so; nowhere else"
+        "compensated in Bode and polar plots where stated, nowhere else"
     } else {
-        "no slow roll in this recording: not compensated"
+        "none in this recording, not compensated"
     };
     facts.push(("Slow roll", compensated.to_owned()));
     facts

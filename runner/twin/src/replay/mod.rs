@@ -590,7 +590,7 @@ impl<'a> Run<'a> {
             }
             let estimate = watch.pose();
             let possible = !flags.has(Status::INPUT_NOT_FINITE)
-                && self.range.allows(self.rows.iter().map(|row| pose::reading(row, &estimate)));
+                && self.range.allows(self.rows.iter().map(|row| pose::reading(row, &estimate)), estimate.w);
             let was_trusted = consistency.is_trusted();
             let verdict = consistency.sample(nis, possible);
             let bounded = consistency.bounded(nis);
