@@ -69,13 +69,13 @@ fn long_limits_and_signals_do_not_wait_for_the_run_in_after_a_gap() {
     let desk = Desk::with(&lightly_damped("20 us"), &short_recording(2048));
     let metrics = port();
     let (child, mut stream) = begun(&desk, &["--prometheus", &metrics.to_string()]);
-    stream.write_all(from(0.5, 25_600).as_bytes()).unwrap();
+    stream.write_all(from(0.5, 12_800).as_bytes()).unwrap();
     wait("the twin", || {
         let mut scrape = connected(metrics);
         scrape.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
         let mut page = String::new();
         scrape.read_to_string(&mut page).unwrap();
-        (page.contains("ballrace_time_seconds 2") && page.contains("ballrace_bearing_force_newtons{")).then_some(())
+        page.contains("ballrace_bearing_force_newtons{").then_some(())
     });
     let crossings = || kinds(&desk, "events.jsonl").iter().filter(|kind| kind.starts_with("limit-")).count();
     let before = crossings();

@@ -456,7 +456,7 @@ impl Monitor<'_, '_> {
         let counts = &self.receiver.counts;
         let heard = counts.rows.load(Ordering::Relaxed) + counts.dropped.load(Ordering::Relaxed);
         // A recording is never silent; a source is not while what it sent waits.
-        if heard != self.heard || !self.receiver.is_empty() || self.options.source.is_recording() {
+        if heard != self.heard || self.receiver.has_row() || self.options.source.is_recording() {
             self.heard = heard;
             self.heard_at = Instant::now();
         }
