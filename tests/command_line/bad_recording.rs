@@ -98,31 +98,6 @@ fn more_cells_than_names() {
 }
 
 #[test]
-fn no_keyphasor_pulse() {
-    let dead = edited_recording(|line, row| vec![if line > 1 { with_cell(row, KEYPHASOR, "0") } else { row.into() }]);
-    let said = "column keyphasor: no keyphasor pulses in 2048 samples: it stays between 0 and 0; allowed: two levels";
-    refused(dead, 1, &["healthy.csv: ", said]);
-}
-
-#[test]
-fn no_value_of_the_keyphasor() {
-    let dead = edited_recording(|line, row| vec![if line > 1 { with_cell(row, KEYPHASOR, "nan") } else { row.into() }]);
-    refused(dead, 1, &["healthy.csv: column keyphasor: no keyphasor pulses in 2048 samples: it has no value"]);
-}
-
-#[test]
-fn shorter_than_a_turn() {
-    let said =
-        "healthy.csv: column keyphasor: one keyphasor pulse only, at line 3: the recording is shorter than a turn";
-    refused(short_recording(TURN - 20), 1, &[said]);
-}
-
-#[test]
-fn one_row() {
-    refused(short_recording(1), 1, &["healthy.csv: column keyphasor: no keyphasor pulses in 1 samples"]);
-}
-
-#[test]
 fn time_that_does_not_run() {
     let still = edited_recording(|line, row| vec![if line > 1 { with_cell(row, 0, "0.5") } else { row.into() }]);
     let desk = Desk::with(&timed(), &still);

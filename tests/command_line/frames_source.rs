@@ -5,7 +5,7 @@ use crate::support::{DEMO_SCENE, Desk, short_recording, swap};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
-use std::process::Child;
+use std::process::{Child, Command};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -47,8 +47,7 @@ pub fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
 
 /// Sends a signal such as `TERM`.
 pub fn signal(child: &Child, name: &str) {
-    let sent =
-        std::process::Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
 }
 
@@ -103,10 +102,15 @@ impl Rig {
     }
 
     pub fn start(&self) -> Child {
+        self.command().spawn().unwrap()
+    }
+
+    /// The monitor's command.
+    pub fn command(&self) -> Command {
         let source = format!("tcp:{}", self.port);
         let options: Vec<&str> = self.options.iter().map(String::as_str).collect();
         let args = ["replay", "scene.toml", "--paced", "--format", "json", "--source", &source, "--encoding", "frames"];
-        self.desk.command(&[&args[..], &options].concat()).spawn().unwrap()
+        self.desk.command(&[&args[..], &options].concat())
     }
 
     /// A connection whose acknowledgements are counted.

@@ -46,6 +46,13 @@ pub fn monitor(desk: &Desk, more: &[&str]) -> Child {
     desk.command(&args).spawn().unwrap()
 }
 
+/// A monitor that listens at a free port for `protocol` (`tcp` or `udp`), and the port.
+pub fn listening(desk: &Desk, protocol: &str, more: &[&str]) -> (Child, u16) {
+    let port = port();
+    let source = format!("{protocol}:{port}");
+    (monitor(desk, &[&["--source", &source], more].concat()), port)
+}
+
 pub fn outcome(child: Child) -> Value {
     let output = crate::live_start::ended(child, Duration::from_secs(60));
     let err = String::from_utf8_lossy(&output.stderr);
@@ -70,9 +77,8 @@ pub fn kinds(desk: &Desk, log: &str) -> Vec<String> {
 
 #[test]
 fn frames_lost_repeated_and_of_a_wrong_size_are_counted() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--encoding", "frames", "--for", "0.9 s"]);
+    let desk = desk();
+    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--for", "0.9 s"]);
     let (rows, mut stream) = (rows(12_800), connected(port));
     for sequence in 0..12_800 {
         // 40 are lost, 10 come twice.
@@ -204,9 +210,8 @@ pub fn times(desk: &Desk, name: &str) -> Vec<f64> {
 
 #[test]
 fn a_burst_of_datagrams_is_taken_or_counted() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("udp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--encoding", "frames", "--for", "0.9 s"]);
+    let desk = desk();
+    let (child, port) = listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s"]);
     let rows = rows(12_800);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let to: SocketAddr = ([127, 0, 0, 1], port).into();

@@ -1,6 +1,6 @@
 //! Sources that are not what they should be: foreign, vanished, changed, restarted, corrupted.
 
-use crate::live::{connected, desk, endless, frame, kinds, monitor, outcome, port, rows, source};
+use crate::live::{connected, desk, endless, frame, kinds, listening, outcome, rows, source};
 use crate::live_start::{terminate, wait, wait_for_event};
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, number, short_recording, swap};
 use std::io::{Read, Write};
@@ -22,9 +22,8 @@ fn foreign(port: u16) {
 
 #[test]
 fn foreign_connections_are_logged_and_the_next_one_is_followed() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--for", "1.9 s", "--events", "events.jsonl"]);
+    let desk = desk();
+    let (child, port) = listening(&desk, "tcp", &["--for", "1.9 s", "--events", "events.jsonl"]);
     drop(connected(port));
     foreign(port);
     let mut stream = connected(port);
@@ -41,10 +40,9 @@ fn foreign_connections_are_logged_and_the_next_one_is_followed() {
 
 #[test]
 fn a_source_that_vanished_does_not_block_its_successor() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--for", "1.9 s", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) =
+        listening(&desk, "tcp", &["--encoding", "frames", "--for", "1.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut vanished = connected(port);
@@ -63,9 +61,8 @@ fn a_source_that_vanished_does_not_block_its_successor() {
 /// A connection that asks for something else does not end the source that pauses.
 #[test]
 fn a_foreign_connection_does_not_replace_a_source_that_pauses() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--for", "0.9 s", "--events", "events.jsonl"]);
+    let desk = desk();
+    let (child, port) = listening(&desk, "tcp", &["--for", "0.9 s", "--events", "events.jsonl"]);
     let (head, tail) = DEMO_RECORDING.split_at(DEMO_RECORDING.len() / 2);
     let mut stream = connected(port);
     stream.write_all(head.as_bytes()).unwrap();
@@ -90,9 +87,8 @@ fn stamped(rate: f64, begin: f64) -> String {
 #[test]
 fn a_source_that_returns_with_another_rate_is_refused() {
     let scene = swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "time = \"time_s\"");
-    let (desk, port) = (Desk::with(&scene, &short_recording(2048)), port());
-    let source_at = format!("tcp:{port}");
-    let child = monitor(&desk, &["--source", &source_at, "--events", "events.jsonl"]);
+    let desk = Desk::with(&scene, &short_recording(2048));
+    let (child, port) = listening(&desk, "tcp", &["--events", "events.jsonl"]);
     let send = |text: &str, events: usize| {
         let mut stream = connected(port);
         offer(&mut stream, text.as_bytes());
@@ -118,10 +114,9 @@ fn a_source_that_returns_with_another_rate_is_refused() {
 
 #[test]
 fn a_source_that_counts_from_0_again_is_followed() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--for", "3.4 s", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) =
+        listening(&desk, "tcp", &["--encoding", "frames", "--for", "3.4 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     for count in [30_000, 15_000] {
@@ -138,10 +133,8 @@ fn a_source_that_counts_from_0_again_is_followed() {
 /// Where the restart falls within what a source may repeat, its pace shows that the samples are new.
 #[test]
 fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
@@ -170,10 +163,9 @@ fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
 
 #[test]
 fn wrong_frames_move_nothing() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("udp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) =
+        listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
@@ -217,10 +209,9 @@ fn crc32(bytes: &[u8]) -> u32 {
 #[test]
 fn frames_with_a_checksum_are_checked() {
     assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames-crc", "--for", "0.9 s", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) =
+        listening(&desk, "tcp", &["--encoding", "frames-crc", "--for", "0.9 s", "--events", "events.jsonl"]);
     let (rows, mut stream) = (rows(12_800), connected(port));
     for sequence in 0..12_800 {
         let mut frame = checked(sequence, &rows[sequence as usize]);
@@ -241,10 +232,9 @@ fn frames_with_a_checksum_are_checked() {
 
 #[test]
 fn events_of_one_kind_are_limited_in_number() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) =
+        listening(&desk, "tcp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     for i in 0..200 {

@@ -1,6 +1,8 @@
 //! The monitor before its twin runs, and where it cannot run: limits, signals, standstill, gaps, implausible rates.
 
-use crate::live::{acknowledged, connected, desk, endless, frame, kinds, monitor, outcome, port, rows, source};
+use crate::live::{
+    acknowledged, connected, desk, endless, frame, kinds, listening, monitor, outcome, port, rows, source,
+};
 use crate::support::{DEMO_SCENE, Desk, list, number, short_recording, swap};
 use serde_json::Value;
 use std::io::Write;
@@ -70,10 +72,9 @@ fn displaced(range: std::ops::Range<u32>) -> impl Fn(u32) -> Vec<u8> {
 
 #[test]
 fn a_limit_is_reported_while_the_twin_is_started() {
-    let (desk, port) = (limited("0.1 um"), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--state", "state", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = limited("0.1 um");
+    let (child, port) =
+        listening(&desk, "tcp", &["--encoding", "frames", "--state", "state", "--events", "events.jsonl"]);
     let frame_of = displaced(0..0);
     let mut stream = connected(port);
     let told = acknowledged(&stream);
@@ -91,10 +92,8 @@ fn a_limit_is_reported_while_the_twin_is_started() {
 
 #[test]
 fn a_signal_while_the_twin_is_started_loses_no_event() {
-    let (desk, port) = (limited("3 um"), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = limited("3 um");
+    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let frame_of = displaced(20_000..20_002);
     let mut stream = connected(port);
     (0..40_000).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
@@ -142,10 +141,9 @@ fn metrics_are_shown_while_the_twin_is_started() {
 
 #[test]
 fn stopped_at_standstill_it_reports_what_was_measured() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--events", "events.jsonl", "--report", "r.html"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) =
+        listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl", "--report", "r.html"]);
     let rows = rows(12_800);
     let mut stream = connected(port);
     let turning = endless(&rows);
@@ -163,7 +161,7 @@ fn stopped_at_standstill_it_reports_what_was_measured() {
 }
 
 /// The demonstration with a speed column at 0 rpm, and a gap of `gap` seconds in the middle of its time column.
-fn at_rest_with_gap(gap: f64) -> Desk {
+pub fn at_rest_with_gap(gap: f64) -> Desk {
     let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
     let scene = swap(DEMO_SCENE, keyphasor, "speed = { column = \"keyphasor\", unit = \"rpm\" }");
     let scene = swap(&scene, "rate = \"12.8 kHz\"", "time = \"time_s\"");
@@ -219,10 +217,8 @@ fn a_paced_start_is_not_a_silent_source() {
 
 #[test]
 fn a_source_that_goes_does_not_send_again() {
-    let (desk, port) = (desk(), port());
-    let source_at = format!("tcp:{port}");
-    let args = ["--source", &source_at, "--encoding", "frames", "--events", "events.jsonl"];
-    let child = monitor(&desk, &args);
+    let desk = desk();
+    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);

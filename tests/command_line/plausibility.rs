@@ -79,8 +79,9 @@ fn a_speed_column_without_a_plausible_speed() {
     let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
     let speed = swap(DEMO_SCENE, keyphasor, "speed = { column = \"keyphasor\", unit = \"rpm\" }");
     let fast = changed(2 * TURN, |_, k, x| if k == KEYPHASOR { 1e9 } else { x });
-    let desk = Desk::with(&speed, &fast);
-    desk.refused(&["replay", "scene.toml"], 4, &["not plausible for the scene: column keyphasor: 512 speeds"]);
+    let outcome = implausible(&speed, &fast);
+    let verdict = outcome["verdict"].as_str().unwrap();
+    assert!(verdict.contains("not plausible for the scene: column keyphasor: 512 speeds"), "{verdict}");
 }
 
 #[test]

@@ -36,6 +36,7 @@ fn page(outcome: &Outcome, gallery: &Gallery) -> Value {
         version => outcome.version.as_str(),
         verdict => outcome.verdict.as_str(),
         facts => pairs(words::facts(outcome).into_iter().filter(|fact| !IN_TITLE.contains(&fact.0))),
+        compared => outcome.probes.iter().any(ProbeOutcome::has_twin),
         list => list_rows(&outcome.probes),
         planes => plane_rows(&outcome.planes),
         units => words::UNITS,

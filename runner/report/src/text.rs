@@ -21,10 +21,12 @@ pub fn text(outcome: &Outcome) -> String {
         page.sentence(&format!("{:<21}", format!("{name}:")), if value.is_empty() { NONE } else { &value });
     }
     motion(&mut page, outcome);
-    residual(&mut page, outcome);
-    baselines(&mut page, outcome);
-    ball_pass(&mut page, outcome);
-    forces(&mut page, outcome);
+    if outcome.probes.iter().any(ProbeOutcome::has_twin) {
+        residual(&mut page, outcome);
+        baselines(&mut page, outcome);
+        ball_pass(&mut page, outcome);
+        forces(&mut page, outcome);
+    }
     orders(&mut page, &outcome.bearings);
     findings(&mut page, outcome);
     sentences(&mut page, "FLAWS OF THE RECORDING", outcome.flaws.iter().map(|flaw| flaw.sentence.as_str()));
@@ -131,6 +133,7 @@ fn motion(page: &mut Page, outcome: &Outcome) {
         .probes
         .iter()
         .flat_map(|probe| [(probe, "measured", &probe.measured), (probe, "twin", &probe.twin)])
+        .filter(|(probe, row, _)| *row == "measured" || probe.has_twin())
         .collect();
     let figures = |of: fn(&Motion) -> f64| column(&pairs.iter().map(|pair| of(pair.2)).collect::<Vec<_>>());
     let first =
@@ -152,9 +155,6 @@ fn motion(page: &mut Page, outcome: &Outcome) {
 }
 
 fn residual(page: &mut Page, outcome: &Outcome) {
-    if outcome.probes.is_empty() {
-        return;
-    }
     page.title("MEASURED - TWIN");
     let figures = |of: fn(&ProbeOutcome) -> f64| column(&outcome.probes.iter().map(of).collect::<Vec<_>>());
     let columns = [
@@ -177,9 +177,6 @@ fn residual(page: &mut Page, outcome: &Outcome) {
 }
 
 fn baselines(page: &mut Page, outcome: &Outcome) {
-    if outcome.probes.is_empty() {
-        return;
-    }
     page.title("RESIDUAL OF SIMPLER PREDICTORS, um rms (the twin should leave less)");
     let values = |probe: &ProbeOutcome| {
         let [mean, persistence, one_x, linear] = probe.baselines.all().map(|b| b.residual_rms_um);
@@ -227,7 +224,7 @@ fn ball_pass(page: &mut Page, outcome: &Outcome) {
 }
 
 fn forces(page: &mut Page, outcome: &Outcome) {
-    if outcome.bearings.is_empty() || outcome.probes.is_empty() {
+    if outcome.bearings.is_empty() {
         return;
     }
     page.title("FORCES ON THE INNER RINGS");
@@ -305,6 +302,17 @@ fn sentences<'a>(page: &mut Page, title: &str, items: impl Iterator<Item = &'a s
 
 fn timing(page: &mut Page, timing: &Timing) {
     page.title("TIMING");
+    if timing.samples == 0 {
+        page.line("  no sample was computed");
+    } else {
+        compute_times(page, timing);
+    }
+    for sentence in words::pacing(timing) {
+        page.sentence("  ", &sentence);
+    }
+}
+
+fn compute_times(page: &mut Page, timing: &Timing) {
     let pace = format!(
         "{} in {} s, {} times real time{}",
         counted(timing.samples, "sample"),
@@ -322,9 +330,6 @@ fn timing(page: &mut Page, timing: &Timing) {
     }
     let heads: [&[&str]; 1] = [&["us", "median", "99 %", "99.9 %", "largest"]];
     page.table(1, &heads, &rows);
-    for sentence in words::pacing(timing) {
-        page.sentence("  ", &sentence);
-    }
 }
 
 fn quantiles(what: &str, times: &Quantiles) -> Vec<String> {

@@ -28,6 +28,9 @@ pub(super) const EVENT_ACTION: &str =
     "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
 /// What to do where nothing was found.
 pub(super) fn no_action(outcome: &Outcome) -> &'static str {
+    if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
+        return "remove the cause that the verdict states, then measure again.";
+    }
     match (outcome.probes.is_empty(), findings::follows(&outcome.probes)) {
         (true, _) => "none; repeat the measurement as planned.",
         (_, true) => "none; keep this recording as the baseline (--learn) for later ones.",
@@ -113,6 +116,9 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let load: Vec<String> =
         load.filter(|((x, _), _)| **x != 0.0).map(|((x, name), unit)| format!("{name} {}{unit}", alone(*x))).collect();
     facts.push(("Load on the rotor", if load.is_empty() { "weight alone".to_owned() } else { load.join(", ") }));
+    if !outcome.probes.iter().any(ProbeOutcome::has_twin) {
+        return facts;
+    }
     let spectra = &outcome.record.spectra;
     facts.push((
         "Spectra",
@@ -125,9 +131,9 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     ));
     facts.push(("Filter", "1X, 2X and 0.5X by the shaft's angle, blocks of 4 turns".to_owned()));
     let compensated = if outcome.record.speed_changes() {
-        "in Bode and polar plots, where it says so; nowhere else"
+        "compensated in Bode and polar plots where stated, nowhere else"
     } else {
-        "no slow roll in this recording: not compensated"
+        "none in this recording, not compensated"
     };
     facts.push(("Slow roll", compensated.to_owned()));
     facts
@@ -146,6 +152,9 @@ fn rate(hz: f64) -> String {
 
 fn speed(record: &Record) -> String {
     let (low, high) = (record.min_speed_rpm, record.max_speed_rpm);
+    if record.mean_speed_rpm.is_nan() {
+        return "not measured".to_owned();
+    }
     let mean = format!("{} rpm", fixed(record.mean_speed_rpm, 1));
     if high - low < 0.1 { mean } else { format!("{mean} mean, {} to {}", fixed(low, 1), fixed(high, 1)) }
 }
@@ -154,6 +163,7 @@ fn rotation(record: &Record) -> &'static str {
     match record.mean_speed_rpm {
         speed if speed > 0.0 => "from +X towards +Y (anticlockwise, Z towards the reader)",
         speed if speed < 0.0 => "from +Y towards +X (clockwise, Z towards the reader)",
+        speed if speed.is_nan() => "not measured",
         _ => "none",
     }
 }
@@ -161,7 +171,13 @@ fn rotation(record: &Record) -> &'static str {
 fn samples(record: &Record) -> String {
     let left_out = record.samples.saturating_sub(record.compared);
     let read = format!("{} read", count(record.samples));
-    if left_out == 0 { format!("{read}, all compared") } else { format!("{read}, {} not compared", count(left_out)) }
+    if record.compared == 0 {
+        format!("{read}, none compared")
+    } else if left_out == 0 {
+        format!("{read}, all compared")
+    } else {
+        format!("{read}, {} not compared", count(left_out))
+    }
 }
 
 fn condition(observation: &Observation) -> String {

@@ -8,7 +8,6 @@ use ballrace_report as report;
 use ballrace_twin::fault::{SceneFault, scene_fault};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
-use ballrace_twin::recording::rotation::RotationError;
 use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::replay::{Options, Source, replay};
 use ballrace_twin::scene::{Recording, Scene, Sensor};
@@ -79,9 +78,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
     };
     let outcome = replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
-    let outcome =
-        outcome.map_err(|e| if e.is::<RotationError>() { e.context(path.display().to_string()) } else { e })?;
-    deliver(args, &outcome, format)
+    deliver(args, &outcome?, format)
 }
 
 /// The same in real time.

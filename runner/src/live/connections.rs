@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// A source that is silent for this long gives way to a successor.
-const SILENT: Duration = Duration::from_secs(1);
+pub const SILENT: Duration = Duration::from_secs(1);
 /// A beginning that is not complete within this time is refused.
 const BEGINNING: Duration = Duration::from_secs(2);
 /// Most connections that wait.
@@ -30,6 +30,13 @@ pub enum Beginning {
 }
 
 impl Beginning {
+    /// Returns the first line where it is the header of a source.
+    pub fn header<'a>(&self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        let end = bytes.iter().position(|byte| *byte == b'\n')?;
+        let line = bytes.get(..=end)?;
+        (!line.trim_ascii().is_empty() && self.judge(bytes)?.is_ok()).then_some(line)
+    }
+
     /// Judges the first bytes: none where there are too few of them, else why they are not those of a source.
     fn judge(&self, bytes: &[u8]) -> Option<Result<(), String>> {
         match self {
@@ -47,11 +54,20 @@ impl Beginning {
                     // Blank lines may stand before the header.
                     return Some(Ok(()));
                 }
-                let missing = names.iter().find(|name| !line.contains(name.as_str()));
+                let missing = names.iter().find(|name| !has_name(&line, name.trim()));
                 Some(missing.map_or(Ok(()), |name| Err(format!("its first line has no column `{name}`"))))
             }
         }
     }
+}
+
+/// Returns true where `name` stands in `line` by itself, not as a part of a longer name.
+fn has_name(line: &str, name: &str) -> bool {
+    let is_inner = |c: char| c.is_alphanumeric() || c == '_';
+    line.match_indices(name).any(|(start, _)| {
+        let (before, after) = (line.get(..start), line.get(start + name.len()..));
+        !before.is_some_and(|text| text.ends_with(is_inner)) && !after.is_some_and(|text| text.starts_with(is_inner))
+    })
 }
 
 struct Candidate {
@@ -175,6 +191,21 @@ impl Read for Followed {
                 }
                 other => return other,
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_not_a_part_of_another() {
+        for header in ["t,DE_X", "\"DE_X\";t", "DE_X [um]\tt", " DE_X "] {
+            assert!(has_name(header, "DE_X"), "{header}");
+        }
+        for header in ["t,NDE_X", "DE_X_um", "DE_X2", ""] {
+            assert!(!has_name(header, "DE_X"), "{header}");
         }
     }
 }

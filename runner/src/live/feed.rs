@@ -295,10 +295,10 @@ impl Receiver {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// No item waits.
+    /// The next item is a row.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.ring.is_empty()
+    pub fn has_row(&self) -> bool {
+        matches!(self.ring.peek(), Ok(Item::Row(_)))
     }
 
     /// Sequence number of the frame that has or will have the sample number `index`; none where the source has counted anew

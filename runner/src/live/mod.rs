@@ -10,6 +10,7 @@
 
 pub mod address;
 mod connections;
+mod datagrams;
 pub mod feed;
 pub mod frames;
 mod lock;
@@ -25,7 +26,6 @@ use anyhow::{Result, bail};
 use ballrace_twin::fault::scene_fault;
 use ballrace_twin::recording::Row;
 use ballrace_twin::recording::flaws::FlawSummary;
-use ballrace_twin::recording::rotation::RotationError;
 use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
 use ballrace_twin::replay::{self, Replay};
 use ballrace_twin::scene::{Recording, Scene};
@@ -353,15 +353,7 @@ impl Monitor<'_, '_> {
         self.time = row.time;
         let spare = self.replay.blank();
         self.receiver.recycle(spare);
-        match self.replay.push(row) {
-            Err(error) if error.is::<RotationError>() => {
-                let sentence = format!("{error:#}; the twin waits until it turns.");
-                self.replay.begin_anew()?;
-                let note = self.receiver.limited(feed::Note { kind: "shaft-not-turning", sentence });
-                note.map_or(Ok(()), |note| self.event(&Told::note(note, self.time)))
-            }
-            other => other,
-        }
+        self.replay.push(row)
     }
 
     fn event(&mut self, told: &Told) -> Result<()> {
@@ -464,7 +456,7 @@ impl Monitor<'_, '_> {
         let counts = &self.receiver.counts;
         let heard = counts.rows.load(Ordering::Relaxed) + counts.dropped.load(Ordering::Relaxed);
         // A recording is never silent; a source is not while what it sent waits.
-        if heard != self.heard || !self.receiver.is_empty() || self.options.source.is_recording() {
+        if heard != self.heard || self.receiver.has_row() || self.options.source.is_recording() {
             self.heard = heard;
             self.heard_at = Instant::now();
         }

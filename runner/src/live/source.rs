@@ -6,6 +6,7 @@
 
 use super::address::Address;
 use super::connections::{Beginning, Connections, Followed};
+use super::datagrams::{Datagrams, LARGEST, Lines};
 use super::feed::{Item, Sender, count};
 use super::frames::{Layout, Place, Sequence};
 use anyhow::{Context, Result, bail};
@@ -24,8 +25,6 @@ use std::time::{Duration, Instant};
 
 /// How often a reader that waits for its source looks whether it is to end.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Largest datagram.
-const DATAGRAM: usize = 1 << 16;
 /// The system is asked for this much room for datagrams.
 const MOST_WAITING: usize = 4 << 20;
 /// How far the sampling rates of two connections may lie apart.
@@ -379,20 +378,46 @@ impl Feeder {
         };
         let end = self.stream(Box::new(followed), &format!("tcp {peer}"));
         *lock(&self.back) = None;
+        let (kind, words) = if replaced.load(Ordering::Relaxed) {
+            ("source-replaced", "is silent; the next one takes its place")
+        } else {
+            ("source-gone", "has gone; waiting for the next")
+        };
+        self.note_end(peer, end, kind, words, rows);
+        Ok(())
+    }
+
+    /// Reports the end of a source that began after `rows` rows: `kind` and `words`, or its error.
+    fn note_end(&mut self, peer: SocketAddr, end: Result<()>, kind: &'static str, words: &str, rows: u64) {
         if self.sender.is_stopped() {
             // The monitor has ended the connection.
-            return Ok(());
+            return;
         }
         let has_rows = self.sender.counts.rows.load(Ordering::Relaxed) > rows;
         let (kind, sentence) = match end {
-            Ok(()) if replaced.load(Ordering::Relaxed) => {
-                ("source-replaced", format!("Source {peer} is silent; the next one takes its place."))
-            }
-            Ok(()) => ("source-gone", format!("Source {peer} has gone; waiting for the next.")),
+            Ok(()) => (kind, format!("Source {peer} {words}.")),
             Err(error) if has_rows => ("source-failed", format!("Source {peer} ended: {error:#}.")),
             Err(error) => ("source-refused", format!("Source {peer} is refused: {error:#}.")),
         };
         self.sender.note(kind, sentence);
+    }
+
+    /// Follows the senders of text one after the other. Errors of one sender do not end the monitor.
+    fn lines(&mut self, socket: UdpSocket) -> Result<()> {
+        let datagrams = Datagrams::new(socket, self.beginning(), self.sender.notes());
+        let datagrams = Arc::new(Mutex::new(datagrams));
+        while !self.sender.is_stopped() {
+            let next = lock(&datagrams).poll().context("datagrams cannot be read further")?;
+            let Some(peer) = next else { continue };
+            lock(&datagrams).follow();
+            let rows = self.sender.counts.rows.load(Ordering::Relaxed);
+            count(&self.sender.counts.connections, 1);
+            self.sender.note("source-connected", format!("Source {peer} sends."));
+            let lines = Lines { datagrams: datagrams.clone(), stopped: self.sender.stopped() };
+            let end = self.stream(Box::new(lines), &format!("udp {peer}"));
+            lock(&datagrams).leave();
+            self.note_end(peer, end, "source-replaced", "begins anew, or another one takes its place", rows);
+        }
         Ok(())
     }
 
@@ -401,13 +426,12 @@ impl Feeder {
         // What the system gives is enough where it gives less.
         let _ = SockRef::from(&socket).set_recv_buffer_size(MOST_WAITING);
         if self.encoding == Encoding::Csv {
-            let lines = Lines { socket, stopped: self.sender.stopped(), datagram: vec![0; DATAGRAM], at: 0, end: 0 };
-            return self.stream(Box::new(lines), "udp");
+            return self.lines(socket);
         }
         let rate = self.rate_of_frames()?;
         self.establish_rate(rate, "frames")?;
         let size = self.layout.size();
-        let mut datagram = vec![0; DATAGRAM];
+        let mut datagram = vec![0; LARGEST];
         while !self.sender.is_stopped() {
             match socket.recv(&mut datagram) {
                 Ok(length) if length == 0 || length % size != 0 => count(&self.sender.counts.malformed, 1),
@@ -432,30 +456,4 @@ pub(super) fn is_wait(error: &std::io::Error) -> bool {
 /// The connection, also where a thread broke while it had it: there is nothing in it that could be half done.
 pub fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-/// Datagrams of whole lines, as one stream.
-struct Lines {
-    socket: UdpSocket,
-    stopped: super::feed::Stopped,
-    datagram: Vec<u8>,
-    at: usize,
-    end: usize,
-}
-
-impl Read for Lines {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        while self.at == self.end {
-            match self.socket.recv(&mut self.datagram) {
-                Ok(length) => (self.at, self.end) = (0, length),
-                Err(error) if is_wait(&error) && !self.stopped.is_stopped() => {}
-                Err(error) if is_wait(&error) => return Ok(0),
-                Err(error) => return Err(error),
-            }
-        }
-        let mut waiting = self.datagram.get(self.at..self.end).unwrap_or_default();
-        let read = waiting.read(buffer)?;
-        self.at += read;
-        Ok(read)
-    }
 }

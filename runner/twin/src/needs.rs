@@ -216,7 +216,7 @@ fn root(f: impl Fn(f64) -> f64, first: f64) -> f64 {
 fn share(x: f64) -> String {
     match x * 100.0 {
         0.0 => "0 %".to_owned(),
-        percent if percent < 0.01 => format!("{percent:.1e} %"),
+        percent if percent < 0.01 => "below 0.01 %".to_owned(),
         percent => format!("{percent:.2} %"),
     }
 }

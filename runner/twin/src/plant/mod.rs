@@ -3,6 +3,7 @@
 mod eigen;
 mod given;
 mod machine;
+mod run_in;
 mod seat;
 mod system;
 mod twin;
@@ -12,6 +13,7 @@ pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
 use machine::Fit;
 pub use machine::{LARGEST, MOST_BEARINGS, RigidMachine, RigidTask};
+pub use run_in::RunIn;
 pub use seat::{Balls, Seat};
 pub use system::{Layout, Scales, only_rigid};
 pub use twin::{Step, Twin, first_five};
@@ -26,7 +28,6 @@ use ballrace::rotor::{Drive, Equilibrium, Machine, System, equilibrium};
 use ballrace::{Displacement, Rotation, Turn};
 use machine::MachineTask;
 use nalgebra::{Complex, DMatrix};
-use std::f64::consts::TAU;
 use twin::{StartTask, array};
 
 /// Peak pressure of the static limit of ISO 76 for ball bearings, Pa.
@@ -341,15 +342,9 @@ impl Plant {
     /// # Errors
     /// What the kernel refuses.
     pub fn run_in(&self, sample_period: f64, revolutions: f64, drive: &Drive<f64>) -> Result<Box<dyn Twin>> {
-        let samples = (self.settling_time() / sample_period).ceil();
-        let before = samples * sample_period * drive.speed / TAU;
-        let mut twin = self.start(sample_period, revolutions - before)?;
-        let steady = Drive { acceleration: 0.0, ..*drive };
-        for i in 0..samples as u64 {
-            let left = (samples - i as f64) * sample_period * drive.speed / TAU;
-            twin.step(&Drive { angle: drive.angle.plus(Turn::from_revolutions(-left)), ..steady });
-        }
-        Ok(twin)
+        let mut run_in = RunIn::try_new(self, sample_period, revolutions, drive)?;
+        while run_in.advance() {}
+        Ok(run_in.into_twin())
     }
 
     /// A twin at rest with the shaft at the given revolutions.

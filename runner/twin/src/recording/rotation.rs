@@ -41,7 +41,7 @@ const FASTEST: f64 = 1.05e5;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RotationError {
     /// No pulse at all.
-    #[error("column {column}: no keyphasor pulses in {samples} samples: {}; allowed: two levels that change in an even beat", stays(*.low, *.high))]
+    #[error("column {column}: no keyphasor pulses in {samples} samples: {}, expected two levels that alternate once per pulse", stays(*.low, *.high))]
     NoPulse {
         /// Column of the keyphasor.
         column: String,
@@ -54,7 +54,7 @@ pub enum RotationError {
     },
     /// One pulse gives no speed.
     #[error(
-        "column {column}: one keyphasor pulse only, at line {line}: the recording is shorter than a turn; allowed: two pulses or more"
+        "column {column}: one keyphasor pulse only, at line {line}: the recording is shorter than a turn, expected two pulses or more"
     )]
     OnePulse {
         /// Column of the keyphasor.
@@ -77,7 +77,7 @@ pub enum RotationError {
         time: f64,
     },
     /// A speed column without a number.
-    #[error("column {column}: no speed in {samples} samples from the start; allowed: a number")]
+    #[error("column {column}: no speed in {samples} samples from the start, expected a number")]
     NoSpeed {
         /// Column of the speed.
         column: String,
@@ -86,7 +86,7 @@ pub enum RotationError {
     },
     /// A speed column without a speed that the scene's machine can have.
     #[error(
-        "recording not plausible for the scene: column {column}: {rejected} speeds, none within {:.0} rpm, {SPEED_MARGIN} times the scene's fastest: found {:.3e} rpm first", fastest * 60.0 / TAU, found * 60.0 / TAU
+        "column {column}: {rejected} speeds, none within {:.0} rpm, {SPEED_MARGIN} times the scene's fastest: found {:.3e} rpm first", fastest * 60.0 / TAU, found * 60.0 / TAU
     )]
     ImplausibleSpeed {
         /// Column of the speed.
@@ -228,6 +228,15 @@ impl Tracker {
             Source::Keyphasor(keyphasor) => keyphasor.finish(&mut self.output),
             Source::Column(column) => column.finish(&mut self.output),
             Source::Scene(_) => Ok(()),
+        }
+    }
+
+    /// Takes out the next row that waits for an angle, after an error of [`push`](Self::push) or [`finish`](Self::finish).
+    pub fn abandon(&mut self) -> Option<Row> {
+        match &mut self.source {
+            Source::Keyphasor(keyphasor) => keyphasor.waiting.pop_front(),
+            Source::Column(column) => column.waiting.pop_front(),
+            Source::Scene(_) => None,
         }
     }
 

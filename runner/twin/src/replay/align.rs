@@ -10,6 +10,7 @@ use crate::recording::Sample;
 use ballrace::Displacement;
 use ballrace::rotor::Drive;
 use ballrace::turn::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Turns of the recording that the lag is taken from.
 pub const TURNS: f64 = 8.0;
@@ -31,10 +32,13 @@ pub fn shifted(mut sample: Sample, lag: f64) -> Sample {
 
 /// Lag in seconds (positive: the machine is ahead of its keyphasor) from the first samples.
 ///
-/// `twin` stands at the first sample; `rows` are the probes' rows.
-pub fn lag(samples: &[Sample], twin: &mut dyn Twin, rows: &[[f64; 5]], period: f64) -> f64 {
+/// `twin` stands at the first sample; `rows` are the probes' rows. Samples after `cancelled` is set are not used.
+pub fn lag(samples: &[Sample], twin: &mut dyn Twin, rows: &[[f64; 5]], period: f64, cancelled: &AtomicBool) -> f64 {
     let mut sums = Sums::default();
     for (i, sample) in samples.iter().enumerate() {
+        if cancelled.load(Ordering::Relaxed) {
+            break;
+        }
         let (pose, rate) = (twin.pose(), twin.rate());
         sums.add(sample, rows, &pose, &rate);
         let steps = samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);

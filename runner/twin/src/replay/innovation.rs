@@ -73,22 +73,22 @@ impl Innovation {
 #[must_use]
 pub fn words(of: &ObserverOutcome) -> String {
     let judged = if of.consistent {
-        "as model and noise say"
+        "consistent with model and noise"
     } else if of.nis_mean < of.nis_expected {
-        "less than model and noise say: the noise is less than reckoned with"
+        "smaller than model and noise predict: the noise is less than assumed"
     } else {
-        "more than model and noise say: something moves that neither explains"
+        "larger than model and noise predict: there is motion that neither explains"
     };
     let [x, y, z, ..] = of.unknown_load_rms;
     let distrusted = match (of.rejected_samples, of.restarts, of.distrusted_samples) {
         (0, 0, 0) => String::new(),
         (rejected, restarts, samples) => format!(
-            " {rejected} samples were beyond the gate of {:.0} and corrected nothing, the observer restarted {restarts} times, and in {samples} samples the force comes from the displacement instead.",
+            " Samples beyond the gate of {:.0}: {rejected}, which corrected nothing; restarts of the observer: {restarts}; samples in which the force comes from the displacement instead: {samples}.",
             of.gate
         ),
     };
     format!(
-        "Observer: its innovations are {judged} (normalised square {:.2}, expected {:.0}, by chance {:.2} to {:.2}); the unknown force on the rotor swings by {:.2} N rms.{distrusted} --forces writes the force that it finds.",
+        "Observer: the innovations are {judged} (mean normalised square {:.2}, expected {:.0}, 99 % range {:.2} to {:.2}); the unknown force on the rotor is {:.2} N rms about its mean.{distrusted} --forces writes the estimated forces.",
         of.nis_mean,
         of.nis_expected,
         of.nis_bounds[0],

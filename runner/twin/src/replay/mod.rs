@@ -23,6 +23,7 @@ pub mod recent;
 pub mod second;
 mod session;
 pub mod spectrum;
+mod standstill;
 mod startup;
 pub mod statistics;
 pub mod timing;
@@ -61,7 +62,8 @@ pub use recent::Glance;
 use recent::Recent;
 use second::{Second, Seconds};
 pub use session::{News, Replay};
-use startup::{Search, Startup};
+use standstill::{Measured, Standstill};
+use startup::{Beginning, Search, Startup};
 use statistics::Running;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -162,11 +164,16 @@ struct Run<'a> {
     innovation: Innovation,
     guards: Guards,
     readings: Readings,
+    standstill: Standstill,
     startup: Startup,
     /// The search for the start, until it runs.
     search: Option<Search>,
-    /// Set to end the search without an observer.
+    /// Set to end the search without an observer, and the run-in of twins.
     cancelled: Arc<AtomicBool>,
+    /// Twins that are run in for the next sample.
+    beginning: Option<Beginning>,
+    /// Those that are run in.
+    begun: Option<[Box<dyn Twin>; 2]>,
     /// Samples that wait for the twin.
     queue: VecDeque<Queued>,
     watched: bool,
@@ -357,9 +364,12 @@ impl<'a> Run<'a> {
             innovation: Innovation::default(),
             guards,
             readings: Readings::new(names.clone(), options.watched),
+            standstill: Standstill::default(),
             startup: Startup::Collecting,
             search: Some(search),
             cancelled,
+            beginning: None,
+            begun: None,
             queue: VecDeque::new(),
             watched: options.watched,
             lag: 0.0,
@@ -476,7 +486,9 @@ impl<'a> Run<'a> {
         if !matches!(self.startup, Startup::Done) {
             return Ok(());
         }
-        while let Some(queued) = self.queue.pop_front() {
+        while self.is_run_in(deadline)?
+            && let Some(queued) = self.queue.pop_front()
+        {
             match queued {
                 Queued::Restart => self.moving = None,
                 Queued::Sample(sample) => {
@@ -489,8 +501,48 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
         }
-        self.readings.hand_over();
+        if self.beginning.is_none() {
+            self.readings.hand_over();
+        }
         Ok(())
+    }
+
+    /// Runs twins in where the next sample starts them; returns true where nothing is left to do before that sample.
+    fn is_run_in(&mut self, deadline: Option<Instant>) -> Result<bool> {
+        let Some(Queued::Sample(next)) = self.queue.front() else { return Ok(true) };
+        if self.begun.is_some() || !self.starts_at(next.row.index) {
+            return Ok(true);
+        }
+        let mut beginning = match self.beginning.take() {
+            Some(beginning) => beginning,
+            None => {
+                let sample = align::shifted(next.clone(), self.lag);
+                Beginning::try_new([self.plant.clone(), self.linear.clone()], 1.0 / self.rate, &sample)?
+            }
+        };
+        if self.cancelled.load(Ordering::Relaxed) {
+            self.begun = Some(beginning.at_rest()?);
+            self.notes.push(
+                "Stopped before the twin was run in: its motion begins at rest, so residuals hold its transient."
+                    .to_owned(),
+            );
+            return Ok(true);
+        }
+        if !beginning.advance(deadline) {
+            self.beginning = Some(beginning);
+            return Ok(false);
+        }
+        self.begun = Some(beginning.settled());
+        Ok(true)
+    }
+
+    /// Twins start at this sample: there are none, or the gap before it is too long.
+    fn starts_at(&self, index: u64) -> bool {
+        let Some(moving) = &self.moving else { return true };
+        let steps = index.saturating_sub(moving.index) as f64;
+        let coasted = moving.drive.speed * steps / self.rate / TAU;
+        let longest = self.plant.settling_time().max(LONGEST_COAST) * self.rate;
+        coasted.abs() > LONGEST_COAST_TURNS || steps > longest
     }
 
     /// The shaft angle begins anew with the next sample.
@@ -502,14 +554,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// A sample was compared or waits for it.
-    fn has_samples(&self) -> bool {
-        self.speed.count() > 0.0 || !self.queue.is_empty()
+    /// The start is searched for, or the twin is run in.
+    const fn is_starting(&self) -> bool {
+        matches!(self.startup, Startup::Searching(_)) || self.beginning.is_some()
     }
 
     /// No sample waits for the twin.
     fn is_idle(&self) -> bool {
-        self.queue.is_empty() && !matches!(self.startup, Startup::Searching(_))
+        self.queue.is_empty() && !self.is_starting()
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<()> {
@@ -538,7 +590,7 @@ impl<'a> Run<'a> {
             }
             let estimate = watch.pose();
             let possible = !flags.has(Status::INPUT_NOT_FINITE)
-                && self.range.allows(self.rows.iter().map(|row| pose::reading(row, &estimate)));
+                && self.range.allows(self.rows.iter().map(|row| pose::reading(row, &estimate)), estimate.w);
             let was_trusted = consistency.is_trusted();
             let verdict = consistency.sample(nis, possible);
             let bounded = consistency.bounded(nis);
@@ -604,20 +656,19 @@ impl<'a> Run<'a> {
 
     /// The way from the last sample to this one. Starts the twin where there is none, or after too long a gap.
     fn way(&mut self, sample: &Sample, drive: &Drive<f64>) -> Result<Way> {
-        let here = Way { from: *drive, steps: 0, arc: 0.0, restarted: self.has_begun() };
-        let Some(moving) = &self.moving else {
+        if self.starts_at(sample.row.index) {
+            let here = Way { from: *drive, steps: 0, arc: 0.0, restarted: self.has_begun() };
+            let restarts = self.moving.is_some();
             self.moving = Some(self.begin(sample, drive)?);
-            return Ok(here);
-        };
-        let steps = sample.row.index.saturating_sub(moving.index);
-        let coasted = moving.drive.speed * steps as f64 / self.rate / TAU;
-        let longest = self.plant.settling_time().max(LONGEST_COAST) * self.rate;
-        if coasted.abs() > LONGEST_COAST_TURNS || steps as f64 > longest {
-            self.moving = Some(self.begin(sample, drive)?);
-            let (count, line) = self.restarts;
-            self.restarts = (count + 1, if count == 0 { sample.row.line } else { line });
+            if restarts {
+                let (count, line) = self.restarts;
+                self.restarts = (count + 1, if count == 0 { sample.row.line } else { line });
+            }
             return Ok(here);
         }
+        let Some(moving) = &self.moving else { bail!("the twin has not started") };
+        let steps = sample.row.index.saturating_sub(moving.index);
+        let coasted = moving.drive.speed * steps as f64 / self.rate / TAU;
         // Over one period the angle's own difference; over a gap the whole turns between come from the speed.
         let fraction = drive.angle.since(moving.drive.angle).radians::<f64>() / TAU;
         Ok(Way { from: moving.drive, steps, arc: fraction + (coasted - fraction).round(), restarted: false })
@@ -629,10 +680,10 @@ impl<'a> Run<'a> {
     }
 
     /// Twin and cages at a sample with nothing before it.
-    fn begin(&self, sample: &Sample, drive: &Drive<f64>) -> Result<Moving> {
+    fn begin(&mut self, sample: &Sample, drive: &Drive<f64>) -> Result<Moving> {
         let revolutions = total_turns(sample);
         let period = 1.0 / self.rate;
-        let twin = self.plant.run_in(period, revolutions, drive)?;
+        let [twin, linear] = self.begun.take().context("the twin is not run in")?;
         let watch = |tuned: &Tuned| {
             let probes = self.probes.len();
             let (start, consistency) = match self.has_begun() {
@@ -644,7 +695,7 @@ impl<'a> Run<'a> {
         Ok(Moving {
             watch: self.tuned.as_ref().map(watch).transpose()?,
             twin,
-            linear: self.linear.run_in(period, revolutions, drive)?,
+            linear,
             cages: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions).cage).collect(),
             parts: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             drive: *drive,
@@ -768,11 +819,11 @@ impl<'a> Run<'a> {
         mut flaws: Vec<FlawSummary>,
     ) -> Result<Outcome> {
         flaws.extend(self.range.flaws().summary());
-        if self.speed.count() == 0.0 {
-            bail!("{recording}: found no sample, allowed: at least one turn of the shaft");
-        }
         if let Some(forces) = self.forces.take() {
             forces.file.finish()?;
+        }
+        if self.speed.count() == 0.0 {
+            return self.finish_at_standstill(scene, recording, rows, angle_source, flaws);
         }
         self.comparison.finish();
         let speed_hz = self.speed.mean().abs() / TAU;
@@ -847,8 +898,61 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// The report of a recording in which no sample has a shaft angle.
+    ///
+    /// # Errors
+    /// A recording without a sample.
+    fn finish_at_standstill(
+        self,
+        scene: &Scene,
+        recording: &str,
+        rows: u64,
+        angle_source: String,
+        flaws: Vec<FlawSummary>,
+    ) -> Result<Outcome> {
+        if self.standstill.samples() == 0 {
+            bail!("{recording}: no sample, expected at least one revolution of the shaft");
+        }
+        let outcome = self.standstill.outcome(Measured {
+            probes: self.probes,
+            bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
+            observation: self.solver.observation.clone(),
+            rows,
+            rate: self.rate,
+            angle_source,
+            load: scene.rotor.as_ref().map_or([0.0; 5], |rotor| rotor.load),
+            timing: self.ledger.finish(),
+        });
+        let events = self.guards.finish();
+        let (implausible, not_judged) = (&outcome.implausible, &outcome.not_judged);
+        let mut notes = outcome.notes;
+        notes.extend(self.notes);
+        notes.extend(events.iter().map(|event| event.sentence.clone()));
+        Ok(Outcome {
+            scene: scene.name.clone(),
+            recording: recording.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            verdict: findings::verdict(&[], &[], implausible, not_judged, 0),
+            events,
+            flaws,
+            notes,
+            ..outcome
+        })
+    }
+
+    /// Adds a sample that has no shaft angle.
+    fn set_aside(&mut self, row: &mut Row) {
+        self.range.check(row);
+        self.standstill.add(row);
+        if !self.watched {
+            // A monitor may stand still for hours; in a file, the keyphasor may as well be dead.
+            self.counts.add_without_angle();
+        }
+    }
+
     /// What the reader of the report should know besides.
     fn explain(&mut self) {
+        self.notes.extend(self.standstill.note());
         let (slow, fast) = self.speed.extremes();
         if (fast - slow).abs() > 0.05 * self.speed.mean().abs() {
             self.notes.push(

@@ -248,6 +248,14 @@ pub struct ProbeOutcome {
     pub list: Option<TabularList>,
 }
 
+impl ProbeOutcome {
+    /// The readings were compared with the twin's. They are not where no sample has a shaft angle.
+    #[must_use]
+    pub const fn has_twin(&self) -> bool {
+        !self.twin.mean_um.is_nan()
+    }
+}
+
 /// One row of the tabular list: means over blocks of four turns. A length says in its name what it is.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct TabularList {

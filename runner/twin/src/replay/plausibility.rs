@@ -50,6 +50,12 @@ impl Counts {
         self.twin_held += u64::from(self.twin_is_held);
     }
 
+    /// One sample without a shaft angle.
+    pub const fn add_without_angle(&mut self) {
+        self.samples += 1;
+        self.angle_not_measured += 1;
+    }
+
     fn share(&self, count: u64) -> f64 {
         count as f64 / self.samples.max(1) as f64
     }

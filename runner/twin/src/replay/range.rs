@@ -19,6 +19,8 @@ use ballrace::{Displacement, Turn};
 const MARGIN: f64 = 3.0;
 /// Force over the loads on the rotor that no bearing of unknown contact pressure answers with.
 const LARGEST_FORCE: f64 = 1000.0;
+/// Force over the loads on the rotor up to which an axial position that no probe sees is accepted of an observer.
+const LARGEST_UNSEEN_FORCE: f64 = 10.0;
 /// First displacement tried, and the last, m.
 const SEARCH: (f64, f64) = (1e-7, 1e-2);
 /// Growth from one displacement to the next: the limit is found within so much above.
@@ -30,6 +32,8 @@ const SUSTAINED: u32 = 16;
 pub struct ReadingRange {
     /// Largest magnitude of each reading, m; infinite where nothing bounds it.
     largest: Vec<f64>,
+    /// Largest magnitude of an estimated axial position, m; infinite where a probe sees it.
+    axial: f64,
     names: Vec<String>,
     /// Readings out of range one after the other, up to now.
     runs: Vec<u32>,
@@ -59,6 +63,7 @@ impl ReadingRange {
         let limits = limits.collect::<Result<Vec<_>>>()?;
         let largest: Vec<f64> = probes.iter().map(|probe| MARGIN * at_probe(&limits, probe)).collect();
         Ok(Self {
+            axial: unseen_axial(plant, probes, loads),
             names: probes.iter().map(|p| p.column.clone()).collect(),
             runs: vec![0; largest.len()],
             outside: vec![0; largest.len()],
@@ -99,9 +104,9 @@ impl ReadingRange {
         into.extend(limited.map(|(&y, &largest)| if y.abs() <= largest { y } else { f64::NAN }));
     }
 
-    /// Each of these readings is one that the bearings allow.
-    pub fn allows(&self, readings: impl Iterator<Item = f64>) -> bool {
-        readings.zip(&self.largest).all(|(y, &largest)| y.abs() <= largest)
+    /// The bearings allow each of these readings of an estimate, and its axial position.
+    pub fn allows(&self, readings: impl Iterator<Item = f64>, axial: f64) -> bool {
+        axial.abs() <= self.axial && readings.zip(&self.largest).all(|(y, &largest)| y.abs() <= largest)
     }
 
     /// Probes with more than `share` of their readings out of range: column, share, largest reading allowed (m).
@@ -171,6 +176,17 @@ impl Limit {
             tilt: one_way(reach(tilt, 10.0), reach(tilt, -10.0)),
         }
     }
+}
+
+/// Largest magnitude of an axial position that no probe sees: innovations do not correct it, so that it may run away where the
+/// rotor is not the scene's.
+fn unseen_axial(plant: &Plant, probes: &[Probe], loads: f64) -> f64 {
+    if loads == 0.0 || probes.iter().any(|probe| probe.direction == Direction::Axial) {
+        return f64::INFINITY;
+    }
+    let limits = plant.seats.iter().map(|seat| Limit::new(plant, seat, None, LARGEST_UNSEEN_FORCE * loads).axial);
+    let largest = limits.filter(|x| x.is_finite()).reduce(f64::max).unwrap_or(f64::INFINITY);
+    plant.pose(&plant.rest).w.abs() + largest
 }
 
 /// Largest magnitude of a probe's reading that the bearings' limits allow.

@@ -5,11 +5,12 @@ use super::notices::Notice;
 use super::outcome::Outcome;
 use super::recent::Glance;
 use super::second::Second;
-use super::{Options, Run, Startup, angle_source};
+use super::startup::Startup;
+use super::{Options, Run, angle_source};
 use crate::fault::{SceneFault, scene_fault};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
-use crate::recording::rotation::Tracker;
+use crate::recording::rotation::{RotationError, Tracker};
 use crate::scene::{Recording, Rotation, Scene};
 use anyhow::{Result, bail};
 use std::sync::atomic::Ordering;
@@ -63,13 +64,31 @@ impl<'a> Replay<'a> {
 
     /// Takes in the next row: evaluates limits and indicators of readings and queues the samples for the twin.
     ///
+    /// Where the shaft stands still, its samples are set aside; angle, twin and observer start anew with the next revolutions.
+    ///
     /// # Errors
-    /// A shaft whose angle cannot be found, a search that cannot be started.
+    /// A search that cannot be started.
     pub fn push(&mut self, row: Row) -> Result<()> {
         self.rows += 1;
+        let time = row.time;
         let pushed = self.tracker.push(row);
         self.drain()?;
-        Ok(pushed?)
+        if let Err(error) = pushed {
+            let sentence = || format!("{error}; the twin waits until it turns.");
+            self.run.notices.add("shaft-not-turning", time, sentence);
+            self.set_aside(error);
+            self.begin_anew();
+        }
+        Ok(())
+    }
+
+    /// Sets the samples aside that wait for a shaft angle.
+    fn set_aside(&mut self, reason: RotationError) {
+        while let Some(mut row) = self.tracker.abandon() {
+            self.run.set_aside(&mut row);
+            self.tracker.recycle(row);
+        }
+        self.run.standstill.explain(reason);
     }
 
     fn drain(&mut self) -> Result<()> {
@@ -88,16 +107,16 @@ impl<'a> Replay<'a> {
         self.run.work(deadline, |row| tracker.recycle(row))
     }
 
-    /// The start of the twin is found.
+    /// The twin has started.
     #[must_use]
-    pub const fn has_started(&self) -> bool {
-        matches!(self.run.startup, Startup::Done)
+    pub fn has_started(&self) -> bool {
+        matches!(self.run.startup, Startup::Done) && self.run.has_begun()
     }
 
-    /// The start of the twin is searched for.
+    /// The start of the twin is searched for, or it is run in.
     #[must_use]
     pub const fn is_searching(&self) -> bool {
-        matches!(self.run.startup, Startup::Searching(_))
+        self.run.is_starting()
     }
 
     /// No sample waits for the twin.
@@ -112,7 +131,7 @@ impl<'a> Replay<'a> {
         self.run.queue.len()
     }
 
-    /// Ends the search for the observer: the twin starts without one.
+    /// Ends the search for the observer and the run-in of the twin: it starts without an observer, at rest.
     pub fn cancel_search(&self) {
         self.run.cancelled.store(true, Ordering::Relaxed);
     }
@@ -120,36 +139,27 @@ impl<'a> Replay<'a> {
     /// No row follows: the samples that wait for the shaft angle are evaluated and queued.
     ///
     /// # Errors
-    /// A shaft whose angle cannot be found. On a machine that is watched this is a note where anything was measured before.
+    /// A search that cannot be started.
     pub fn end(&mut self) -> Result<()> {
         if std::mem::replace(&mut self.ended, true) {
             return Ok(());
         }
         let finished = self.tracker.finish();
         self.drain()?;
-        self.run.end()?;
-        match finished {
-            Err(error) if self.run.watched && self.run.has_samples() => {
-                self.run.notes.push(format!("The last samples have no shaft angle: {error}."));
-                Ok(())
-            }
-            other => Ok(other?),
+        if let Err(error) = finished {
+            self.set_aside(error);
         }
+        self.run.end()
     }
 
-    /// After a standstill: angle, twin and observer start anew with the next revolutions.
-    ///
-    /// # Errors
-    /// A search that cannot be started.
-    pub fn begin_anew(&mut self) -> Result<()> {
-        self.drain()?;
+    /// Angle, twin and observer start anew.
+    fn begin_anew(&mut self) {
         if let Some(recording) = &self.scene.recording {
             let rate = self.run.rate * f64::from(recording.average);
             self.flaws.extend(self.tracker.flaws().summary());
-            self.tracker = tracker(self.scene, recording, rate, true);
+            self.tracker = tracker(self.scene, recording, rate, self.run.watched);
         }
         self.run.restart();
-        Ok(())
     }
 
     /// What there is to see now; nothing unless someone looks on.

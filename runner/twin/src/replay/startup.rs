@@ -5,13 +5,14 @@
 
 use super::{align, drive, total_turns};
 use crate::observer::{Cancelled, Heard, Start, Tuned, tuned};
-use crate::plant::Plant;
+use crate::plant::{Plant, RunIn, Twin};
 use crate::recording::Sample;
 use crate::scene::Speed;
 use anyhow::{Result, bail};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 /// How far the start has come.
 pub(super) enum Startup {
@@ -60,27 +61,32 @@ impl Search {
     /// A machine that cannot be started, probes that no observer takes.
     pub(super) fn run(&self, samples: &[Sample]) -> Result<Started> {
         let mut lag = 0.0;
-        // A gap leaves fewer samples, never a longer time to integrate.
-        let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MOST_SAMPLES as u64;
-        let shifted =
-            |lag| samples.iter().take_while(within).map(|s| align::shifted(s.clone(), lag)).collect::<Vec<_>>();
-        for _ in 0..2 {
-            let shifted = shifted(lag);
-            let Some(first) = shifted.first() else { return Ok(Started { lag, tuned: None }) };
-            let mut twin = self.plant.run_in(self.period, total_turns(first), &drive(first))?;
-            let more = align::lag(&shifted, twin.as_mut(), &self.rows, self.period);
-            lag = (lag + more).clamp(-0.5 * self.period, 0.5 * self.period);
-        }
-        match self.tune(&shifted(lag)) {
+        match self.find(samples, &mut lag) {
             Err(error) if error.is::<Cancelled>() => Ok(Started { lag, tuned: None }),
             tuned => Ok(Started { lag, tuned: tuned? }),
         }
     }
 
+    fn find(&self, samples: &[Sample], lag: &mut f64) -> Result<Option<Tuned>> {
+        // A gap leaves fewer samples, never a longer time to integrate.
+        let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MOST_SAMPLES as u64;
+        let shifted =
+            |lag| samples.iter().take_while(within).map(|s| align::shifted(s.clone(), lag)).collect::<Vec<_>>();
+        for _ in 0..2 {
+            let shifted = shifted(*lag);
+            let Some(first) = shifted.first() else { return Ok(None) };
+            let mut twin = self.run_in(first)?;
+            let more = align::lag(&shifted, twin.as_mut(), &self.rows, self.period, &self.cancelled);
+            self.check_cancelled()?;
+            *lag = (*lag + more).clamp(-0.5 * self.period, 0.5 * self.period);
+        }
+        self.tune(&shifted(*lag))
+    }
+
     /// Finds the observer under which the first samples are the most likely.
     fn tune(&self, samples: &[Sample]) -> Result<Option<Tuned>> {
         let Some(first) = samples.first() else { return Ok(None) };
-        let twin = self.plant.run_in(self.period, total_turns(first), &drive(first))?;
+        let twin = self.run_in(first)?;
         let heard = Heard {
             samples,
             rows: &self.rows,
@@ -91,6 +97,19 @@ impl Search {
             cancelled: &self.cancelled,
         };
         tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref()))
+    }
+
+    /// Runs the twin in up to a sample.
+    fn run_in(&self, first: &Sample) -> Result<Box<dyn Twin>> {
+        let mut run_in = RunIn::try_new(&self.plant, self.period, total_turns(first), &drive(first))?;
+        while run_in.advance() {
+            self.check_cancelled()?;
+        }
+        Ok(run_in.into_twin())
+    }
+
+    fn check_cancelled(&self) -> Result<(), Cancelled> {
+        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
     }
 
     /// Runs the search on its own thread.
@@ -109,4 +128,53 @@ impl Search {
 /// Those of the search.
 pub(super) fn joined(search: JoinHandle<Result<Started>>) -> Result<Started> {
     search.join().unwrap_or_else(|_| bail!("the search for the twin's start panicked"))
+}
+
+/// Twins that are run in up to a sample, some steps at a time: a monitor does not wait for them.
+pub(super) struct Beginning {
+    plants: [Arc<Plant>; 2],
+    /// On the scene's bearings and on linear springs.
+    twins: [RunIn; 2],
+    /// s
+    period: f64,
+    revolutions: f64,
+}
+
+impl Beginning {
+    /// Starts twins on both plants for a sample.
+    ///
+    /// # Errors
+    /// A machine that cannot be started.
+    pub(super) fn try_new(plants: [Arc<Plant>; 2], period: f64, sample: &Sample) -> Result<Self> {
+        let (revolutions, drive) = (total_turns(sample), drive(sample));
+        let [plant, linear] = plants.each_ref().map(|plant| RunIn::try_new(plant, period, revolutions, &drive));
+        Ok(Self { twins: [plant?, linear?], plants, period, revolutions })
+    }
+
+    /// Advances the twins until they have settled or `deadline` has passed; returns true where they have settled.
+    pub(super) fn advance(&mut self, deadline: Option<Instant>) -> bool {
+        loop {
+            let [twin, linear] = &mut self.twins;
+            if !(twin.advance() || linear.advance()) {
+                return true;
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return false;
+            }
+        }
+    }
+
+    /// Returns the settled twins.
+    pub(super) fn settled(self) -> [Box<dyn Twin>; 2] {
+        self.twins.map(RunIn::into_twin)
+    }
+
+    /// Returns twins at rest in the place of those that have not settled.
+    ///
+    /// # Errors
+    /// A machine that cannot be started.
+    pub(super) fn at_rest(self) -> Result<[Box<dyn Twin>; 2]> {
+        let [twin, linear] = self.plants.map(|plant| plant.start(self.period, self.revolutions));
+        Ok([twin?, linear?])
+    }
 }

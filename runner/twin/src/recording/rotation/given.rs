@@ -15,7 +15,7 @@ pub(super) struct SpeedColumn {
     column: String,
     rate: f64,
     /// Samples before the first speed.
-    waiting: VecDeque<Row>,
+    pub(super) waiting: VecDeque<Row>,
     /// Number and speed of the sample before `held`.
     before: Option<(u64, f64)>,
     held: Option<Held>,

@@ -43,7 +43,8 @@ pub(super) struct Keyphasor {
     reversed: bool,
     /// Most samples that wait.
     pub(super) longest_wait: usize,
-    waiting: VecDeque<Row>,
+    /// Rows that wait for their angle.
+    pub(super) waiting: VecDeque<Row>,
     next_look: usize,
     edges: Option<Edges>,
     /// Up to `2 * SIDE` before the one at `left`, and all since.

@@ -299,7 +299,7 @@ fn too_few_pulses() {
     let none = failure((0..5000).map(|index| row(index, 0.0)).collect());
     assert_eq!(
         none.to_string(),
-        "column key: no keyphasor pulses in 5000 samples: it stays between 0 and 0; allowed: two levels that change in an even beat"
+        "column key: no keyphasor pulses in 5000 samples: it stays between 0 and 0, expected two levels that alternate once per pulse"
     );
     let one = failure((0..5000).map(|index| row(index, f64::from(u8::from(index == 99)))).collect());
     assert_eq!(one, RotationError::OnePulse { column: "key".into(), line: 101 });

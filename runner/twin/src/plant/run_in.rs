@@ -1,0 +1,50 @@
+//! The run-in of a twin: it starts at rest and settles at a steady speed before the sample at which it is needed.
+
+use super::{Plant, Twin};
+use anyhow::Result;
+use ballrace::Turn;
+use ballrace::rotor::Drive;
+use std::f64::consts::TAU;
+
+/// A twin that settles at a steady speed, sample by sample.
+pub struct RunIn {
+    twin: Box<dyn Twin>,
+    /// The shaft at the end.
+    drive: Drive<f64>,
+    /// s
+    sample_period: f64,
+    /// Samples in all.
+    samples: f64,
+    /// Samples passed.
+    passed: u64,
+}
+
+impl RunIn {
+    /// Starts a twin at rest, [`Plant::settling_time`] before the shaft is at `revolutions` and moves as `drive` states.
+    ///
+    /// # Errors
+    /// The kernel's.
+    pub fn try_new(plant: &Plant, sample_period: f64, revolutions: f64, drive: &Drive<f64>) -> Result<Self> {
+        let samples = (plant.settling_time() / sample_period).ceil();
+        let before = samples * sample_period * drive.speed / TAU;
+        let twin = plant.start(sample_period, revolutions - before)?;
+        Ok(Self { twin, drive: Drive { acceleration: 0.0, ..*drive }, sample_period, samples, passed: 0 })
+    }
+
+    /// Advances the twin by one sample; returns false where it has settled.
+    pub fn advance(&mut self) -> bool {
+        if self.passed >= self.samples as u64 {
+            return false;
+        }
+        let left = (self.samples - self.passed as f64) * self.sample_period * self.drive.speed / TAU;
+        self.passed += 1;
+        self.twin.step(&Drive { angle: self.drive.angle.plus(Turn::from_revolutions(-left)), ..self.drive });
+        true
+    }
+
+    /// Returns the twin.
+    #[must_use]
+    pub fn into_twin(self) -> Box<dyn Twin> {
+        self.twin
+    }
+}
