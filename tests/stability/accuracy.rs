@@ -38,8 +38,8 @@ fn functions() -> Vec<Claim> {
     };
     let claim = |what: &str, error: f64| Claim { what: what.to_owned(), error };
     vec![
-        claim("sine of a turn, f32 (absolute)", sine(&|t| f64::from(<Exact as Math<f32>>::sin_cos(t).0))),
-        claim("sine of a turn, f64 (absolute)", sine(&|t| <Exact as Math<f64>>::sin_cos(t).0)),
+        claim("sine of an angle, f32 (absolute)", sine(&|t| f64::from(<Exact as Math<f32>>::sin_cos(t).0))),
+        claim("sine of an angle, f64 (absolute)", sine(&|t| <Exact as Math<f64>>::sin_cos(t).0)),
         claim(
             "square root, f32 Fast",
             relative(count, decades(1e-12, 1e12), |x| f64::from(<Fast as Math<f32>>::sqrt(x as f32)), f64::sqrt),
@@ -135,7 +135,7 @@ fn the_table_is_true_and_tight() {
     let end = text.find(END).expect("a mark where the table ends");
     if std::env::var_os("BALLRACE_WRITE").is_some() {
         let rows: String = claims.iter().map(|c| format!("| {} | {} |\n", c.what, stated(c.error))).collect();
-        let table = format!("| what | largest error |\n| --- | --: |\n{rows}");
+        let table = format!("| quantity | largest error |\n| --- | --: |\n{rows}");
         std::fs::write(chapter(), format!("{}{table}{}", &text[..begin], &text[end..])).unwrap();
         return;
     }
