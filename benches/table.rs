@@ -76,9 +76,8 @@ fn body(subjects: &[Subject], times: &Times) -> String {
 fn preamble() -> String {
     format!(
         "{}, {} with {}, {}.\n\
-         Median of {ROUNDS} rounds in which all rows take turns; calls one after another, a call of a batch being one sample.\n\
-         The times are an indication: they change with machine, compiler and load. The ratios, each taken within a round, are\n\
-         the result.",
+         Median of {ROUNDS} rounds; the rows alternate within a round. Calls follow each other without a pause; a call of a batch is one sample.\n\
+         Times change with machine, compiler and load. The ratios, each taken within a round, repeat within some percent.",
         processor(),
         env::consts::ARCH,
         vector_unit(),

@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// Command lines that are not run here, by their beginning, and why.
-const EXCEPTIONS: [(&str, &str); 6] = [
+const EXCEPTIONS: [(&str, &str); 8] = [
     ("cargo deny", "needs a program and a database of others"),
+    ("cargo doc", "a part of tests/run"),
+    ("cargo install", "installs a program"),
     ("tests/run", "runs this test"),
     ("tests/fuzz/run", "needs a C++ compiler and runs for the minutes that it is given"),
     ("cargo test", "a part of tests/run"),

@@ -462,7 +462,7 @@ fn the_table_of_errors_and_costs_is_that_of_the_documented_spindle() {
     let text = fs::read_to_string(&path).unwrap();
     let (before, rest) = text.split_once(TRADE[0]).expect("a mark where the table begins");
     let (stated, after) = rest.split_once(TRADE[1]).expect("a mark where it ends");
-    let header = "| force of a bearing, f32 | median error | largest error | instructions | cycles |\n\
+    let header = "| forces of both bearings, f32 | median error | largest error | instructions | cycles |\n\
                   | --- | --: | --: | --: | --: |\n";
     let found = format!("{header}{}", trade_rows());
     if rewrites() {
