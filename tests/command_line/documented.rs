@@ -76,16 +76,17 @@ fn is_command(text: &str) -> bool {
     text.starts_with("ballrace ") || text.starts_with("cargo ") || text.contains(" cargo ") || is_script
 }
 
-/// The command lines of a document: lines of its fenced blocks and its inline code.
+/// The command lines of a document: lines of its fenced blocks for a shell, and its inline code.
 fn commands_of(text: &str) -> Vec<String> {
     let mut commands = vec![];
-    let mut fenced = false;
+    let mut fence: Option<&str> = None;
     for line in text.lines() {
-        if line.trim_start().starts_with("```") {
-            fenced = !fenced;
-        } else if fenced {
+        if let Some(language) = line.trim_start().strip_prefix("```") {
+            fence = if fence.is_none() { Some(language) } else { None };
+        } else if let Some(language) = fence {
             let command = line.split(" #").next().unwrap().trim();
-            commands.extend(is_command(command).then(|| command.to_owned()));
+            let is_shell = matches!(language, "" | "sh");
+            commands.extend((is_shell && is_command(command)).then(|| command.to_owned()));
         } else {
             let code = line.split('`').skip(1).step_by(2).map(|code| code.replace("\\|", "|"));
             commands.extend(code.filter(|code| is_command(code)));
@@ -198,7 +199,7 @@ fn long_documented_commands_end_well_as_they_stand() {
 
 #[test]
 fn unknown_commands_are_found_in_text_and_blocks() {
-    let text = "See `ballrace a`, `ballrace-report.html` and `x \\| y`.\n```sh\nballrace b c   # why\ntests/run\n```\n`cargo d`\n";
+    let text = "See `ballrace a`, `ballrace-report.html` and `x \\| y`.\n```sh\nballrace b c   # why\ntests/run\n```\n```toml\nballrace = 1\n```\n`cargo d`\n";
     assert_eq!(commands_of(text), ["ballrace a", "ballrace b c", "tests/run", "cargo d"]);
 }
 
