@@ -16,7 +16,7 @@ use subjects::{BATCH, BATCH_PRELOADED, COLUMNS, ROOTS, Subject};
 
 /// The file that holds the table, from the root of the repository.
 const CHAPTER: &str = "docs/src/performance.md";
-const SECTION: Section = Section { name: "bench", first_column: "ns a call" };
+const SECTION: Section = Section { name: "bench", first_column: "ns per call" };
 
 /// Rows of ratios: the name, what is above, what is below.
 const RATIOS: [(&str, &str, &str); 6] = [
