@@ -15,7 +15,7 @@ use std::{env, fs};
 use subjects::balls::PLAIN_C;
 use subjects::{COLUMNS, Subject};
 
-const SECTION: Section = Section { name: "callgrind", first_column: "instructions a call" };
+const SECTION: Section = Section { name: "callgrind", first_column: "instructions per call" };
 /// Given to the copy of this program that runs under callgrind.
 const COUNTED: &str = "--counted";
 /// A count may change by this share.

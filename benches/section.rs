@@ -1,4 +1,4 @@
-//! A section of a README between two marks: written from measurements, checked against the list of subjects.
+//! A table between two marks in a Markdown file: written from measurements, checked against the list of subjects.
 
 use crate::subjects::{COLUMNS, Subject};
 use std::process;

@@ -1,6 +1,6 @@
-//! Measures every subject and writes the table in the README: `cargo bench -p ballrace-benches --bench table`.
+//! Measures every subject and writes the table in `docs/src/performance.md`: `cargo bench -p ballrace-benches --bench table`.
 //!
-//! With `-- --check` it measures nothing and only says whether the README's table has the rows it should have.
+//! With `-- --check` it measures nothing and checks that the table has one row for each subject.
 
 mod measure;
 mod section;
@@ -14,7 +14,9 @@ use std::{env, fs};
 use subjects::balls::{COLD, LOOKED_UP, PLAIN_C, WARM};
 use subjects::{BATCH, BATCH_PRELOADED, COLUMNS, ROOTS, Subject};
 
-const SECTION: Section = Section { name: "bench", first_column: "ns a call" };
+/// The file that holds the table, from the root of the repository.
+const CHAPTER: &str = "docs/src/performance.md";
+const SECTION: Section = Section { name: "bench", first_column: "ns per call" };
 
 /// Rows of ratios: the name, what is above, what is below.
 const RATIOS: [(&str, &str, &str); 6] = [
@@ -30,10 +32,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let given = |option: &str| env::args().any(|argument| argument == option);
     let mut subjects = subjects::all()?;
     if given("--check") {
-        let text = fs::read_to_string(readme()).map_err(|error| format!("README.md: {error}"))?;
+        let text = fs::read_to_string(chapter()).map_err(|error| format!("{CHAPTER}: {error}"))?;
         let expected: Vec<&str> = section::rows(&subjects).into_iter().chain(RATIOS.map(|(name, ..)| name)).collect();
-        SECTION.check(&text, &expected).map_err(|fault| format!("README.md: {fault}"))?;
-        println!("README.md: the benchmark table has all its rows");
+        SECTION.check(&text, &expected).map_err(|fault| format!("{CHAPTER}: {fault}"))?;
+        println!("{CHAPTER}: the benchmark table has all its rows");
     } else if given("--bench") {
         write(&mut subjects)?;
     } else {
@@ -45,16 +47,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn readme() -> PathBuf {
-    [env!("CARGO_MANIFEST_DIR"), "..", "README.md"].iter().collect()
+fn chapter() -> PathBuf {
+    [env!("CARGO_MANIFEST_DIR"), "..", CHAPTER].iter().collect()
 }
 
 fn write(subjects: &mut [Subject]) -> Result<(), Box<dyn Error>> {
     let times = measure::times(subjects);
     let body = body(subjects, &times);
     println!("{body}");
-    let old = fs::read_to_string(readme())?;
-    fs::write(readme(), SECTION.replaced(&old, &body).ok_or("README.md has no place for the table")?)?;
+    let old = fs::read_to_string(chapter())?;
+    let new = SECTION.replaced(&old, &body).ok_or(format!("{CHAPTER} has no marks for the table"))?;
+    fs::write(chapter(), new)?;
     Ok(())
 }
 
@@ -73,9 +76,8 @@ fn body(subjects: &[Subject], times: &Times) -> String {
 fn preamble() -> String {
     format!(
         "{}, {} with {}, {}.\n\
-         Median of {ROUNDS} rounds in which all rows take turns; calls one after another, a call of a batch being one sample.\n\
-         The times are an indication: they change with machine, compiler and load. The ratios, each taken within a round, are\n\
-         the result.",
+         Median of {ROUNDS} rounds; the rows alternate within a round. Calls follow each other without a pause; a call of a batch is one sample.\n\
+         Times change with machine, compiler and load. The ratios, each taken within a round, repeat within some percent.",
         processor(),
         env::consts::ARCH,
         vector_unit(),

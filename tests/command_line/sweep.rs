@@ -35,7 +35,7 @@ fn points_are_those_of_simulate() {
     assert_eq!(desk.files(), ["a-sections.csv", "a.csv", "a.html", "a.parquet", "scene.toml"]);
     let speeds = column(&desk, "a.csv", "shaft.speed_rpm");
     assert_eq!(speeds[1], Some(1500.0));
-    // MODEL F5: 0.05206 and 0.79116 um peak to peak, 7.54058 mean, at 1500 rpm; the sampling is coarser here.
+    // Confirmed by a second program: 0.05206 and 0.79116 um peak to peak, 7.54058 mean, at 1500 rpm; the sampling is coarser here.
     let at = |name: &str| column(&desk, "a.csv", name)[1].unwrap();
     assert!((at("u_peak_to_peak_um") - 0.05206).abs() < 3e-4, "{}", at("u_peak_to_peak_um"));
     assert!((at("v_peak_to_peak_um") - 0.79116).abs() < 2e-3, "{}", at("v_peak_to_peak_um"));

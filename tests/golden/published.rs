@@ -71,7 +71,7 @@ fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, Places<f64, 7>> {
 }
 
 /// MASTA's deflections as quoted by the public test file, to 0.05 % (its tool and exact Hertz differ by 0.044 %).
-/// The tilt differs by 1 % for its lever arm d_m/2; with R_i it is 2.6592 and 3.6468 mrad (MODEL F2).
+/// The tilt differs by 1 % for its lever arm d_m/2; with R_i it is 2.6592 and 3.6468 mrad.
 #[test]
 fn deep_groove_bearing_under_static_load() {
     let file = published();
@@ -97,7 +97,7 @@ fn deep_groove_bearing_under_static_load() {
     }
 }
 
-/// Harris' 218 at rest under 17.8 kN: MODEL F4's digits, confirmed by three programs.
+/// Harris' 218 at rest under 17.8 kN: digits confirmed by three programs.
 #[test]
 fn harris_218_at_rest() {
     let file = published();
@@ -132,7 +132,7 @@ fn harris_218_at_rest() {
     }
 }
 
-/// MODEL F11: six rollers of 13.6 mm, two of them 30 degrees off a load of 1000 N.
+/// Six rollers of 13.6 mm, two of them 30 degrees off a load of 1000 N.
 #[test]
 fn rollers_by_the_line_contact_law() {
     let load = 500.0 / 30.0_f64.to_radians().cos();
@@ -141,7 +141,7 @@ fn rollers_by_the_line_contact_law() {
     assert!((ring * 1e6 - 3.473_973).abs() < 1e-6, "{ring}");
 }
 
-/// MODEL F10: orders of a 6205-class bearing as they are widely quoted.
+/// Orders of a 6205-class bearing as they are widely quoted.
 #[test]
 fn orders_of_a_6205() {
     let ratio = 7.94 / 39.04;

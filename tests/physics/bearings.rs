@@ -27,7 +27,7 @@ fn wrench_of(bearing: &dyn Bearing<f64>, u: Displacement<f64>, cage: Turn) -> [f
     bearing.reaction(&u, &cage.into()).wrench.to_array()
 }
 
-/// MODEL F4b, confirmed by a second program; forces to the printed digits.
+/// The bearing of 14 balls, confirmed by a second program; forces to the printed digits.
 #[test]
 fn angular_contact_bearing_of_f4b() {
     let geometry = acbb_s_geometry();
@@ -83,7 +83,7 @@ fn both_zeros_describe_one_bearing() {
 }
 
 proptest! {
-    /// The set of elements is the same after one pitch (MODEL F12).
+    /// The set of elements is the same after one pitch.
     #[test]
     fn turning_the_cage_by_one_pitch_changes_nothing(u in displacement(), angle in 0.0..1.0_f64) {
         let bearing = deep_groove::<9>(10e-6);
@@ -93,7 +93,7 @@ proptest! {
         prop_assert!(relative_to_largest(&a, &b) < 1e-10 || a.iter().all(|x| x.abs() < 1e-9));
     }
 
-    /// A bearing facing -Z is the same one turned by pi about X (MODEL section 0).
+    /// A bearing facing -Z is the same one turned by pi about X (`docs/src/models.md#displacement-datum`).
     #[test]
     fn mirrored_is_turned_about_x(u in displacement(), angle in 0.0..1.0_f64) {
         let places: Places<f64, 14> = even_places(Turn::from_revolutions(0.013));
@@ -113,7 +113,7 @@ proptest! {
         prop_assert!(wrench_of(&mirrored, push, cage)[2] > -1.0);
     }
 
-    /// The force has a potential at rest: no work around a closed path in displacement (MODEL F12).
+    /// The force has a potential at rest: no work around a closed path in displacement.
     #[test]
     fn no_work_around_a_closed_loop(centre in displacement(), a in displacement(), b in displacement()) {
         let bearing = deep_groove::<9>(10e-6);

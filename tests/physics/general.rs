@@ -400,7 +400,7 @@ fn on_moving_balls(
     Machine { rotor: General::try_new(&matrices).unwrap(), bearings: [balls] }
 }
 
-/// MODEL C4's limit: without mass the balls rest between the races, and the bearing is the lumped one with both races in
+/// The limit of `docs/src/models.md#balls-with-mass`: without mass the balls rest between the races, and the bearing is the lumped one with both races in
 /// series; what is left is the second order of the displacement over the pitch radius.
 #[test]
 fn moving_balls_without_mass_are_the_lumped_bearing() {

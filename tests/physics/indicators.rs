@@ -101,7 +101,7 @@ fn envelope_of_a_swelling_tone() {
     }
 }
 
-/// MODEL.md F2: a deep groove bearing under 1000 N radially, without play; ISO 16281 with ISO's constants says 13162.77 and
+/// A deep groove bearing under 1000 N radially, without play; ISO 16281 with ISO's constants says 13162.77 and
 /// MASTA 13163.019 million turns.
 #[test]
 fn life_of_the_published_bearing() {

@@ -1,4 +1,4 @@
-//! MODEL F12's identities, the limits that recover the cheaper rung, and the tables of F4, F4b and F7.
+//! Identities of the quasi-static model, the limits in which it equals a cheaper one, and tables confirmed by other programs.
 
 use ballrace::bearing::angular::{Angular, Zero};
 use ballrace::bearing::quasi_static::film::{Lubricant, central_film};
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 type Static = QuasiStatic<f64, Exact, Places<f64, 14>>;
 
 const OIL: Lubricant = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
-/// MODEL F4b's displacement.
+/// The displacement of the confirmed table.
 const U: Displacement<f64> = Displacement { u: 2e-6, v: 1e-6, w: 10e-6, thu: 1e-4, thv: -5e-5 };
 
 fn plain(first: Turn) -> Static {
@@ -214,7 +214,7 @@ fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
         assert!((f_in.fz + f_out.fz).abs() < 1e-6, "{rpm} rpm");
         if rpm == 0.0 {
             // Moments about one point: the groove planes stand A sin(alpha_0) + w apart; lever arms of undeformed surfaces
-            // are off by 0.15 % (MODEL A.9).
+            // are off by 0.15 %.
             let apart = acbb_s_geometry().groove_distance() * acbb_s_geometry().contact_angle.sin() + U.w;
             assert!((f_in.mx - apart * f_in.fy + f_out.mx).abs() < 3e-3 * f_in.mx.abs());
             assert!((f_in.my + apart * f_in.fx + f_out.my).abs() < 3e-3 * f_in.my.abs());

@@ -134,7 +134,7 @@ fn both_integrators_agree_on_the_rig() {
     }
 }
 
-/// MODEL F8: natural frequencies of a rotor on a preloaded pair, at rest and split by the gyroscopic moment.
+/// Natural frequencies of a rotor on a preloaded pair, at rest and split by the gyroscopic moment.
 #[test]
 fn natural_frequencies_of_a_preloaded_pair() {
     let w0 = Displacement { w: 10.000_495e-6, ..Displacement::default() };

@@ -5,7 +5,7 @@ use ballrace::bearing::quasi_static::inertia::{FrictionSharing, RaceControl};
 use ballrace::{Exact, Math, Scalar};
 use ballrace_tests::states::{Random, State, random_state, solve};
 
-/// Unbalanced force (over the 1e-12 N that count as nothing) over the largest load by the equations of MODEL A.5, from what the solver says of the ball.
+/// Unbalanced force (over the 1e-12 N that count as nothing) over the largest load by the equations of `docs/src/models.md#quasi-static-bearing`, from what the solver says of the ball.
 fn imbalance(state: &State, ball: &BallState<f64>) -> f64 {
     let friction = ball.gyroscopic_moment / state.geometry.ball_diameter;
     let (q_i, q_o) = (ball.inner_load, ball.outer_load);

@@ -1,5 +1,5 @@
-//! The README's table of accuracy, held from both sides: a figure that is exceeded fails, so does one that has become
-//! needlessly loose.
+//! The table of rounding errors in `docs/src/validation.md`, held from both sides: a figure that is exceeded fails, and so
+//! does one that has become needlessly loose.
 
 use super::rungs::{self, turning};
 use ballrace::{Displacement, Exact, Fast, Math, Turn};
@@ -38,8 +38,8 @@ fn functions() -> Vec<Claim> {
     };
     let claim = |what: &str, error: f64| Claim { what: what.to_owned(), error };
     vec![
-        claim("sine of a turn, f32 (absolute)", sine(&|t| f64::from(<Exact as Math<f32>>::sin_cos(t).0))),
-        claim("sine of a turn, f64 (absolute)", sine(&|t| <Exact as Math<f64>>::sin_cos(t).0)),
+        claim("sine of an angle, f32 (absolute)", sine(&|t| f64::from(<Exact as Math<f32>>::sin_cos(t).0))),
+        claim("sine of an angle, f64 (absolute)", sine(&|t| <Exact as Math<f64>>::sin_cos(t).0)),
         claim(
             "square root, f32 Fast",
             relative(count, decades(1e-12, 1e12), |x| f64::from(<Fast as Math<f32>>::sqrt(x as f32)), f64::sqrt),
@@ -114,8 +114,11 @@ fn forces() -> Vec<Claim> {
     all
 }
 
-fn readme() -> PathBuf {
-    [env!("CARGO_MANIFEST_DIR"), "..", "README.md"].iter().collect()
+/// The file that holds the table, from the root of the repository.
+const CHAPTER: &str = "docs/src/validation.md";
+
+fn chapter() -> PathBuf {
+    [env!("CARGO_MANIFEST_DIR"), "..", CHAPTER].iter().collect()
 }
 
 /// Rounded up to two digits.
@@ -127,13 +130,13 @@ fn stated(error: f64) -> String {
 #[test]
 fn the_table_is_true_and_tight() {
     let claims: Vec<Claim> = functions().into_iter().chain(forces()).filter(|c| c.error > 0.0).collect();
-    let text = std::fs::read_to_string(readme()).unwrap();
-    let begin = text.find(BEGIN).expect("the README marks where the table begins") + BEGIN.len();
-    let end = text.find(END).expect("and where it ends");
+    let text = std::fs::read_to_string(chapter()).unwrap();
+    let begin = text.find(BEGIN).expect("a mark where the table begins") + BEGIN.len();
+    let end = text.find(END).expect("a mark where the table ends");
     if std::env::var_os("BALLRACE_WRITE").is_some() {
         let rows: String = claims.iter().map(|c| format!("| {} | {} |\n", c.what, stated(c.error))).collect();
-        let table = format!("| what | largest error |\n| --- | --: |\n{rows}");
-        std::fs::write(readme(), format!("{}{table}{}", &text[..begin], &text[end..])).unwrap();
+        let table = format!("| quantity | largest error |\n| --- | --: |\n{rows}");
+        std::fs::write(chapter(), format!("{}{table}{}", &text[..begin], &text[end..])).unwrap();
         return;
     }
     let table = &text[begin..end];
@@ -145,7 +148,7 @@ fn the_table_is_true_and_tight() {
             .unwrap_or_else(|| panic!("no row: {what}"));
         let most: f64 = row.split('|').nth(2).unwrap().trim().parse().unwrap();
         println!("{what}: {error:.2e}, stated {most:.1e}");
-        assert!(*error <= most, "{what}: {error:e}, the README says {most:e}");
-        assert!(*error * LOOSE >= most, "{what}: {error:e}, needlessly loose in the README: {most:e}");
+        assert!(*error <= most, "{what}: {error:e}, {CHAPTER} has {most:e}");
+        assert!(*error * LOOSE >= most, "{what}: {error:e}, needlessly loose in {CHAPTER}: {most:e}");
     }
 }

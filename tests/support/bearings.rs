@@ -29,7 +29,7 @@ pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, Places
         .expect("a possible bearing")
 }
 
-/// MODEL F4b's geometry: 14 balls of 7 mm on 38.5 mm at 25 degrees, conformity 0.52.
+/// The geometry of the bearing "ACBB-S": 14 balls of 7 mm on 38.5 mm at 25 degrees, conformity 0.52.
 pub fn acbb_s_geometry() -> BallBearingGeometry {
     BallBearingGeometry {
         ball_diameter: 7e-3,
@@ -42,7 +42,7 @@ pub fn acbb_s_geometry() -> BallBearingGeometry {
     }
 }
 
-/// Harris' 218 bearing of MODEL F4.
+/// Harris' 218 bearing.
 pub fn harris_218_geometry() -> BallBearingGeometry {
     let material = Material { youngs_modulus: 206.91e9, ..BEARING_STEEL };
     BallBearingGeometry {
@@ -65,7 +65,7 @@ pub const STEEL_BALLS: InertiaParams = InertiaParams {
     sharing: FrictionSharing::Outer,
 };
 
-/// MODEL F4b's bearing.
+/// The bearing "ACBB-S".
 pub fn angular_contact() -> Angular<f64, Exact, Places<f64, 14>> {
     Angular::try_new(acbb_s_geometry(), even_places(Turn::ZERO), Zero::Touching).expect("a possible bearing")
 }

@@ -5,6 +5,11 @@ pub mod compare;
 pub mod lumped;
 pub mod states;
 
+/// Examples of the firmware guide, compiled and run as tests of this documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/src/firmware.md")]
+pub struct FirmwareGuide;
+
 /// Calls `$body` with the constant `$n` equal to the run-time `$count` (3 to 24, what the golden files use).
 #[macro_export]
 macro_rules! with_elements {

@@ -1,6 +1,6 @@
 //! The kernel on an emulated Cortex-M4F: builds the images of tests/target, runs them, reads what they print.
 //!
-//! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the README's figures.
+//! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the figures of `docs/src/performance.md`.
 
 mod baked;
 mod bits;

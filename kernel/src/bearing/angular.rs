@@ -1,4 +1,4 @@
-//! Rung `angular`: a ball bearing whose contact angle follows the displacement, in closed form (MODEL A.10).
+//! Rung `angular`: a ball bearing whose contact angle follows the displacement, in closed form (`docs/src/models.md#angular-contact-bearing`).
 //!
 //! The groove centres stand `(A_r, A_z)` apart in each ball's plane; the deflection is the lengthening of that
 //! vector, `delta = |(A_r, A_z)| - A`, the load `Q = K_n delta^(3/2)` acts along it. Both races in series,

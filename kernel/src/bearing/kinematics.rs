@@ -1,4 +1,4 @@
-//! Speeds and orders of pure rolling, per turn of the inner ring with the outer one at rest (MODEL D1; Harris).
+//! Speeds and orders of pure rolling, per turn of the inner ring with the outer one at rest (`docs/src/models.md#orders`; Harris).
 
 /// The orders of one bearing: multiples of the shaft's rotational frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]

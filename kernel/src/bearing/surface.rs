@@ -1,4 +1,4 @@
-//! What races and balls are besides round: waviness and local damage, each turning with its own surface (MODEL A.6, D2).
+//! What races and balls are besides round: waviness and local damage, each turning with its own surface (`docs/src/models.md#waviness-and-damage`).
 
 use crate::math::Math;
 use crate::rotation::Rotation;

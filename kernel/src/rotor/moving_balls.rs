@@ -34,7 +34,7 @@ pub struct MovingBallsParams {
 ///
 /// With `c` the distance of the ball from the inner ring's centre, the deflections are `d_i = R - g/2 - c` and
 /// `d_o = x - g/2`; the ball is pushed by `K_i d_i^1.5 dc/dx - K_o d_o^1.5 + m_b (R + x) w_c^2` and its weight, the ring by
-/// `K_i d_i^1.5` along the line of centres. Source: Harsha, Sandeep, Prakash (2003), by Lagrange's equations; MODEL C4. As
+/// `K_i d_i^1.5` along the line of centres. Source: Harsha, Sandeep, Prakash (2003), by Lagrange's equations (`docs/src/models.md#balls-with-mass`). As
 /// `m_b` vanishes it becomes the lumped rung with both races in series.
 ///
 /// Motion is in the plane of the bearing: axial and tilting displacement do nothing. Cost: three square roots a ball.

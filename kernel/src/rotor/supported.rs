@@ -1,4 +1,4 @@
-//! The second paper's rotor: rigid, its bearings in supports that give way (MODEL A.11).
+//! The second paper's rotor: rigid, its bearings in supports that give way (`docs/src/models.md#rotor`).
 
 use super::general::Matrices;
 use super::rigid::sum_unbalances;

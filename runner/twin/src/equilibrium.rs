@@ -395,7 +395,7 @@ fn element(
     }
 }
 
-/// Least film over roughness of the worse contact (MODEL D10).
+/// Least film over roughness of the worse contact (`docs/src/models.md#oil-film`).
 fn film_ratio(s: &BallState<f64>, g: &BallBearingGeometry, lubricant: Lubricant, at: &Rotation<f64>) -> Option<f64> {
     let roughness = lubricant.roughness?;
     let oil = Oil { viscosity: lubricant.viscosity, pressure_viscosity: lubricant.pressure_viscosity };

@@ -1,5 +1,5 @@
 //! What a scene needs: each effect's change of the bearing's force, predicted from the static load of every ball
-//! (MODEL E), and whether the scene's model has it.
+//! (`docs/src/models.md#effect-significance`), and whether the scene's model has it.
 //!
 //! A ball that a small force `F` pushes from its place between the races, its groove centres held, moves by
 //! `K x = F` with `K = (k_i + k_o) e e^T + Q (1/l_i + 1/l_o) t t^T`: along the contact by the stiffness of both contacts,

@@ -1,4 +1,4 @@
-//! Instructions, modelled cycles, stack and flash of every subject, beside hand-written C, held in the README.
+//! Instructions, modelled cycles, stack and flash of every subject, beside hand-written C, held in `docs/src/performance.md`.
 
 mod fast;
 mod listing;
@@ -97,8 +97,11 @@ fn measured() -> Vec<Row> {
     rows
 }
 
-fn readme() -> PathBuf {
-    super::root().join("README.md")
+/// The file that holds the tables, from the root of the repository.
+const CHAPTER: &str = "docs/src/performance.md";
+
+fn chapter() -> PathBuf {
+    super::root().join(CHAPTER)
 }
 
 /// Compilers differ in what they make of the same source: figures are held for the one that wrote the table.
@@ -110,24 +113,24 @@ fn compiler() -> String {
 /// So many instructions, whatever the input: 700 of them, with NaN, infinities, subnormals, lost contact.
 #[test]
 #[ignore = "needs qemu-system-arm, gcc-arm-none-eabi and the target thumbv7em-none-eabihf; tests/run runs it"]
-fn figures_do_not_depend_on_the_input_and_stand_in_the_readme() {
+fn figures_do_not_depend_on_the_input_and_match_the_documented_tables() {
     let rows = measured();
     assert!(rows.len() >= 150, "{} subjects", rows.len());
-    let text = std::fs::read_to_string(readme()).expect("a README");
+    let text = std::fs::read_to_string(chapter()).expect(CHAPTER);
     let (before, stated, after) = table::split(&text);
     if std::env::var_os("BALLRACE_WRITE").is_some() {
         let section = table::section(&compiler(), &rows, &yardstick::rows(), &fast::errors());
-        std::fs::write(readme(), format!("{before}{section}{after}")).expect("the README takes it");
+        std::fs::write(chapter(), format!("{before}{section}{after}")).expect(CHAPTER);
         let known: String = rows.iter().map(Row::known).collect();
         std::fs::write(super::root().join("runner/twin/src/trade/cortex-m4f.csv"), known).expect("the runner takes it");
         return;
     }
     if !stated.contains(&format!("Compiled by {},", compiler())) {
-        println!("the README's figures are of another compiler than {}: not compared", compiler());
+        println!("{CHAPTER}: figures of another compiler than {}: not compared", compiler());
         return;
     }
     let held = table::read(stated);
-    assert_eq!(held.len(), rows.len(), "the README lists other functions: BALLRACE_WRITE=1 rewrites it");
+    assert_eq!(held.len(), rows.len(), "{CHAPTER} lists other functions: BALLRACE_WRITE=1 rewrites it");
     for (stated, found) in held.iter().zip(&rows) {
         compare(stated, found);
     }
@@ -136,10 +139,10 @@ fn figures_do_not_depend_on_the_input_and_stand_in_the_readme() {
 }
 
 fn compare(stated: &Row, found: &Row) {
-    assert!(stated.name == found.name, "BALLRACE_WRITE=1 rewrites the README's table");
+    assert!(stated.name == found.name, "BALLRACE_WRITE=1 rewrites the table of {CHAPTER}");
     for ((what, stated), (_, found_figure)) in stated.figures().into_iter().zip(found.figures()) {
         let change = f64::from(found_figure) / f64::from(stated.max(1)) - 1.0;
-        let says = format!("{}: {found_figure} {what}, the README says {stated}", found.name);
+        let says = format!("{}: {found_figure} {what}, {CHAPTER} has {stated}", found.name);
         assert!(change <= MARGIN, "{says}");
         assert!(change >= -MARGIN, "{says}, more than it takes now: BALLRACE_WRITE=1 rewrites it");
     }

@@ -1,4 +1,4 @@
-//! The README's section: two short tables and the full one, from which the test reads back.
+//! The tables of `docs/src/performance.md`: two short ones and the full one, which the test reads back.
 
 use super::fast::Errors;
 use super::yardstick::Compiled;
@@ -55,10 +55,10 @@ impl Row {
 }
 
 /// The text before the section, the section, the text after it.
-pub fn split(readme: &str) -> (&str, &str, &str) {
-    let begin = readme.find(BEGIN).expect("the README marks where the figures begin") + BEGIN.len();
-    let end = begin + readme[begin..].find(END).expect("and where they end");
-    (&readme[..begin], &readme[begin..end], &readme[end..])
+pub fn split(chapter: &str) -> (&str, &str, &str) {
+    let begin = chapter.find(BEGIN).expect("a mark where the figures begin") + BEGIN.len();
+    let end = begin + chapter[begin..].find(END).expect("a mark where the figures end");
+    (&chapter[..begin], &chapter[begin..end], &chapter[end..])
 }
 
 /// The rows of the full table.
@@ -79,7 +79,7 @@ pub fn section(compiler: &str, rows: &[Row], yardstick: &Compiled, errors: &Erro
         100.0 * errors.radial,
         100.0 * errors.angular
     );
-    text += "<details><summary>Every rung, number of elements, precision and math</summary>\n\n";
+    text += "<details><summary>Every model, number of elements, precision and math</summary>\n\n";
     text += &format!("{FULL}\n| --- | --: | --- | --- | --- | --: | --: | --: | --: |\n");
     for row in rows {
         writeln!(text, "{}", row.line()).expect("a string takes it");

@@ -102,7 +102,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
         self.place(&self.rims(&into_cage(u, M::sin_cos(at.cage)), None), at, balls);
     }
 
-    /// The tangent with the inertia loads held constant: symmetric, and off by 0.1 to 0.4 % at high speed (MODEL A.9).
+    /// The tangent with the inertia loads held constant: symmetric, and off by 0.1 to 0.4 % at high speed (`docs/src/models.md#tangent-stiffness`).
     pub fn condensed_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> Stiffness<T> {
         let turn = M::sin_cos(at.cage);
         self.condensed_in_cage(&self.rims(&into_cage(u, turn), None), at, turn)

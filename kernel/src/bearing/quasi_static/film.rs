@@ -1,4 +1,4 @@
-//! Oil film of a point contact: central thickness after Hamrock and Dowson (MODEL A.8), and the load that it lets a
+//! Oil film of a point contact: central thickness after Hamrock and Dowson (`docs/src/models.md#oil-film`), and the load that it lets a
 //! contact carry.
 //!
 //! `h_c/R_x = 2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 kappa))` with `U = eta_0 u/(E' R_x)`, `G = C E'`,

@@ -1,4 +1,4 @@
-//! What the balls' motion adds to their balance: centrifugal force and gyroscopic moment (MODEL A.3 to A.5).
+//! What the balls' motion adds to their balance: centrifugal force and gyroscopic moment (`docs/src/models.md#ball-kinematics`).
 //!
 //! With pure rolling at both contacts the speeds of a ball follow from its two contact angles. Putting the race control
 //! hypotheses into the general formulas leaves, with `C = cos(a_i - a_o)` and `dw = w_i - w_o`,

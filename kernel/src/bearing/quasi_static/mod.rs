@@ -1,4 +1,4 @@
-//! Rung `quasi-static`: every ball in equilibrium between two rings, solved ball by ball (MODEL A.1 to A.9).
+//! Rung `quasi-static`: every ball in equilibrium between two rings, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
 //!
 //! Two unknowns a ball, the place of its centre in its plane: Hertz contact on both races, and what the type parameters
 //! name: [`inertia`] (centrifugal force, signed gyroscopic moment), [`film`], [`super::surface`]. An effect that is not

@@ -1,4 +1,4 @@
-//! The bearing's tangent: the balls eliminated, by implicit differentiation or in the condensed form (MODEL A.9).
+//! The bearing's tangent: the balls eliminated, by implicit differentiation or in the condensed form (`docs/src/models.md#tangent-stiffness`).
 //!
 //! A ball gives way as the inner groove centre moves: with `J_o`, `J_i` the slopes of the force on it through the two
 //! contacts, `d(centre) = (J_o + J_i)^-1 J_i d(groove)`. What acts on the ring is a function of both contacts' loads and

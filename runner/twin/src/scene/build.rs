@@ -189,7 +189,7 @@ pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<Place<T>> {
 }
 
 /// Where element `j` (0 is the first) stands with the cage at angle 0: as the scene says, else evenly spaced; carried
-/// aside by a cage whose centre is not the one it turns about (MODEL C6). In the cage's frame that offset stands still.
+/// aside by a cage whose centre is not the one it turns about (`docs/src/models.md#cage-run-out`). In the cage's frame that offset stands still.
 #[must_use]
 pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> Place<T> {
     let even = || Place::<f64>::even(Turn::from_radians(scene.first_element_azimuth), j, scene.elements).azimuth();

@@ -463,13 +463,13 @@ pub enum Model {
     Linear,
     /// Separate radial and axial elements (Hajzman).
     Lumped,
-    /// Closed-form variable contact angle (MODEL.md A.10).
+    /// Closed-form variable contact angle (`docs/src/models.md#angular-contact-bearing`).
     Angular,
-    /// Every ball in equilibrium between both races, solved ball by ball (MODEL.md A.1 to A.9).
+    /// Every ball in equilibrium between both races, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
     QuasiStatic,
     /// The same from a table, at a small fixed cost.
     Tabulated,
-    /// Elements with a mass of their own that moves along their radius (MODEL.md C4).
+    /// Elements with a mass of their own that moves along their radius (`docs/src/models.md#balls-with-mass`).
     Dynamic,
 }
 

@@ -1,0 +1,563 @@
+//! README, the chapters under `docs/src` and the help texts: structure, links, names, and figures that the program prints.
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, program};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Once;
+
+/// Terms that only this project's source code knows. None has another use in its field.
+const PRIVATE_TERMS: [&str; 18] = [
+    "abreast",
+    "findings",
+    "geared",
+    "into_cage",
+    "ladder",
+    "nobody announced",
+    "rung",
+    "rungs",
+    "seat",
+    "seats",
+    "settles",
+    "sparing",
+    "thorough",
+    "touches down",
+    "wander",
+    "wanders",
+    "weighed",
+    "what was given is said",
+];
+
+/// The same for help texts.
+const PRIVATE_TERMS_OF_HELP: [&str; 9] =
+    ["abreast", "geared", "ladder", "rung", "rungs", "seat", "seats", "wander", "weighed"];
+
+/// Set to rewrite tables and figures from what the program prints.
+fn rewrites() -> bool {
+    std::env::var_os("BALLRACE_WRITE").is_some()
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// File names in `docs/src` that end in `.md`.
+fn chapters() -> Vec<String> {
+    let entries = fs::read_dir(root().join("docs/src")).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut chapters: Vec<String> = names.filter(|name| name.ends_with(".md")).collect();
+    chapters.sort();
+    chapters
+}
+
+/// README, contributing guides and chapters, from the root of the repository.
+fn documents() -> Vec<String> {
+    let mut all: Vec<String> =
+        ["README.md", "CONTRIBUTING.md", "benches/README.md", "kernel/README.md"].map(str::to_owned).into();
+    all.extend(chapters().into_iter().map(|name| format!("docs/src/{name}")));
+    all
+}
+
+/// A document's lines with the fenced blocks left out.
+fn prose(text: &str) -> impl Iterator<Item = &str> {
+    let mut fenced = false;
+    text.lines().filter(move |line| {
+        let fence = line.trim_start().starts_with("```");
+        fenced ^= fence;
+        !fence && !fenced
+    })
+}
+
+/// Fenced blocks of one language.
+fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
+    let fence = format!("```{language}\n");
+    text.split(&fence).skip(1).map(|rest| rest.split_once("```").expect("a closing fence").0).collect()
+}
+
+/// Code spans of a line.
+fn spans(line: &str) -> impl Iterator<Item = &str> {
+    line.split('`').skip(1).step_by(2)
+}
+
+/// A line without its code spans.
+fn without_code(line: &str) -> String {
+    line.split('`').step_by(2).collect::<Vec<_>>().join(" ")
+}
+
+/// The anchor of a heading, as GitHub and mdBook make it.
+fn anchor(heading: &str) -> String {
+    let kept = |c: char| match c {
+        c if c.is_alphanumeric() || c == '-' || c == '_' => Some(c.to_ascii_lowercase()),
+        c if c.is_whitespace() => Some('-'),
+        _ => None,
+    };
+    heading.trim_start_matches('#').trim().chars().filter_map(kept).collect()
+}
+
+fn anchors(text: &str) -> BTreeSet<String> {
+    prose(text).filter(|line| line.starts_with('#')).map(anchor).collect()
+}
+
+/// Targets of the links of a text.
+fn links(text: &str) -> Vec<String> {
+    let whole: String = prose(text).map(|line| without_code(line) + "\n").collect();
+    whole.split("](").skip(1).map(|rest| rest.split(')').next().unwrap().replace('\n', "")).collect()
+}
+
+/// Checks a relative link `target` of the file `from`.
+fn check_link(from: &str, target: &str) {
+    let (path, fragment) = target.split_once('#').unwrap_or((target, ""));
+    let file = if path.is_empty() { root().join(from) } else { root().join(from).parent().unwrap().join(path) };
+    assert!(file.exists(), "{from}: link to {target}: no such file");
+    if !fragment.is_empty() {
+        let text = fs::read_to_string(&file).unwrap();
+        assert!(anchors(&text).contains(fragment), "{from}: link to {target}: no such heading");
+    }
+}
+
+#[test]
+fn every_chapter_is_in_the_summary_and_every_entry_is_a_chapter() {
+    let listed: BTreeSet<String> = links(&read("docs/src/SUMMARY.md")).into_iter().collect();
+    let there: BTreeSet<String> = chapters().into_iter().filter(|name| name != "SUMMARY.md").collect();
+    assert_eq!(listed, there);
+}
+
+#[test]
+fn every_relative_link_has_its_file_and_heading() {
+    let mut checked = 0;
+    for document in documents() {
+        // Links of the kernel's text are rustdoc's, which checks them itself.
+        let text = if document == "kernel/README.md" { String::new() } else { read(&document) };
+        for target in links(&text).iter().filter(|target| !target.contains("://")) {
+            check_link(&document, target);
+            // The book has no other files.
+            assert!(!document.starts_with("docs/") || !target.contains("../"), "{document}: link to {target}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 40, "{checked} links");
+}
+
+/// Source files below `folder`.
+fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            if path.file_name().is_some_and(|name| name != "target") {
+                sources(&path, all);
+            }
+        } else if path.extension().is_some_and(|extension| extension == "rs" || extension == "json") {
+            all.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_section_that_code_cites_is_there() {
+    let mut files = vec![];
+    for folder in ["kernel", "runner", "tests", "benches"] {
+        sources(&root().join(folder), &mut files);
+    }
+    let mut cited = 0;
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        let name = file.display();
+        // Built from two parts, so that this line does not find itself.
+        assert!(!text.contains(concat!("MODEL", ".md")), "{name}: cites a file outside of the repository");
+        for rest in text.split("docs/src/models.md#").skip(1) {
+            let fragment: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '-' || *c == '_').collect();
+            if !fragment.is_empty() {
+                check_link("README.md", &format!("docs/src/models.md#{fragment}"));
+                cited += 1;
+            }
+        }
+    }
+    assert!(cited > 10, "{cited} citations");
+}
+
+#[test]
+fn the_readme_has_ten_to_twelve_kilobytes() {
+    let size = read("README.md").len();
+    assert!((10_000..=12_288).contains(&size), "{size} bytes");
+}
+
+/// Lowercase words of a text, single spaces between them.
+fn words(text: &str) -> String {
+    let plain: String =
+        text.chars().map(|c| if c.is_alphanumeric() || c == '_' { c.to_ascii_lowercase() } else { ' ' }).collect();
+    format!(" {} ", plain.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+#[test]
+fn documents_use_the_terms_of_the_field() {
+    for document in documents() {
+        let text = read(&document);
+        let plain: String = prose(&text).map(|line| without_code(line) + " ").collect();
+        let plain = words(&plain);
+        for term in PRIVATE_TERMS {
+            assert!(!plain.contains(&format!(" {term} ")), "{document}: {term:?}");
+        }
+    }
+}
+
+#[test]
+fn no_sentence_of_a_document_begins_with_what() {
+    for document in documents().into_iter().filter(|name| name.starts_with("docs") || name == "README.md") {
+        let text = read(&document);
+        for line in prose(&text) {
+            let starts = [line.trim_start_matches(['#', '-', '|', '*', ' ']), ""];
+            let begins = starts.iter().any(|start| start.starts_with("What "))
+                || [". What ", ": What ", "| What "].iter().any(|inside| line.contains(inside));
+            // A question is no subject.
+            assert!(!begins || line.ends_with('?'), "{document}: {line}");
+        }
+    }
+}
+
+#[test]
+fn help_texts_use_the_terms_of_the_field() {
+    let help = |arguments: &[&str]| {
+        let output = Command::new(program()).args(arguments).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let general = help(&["--help"]);
+    let list = general.split_once("Commands:").expect("a list of commands").1.split_once("Options:").unwrap().0;
+    let commands: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(commands.len() > 10, "{commands:?}");
+    let mut texts = vec![general.clone()];
+    texts.extend(commands.iter().filter(|name| **name != "help").map(|name| help(&[name, "--help"])));
+    for text in texts {
+        let plain = words(&text);
+        for term in PRIVATE_TERMS_OF_HELP {
+            assert!(!plain.contains(&format!(" {term} ")), "{term:?} in: {text}");
+        }
+    }
+}
+
+/// Tables of a text: header line and rows.
+fn tables(text: &str) -> Vec<(&str, Vec<&str>)> {
+    let mut tables = vec![];
+    let mut lines = text.lines().peekable();
+    while let Some(line) = lines.next() {
+        if line.starts_with('|') && lines.peek().is_some_and(|next| next.starts_with("| --")) {
+            lines.next();
+            let mut rows = vec![];
+            while let Some(row) = lines.next_if(|row| row.starts_with('|')) {
+                rows.push(row);
+            }
+            tables.push((line, rows));
+        }
+    }
+    tables
+}
+
+fn first_cell(row: &str) -> &str {
+    row.split('|').nth(1).unwrap_or_default().trim()
+}
+
+/// The rows of accuracy, speed and trade-off in the README are rows of the chapters.
+#[test]
+fn results_in_the_readme_are_those_of_the_chapters() {
+    if rewrites() {
+        rewrite_trade_table();
+    }
+    let mut readme = read("README.md");
+    let text = readme.clone();
+    let results = &text[text.find("## Accuracy").expect("results")..];
+    let results = &results[..results.find("## Documentation").expect("their end")];
+    let long = [read("docs/src/validation.md"), read("docs/src/performance.md")];
+    let long: Vec<(&str, Vec<&str>)> = long.iter().flat_map(|text| tables(text)).collect();
+    let short = tables(results);
+    assert_eq!(short.len(), 3);
+    for (header, rows) in short {
+        assert!((3..=10).contains(&rows.len()), "{header}: {} rows", rows.len());
+        let (_, all) = long.iter().find(|(other, _)| *other == header).unwrap_or_else(|| panic!("no table {header}"));
+        for row in rows {
+            let name = first_cell(row);
+            let found = all.iter().find(|other| first_cell(other) == name).unwrap_or_else(|| panic!("no row {name}"));
+            if rewrites() {
+                readme = readme.replace(row, found);
+            } else {
+                assert_eq!(row, *found, "BALLRACE_WRITE=1 copies it from the chapter");
+            }
+        }
+    }
+    if rewrites() {
+        fs::write(root().join("README.md"), readme).unwrap();
+    }
+}
+
+/// The block of output after a block of commands is what the last of them prints, some lines left out.
+#[test]
+fn the_worked_example_prints_what_the_readme_shows() {
+    let text = read("README.md");
+    let example = text.split_once("## A worked example").expect("an example").1;
+    let commands = blocks(example, "sh")[0];
+    let shown = blocks(example, "text")[0];
+    let desk = Desk::empty();
+    let script = commands.replace("ballrace ", &format!("{} ", program().display()));
+    let output = Command::new("sh").args(["-e", "-c", &script]).current_dir(desk.path("")).output().unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut lines = printed.lines();
+    for line in shown.lines() {
+        assert!(lines.any(|printed| printed == line), "not printed, or not in this order: {line}");
+    }
+}
+
+/// Scenes of the documents: blocks of TOML with a name.
+fn scenes() -> Vec<(String, String)> {
+    let all = documents().into_iter().flat_map(|document| {
+        let text = read(&document);
+        let blocks: Vec<String> = blocks(&text, "toml").into_iter().map(str::to_owned).collect();
+        blocks.into_iter().map(move |block| (document.clone(), block))
+    });
+    all.filter(|(_, block)| block.starts_with("name = ")).collect()
+}
+
+#[test]
+fn every_documented_scene_is_accepted() {
+    let scenes = scenes();
+    assert!(scenes.len() >= 2, "{} scenes", scenes.len());
+    for (document, scene) in scenes {
+        let desk = Desk::empty();
+        desk.put("scene.toml", &scene);
+        let answer = desk.run(&["equilibrium", "scene.toml"]);
+        assert_eq!(answer.code, Some(0), "{document}: {answer:?}\n{scene}");
+    }
+}
+
+/// A bearing that any scene accepts.
+const BEARING: &str = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"a\"\nstation = 0\nmodel = \"linear\"\nelements = 9\n\
+                       stiffness_matrix = [[1,0,0,0,0],[0,1,0,0,0],[0,0,1,0,0],[0,0,0,1,0],[0,0,0,0,1]]\n";
+const BALLS: &str = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"a\"\nstation = 0\nmodel = \"quasi-static\"\nelements = 9\n\
+                     ball_diameter = 0.008\npitch_diameter = 0.04\ninner_conformity = 0.52\nouter_conformity = 0.52\n\
+                     contact_angle = 0.4\n";
+const SPRINGS: &str = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"a\"\nstation = 0\nmodel = \"lumped\"\nelements = 9\n\
+                       stiffness = 1e10\nradial_play = 0\ncage_ratio = 0.4\n";
+
+/// Every table of a scene that takes keys: the heading that documents it, its name where it is part of another table, and a
+/// scene with an unknown key in it.
+fn tables_of_a_scene() -> Vec<(&'static str, &'static str, String)> {
+    let rotor = "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n";
+    let system = "[system]\nmass = \"m\"\nstiffness = \"k\"\n";
+    let recording = "[recording]\nfile = \"f\"\nrate = 1\n";
+    let probe = "probes = [{ column = \"a\", unit = \"um\", axial = true }]\n";
+    let mut all = vec![
+        ("## Top level", "", format!("unknown = 1\n{BEARING}")),
+        ("## shaft", "", "[shaft]\nspeed = 1\nunknown = 1\n".to_owned()),
+        ("## shaft", "speed", "[shaft]\nspeed = { unknown = 1 }\n".to_owned()),
+        ("## rotor", "", format!("{BEARING}{rotor}unknown = 1\n")),
+        ("## rotor", "unbalance", format!("{BEARING}{rotor}unbalance = [{{ unknown = 1 }}]\n")),
+        ("## system", "", format!("{BEARING}{system}unknown = 1\n")),
+        ("## system", "unbalance", format!("{BEARING}{system}unbalance = [{{ unknown = 1 }}]\n")),
+        ("## bearing", "", format!("{BEARING}unknown = 1\n")),
+        ("## bearing", "axial", format!("{SPRINGS}axial = {{ unknown = 1 }}\n")),
+        ("## bearing", "two_spring", BEARING.replace("stiffness_matrix", "two_spring = { unknown = 1 }\n#")),
+        ("## integration", "", format!("{BEARING}[integration]\nunknown = 1\n")),
+        ("## recording", "", format!("{BEARING}{recording}unknown = 1\n")),
+        ("## recording", "probes", format!("{BEARING}{recording}probes = [{{ unknown = 1 }}]\n")),
+        ("## recording", "sensors", format!("{BEARING}{recording}sensors = [{{ unknown = 1 }}]\n")),
+        ("## recording", "keyphasor", format!("{BEARING}{recording}{probe}keyphasor = {{ unknown = 1 }}\n")),
+        ("## recording", "speed", format!("{BEARING}{recording}{probe}speed = {{ unknown = 1 }}\n")),
+        ("## observer", "", format!("{BEARING}[observer]\nunknown = 1\n")),
+        ("## limit", "", format!("{BEARING}[[limit]]\nunknown = 1\n")),
+    ];
+    for list in ["defect", "waviness"] {
+        all.push(("## bearing", list, format!("{BALLS}{list} = [{{ unknown = 1 }}]\n")));
+    }
+    for table in ["lubricant", "preload", "table", "support", "cage_runout"] {
+        all.push(("## bearing", table, format!("{BALLS}{table} = {{ unknown = 1 }}\n")));
+    }
+    all
+}
+
+/// Whether the code `span` documents `key` of the table `table`: as `key`, `table.key` or `table = { key, ... }`.
+fn documents_key(span: &str, table: &str, key: &str) -> bool {
+    if table.is_empty() {
+        // A table is documented by the rows of its keys.
+        return span.split([' ', '.']).next() == Some(key);
+    }
+    let is_word = |text: &str| text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == key);
+    span == format!("{table}.{key}")
+        || span.strip_prefix(table).is_some_and(|rest| rest.starts_with(" = {") && is_word(rest))
+}
+
+/// The error of an unknown key lists the keys of its table: each of them has a row in the scene reference.
+#[test]
+fn every_key_of_a_scene_is_documented() {
+    let reference = read("docs/src/scene.md");
+    let mut seen = 0;
+    for (heading, table, scene) in tables_of_a_scene() {
+        let desk = Desk::empty();
+        desk.put("scene.toml", &scene);
+        let answer = desk.run(&["equilibrium", "scene.toml"]);
+        let (_, keys) =
+            answer.err.split_once("found an unknown key, allowed: ").unwrap_or_else(|| panic!("{answer:?}"));
+        let section = reference.split_once(&format!("\n{heading}\n")).expect(heading).1;
+        let section = section.split("\n## ").next().unwrap();
+        let rows: Vec<&str> = tables(section).into_iter().flat_map(|(_, rows)| rows).map(first_cell).collect();
+        for key in keys.trim().split(", ") {
+            let mut documented = rows.iter().flat_map(|cell| spans(cell));
+            assert!(documented.any(|span| documents_key(span, table, key)), "{heading}: {table} {key}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 120, "{seen} keys");
+}
+
+const TRADE: [&str; 2] = ["<!-- trade:begin -->\n", "<!-- trade:end -->"];
+
+/// Percent to two digits.
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        large if large >= 9.95 => format!("{large:.0} %"),
+        medium if medium >= 0.0995 => format!("{medium:.2} %"),
+        small => format!("{small:.1e} %"),
+    }
+}
+
+/// Rows of the table of errors and costs, from the documented spindle.
+fn trade_rows() -> String {
+    let (_, spindle) =
+        scenes().into_iter().find(|(_, scene)| scene.starts_with("name = \"spindle\"")).expect("a spindle");
+    let desk = Desk::empty();
+    desk.put("spindle.toml", spindle);
+    let answer = desk.run(&["trade", "spindle.toml", "--forces-only", "--format", "csv"]);
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    let mut reader = csv_rows(&answer.out);
+    let header = reader.remove(0);
+    let column = |name: &str| header.iter().position(|cell| cell == name).unwrap_or_else(|| panic!("no {name}"));
+    let [model, precision, math, median, most, instructions, cycles, counted] = [
+        "model",
+        "precision",
+        "math",
+        "error_median",
+        "error_largest",
+        "m4f_instructions",
+        "m4f_cycles",
+        "m4f_counted",
+    ]
+    .map(column);
+    let about = |row: &[String], cell: usize| {
+        let number: f64 = row[cell].parse().unwrap_or_else(|_| panic!("{row:?}"));
+        format!("{}{number:.0}", if row[counted] == "true" { "" } else { "~" })
+    };
+    let mut rows = String::new();
+    for row in reader.iter().filter(|row| row[0] == "force" && row[precision] == "f32" && row[math] == "exact") {
+        let [median, most] = [median, most].map(|cell| percent(row[cell].parse().unwrap()));
+        let [instructions, cycles] = [instructions, cycles].map(|cell| about(row, cell));
+        rows += &format!("| {} | {median} | {most} | {instructions} | {cycles} |\n", row[model]);
+    }
+    rows
+}
+
+/// Cells of CSV text whose quoted cells have no quotes in them.
+fn csv_rows(text: &str) -> Vec<Vec<String>> {
+    let cells = |line: &str| {
+        let mut cells = vec![];
+        for (i, part) in line.split('"').enumerate() {
+            if i % 2 == 1 {
+                *cells.last_mut().unwrap() = part.to_owned();
+            } else {
+                let plain = if i == 0 { part } else { part.strip_prefix(',').unwrap_or(part) };
+                if i == 0 || !plain.is_empty() {
+                    cells.extend(plain.split(',').map(str::to_owned));
+                }
+            }
+        }
+        cells
+    };
+    text.lines().map(cells).collect()
+}
+
+/// The chapter of the table of errors and costs: the text before the table, the table, the text after it.
+fn trade_table() -> [String; 3] {
+    let text = read("docs/src/performance.md");
+    let (before, rest) = text.split_once(TRADE[0]).expect("a mark where the table begins");
+    let (table, after) = rest.split_once(TRADE[1]).expect("a mark where it ends");
+    [before, table, after].map(str::to_owned)
+}
+
+/// The table as the program computes it now.
+fn trade_table_of_the_program() -> String {
+    let header = "| forces of both bearings, f32 | median error | largest error | instructions | cycles |\n\
+                  | --- | --: | --: | --: | --: |\n";
+    format!("{header}{}", trade_rows())
+}
+
+/// Writes the table, once in a run of the tests.
+fn rewrite_trade_table() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let [before, _, after] = trade_table();
+        let text = [&before, TRADE[0], &trade_table_of_the_program(), TRADE[1], &after].concat();
+        fs::write(root().join("docs/src/performance.md"), text).unwrap();
+    });
+}
+
+#[test]
+fn the_table_of_errors_and_costs_is_that_of_the_documented_spindle() {
+    if rewrites() {
+        rewrite_trade_table();
+    } else {
+        assert_eq!(trade_table()[1], trade_table_of_the_program(), "BALLRACE_WRITE=1 rewrites it");
+    }
+}
+
+/// The figure in the README, from the report of the demonstration.
+const FIGURE: (&str, &str) = ("Load on the elements of bearing NDE", "docs/src/load.svg");
+/// Room around the figure.
+const MARGIN: u32 = 40;
+
+/// A figure of a report as a file of its own: on white, so that it is legible on any background.
+fn standalone(report: &str, caption: &str) -> String {
+    let (_, figure) = report.split_once(&format!("<figcaption>{caption}</figcaption>")).expect(caption);
+    let (_, svg) = figure.split_once("<svg viewBox=\"0 0 ").expect("a figure");
+    let (size, rest) = svg.split_once('"').unwrap();
+    let (_, content) = rest.split_once(">\n").unwrap();
+    let (content, _) = content.split_once("</svg>").unwrap();
+    let size: Vec<u32> = size.split(' ').map(|number| number.parse().unwrap()).collect();
+    let (width, height) = (size[0] + 2 * MARGIN, size[1] + 2 * MARGIN);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-{MARGIN} -{MARGIN} {width} {height}\" width=\"{}\">\n\
+         <style>text{{paint-order:stroke;stroke:#fff;stroke-width:10px;stroke-linejoin:round}}\
+         polyline{{stroke-linejoin:round}}.dash{{stroke-dasharray:20 11}}</style>\n\
+         <rect x=\"-{MARGIN}\" y=\"-{MARGIN}\" width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n{content}</svg>\n",
+        width / 3
+    )
+}
+
+/// Text of an SVG figure.
+fn labels(svg: &str) -> Vec<String> {
+    let texts = svg.split("<text ").skip(1);
+    texts.map(|text| text.split_once('>').unwrap().1.split('<').next().unwrap().trim().to_owned()).collect()
+}
+
+#[test]
+fn the_figure_of_the_readme_is_one_of_the_report() {
+    let (caption, path) = FIGURE;
+    assert!(read("README.md").contains(path));
+    let desk = Desk::with(DEMO_SCENE, DEMO_RECORDING);
+    desk.done(&["replay", "scene.toml", "--report", "report.html"]);
+    let figure = standalone(&desk.read("report.html"), caption);
+    if rewrites() {
+        fs::write(root().join(path), &figure).unwrap();
+    }
+    let stated = read(path);
+    assert_eq!(labels(&stated), labels(&figure), "BALLRACE_WRITE=1 rewrites it");
+    assert!(labels(&figure).len() > 10);
+    assert!(stated.contains("fill=\"#FFFFFF\"/>"), "a white background");
+}
+
+#[test]
+fn anchors_are_those_of_github() {
+    assert_eq!(anchor("## Hertz contact"), "hertz-contact");
+    assert_eq!(anchor("### Waviness, and `damage` (A.6)"), "waviness-and-damage-a6");
+}
