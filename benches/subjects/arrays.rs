@@ -4,9 +4,9 @@ use super::{BATCH, BATCH_PRELOADED, ROOTS, Subject, geometry, scattered};
 use ballrace::bearing::batch::radial_batch;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::{Places, even_places};
+use ballrace::bearing::{ElementPositions, evenly_spaced};
 use ballrace::contact::law::Point;
-use ballrace::{Exact, Math, Scalar, Turn};
+use ballrace::{Exact, Math, Phase, Scalar};
 use std::hint::black_box;
 
 /// Enough that the start of a batch does not count, few enough for the first-level cache.
@@ -39,14 +39,14 @@ fn batch<T: Scalar>(play: f64) -> Result<Box<dyn FnMut()>, InvalidParameter>
 where
     Exact: Math<T>,
 {
-    let places: Places<T, ELEMENTS> = even_places(Turn::ZERO);
+    let places: ElementPositions<T, ELEMENTS> = evenly_spaced(Phase::ZERO);
     let law = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
     let bearing = Radial::<T, Exact, _, _>::try_new(places, law, play)?;
     let (u, v) = (array(0.0, 20e-6, 0.618), array(0.0, 20e-6, 0.414));
     let (mut fx, mut fy) = (array(0.0, 0.0, 0.0), array(0.0, 0.0, 0.0));
-    let mut cage = Turn::ZERO;
+    let mut cage = Phase::ZERO;
     Ok(Box::new(move || {
-        cage = cage.plus(Turn(0x0123_4567_89ab_cdef));
+        cage = cage.plus(Phase(0x0123_4567_89ab_cdef));
         radial_batch(black_box(&bearing), cage, (black_box(&u), black_box(&v)), (&mut fx, &mut fy));
         black_box((&mut fx, &mut fy));
     }))

@@ -1,14 +1,14 @@
 //! Sixteen balls of Harris' 218 bearing in equilibrium: solved, from where they were, looked up, and in plain C.
 
 use super::{INPUTS, Subject, scattered};
-use ballrace::bearing::angular::Zero;
+use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, OuterControlled, RaceControl};
-use ballrace::bearing::quasi_static::{BallPlace, QuasiStatic};
+use ballrace::bearing::quasi_static::{BallPosition, QuasiStatic};
 use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
-use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::hertz::Material;
-use ballrace::{Displacement, Exact, Rotation, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Write};
@@ -23,8 +23,8 @@ pub const LOOKED_UP: &str = "tabulated, N = 16: force";
 /// Six plain Newton steps in C.
 pub const PLAIN_C: &str = "plain C, 6 Newton steps, N = 16: force, cold";
 
-type Massive = QuasiStatic<f64, Exact, Places<f64, 16>, OuterControlled<f64>>;
-type LookedUp = Tabulated<f64, Exact, Places<f64, 16>, Vec<Node<f64, 2>>, 2>;
+type Massive = QuasiStatic<f64, Exact, ElementPositions<f64, 16>, OuterControlled<f64>>;
+type LookedUp = Tabulated<f64, Exact, ElementPositions<f64, 16>, Vec<Node<f64, 2>>, 2>;
 
 const SPEED: f64 = 10_000.0 * TAU / 60.0;
 const WARM_STEPS: u8 = 3;
@@ -47,7 +47,8 @@ fn solved() -> Result<Massive, InvalidParameter> {
         control: RaceControl::Outer,
         sharing: FrictionSharing::Outer,
     };
-    QuasiStatic::try_new(geometry, even_places(Turn::ZERO), Zero::Touching)?.with_outer_control(&inertia)
+    QuasiStatic::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Touching)?
+        .with_outer_control(&inertia)
 }
 
 fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
@@ -61,7 +62,7 @@ fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
     let grid = domain.grid()?;
     let mut nodes = vec![[0.0; 2]; grid.len()];
     fill(bearing, &domain, &grid, &mut nodes);
-    Ok(Tabulated::new(even_places(Turn::ZERO), bearing.table_seat(), Table::new(grid, nodes), false))
+    Ok(Tabulated::new(evenly_spaced(Phase::ZERO), bearing.table_constants(), Table::new(grid, nodes), false))
 }
 
 /// About the equilibrium under 17.8 kN of thrust, with radial load and tilt.
@@ -74,8 +75,8 @@ fn poses() -> Vec<Displacement<f64>> {
     (0..INPUTS).map(pose).collect()
 }
 
-fn each(row: &str, evaluate: impl Fn(&Displacement<f64>, &Rotation<f64>) + 'static) -> Subject {
-    let (poses, at) = (poses(), Rotation { inner_speed: SPEED, ..Rotation::default() });
+fn each(row: &str, evaluate: impl Fn(&Displacement<f64>, &BearingKinematicState<f64>) + 'static) -> Subject {
+    let (poses, at) = (poses(), BearingKinematicState { inner_speed: SPEED, ..BearingKinematicState::default() });
     let run = Box::new(move || {
         for u in &poses {
             evaluate(black_box(u), black_box(&at));
@@ -104,8 +105,8 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
 /// A smooth way through the poses, each ball starting where it was.
 fn warm(bearing: Massive) -> Subject {
     let bearing = bearing.with_steps(WARM_STEPS);
-    let at = Rotation { inner_speed: SPEED, ..Rotation::default() };
-    let mut balls = [BallPlace::default(); 16];
+    let at = BearingKinematicState { inner_speed: SPEED, ..BearingKinematicState::default() };
+    let mut balls = [BallPosition::default(); 16];
     let pose = |i: u32| {
         let angle = TAU * f64::from(i) / f64::from(INPUTS);
         Displacement { u: 8e-6 * angle.cos(), v: 8e-6 * angle.sin(), w: 15e-6, thu: 5e-5, thv: 0.0 }

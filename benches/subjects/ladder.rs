@@ -1,14 +1,14 @@
 //! One evaluation of each rung: the force, and the force with its tangent.
 
 use super::{INPUTS, Subject, geometry, poses};
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{Bearing, Places, even_pairs, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, even_pairs, evenly_spaced};
 use ballrace::contact::law::{Line, Point};
 use ballrace::contact::line::roller_stiffness;
-use ballrace::{Displacement, Exact, Math, Scalar, Turn};
+use ballrace::{Displacement, Exact, Math, Phase, Scalar};
 use std::hint::black_box;
 
 const RADIAL_PLAY: f64 = 5e-6;
@@ -19,10 +19,10 @@ pub fn linear<T: Scalar>(column: &'static str) -> Result<Vec<Subject>, InvalidPa
 where
     Exact: Math<T>,
 {
-    let places: Places<T, 8> = even_places(Turn::ZERO);
-    let other = Angular::<T, Exact, _>::try_new(geometry()?, places, Zero::Centred)?;
+    let places: ElementPositions<T, 8> = evenly_spaced(Phase::ZERO);
+    let other = Angular::<T, Exact, _>::try_new(geometry()?, places, DisplacementDatum::Centred)?;
     let pressed = Displacement { u: T::from_f64(10e-6), w: T::from_f64(20e-6), ..Displacement::default() };
-    let (_, stiffness) = other.reaction_and_stiffness(&pressed, &Turn::ZERO.into());
+    let (_, stiffness) = other.reaction_and_stiffness(&pressed, &Phase::ZERO.into());
     Ok(force_and_tangent("linear", column, Linear::new(stiffness)).into())
 }
 
@@ -37,8 +37,9 @@ pub fn moving<T: Scalar, M: Math<T>>(column: &'static str) -> Result<Vec<Subject
 /// Opposite pairs, `2 H` elements.
 fn of_pairs<T: Scalar, M: Math<T>, const H: usize>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
     let point = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
-    let balls = Radial::<T, M, _, _>::try_new(even_pairs::<T, H>(Turn::ZERO), point, RADIAL_PLAY)?;
-    let angular = Angular::<T, M, _>::try_new(geometry()?, even_pairs::<T, H>(Turn::ZERO), Zero::Centred)?;
+    let balls = Radial::<T, M, _, _>::try_new(even_pairs::<T, H>(Phase::ZERO), point, RADIAL_PLAY)?;
+    let angular =
+        Angular::<T, M, _>::try_new(geometry()?, even_pairs::<T, H>(Phase::ZERO), DisplacementDatum::Centred)?;
     let n = 2 * H;
     let subjects = [
         force_and_tangent(&format!("lumped, point contact, pairs, N = {n}"), column, balls),
@@ -48,13 +49,13 @@ fn of_pairs<T: Scalar, M: Math<T>, const H: usize>(column: &'static str) -> Resu
 }
 
 fn of_elements<T: Scalar, M: Math<T>, const N: usize>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
-    let places: Places<T, N> = even_places(Turn::ZERO);
+    let places: ElementPositions<T, N> = evenly_spaced(Phase::ZERO);
     let point = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
     let line = Line { stiffness: T::from_f64(roller_stiffness(ROLLER_LENGTH)) };
     let balls = Radial::<T, M, _, _>::try_new(places, point, RADIAL_PLAY)?;
     let rollers = Radial::<T, M, _, _>::try_new(places, line, RADIAL_PLAY)?;
     let thrust = Axial::<T, M, _, _>::try_new(places, point, 0.0, 0.5 * geometry()?.pitch_diameter)?;
-    let angular = Angular::<T, M, _>::try_new(geometry()?, places, Zero::Centred)?;
+    let angular = Angular::<T, M, _>::try_new(geometry()?, places, DisplacementDatum::Centred)?;
     let subjects = [
         force_and_tangent(&format!("lumped, point contact, N = {N}"), column, balls),
         force_and_tangent(&format!("lumped, line contact, N = {N}"), column, rollers),
@@ -81,7 +82,7 @@ where
     ]
 }
 
-fn each_pose<T: Scalar>(evaluate: impl Fn(&Displacement<T>, Turn) + 'static) -> Box<dyn FnMut()> {
+fn each_pose<T: Scalar>(evaluate: impl Fn(&Displacement<T>, Phase) + 'static) -> Box<dyn FnMut()> {
     let poses = poses::<T>();
     Box::new(move || {
         for (u, cage) in &poses {

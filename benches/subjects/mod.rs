@@ -6,7 +6,7 @@ mod ladder;
 mod rotor;
 
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
-use ballrace::{Displacement, Exact, Fast, Scalar, Turn};
+use ballrace::{Displacement, Exact, Fast, Phase, Scalar};
 
 /// One thing to measure, in one precision and with one math backend.
 pub struct Subject {
@@ -69,11 +69,11 @@ fn scattered(i: u32, stride: f64) -> f64 {
 }
 
 /// Poses of a running bearing: some elements loaded, some not, the cage anywhere.
-fn poses<T: Scalar>() -> Vec<(Displacement<T>, Turn)> {
+fn poses<T: Scalar>() -> Vec<(Displacement<T>, Phase)> {
     let pose = |i| {
         let [u, v, w] = [0.618, 0.414, 0.732].map(|stride| T::from_f64(20e-6 * scattered(i, stride)));
         let [thu, thv] = [0.236, 0.303].map(|stride| T::from_f64(1e-4 * scattered(i, stride)));
-        (Displacement { u, v, w, thu, thv }, Turn::from_revolutions(scattered(i, 0.577)))
+        (Displacement { u, v, w, thu, thv }, Phase::from_revolutions(scattered(i, 0.577)))
     };
     (0..INPUTS).map(pose).collect()
 }

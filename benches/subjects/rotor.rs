@@ -1,15 +1,15 @@
 //! One time step of a rotor on ball bearings, each step from the state that the one before left.
 
 use super::{INPUTS, Subject, geometry};
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::kinematics::orders;
-use ballrace::bearing::{Places, even_places};
+use ballrace::bearing::{ElementPositions, evenly_spaced};
 use ballrace::rotor::{
-    Drive, Gear, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
-    Verlet,
+    Integrator, Mounted, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4, ShaftMotion,
+    SpeedRatios, Unbalance, Verlet,
 };
-use ballrace::{Displacement, Exact, Math, Scalar, Turn};
+use ballrace::{Displacement, Exact, Math, Phase, Scalar};
 use std::hint::black_box;
 
 /// Balls of the bearings under which the integrators are compared.
@@ -17,8 +17,9 @@ const BALLS: usize = 9;
 const STEP: f64 = 1e-5;
 const SPEED: f64 = 300.0;
 
-type BallBearing<T, const N: usize> = Angular<T, Exact, Places<T, N>>;
-type Rotor<T, const N: usize, const B: usize> = Machine<RigidRotor<T, Exact>, Mounted<T, BallBearing<T, N>>, B>;
+type BallBearing<T, const N: usize> = Angular<T, Exact, ElementPositions<T, N>>;
+type Rotor<T, const N: usize, const B: usize> =
+    RotorBearingSystem<RigidRotor<T, Exact>, Mounted<T, BallBearing<T, N>>, B>;
 
 /// How the cost grows with the elements and with the bearings.
 pub fn lines(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
@@ -61,8 +62,8 @@ fn stepping<T: Scalar, const N: usize, const B: usize>(
 where
     Exact: Math<T>,
 {
-    let mut state = RotorState::at_rest(Displacement::default(), Turn::ZERO, [Turn::ZERO; B]);
-    let mut drive = Drive { angle: Turn::ZERO, speed: T::from_f64(SPEED), acceleration: T::ZERO };
+    let mut state = RotorState::at_rest(Displacement::default(), Phase::ZERO, [Phase::ZERO; B]);
+    let mut drive = ShaftMotion { angle: Phase::ZERO, speed: T::from_f64(SPEED), acceleration: T::ZERO };
     Box::new(move || {
         for _ in 0..INPUTS {
             black_box(integrator.step(black_box(&machine), &mut state, black_box(&drive)));
@@ -78,13 +79,13 @@ where
 {
     let geometry = geometry()?;
     let cage = orders(N, geometry.gamma(), geometry.ball_diameter / geometry.pitch_diameter).cage;
-    let bearing = BallBearing::try_new(geometry, even_places(Turn::ZERO), Zero::Centred)?;
-    let mounted = |station| Mounted { bearing, station: T::from_f64(station), gear: Gear::new(cage) };
+    let bearing = BallBearing::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred)?;
+    let mounted = |station| Mounted { bearing, station: T::from_f64(station), gear: SpeedRatios::new(cage) };
     let unbalance = Unbalance { moment: 2e-5, angle: 0.0, station: 0.01 };
     // Evenly along 320 mm.
     let station = |i| 0.32 * ((i as f64 + 0.5) / B as f64 - 0.5);
     let bearings = std::array::from_fn(|i| mounted(station(i)));
-    Ok(Machine { rotor: RigidRotor::try_new(&rotor(), &[unbalance])?, bearings })
+    Ok(RotorBearingSystem { rotor: RigidRotor::try_new(&rotor(), &[unbalance])?, bearings })
 }
 
 fn rotor() -> RotorParams {

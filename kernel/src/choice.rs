@@ -1,7 +1,7 @@
 //! Which of two, at the same instructions either way.
 
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// Made once, for many numbers.
 #[derive(Clone, Copy)]
@@ -23,8 +23,8 @@ impl Choice {
     }
 
     #[inline(always)]
-    pub fn of_turns(self, a: Turn, b: Turn) -> Turn {
+    pub fn of_turns(self, a: Phase, b: Phase) -> Phase {
         let mask = i64::from(self.mask.cast_signed()) as u64;
-        Turn((a.0 & mask) | (b.0 & !mask))
+        Phase((a.0 & mask) | (b.0 & !mask))
     }
 }

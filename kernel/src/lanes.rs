@@ -7,7 +7,7 @@
 //! has a few hundred thousand copies to take apart in every program that holds all kinds of ball.
 
 use crate::math::Math;
-use crate::scalar::{Scalar, Whole};
+use crate::scalar::{LatticeIndex, Scalar};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 #[derive(Debug, Clone, Copy)]
@@ -15,20 +15,20 @@ pub struct Lanes<T, const K: usize>(pub [T; K]);
 
 /// Whole numbers side by side.
 #[derive(Debug, Clone, Copy)]
-pub struct Wholes<T, const K: usize> {
+pub struct LatticeIndices<T, const K: usize> {
     counts: [u32; K],
     pub numbers: Lanes<T, K>,
 }
 
-impl<T: Scalar, const K: usize> Wholes<T, K> {
+impl<T: Scalar, const K: usize> LatticeIndices<T, K> {
     #[inline(always)]
-    fn lane(&self, i: usize) -> Whole<T> {
-        Whole { count: self.counts[i], number: self.numbers.0[i] }
+    fn lane(&self, i: usize) -> LatticeIndex<T> {
+        LatticeIndex { count: self.counts[i], number: self.numbers.0[i] }
     }
 
     /// `self * length + column` as indices, `self` being rows.
     #[inline(always)]
-    pub fn entries(&self, length: Whole<T>, columns: &Self) -> [usize; K] {
+    pub fn entries(&self, length: LatticeIndex<T>, columns: &Self) -> [usize; K] {
         let mut entries = [0; K];
         let mut i = 0;
         while i < K {
@@ -132,11 +132,11 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     }
     /// The whole part of each, 0 to `most`.
     #[inline(always)]
-    pub fn whole(self, most: Whole<T>) -> Wholes<T, K> {
-        let mut wholes = Wholes { counts: [0; K], numbers: self };
+    pub fn whole(self, most: LatticeIndex<T>) -> LatticeIndices<T, K> {
+        let mut wholes = LatticeIndices { counts: [0; K], numbers: self };
         let mut i = 0;
         while i < K {
-            let Whole { count, number } = self.0[i].whole(most);
+            let LatticeIndex { count, number } = self.0[i].whole(most);
             (wholes.counts[i], wholes.numbers.0[i]) = (count, number);
             i += 1;
         }

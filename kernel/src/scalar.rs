@@ -87,9 +87,9 @@ pub trait Scalar:
     fn counts_of_radians(self) -> i64;
 
     /// The whole part of `self`, 0 to `most`; NaN gives 0. A whole number may count to the one below.
-    fn whole(self, most: Whole<Self>) -> Whole<Self>;
+    fn whole(self, most: LatticeIndex<Self>) -> LatticeIndex<Self>;
     /// `row * length + column` as index.
-    fn entry(row: Whole<Self>, length: Whole<Self>, column: Whole<Self>) -> usize;
+    fn entry(row: LatticeIndex<Self>, length: LatticeIndex<Self>, column: LatticeIndex<Self>) -> usize;
     /// `x^(2/3)` to 0.2 %, `x >= 0`: a first guess of a Hertz deflection.
     fn two_thirds_roughly(self) -> Self;
 
@@ -107,14 +107,14 @@ pub trait Scalar:
 
 /// A whole number, both ways: what is not asked for costs nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Whole<T> {
+pub struct LatticeIndex<T> {
     /// To count with.
     pub count: u32,
     /// To compute with.
     pub number: T,
 }
 
-impl<T: Scalar> Whole<T> {
+impl<T: Scalar> LatticeIndex<T> {
     /// Of a count.
     #[inline(always)]
     pub fn new(count: u32) -> Self {
@@ -191,12 +191,12 @@ impl Scalar for f32 {
         ((counts >> 32) as i32) as Self * SCALE
     }
     #[inline]
-    fn whole(self, most: Whole<Self>) -> Whole<Self> {
+    fn whole(self, most: LatticeIndex<Self>) -> LatticeIndex<Self> {
         let count = (self as u32).min(most.count);
-        Whole { count, number: count as Self }
+        LatticeIndex { count, number: count as Self }
     }
     #[inline]
-    fn entry(row: Whole<Self>, length: Whole<Self>, column: Whole<Self>) -> usize {
+    fn entry(row: LatticeIndex<Self>, length: LatticeIndex<Self>, column: LatticeIndex<Self>) -> usize {
         row.count.wrapping_mul(length.count).wrapping_add(column.count) as usize
     }
     #[inline]
@@ -263,12 +263,12 @@ impl Scalar for f64 {
         counts as Self * (core::f64::consts::TAU / COUNTS_64)
     }
     #[inline]
-    fn whole(self, most: Whole<Self>) -> Whole<Self> {
+    fn whole(self, most: LatticeIndex<Self>) -> LatticeIndex<Self> {
         let rounded = (self - 0.5).larger(0.0).smaller(most.number) + LAST_BIT_IS_ONE;
-        Whole { count: rounded.to_bits() as u32, number: rounded - LAST_BIT_IS_ONE }
+        LatticeIndex { count: rounded.to_bits() as u32, number: rounded - LAST_BIT_IS_ONE }
     }
     #[inline]
-    fn entry(row: Whole<Self>, length: Whole<Self>, column: Whole<Self>) -> usize {
+    fn entry(row: LatticeIndex<Self>, length: LatticeIndex<Self>, column: LatticeIndex<Self>) -> usize {
         // In floats, in every lane of a desktop processor.
         let sum = row.number * length.number + column.number + LAST_BIT_IS_ONE;
         sum.to_bits() as u32 as usize

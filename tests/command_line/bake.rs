@@ -1,7 +1,7 @@
 //! `ballrace bake`: the constants that the firmware of `tests/target/baked` compiles in.
 
 use ballrace::bearing::Bearing;
-use ballrace::{Displacement, Rotation, Turn};
+use ballrace::{BearingKinematicState, Displacement, Phase};
 
 use crate::support::{DEMO_SCENE, Desk, numbers, short_recording};
 
@@ -41,7 +41,7 @@ fn constants_answer_as_the_scene_does() {
         let u: Vec<f32> = row.split(',').map(|x| x.parse().unwrap()).collect();
         let u = Displacement::from_array(<[f32; 5]>::try_from(u).unwrap());
         let speed = (12_000.0 * std::f64::consts::TAU / 60.0) as f32;
-        let at = Rotation { inner_speed: speed, ..Rotation::from(Turn::ZERO) };
+        let at = BearingKinematicState { inner_speed: speed, ..BearingKinematicState::from(Phase::ZERO) };
         let found = bearing.reaction(&u, &at).wrench.to_array();
         let told: Vec<f32> = force.iter().map(|f| *f as f32).collect();
         assert_eq!(found.map(f32::to_bits).to_vec(), told.iter().map(|f| f.to_bits()).collect::<Vec<_>>(), "{row}");
@@ -112,9 +112,9 @@ fn every_model_of_firmware_is_baked() {
     let lines: String = rows.iter().map(|row| format!("[{row}],")).collect();
     let calls: String = ["a", "b", "c", "d"].map(|name| format!("told(&bearing_{name}::bearing());")).concat();
     let mut found = desk.compiled(&format!(
-            "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\nuse ballrace::{{Bearing, Displacement, Turn}};\nuse bearings::*;\n\
+            "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\nuse ballrace::{{Bearing, Displacement, Phase}};\nuse bearings::*;\n\
              fn told(bearing: &impl Bearing<f32>) {{ for u in [{lines}] {{\n\
-             let f = bearing.reaction(&Displacement::from_array(u), &Turn::ZERO.into()).wrench.to_array();\n\
+             let f = bearing.reaction(&Displacement::from_array(u), &Phase::ZERO.into()).wrench.to_array();\n\
              println!(\"{{}}\", f.map(|x: f32| (x + 0.0).to_bits().to_string()).join(\",\")); }} }}\nfn main() {{ {calls} }}\n"));
     desk.put("u.csv", format!("u,v,w,thu,thv\n{}\n", rows.join("\n")));
     for name in ["A", "B", "C", "D"] {
@@ -167,16 +167,16 @@ fn the_observer_is_baked() {
          const READINGS: [[f32; 5]; {samples}] = [{readings}];\n\
          fn main() {{\n\
          let rotor = RigidRotor::<f32, Exact>::try_new(&ROTOR, &UNBALANCES).unwrap();\n\
-         let gear = Gear::new(bearing_de::CAGE_RATIO);\n\
+         let gear = SpeedRatios::new(bearing_de::CAGE_RATIO);\n\
          let bearings = [Mounted {{ bearing: bearing_de::bearing(), station: bearing_de::STATION, gear }}, Mounted {{ bearing: bearing_nde::bearing(), station: bearing_nde::STATION, gear }}];\n\
          let step = PERIOD / SUBSTEPS as f32;\n\
          let observer = Observer {{ machine: Machine {{ rotor, bearings }}, integrator: RungeKutta4 {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, memory: MEMORY, gate: GATE }};\n\
          let first = READINGS[0]; let _ = first;\n\
          let start = Displacement {{ u: 0.5 * (first[0] + first[2]), v: 0.5 * (first[1] + first[3]), w: first[4], thu: 0.0, thv: 0.0 }};\n\
-         let mut state = ObserverState::new(RotorState::at_rest(start, Turn::ZERO, [Turn::ZERO; 2]));\n\
+         let mut state = ObserverState::new(RotorState::at_rest(start, Phase::ZERO, [Phase::ZERO; 2]));\n\
          let mut nis = 0.0;\n\
          for (i, readings) in READINGS.iter().enumerate().skip(1) {{\n\
-         let drive = Drive {{ angle: Turn::from_revolutions((i - 1) as f64 / 256.0), speed: 314.159_27, acceleration: 0.0 }};\n\
+         let drive = Drive {{ angle: Phase::from_revolutions((i - 1) as f64 / 256.0), speed: 314.159_27, acceleration: 0.0 }};\n\
          let estimate = observer.sample::<Exact>(&mut state, &drive, readings);\n\
          if i > 768 {{ nis += estimate.nis / 255.0; }} }}\n\
          let at = observer.machine.bearings[0].gear.rotation(state.motion.parts[0], &Drive {{ angle: state.motion.shaft, speed: 314.159_27, acceleration: 0.0 }});\n\

@@ -15,7 +15,7 @@ const WIDTHS: [u32; 2] = [1280, 400];
 
 /// What `measure.html` says of a page.
 #[derive(Debug, Deserialize)]
-struct Seen {
+struct SampleReadings {
     width: u32,
     titles: Vec<String>,
     faults: Vec<String>,
@@ -39,7 +39,7 @@ fn address(path: &Path) -> String {
 }
 
 /// The page in a frame of each width: a browser's own window has a least width.
-fn seen(desk: &Desk, report: &str) -> Vec<Seen> {
+fn seen(desk: &Desk, report: &str) -> Vec<SampleReadings> {
     desk.put("measured.html", report.to_owned() + include_str!("measure.html"));
     let frames =
         WIDTHS.map(|w| format!("<iframe src=measured.html style='width:{w}px;height:900px;border:0'></iframe>"));

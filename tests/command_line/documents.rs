@@ -12,7 +12,7 @@ const PRIVATE_TERMS: [&str; 18] = [
     "abreast",
     "findings",
     "geared",
-    "into_cage",
+    "to_cage_frame",
     "ladder",
     "nobody announced",
     "rung",

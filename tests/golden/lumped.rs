@@ -1,8 +1,8 @@
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::law::{Law, Line, Point, Power};
-use ballrace::{Displacement, Exact, Math, Scalar, Turn};
+use ballrace::{Displacement, Exact, Math, Phase, Scalar};
 use ballrace_tests::compare::relative_to_largest;
 use ballrace_tests::lumped::{Case, cases};
 use ballrace_tests::with_elements;
@@ -16,15 +16,15 @@ struct Evaluated {
 }
 
 /// The case with the cage turned by `cage` and the elements turned back by as much: the answer may not change.
-fn evaluate<T, L, A, const N: usize>(case: &Case, radial: L, axial: Option<A>, cage: Turn) -> Evaluated
+fn evaluate<T, L, A, const N: usize>(case: &Case, radial: L, axial: Option<A>, cage: Phase) -> Evaluated
 where
     T: Scalar,
     Exact: Math<T>,
     L: Law<T, Exact>,
     A: Law<T, Exact>,
 {
-    let first = Turn::from_radians(case.azimuth_of_first_element).plus(cage.reversed());
-    let places: Places<T, N> = even_places(first);
+    let first = Phase::from_radians(case.azimuth_of_first_element).plus(cage.reversed());
+    let places: ElementPositions<T, N> = evenly_spaced(first);
     let radial = Radial::<T, Exact, L, _>::try_new(places, radial, case.radial_play).unwrap();
     let u = Displacement::from_array(case.displacement.map(T::from_f64));
     let mut housing = [HousingPoint::default(); N];
@@ -62,7 +62,7 @@ where
     }
 }
 
-fn evaluate_with_law<T>(case: &Case, cage: Turn) -> Evaluated
+fn evaluate_with_law<T>(case: &Case, cage: Phase) -> Evaluated
 where
     T: Scalar,
     Exact: Math<T>,
@@ -81,7 +81,7 @@ where
     )
 }
 
-fn largest_error<T>(cage: Turn) -> f64
+fn largest_error<T>(cage: Phase) -> f64
 where
     T: Scalar,
     Exact: Math<T>,
@@ -99,7 +99,7 @@ where
 fn forces_in_both_precisions_whatever_the_cage_angle() {
     assert_eq!(cases().len(), 120);
     for degrees in [0.0, 17.0, 133.0, 211.0, 359.0] {
-        let cage = Turn::from_revolutions(degrees / 360.0);
+        let cage = Phase::from_revolutions(degrees / 360.0);
         let (double, single) = (largest_error::<f64>(cage), largest_error::<f32>(cage));
         println!("lumped at {degrees} deg: f64 {double:.2e}, f32 {single:.2e}");
         assert!(double < 1e-12, "{double:e}");
@@ -110,7 +110,7 @@ fn forces_in_both_precisions_whatever_the_cage_angle() {
 #[test]
 fn element_loads_of_rigid_cases() {
     for case in cases().iter().filter(|c| c.housing_displacement.is_none()) {
-        let found = evaluate_with_law::<f64>(case, Turn::ZERO);
+        let found = evaluate_with_law::<f64>(case, Phase::ZERO);
         let golden = |i: usize| case.element_loads.iter().map(|l| l[i]).collect::<Vec<_>>();
         assert!(relative_to_largest(&found.radial_loads, &golden(0)) < 1e-12);
         if case.axial.is_some() {
@@ -122,7 +122,7 @@ fn element_loads_of_rigid_cases() {
 #[test]
 fn action_equals_reaction_on_the_housing() {
     for case in cases() {
-        let found = evaluate_with_law::<f64>(&case, Turn::ZERO);
+        let found = evaluate_with_law::<f64>(&case, Phase::ZERO);
         let scale = found.radial_loads.iter().chain(&found.axial_loads).sum::<f64>().max(1.0);
         for (ring, housing) in found.force.iter().zip(found.housing) {
             assert!((ring + housing).abs() < 1e-12 * scale, "{ring} {housing}");
@@ -138,7 +138,7 @@ fn the_general_exponent_agrees_with_the_special_ones() {
         let general = with_elements!(
             case.elements,
             N,
-            evaluate::<f64, _, _, N>(&case, Power { stiffness: k, exponent: case.exponent }, axial, Turn::ZERO)
+            evaluate::<f64, _, _, N>(&case, Power { stiffness: k, exponent: case.exponent }, axial, Phase::ZERO)
         );
         assert!(relative_to_largest(&general.force, &case.force) < 1e-12);
     }

@@ -1,13 +1,13 @@
 //! Published numbers, each with its source in published.json.
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::linear::{two_spring_ball, two_spring_roller};
-use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::hertz::{Material, Race};
 use ballrace::contact::line::roller_stiffness;
-use ballrace::{Displacement, Exact, Turn};
+use ballrace::{Displacement, Exact, Phase};
 use ballrace_tests::compare::relative;
 
 fn published() -> serde_json::Value {
@@ -35,13 +35,13 @@ fn two_spring_formula_of_friswell_as_ross_prints_it() {
 
 /// Ring displacement under an axial and a radial load by Newton on the tangent, from the loaded side.
 fn settle<const N: usize>(
-    bearing: &Angular<f64, Exact, Places<f64, N>>,
+    bearing: &Angular<f64, Exact, ElementPositions<f64, N>>,
     load: [f64; 5],
     start: Displacement<f64>,
 ) -> [f64; 5] {
     let mut u = start.to_array();
     for _ in 0..200 {
-        let (reaction, k) = bearing.reaction_and_stiffness(&Displacement::from_array(u), &Turn::ZERO.into());
+        let (reaction, k) = bearing.reaction_and_stiffness(&Displacement::from_array(u), &Phase::ZERO.into());
         let residual: Vec<f64> = reaction.wrench.to_array().iter().zip(load).map(|(f, l)| f + l).collect();
         let regular = k + nalgebra::SMatrix::<f64, 5, 5>::from_diagonal_element(1.0);
         let step = ballrace::rotor::solve(regular, [residual[0], residual[1], residual[2], residual[3], residual[4]]);
@@ -52,7 +52,7 @@ fn settle<const N: usize>(
     u
 }
 
-fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, Places<f64, 7>> {
+fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, ElementPositions<f64, 7>> {
     let file = published();
     let input = |key: &str| file["static_ball_bearing_5dof"]["inputs"][key].as_f64().unwrap();
     let steel = Material { youngs_modulus: input("youngs_modulus"), poissons_ratio: input("poissons_ratio") };
@@ -67,7 +67,7 @@ fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, Places<f64, 7>> {
     };
     // The source takes the contact stiffness at zero angle whatever the clearance.
     let geometry = geometry.with_clearance(clearance).unwrap();
-    Angular::try_new(geometry, even_places(Turn::ZERO), Zero::Centred).unwrap()
+    Angular::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred).unwrap()
 }
 
 /// MASTA's deflections as quoted by the public test file, to 0.05 % (its tool and exact Hertz differ by 0.044 %).
@@ -120,13 +120,17 @@ fn harris_218_at_rest() {
     ] {
         assert!(relative(found, expected) < 1e-8, "{found} {expected}");
     }
-    let bearing =
-        Angular::<f64, Exact, Places<f64, 16>>::try_new(geometry, even_places(Turn::ZERO), Zero::Touching).unwrap();
+    let bearing = Angular::<f64, Exact, ElementPositions<f64, 16>>::try_new(
+        geometry,
+        evenly_spaced(Phase::ZERO),
+        DisplacementDatum::Touching,
+    )
+    .unwrap();
     let start = Displacement { w: 2e-5, ..Displacement::default() };
     let u = settle(&bearing, [0.0, 0.0, 17_800.0, 0.0, 0.0], start);
     assert!((u[2] * 1e3 - 0.035_981_69).abs() < 1e-8, "{}", u[2]);
     let mut loads = [0.0; 16];
-    bearing.element_loads(&Displacement::from_array(u), &Turn::ZERO.into(), &mut loads);
+    bearing.element_loads(&Displacement::from_array(u), &Phase::ZERO.into(), &mut loads);
     for load in loads {
         assert!((load - 1_678.965).abs() < 1e-3, "{load}");
     }

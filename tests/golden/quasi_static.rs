@@ -1,12 +1,12 @@
 //! Balls in equilibrium: 60 cases to dmN 1.5e6, every ball's loads and angles.
 
-use ballrace::bearing::angular::Zero;
+use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
 use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
-use ballrace::bearing::{Bearing, Place};
+use ballrace::bearing::{Bearing, ElementPosition};
 use ballrace::contact::hertz::Material;
-use ballrace::{Displacement, Exact, Math, Rotation, Scalar, Status, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase, Scalar, Status};
 use ballrace_tests::compare::relative_to_largest;
 use serde::Deserialize;
 
@@ -86,15 +86,16 @@ where
             other => panic!("{other}"),
         },
     };
-    let first = Turn::from_radians(case.azimuth_of_first_element - cage);
-    let places: Vec<Place<T>> = (0..case.elements).map(|j| Place::even(first, j, case.elements)).collect();
-    let bearing = QuasiStatic::<T, Exact, _>::try_new(geometry, places, Zero::Touching).unwrap();
+    let first = Phase::from_radians(case.azimuth_of_first_element - cage);
+    let places: Vec<ElementPosition<T>> =
+        (0..case.elements).map(|j| ElementPosition::even(first, j, case.elements)).collect();
+    let bearing = QuasiStatic::<T, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).unwrap();
     let bearing = bearing.with_inertia(&inertia).unwrap();
-    let rotation = Rotation {
-        cage: Turn::from_radians(cage),
+    let rotation = BearingKinematicState {
+        cage: Phase::from_radians(cage),
         inner_speed: T::from_f64(case.inner_speed),
         outer_speed: T::from_f64(case.outer_speed),
-        ..Rotation::default()
+        ..BearingKinematicState::default()
     };
     let u = Displacement::from_array(case.displacement.map(T::from_f64));
     let reaction = bearing.reaction(&u, &rotation);
@@ -176,14 +177,17 @@ fn harris_218_at_speed() {
         control: RaceControl::Outer,
         sharing: FrictionSharing::Outer,
     };
-    let places: Vec<Place<f64>> = (0..16).map(|j| Place::even(Turn::ZERO, j, 16)).collect();
-    let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, places, Zero::Touching).unwrap();
+    let places: Vec<ElementPosition<f64>> = (0..16).map(|j| ElementPosition::even(Phase::ZERO, j, 16)).collect();
+    let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).unwrap();
     let bearing = bearing.with_inertia(&inertia).unwrap();
     let cases = published["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 4);
     for case in cases {
         let figure = |key: &str| case[key].as_f64().unwrap();
-        let at = Rotation { inner_speed: figure("rpm") * std::f64::consts::TAU / 60.0, ..Rotation::default() };
+        let at = BearingKinematicState {
+            inner_speed: figure("rpm") * std::f64::consts::TAU / 60.0,
+            ..BearingKinematicState::default()
+        };
         let u = Displacement { w: figure("delta_a_um") * 1e-6, ..Displacement::default() };
         let reaction = bearing.reaction(&u, &at);
         assert!((reaction.wrench.fz / -input("axial_load_N") - 1.0).abs() < 5e-5, "{}", reaction.wrench.fz);

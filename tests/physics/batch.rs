@@ -2,9 +2,9 @@
 
 use ballrace::bearing::batch::radial_batch;
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::{Bearing, Place};
+use ballrace::bearing::{Bearing, ElementPosition};
 use ballrace::contact::law::{Law, Line, Point};
-use ballrace::{Displacement, Exact, Fast, Math, Scalar, Turn};
+use ballrace::{Displacement, Exact, Fast, Math, Phase, Scalar};
 
 const REACH: f64 = 30e-6;
 const STIFFNESS: f64 = 8e9;
@@ -19,14 +19,19 @@ fn samples<T: Scalar>(count: usize) -> (Vec<T>, Vec<T>) {
     (0..count).map(sample).unzip()
 }
 
-fn even<T: Scalar>(count: usize) -> Vec<Place<T>> {
-    (0..count).map(|j| Place::even(Turn::from_revolutions(0.013), j, count)).collect()
+fn even<T: Scalar>(count: usize) -> Vec<ElementPosition<T>> {
+    (0..count).map(|j| ElementPosition::even(Phase::from_revolutions(0.013), j, count)).collect()
 }
 
 /// Largest difference of the batch from single evaluations, over the load of one element at full reach.
-fn difference<T: Scalar, M: Math<T>, L: Law<T, M>>(places: Vec<Place<T>>, law: L, play: f64, count: usize) -> f64 {
+fn difference<T: Scalar, M: Math<T>, L: Law<T, M>>(
+    places: Vec<ElementPosition<T>>,
+    law: L,
+    play: f64,
+    count: usize,
+) -> f64 {
     let bearing = Radial::<T, M, L, _>::try_new(places, law, play).unwrap();
-    let cage = Turn::from_revolutions(0.29);
+    let cage = Phase::from_revolutions(0.29);
     let (u, v) = samples::<T>(count);
     let (mut fx, mut fy) = (vec![T::ONE; count], vec![T::ONE; count]);
     radial_batch(&bearing, cage, (&u, &v), (&mut fx, &mut fy));
@@ -42,13 +47,13 @@ fn difference<T: Scalar, M: Math<T>, L: Law<T, M>>(places: Vec<Place<T>>, law: L
 }
 
 /// All plays and lengths: around a whole vector, around a whole block, none.
-fn largest<T: Scalar, M: Math<T>, L: Law<T, M>>(places: &[Place<T>], law: L) -> f64 {
+fn largest<T: Scalar, M: Math<T>, L: Law<T, M>>(places: &[ElementPosition<T>], law: L) -> f64 {
     let plays = [8e-6, 0.0, -0.0, -5e-6];
     let cases = plays.into_iter().flat_map(|play| [0, 1, 3, 4, 9, 255, 256, 257, 600].map(|count| (play, count)));
     cases.map(|(play, count)| difference::<T, M, L>(places.to_vec(), law, play, count)).fold(0.0, f64::max)
 }
 
-fn largest_of_laws<T: Scalar, M: Math<T>>(places: &[Place<T>]) -> f64 {
+fn largest_of_laws<T: Scalar, M: Math<T>>(places: &[ElementPosition<T>]) -> f64 {
     let stiffness = T::from_f64(STIFFNESS);
     largest::<T, M, _>(places, Point { stiffness }).max(largest::<T, M, _>(places, Line { stiffness }))
 }
@@ -69,15 +74,16 @@ fn any_number_of_elements() {
 /// Places that are not in opposite pairs, or in pairs but not in the order of the ring.
 #[test]
 fn any_places() {
-    let at =
-        |revolutions: &[f64]| revolutions.iter().map(|&r| Place::at(Turn::from_revolutions(r))).collect::<Vec<_>>();
+    let at = |revolutions: &[f64]| {
+        revolutions.iter().map(|&r| ElementPosition::at(Phase::from_revolutions(r))).collect::<Vec<_>>()
+    };
     for places in [
         at(&[0.0, 0.25, 0.5, 0.8]),
         at(&[0.0, 0.5, 0.25, 0.75]),
         at(&[0.0, 0.1, 0.5, 0.6]),
         at(&[0.3, 0.3]),
         at(&[0.1, 0.1, 0.6, 0.6, 0.1, 0.6]),
-        even(8).into_iter().map(Place::mirrored).collect(),
+        even(8).into_iter().map(ElementPosition::mirrored).collect(),
         Vec::new(),
     ] {
         let double = largest_of_laws::<f64, Exact>(&places);
@@ -91,7 +97,7 @@ fn stops_at_the_shortest_slice() {
     let (u, v) = samples::<f64>(300);
     let run = |[nu, nv, nx, ny]: [usize; 4]| {
         let (mut fx, mut fy) = (vec![f64::MAX; 300], vec![f64::MAX; 300]);
-        radial_batch(&bearing, Turn::ZERO, (&u[..nu], &v[..nv]), (&mut fx[..nx], &mut fy[..ny]));
+        radial_batch(&bearing, Phase::ZERO, (&u[..nu], &v[..nv]), (&mut fx[..nx], &mut fy[..ny]));
         (fx, fy)
     };
     let (all_x, all_y) = run([300; 4]);
@@ -114,7 +120,7 @@ fn not_a_number_stays_where_it_is() {
         let (mut u, v) = samples::<f64>(9);
         u[4] = f64::NAN;
         let (mut fx, mut fy) = ([0.0; 9], [0.0; 9]);
-        radial_batch(&bearing, Turn::ZERO, (&u, &v), (&mut fx, &mut fy));
+        radial_batch(&bearing, Phase::ZERO, (&u, &v), (&mut fx, &mut fy));
         for i in 0..9 {
             assert_eq!((fx[i].is_nan(), fy[i].is_nan()), (i == 4, i == 4));
         }

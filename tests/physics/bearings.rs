@@ -1,13 +1,13 @@
 //! Conservation laws, symmetries and published numbers of the bearings.
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::surface::{Part, Spall, SpallShape};
-use ballrace::bearing::{Bearing, Mirrored, Places, even_places};
+use ballrace::bearing::surface::{BearingComponent, Spall, SpallShape};
+use ballrace::bearing::{Bearing, ElementPositions, Mirrored, evenly_spaced};
 use ballrace::contact::hertz::Race;
 use ballrace::contact::law::Point;
-use ballrace::{Displacement, Exact, Turn, Wrench};
+use ballrace::{Displacement, Exact, Phase, Wrench};
 use ballrace_tests::bearings::{acbb_s_geometry, angular_contact, deep_groove};
 use ballrace_tests::compare::{relative, relative_to_largest};
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn displacement() -> impl Strategy<Value = Displacement<f64>> {
     })
 }
 
-fn wrench_of(bearing: &dyn Bearing<f64>, u: Displacement<f64>, cage: Turn) -> [f64; 5] {
+fn wrench_of(bearing: &dyn Bearing<f64>, u: Displacement<f64>, cage: Phase) -> [f64; 5] {
     bearing.reaction(&u, &cage.into()).wrench.to_array()
 }
 
@@ -50,12 +50,12 @@ fn angular_contact_bearing_of_f4b() {
     );
     let u = Displacement { u: 2e-6, v: 1e-6, w: 10e-6, thu: 1e-4, thv: -5e-5 };
     let printed = [-371.623_234, -294.353_050, -541.887_840, -2.942_087, 3.641_872];
-    let found = wrench_of(&angular_contact(), u, Turn::ZERO);
+    let found = wrench_of(&angular_contact(), u, Phase::ZERO);
     for (found, printed) in found.into_iter().zip(printed) {
         assert!((found - printed).abs() < 1e-6, "{found} {printed}");
     }
     let axial = Displacement { w: 10e-6, ..Displacement::default() };
-    let (reaction, k) = angular_contact().reaction_and_stiffness(&axial, &Turn::ZERO.into());
+    let (reaction, k) = angular_contact().reaction_and_stiffness(&axial, &Phase::ZERO.into());
     assert!((reaction.wrench.fz + 499.9601).abs() < 1e-4);
     for (i, j, printed) in [
         (0, 0, 1.517_860e8),
@@ -73,13 +73,15 @@ fn angular_contact_bearing_of_f4b() {
 #[test]
 fn both_zeros_describe_one_bearing() {
     let geometry = acbb_s_geometry();
-    let places: Places<f64, 14> = even_places(Turn::ZERO);
-    let centred = Angular::<f64, Exact, _>::try_new(geometry, places, Zero::Centred).unwrap();
-    let touching = Angular::<f64, Exact, _>::try_new(geometry, places, Zero::Touching).unwrap();
+    let places: ElementPositions<f64, 14> = evenly_spaced(Phase::ZERO);
+    let centred = Angular::<f64, Exact, _>::try_new(geometry, places, DisplacementDatum::Centred).unwrap();
+    let touching = Angular::<f64, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).unwrap();
     let shift = geometry.groove_distance() * geometry.contact_angle.sin();
     let u = Displacement { u: 3e-6, v: -1e-6, w: 12e-6, thu: 2e-5, thv: -3e-5 };
     let moved = Displacement { w: u.w + shift, ..u };
-    assert!(relative_to_largest(&wrench_of(&centred, moved, Turn::ZERO), &wrench_of(&touching, u, Turn::ZERO)) < 1e-11);
+    assert!(
+        relative_to_largest(&wrench_of(&centred, moved, Phase::ZERO), &wrench_of(&touching, u, Phase::ZERO)) < 1e-11
+    );
 }
 
 proptest! {
@@ -87,8 +89,8 @@ proptest! {
     #[test]
     fn turning_the_cage_by_one_pitch_changes_nothing(u in displacement(), angle in 0.0..1.0_f64) {
         let bearing = deep_groove::<9>(10e-6);
-        let cage = Turn::from_revolutions(angle);
-        let next = cage.plus(Turn::from_revolutions(1.0 / 9.0));
+        let cage = Phase::from_revolutions(angle);
+        let next = cage.plus(Phase::from_revolutions(1.0 / 9.0));
         let (a, b) = (wrench_of(&bearing, u, cage), wrench_of(&bearing, u, next));
         prop_assert!(relative_to_largest(&a, &b) < 1e-10 || a.iter().all(|x| x.abs() < 1e-9));
     }
@@ -96,15 +98,15 @@ proptest! {
     /// A bearing facing -Z is the same one turned by pi about X (`docs/src/models.md#displacement-datum`).
     #[test]
     fn mirrored_is_turned_about_x(u in displacement(), angle in 0.0..1.0_f64) {
-        let places: Places<f64, 14> = even_places(Turn::from_revolutions(0.013));
-        let plain = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+        let places: ElementPositions<f64, 14> = evenly_spaced(Phase::from_revolutions(0.013));
+        let plain = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
         let seen = places.map(|p| p.mirrored());
-        let mirrored = Mirrored(Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), seen, Zero::Touching).unwrap());
-        let cage = Turn::from_revolutions(angle);
+        let mirrored = Mirrored(Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), seen, DisplacementDatum::Touching).unwrap());
+        let cage = Phase::from_revolutions(angle);
         // The same pose in both frames, the same cage: the places in the mirror stand where the plain ones stand,
         // reflected in the X-Z plane, so the mirrored bearing at (u, -v, -w, thu, -thv) and -cage is the plain one.
         let there = wrench_of(&mirrored, u.mirrored(), cage.reversed());
-        let seen_places = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), seen, Zero::Touching).unwrap();
+        let seen_places = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), seen, DisplacementDatum::Touching).unwrap();
         let here = Wrench::from_array(wrench_of(&seen_places, u, cage)).mirrored().to_array();
         prop_assert_eq!(there, here);
         // And a thrust bearing turned round carries thrust the other way.
@@ -134,7 +136,7 @@ proptest! {
             for (x, y) in half.iter_mut().zip(to) {
                 *x = 0.5 * (*x + y);
             }
-            let f = wrench_of(&bearing, Displacement::from_array(half), Turn::ZERO);
+            let f = wrench_of(&bearing, Displacement::from_array(half), Phase::ZERO);
             for k in 0..5 {
                 work += f[k] * (to[k] - from[k]);
                 moved += (f[k] * (to[k] - from[k])).abs();
@@ -146,9 +148,9 @@ proptest! {
     /// More displacement along itself never gives less force against it.
     #[test]
     fn force_is_monotone(u in displacement(), more in 1.0..1.5_f64) {
-        let bearing = Radial::<f64, Exact, _, Places<f64, 9>>::try_new(even_places(Turn::ZERO), Point { stiffness: 8e9 }, 5e-6).unwrap();
+        let bearing = Radial::<f64, Exact, _, ElementPositions<f64, 9>>::try_new(evenly_spaced(Phase::ZERO), Point { stiffness: 8e9 }, 5e-6).unwrap();
         let against = |scale: f64| {
-            let f = bearing.reaction(&Displacement { u: scale * u.u, v: scale * u.v, ..u }, &Turn::ZERO.into()).wrench;
+            let f = bearing.reaction(&Displacement { u: scale * u.u, v: scale * u.v, ..u }, &Phase::ZERO.into()).wrench;
             -(f.fx * u.u + f.fy * u.v)
         };
         prop_assert!(against(more) >= against(1.0));
@@ -157,8 +159,8 @@ proptest! {
     /// A rigid displacement of the whole housing is the opposite displacement of the inner ring (Hajzman, eq. 2).
     #[test]
     fn moving_the_housing_is_moving_the_ring_back(u in displacement(), x in -5e-6..5e-6_f64, y in -5e-6..5e-6_f64, angle in 0.0..1.0_f64) {
-        let bearing = Radial::<f64, Exact, _, Places<f64, 9>>::try_new(even_places(Turn::ZERO), Point { stiffness: 8e9 }, 2e-6).unwrap();
-        let cage = Turn::from_revolutions(angle);
+        let bearing = Radial::<f64, Exact, _, ElementPositions<f64, 9>>::try_new(evenly_spaced(Phase::ZERO), Point { stiffness: 8e9 }, 2e-6).unwrap();
+        let cage = Phase::from_revolutions(angle);
         let mut housing = [HousingPoint { displacement: [x, y, 0.0], reaction: [0.0; 3] }; 9];
         let flexible = bearing.reaction_flexible(&u, &cage.into(), &mut housing).wrench.to_array();
         let rigid = wrench_of(&bearing, Displacement { u: u.u - x, v: u.v - y, ..u }, cage);
@@ -177,9 +179,9 @@ fn the_first_papers_axes() {
 
 #[test]
 fn a_spall_takes_deflection_where_it_is() {
-    let centre = Turn::from_revolutions(0.75);
-    let half_sine = Spall::new(Part::Outer, centre, 0.05_f64, 3e-6, SpallShape::HalfSine);
-    let at = |rad: f64| half_sine.depth_at(centre.plus(Turn::from_radians(rad)));
+    let centre = Phase::from_revolutions(0.75);
+    let half_sine = Spall::new(BearingComponent::Outer, centre, 0.05_f64, 3e-6, SpallShape::HalfSine);
+    let at = |rad: f64| half_sine.depth_at(centre.plus(Phase::from_radians(rad)));
     assert!((at(0.0) - 3e-6).abs() < 1e-20);
     for s in [-0.9, -0.3, 0.5, 0.99] {
         let expected = 3e-6 * (std::f64::consts::FRAC_PI_2 * s).cos();
@@ -187,22 +189,26 @@ fn a_spall_takes_deflection_where_it_is() {
     }
     assert_eq!(at(0.0501), 0.0);
     assert_eq!(at(-0.0501), 0.0);
-    let step = Spall::new(Part::Outer, centre, 0.05_f64, 3e-6, SpallShape::Rectangular);
-    assert_eq!(step.depth_at(centre.plus(Turn::from_radians(0.049))), 3e-6);
+    let step = Spall::new(BearingComponent::Outer, centre, 0.05_f64, 3e-6, SpallShape::Rectangular);
+    assert_eq!(step.depth_at(centre.plus(Phase::from_radians(0.049))), 3e-6);
 }
 
 /// In f32 the deflection of a micrometre on a groove distance of 0.3 mm keeps its digits.
 #[test]
 fn single_precision_keeps_small_deflections() {
     let geometry = acbb_s_geometry();
-    let single =
-        Angular::<f32, Exact, Places<f32, 14>>::try_new(geometry, even_places(Turn::ZERO), Zero::Touching).unwrap();
+    let single = Angular::<f32, Exact, ElementPositions<f32, 14>>::try_new(
+        geometry,
+        evenly_spaced(Phase::ZERO),
+        DisplacementDatum::Touching,
+    )
+    .unwrap();
     for scale in [1.0, 0.1, 0.01] {
         let u =
             Displacement { u: 2e-6 * scale, v: 1e-6 * scale, w: 10e-6 * scale, thu: 1e-4 * scale, thv: -5e-5 * scale };
-        let exact = wrench_of(&angular_contact(), u, Turn::ZERO);
+        let exact = wrench_of(&angular_contact(), u, Phase::ZERO);
         let u32 = Displacement::from_array(u.to_array().map(|x| x as f32));
-        let found = single.reaction(&u32, &Turn::ZERO.into()).wrench.to_array().map(f64::from);
+        let found = single.reaction(&u32, &Phase::ZERO.into()).wrench.to_array().map(f64::from);
         let error = relative_to_largest(&found, &exact);
         assert!(error < 3e-6, "at {scale}: {error:e}");
     }

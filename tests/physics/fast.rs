@@ -1,10 +1,10 @@
 //! The fast math backend: how far off it is, in both directions (a bound that became loose is wrong too).
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::{Displacement, Exact, Fast, Math, Turn};
+use ballrace::{Displacement, Exact, Fast, Math, Phase};
 use ballrace_tests::bearings::acbb_s_geometry;
 use ballrace_tests::compare::relative_to_largest;
 
@@ -53,7 +53,7 @@ fn powers_in_single_precision() {
 fn sine_and_cosine_of_the_turn_counter() {
     let (mut single, mut double) = (0.0_f64, 0.0_f64);
     for i in 0..1_000_000_u64 {
-        let turn = Turn(i.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let turn = Phase(i.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let (sin, cos) = turn.radians().sin_cos();
         let (s, c): (f32, f32) = Exact::sin_cos(turn);
         let (sd, cd): (f64, f64) = Exact::sin_cos(turn);
@@ -72,7 +72,7 @@ fn forces() {
     let wrenches = |bearing: &dyn Bearing<f32>| -> Vec<[f64; 5]> {
         let at = |size: f64| {
             let u = [12e-6, 4e-6, 20e-6, 1e-4, -5e-5].map(|x| (x * size) as f32);
-            bearing.reaction(&Displacement::from_array(u), &Turn::from_revolutions(0.1).into()).wrench
+            bearing.reaction(&Displacement::from_array(u), &Phase::from_revolutions(0.1).into()).wrench
         };
         sizes.clone().map(|size| at(size).to_array().map(f64::from)).collect()
     };
@@ -83,11 +83,14 @@ fn forces() {
             within($what, errors.fold(0.0, f64::max), $bound);
         }};
     }
-    fn radial<M: Math<f32>, L: ballrace::contact::law::Law<f32, M>>(_: M, law: L) -> Radial<f32, M, L, Places<f32, 9>> {
-        Radial::try_new(even_places(Turn::ZERO), law, 2e-6).unwrap()
+    fn radial<M: Math<f32>, L: ballrace::contact::law::Law<f32, M>>(
+        _: M,
+        law: L,
+    ) -> Radial<f32, M, L, ElementPositions<f32, 9>> {
+        Radial::try_new(evenly_spaced(Phase::ZERO), law, 2e-6).unwrap()
     }
-    fn angular<M: Math<f32>>(_: M) -> Angular<f32, M, Places<f32, 14>> {
-        Angular::try_new(acbb_s_geometry(), even_places(Turn::ZERO), Zero::Touching).unwrap()
+    fn angular<M: Math<f32>>(_: M) -> Angular<f32, M, ElementPositions<f32, 14>> {
+        Angular::try_new(acbb_s_geometry(), evenly_spaced(Phase::ZERO), DisplacementDatum::Touching).unwrap()
     }
     compare!("lumped, 3/2", 1.8e-3, |m| radial(m, Point { stiffness: 8e9 }));
     compare!("angular", 3e-3, angular);

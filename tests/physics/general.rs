@@ -2,14 +2,14 @@
 
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::law::Point;
 use ballrace::rotor::{
-    Attached, Attachment, Coupling, Drive, Gear, General, Integrator, Machine, Matrices, Mounted, MovingBalls,
-    MovingBallsParams, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, SteadyVerlet, Support, System,
-    Unbalance, Verlet, equilibrium, supported,
+    AttachedElement, Attachment, ForceElement, Integrator, LinearSystem, Matrices, Mounted, MovingBalls,
+    MovingBallsParams, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4,
+    SecondOrderSystem, ShaftMotion, SpeedRatios, SteadyVerlet, Support, Unbalance, Verlet, equilibrium, supported,
 };
-use ballrace::{Displacement, Exact, Rotation, Status, Stiffness, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Status, Stiffness};
 use ballrace_tests::bearings::deep_groove;
 use ballrace_tests::compare::relative;
 use nalgebra::SMatrix;
@@ -26,8 +26,8 @@ const PARAMS: RotorParams = RotorParams {
 const UNBALANCE: Unbalance = Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 };
 const SOFT: Support = Support { mass: 2.0, stiffness: [[3e7, 4e6], [4e6, 2e7]], damping: [[300.0, 0.0], [0.0, 200.0]] };
 
-fn drive(speed: f64) -> Drive<f64> {
-    Drive { angle: Turn::ZERO, speed, acceleration: 0.0 }
+fn drive(speed: f64) -> ShaftMotion<f64> {
+    ShaftMotion { angle: Phase::ZERO, speed, acceleration: 0.0 }
 }
 
 fn damped() -> RotorParams {
@@ -38,11 +38,11 @@ fn damped() -> RotorParams {
     params
 }
 
-fn run<I: Integrator<f64>, R: System<f64, D>, C: Coupling<f64, D>, const D: usize, const N: usize>(
-    machine: &Machine<R, C, N>,
+fn run<I: Integrator<f64>, R: SecondOrderSystem<f64, D>, C: ForceElement<f64, D>, const D: usize, const N: usize>(
+    machine: &RotorBearingSystem<R, C, N>,
     integrator: &I,
     mut state: RotorState<f64, D, N>,
-    mut now: Drive<f64>,
+    mut now: ShaftMotion<f64>,
     (step, count): (f64, usize),
 ) -> RotorState<f64, D, N> {
     for _ in 0..count {
@@ -52,38 +52,40 @@ fn run<I: Integrator<f64>, R: System<f64, D>, C: Coupling<f64, D>, const D: usiz
     state
 }
 
-type Ball = ballrace::bearing::angular::Angular<f64, Exact, Places<f64, 9>>;
+type Ball = ballrace::bearing::angular::Angular<f64, Exact, ElementPositions<f64, 9>>;
 
-fn on_supports(supports: &[Support]) -> Machine<General<f64, Exact, 9>, Attached<f64, Ball, 9>, 2> {
+fn on_supports(
+    supports: &[Support],
+) -> RotorBearingSystem<LinearSystem<f64, Exact, 9>, AttachedElement<f64, Ball, 9>, 2> {
     let matrices = supported::<9>(&damped(), &[UNBALANCE], supports).unwrap();
     let housing = |i: usize| (i < supports.len()).then_some(5 + 2 * i);
-    let at = |i: usize, station: f64| Attached {
+    let at = |i: usize, station: f64| AttachedElement {
         bearing: deep_groove::<9>(10e-6),
         attachment: Attachment::on_rigid_rotor(station, housing(i)),
-        gear: Gear::new(0.4),
+        gear: SpeedRatios::new(0.4),
     };
-    Machine { rotor: General::try_new(&matrices).unwrap(), bearings: [at(0, -0.1), at(1, 0.1)] }
+    RotorBearingSystem { rotor: LinearSystem::try_new(&matrices).unwrap(), bearings: [at(0, -0.1), at(1, 0.1)] }
 }
 
-fn rigid() -> Machine<RigidRotor<f64, Exact>, Mounted<f64, Ball>, 2> {
-    let at = |station| Mounted { bearing: deep_groove::<9>(10e-6), station, gear: Gear::new(0.4) };
-    Machine { rotor: RigidRotor::try_new(&damped(), &[UNBALANCE]).unwrap(), bearings: [at(-0.1), at(0.1)] }
+fn rigid() -> RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, Ball>, 2> {
+    let at = |station| Mounted { bearing: deep_groove::<9>(10e-6), station, gear: SpeedRatios::new(0.4) };
+    RotorBearingSystem { rotor: RigidRotor::try_new(&damped(), &[UNBALANCE]).unwrap(), bearings: [at(-0.1), at(0.1)] }
 }
 
 /// The same rotor as a general system runs the same motion to rounding, in a run-up and by every integrator.
 #[test]
 fn a_general_system_without_supports_is_the_rigid_rotor() {
     let (rigid, general) = (rigid(), on_supports(&[]));
-    let rest = equilibrium(&rigid, &[Turn::ZERO.into(); 2], [0.0; 5]);
-    let same = equilibrium(&general, &[Turn::ZERO.into(); 2], [0.0; 9]);
+    let rest = equilibrium(&rigid, &[Phase::ZERO.into(); 2], [0.0; 5]);
+    let same = equilibrium(&general, &[Phase::ZERO.into(); 2], [0.0; 9]);
     assert!((0..5).all(|i| (rest.q[i] - same.q[i]).abs() < 1e-12), "{:?} {:?}", rest.q, same.q);
     let mut start = [0.0; 9];
     start[..5].copy_from_slice(&rest.q);
     let (a, b) = (
-        RotorState::at_rest(rest.q, Turn::ZERO, [Turn::ZERO; 2]),
-        RotorState::at_rest(start, Turn::ZERO, [Turn::ZERO; 2]),
+        RotorState::at_rest(rest.q, Phase::ZERO, [Phase::ZERO; 2]),
+        RotorState::at_rest(start, Phase::ZERO, [Phase::ZERO; 2]),
     );
-    let up = Drive { acceleration: 500.0, ..drive(100.0) };
+    let up = ShaftMotion { acceleration: 500.0, ..drive(100.0) };
     let h = 1e-5;
     let ends = [
         (
@@ -109,7 +111,7 @@ fn a_general_system_without_supports_is_the_rigid_rotor() {
 fn a_steady_verlet_steps_as_verlet() {
     let (machine, verlet) = (on_supports(&[SOFT, SOFT]), Verlet { step: 2e-5 });
     let mut steady = SteadyVerlet::new(verlet, &machine.rotor, 0.0);
-    let mut state = RotorState::at_rest([0.0; 9], Turn::ZERO, [Turn::ZERO; 2]);
+    let mut state = RotorState::at_rest([0.0; 9], Phase::ZERO, [Phase::ZERO; 2]);
     let (mut now, mut speed_before, mut to_the_bit) = (drive(300.0), 0.0, 0);
     for i in 0..3000 {
         let (mut plain, mut kept) = (state, state);
@@ -124,7 +126,7 @@ fn a_steady_verlet_steps_as_verlet() {
         }
         (state, speed_before) = (kept, now.speed);
         let mut held = kept;
-        assert!(steady.step(&machine, &mut held, &Drive { speed: f64::NAN, ..now }).is_held());
+        assert!(steady.step(&machine, &mut held, &ShaftMotion { speed: f64::NAN, ..now }).is_held());
         assert_eq!((held.q, held.rate, held.held), (kept.q, kept.rate, kept.held + 1));
         now = now.after(verlet.step);
         now.acceleration = if (1000..2000).contains(&i) { 400.0 } else { 0.0 };
@@ -138,7 +140,7 @@ fn a_steady_verlet_steps_as_verlet() {
 #[test]
 fn supports_carry_the_rotor() {
     let machine = on_supports(&[SOFT, SOFT]);
-    let rest = equilibrium(&machine, &[Turn::ZERO.into(); 2], [0.0; 9]);
+    let rest = equilibrium(&machine, &[Phase::ZERO.into(); 2], [0.0; 9]);
     assert!(rest.residual < 1e-9, "{:e}", rest.residual);
     let mut carried = [0.0; 2];
     for first in [5, 7] {
@@ -153,17 +155,17 @@ fn supports_carry_the_rotor() {
 /// Supports a thousand times stiffer bring the rotor a thousand times closer to the one whose outer rings stand still.
 #[test]
 fn stiff_supports_recover_the_rigid_ones() {
-    let rigid = equilibrium(&rigid(), &[Turn::ZERO.into(); 2], [0.0; 5]).q;
+    let rigid = equilibrium(&rigid(), &[Phase::ZERO.into(); 2], [0.0; 5]).q;
     let off = |factor: f64| {
         let k = SOFT.stiffness.map(|row| row.map(|k| k * factor));
         let machine = on_supports(&[Support { stiffness: k, ..SOFT }, Support { stiffness: k, ..SOFT }]);
-        (equilibrium(&machine, &[Turn::ZERO.into(); 2], [0.0; 9]).q[1] - rigid[1]).abs()
+        (equilibrium(&machine, &[Phase::ZERO.into(); 2], [0.0; 9]).q[1] - rigid[1]).abs()
     };
     assert!(relative(off(1e3) * 1e3, off(1.0)) < 0.01, "{:e} {:e}", off(1.0), off(1e3));
 }
 
 /// An undamped rotor on springs in springs: its frequencies are those of the nine-coordinate matrices, its energy stays.
-type Elastic = Machine<General<f64, Exact, 9>, Attached<f64, Linear<f64>, 9>, 2>;
+type Elastic = RotorBearingSystem<LinearSystem<f64, Exact, 9>, AttachedElement<f64, Linear<f64>, 9>, 2>;
 
 const SPRING: f64 = 1e8;
 
@@ -172,16 +174,19 @@ fn elastic() -> (Elastic, Matrices<9>) {
     let still = RotorParams { gravity: [0.0; 3], load: [0.0; 5], ..PARAMS };
     let matrices = supported::<9>(&still, &[], &[free, free]).unwrap();
     let k = Stiffness::from_fn(|i, j| if i == j && i < 3 { SPRING } else { 0.0 });
-    let at = |i: usize, station: f64| Attached {
+    let at = |i: usize, station: f64| AttachedElement {
         bearing: Linear::new(k),
         attachment: Attachment::on_rigid_rotor(station, Some(5 + 2 * i)),
-        gear: Gear::new(0.0),
+        gear: SpeedRatios::new(0.0),
     };
-    (Machine { rotor: General::try_new(&matrices).unwrap(), bearings: [at(0, -0.1), at(1, 0.1)] }, matrices)
+    (
+        RotorBearingSystem { rotor: LinearSystem::try_new(&matrices).unwrap(), bearings: [at(0, -0.1), at(1, 0.1)] },
+        matrices,
+    )
 }
 
 fn whole_stiffness(machine: &Elastic) -> SMatrix<f64, 9, 9> {
-    let (_, tangent) = machine.push_and_stiffness(&[0.0; 9], &[Rotation::default(); 2]);
+    let (_, tangent) = machine.push_and_stiffness(&[0.0; 9], &[BearingKinematicState::default(); 2]);
     tangent + machine.rotor.effective([0.0, 0.0, 1.0], 0.0)
 }
 
@@ -193,7 +198,7 @@ fn energy(matrices: &Matrices<9>, k: &SMatrix<f64, 9, 9>, state: &RotorState<f64
 fn plucked() -> RotorState<f64, 9, 2> {
     let mut q = [0.0; 9];
     (q[0], q[1], q[3], q[5]) = (1e-5, -5e-6, 1e-5, 3e-6);
-    RotorState::at_rest(q, Turn::ZERO, [Turn::ZERO; 2])
+    RotorState::at_rest(q, Phase::ZERO, [Phase::ZERO; 2])
 }
 
 /// A million steps of the undamped rotor with gyroscopic moments at a tenth of the stability limit: Verlet's energy
@@ -207,7 +212,7 @@ fn energy_over_a_million_steps() {
     let start = plucked();
     let first = energy(&matrices, &k, &start);
     // Mean over a window, so that the swing does not pass for a drift.
-    let mean = |state: &mut RotorState<f64, 9, 2>, now: &mut Drive<f64>| {
+    let mean = |state: &mut RotorState<f64, 9, 2>, now: &mut ShaftMotion<f64>| {
         let window = 2_000;
         let mut sum = 0.0;
         for _ in 0..window {
@@ -239,7 +244,7 @@ fn energy_over_a_million_steps() {
 }
 
 fn accelerated(machine: &Elastic, state: &RotorState<f64, 9, 2>) -> [f64; 9] {
-    let mut f = machine.push(&state.q, &[Rotation::default(); 2]).force;
+    let mut f = machine.push(&state.q, &[BearingKinematicState::default(); 2]).force;
     for (f, g) in f.iter_mut().zip(machine.rotor.internal(&state.q, &state.rate, 0.0)) {
         *f += g;
     }
@@ -309,7 +314,7 @@ fn crooked_matrices_are_refused() {
     let says = |change: &dyn Fn(&mut Matrices<3>)| {
         let mut bad = good;
         change(&mut bad);
-        General::<f64, Exact, 3>::try_new(&bad).map(|_| ()).unwrap_err().to_string()
+        LinearSystem::<f64, Exact, 3>::try_new(&bad).map(|_| ()).unwrap_err().to_string()
     };
     assert_eq!(
         says(&|m| m.stiffness[(2, 0)] = 5.0),
@@ -351,18 +356,20 @@ fn attached_to_any_coordinates() {
         rows[1][shuffled[3]] = -station * sign[3];
         rows
     };
-    let at = |station: f64| Attached {
+    let at = |station: f64| AttachedElement {
         bearing: deep_groove::<9>(10e-6),
         attachment: Attachment::new(&extended(station)),
-        gear: Gear::new(0.4),
+        gear: SpeedRatios::new(0.4),
     };
-    let machine =
-        Machine { rotor: General::<f64, Exact, 5>::try_new(&renamed).unwrap(), bearings: [at(-0.1), at(0.1)] };
+    let machine = RotorBearingSystem {
+        rotor: LinearSystem::<f64, Exact, 5>::try_new(&renamed).unwrap(),
+        bearings: [at(-0.1), at(0.1)],
+    };
     let h = 1e-5;
     let ends = |a: [f64; 5], b: [f64; 5]| {
-        let start = RotorState::at_rest(a, Turn::ZERO, [Turn::ZERO; 2]);
+        let start = RotorState::at_rest(a, Phase::ZERO, [Phase::ZERO; 2]);
         let mine = run(&machine, &RungeKutta4 { step: h }, start, drive(300.0), (h, 3000)).q;
-        let start = RotorState::at_rest(b, Turn::ZERO, [Turn::ZERO; 2]);
+        let start = RotorState::at_rest(b, Phase::ZERO, [Phase::ZERO; 2]);
         (mine, run(&rigid(), &RungeKutta4 { step: h }, start, drive(300.0), (h, 3000)).q)
     };
     let (mine, other) = ends([0.0; 5], [0.0; 5]);
@@ -383,7 +390,7 @@ const MOVING: MovingBallsParams = MovingBallsParams {
 /// A rotor that only moves radially on one bearing of nine moving balls: coordinates 5 to 13.
 fn on_moving_balls(
     params: &MovingBallsParams,
-) -> Machine<General<f64, Exact, 14>, MovingBalls<f64, Exact, Places<f64, 9>, 14>, 1> {
+) -> RotorBearingSystem<LinearSystem<f64, Exact, 14>, MovingBalls<f64, Exact, ElementPositions<f64, 9>, 14>, 1> {
     let held = RotorParams {
         stiffness: [0.0, 0.0, 1e6, 1e4, 1e4],
         load: [50.0, -120.0, 0.0, 0.0, 0.0],
@@ -395,9 +402,9 @@ fn on_moving_balls(
         matrices.mass[(i, i)] = params.ball_mass;
         matrices.damping[(i, i)] = 20.0;
     }
-    let place = (Attachment::on_rigid_rotor(0.0, None), Gear::new(params.cage_ratio));
-    let balls = MovingBalls::try_new(params, place, (even_places(Turn::ZERO), 5)).unwrap();
-    Machine { rotor: General::try_new(&matrices).unwrap(), bearings: [balls] }
+    let place = (Attachment::on_rigid_rotor(0.0, None), SpeedRatios::new(params.cage_ratio));
+    let balls = MovingBalls::try_new(params, place, (evenly_spaced(Phase::ZERO), 5)).unwrap();
+    RotorBearingSystem { rotor: LinearSystem::try_new(&matrices).unwrap(), bearings: [balls] }
 }
 
 /// The limit of `docs/src/models.md#balls-with-mass`: without mass the balls rest between the races, and the bearing is the lumped one with both races in
@@ -405,15 +412,19 @@ fn on_moving_balls(
 #[test]
 fn moving_balls_without_mass_are_the_lumped_bearing() {
     let series = MOVING.stiffness.map(|k| k.powf(-2.0 / 3.0)).iter().sum::<f64>().powf(-1.5);
-    let lumped = Radial::<f64, Exact, _, Places<f64, 9>>::try_new(
-        even_places(Turn::ZERO),
+    let lumped = Radial::<f64, Exact, _, ElementPositions<f64, 9>>::try_new(
+        evenly_spaced(Phase::ZERO),
         Point { stiffness: series },
         MOVING.radial_play,
     )
     .unwrap();
     for mass in [1e-6, 1e-9] {
         let machine = on_moving_balls(&MovingBallsParams { ball_mass: mass, ..MOVING });
-        let at = Rotation { cage: Turn::from_revolutions(0.03), inner_speed: 300.0, ..Rotation::default() };
+        let at = BearingKinematicState {
+            cage: Phase::from_revolutions(0.03),
+            inner_speed: 300.0,
+            ..BearingKinematicState::default()
+        };
         let rest = equilibrium(&machine, &[at], [0.0; 14]);
         assert!(rest.residual < 1e-9, "{:e}", rest.residual);
         let u = Displacement { u: rest.q[0], v: rest.q[1], ..Displacement::default() };
@@ -435,7 +446,11 @@ fn tangent_of_moving_balls() {
     for (j, x) in q.iter_mut().skip(5).enumerate() {
         *x = 3e-6 * (j as f64 * 1.7).sin();
     }
-    let at = [Rotation { cage: Turn::from_revolutions(0.11), inner_speed: 900.0, ..Rotation::default() }];
+    let at = [BearingKinematicState {
+        cage: Phase::from_revolutions(0.11),
+        inner_speed: 900.0,
+        ..BearingKinematicState::default()
+    }];
     let (_, k) = machine.push_and_stiffness(&q, &at);
     let largest = k.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     for j in 0..14 {
@@ -458,7 +473,7 @@ fn tangent_of_moving_balls() {
 #[test]
 fn moving_balls_are_thrown_outward() {
     let machine = on_moving_balls(&MOVING);
-    let at = Rotation { inner_speed: 3000.0, ..Rotation::default() };
+    let at = BearingKinematicState { inner_speed: 3000.0, ..BearingKinematicState::default() };
     let rest = equilibrium(&machine, &[at], [0.0; 14]);
     let mut free = 0;
     let mut loads = [0.0; 9];
@@ -480,8 +495,8 @@ fn moving_balls_are_thrown_outward() {
 #[test]
 fn moving_balls_settle() {
     let machine = on_moving_balls(&MOVING);
-    let rest = equilibrium(&machine, &[Rotation::default()], [0.0; 14]);
-    let mut state = RotorState::at_rest(rest.q, Turn::ZERO, [Turn::ZERO]);
+    let rest = equilibrium(&machine, &[BearingKinematicState::default()], [0.0; 14]);
+    let mut state = RotorState::at_rest(rest.q, Phase::ZERO, [Phase::ZERO]);
     state.q[0] += 1e-7;
     let h = 2e-6;
     let mut status = Status::OK;

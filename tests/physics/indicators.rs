@@ -1,9 +1,9 @@
 //! Indicators against signals whose figures are known, over lengths at which plain sums would drift.
 
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
-use ballrace::rotor::{Gear, PartAngles};
+use ballrace::rotor::{ComponentAngles, SpeedRatios};
 use ballrace::twin::{Envelope, ExactSum, Life, LifeParams, OrderLine, OrderTracker, Statistics};
-use ballrace::{Exact, Turn};
+use ballrace::{Exact, Phase};
 use std::f64::consts::TAU;
 
 #[test]
@@ -58,9 +58,9 @@ const LINES: [OrderLine; 4] = [
 fn orders_through_a_run_up() {
     let truth = [[3.0, -1.0], [0.5, 0.25], [0.0, 0.8], [0.1, 0.2]];
     for sense in [1.0, -1.0] {
-        let gear = Gear::<f64>::new(0.398_31);
-        let mut shaft = Turn::from_revolutions(0.3).times(100_000_001);
-        let mut parts = PartAngles::from(Turn::from_revolutions(0.77));
+        let gear = SpeedRatios::<f64>::new(0.398_31);
+        let mut shaft = Phase::from_revolutions(0.3).times(100_000_001);
+        let mut parts = ComponentAngles::from(Phase::from_revolutions(0.77));
         let mut tracker = OrderTracker::<f64, 4>::new(LINES, 16, shaft);
         let (mut time, rate, mut blocks) = (0.0, 12_800.0, 0);
         while blocks < 4 {
@@ -79,7 +79,7 @@ fn orders_through_a_run_up() {
                 }
             }
             let speed = sense * (10.0 + 45.0 * time);
-            let arc = ballrace::turn::Arc::from_radians(TAU * speed / rate);
+            let arc = ballrace::phase::PhaseDelta::from_radians(TAU * speed / rate);
             (shaft, parts) = (shaft.advanced(arc), gear.after(parts, arc));
             time += 1.0 / rate;
         }

@@ -1,28 +1,34 @@
 //! Opposite pairs, and the cage's frame: the same bearing evaluated in another way.
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
-use ballrace::bearing::{Bearing, InCage, Pairs, Places, even_pairs, even_places};
+use ballrace::bearing::surface::{BearingComponent, Feature, Spall, SpallShape, SurfaceDeviation};
+use ballrace::bearing::{Bearing, CageFrame, ElementPositions, OpposedPairs, even_pairs, evenly_spaced};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::{Displacement, Exact, Turn};
+use ballrace::{Displacement, Exact, Phase};
 use ballrace_tests::bearings::acbb_s_geometry;
 use proptest::prelude::*;
 
-const FIRST: Turn = Turn(0x0123_4567_89ab_cdef);
+const FIRST: Phase = Phase(0x0123_4567_89ab_cdef);
 
 /// Ten elements, so that a group of four pairs and a rest are met.
-fn pairs() -> Pairs<f64, 5> {
+fn pairs() -> OpposedPairs<f64, 5> {
     even_pairs(FIRST)
 }
 
-fn places() -> Places<f64, 10> {
-    even_places(FIRST)
+fn places() -> ElementPositions<f64, 10> {
+    evenly_spaced(FIRST)
 }
 
-fn spall() -> Uneven<Exact, [Feature<f64>; 1]> {
-    let centre = Turn::from_revolutions(0.3);
-    Uneven::new([Feature::Spall(Spall::new(Part::Outer, centre, 0.2, 3e-6, SpallShape::HalfSine))])
+fn spall() -> SurfaceDeviation<Exact, [Feature<f64>; 1]> {
+    let centre = Phase::from_revolutions(0.3);
+    SurfaceDeviation::new([Feature::Spall(Spall::new(
+        BearingComponent::Outer,
+        centre,
+        0.2,
+        3e-6,
+        SpallShape::HalfSine,
+    ))])
 }
 
 fn displacement() -> impl Strategy<Value = Displacement<f64>> {
@@ -41,7 +47,7 @@ fn close(x: &[f64], y: &[f64]) -> bool {
     x.iter().zip(y).all(|(x, y)| (x - y).abs() <= 1e-9 * largest)
 }
 
-fn assert_same(paired: &impl Bearing<f64>, single: &impl Bearing<f64>, u: &Displacement<f64>, cage: Turn) {
+fn assert_same(paired: &impl Bearing<f64>, single: &impl Bearing<f64>, u: &Displacement<f64>, cage: Phase) {
     let (a, ka) = paired.reaction_and_stiffness(u, &cage.into());
     let (b, kb) = single.reaction_and_stiffness(u, &cage.into());
     let force = paired.reaction(u, &cage.into());
@@ -59,7 +65,7 @@ proptest! {
     /// Two opposite elements share one power, and nothing changes: all laws, damage on the race, axial elements.
     #[test]
     fn lumped_pairs_are_the_same_bearing(u in displacement(), cage in any::<u64>(), play in 0.0..20e-6) {
-        let cage = Turn(cage);
+        let cage = Phase(cage);
         macro_rules! check {
             ($law:expr) => {{
                 let paired = Radial::<f64, Exact, _, _>::try_new(pairs(), $law, play).unwrap();
@@ -78,19 +84,19 @@ proptest! {
 
     #[test]
     fn angular_pairs_are_the_same_bearing(u in displacement(), cage in any::<u64>()) {
-        for zero in [Zero::Touching, Zero::Centred] {
+        for zero in [DisplacementDatum::Touching, DisplacementDatum::Centred] {
             let paired = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), pairs(), zero).unwrap();
             let single = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), places(), zero).unwrap();
-            assert_same(&paired, &single, &u, Turn(cage));
-            assert_same(&paired.with_surface(spall()), &single.with_surface(spall()), &u, Turn(cage));
+            assert_same(&paired, &single, &u, Phase(cage));
+            assert_same(&paired.with_surface(spall()), &single.with_surface(spall()), &u, Phase(cage));
         }
     }
 
     /// Evaluated in the cage's frame: displacement turned into it, wrench turned out of it, by this test's own rotation.
     #[test]
     fn the_cage_frame_is_the_fixed_one_turned(u in displacement(), cage in any::<u64>()) {
-        let cage = Turn(cage);
-        let bearing = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), places(), Zero::Touching).unwrap();
+        let cage = Phase(cage);
+        let bearing = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), places(), DisplacementDatum::Touching).unwrap();
         let (sin, cos) = cage.radians().sin_cos();
         let into = |x: f64, y: f64| (cos * x + sin * y, cos * y - sin * x);
         let ((tu, tv), (tthu, tthv)) = (into(u.u, u.v), into(u.thu, u.thv));

@@ -1,50 +1,53 @@
 //! Identities of the quasi-static model, the limits in which it equals a cheaper one, and tables confirmed by other programs.
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::quasi_static::film::{Lubricant, central_film};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, Massless, RaceControl};
-use ballrace::bearing::quasi_static::{BallPlace, BallState, QuasiStatic};
-use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
-use ballrace::bearing::{Bearing, Mirrored, Place, Places, even_places};
+use ballrace::bearing::quasi_static::{BallPosition, BallState, QuasiStatic};
+use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
+use ballrace::bearing::{Bearing, ElementPosition, ElementPositions, Mirrored, evenly_spaced};
 use ballrace::contact::hertz::Race;
-use ballrace::{Displacement, Exact, Rotation, Stiffness, Turn, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Stiffness, Wrench};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry, harris_218_geometry};
 use ballrace_tests::compare::{relative, relative_to_largest};
 use std::f64::consts::TAU;
 
-type Static = QuasiStatic<f64, Exact, Places<f64, 14>>;
+type Static = QuasiStatic<f64, Exact, ElementPositions<f64, 14>>;
 
 const OIL: Lubricant = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
 /// The displacement of the confirmed table.
 const U: Displacement<f64> = Displacement { u: 2e-6, v: 1e-6, w: 10e-6, thu: 1e-4, thv: -5e-5 };
 
-fn plain(first: Turn) -> Static {
-    QuasiStatic::try_new(acbb_s_geometry(), even_places(first), Zero::Touching).unwrap()
+fn plain(first: Phase) -> Static {
+    QuasiStatic::try_new(acbb_s_geometry(), evenly_spaced(first), DisplacementDatum::Touching).unwrap()
 }
 
 /// With everything: inertia and film.
 fn full(params: InertiaParams) -> impl Bearing<f64> {
-    plain(Turn::ZERO).with_inertia(&params).unwrap().with_film(OIL).unwrap()
+    plain(Phase::ZERO).with_inertia(&params).unwrap().with_film(OIL).unwrap()
 }
 
-fn inner_at(rpm: f64) -> Rotation<f64> {
-    Rotation { inner_speed: rpm * TAU / 60.0, ..Rotation::default() }
+fn inner_at(rpm: f64) -> BearingKinematicState<f64> {
+    BearingKinematicState { inner_speed: rpm * TAU / 60.0, ..BearingKinematicState::default() }
 }
 
-fn force(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &Rotation<f64>) -> [f64; 5] {
+fn force(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 5] {
     bearing.reaction(u, at).wrench.to_array()
 }
 
 #[test]
 fn at_rest_it_is_the_angular_rung() {
-    let angular =
-        Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), even_places::<f64, 14>(Turn::ZERO), Zero::Touching);
-    let (angular, at) = (angular.unwrap(), Rotation::default());
-    let massive = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
+    let angular = Angular::<f64, Exact, _>::try_new(
+        acbb_s_geometry(),
+        evenly_spaced::<f64, 14>(Phase::ZERO),
+        DisplacementDatum::Touching,
+    );
+    let (angular, at) = (angular.unwrap(), BearingKinematicState::default());
+    let massive = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     for w in [-5e-6, 0.0, 1e-6, 10e-6, 40e-6] {
         let u = Displacement { w, ..U };
         let expected = force(&angular, &u, &at);
-        assert!(relative_to_largest(&force(&plain(Turn::ZERO), &u, &at), &expected) < 1e-9);
+        assert!(relative_to_largest(&force(&plain(Phase::ZERO), &u, &at), &expected) < 1e-9);
         assert!(relative_to_largest(&force(&massive, &u, &at), &expected) < 1e-9, "inertia without motion");
     }
 }
@@ -52,15 +55,15 @@ fn at_rest_it_is_the_angular_rung() {
 #[test]
 fn each_effect_vanishes_with_its_cause() {
     let at = inner_at(12_000.0);
-    let reference = force(&plain(Turn::ZERO), &U, &at);
+    let reference = force(&plain(Phase::ZERO), &U, &at);
     let light = InertiaParams { density: 1e-6, ..STEEL_BALLS };
-    let light = plain(Turn::ZERO).with_inertia(&light).unwrap();
+    let light = plain(Phase::ZERO).with_inertia(&light).unwrap();
     assert!(relative_to_largest(&force(&light, &U, &at), &reference) < 1e-8, "massless balls");
-    let thin = plain(Turn::ZERO).with_film(Lubricant { viscosity: 1e-18, ..OIL }).unwrap();
+    let thin = plain(Phase::ZERO).with_film(Lubricant { viscosity: 1e-18, ..OIL }).unwrap();
     assert!(relative_to_largest(&force(&thin, &U, &at), &reference) < 1e-8, "no viscosity");
-    let centrifugal = plain(Turn::ZERO).with_centrifugal(&STEEL_BALLS).unwrap();
+    let centrifugal = plain(Phase::ZERO).with_centrifugal(&STEEL_BALLS).unwrap();
     let none = InertiaParams { gyroscopic: false, ..STEEL_BALLS };
-    let without_moment = plain(Turn::ZERO).with_inertia(&none).unwrap();
+    let without_moment = plain(Phase::ZERO).with_inertia(&none).unwrap();
     let difference = relative_to_largest(&force(&without_moment, &U, &at), &force(&centrifugal, &U, &at));
     assert!(difference < 1e-12, "a value of 0 is as good as a type: {difference:e}");
 }
@@ -68,7 +71,7 @@ fn each_effect_vanishes_with_its_cause() {
 #[test]
 fn the_usual_choice_as_a_type_is_the_same_as_by_value() {
     let (general, usual) =
-        (plain(Turn::ZERO).with_inertia(&STEEL_BALLS), plain(Turn::ZERO).with_outer_control(&STEEL_BALLS));
+        (plain(Phase::ZERO).with_inertia(&STEEL_BALLS), plain(Phase::ZERO).with_outer_control(&STEEL_BALLS));
     let (general, usual) = (general.unwrap(), usual.unwrap());
     let at = inner_at(12_000.0);
     let (a, ka) = general.reaction_and_stiffness(&U, &at);
@@ -80,10 +83,10 @@ fn the_usual_choice_as_a_type_is_the_same_as_by_value() {
 #[test]
 fn forces_of_model_f4b() {
     let golden = [-371.623234, -294.353050, -541.887840, -2.942087, 3.641872];
-    let found = force(&plain(Turn::ZERO), &U, &Rotation::default());
+    let found = force(&plain(Phase::ZERO), &U, &BearingKinematicState::default());
     assert!(relative_to_largest(&found, &golden) < 2e-9, "{found:?}");
     let golden = [-341.004578, -270.341895, -582.467316, -2.722291, 3.356094];
-    let found = force(&plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap(), &U, &inner_at(12_000.0));
+    let found = force(&plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap(), &U, &inner_at(12_000.0));
     assert!(relative_to_largest(&found, &golden) < 2e-9, "{found:?}");
 }
 
@@ -100,7 +103,7 @@ fn films_of_model_f4b() {
 
 #[test]
 fn a_film_is_that_of_its_own_load_and_speed() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap().with_film(OIL).unwrap().with_steps(20);
+    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap().with_film(OIL).unwrap().with_steps(20);
     let (geometry, at) = (acbb_s_geometry(), inner_at(6_000.0));
     let mut balls = [BallState::default(); 14];
     bearing.ball_states(&U, &at, &mut balls);
@@ -123,12 +126,17 @@ fn a_film_is_that_of_its_own_load_and_speed() {
 fn waviness_pushes_by_the_rule_of_model_f7() {
     let w0 = Displacement { w: 10e-6, ..Displacement::default() };
     let with = |order| {
-        let wave =
-            Wave { part: Part::Inner, direction: Direction::Radial, order, amplitude: 0.1e-6, phase: Turn::ZERO };
-        let bearing = plain(Turn::ZERO).with_surface(Uneven::<Exact, _>::new([Feature::Wave(wave)]));
-        bearing.reaction(&w0, &Rotation::default()).wrench
+        let wave = Wave {
+            part: BearingComponent::Inner,
+            direction: Direction::Radial,
+            order,
+            amplitude: 0.1e-6,
+            phase: Phase::ZERO,
+        };
+        let bearing = plain(Phase::ZERO).with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Wave(wave)]));
+        bearing.reaction(&w0, &BearingKinematicState::default()).wrench
     };
-    let smooth = plain(Turn::ZERO).reaction(&w0, &Rotation::default()).wrench;
+    let smooth = plain(Phase::ZERO).reaction(&w0, &BearingKinematicState::default()).wrench;
     for order in [13, 15, 27, 29] {
         // The largest over a turn of the wave against the balls; at angle 0 the force is along X.
         let Wrench { fx, fy, fz, mx, my } = with(order);
@@ -149,55 +157,62 @@ fn waviness_pushes_by_the_rule_of_model_f7() {
 fn waves_turn_with_their_own_surface() {
     let bearing = |part, order| {
         let wave =
-            Wave { part, direction: Direction::Axial, order, amplitude: 1e-6, phase: Turn::from_revolutions(0.1) };
-        plain(Turn::ZERO).with_surface(Uneven::<Exact, _>::new([Feature::Wave(wave)]))
+            Wave { part, direction: Direction::Axial, order, amplitude: 1e-6, phase: Phase::from_revolutions(0.1) };
+        plain(Phase::ZERO).with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Wave(wave)]))
     };
-    let still = Rotation::default();
-    let quarter = Turn::from_revolutions(0.25);
-    let turned = |at: Rotation<f64>, part, order| force(&bearing(part, order), &U, &at);
+    let still = BearingKinematicState::default();
+    let quarter = Phase::from_revolutions(0.25);
+    let turned = |at: BearingKinematicState<f64>, part, order| force(&bearing(part, order), &U, &at);
     // Twelve waves on a ring look alike after a quarter of a turn of it, and of nothing else.
-    let rings =
-        [(Part::Inner, Rotation { inner: quarter, ..still }), (Part::Outer, Rotation { outer: quarter, ..still })];
+    let rings = [
+        (BearingComponent::Inner, BearingKinematicState { inner: quarter, ..still }),
+        (BearingComponent::Outer, BearingKinematicState { outer: quarter, ..still }),
+    ];
     for (part, at) in rings {
         assert!(relative_to_largest(&turned(at, part, 12), &turned(still, part, 12)) < 1e-12);
         assert!(relative_to_largest(&turned(at, part, 13), &turned(still, part, 13)) > 1e-4);
     }
-    let spun = Rotation { ball: quarter, ..still };
+    let spun = BearingKinematicState { ball: quarter, ..still };
     assert!(
-        relative_to_largest(&turned(spun, Part::Ball(Turn::ZERO), 4), &turned(still, Part::Ball(Turn::ZERO), 4))
-            < 1e-12
+        relative_to_largest(
+            &turned(spun, BearingComponent::Ball(Phase::ZERO), 4),
+            &turned(still, BearingComponent::Ball(Phase::ZERO), 4)
+        ) < 1e-12
     );
     assert!(
-        relative_to_largest(&turned(spun, Part::Ball(Turn::ZERO), 2), &turned(still, Part::Ball(Turn::ZERO), 2)) > 1e-4
+        relative_to_largest(
+            &turned(spun, BearingComponent::Ball(Phase::ZERO), 2),
+            &turned(still, BearingComponent::Ball(Phase::ZERO), 2)
+        ) > 1e-4
     );
 }
 
 #[test]
 fn damage_is_met_on_its_own_surface() {
     let with = |part| {
-        let spall = Spall::new(part, Turn::ZERO, 0.05, 3e-6, SpallShape::Rectangular);
-        plain(Turn::ZERO).with_surface(Uneven::<Exact, _>::new([Feature::Spall(spall)]))
+        let spall = Spall::new(part, Phase::ZERO, 0.05, 3e-6, SpallShape::Rectangular);
+        plain(Phase::ZERO).with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Spall(spall)]))
     };
-    let at = Rotation::default();
-    let sound = force(&plain(Turn::ZERO), &U, &at)[0];
-    for part in [Part::Inner, Part::Outer, Part::Ball(Turn::ZERO)] {
+    let at = BearingKinematicState::default();
+    let sound = force(&plain(Phase::ZERO), &U, &at)[0];
+    for part in [BearingComponent::Inner, BearingComponent::Outer, BearingComponent::Ball(Phase::ZERO)] {
         assert!((force(&with(part), &U, &at)[0] - sound).abs() > 1.0, "{part:?}");
     }
     // Turned away from every ball, the inner race's damage is not met; the ball meets its own twice a turn.
-    let between = Rotation { inner: Turn::from_revolutions(0.5 / 14.0), ..at };
-    assert_eq!(force(&with(Part::Inner), &U, &between)[0], sound);
-    let opposite = Rotation { ball: Turn::from_revolutions(0.5), ..at };
-    let sideways = Rotation { ball: Turn::from_revolutions(0.25), ..at };
-    assert!((force(&with(Part::Ball(Turn::ZERO)), &U, &opposite)[0] - sound).abs() > 1.0);
-    assert_eq!(force(&with(Part::Ball(Turn::ZERO)), &U, &sideways)[0], sound);
+    let between = BearingKinematicState { inner: Phase::from_revolutions(0.5 / 14.0), ..at };
+    assert_eq!(force(&with(BearingComponent::Inner), &U, &between)[0], sound);
+    let opposite = BearingKinematicState { ball: Phase::from_revolutions(0.5), ..at };
+    let sideways = BearingKinematicState { ball: Phase::from_revolutions(0.25), ..at };
+    assert!((force(&with(BearingComponent::Ball(Phase::ZERO)), &U, &opposite)[0] - sound).abs() > 1.0);
+    assert_eq!(force(&with(BearingComponent::Ball(Phase::ZERO)), &U, &sideways)[0], sound);
 }
 
 #[test]
 fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
     let bearing =
-        plain(Turn::ZERO).with_inertia(&InertiaParams { sharing: FrictionSharing::Equal, ..STEEL_BALLS }).unwrap();
+        plain(Phase::ZERO).with_inertia(&InertiaParams { sharing: FrictionSharing::Equal, ..STEEL_BALLS }).unwrap();
     for rpm in [0.0, 12_000.0] {
-        let at = Rotation { cage: Turn::from_revolutions(0.3), ..inner_at(rpm) };
+        let at = BearingKinematicState { cage: Phase::from_revolutions(0.3), ..inner_at(rpm) };
         let both = bearing.ring_reactions(&U, &Displacement::default(), &at);
         assert_eq!(both.inner.wrench, bearing.reaction(&U, &at).wrench);
         let mut balls = [BallState::default(); 14];
@@ -224,7 +239,7 @@ fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
 
 #[test]
 fn only_the_rings_displacement_against_each_other_counts() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
+    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let at = inner_at(9_000.0);
     let common = Displacement { u: 1e-4, v: -2e-4, w: 5e-5, thu: 0.0, thv: 0.0 };
     let apart = bearing.ring_reactions(&U, &Displacement::default(), &at);
@@ -236,7 +251,7 @@ fn only_the_rings_displacement_against_each_other_counts() {
 fn turning_by_a_pitch_changes_nothing() {
     let bearing = full(STEEL_BALLS);
     let at = inner_at(15_000.0);
-    let turned = Rotation { cage: Turn::from_revolutions(1.0 / 14.0), ..at };
+    let turned = BearingKinematicState { cage: Phase::from_revolutions(1.0 / 14.0), ..at };
     assert!(relative_to_largest(&force(&bearing, &U, &turned), &force(&bearing, &U, &at)) < 1e-9);
 }
 
@@ -249,30 +264,37 @@ fn reversing_the_rotation_changes_nothing() {
 
 #[test]
 fn equal_relative_speed_with_the_outer_ring_turning_shares_the_spin_but_not_the_orbit() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
+    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let speed = 12_000.0 * TAU / 60.0;
-    let state = |at: Rotation<f64>| {
+    let state = |at: BearingKinematicState<f64>| {
         let mut balls = [BallState::default(); 14];
         bearing.ball_states(&Displacement { w: 10e-6, ..Displacement::default() }, &at, &mut balls);
         balls[0]
     };
     let inner = state(inner_at(12_000.0));
-    let outer = state(Rotation { outer_speed: -speed, ..Rotation::default() });
+    let outer = state(BearingKinematicState { outer_speed: -speed, ..BearingKinematicState::default() });
     assert!((inner.orbital_speed - (speed + outer.orbital_speed)).abs() < 0.02 * speed, "the frames differ by w");
     assert!(outer.centrifugal > 1.5 * inner.centrifugal, "the outer ring carries the balls along faster");
 }
 
 #[test]
 fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
-    let wave = Wave { part: Part::Outer, direction: Direction::Axial, order: 5, amplitude: 1e-6, phase: Turn(77) };
-    let forward = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
-    let forward = forward.with_surface(Uneven::<Exact, _>::new([Feature::Wave(wave)]));
-    let places = even_places::<f64, 14>(Turn::ZERO).map(Place::mirrored);
-    let backward = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let wave = Wave {
+        part: BearingComponent::Outer,
+        direction: Direction::Axial,
+        order: 5,
+        amplitude: 1e-6,
+        phase: Phase(77),
+    };
+    let forward = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
+    let forward = forward.with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Wave(wave)]));
+    let places = evenly_spaced::<f64, 14>(Phase::ZERO).map(ElementPosition::mirrored);
+    let backward =
+        QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
     let backward = backward.with_inertia(&STEEL_BALLS).unwrap();
     let seen = Wave { amplitude: -wave.amplitude, ..wave };
-    let backward = Mirrored(backward.with_surface(Uneven::<Exact, _>::new([Feature::Wave(seen).mirrored()])));
-    let at = Rotation { cage: Turn::from_revolutions(0.21), outer: Turn(5), ..inner_at(12_000.0) };
+    let backward = Mirrored(backward.with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Wave(seen).mirrored()])));
+    let at = BearingKinematicState { cage: Phase::from_revolutions(0.21), outer: Phase(5), ..inner_at(12_000.0) };
     // Reflected in its plane a bearing faces the other way; rotation about Z looks the same in that mirror.
     let reflected = Displacement { w: -U.w, thu: -U.thu, thv: -U.thv, ..U };
     let Wrench { fx, fy, fz, mx, my } = forward.reaction(&U, &at).wrench;
@@ -283,8 +305,8 @@ fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
 
 #[test]
 fn no_work_around_a_closed_way_at_rest() {
-    let bearing = plain(Turn::ZERO).with_film(OIL).unwrap();
-    let at = Rotation::default();
+    let bearing = plain(Phase::ZERO).with_film(OIL).unwrap();
+    let at = BearingKinematicState::default();
     let steps = 400;
     let path = |t: f64| Displacement {
         u: 4e-6 * (TAU * t).cos(),
@@ -309,7 +331,7 @@ fn no_work_around_a_closed_way_at_rest() {
 }
 
 /// Central differences with the balls settled to rounding.
-fn differences(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &Rotation<f64>) -> Stiffness<f64> {
+fn differences(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Stiffness<f64> {
     let mut k = Stiffness::zeros();
     for j in 0..5 {
         let h = if j < 3 { 1e-9 } else { 1e-7 };
@@ -345,8 +367,8 @@ fn tangents_against_differences() {
             (RaceControl::Inner, FrictionSharing::Equal),
         ] {
             let params = InertiaParams { control, sharing, ..STEEL_BALLS };
-            let bearing = plain(Turn::ZERO).with_inertia(&params).unwrap().with_steps(20);
-            let at = Rotation { cage: Turn::from_revolutions(0.13), ..inner_at(rpm) };
+            let bearing = plain(Phase::ZERO).with_inertia(&params).unwrap().with_steps(20);
+            let at = BearingKinematicState { cage: Phase::from_revolutions(0.13), ..inner_at(rpm) };
             let (_, implicit) = bearing.reaction_and_stiffness(&U, &at);
             let condensed = bearing.condensed_stiffness(&U, &at);
             let numeric = differences(&bearing, &U, &at);
@@ -361,8 +383,10 @@ fn tangents_against_differences() {
 
 #[test]
 fn the_tangent_of_model_f4b() {
-    let (reaction, k) = plain(Turn::ZERO)
-        .reaction_and_stiffness(&Displacement { w: 10e-6, ..Displacement::default() }, &Rotation::default());
+    let (reaction, k) = plain(Phase::ZERO).reaction_and_stiffness(
+        &Displacement { w: 10e-6, ..Displacement::default() },
+        &BearingKinematicState::default(),
+    );
     assert!(relative(reaction.wrench.fz, -499.9601) < 1e-6);
     for (i, j, expected) in [
         (0, 0, 1.517860e8),
@@ -378,13 +402,13 @@ fn the_tangent_of_model_f4b() {
 
 #[test]
 fn from_where_the_balls_were_few_steps_do() {
-    let bearing = plain(Turn::ZERO).with_inertia(&STEEL_BALLS).unwrap();
+    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let exact = bearing.with_steps(30);
-    let mut balls = [BallPlace::default(); 14];
+    let mut balls = [BallPosition::default(); 14];
     let path = |i: u32| {
         let t = f64::from(i) / 100.0;
         let u = Displacement { u: 3e-6 * (TAU * t).cos(), v: 3e-6 * (TAU * t).sin(), ..U };
-        (u, Rotation { cage: Turn::from_revolutions(0.4 * t), ..inner_at(12_000.0) })
+        (u, BearingKinematicState { cage: Phase::from_revolutions(0.4 * t), ..inner_at(12_000.0) })
     };
     for steps in [2, 3, 4] {
         let (u, at) = path(0);
@@ -405,8 +429,11 @@ fn from_where_the_balls_were_few_steps_do() {
 fn harris_218_of_model_f4() {
     let geometry = harris_218_geometry();
     let bearing = |params: &InertiaParams| {
-        let bearing =
-            QuasiStatic::<f64, Exact, _>::try_new(geometry, even_places::<f64, 16>(Turn::ZERO), Zero::Touching);
+        let bearing = QuasiStatic::<f64, Exact, _>::try_new(
+            geometry,
+            evenly_spaced::<f64, 16>(Phase::ZERO),
+            DisplacementDatum::Touching,
+        );
         bearing.unwrap().with_inertia(params).unwrap()
     };
     // rpm, axial load N, displacement um, inner and outer load N, angles deg, F_c N, M_g N m, orbit over shaft.

@@ -2,12 +2,12 @@
 
 use ballrace::bearing::angular::Angular;
 use ballrace::bearing::linear::Linear;
-use ballrace::bearing::{Bearing, Mirrored, Places};
+use ballrace::bearing::{Bearing, ElementPositions, Mirrored};
 use ballrace::rotor::{
-    Coupling, Drive, Gear, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4,
-    System, Unbalance, equilibrium,
+    ForceElement, Integrator, Mounted, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4,
+    SecondOrderSystem, ShaftMotion, SpeedRatios, Unbalance, equilibrium,
 };
-use ballrace::{Displacement, Exact, Status, Stiffness, Turn};
+use ballrace::{Displacement, Exact, Phase, Status, Stiffness};
 use ballrace_tests::bearings::{angular_contact, deep_groove};
 use ballrace_tests::compare::relative;
 use std::f64::consts::TAU;
@@ -33,31 +33,31 @@ fn rotor(params: RotorParams, unbalance: &[Unbalance]) -> RigidRotor<f64, Exact>
     RigidRotor::try_new(&params, unbalance).unwrap()
 }
 
-fn drive(speed: f64) -> Drive<f64> {
-    Drive { angle: Turn::ZERO, speed, acceleration: 0.0 }
+fn drive(speed: f64) -> ShaftMotion<f64> {
+    ShaftMotion { angle: Phase::ZERO, speed, acceleration: 0.0 }
 }
 
-type Rigid<B> = Machine<RigidRotor<f64, Exact>, Mounted<f64, B>, 2>;
+type Rigid<B> = RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, B>, 2>;
 type Springs = Rigid<Linear<f64>>;
 
 /// Two equal isotropic springs, 1e7 N/m, at +-0.1 m.
 fn on_springs(params: RotorParams, unbalance: &[Unbalance]) -> Springs {
     let k = Stiffness::from_fn(|i, j| if i == j && i < 3 { 1e7 } else { 0.0 });
-    let at = |station| Mounted { bearing: Linear::new(k), station, gear: Gear::new(0.0) };
-    Machine { rotor: rotor(params, unbalance), bearings: [at(-0.1), at(0.1)] }
+    let at = |station| Mounted { bearing: Linear::new(k), station, gear: SpeedRatios::new(0.0) };
+    RotorBearingSystem { rotor: rotor(params, unbalance), bearings: [at(-0.1), at(0.1)] }
 }
 
-fn rig(params: RotorParams, unbalance: &[Unbalance]) -> Rigid<Angular<f64, Exact, Places<f64, 9>>> {
-    let at = |station| Mounted { bearing: deep_groove::<9>(10e-6), station, gear: Gear::new(0.4) };
-    Machine { rotor: rotor(params, unbalance), bearings: [at(-0.1), at(0.1)] }
+fn rig(params: RotorParams, unbalance: &[Unbalance]) -> Rigid<Angular<f64, Exact, ElementPositions<f64, 9>>> {
+    let at = |station| Mounted { bearing: deep_groove::<9>(10e-6), station, gear: SpeedRatios::new(0.4) };
+    RotorBearingSystem { rotor: rotor(params, unbalance), bearings: [at(-0.1), at(0.1)] }
 }
 
 /// Runs `turns` of the shaft's time span and returns the state at its end.
-fn run<I: Integrator<f64>, R: System<f64, D>, C: Coupling<f64, D>, const D: usize, const N: usize>(
-    machine: &Machine<R, C, N>,
+fn run<I: Integrator<f64>, R: SecondOrderSystem<f64, D>, C: ForceElement<f64, D>, const D: usize, const N: usize>(
+    machine: &RotorBearingSystem<R, C, N>,
     integrator: &I,
     start: RotorState<f64, D, N>,
-    drive: Drive<f64>,
+    drive: ShaftMotion<f64>,
     (step, count): (f64, usize),
 ) -> RotorState<f64, D, N> {
     let (mut state, mut now) = (start, drive);
@@ -72,7 +72,7 @@ fn run<I: Integrator<f64>, R: System<f64, D>, C: Coupling<f64, D>, const D: usiz
 #[test]
 fn order_of_the_integrators() {
     let machine = on_springs(PARAMS, &[]);
-    let start = RotorState::at_rest(Displacement { u: 1e-5, ..Displacement::default() }, Turn::ZERO, [Turn::ZERO; 2]);
+    let start = RotorState::at_rest(Displacement { u: 1e-5, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
     let omega = (2e7_f64 / 6.0).sqrt();
     let time = 3.3 * TAU / omega;
     let exact = 1e-5 * (omega * time).cos();
@@ -103,7 +103,7 @@ fn newmark_keeps_the_energy_of_springs() {
         let (q, v) = (s.q, s.rate);
         (0..5).map(|i| 0.5 * k[i] * q[i] * q[i] + 0.5 * m[i] * v[i] * v[i]).sum::<f64>()
     };
-    let mut start = RotorState::at_rest(q, Turn::ZERO, [Turn::ZERO; 2]);
+    let mut start = RotorState::at_rest(q, Phase::ZERO, [Phase::ZERO; 2]);
     start.acceleration = [-2e7 / 6.0 * q.u, -2e7 / 6.0 * q.v, 0.0, -2e5 / 0.03 * q.thu, 0.0];
     let end = run(&machine, &Newmark { step: 5e-5, newton_steps: 2 }, start, drive(300.0), (5e-5, 100_000));
     let drift = relative(energy(&end), energy(&start));
@@ -116,9 +116,9 @@ fn both_integrators_agree_on_the_rig() {
     let params = RotorParams { gravity: [0.0, -9.80665, 0.0], load: [0.0, 0.0, 60.0, 0.0, 0.0], ..damped(PARAMS) };
     let unbalance = [Unbalance { moment: 480e-6, angle: 1.2, station: -0.03 }];
     let machine = rig(params, &unbalance);
-    let rest = equilibrium(&machine, &[Turn::ZERO.into(); 2], Displacement::default());
+    let rest = equilibrium(&machine, &[Phase::ZERO.into(); 2], Displacement::default());
     assert!(rest.residual < 1e-9, "{:e}", rest.residual);
-    let start = RotorState::at_rest(rest.q, Turn::ZERO, [Turn::ZERO; 2]);
+    let start = RotorState::at_rest(rest.q, Phase::ZERO, [Phase::ZERO; 2]);
     let end = |h: f64, newmark: bool| {
         let count = (0.1 / h).round() as usize;
         let speed = 100.0 * std::f64::consts::PI;
@@ -138,9 +138,9 @@ fn both_integrators_agree_on_the_rig() {
 #[test]
 fn natural_frequencies_of_a_preloaded_pair() {
     let w0 = Displacement { w: 10.000_495e-6, ..Displacement::default() };
-    let (reaction, plus) = angular_contact().reaction_and_stiffness(&w0, &Turn::ZERO.into());
+    let (reaction, plus) = angular_contact().reaction_and_stiffness(&w0, &Phase::ZERO.into());
     assert!((reaction.wrench.fz + 500.0).abs() < 1e-2, "{}", reaction.wrench.fz);
-    let (_, minus) = Mirrored(angular_contact()).reaction_and_stiffness(&w0.mirrored(), &Turn::ZERO.into());
+    let (_, minus) = Mirrored(angular_contact()).reaction_and_stiffness(&w0.mirrored(), &Phase::ZERO.into());
     let whole = |left: &Stiffness<f64>, right: &Stiffness<f64>| {
         ballrace::frame::stiffness_from_station(left, -0.05) + ballrace::frame::stiffness_from_station(right, 0.05)
     };
@@ -175,7 +175,7 @@ fn gyroscopic_moment_has_the_right_sign() {
     let a = 1e-5;
     let h = 2e-6;
     let mut state =
-        RotorState::at_rest(Displacement { thv: a, ..Displacement::default() }, Turn::ZERO, [Turn::ZERO; 2]);
+        RotorState::at_rest(Displacement { thv: a, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
     state.rate[3] = -forward * a;
     let count = 5_000;
     let end = run(&machine, &RungeKutta4 { step: h }, state, drive(speed), (h, count));
@@ -192,7 +192,7 @@ fn unbalance_and_its_couple() {
     let speed = 400.0;
     let h = 1e-5;
     let count = 200_000;
-    let start = RotorState::at_rest(Displacement::default(), Turn::ZERO, [Turn::ZERO; 2]);
+    let start = RotorState::at_rest(Displacement::default(), Phase::ZERO, [Phase::ZERO; 2]);
     let end = run(&machine, &RungeKutta4 { step: h }, start, drive(speed), (h, count));
     let angle = drive(speed).speed * h * count as f64;
     // (k - m w^2 + i c w) r = m e w^2 e^(i (angle + phase)), forward circular motion.
@@ -213,7 +213,7 @@ fn unbalance_and_its_couple() {
 #[test]
 fn angular_acceleration_pushes_along_the_tangent() {
     let rotor = rotor(PARAMS, &[Unbalance { moment: 1e-3, angle: 0.0, station: 0.0 }]);
-    let quarter = Drive { angle: Turn::from_revolutions(0.25), speed: 10.0, acceleration: 7.0 };
+    let quarter = ShaftMotion { angle: Phase::from_revolutions(0.25), speed: 10.0, acceleration: 7.0 };
     let f = rotor.excitation(&quarter);
     assert!((f[1] - 1e-3 * 100.0).abs() < 1e-15 && (f[0] - 1e-3 * 7.0).abs() < 1e-15);
 }
@@ -223,8 +223,8 @@ fn angular_acceleration_pushes_along_the_tangent() {
 fn equilibrium_carries_the_load() {
     let params = RotorParams { gravity: [0.0, -9.80665, 0.0], load: [10.0, 0.0, 60.0, 0.5, 0.0], ..PARAMS };
     let machine = rig(params, &[]);
-    let found = equilibrium(&machine, &[Turn::from_revolutions(0.01).into(); 2], Displacement::default());
-    let force = machine.push(&found.q, &[Turn::from_revolutions(0.01).into(); 2]).force;
+    let found = equilibrium(&machine, &[Phase::from_revolutions(0.01).into(); 2], Displacement::default());
+    let force = machine.push(&found.q, &[Phase::from_revolutions(0.01).into(); 2]).force;
     let load = machine.rotor.constant_load();
     for (f, l) in force.into_iter().zip(load) {
         assert!((f + l).abs() < 1e-7, "{f} {l}");
@@ -235,10 +235,10 @@ fn equilibrium_carries_the_load() {
 #[test]
 fn a_bad_drive_is_held() {
     let machine = rig(damped(PARAMS), &[]);
-    let start = RotorState::at_rest(Displacement { w: 7e-5, ..Displacement::default() }, Turn::ZERO, [Turn::ZERO; 2]);
+    let start = RotorState::at_rest(Displacement { w: 7e-5, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
     for bad in [f64::NAN, f64::INFINITY] {
         let (mut a, mut b) = (start, start);
-        let broken = Drive { speed: bad, ..drive(0.0) };
+        let broken = ShaftMotion { speed: bad, ..drive(0.0) };
         assert!(RungeKutta4 { step: 1e-5 }.step(&machine, &mut a, &broken).has(Status::INPUT_NOT_FINITE));
         assert!(Newmark { step: 1e-5, newton_steps: 3 }.step(&machine, &mut b, &broken).is_held());
         assert_eq!((a.q, a.held), (start.q, 1));

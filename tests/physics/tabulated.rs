@@ -1,27 +1,27 @@
 //! The table against the balls it was made from: at most 1e-4 of the largest load over the declared domain, edge of contact
 //! and a factor of ten in speed included.
 
-use ballrace::bearing::angular::Zero;
+use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::film::{Dry, Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams};
-use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
+use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
 use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
-use ballrace::bearing::{Bearing, Place, Places, Reaction, SideBySide, even_places};
-use ballrace::{Displacement, Exact, Rotation, Scalar, Status, Turn};
+use ballrace::bearing::{Bearing, BlockedPositions, ElementPosition, ElementPositions, Reaction, evenly_spaced};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Scalar, Status};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry, harris_218_geometry};
 use ballrace_tests::states::Random;
 use std::f64::consts::TAU;
 
 const RPM: f64 = TAU / 60.0;
 
-type Solved<F> = QuasiStatic<f64, Exact, [Place<f64>; 1], Gyroscopic<f64>, F>;
-type LookedUp<T, const F: usize> = Tabulated<T, Exact, [Place<T>; 1], Vec<Node<T, F>>, F>;
+type Solved<F> = QuasiStatic<f64, Exact, [ElementPosition<f64>; 1], Gyroscopic<f64>, F>;
+type LookedUp<T, const F: usize> = Tabulated<T, Exact, [ElementPosition<T>; 1], Vec<Node<T, F>>, F>;
 
 fn solved(geometry: BallBearingGeometry, params: &InertiaParams) -> Solved<Dry> {
-    let one = [Place::at(Turn::ZERO)];
-    QuasiStatic::try_new(geometry, one, Zero::Touching).unwrap().with_inertia(params).unwrap()
+    let one = [ElementPosition::at(Phase::ZERO)];
+    QuasiStatic::try_new(geometry, one, DisplacementDatum::Touching).unwrap().with_inertia(params).unwrap()
 }
 
 /// 1000 to 10 000 rpm, 20 to 60 degrees, from 60 um of room to 100 um of approach.
@@ -43,11 +43,20 @@ where
     let mut nodes = vec![[0.0; F]; grid.len()];
     assert_eq!(fill(bearing, domain, &grid, &mut nodes), 0, "every ball of the domain settles");
     let nodes = nodes.into_iter().map(|node| node.map(T::from_f64)).collect();
-    Tabulated::new([Place::at(Turn::ZERO)], bearing.table_seat().rounded(), Table::new(grid.rounded(), nodes), false)
+    Tabulated::new(
+        [ElementPosition::at(Phase::ZERO)],
+        bearing.table_constants().rounded(),
+        Table::new(grid.rounded(), nodes),
+        false,
+    )
 }
 
 /// A displacement of the one ball's inner groove centre by approach and angle, and a speed, all within the domain.
-fn state(random: &mut Random, geometry: &BallBearingGeometry, domain: &Domain) -> (Displacement<f64>, Rotation<f64>) {
+fn state(
+    random: &mut Random,
+    geometry: &BallBearingGeometry,
+    domain: &Domain,
+) -> (Displacement<f64>, BearingKinematicState<f64>) {
     let [s0, s1] = domain.approach;
     // Half of them about the edge of contact.
     let s = if random.unit() < 0.5 { random.between(s0, s1) } else { random.between(0.1 * s0, 0.1 * s1) };
@@ -56,7 +65,10 @@ fn state(random: &mut Random, geometry: &BallBearingGeometry, domain: &Domain) -
     let (a, free) = (geometry.groove_distance(), geometry.contact_angle);
     let u = (a + s) * angle.cos() - a * free.cos();
     let w = (a + s) * angle.sin() - a * free.sin();
-    (Displacement { u, w, ..Displacement::default() }, Rotation { inner_speed: speed, ..Rotation::default() })
+    (
+        Displacement { u, w, ..Displacement::default() },
+        BearingKinematicState { inner_speed: speed, ..BearingKinematicState::default() },
+    )
 }
 
 /// Median, 99 % and largest error over the largest load met.
@@ -77,7 +89,8 @@ where
         let expected = truth.reaction(&u, &at);
         assert!(!expected.status.has(Status::NOT_SETTLED));
         let rounded = Displacement::from_array(u.to_array().map(T::from_f64));
-        let speed = Rotation { inner_speed: T::from_f64(at.inner_speed), ..Rotation::default() };
+        let speed =
+            BearingKinematicState { inner_speed: T::from_f64(at.inner_speed), ..BearingKinematicState::default() };
         let found = table.reaction(&rounded, &speed);
         assert_eq!(found.status, Status::OK, "{u:?} {at:?}");
         let difference = |i: usize| expected.wrench.to_array()[i] - found.wrench.to_array()[i].to_f64();
@@ -137,21 +150,21 @@ fn outside_of_what_it_was_made_for_is_said() {
     let bearing = solved(harris_218_geometry(), &STEEL_BALLS);
     let domain = domain([16, 8, 8]);
     let table = looked_up::<f64, _, 2>(&bearing, &domain);
-    let at = Rotation { inner_speed: 5_000.0 * RPM, ..Rotation::default() };
+    let at = BearingKinematicState { inner_speed: 5_000.0 * RPM, ..BearingKinematicState::default() };
     let inside = Displacement { w: 20e-6, ..Displacement::default() };
     assert_eq!(table.reaction(&inside, &at).status, Status::OK);
     let outside = [
         (Displacement { w: 400e-6, ..inside }, at),
         (Displacement { w: -300e-6, u: -300e-6, ..inside }, at),
         (Displacement { u: 900e-6, w: -700e-6, ..inside }, at),
-        (inside, Rotation { inner_speed: 900.0 * RPM, ..at }),
-        (inside, Rotation { inner_speed: 10_100.0 * RPM, ..at }),
-        (inside, Rotation::default()),
+        (inside, BearingKinematicState { inner_speed: 900.0 * RPM, ..at }),
+        (inside, BearingKinematicState { inner_speed: 10_100.0 * RPM, ..at }),
+        (inside, BearingKinematicState::default()),
     ];
     for (u, at) in outside {
         assert_eq!(table.reaction(&u, &at).status, Status::OUT_OF_TABLE, "{u:?} {at:?}");
     }
-    let backwards = Rotation { inner_speed: -at.inner_speed, ..at };
+    let backwards = BearingKinematicState { inner_speed: -at.inner_speed, ..at };
     assert_eq!(table.reaction(&inside, &backwards), table.reaction(&inside, &at), "either way round");
     let odd = Displacement { u: f64::NAN, ..inside };
     assert!(!table.reaction(&odd, &at).wrench.is_finite());
@@ -191,27 +204,32 @@ fn tangents_against_differences() {
 
 #[test]
 fn waviness_and_damage_enter_as_shifts() {
-    let places: Places<f64, 9> = even_places(Turn::ZERO);
-    let wave =
-        Wave { part: Part::Inner, direction: Direction::Radial, order: 10, amplitude: 0.5e-6, phase: Turn::ZERO };
-    let ball = Wave { part: Part::Ball(Turn::ZERO), order: 2, ..wave };
-    let spall = Spall::new(Part::Outer, Turn::from_revolutions(0.9), 0.1, 2e-6, SpallShape::HalfSine);
+    let places: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
+    let wave = Wave {
+        part: BearingComponent::Inner,
+        direction: Direction::Radial,
+        order: 10,
+        amplitude: 0.5e-6,
+        phase: Phase::ZERO,
+    };
+    let ball = Wave { part: BearingComponent::Ball(Phase::ZERO), order: 2, ..wave };
+    let spall = Spall::new(BearingComponent::Outer, Phase::from_revolutions(0.9), 0.1, 2e-6, SpallShape::HalfSine);
     let features = [Feature::Wave(wave), Feature::Wave(ball), Feature::Spall(spall)];
-    let uneven = || Uneven::<Exact, _>::new(features);
+    let uneven = || SurfaceDeviation::<Exact, _>::new(features);
     let one = solved(acbb_s_geometry(), &STEEL_BALLS);
     let domain = Domain { approach: [-10e-6, 30e-6], angle: [0.1, 0.8], ..domain([32, 16, 16]) };
     let LookedUpParts { table, seat } = parts(&one, &domain);
     let table = Tabulated::<f64, Exact, _, _, 2>::new(places, seat, table, false).with_surface(uneven());
-    let truth = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let truth = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
     let truth = truth.with_inertia(&STEEL_BALLS).unwrap().with_surface(uneven());
     for i in 0..50 {
-        let turn = Turn::from_revolutions(f64::from(i) / 50.0);
-        let at = Rotation {
+        let turn = Phase::from_revolutions(f64::from(i) / 50.0);
+        let at = BearingKinematicState {
             cage: turn,
             inner: turn.times(3),
             ball: turn.times(7),
             inner_speed: 800.0,
-            ..Rotation::default()
+            ..BearingKinematicState::default()
         };
         let u = Displacement { u: 2e-6, v: -1e-6, w: 10e-6, thu: 1e-4, thv: 0.0 };
         let (a, b) = (table.reaction(&u, &at), truth.reaction(&u, &at));
@@ -224,7 +242,7 @@ fn waviness_and_damage_enter_as_shifts() {
 
 struct LookedUpParts {
     table: Table<f64, Vec<Node<f64, 2>>, 2>,
-    seat: ballrace::bearing::quasi_static::TableSeat<f64>,
+    seat: ballrace::bearing::quasi_static::TableConstants<f64>,
 }
 
 fn parts(bearing: &Solved<Dry>, domain: &Domain) -> LookedUpParts {
@@ -254,24 +272,25 @@ fn many_balls_are_the_sum_of_their_balls() {
     fn check<const F: usize>(layers: usize) {
         let ball = solved(acbb_s_geometry(), &InertiaParams { sharing: FrictionSharing::Proportional, ..STEEL_BALLS });
         let table = looked_up::<f64, _, F>(&ball, &domain([32, 16, layers]));
-        let bearing = |places: Vec<Place<f64>>| {
+        let bearing = |places: Vec<ElementPosition<f64>>| {
             let table = Table::new(*table.table().grid(), table.table().nodes());
-            Tabulated::<f64, Exact, _, _, F>::new(places, ball.table_seat(), table, false)
+            Tabulated::<f64, Exact, _, _, F>::new(places, ball.table_constants(), table, false)
         };
         let mut random = Random(0x5eed + F as u64);
         for balls in 1..=36 {
-            let places: Vec<Place<f64>> = (0..balls).map(|j| Place::even(Turn(1), j, balls)).collect();
+            let places: Vec<ElementPosition<f64>> =
+                (0..balls).map(|j| ElementPosition::even(Phase(1), j, balls)).collect();
             let singles: Vec<_> = places.iter().map(|&place| bearing(vec![place])).collect();
-            let side_by_side = SideBySide::<_, Vec<_>>::new(places.clone());
+            let side_by_side = BlockedPositions::<_, Vec<_>>::new(places.clone());
             let all = bearing(places);
             let kept = Table::new(*table.table().grid(), table.table().nodes());
-            let kept = Tabulated::<f64, Exact, _, _, F>::new(side_by_side, ball.table_seat(), kept, false);
+            let kept = Tabulated::<f64, Exact, _, _, F>::new(side_by_side, ball.table_constants(), kept, false);
             for _ in 0..20 {
                 let mut entry = |size: f64| random.between(-size, size);
                 let [u, v, thu, thv] = [entry(2e-5), entry(2e-5), entry(4e-4), entry(4e-4)];
                 let u = Displacement { u, v, w: entry(5e-5), thu, thv };
-                let cage = Turn::from_revolutions(random.unit());
-                let at = Rotation { cage, inner_speed: 5_000.0 * RPM, ..Rotation::default() };
+                let cage = Phase::from_revolutions(random.unit());
+                let at = BearingKinematicState { cage, inner_speed: 5_000.0 * RPM, ..BearingKinematicState::default() };
                 let found = all.reaction(&u, &at);
                 assert_eq!(found, kept.reaction(&u, &at), "{balls} balls kept side by side");
                 let answers = singles.iter().map(|single| single.reaction(&u, &at));

@@ -3,9 +3,9 @@
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{Bearing, Mirrored, Places, Reaction, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, Mirrored, Reaction, evenly_spaced};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::{Displacement, Exact, Rotation, Stiffness, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Stiffness};
 use ballrace_tests::bearings::{angular_contact, deep_groove, spalled};
 
 /// Loaded states: some elements deep, some off, tilts included.
@@ -17,7 +17,7 @@ const STATES: [[f64; 5]; 5] = [
     [25e-6, 0.0, -30e-6, 4e-4, 1e-4],
 ];
 
-fn difference(bearing: &dyn Bearing<f64>, u: [f64; 5], cage: Turn) -> Stiffness<f64> {
+fn difference(bearing: &dyn Bearing<f64>, u: [f64; 5], cage: Phase) -> Stiffness<f64> {
     let mut k = Stiffness::zeros();
     for j in 0..5 {
         let step = if j < 3 { 1e-10 } else { 1e-9 };
@@ -47,7 +47,7 @@ fn mismatch(a: &Stiffness<f64>, b: &Stiffness<f64>) -> f64 {
 fn check(name: &str, bearing: &dyn Bearing<f64>) {
     for (i, state) in STATES.into_iter().enumerate() {
         for degrees in [0.0, 13.0, 200.0] {
-            let cage = Turn::from_revolutions(degrees / 360.0);
+            let cage = Phase::from_revolutions(degrees / 360.0);
             let (reaction, analytic) = bearing.reaction_and_stiffness(&Displacement::from_array(state), &cage.into());
             let plain = bearing.reaction(&Displacement::from_array(state), &cage.into());
             assert_eq!(reaction, plain, "{name}: both ways give the same force");
@@ -69,7 +69,7 @@ fn angular() {
 
 #[test]
 fn lumped() {
-    let places: Places<f64, 9> = even_places(Turn::from_revolutions(0.03));
+    let places: ElementPositions<f64, 9> = evenly_spaced(Phase::from_revolutions(0.03));
     let point = Point { stiffness: 8e9 };
     let line = Line { stiffness: 3e8 };
     let power = Power { stiffness: 2e9, exponent: 1.37 };
@@ -88,18 +88,22 @@ fn lumped() {
 struct Displaced<B>(B, [HousingPoint<f64>; 9]);
 
 impl<B: FlexibleRing<f64> + Send + Sync> Bearing<f64> for Displaced<B> {
-    fn reaction(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> Reaction<f64> {
+    fn reaction(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Reaction<f64> {
         self.0.reaction_flexible(u, at, &mut self.1.clone())
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+    ) -> (Reaction<f64>, Stiffness<f64>) {
         self.0.reaction_and_stiffness_flexible(u, at, &mut self.1.clone())
     }
-    fn element_loads(&self, _u: &Displacement<f64>, _at: &Rotation<f64>, _loads: &mut [f64]) {}
+    fn element_loads(&self, _u: &Displacement<f64>, _at: &BearingKinematicState<f64>, _loads: &mut [f64]) {}
 }
 
 #[test]
 fn flexible_outer_ring() {
-    let places: Places<f64, 9> = even_places(Turn::from_revolutions(0.03));
+    let places: ElementPositions<f64, 9> = evenly_spaced(Phase::from_revolutions(0.03));
     let radial = Radial::<f64, Exact, _, _>::try_new(places, Line { stiffness: 3e8 }, 2e-6).unwrap();
     let axial = Axial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 1e-6, 0.02).unwrap();
     let points = std::array::from_fn(|j| {
@@ -111,22 +115,22 @@ fn flexible_outer_ring() {
 
 #[test]
 fn unloaded_elements_add_no_stiffness() {
-    let places: Places<f64, 8> = even_places(Turn::ZERO);
+    let places: ElementPositions<f64, 8> = evenly_spaced(Phase::ZERO);
     let far = Displacement { u: 1e-6, ..Displacement::default() };
     for exponent in [1.0, 1.0 + 1e-9, 2.0] {
         let law = Power { stiffness: 1e9, exponent };
         let bearing = Radial::<f64, Exact, _, _>::try_new(places, law, 5e-6).unwrap();
-        let (reaction, k) = bearing.reaction_and_stiffness(&far, &Turn::ZERO.into());
+        let (reaction, k) = bearing.reaction_and_stiffness(&far, &Phase::ZERO.into());
         assert_eq!(reaction.load, 0.0);
         assert_eq!(k, Stiffness::zeros(), "exponent {exponent}");
     }
     let line = Radial::<f64, Exact, _, _>::try_new(places, Line { stiffness: 1e9 }, 5e-6).unwrap();
-    assert_eq!(line.reaction_and_stiffness(&far, &Turn::ZERO.into()).1, Stiffness::zeros());
+    assert_eq!(line.reaction_and_stiffness(&far, &Phase::ZERO.into()).1, Stiffness::zeros());
 }
 
 #[test]
 fn linear() {
     let (_, k) =
-        deep_groove::<9>(10e-6).reaction_and_stiffness(&Displacement::from_array(STATES[0]), &Turn::ZERO.into());
+        deep_groove::<9>(10e-6).reaction_and_stiffness(&Displacement::from_array(STATES[0]), &Phase::ZERO.into());
     check("springs", &Linear::new(k));
 }

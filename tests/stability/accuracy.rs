@@ -2,7 +2,7 @@
 //! does one that has become needlessly loose.
 
 use super::rungs::{self, turning};
-use ballrace::{Displacement, Exact, Fast, Math, Turn};
+use ballrace::{Displacement, Exact, Fast, Math, Phase};
 use ballrace_tests::states::Random;
 use std::path::PathBuf;
 
@@ -28,10 +28,10 @@ fn relative(count: u32, argument: impl Fn(f64) -> f64, found: impl Fn(f64) -> f6
 fn functions() -> Vec<Claim> {
     let count = 200_000;
     let decades = |a: f64, b: f64| move |part: f64| f64::from((a * (b / a).powf(part)) as f32);
-    let sine = |turn: &dyn Fn(Turn) -> f64| {
+    let sine = |turn: &dyn Fn(Phase) -> f64| {
         (0..count)
             .map(|i| {
-                let turn_at = Turn(u64::from(i) * (u64::MAX / u64::from(count)));
+                let turn_at = Phase(u64::from(i) * (u64::MAX / u64::from(count)));
                 (turn(turn_at) - turn_at.radians().sin()).abs()
             })
             .fold(0.0, f64::max)
@@ -68,12 +68,12 @@ fn functions() -> Vec<Claim> {
 /// Largest difference of forces over the largest force, over poses of a running bearing.
 fn forces() -> Vec<Claim> {
     let mut random = Random(0xacc0_0acc_1234_4321);
-    let poses: Vec<(Displacement<f32>, Turn)> = (0..20_000)
+    let poses: Vec<(Displacement<f32>, Phase)> = (0..20_000)
         .map(|_| {
             let mut part = |most: f64| (random.between(-1.0, 1.0) * most) as f32;
             let u =
                 Displacement { u: part(4e-6), v: part(4e-6), w: 10e-6 + part(4e-6), thu: part(1e-4), thv: part(1e-4) };
-            (u, Turn::from_revolutions(random.unit()))
+            (u, Phase::from_revolutions(random.unit()))
         })
         .collect();
     let right: Vec<_> = rungs::all::<f64, Exact>();

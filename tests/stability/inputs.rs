@@ -1,19 +1,19 @@
 //! Every exponent, every special number, random bits; monotone forces; single against double precision.
 
 use super::rungs::{self, Named, turning};
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
-use ballrace::bearing::{Bearing, HeldWrench, Places, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, LastValidWrench, evenly_spaced};
 use ballrace::contact::law::Point;
-use ballrace::{Displacement, Exact, Fast, Rotation, Scalar, Status, Turn, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Phase, Scalar, Status, Wrench};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry};
 use ballrace_tests::states::Random;
 
 /// Finite, or flagged and held; what was no number is said to be none.
-fn judge(name: &str, bearing: &dyn Bearing<f32>, u: &Displacement<f32>, at: &Rotation<f32>) -> Status {
-    let mut held = HeldWrench::new();
-    let (before, _) = bearing.sample(&mut held, &Displacement::default(), &turning(Turn::ZERO));
+fn judge(name: &str, bearing: &dyn Bearing<f32>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Status {
+    let mut held = LastValidWrench::new();
+    let (before, _) = bearing.sample(&mut held, &Displacement::default(), &turning(Phase::ZERO));
     let (wrench, status) = bearing.sample(&mut held, u, at);
     let fresh = bearing.reaction(u, at).wrench;
     assert!(wrench.is_finite(), "{name}: {wrench:?} at {u:?}");
@@ -42,7 +42,7 @@ fn every_exponent_on_every_displacement() {
                 for sign in [0, 1 << 31] {
                     let x = f32::from_bits(sign | exponent << 23 | mantissa);
                     for component in 0..5 {
-                        let status = judge(name, bearing.as_ref(), &along(component, x), &turning(Turn(1 << 60)));
+                        let status = judge(name, bearing.as_ref(), &along(component, x), &turning(Phase(1 << 60)));
                         held += u32::from(status.is_held());
                         count += 1;
                     }
@@ -58,7 +58,7 @@ fn what_is_no_number_is_held() {
     for (name, bearing) in &rungs::all::<f32, Exact>() {
         for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::from_bits(0xff80_0001)] {
             for component in 0..5 {
-                let status = judge(name, bearing.as_ref(), &along(component, x), &turning(Turn::ZERO));
+                let status = judge(name, bearing.as_ref(), &along(component, x), &turning(Phase::ZERO));
                 assert!(status.is_held(), "{name}");
             }
         }
@@ -72,12 +72,12 @@ fn random_bits(rungs: &[Named<f32>], count: u64, seed: u64) {
     for i in 0..count {
         let (name, bearing) = &rungs[(i % rungs.len() as u64) as usize];
         let u = Displacement::from_array(std::array::from_fn(|_| f32::from_bits(bits())));
-        let at = Rotation {
+        let at = BearingKinematicState {
             inner_speed: f32::from_bits(bits()),
             outer_speed: f32::from_bits(bits()),
-            ..Rotation::from(Turn(u64::from(bits()) << 32 | u64::from(bits())))
+            ..BearingKinematicState::from(Phase(u64::from(bits()) << 32 | u64::from(bits())))
         };
-        let (wrench, status) = bearing.sample(&mut HeldWrench::new(), &u, &at);
+        let (wrench, status) = bearing.sample(&mut LastValidWrench::new(), &u, &at);
         assert!(wrench.is_finite(), "{name}: {wrench:?} at {u:?} {at:?}");
         assert!(u.is_finite() || status.has(Status::INPUT_NOT_FINITE), "{name}: {status:?} at {u:?}");
         held += u64::from(status.is_held());
@@ -113,7 +113,7 @@ fn monotone<T: Scalar>(rungs: &[Named<T>]) {
                 let mut u = [0.0, 0.0, 4e-6, 0.0, 0.0];
                 u[component] = most * f64::from(i) / 400.0;
                 let u = Displacement::from_array(u.map(T::from_f64));
-                let force = -bearing.reaction(&u, &turning(Turn::ZERO)).wrench.to_array()[component].to_f64();
+                let force = -bearing.reaction(&u, &turning(Phase::ZERO)).wrench.to_array()[component].to_f64();
                 largest = largest.max(force.abs());
                 assert!(
                     force >= last - slack * largest,
@@ -161,7 +161,7 @@ fn single_against_double_precision() {
                 let single_u = Displacement::from_array(u.to_array().map(|x| x as f32));
                 // The same numbers in both: what rounding the input does is not the kernel's.
                 let double_u = Displacement::from_array(single_u.to_array().map(f64::from));
-                let at = Turn::from_revolutions(random.unit());
+                let at = Phase::from_revolutions(random.unit());
                 let found = s.reaction(&single_u, &turning(at)).wrench;
                 if found.is_finite() {
                     *worst = worst.max(ulps(&found, &d.reaction(&double_u, &turning(at)).wrench));
@@ -183,11 +183,11 @@ fn single_against_double_precision() {
 /// Displacements at the play itself, one representable number after the other: no force up to it, the least one beyond.
 #[test]
 fn a_play_that_equals_the_deflection() {
-    let places: Places<f32, 9> = even_places(Turn::ZERO);
+    let places: ElementPositions<f32, 9> = evenly_spaced(Phase::ZERO);
     let point = Point { stiffness: 8e9_f32 };
     let bearing = Radial::<f32, Exact, _, _>::try_new(places, point, 5e-6).unwrap();
     let force =
-        |u: f32| -bearing.reaction(&Displacement { u, ..Displacement::default() }, &Turn::ZERO.into()).wrench.fx;
+        |u: f32| -bearing.reaction(&Displacement { u, ..Displacement::default() }, &Phase::ZERO.into()).wrench.fx;
     let play = 5e-6_f32;
     let mut u = play;
     for _ in 0..50 {
@@ -210,16 +210,16 @@ fn a_play_that_equals_the_deflection() {
 /// not as a difference of lengths, so that nothing cancels.
 #[test]
 fn a_tiny_deflection_on_a_large_radius() {
-    let single: Places<f32, 9> = even_places(Turn::ZERO);
-    let double: Places<f64, 9> = even_places(Turn::ZERO);
-    let s = Angular::<f32, Exact, _>::try_new(acbb_s_geometry(), single, Zero::Touching).unwrap();
-    let d = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), double, Zero::Touching).unwrap();
+    let single: ElementPositions<f32, 9> = evenly_spaced(Phase::ZERO);
+    let double: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
+    let s = Angular::<f32, Exact, _>::try_new(acbb_s_geometry(), single, DisplacementDatum::Touching).unwrap();
+    let d = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), double, DisplacementDatum::Touching).unwrap();
     let mut worst: f64 = 0.0;
     for decade in 3..=14 {
         let w = 10_f32.powi(-decade);
-        let found = s.reaction(&Displacement { w, ..Displacement::default() }, &Turn::ZERO.into()).wrench.fz;
+        let found = s.reaction(&Displacement { w, ..Displacement::default() }, &Phase::ZERO.into()).wrench.fz;
         let u = Displacement { w: f64::from(w), ..Displacement::default() };
-        let right = d.reaction(&u, &Turn::ZERO.into()).wrench.fz;
+        let right = d.reaction(&u, &Phase::ZERO.into()).wrench.fz;
         worst = worst.max((f64::from(found) / right - 1.0).abs());
     }
     println!("thrust from 1 mm down to 1e-14 m: single precision off by at most {worst:.1e}");
@@ -230,16 +230,20 @@ fn a_tiny_deflection_on_a_large_radius() {
 /// first. Balls in equilibrium do not notice; in single precision they notice what the subtraction left.
 #[test]
 fn a_large_common_displacement_of_both_rings() {
-    use ballrace::rotor::{Attached, Attachment, Coupling, Gear};
-    let places: Places<f64, 9> = even_places(Turn::ZERO);
-    let bearing = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    use ballrace::rotor::{AttachedElement, Attachment, ForceElement, SpeedRatios};
+    let places: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
+    let bearing =
+        QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
     let bearing = bearing.with_outer_control(&STEEL_BALLS).unwrap();
-    let attached =
-        Attached { bearing, attachment: Attachment::<f64, 7>::on_rigid_rotor(0.05, Some(5)), gear: Gear::new(0.4) };
+    let attached = AttachedElement {
+        bearing,
+        attachment: Attachment::<f64, 7>::on_rigid_rotor(0.05, Some(5)),
+        gear: SpeedRatios::new(0.4),
+    };
     let push = |common: f64| {
         let q = [3e-6 + common, 1e-6 - common, 8e-6, 0.0, 0.0, common, -common];
         let mut f = [0.0; 7];
-        attached.push(&q, &turning(Turn::ZERO), &mut f);
+        attached.push(&q, &turning(Phase::ZERO), &mut f);
         f
     };
     let near = push(0.0);
@@ -256,8 +260,9 @@ fn a_large_common_displacement_of_both_rings() {
 /// No ball is lost in silence: what did not settle is flagged, what did has positive loads.
 #[test]
 fn balls_say_when_they_do_not_settle() {
-    let places: Places<f64, 9> = even_places(Turn::ZERO);
-    let bearing = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let places: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
+    let bearing =
+        QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
     let bearing = bearing.with_outer_control(&STEEL_BALLS).unwrap();
     let mut random = Random(77);
     let (mut open, mut count) = (0, 0);
@@ -266,7 +271,8 @@ fn balls_say_when_they_do_not_settle() {
         let u = Displacement::from_array(std::array::from_fn(|i| {
             random.between(-1.0, 1.0) * size * if i < 3 { 1.0 } else { 20.0 }
         }));
-        let at = Rotation { inner_speed: random.over_decades(1.0, 1e4), ..Rotation::default() };
+        let at =
+            BearingKinematicState { inner_speed: random.over_decades(1.0, 1e4), ..BearingKinematicState::default() };
         let mut states = [BallState::default(); 9];
         bearing.ball_states(&u, &at, &mut states);
         let flagged = bearing.reaction(&u, &at).status.has(Status::NOT_SETTLED);

@@ -1,15 +1,15 @@
 //! The range of bearings that exist, and a little more.
 
-use ballrace::bearing::angular::Zero;
+use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
 use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
-use ballrace::bearing::{Bearing, Place};
+use ballrace::bearing::{Bearing, ElementPosition};
 use ballrace::contact::hertz::{Material, Race};
 use ballrace::contact::law::Point;
-use ballrace::{Displacement, Exact, Rotation, Status, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Status};
 use ballrace_tests::states::Random;
 
 /// Silicon nitride.
@@ -19,11 +19,11 @@ const YIELD: f64 = 4.2e9;
 
 struct Case {
     geometry: BallBearingGeometry,
-    places: Vec<Place<f64>>,
+    places: Vec<ElementPosition<f64>>,
     inertia: InertiaParams,
     oil: Lubricant,
     u: Displacement<f64>,
-    at: Rotation<f64>,
+    at: BearingKinematicState<f64>,
 }
 
 /// 3 to 64 balls of 0.5 to 100 mm, conformity from 0.501, steel and ceramic, loaded up to yield, dmN up to 4e6 either way
@@ -54,7 +54,7 @@ fn case(random: &mut Random) -> Case {
     let dmn = random.one_of(&[0.0, 1.0, -1.0]) * random.over_decades(1e3, 4e6);
     let speed = dmn / (pitch_diameter * 1e3) * std::f64::consts::TAU / 60.0;
     Case {
-        places: (0..elements).map(|j| Place::even(Turn::ZERO, j, elements)).collect(),
+        places: (0..elements).map(|j| ElementPosition::even(Phase::ZERO, j, elements)).collect(),
         inertia: InertiaParams {
             density: if ceramic { 3200.0 } else { 7800.0 },
             centrifugal: true,
@@ -67,7 +67,7 @@ fn case(random: &mut Random) -> Case {
             pressure_viscosity: random.over_decades(5e-9, 5e-8),
         },
         u: Displacement { u: radial, w: approach * (0.2 + 0.8 * sin), ..Displacement::default() },
-        at: Rotation { inner_speed: speed, ..Rotation::default() },
+        at: BearingKinematicState { inner_speed: speed, ..BearingKinematicState::default() },
         geometry,
     }
 }
@@ -79,7 +79,9 @@ fn bearings_from_watch_to_wind_turbine() {
     let count = 3000;
     for _ in 0..count {
         let case = case(&mut random);
-        let plain = QuasiStatic::<f64, Exact, _>::try_new(case.geometry, case.places.clone(), Zero::Touching).unwrap();
+        let plain =
+            QuasiStatic::<f64, Exact, _>::try_new(case.geometry, case.places.clone(), DisplacementDatum::Touching)
+                .unwrap();
         let dry = plain.with_inertia(&case.inertia).unwrap();
         let full = dry.clone().with_film(case.oil).unwrap();
         let found = full.reaction(&case.u, &case.at);
@@ -101,7 +103,7 @@ fn bearings_from_watch_to_wind_turbine() {
         open_dry += without.iter().filter(|s| !s.settled).count();
         slipping += u32::from(found.status.has(Status::GYROSCOPIC_SLIP));
         // The other way round everything is the same, held still nothing is thrown.
-        let back = Rotation { inner_speed: -case.at.inner_speed, ..case.at };
+        let back = BearingKinematicState { inner_speed: -case.at.inner_speed, ..case.at };
         let reversed = full.reaction(&case.u, &back);
         let apart: f64 = (found.wrench.fz - reversed.wrench.fz).abs() + (found.wrench.fx - reversed.wrench.fx).abs();
         if !found.status.has(Status::NOT_SETTLED) {
@@ -120,16 +122,17 @@ fn bearings_from_watch_to_wind_turbine() {
 #[test]
 fn clearance_from_interference_to_rattling() {
     for elements in [3, 4, 7, 16, 33, 64] {
-        let places: Vec<Place<f64>> = (0..elements).map(|j| Place::even(Turn::ZERO, j, elements)).collect();
+        let places: Vec<ElementPosition<f64>> =
+            (0..elements).map(|j| ElementPosition::even(Phase::ZERO, j, elements)).collect();
         for clearance in [-50e-6, -10e-6, -1e-6, 0.0, 1e-6, 10e-6, 100e-6, 500e-6_f64] {
             let play = 0.5 * clearance;
             let bearing = Radial::<f64, Exact, _, _>::try_new(places.clone(), Point { stiffness: 8e9 }, play).unwrap();
-            let centred = bearing.reaction(&Displacement::default(), &Turn::ZERO.into());
+            let centred = bearing.reaction(&Displacement::default(), &Phase::ZERO.into());
             let expected = elements as f64 * 8e9 * (-play).max(0.0).powf(1.5);
             assert!((centred.load - expected).abs() <= 1e-9 * expected, "{} {expected}", centred.load);
             assert!(centred.wrench.fx.abs() < 1e-9 * expected.max(1.0), "an evenly pressed ring stays where it is");
             let pushed = Displacement { u: play.max(0.0) + 20e-6, ..Displacement::default() };
-            let force = bearing.reaction(&pushed, &Turn::ZERO.into()).wrench.fx;
+            let force = bearing.reaction(&pushed, &Phase::ZERO.into()).wrench.fx;
             assert!(force < 0.0 && force.is_finite(), "{elements} elements, {clearance}: {force}");
         }
     }

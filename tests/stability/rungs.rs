@@ -1,14 +1,14 @@
 //! Every rung, in any precision.
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::tabulated::{Domain, Table, Tabulated, fill};
-use ballrace::bearing::{Bearing, Places, even_places};
+use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::{Exact, Math, Rotation, Scalar, Stiffness, Turn};
+use ballrace::{BearingKinematicState, Exact, Math, Phase, Scalar, Stiffness};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry};
 
 /// Of the shaft, rad/s.
@@ -19,18 +19,18 @@ const PLAY: f64 = 5e-6;
 pub type Named<T> = (&'static str, Box<dyn Bearing<T>>);
 
 /// Turning at [`SPEED`], the cage anywhere.
-pub fn turning<T: Scalar>(cage: Turn) -> Rotation<T> {
-    Rotation { inner_speed: T::from_f64(SPEED), ..Rotation::from(cage) }
+pub fn turning<T: Scalar>(cage: Phase) -> BearingKinematicState<T> {
+    BearingKinematicState { inner_speed: T::from_f64(SPEED), ..BearingKinematicState::from(cage) }
 }
 
 /// Rungs whose balls are where the rings put them.
 pub fn direct<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
-    let places: Places<T, 9> = even_places(Turn::ZERO);
+    let places: ElementPositions<T, 9> = evenly_spaced(Phase::ZERO);
     let (point, line) = (Point { stiffness: T::from_f64(8e9) }, Line { stiffness: T::from_f64(3e8) });
     let power = Power { stiffness: T::from_f64(2e9), exponent: T::from_f64(1.4) };
     let radial = || Radial::<T, M, _, _>::try_new(places, point, PLAY).unwrap();
     let axial = Axial::<T, M, _, _>::try_new(places, point, PLAY, 0.02).unwrap();
-    let angular = Angular::<T, M, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let angular = Angular::<T, M, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
     vec![
         ("linear", Box::new(Linear::new(Stiffness::from_fn(|i, j| T::from_f64(if i == j { 1e8 } else { 0.0 }))))),
         ("radial 3/2", Box::new(radial())),
@@ -43,8 +43,8 @@ pub fn direct<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
 
 /// Rungs whose balls are in equilibrium, solved and looked up.
 pub fn balanced<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
-    let places: Places<T, 9> = even_places(Turn::ZERO);
-    let plain = QuasiStatic::<T, M, _>::try_new(acbb_s_geometry(), places, Zero::Touching).unwrap();
+    let places: ElementPositions<T, 9> = evenly_spaced(Phase::ZERO);
+    let plain = QuasiStatic::<T, M, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
     let massive = plain.with_outer_control(&STEEL_BALLS).unwrap();
     let wet = massive.with_film(Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 }).unwrap();
     vec![
@@ -55,9 +55,11 @@ pub fn balanced<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
     ]
 }
 
-fn tabulated<T: Scalar, M: Math<T>>(places: Places<T, 9>) -> Tabulated<T, M, Places<T, 9>, Vec<[T; 2]>, 2> {
-    let one: Places<f64, 1> = even_places(Turn::ZERO);
-    let solved = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), one, Zero::Touching).unwrap();
+fn tabulated<T: Scalar, M: Math<T>>(
+    places: ElementPositions<T, 9>,
+) -> Tabulated<T, M, ElementPositions<T, 9>, Vec<[T; 2]>, 2> {
+    let one: ElementPositions<f64, 1> = evenly_spaced(Phase::ZERO);
+    let solved = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), one, DisplacementDatum::Touching).unwrap();
     let massive = solved.with_outer_control(&STEEL_BALLS).unwrap();
     let domain = Domain {
         approach: [-30e-6, 40e-6],
@@ -70,7 +72,7 @@ fn tabulated<T: Scalar, M: Math<T>>(places: Places<T, 9>) -> Tabulated<T, M, Pla
     let mut nodes = vec![[0.0; 2]; grid.len()];
     assert_eq!(fill(&massive, &domain, &grid, &mut nodes), 0);
     let nodes = nodes.iter().map(|node| node.map(T::from_f64)).collect();
-    Tabulated::new(places, solved.table_seat().rounded(), Table::new(grid.rounded(), nodes), false)
+    Tabulated::new(places, solved.table_constants().rounded(), Table::new(grid.rounded(), nodes), false)
 }
 
 /// All of them.

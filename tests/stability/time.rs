@@ -3,13 +3,13 @@
 use ballrace::bearing::angular::Angular;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::{Places, even_places};
+use ballrace::bearing::{ElementPositions, evenly_spaced};
 use ballrace::contact::law::Point;
 use ballrace::rotor::{
-    Drive, Gear, Integrator, Machine, Mounted, Newmark, RigidRotor, RotorParams, RotorState, RungeKutta4, Unbalance,
-    Verlet, equilibrium,
+    Integrator, Mounted, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4, ShaftMotion,
+    SpeedRatios, Unbalance, Verlet, equilibrium,
 };
-use ballrace::{Displacement, Exact, Math, Rotation, Scalar, Status, Stiffness, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase, Scalar, Status, Stiffness};
 
 const PARAMS: RotorParams = RotorParams {
     mass: 6.0,
@@ -23,23 +23,23 @@ const PARAMS: RotorParams = RotorParams {
 /// Of both springs together along X, N/m, and the natural frequency, rad/s.
 const SPRING: f64 = 2e8;
 
-fn still() -> Drive<f64> {
-    Drive { angle: Turn::ZERO, speed: 0.0, acceleration: 0.0 }
+fn still() -> ShaftMotion<f64> {
+    ShaftMotion { angle: Phase::ZERO, speed: 0.0, acceleration: 0.0 }
 }
 
-type OnSprings = Machine<RigidRotor<f64, Exact>, Mounted<f64, Linear<f64>>, 1>;
+type OnSprings = RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, Linear<f64>>, 1>;
 
 /// One spring at the centre of mass, as stiff every way.
 fn on_springs(stiffness: f64) -> OnSprings {
     let bearing = Linear::new(Stiffness::from_diagonal_element(stiffness));
-    Machine {
+    RotorBearingSystem {
         rotor: RigidRotor::try_new(&PARAMS, &[]).unwrap(),
-        bearings: [Mounted { bearing, station: 0.0, gear: Gear::new(0.0) }],
+        bearings: [Mounted { bearing, station: 0.0, gear: SpeedRatios::new(0.0) }],
     }
 }
 
 fn swinging() -> RotorState<f64, 5, 1> {
-    RotorState::at_rest(Displacement { u: 1e-5, ..Displacement::default() }, Turn::ZERO, [Turn::ZERO])
+    RotorState::at_rest(Displacement { u: 1e-5, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO])
 }
 
 /// Amplitude of the swing along X and its phase in turns; Verlet's own frequency is `2/h asin(h w/2)`.
@@ -131,15 +131,15 @@ fn stiffness_ratios_of_a_million_million() {
     params.stiffness = [1e12, 1.0, 1e3, 1e6, 1e-2];
     params.damping = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 10.0 } else { 0.0 }));
     let nothing = Linear::new(Stiffness::from_diagonal_element(0.0));
-    let machine = Machine {
+    let machine = RotorBearingSystem {
         rotor: RigidRotor::<f64, Exact>::try_new(&params, &[]).unwrap(),
-        bearings: [Mounted { bearing: nothing, station: 0.0, gear: Gear::new(0.0) }],
+        bearings: [Mounted { bearing: nothing, station: 0.0, gear: SpeedRatios::new(0.0) }],
     };
-    let rest = equilibrium(&machine, &[Rotation::default()], [0.0; 5]);
+    let rest = equilibrium(&machine, &[BearingKinematicState::default()], [0.0; 5]);
     for (i, expected) in [1e-12, 1.0, 1e-3].into_iter().enumerate() {
         assert!((rest.q[i] / expected - 1.0).abs() < 1e-9, "{:?}", rest.q);
     }
-    let mut state = RotorState::at_rest(Displacement::default(), Turn::ZERO, [Turn::ZERO]);
+    let mut state = RotorState::at_rest(Displacement::default(), Phase::ZERO, [Phase::ZERO]);
     let newmark = Newmark { step: 1e-3, newton_steps: 2 };
     for _ in 0..200_000 {
         assert!(!newmark.step(&machine, &mut state, &still()).is_held());
@@ -151,18 +151,18 @@ fn stiffness_ratios_of_a_million_million() {
 /// A shaft that falls on one ball and leaves it again, thousands of times: the height that it comes back to stays.
 #[test]
 fn a_ball_that_leaves_and_meets_the_race() {
-    let places: Places<f64, 3> = even_places(Turn::from_revolutions(-0.25));
+    let places: ElementPositions<f64, 3> = evenly_spaced(Phase::from_revolutions(-0.25));
     let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 10e-6).unwrap();
     let params = RotorParams { gravity: [0.0, -9.80665, 0.0], ..PARAMS };
-    let machine = Machine {
+    let machine = RotorBearingSystem {
         rotor: RigidRotor::<f64, Exact>::try_new(&params, &[]).unwrap(),
-        bearings: [Mounted { bearing, station: 0.0, gear: Gear::new(0.0) }],
+        bearings: [Mounted { bearing, station: 0.0, gear: SpeedRatios::new(0.0) }],
     };
     // It touches at -10 um with a speed that is next to nothing, then with more: grazing and hard contact.
     for height in [1e-12, 1e-9, 1e-7, 4e-6] {
         let top = -10e-6 + height;
         let mut state =
-            RotorState::at_rest(Displacement { v: top, ..Displacement::default() }, Turn::ZERO, [Turn::ZERO]);
+            RotorState::at_rest(Displacement { v: top, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO]);
         let (mut highest, mut contacts, mut lost) = (f64::MIN, 0_u32, true);
         for i in 0..2_000_000 {
             let status = Verlet { step: 2e-7 }.step(&machine, &mut state, &still());
@@ -183,7 +183,7 @@ fn a_ball_that_leaves_and_meets_the_race() {
     }
 }
 
-type Running<T> = Machine<RigidRotor<T, Exact>, Mounted<T, Angular<T, Exact, Places<T, 9>>>, 2>;
+type Running<T> = RotorBearingSystem<RigidRotor<T, Exact>, Mounted<T, Angular<T, Exact, ElementPositions<T, 9>>>, 2>;
 
 /// A run taken up from a copied state goes on with the same bits.
 #[test]
@@ -197,8 +197,9 @@ where
     Exact: Math<T>,
 {
     let geometry = ballrace_tests::bearings::deep_groove_geometry(10e-6);
-    let zero = ballrace::bearing::angular::Zero::Centred;
-    let bearing = Angular::<T, Exact, Places<T, 9>>::try_new(geometry, even_places(Turn::ZERO), zero).unwrap();
+    let zero = ballrace::bearing::angular::DisplacementDatum::Centred;
+    let bearing =
+        Angular::<T, Exact, ElementPositions<T, 9>>::try_new(geometry, evenly_spaced(Phase::ZERO), zero).unwrap();
     let params = RotorParams {
         gravity: [0.0, -9.80665, 0.0],
         load: [0.0, 0.0, 60.0, 0.0, 0.0],
@@ -206,14 +207,16 @@ where
         ..PARAMS
     };
     let unbalance = Unbalance { moment: 1e-4, angle: 0.0, station: 0.01 };
-    let seat = |station: f64| Mounted { bearing, station: T::from_f64(station), gear: Gear::new(0.4) };
-    let machine: Running<T> =
-        Machine { rotor: RigidRotor::try_new(&params, &[unbalance]).unwrap(), bearings: [seat(-0.1), seat(0.1)] };
+    let seat = |station: f64| Mounted { bearing, station: T::from_f64(station), gear: SpeedRatios::new(0.4) };
+    let machine: Running<T> = RotorBearingSystem {
+        rotor: RigidRotor::try_new(&params, &[unbalance]).unwrap(),
+        bearings: [seat(-0.1), seat(0.1)],
+    };
     let step = RungeKutta4 { step: T::from_f64(1e-5) };
     let start = Displacement { w: T::from_f64(10e-6), ..Displacement::default() };
-    let mut state = RotorState::<T, 5, 2>::at_rest(start, Turn::ZERO, [Turn::ZERO; 2]);
-    let mut now = Drive { angle: Turn::ZERO, speed: T::from_f64(314.0), acceleration: T::ZERO };
-    let go = |state: &mut RotorState<T, 5, 2>, now: &mut Drive<T>, count: u32| {
+    let mut state = RotorState::<T, 5, 2>::at_rest(start, Phase::ZERO, [Phase::ZERO; 2]);
+    let mut now = ShaftMotion { angle: Phase::ZERO, speed: T::from_f64(314.0), acceleration: T::ZERO };
+    let go = |state: &mut RotorState<T, 5, 2>, now: &mut ShaftMotion<T>, count: u32| {
         for _ in 0..count {
             step.step(&machine, state, now);
             *now = now.after(T::from_f64(1e-5));

@@ -1,13 +1,13 @@
 //! Bearings that several tests use.
 
-use ballrace::bearing::angular::{Angular, Zero};
-use ballrace::bearing::even_places;
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
+use ballrace::bearing::evenly_spaced;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
-use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
-use ballrace::bearing::{Bearing, Places};
+use ballrace::bearing::surface::{BearingComponent, Feature, Spall, SpallShape, SurfaceDeviation};
+use ballrace::bearing::{Bearing, ElementPositions};
 use ballrace::contact::hertz::Material;
-use ballrace::{Exact, Turn};
+use ballrace::{Exact, Phase};
 
 /// Balls and races of a 6205 with a diametral clearance.
 pub fn deep_groove_geometry(clearance: f64) -> BallBearingGeometry {
@@ -24,8 +24,8 @@ pub fn deep_groove_geometry(clearance: f64) -> BallBearingGeometry {
 }
 
 /// A 6205-size ball bearing with `N` balls and a diametral clearance.
-pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, Places<f64, N>> {
-    Angular::try_new(deep_groove_geometry(clearance), even_places(Turn::ZERO), Zero::Centred)
+pub fn deep_groove<const N: usize>(clearance: f64) -> Angular<f64, Exact, ElementPositions<f64, N>> {
+    Angular::try_new(deep_groove_geometry(clearance), evenly_spaced(Phase::ZERO), DisplacementDatum::Centred)
         .expect("a possible bearing")
 }
 
@@ -66,12 +66,13 @@ pub const STEEL_BALLS: InertiaParams = InertiaParams {
 };
 
 /// The bearing "ACBB-S".
-pub fn angular_contact() -> Angular<f64, Exact, Places<f64, 14>> {
-    Angular::try_new(acbb_s_geometry(), even_places(Turn::ZERO), Zero::Touching).expect("a possible bearing")
+pub fn angular_contact() -> Angular<f64, Exact, ElementPositions<f64, 14>> {
+    Angular::try_new(acbb_s_geometry(), evenly_spaced(Phase::ZERO), DisplacementDatum::Touching)
+        .expect("a possible bearing")
 }
 
 /// The deep groove bearing with a spall under the load.
 pub fn spalled() -> impl Bearing<f64> {
-    let spall = Spall::new(Part::Outer, Turn::from_revolutions(0.01), 0.3, 2e-6, SpallShape::HalfSine);
-    deep_groove::<9>(10e-6).with_surface(Uneven::<Exact, _>::new([Feature::Spall(spall)]))
+    let spall = Spall::new(BearingComponent::Outer, Phase::from_revolutions(0.01), 0.3, 2e-6, SpallShape::HalfSine);
+    deep_groove::<9>(10e-6).with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Spall(spall)]))
 }

@@ -1,12 +1,12 @@
 //! Random states of a ball in a bearing, over the whole range of the scene's geometry.
 
-use ballrace::bearing::Place;
-use ballrace::bearing::angular::Zero;
+use ballrace::bearing::ElementPosition;
+use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
 use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
-use ballrace::{Displacement, Exact, Math, Rotation, Scalar, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase, Scalar};
 use std::f64::consts::{FRAC_PI_3, TAU};
 
 /// A generator of numbers that are the same everywhere: Marsaglia's xorshift.
@@ -105,15 +105,15 @@ pub fn solve<T: Scalar>(state: &State, steps: u8) -> BallState<T>
 where
     Exact: Math<T>,
 {
-    let places = [Place::<T>::at(Turn::ZERO)];
-    let bearing = QuasiStatic::<T, Exact, _>::try_new(state.geometry, places, Zero::Touching).unwrap();
+    let places = [ElementPosition::<T>::at(Phase::ZERO)];
+    let bearing = QuasiStatic::<T, Exact, _>::try_new(state.geometry, places, DisplacementDatum::Touching).unwrap();
     let bearing = bearing.with_steps(steps);
     let [u, w] = state.displacement.map(T::from_f64);
     let u = Displacement { u, w, ..Displacement::default() };
-    let at = Rotation {
+    let at = BearingKinematicState {
         inner_speed: T::from_f64(state.inner_speed),
         outer_speed: T::from_f64(state.outer_speed),
-        ..Rotation::default()
+        ..BearingKinematicState::default()
     };
     let mut ball = [BallState::default()];
     match (state.inertia, state.oil) {

@@ -1,5 +1,5 @@
 use ballrace::bearing::Bearing;
-use ballrace::{Displacement, Rotation, Turn};
+use ballrace::{BearingKinematicState, Displacement, Phase};
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
@@ -13,8 +13,13 @@ fn displacement(i: u16) -> Displacement<f32> {
 }
 
 fn line(name: &str, i: u16, bearing: &impl Bearing<f32>, u: &Displacement<f32>) -> String {
-    let turn = Turn(u64::from(i) << 57);
-    let at = Rotation { cage: turn, inner: turn.times(3), inner_speed: 1256.0, ..Rotation::default() };
+    let turn = Phase(u64::from(i) << 57);
+    let at = BearingKinematicState {
+        cage: turn,
+        inner: turn.times(3),
+        inner_speed: 1256.0,
+        ..BearingKinematicState::default()
+    };
     let reaction = bearing.reaction(u, &at);
     let bits: Vec<String> = reaction.wrench.to_array().iter().map(|f| format!("{:08x}", f.to_bits())).collect();
     format!("{name},{i},{},{}\n", bits.join(","), reaction.status.bits())

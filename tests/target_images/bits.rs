@@ -15,19 +15,19 @@ const SPOILT: [(usize, usize, f32); 3] = [(100, 0, f32::NAN), (101, 2, f32::INFI
 const CHANGED: std::ops::Range<usize> = 640..896;
 
 /// Where an image runs.
-struct Machine {
+struct RotorBearingSystem {
     target: &'static str,
     emulator: &'static str,
     release_board: &'static str,
     debug_board: &'static str,
 }
 
-const MACHINES: [Machine; 5] = [
+const MACHINES: [RotorBearingSystem; 5] = [
     arm("thumbv7em-none-eabihf", "mps2-an386", "mps2-an386"),
     arm("thumbv7em-none-eabi", "mps2-an386", "mps2-an386"),
     arm("thumbv6m-none-eabi", "microbit", "mps2-an385"),
     arm("thumbv8m.main-none-eabihf", "mps2-an505", "mps2-an505"),
-    Machine {
+    RotorBearingSystem {
         target: "riscv32imac-unknown-none-elf",
         emulator: "qemu-system-riscv32",
         release_board: "virt",
@@ -35,8 +35,8 @@ const MACHINES: [Machine; 5] = [
     },
 ];
 
-const fn arm(target: &'static str, release_board: &'static str, debug_board: &'static str) -> Machine {
-    Machine { target, emulator: "qemu-system-arm", release_board, debug_board }
+const fn arm(target: &'static str, release_board: &'static str, debug_board: &'static str) -> RotorBearingSystem {
+    RotorBearingSystem { target, emulator: "qemu-system-arm", release_board, debug_board }
 }
 
 /// The rig's recording with a spall as the images read it: five `f32` and a turn counter a sample.
@@ -70,7 +70,7 @@ fn checksums(program: &mut Command, folder: &Path) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-fn on_board(machine: &Machine, board: &str, image: &Path) -> Command {
+fn on_board(machine: &RotorBearingSystem, board: &str, image: &Path) -> Command {
     let mut command = Command::new(machine.emulator);
     command.args(["-M", board, "-nographic", "-monitor", "none", "-serial", "none"]);
     command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);

@@ -1,6 +1,6 @@
 use ballrace::bearing::Bearing;
-use ballrace::turn::Ratio;
-use ballrace::{Displacement, Exact, Math, Status, Turn};
+use ballrace::phase::SpeedRatio;
+use ballrace::{Displacement, Exact, Math, Phase, Status};
 use ballrace_tests::bearings::deep_groove;
 
 /// The example gives the forces that the desktop gives, holds the bad sample, and says so.
@@ -18,10 +18,10 @@ fn the_worked_example_runs() {
     let bearing = deep_groove::<9>(10e-6);
     let mut last = vec![0.0; 3];
     for (i, row) in rows.iter().enumerate() {
-        let shaft = Turn::from_revolutions(i as f64 / 16.0);
+        let shaft = Phase::from_revolutions(i as f64 / 16.0);
         let (sin, cos): (f64, f64) = Exact::sin_cos(shaft);
         let u = Displacement { u: 8e-6 * cos, v: 8e-6 * sin, w: 20e-6, ..Displacement::default() };
-        let cage = Turn::from_revolutions(Ratio::new(0.4).value() * i as f64 / 16.0);
+        let cage = Phase::from_revolutions(SpeedRatio::new(0.4).value() * i as f64 / 16.0);
         let bad = i == 10;
         let expected =
             if bad { last.clone() } else { bearing.reaction(&u, &cage.into()).wrench.to_array()[..3].to_vec() };

@@ -5,9 +5,9 @@
 //! no inertia, no film: what a ball in quasi-static equilibrium does at rest.
 
 use super::bearing_in_cage;
+use super::element_position::ElementLayout;
 use super::elements::{Elements, in_cage_by_elements};
 use super::geometry::{BallBearingGeometry, InvalidParameter};
-use super::place::Arrangement;
 use super::ring::{Contact, ContactStiffness, Motion, Ring};
 use super::surface::{Smooth, Surface};
 use crate::contact::law::{Law, Point};
@@ -17,7 +17,7 @@ use core::marker::PhantomData;
 
 /// Where the rings stand at zero displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Zero {
+pub enum DisplacementDatum {
     /// Just touching the balls at the contact angle: groove centres A apart, axially `A sin(alpha_0)`.
     Touching,
     /// Concentric and centred axially, groove centres `A cos(alpha_0)` apart radially: a deep groove bearing.
@@ -43,7 +43,7 @@ pub struct Angular<T, M, P, S = Smooth> {
 
 /// What a variable-contact-angle bearing is besides its balls' places: numbers made ready for [`Angular::ready`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AngularSeat<T> {
+pub struct AngularConstants<T> {
     /// Of both contacts in series, N/m^1.5.
     pub stiffness: T,
     /// A, and its square.
@@ -56,18 +56,18 @@ pub struct AngularSeat<T> {
     pub arm: T,
 }
 
-impl AngularSeat<f64> {
+impl AngularConstants<f64> {
     /// From geometry; stiffness by Hertz at the free contact angle, lever arm R_i. Set-up time.
     ///
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
-    pub fn try_new(geometry: BallBearingGeometry, zero: Zero) -> Result<Self, InvalidParameter> {
+    pub fn try_new(geometry: BallBearingGeometry, zero: DisplacementDatum) -> Result<Self, InvalidParameter> {
         let geometry = geometry.checked()?;
         let a = geometry.groove_distance();
         let (sin, cos) = (libm::sin(geometry.contact_angle), libm::cos(geometry.contact_angle));
         let (axial, excess) = match zero {
-            Zero::Touching => (a * sin, 0.0),
-            Zero::Centred => (0.0, -(a * sin) * (a * sin)),
+            DisplacementDatum::Touching => (a * sin, 0.0),
+            DisplacementDatum::Centred => (0.0, -(a * sin) * (a * sin)),
         };
         Ok(Self {
             stiffness: geometry.stiffness(),
@@ -80,8 +80,8 @@ impl AngularSeat<f64> {
 
     /// In another precision.
     #[must_use]
-    pub fn rounded<T: Scalar>(&self) -> AngularSeat<T> {
-        AngularSeat {
+    pub fn rounded<T: Scalar>(&self) -> AngularConstants<T> {
+        AngularConstants {
             stiffness: T::from_f64(self.stiffness),
             distance: self.distance.map(T::from_f64),
             unloaded: self.unloaded.map(T::from_f64),
@@ -100,17 +100,21 @@ struct Grooves<T> {
     twice_deflection: T,
 }
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>> Angular<T, M, P> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
     /// From geometry; stiffness by Hertz at the free contact angle, lever arm R_i. Set-up time.
     ///
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
-    pub fn try_new(geometry: BallBearingGeometry, places: P, zero: Zero) -> Result<Self, InvalidParameter> {
-        Ok(Self::ready(places, AngularSeat::try_new(geometry, zero)?.rounded()))
+    pub fn try_new(
+        geometry: BallBearingGeometry,
+        places: P,
+        zero: DisplacementDatum,
+    ) -> Result<Self, InvalidParameter> {
+        Ok(Self::ready(places, AngularConstants::try_new(geometry, zero)?.rounded()))
     }
 
     /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
-    pub fn ready(places: P, seat: AngularSeat<T>) -> Self {
+    pub fn ready(places: P, seat: AngularConstants<T>) -> Self {
         let law = Point { stiffness: seat.stiffness };
         let [distance, distance_squared] = seat.distance;
         let [radial, axial] = seat.unloaded;
@@ -141,7 +145,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>> Angular<T, M, P> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Angular<T, M, P, S> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P, S> {
     /// `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`, the numerator from the displacements: the difference of
     /// two nearly equal lengths would lose three digits of a micrometre in f32, and all of it with an approximate
     /// square root.
@@ -175,9 +179,9 @@ impl<T: Scalar> Grooves<T> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Elements<T> for Angular<T, M, P, S> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements<T> for Angular<T, M, P, S> {
     type Math = M;
-    type Places = P;
+    type ElementPositions = P;
     type Surface = S;
     #[inline(always)]
     fn surface(&self) -> &S {
@@ -211,5 +215,5 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>> Elements<T> for An
     }
 }
 
-in_cage_by_elements!(Angular<T, M, P, S>, M, T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>);
-bearing_in_cage!(Angular<T, M, P, S>, T: Scalar, M: Math<T>, P: Arrangement<T>, S: Surface<T>);
+in_cage_by_elements!(Angular<T, M, P, S>, M, T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>);
+bearing_in_cage!(Angular<T, M, P, S>, T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>);

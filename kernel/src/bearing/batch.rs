@@ -1,27 +1,27 @@
 //! Many samples at once, in arrays, for the desktop.
 
+use super::element_position::{ElementLayout, ElementPosition};
 use super::lumped::Radial;
-use super::place::{Arrangement, Place};
 use crate::contact::law::Law;
 use crate::math::Math;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// Samples a pass of [`radial_batch`] goes over: their arrays stay in the first-level cache from pass to pass, and
 /// what a pass costs besides is spread over many.
-const BLOCK: usize = 256;
+const SAMPLES: usize = 256;
 
 /// Elements a pass takes together: their directions and sums are as much as 16 vector registers hold.
-const ABREAST: usize = 4;
+const BLOCK: usize = 4;
 
 /// Many samples at once in structure-of-arrays form: `fx[i], fy[i]` from `u[i], v[i]`, the cage standing at `cage`.
 ///
 /// The compiler turns the loops into the machine's vector instructions. Stops at the shortest of the four slices.
 /// The forces are those of [`super::Bearing::reaction`] but for rounding. Elements that stand in opposite pairs (an even
 /// number, evenly spaced) and have no preload share a square root: of two opposite ones at most one is loaded.
-pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]> + Send + Sync>(
+pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[ElementPosition<T>]> + Send + Sync>(
     bearing: &Radial<T, M, L, P>,
-    cage: Turn,
+    cage: Phase,
     input: (&[T], &[T]),
     output: (&mut [T], &mut [T]),
 ) {
@@ -39,27 +39,27 @@ pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[Place<T>]> + 
     }
 }
 /// The first half of the places if each place of the second half stands opposite to its own in the first.
-fn one_of_each_pair<T: Scalar>(places: &[Place<T>]) -> Option<&[Place<T>]> {
+fn one_of_each_pair<T: Scalar>(places: &[ElementPosition<T>]) -> Option<&[ElementPosition<T>]> {
     let (half, other) = places.split_at(places.len() / 2);
-    let opposite = |(a, b): (&Place<T>, &Place<T>)| a.azimuth.opposite() == b.azimuth;
+    let opposite = |(a, b): (&ElementPosition<T>, &ElementPosition<T>)| a.azimuth.opposite() == b.azimuth;
     (half.len() == other.len() && half.iter().zip(other).all(opposite)).then_some(half)
 }
 
 /// Sets the force to `-sum(push(e^T u) e)` over the directions `e` of all places, the cage turned by `(sin, cos)`.
 #[inline(always)]
 fn sum_of_elements<T: Scalar>(
-    places: &[Place<T>],
+    places: &[ElementPosition<T>],
     (sin, cos): (T, T),
     (u, v): (&[T], &[T]),
     (fx, fy): (&mut [T], &mut [T]),
     push: impl Fn(T) -> T + Copy,
 ) {
-    let direction = |p: &Place<T>| [cos * p.cos - sin * p.sin, cos * p.sin + sin * p.cos];
-    let (groups, rest) = places.as_chunks::<ABREAST>();
+    let direction = |p: &ElementPosition<T>| [cos * p.cos - sin * p.sin, cos * p.sin + sin * p.cos];
+    let (groups, rest) = places.as_chunks::<BLOCK>();
     let count = u.len().min(v.len()).min(fx.len()).min(fy.len());
-    let fx = fx.get_mut(..count).unwrap_or_default().chunks_mut(BLOCK);
-    let fy = fy.get_mut(..count).unwrap_or_default().chunks_mut(BLOCK);
-    for (((u, v), fx), fy) in u.chunks(BLOCK).zip(v.chunks(BLOCK)).zip(fx).zip(fy) {
+    let fx = fx.get_mut(..count).unwrap_or_default().chunks_mut(SAMPLES);
+    let fy = fy.get_mut(..count).unwrap_or_default().chunks_mut(SAMPLES);
+    for (((u, v), fx), fy) in u.chunks(SAMPLES).zip(v.chunks(SAMPLES)).zip(fx).zip(fy) {
         fx.fill(T::ZERO);
         fy.fill(T::ZERO);
         for group in groups {

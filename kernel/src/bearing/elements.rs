@@ -1,25 +1,27 @@
 //! What the rungs with rolling elements have in common: one element's law in, the bearing's answer out.
 
 use super::Reaction;
-use super::place::Arrangement;
-use super::ring::{CageTurn, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, into_cage, out_of_cage};
+use super::element_position::ElementLayout;
+use super::ring::{
+    CageRotation, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, out_of_cage, to_cage_frame,
+};
 use super::surface::Surface;
 use crate::frame::{Displacement, Stiffness};
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
-use crate::rotation::Rotation;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// One family of elements around a ring: what a ball does in its plane.
 pub trait Elements<T: Scalar> {
     /// The backend.
     type Math: Math<T>;
     /// The arrangement of the elements.
-    type Places: Arrangement<T>;
+    type ElementPositions: ElementLayout<T>;
     /// What the elements run on.
     type Surface: Surface<T>;
 
-    fn ring(&self) -> &Ring<T, Self::Places>;
+    fn ring(&self) -> &Ring<T, Self::ElementPositions>;
 
     fn surface(&self) -> &Self::Surface;
 
@@ -30,12 +32,12 @@ pub trait Elements<T: Scalar> {
 
     /// The answer of all elements in the cage's frame.
     #[inline(always)]
-    fn sum(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn sum(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let ring = self.ring();
         let rim = ring.at_rim(u);
         let mut sum = WrenchSum::new();
         for place in ring.places.table() {
-            if Self::Places::PAIRS {
+            if Self::ElementPositions::PAIRS {
                 sum.add_pair(place, &self.contacts(Motion::of_pair(place, &rim, at, self.surface())));
             } else {
                 let [contact] = self.contacts([Motion::of(place, &rim, at, self.surface())]);
@@ -50,31 +52,31 @@ pub trait Elements<T: Scalar> {
 ///
 /// For those who have the displacement in that frame, or evaluate often at one cage angle: the sine and cosine and the
 /// rotation of displacement and wrench are what [`super::Bearing`] adds.
-pub trait InCage<T: Scalar> {
+pub trait CageFrame<T: Scalar> {
     /// Sine and cosine of the cage's angle.
-    fn turn(cage: Turn) -> CageTurn<T>;
+    fn turn(cage: Phase) -> CageRotation<T>;
 
     /// As [`super::Bearing::reaction`] with displacement and wrench in the cage's frame; `at` only says where damage
     /// on a race is met.
-    fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T>;
+    fn reaction_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
 
     /// The same with the tangent, which is turned into the fixed frame by `turn`.
     fn reaction_in_cage_and_stiffness(
         &self,
         u: &Displacement<T>,
-        at: &Rotation<T>,
-        turn: CageTurn<T>,
+        at: &BearingKinematicState<T>,
+        turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>);
 
     /// As [`super::Bearing::element_loads`] with the displacement in the cage's frame.
-    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]);
+    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
 
     /// [`super::Bearing::reaction`] as part of whoever calls it: a caller that is compiled for a processor with wider
     /// registers than the rest of its program takes the bearing with it.
     #[inline(always)]
-    fn reaction_inlined(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction_inlined(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let turn = Self::turn(at.cage);
-        let local = self.reaction_in_cage(&into_cage(u, turn), at);
+        let local = self.reaction_in_cage(&to_cage_frame(u, turn), at);
         Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
     }
 }
@@ -83,8 +85,8 @@ pub trait InCage<T: Scalar> {
 pub(super) fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    at: &Rotation<T>,
-    turn: CageTurn<T>,
+    at: &BearingKinematicState<T>,
+    turn: CageRotation<T>,
 ) -> (Reaction<T>, Stiffness<T>) {
     let ring = elements.ring();
     let rim = ring.at_rim(u);
@@ -97,7 +99,12 @@ pub(super) fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
     (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
 }
 
-pub(super) fn loads<T: Scalar, E: Elements<T>>(elements: &E, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+pub(super) fn loads<T: Scalar, E: Elements<T>>(
+    elements: &E,
+    u: &Displacement<T>,
+    at: &BearingKinematicState<T>,
+    loads: &mut [T],
+) {
     let rim = elements.ring().at_rim(u);
     for (place, load) in elements.ring().places.each().zip(loads) {
         let [contact] = elements.contacts([Motion::of(&place, &rim, at, elements.surface())]);
@@ -105,29 +112,29 @@ pub(super) fn loads<T: Scalar, E: Elements<T>>(elements: &E, u: &Displacement<T>
     }
 }
 
-/// Implements [`InCage`] for types with [`Elements`].
+/// Implements [`CageFrame`] for types with [`Elements`].
 macro_rules! in_cage_by_elements {
     ($kind:ty, $math:ty, $($generics:tt)*) => {
-        impl<$($generics)*> $crate::bearing::InCage<T> for $kind {
+        impl<$($generics)*> $crate::bearing::CageFrame<T> for $kind {
             #[inline(always)]
-            fn turn(cage: $crate::Turn) -> (T, T) {
+            fn turn(cage: $crate::Phase) -> (T, T) {
                 <$math as $crate::math::Math<T>>::sin_cos(cage)
             }
             #[inline(always)]
-            fn reaction_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>) -> $crate::bearing::Reaction<T> {
+            fn reaction_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>) -> $crate::bearing::Reaction<T> {
                 $crate::bearing::elements::Elements::sum(self, u, at)
             }
             #[inline]
             fn reaction_in_cage_and_stiffness(
                 &self,
                 u: &$crate::Displacement<T>,
-                at: &$crate::Rotation<T>,
+                at: &$crate::BearingKinematicState<T>,
                 turn: (T, T),
             ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
                 $crate::bearing::elements::reaction_and_stiffness(self, u, at, turn)
             }
             #[inline]
-            fn element_loads_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>, loads: &mut [T]) {
+            fn element_loads_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>, loads: &mut [T]) {
                 $crate::bearing::elements::loads(self, u, at, loads);
             }
         }

@@ -1,15 +1,15 @@
 //! A flexible outer ring: Hajzman's `e^T q_S`, the housing displaced point by point.
 
 use super::Reaction;
+use super::element_position::ElementLayout;
 use super::elements::Elements;
 use super::lumped::{Axial, Combined, Radial};
-use super::place::Arrangement;
-use super::ring::{CageTurn, Contact, Motion, StiffnessSum, WrenchSum, into_cage, out_of_cage};
+use super::ring::{CageRotation, Contact, Motion, StiffnessSum, WrenchSum, out_of_cage, to_cage_frame};
 use super::surface::Surface;
 use crate::contact::law::Law;
 use crate::frame::{Displacement, Stiffness};
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
-use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 
 /// The outer ring or housing at one element's contact point, along X, Y, Z.
@@ -24,19 +24,19 @@ pub struct HousingPoint<T> {
 /// A bearing whose outer ring is displaced point by point (Hajzman's `e^T q_S` term).
 ///
 /// ```
-/// use ballrace::bearing::even_places;
+/// use ballrace::bearing::evenly_spaced;
 /// use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 /// use ballrace::bearing::lumped::Radial;
 /// use ballrace::contact::law::Point;
-/// use ballrace::{Displacement, Exact, Turn};
+/// use ballrace::{Displacement, Exact, Phase};
 ///
-/// let places = even_places::<f64, 8>(Turn::ZERO);
+/// let places = evenly_spaced::<f64, 8>(Phase::ZERO);
 /// let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 0.0)?;
 /// // The housing gives way at the ball that is pressed: half the deflection, and the reaction is the housing's.
 /// let mut housing = [HousingPoint::default(); 8];
 /// housing[0].displacement = [1e-6, 0.0, 0.0];
 /// let u = Displacement { u: 2e-6, ..Displacement::default() };
-/// let force = bearing.reaction_flexible(&u, &Turn::ZERO.into(), &mut housing).wrench;
+/// let force = bearing.reaction_flexible(&u, &Phase::ZERO.into(), &mut housing).wrench;
 /// let on_housing: f64 = housing.iter().map(|point| point.reaction[0]).sum();
 /// assert!((force.fx + on_housing).abs() < 1e-9);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
@@ -44,13 +44,18 @@ pub struct HousingPoint<T> {
 pub trait FlexibleRing<T: Scalar> {
     /// Force on the inner ring when the housing point of element `j` is displaced as `housing[j]` says, and the
     /// reaction on that point (action = reaction). Elements past the end of `housing` stand on a rigid ring.
-    fn reaction_flexible(&self, u: &Displacement<T>, at: &Rotation<T>, housing: &mut [HousingPoint<T>]) -> Reaction<T>;
+    fn reaction_flexible(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        housing: &mut [HousingPoint<T>],
+    ) -> Reaction<T>;
 
     /// The same with the tangent `-d(wrench)/du` while the housing stands still.
     fn reaction_and_stiffness_flexible(
         &self,
         u: &Displacement<T>,
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         housing: &mut [HousingPoint<T>],
     ) -> (Reaction<T>, Stiffness<T>);
 }
@@ -76,12 +81,12 @@ impl<T: Scalar> HousingPoint<T> {
 fn each_element<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    (at, (sin, cos)): (&Rotation<T>, CageTurn<T>),
+    (at, (sin, cos)): (&BearingKinematicState<T>, CageRotation<T>),
     housing: &mut [HousingPoint<T>],
-    mut contact: impl FnMut(&super::Place<T>, Motion<T>) -> Contact<T>,
+    mut contact: impl FnMut(&super::ElementPosition<T>, Motion<T>) -> Contact<T>,
 ) {
     let ring = elements.ring();
-    let rim = ring.at_rim(&into_cage(u, (sin, cos)));
+    let rim = ring.at_rim(&to_cage_frame(u, (sin, cos)));
     let mut points = housing.iter_mut();
     for place in ring.places.each() {
         let mut rigid = HousingPoint::default();
@@ -98,7 +103,7 @@ fn each_element<T: Scalar, E: Elements<T>>(
 fn reaction<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    at: &Rotation<T>,
+    at: &BearingKinematicState<T>,
     housing: &mut [HousingPoint<T>],
 ) -> Reaction<T> {
     let turn = E::Math::sin_cos(at.cage);
@@ -116,7 +121,7 @@ fn reaction<T: Scalar, E: Elements<T>>(
 fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
     elements: &E,
     u: &Displacement<T>,
-    at: &Rotation<T>,
+    at: &BearingKinematicState<T>,
     housing: &mut [HousingPoint<T>],
 ) -> (Reaction<T>, Stiffness<T>) {
     let turn = E::Math::sin_cos(at.cage);
@@ -138,7 +143,7 @@ macro_rules! flexible_by_elements {
             fn reaction_flexible(
                 &self,
                 u: &Displacement<T>,
-                at: &Rotation<T>,
+                at: &BearingKinematicState<T>,
                 housing: &mut [HousingPoint<T>],
             ) -> Reaction<T> {
                 reaction(self, u, at, housing)
@@ -146,7 +151,7 @@ macro_rules! flexible_by_elements {
             fn reaction_and_stiffness_flexible(
                 &self,
                 u: &Displacement<T>,
-                at: &Rotation<T>,
+                at: &BearingKinematicState<T>,
                 housing: &mut [HousingPoint<T>],
             ) -> (Reaction<T>, Stiffness<T>) {
                 reaction_and_stiffness(self, u, at, housing)
@@ -157,18 +162,23 @@ macro_rules! flexible_by_elements {
 
 flexible_by_elements!(
     Radial<T, M, L, P, S>,
-    T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>
+    T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>
 );
-flexible_by_elements!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>);
+flexible_by_elements!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>);
 
 impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Combined<A, B> {
-    fn reaction_flexible(&self, u: &Displacement<T>, at: &Rotation<T>, housing: &mut [HousingPoint<T>]) -> Reaction<T> {
+    fn reaction_flexible(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        housing: &mut [HousingPoint<T>],
+    ) -> Reaction<T> {
         self.0.reaction_flexible(u, at, housing).plus(self.1.reaction_flexible(u, at, housing))
     }
     fn reaction_and_stiffness_flexible(
         &self,
         u: &Displacement<T>,
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         housing: &mut [HousingPoint<T>],
     ) -> (Reaction<T>, Stiffness<T>) {
         let (a, ka) = self.0.reaction_and_stiffness_flexible(u, at, housing);

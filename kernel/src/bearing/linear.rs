@@ -3,7 +3,7 @@
 use super::geometry::{InvalidParameter, check};
 use super::{Bearing, Reaction};
 use crate::frame::{Displacement, Stiffness, Wrench};
-use crate::rotation::Rotation;
+use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
@@ -12,11 +12,11 @@ use crate::status::Status;
 /// ```
 /// use ballrace::bearing::Bearing;
 /// use ballrace::bearing::linear::Linear;
-/// use ballrace::{Displacement, Stiffness, Turn};
+/// use ballrace::{Displacement, Stiffness, Phase};
 ///
 /// let springs = Linear::new(Stiffness::from_diagonal_element(1e8));
 /// let u = Displacement { v: 1e-6, ..Displacement::default() };
-/// assert_eq!(springs.reaction(&u, &Turn::ZERO.into()).wrench.fy, -100.0);
+/// assert_eq!(springs.reaction(&u, &Phase::ZERO.into()).wrench.fy, -100.0);
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Linear<T: Scalar> {
@@ -38,7 +38,7 @@ impl<T: Scalar> Linear<T> {
 }
 
 impl<T: Scalar> Bearing<T> for Linear<T> {
-    fn reaction(&self, u: &Displacement<T>, _at: &Rotation<T>) -> Reaction<T> {
+    fn reaction(&self, u: &Displacement<T>, _at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut f = self.force.to_array();
         let away = u.to_array().into_iter().zip(self.reference.to_array()).map(|(x, x0)| x - x0);
         for (x, column) in away.zip(self.stiffness.column_iter()) {
@@ -50,11 +50,15 @@ impl<T: Scalar> Bearing<T> for Linear<T> {
         Reaction { wrench: Wrench::from_array(f), load: T::ONE, status: Status::OK }
     }
 
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
         (self.reaction(u, at), self.stiffness)
     }
 
-    fn element_loads(&self, _u: &Displacement<T>, _at: &Rotation<T>, _loads: &mut [T]) {}
+    fn element_loads(&self, _u: &Displacement<T>, _at: &BearingKinematicState<T>, _loads: &mut [T]) {}
 }
 
 /// Two springs of a radial bearing: along the static load and across it, N/m.

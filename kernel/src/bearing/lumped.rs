@@ -5,36 +5,36 @@
 //! `gamma` (negative: preload) and the housing displacement `q_S` of each element's contact point
 //! (Hajzman, eq. 1 to 5). The exponent and the backend are types; the values are here.
 
-use super::elements::{Elements, InCage, in_cage_by_elements};
+use super::element_position::{ElementLayout, ElementPosition};
+use super::elements::{CageFrame, Elements, in_cage_by_elements};
 use super::geometry::{InvalidParameter, check};
-use super::place::{Arrangement, Place};
-use super::ring::{CageTurn, Contact, ContactStiffness, Motion, RadialSum, Ring, radial};
-use super::surface::{Shape, Smooth, Surface};
+use super::ring::{CageRotation, Contact, ContactStiffness, Motion, RadialSum, Ring, radial};
+use super::surface::{ElementDeviation, Smooth, Surface};
 use super::{Reaction, bearing_in_cage};
 use crate::contact::law::Law;
 use crate::frame::{Displacement, Stiffness};
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
-use crate::rotation::Rotation;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 use core::marker::PhantomData;
 
 /// Radial elements only: a radial ball or roller bearing.
 ///
-/// With [`super::Pairs`] two opposite elements share one power: of the two at most one is loaded, as there is no
+/// With [`super::OpposedPairs`] two opposite elements share one power: of the two at most one is loaded, as there is no
 /// preload.
 ///
 /// ```
 /// use ballrace::bearing::{Bearing, even_pairs};
 /// use ballrace::bearing::lumped::Radial;
 /// use ballrace::contact::law::Point;
-/// use ballrace::{Displacement, Exact, Turn};
+/// use ballrace::{Displacement, Exact, Phase};
 ///
 /// // Eight balls, 1 um of radial play. One ball is pressed by 1 um: 8e9 N/m^1.5 * (1 um)^1.5.
-/// let places = even_pairs::<f64, 4>(Turn::ZERO);
+/// let places = even_pairs::<f64, 4>(Phase::ZERO);
 /// let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 1e-6)?;
 /// let u = Displacement { u: 2e-6, ..Displacement::default() };
-/// let force = bearing.reaction(&u, &Turn::ZERO.into()).wrench;
+/// let force = bearing.reaction(&u, &Phase::ZERO.into()).wrench;
 /// assert!(force.fx < -8.0 && force.fy.abs() < 1e-12);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
@@ -50,15 +50,15 @@ pub struct Radial<T, M, L, P, S = Smooth> {
 /// Axial elements only: a thrust bearing, pushed when the inner ring moves towards +Z.
 ///
 /// ```
-/// use ballrace::bearing::{Bearing, even_places};
+/// use ballrace::bearing::{Bearing, evenly_spaced};
 /// use ballrace::bearing::lumped::Axial;
 /// use ballrace::contact::law::Line;
-/// use ballrace::{Displacement, Exact, Turn};
+/// use ballrace::{Displacement, Exact, Phase};
 ///
-/// let places = even_places::<f32, 12>(Turn::ZERO);
+/// let places = evenly_spaced::<f32, 12>(Phase::ZERO);
 /// let bearing = Axial::<f32, Exact, _, _>::try_new(places, Line { stiffness: 3e8 }, 0.0, 20e-3)?;
 /// let pushed = Displacement { w: 5e-6, ..Displacement::default() };
-/// assert!(bearing.reaction(&pushed, &Turn::ZERO.into()).wrench.fz < 0.0);
+/// assert!(bearing.reaction(&pushed, &Phase::ZERO.into()).wrench.fz < 0.0);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +73,7 @@ pub struct Axial<T, M, L, P> {
 #[derive(Debug, Clone, Copy)]
 pub struct Combined<A, B>(pub A, pub B);
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Radial<T, M, L, P> {
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Radial<T, M, L, P> {
     /// From the elements' places, the law and the radial play (m; half the diametral clearance).
     ///
     /// # Errors
@@ -96,7 +96,7 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Radial<T, M, L, P> 
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Axial<T, M, L, P> {
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Axial<T, M, L, P> {
     /// From the elements' places, the law, the axial play (m) and the radius at which they act (m).
     ///
     /// # Errors
@@ -115,23 +115,23 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Axial<T, M, L, P> {
 }
 
 /// Elements of which the radial rung takes the powers together: the powers of four wait for no other.
-const ABREAST: usize = 4;
+const BLOCK: usize = 4;
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>> Radial<T, M, L, P, S> {
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>> Radial<T, M, L, P, S> {
     /// Radial displacement at which the element touches.
     #[inline(always)]
-    fn gap(&self, azimuth: Turn, at: &Rotation<T>) -> T {
+    fn gap(&self, azimuth: Phase, at: &BearingKinematicState<T>) -> T {
         self.gap_of(self.surface.at(azimuth, at))
     }
 
     #[inline(always)]
-    fn gap_of(&self, shape: Shape<T>) -> T {
+    fn gap_of(&self, shape: ElementDeviation<T>) -> T {
         self.play - (shape.radial + shape.inner + shape.outer)
     }
 
     /// Twice the deflection at one entry of the table; with pairs, less that of the opposite element.
     #[inline(always)]
-    fn signed(&self, place: &Place<T>, u: &Displacement<T>, at: &Rotation<T>) -> T {
+    fn signed(&self, place: &ElementPosition<T>, u: &Displacement<T>, at: &BearingKinematicState<T>) -> T {
         let radial = radial(place, u);
         let azimuth = place.azimuth.plus(at.cage);
         let here = (radial - self.gap(azimuth, at)).twice_positive();
@@ -142,9 +142,9 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>> Radi
     fn add_group<const K: usize>(
         &self,
         sum: &mut RadialSum<T>,
-        group: &[Place<T>; K],
+        group: &[ElementPosition<T>; K],
         u: &Displacement<T>,
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
     ) {
         let shapes = self.law.shape(group.each_ref().map(|place| self.signed(place, u, at)));
         for (place, shape) in group.iter().zip(shapes) {
@@ -158,11 +158,11 @@ where
     T: Scalar,
     M: Math<T>,
     L: Law<T, M>,
-    P: Arrangement<T>,
+    P: ElementLayout<T>,
     S: Surface<T>,
 {
     type Math = M;
-    type Places = P;
+    type ElementPositions = P;
     type Surface = S;
     #[inline(always)]
     fn surface(&self) -> &S {
@@ -186,9 +186,9 @@ where
         )
     }
     #[inline(always)]
-    fn sum(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn sum(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = RadialSum::new();
-        let (groups, rest) = self.ring.places.table().as_chunks::<ABREAST>();
+        let (groups, rest) = self.ring.places.table().as_chunks::<BLOCK>();
         for group in groups {
             self.add_group(&mut sum, group, u, at);
         }
@@ -199,9 +199,9 @@ where
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Elements<T> for Axial<T, M, L, P> {
+impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Elements<T> for Axial<T, M, L, P> {
     type Math = M;
-    type Places = P;
+    type ElementPositions = P;
     type Surface = Smooth;
     #[inline(always)]
     fn surface(&self) -> &Smooth {
@@ -228,31 +228,31 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>> Elements<T> for Axi
 
 in_cage_by_elements!(
     Radial<T, M, L, P, S>, M,
-    T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>
+    T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>
 );
 bearing_in_cage!(
     Radial<T, M, L, P, S>,
-    T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>, S: Surface<T>
+    T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>
 );
-in_cage_by_elements!(Axial<T, M, L, P>, M, T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>);
-bearing_in_cage!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: Arrangement<T>);
-bearing_in_cage!(Combined<A, B>, T: Scalar, A: InCage<T> + Send + Sync, B: InCage<T> + Send + Sync);
+in_cage_by_elements!(Axial<T, M, L, P>, M, T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>);
+bearing_in_cage!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>);
+bearing_in_cage!(Combined<A, B>, T: Scalar, A: CageFrame<T> + Send + Sync, B: CageFrame<T> + Send + Sync);
 
-impl<T: Scalar, A: InCage<T>, B: InCage<T>> InCage<T> for Combined<A, B> {
+impl<T: Scalar, A: CageFrame<T>, B: CageFrame<T>> CageFrame<T> for Combined<A, B> {
     #[inline(always)]
-    fn turn(cage: Turn) -> CageTurn<T> {
+    fn turn(cage: Phase) -> CageRotation<T> {
         A::turn(cage)
     }
     #[inline(always)]
-    fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.0.reaction_in_cage(u, at).plus(self.1.reaction_in_cage(u, at))
     }
     #[inline(always)]
     fn reaction_in_cage_and_stiffness(
         &self,
         u: &Displacement<T>,
-        at: &Rotation<T>,
-        turn: CageTurn<T>,
+        at: &BearingKinematicState<T>,
+        turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
         let (a, ka) = self.0.reaction_in_cage_and_stiffness(u, at, turn);
         let (b, kb) = self.1.reaction_in_cage_and_stiffness(u, at, turn);
@@ -260,7 +260,7 @@ impl<T: Scalar, A: InCage<T>, B: InCage<T>> InCage<T> for Combined<A, B> {
     }
     /// The loads of the first kind only: one entry an element, as the radial ones show the load zone.
     #[inline(always)]
-    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.0.element_loads_in_cage(u, at, loads);
     }
 }

@@ -2,25 +2,28 @@
 
 pub mod angular;
 pub mod batch;
+mod element_position;
 mod elements;
 pub mod flexible;
 pub mod geometry;
-pub mod held;
 pub mod kinematics;
+pub mod last_valid;
 pub mod linear;
 pub mod lumped;
-mod place;
 pub mod quasi_static;
 mod ring;
 pub mod surface;
 pub mod tabulated;
 
-pub use elements::InCage;
-pub use held::HeldWrench;
-pub use place::{ABREAST, Abreast, Arrangement, Pairs, Place, Places, SideBySide, even_pairs, even_places};
+pub use element_position::{
+    BLOCK, BlockedPositions, ElementBlock, ElementLayout, ElementPosition, ElementPositions, OpposedPairs, even_pairs,
+    evenly_spaced,
+};
+pub use elements::CageFrame;
+pub use last_valid::LastValidWrench;
 
 use crate::frame::{Displacement, Stiffness, Wrench, mirrored_stiffness};
-use crate::rotation::Rotation;
+use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
@@ -58,53 +61,63 @@ impl<T: Scalar> Reaction<T> {
 /// All methods are pure and of fixed cost; inputs are taken as finite ([`Bearing::sample`] checks them).
 pub trait Bearing<T: Scalar>: Send + Sync {
     /// Force on the inner ring with the bearing turned as `at` says.
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T>;
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
 
     /// Force and its tangent `-d(wrench)/du`.
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>);
+    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &BearingKinematicState<T>)
+    -> (Reaction<T>, Stiffness<T>);
 
     /// Load on each element, N, into `loads` as far as both go. A bearing without elements writes nothing.
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]);
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
 
     /// One sample of a stream: as [`Bearing::reaction`], but NaN, infinite and overflowing samples are
     /// flagged, counted, and answered with the last good wrench.
-    fn sample(&self, held: &mut HeldWrench<T>, u: &Displacement<T>, at: &Rotation<T>) -> (Wrench<T>, Status) {
+    fn sample(
+        &self,
+        held: &mut LastValidWrench<T>,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Wrench<T>, Status) {
         held.take(u.is_finite(), || self.reaction(u, at))
     }
 }
 
 impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for &B {
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         (**self).reaction(u, at)
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
         (**self).reaction_and_stiffness(u, at)
     }
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         (**self).element_loads(u, at, loads);
     }
 }
 
-/// Implements [`Bearing`] for a type that is [`InCage`]: into the cage's frame, through the elements, and out of it.
+/// Implements [`Bearing`] for a type that is [`CageFrame`]: into the cage's frame, through the elements, and out of it.
 macro_rules! bearing_in_cage {
     ($kind:ty, $($generics:tt)*) => {
         impl<$($generics)*> $crate::Bearing<T> for $kind {
-            fn reaction(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>) -> $crate::bearing::Reaction<T> {
-                $crate::bearing::InCage::reaction_inlined(self, u, at)
+            fn reaction(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>) -> $crate::bearing::Reaction<T> {
+                $crate::bearing::CageFrame::reaction_inlined(self, u, at)
             }
             fn reaction_and_stiffness(
                 &self,
                 u: &$crate::Displacement<T>,
-                at: &$crate::Rotation<T>,
+                at: &$crate::BearingKinematicState<T>,
             ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
-                use $crate::bearing::{InCage, ring};
+                use $crate::bearing::{CageFrame, ring};
                 let turn = Self::turn(at.cage);
-                let (local, k) = self.reaction_in_cage_and_stiffness(&ring::into_cage(u, turn), at, turn);
+                let (local, k) = self.reaction_in_cage_and_stiffness(&ring::to_cage_frame(u, turn), at, turn);
                 ($crate::bearing::Reaction { wrench: ring::out_of_cage(&local.wrench, turn), ..local }, k)
             }
-            fn element_loads(&self, u: &$crate::Displacement<T>, at: &$crate::Rotation<T>, loads: &mut [T]) {
-                use $crate::bearing::{InCage, ring};
-                self.element_loads_in_cage(&ring::into_cage(u, Self::turn(at.cage)), at, loads);
+            fn element_loads(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>, loads: &mut [T]) {
+                use $crate::bearing::{CageFrame, ring};
+                self.element_loads_in_cage(&ring::to_cage_frame(u, Self::turn(at.cage)), at, loads);
             }
         }
     };
@@ -113,21 +126,25 @@ use bearing_in_cage;
 
 /// A bearing that carries thrust towards -Z: the same kernel turned by pi about X.
 ///
-/// The bearing inside is built from places that are [`Place::mirrored`] (and mirrored surfaces) so that its
+/// The bearing inside is built from places that are [`ElementPosition::mirrored`] (and mirrored surfaces) so that its
 /// elements stand where they should.
 #[derive(Debug, Clone, Copy)]
 pub struct Mirrored<B>(pub B);
 
 impl<T: Scalar, B: Bearing<T>> Bearing<T> for Mirrored<B> {
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let local = self.0.reaction(&u.mirrored(), &at.reversed());
         Reaction { wrench: local.wrench.mirrored(), ..local }
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
         let (local, k) = self.0.reaction_and_stiffness(&u.mirrored(), &at.reversed());
         (Reaction { wrench: local.wrench.mirrored(), ..local }, mirrored_stiffness(&k))
     }
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.0.element_loads(&u.mirrored(), &at.reversed(), loads);
     }
 }

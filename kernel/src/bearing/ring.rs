@@ -7,11 +7,11 @@
 //! `u cos p + v sin p` and `w + R (thu sin p - thv cos p)` (de Mul 1989, relabelled to this project's axes).
 
 use super::Reaction;
-use super::place::{Abreast, Arrangement, Place};
-use super::surface::{Shape, Surface};
+use super::element_position::{ElementBlock, ElementLayout, ElementPosition};
+use super::surface::{ElementDeviation, Surface};
 use crate::frame::{Displacement, Stiffness, Wrench};
+use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::Lanes;
-use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
@@ -28,7 +28,7 @@ pub struct Ring<T, P> {
 pub struct Motion<T> {
     pub(super) radial: T,
     pub(super) axial: T,
-    pub(super) shape: Shape<T>,
+    pub(super) shape: ElementDeviation<T>,
 }
 
 /// Force of the ring on one element's contact plane: radial outward and axial, and the load behind it; with `Lanes` those of
@@ -50,7 +50,7 @@ pub struct ContactStiffness<T> {
     pub(super) axial: T,
 }
 
-impl<T: Scalar, P: Arrangement<T>> Ring<T, P> {
+impl<T: Scalar, P: ElementLayout<T>> Ring<T, P> {
     /// The displacement with its tilt as axial displacement at the radius of the lever arm.
     #[inline(always)]
     pub(super) fn at_rim(&self, u: &Displacement<T>) -> Displacement<T> {
@@ -59,18 +59,23 @@ impl<T: Scalar, P: Arrangement<T>> Ring<T, P> {
 }
 
 #[inline(always)]
-pub(super) fn radial<T: Scalar>(place: &Place<T>, rim: &Displacement<T>) -> T {
+pub(super) fn radial<T: Scalar>(place: &ElementPosition<T>, rim: &Displacement<T>) -> T {
     rim.u * place.cos + rim.v * place.sin
 }
 
 #[inline(always)]
-fn axial_by_tilt<T: Scalar>(place: &Place<T>, rim: &Displacement<T>) -> T {
+fn axial_by_tilt<T: Scalar>(place: &ElementPosition<T>, rim: &Displacement<T>) -> T {
     rim.thu * place.sin - rim.thv * place.cos
 }
 
 impl<T: Scalar> Motion<T> {
     #[inline(always)]
-    pub(super) fn of<S: Surface<T>>(place: &Place<T>, rim: &Displacement<T>, at: &Rotation<T>, surface: &S) -> Self {
+    pub(super) fn of<S: Surface<T>>(
+        place: &ElementPosition<T>,
+        rim: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        surface: &S,
+    ) -> Self {
         let shape = surface.at(place.azimuth.plus(at.cage), at);
         Self { radial: radial(place, rim), axial: axial_by_tilt(place, rim) + rim.w, shape }
     }
@@ -84,9 +89,9 @@ impl<T: Scalar> Motion<T> {
     /// Of an element and of the one opposite to it.
     #[inline(always)]
     pub(super) fn of_pair<S: Surface<T>>(
-        place: &Place<T>,
+        place: &ElementPosition<T>,
         rim: &Displacement<T>,
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         surface: &S,
     ) -> [Self; 2] {
         let (radial, tilt) = (radial(place, rim), axial_by_tilt(place, rim));
@@ -102,14 +107,14 @@ impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
     /// Of elements side by side, with the waviness of their grooves.
     #[inline(always)]
     pub(super) fn of_each<S: Surface<T>>(
-        &Abreast { cos, sin, azimuths, .. }: &Abreast<T, K>,
+        &ElementBlock { cos, sin, azimuths, .. }: &ElementBlock<T, K>,
         rim: &Displacement<T>,
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         surface: &S,
     ) -> Self {
         let all = Lanes::<T, K>::all;
         let shapes = azimuths.map(|azimuth| surface.at(azimuth.plus(at.cage), at));
-        let shape = Shape {
+        let shape = ElementDeviation {
             radial: Lanes::of(&shapes, |shape| shape.radial),
             axial: Lanes::of(&shapes, |shape| shape.axial),
             inner: Lanes::of(&shapes, |shape| shape.inner),
@@ -122,11 +127,11 @@ impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
 }
 
 /// Sine and cosine of the cage's angle: the way into its frame and out of it.
-pub type CageTurn<T> = (T, T);
+pub type CageRotation<T> = (T, T);
 
 /// The vector pairs `(u, v)` and `(thu, thv)` turned by minus the cage's angle.
 #[inline(always)]
-pub(super) fn into_cage<T: Scalar>(u: &Displacement<T>, (sin, cos): CageTurn<T>) -> Displacement<T> {
+pub(super) fn to_cage_frame<T: Scalar>(u: &Displacement<T>, (sin, cos): CageRotation<T>) -> Displacement<T> {
     Displacement {
         u: cos * u.u + sin * u.v,
         v: cos * u.v - sin * u.u,
@@ -138,7 +143,7 @@ pub(super) fn into_cage<T: Scalar>(u: &Displacement<T>, (sin, cos): CageTurn<T>)
 
 /// The same pairs of a wrench turned by the cage's angle.
 #[inline(always)]
-pub(super) fn out_of_cage<T: Scalar>(f: &Wrench<T>, (sin, cos): CageTurn<T>) -> Wrench<T> {
+pub(super) fn out_of_cage<T: Scalar>(f: &Wrench<T>, (sin, cos): CageRotation<T>) -> Wrench<T> {
     Wrench {
         fx: cos * f.fx - sin * f.fy,
         fy: cos * f.fy + sin * f.fx,
@@ -169,7 +174,7 @@ impl<T: Scalar> WrenchSum<T> {
 
     /// Adds `T_j^T` times the contact's force.
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &Place<T>, contact: &Contact<T>) {
+    pub(super) fn add(&mut self, place: &ElementPosition<T>, contact: &Contact<T>) {
         self.add_along(place, contact.radial, contact.tilting);
         self.z += contact.axial;
         self.load += contact.load;
@@ -179,7 +184,7 @@ impl<T: Scalar> WrenchSum<T> {
     #[inline(always)]
     pub(super) fn add_each<const K: usize>(
         &mut self,
-        places: &[Place<T>],
+        places: &[ElementPosition<T>],
         contacts: &Contact<Lanes<T, K>>,
         from: usize,
     ) {
@@ -197,14 +202,14 @@ impl<T: Scalar> WrenchSum<T> {
 
     /// The forces of an element and of the one opposite to it.
     #[inline(always)]
-    pub(super) fn add_pair(&mut self, place: &Place<T>, [here, there]: &[Contact<T>; 2]) {
+    pub(super) fn add_pair(&mut self, place: &ElementPosition<T>, [here, there]: &[Contact<T>; 2]) {
         self.add_along(place, here.radial - there.radial, here.tilting - there.tilting);
         self.z += here.axial + there.axial;
         self.load += here.load + there.load;
     }
 
     #[inline(always)]
-    fn add_along(&mut self, place: &Place<T>, radial: T, tilting: T) {
+    fn add_along(&mut self, place: &ElementPosition<T>, radial: T, tilting: T) {
         self.x += radial * place.cos;
         self.y += radial * place.sin;
         self.z_cos += tilting * place.cos;
@@ -242,7 +247,7 @@ impl<T: Scalar> RadialSum<T> {
 
     /// A force outward at `place`; below 0 it is that of the opposite element.
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &Place<T>, radial: T) {
+    pub(super) fn add(&mut self, place: &ElementPosition<T>, radial: T) {
         self.x += radial * place.cos;
         self.y += radial * place.sin;
         self.load += radial.abs();
@@ -282,7 +287,7 @@ impl<T: Scalar> SecondMoment<T> {
     }
 
     #[inline(always)]
-    fn add(&mut self, place: &Place<T>, [k_cos, k_sin]: [T; 2]) {
+    fn add(&mut self, place: &ElementPosition<T>, [k_cos, k_sin]: [T; 2]) {
         self.cc += k_cos * place.cos;
         self.cs += k_cos * place.sin;
         self.ss += k_sin * place.sin;
@@ -290,7 +295,7 @@ impl<T: Scalar> SecondMoment<T> {
 
     /// Seen from the fixed frame: `R S R^T`, times `scale`.
     #[inline(always)]
-    fn turned(&self, (sin, cos): CageTurn<T>, scale: T) -> Self {
+    fn turned(&self, (sin, cos): CageRotation<T>, scale: T) -> Self {
         let (a, b) = (cos * self.cc - sin * self.cs, cos * self.cs - sin * self.ss);
         let (c, d) = (cos * self.cs + sin * self.cc, cos * self.ss + sin * self.cs);
         Self { cc: scale * (cos * a - sin * b), cs: scale * (cos * b + sin * a), ss: scale * (cos * d + sin * c) }
@@ -298,7 +303,7 @@ impl<T: Scalar> SecondMoment<T> {
 }
 
 #[inline(always)]
-fn turned<T: Scalar>([x, y]: [T; 2], (sin, cos): CageTurn<T>, scale: T) -> [T; 2] {
+fn turned<T: Scalar>([x, y]: [T; 2], (sin, cos): CageRotation<T>, scale: T) -> [T; 2] {
     [scale * (cos * x - sin * y), scale * (cos * y + sin * x)]
 }
 
@@ -317,7 +322,7 @@ impl<T: Scalar> StiffnessSum<T> {
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &Place<T>, k: &ContactStiffness<T>) {
+    pub(super) fn add(&mut self, place: &ElementPosition<T>, k: &ContactStiffness<T>) {
         let along = |k: T| [k * place.cos, k * place.sin];
         let add = |sum: &mut [T; 2], [x, y]: [T; 2]| {
             let [sx, sy] = sum;
@@ -338,7 +343,7 @@ impl<T: Scalar> StiffnessSum<T> {
     /// With `e = (cos p, sin p)`, `t = R (sin p, -cos p)`: the blocks are `k_r e e^T`, `k_c e`, `k_c e t^T`, `k_a`,
     /// `k_a t`, `k_a t t^T`.
     #[inline(always)]
-    pub(super) fn finish(&self, arm: T, scale: T, cage: CageTurn<T>) -> Stiffness<T> {
+    pub(super) fn finish(&self, arm: T, scale: T, cage: CageRotation<T>) -> Stiffness<T> {
         let tilt = scale * arm;
         let r = self.radial.turned(cage, scale);
         let c = self.cross.turned(cage, tilt);
@@ -398,7 +403,7 @@ impl<T: Scalar> TangentSum<T> {
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &Place<T>, k: &ContactTangent<T>) {
+    pub(super) fn add(&mut self, place: &ElementPosition<T>, k: &ContactTangent<T>) {
         let along = |k: T| [k * place.cos, k * place.sin];
         let add = |sum: &mut [T; 2], [x, y]: [T; 2]| {
             let [sx, sy] = sum;
@@ -419,7 +424,7 @@ impl<T: Scalar> TangentSum<T> {
 
     /// The stiffness in the fixed frame, with `e`, `t` as in [`StiffnessSum::finish`].
     #[inline(always)]
-    pub(super) fn finish(&self, arm: T, cage: CageTurn<T>) -> Stiffness<T> {
+    pub(super) fn finish(&self, arm: T, cage: CageRotation<T>) -> Stiffness<T> {
         let one = T::ONE;
         let rr = self.radial_radial.turned(cage, one);
         let rt = self.radial_axial.turned(cage, arm);

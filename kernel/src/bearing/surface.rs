@@ -1,15 +1,15 @@
 //! What races and balls are besides round: waviness and local damage, each turning with its own surface (`docs/src/models.md#waviness-and-damage`).
 
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
-use crate::rotation::Rotation;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 use core::marker::PhantomData;
 
 /// What the surfaces do to one ball, m: the inner groove centre displaced against the outer one, and what each contact is
 /// pressed the more.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shape<T> {
+pub struct ElementDeviation<T> {
     /// `p_i - p_o`
     pub radial: T,
     /// `q_i - q_o`
@@ -23,7 +23,7 @@ pub struct Shape<T> {
 /// The surfaces of a bearing as its balls meet them.
 pub trait Surface<T: Scalar>: Send + Sync {
     /// At the ball that stands at `azimuth` of the fixed frame.
-    fn at(&self, azimuth: Turn, rotation: &Rotation<T>) -> Shape<T>;
+    fn at(&self, azimuth: Phase, rotation: &BearingKinematicState<T>) -> ElementDeviation<T>;
 }
 
 /// Round surfaces without damage; cost no instruction.
@@ -32,22 +32,22 @@ pub struct Smooth;
 
 impl<T: Scalar> Surface<T> for Smooth {
     #[inline(always)]
-    fn at(&self, _azimuth: Turn, _rotation: &Rotation<T>) -> Shape<T> {
+    fn at(&self, _azimuth: Phase, _rotation: &BearingKinematicState<T>) -> ElementDeviation<T> {
         // Adding -0 is free: it leaves every number as it is.
         let nothing = T::NEGATIVE_ZERO;
-        Shape { radial: nothing, axial: nothing, inner: nothing, outer: nothing }
+        ElementDeviation { radial: nothing, axial: nothing, inner: nothing, outer: nothing }
     }
 }
 
 /// Which surface a feature is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum BearingComponent {
     /// Groove of the inner ring.
     Inner,
     /// Groove of the outer ring.
     Outer,
     /// The balls: waviness is the same on all, damage is on the one whose place in the cage is given.
-    Ball(Turn),
+    Ball(Phase),
 }
 
 /// Along what a groove's waviness moves its centre.
@@ -64,7 +64,7 @@ pub enum Direction {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wave<T> {
     /// Whose.
-    pub part: Part,
+    pub part: BearingComponent,
     /// Ignored on balls.
     pub direction: Direction,
     /// Waves around the surface.
@@ -72,7 +72,7 @@ pub struct Wave<T> {
     /// m.
     pub amplitude: T,
     /// Of the wave, a whole turn being one wave.
-    pub phase: Turn,
+    pub phase: Phase,
 }
 
 /// Section of a spall along the race.
@@ -87,8 +87,8 @@ pub enum SpallShape {
 /// A spall on a race or on one ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spall<T> {
-    part: Part,
-    centre: Turn,
+    part: BearingComponent,
+    centre: Phase,
     half_width: T,
     depth: T,
     shape: SpallShape,
@@ -96,19 +96,19 @@ pub struct Spall<T> {
 
 impl<T: Copy> Spall<T> {
     /// Centre (rad from the surface's own zero), half width (rad, above 0, at most pi), depth (m).
-    pub const fn new(part: Part, centre: Turn, half_width: T, depth: T, shape: SpallShape) -> Self {
+    pub const fn new(part: BearingComponent, centre: Phase, half_width: T, depth: T, shape: SpallShape) -> Self {
         Self { part, centre, half_width, depth, shape }
     }
 
     /// Surface, centre, half width, depth and section, as [`Spall::new`] takes them.
-    pub fn parts(&self) -> (Part, Turn, T, T, SpallShape) {
+    pub fn parts(&self) -> (BearingComponent, Phase, T, T, SpallShape) {
         (self.part, self.centre, self.half_width, self.depth, self.shape)
     }
 }
 
 impl<T: Scalar> Spall<T> {
     /// Depth at `angle` of the surface, m.
-    pub fn depth_at(&self, angle: Turn) -> T {
+    pub fn depth_at(&self, angle: Phase) -> T {
         let away: T = angle.since(self.centre).radians();
         let s = away / self.half_width;
         let inside = s.abs() < T::ONE;
@@ -131,19 +131,19 @@ pub enum Feature<T> {
 
 /// Surfaces with any number of features: an array, a slice or a vector of them.
 #[derive(Debug, Clone, Copy)]
-pub struct Uneven<M, A> {
+pub struct SurfaceDeviation<M, A> {
     features: A,
     math: PhantomData<M>,
 }
 
-impl<M, A> Uneven<M, A> {
+impl<M, A> SurfaceDeviation<M, A> {
     /// From the features.
     pub const fn new(features: A) -> Self {
         Self { features, math: PhantomData }
     }
 }
 
-impl Part {
+impl BearingComponent {
     /// Seen from the frame turned by pi about X.
     #[must_use]
     fn mirrored(self) -> Self {
@@ -161,7 +161,7 @@ impl<T: Scalar> Feature<T> {
         match self {
             Self::Spall(s) => Self::Spall(Spall { part: s.part.mirrored(), centre: s.centre.reversed(), ..s }),
             Self::Wave(w) => {
-                let axial = w.direction == Direction::Axial && !matches!(w.part, Part::Ball(_));
+                let axial = w.direction == Direction::Axial && !matches!(w.part, BearingComponent::Ball(_));
                 let amplitude = if axial { -w.amplitude } else { w.amplitude };
                 Self::Wave(Wave { part: w.part.mirrored(), phase: w.phase.reversed(), amplitude, ..w })
             }
@@ -171,21 +171,21 @@ impl<T: Scalar> Feature<T> {
 
 /// The angle on a ring's surface of what stands at `azimuth`.
 #[inline(always)]
-fn on_ring(azimuth: Turn, ring: Turn) -> Turn {
+fn on_ring(azimuth: Phase, ring: Phase) -> Phase {
     azimuth.plus(ring.reversed())
 }
 
 impl<T: Scalar> Wave<T> {
     #[inline(always)]
-    fn add<M: Math<T>>(&self, shape: &mut Shape<T>, azimuth: Turn, rotation: &Rotation<T>) {
-        let height = |psi: Turn| {
+    fn add<M: Math<T>>(&self, shape: &mut ElementDeviation<T>, azimuth: Phase, rotation: &BearingKinematicState<T>) {
+        let height = |psi: Phase| {
             let (_, cos) = M::sin_cos(psi.times(u64::from(self.order)).plus(self.phase));
             self.amplitude * cos
         };
         let (groove, sign) = match self.part {
-            Part::Inner => (on_ring(azimuth, rotation.inner), T::ONE),
-            Part::Outer => (on_ring(azimuth, rotation.outer), -T::ONE),
-            Part::Ball(_) => {
+            BearingComponent::Inner => (on_ring(azimuth, rotation.inner), T::ONE),
+            BearingComponent::Outer => (on_ring(azimuth, rotation.outer), -T::ONE),
+            BearingComponent::Ball(_) => {
                 shape.inner += height(rotation.ball);
                 shape.outer += height(rotation.ball.opposite());
                 return;
@@ -200,21 +200,21 @@ impl<T: Scalar> Wave<T> {
 
 impl<T: Scalar> Spall<T> {
     #[inline(always)]
-    fn add(&self, shape: &mut Shape<T>, azimuth: Turn, rotation: &Rotation<T>) {
+    fn add(&self, shape: &mut ElementDeviation<T>, azimuth: Phase, rotation: &BearingKinematicState<T>) {
         match self.part {
-            Part::Inner => shape.inner -= self.depth_at(on_ring(azimuth, rotation.inner)),
-            Part::Outer => shape.outer -= self.depth_at(on_ring(azimuth, rotation.outer)),
-            Part::Ball(place) if azimuth == place.plus(rotation.cage) => {
+            BearingComponent::Inner => shape.inner -= self.depth_at(on_ring(azimuth, rotation.inner)),
+            BearingComponent::Outer => shape.outer -= self.depth_at(on_ring(azimuth, rotation.outer)),
+            BearingComponent::Ball(place) if azimuth == place.plus(rotation.cage) => {
                 shape.inner -= self.depth_at(rotation.ball);
                 shape.outer -= self.depth_at(rotation.ball.opposite());
             }
-            Part::Ball(_) => {}
+            BearingComponent::Ball(_) => {}
         }
     }
 }
 
-impl<T: Scalar, M: Math<T>, A: AsRef<[Feature<T>]> + Send + Sync> Surface<T> for Uneven<M, A> {
-    fn at(&self, azimuth: Turn, rotation: &Rotation<T>) -> Shape<T> {
+impl<T: Scalar, M: Math<T>, A: AsRef<[Feature<T>]> + Send + Sync> Surface<T> for SurfaceDeviation<M, A> {
+    fn at(&self, azimuth: Phase, rotation: &BearingKinematicState<T>) -> ElementDeviation<T> {
         let mut shape = Smooth.at(azimuth, rotation);
         for feature in self.features.as_ref() {
             match feature {

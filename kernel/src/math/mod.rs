@@ -8,8 +8,8 @@ mod power;
 mod sqrt;
 mod trig;
 
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 use core::ops::{Add, Mul};
 
 /// The functions of the hot path, chosen at compile time.
@@ -31,7 +31,7 @@ pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
     /// `x^(1/9)` for `x >= 0`, for the line contact's `x^(10/9)`.
     fn ninth_root(x: T) -> T;
     /// Sine and cosine of a turn counter, in that order.
-    fn sin_cos(angle: Turn) -> (T, T);
+    fn sin_cos(angle: Phase) -> (T, T);
 }
 
 /// Correctly rounded square root (the target's own where it has one).
@@ -66,7 +66,7 @@ impl Math<f32> for Exact {
         ninth_root::ninth_root_f32(x)
     }
     #[inline(always)]
-    fn sin_cos(angle: Turn) -> (f32, f32) {
+    fn sin_cos(angle: Phase) -> (f32, f32) {
         trig::sin_cos_f32(angle)
     }
 }
@@ -85,7 +85,7 @@ impl Math<f64> for Exact {
         ninth_root::ninth_root_f64(x)
     }
     #[inline]
-    fn sin_cos(angle: Turn) -> (f64, f64) {
+    fn sin_cos(angle: Phase) -> (f64, f64) {
         trig::sin_cos_f64(angle)
     }
 }
@@ -107,7 +107,7 @@ impl Math<f32> for Fast {
         ninth_root::ninth_root_f32(x)
     }
     #[inline(always)]
-    fn sin_cos(angle: Turn) -> (f32, f32) {
+    fn sin_cos(angle: Phase) -> (f32, f32) {
         trig::sin_cos_f32(angle)
     }
 }
@@ -126,7 +126,7 @@ impl Math<f64> for Fast {
         f64::from(ninth_root::ninth_root_f32(x as f32))
     }
     #[inline]
-    fn sin_cos(angle: Turn) -> (f64, f64) {
+    fn sin_cos(angle: Phase) -> (f64, f64) {
         let (sin, cos) = trig::sin_cos_f32(angle);
         (f64::from(sin), f64::from(cos))
     }

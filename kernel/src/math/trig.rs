@@ -5,12 +5,12 @@
 
 use super::{polynomial, polynomial_by_pairs};
 use crate::lanes::Lanes;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// The quarter turn nearest to the angle (0 to 3) and what is left, -1/8 to 1/8 turn, in counts.
 #[inline]
-fn reduce(angle: Turn) -> (u64, i64) {
+fn reduce(angle: Phase) -> (u64, i64) {
     let quarter = angle.0.wrapping_add(1 << 61) >> 62;
     (quarter, angle.0.wrapping_sub(quarter << 62) as i64)
 }
@@ -27,7 +27,7 @@ fn unreduce<T: Scalar>(quarter: u64, sin: T, cos: T) -> (T, T) {
 /// Both are a sine of at most a quarter turn: `cos(a) = sin(1/4 - |a|)`, `sin(a) = cos(a - 1/4)`, in turns.
 // By hand: the inliner's mind changes with the program around it, and four instructions with it.
 #[inline(always)]
-pub fn sin_cos_f32(angle: Turn) -> (f32, f32) {
+pub fn sin_cos_f32(angle: Phase) -> (f32, f32) {
     const QUARTER: i32 = 1 << 30;
     const TURNS: f32 = 1.0 / 4_294_967_296.0;
     const COEFFICIENTS: [f32; 5] = [core::f32::consts::TAU, -41.341_68, 81.602_234, -76.574_99, 39.710_92];
@@ -40,7 +40,7 @@ pub fn sin_cos_f32(angle: Turn) -> (f32, f32) {
 }
 
 #[inline]
-pub fn sin_cos_f64(angle: Turn) -> (f64, f64) {
+pub fn sin_cos_f64(angle: Phase) -> (f64, f64) {
     let (quarter, rest) = reduce(angle);
     let x = f64::radians_of_counts(rest);
     let xx = x * x;

@@ -1,9 +1,9 @@
 //! Where the rotor rests: the static equilibrium of its constant load and its bearings.
 
 use super::vector::{add, all_finite, along};
-use super::{Coupling, Machine, System, solve};
+use super::{ForceElement, RotorBearingSystem, SecondOrderSystem, solve};
 use crate::frame::Displacement;
-use crate::rotation::Rotation;
+use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 
@@ -41,9 +41,9 @@ const FIRST_STEP: f64 = 2e-5;
 /// a damped fall towards contact, where clearance leaves Newton's matrix singular; close by it is Newton's method. The
 /// drag `D` is in proportion to the masses.
 /// A rotor that nothing holds in some direction keeps a residual: check it.
-pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
-    machine: &Machine<R, C, N>,
-    at: &[Rotation<T>; N],
+pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
+    machine: &RotorBearingSystem<R, C, N>,
+    at: &[BearingKinematicState<T>; N],
     start: impl Into<[T; D]>,
 ) -> Equilibrium<T, D> {
     let load = machine.rotor.constant_load();
@@ -93,7 +93,7 @@ pub fn equilibrium<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize
 
 /// Diagonal of the mass matrix. A function of its own, as the next: the stack holds the whole matrix only while it runs.
 #[inline(never)]
-fn masses<T: Scalar, R: System<T, D>, const D: usize>(rotor: &R) -> [T; D] {
+fn masses<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R) -> [T; D] {
     let mass = rotor.effective([T::ONE, T::ZERO, T::ZERO], T::ZERO);
     let mut masses = [T::ZERO; D];
     for (i, entry) in masses.iter_mut().enumerate() {
@@ -104,6 +104,6 @@ fn masses<T: Scalar, R: System<T, D>, const D: usize>(rotor: &R) -> [T; D] {
 
 /// Adds the stiffness of the system without its bearings.
 #[inline(never)]
-fn add_stiffness<T: Scalar, R: System<T, D>, const D: usize>(rotor: &R, stiffness: &mut SMatrix<T, D, D>) {
+fn add_stiffness<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R, stiffness: &mut SMatrix<T, D, D>) {
     *stiffness += rotor.effective([T::ZERO, T::ZERO, T::ONE], T::ZERO);
 }

@@ -1,54 +1,54 @@
 //! Rotors on bearings, and the integrators that move them.
 //!
-//! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6). A [`System`] is the linear side and what excites
-//! it: [`RigidRotor`], five coordinates `q = [u v w thu thv]` of the centre of mass, at the least cost; [`General`], any
+//! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6). A [`SecondOrderSystem`] is the linear side and what excites
+//! it: [`RigidRotor`], five coordinates `q = [u v w thu thv]` of the centre of mass, at the least cost; [`LinearSystem`], any
 //! coordinates from matrices, among them the rigid rotor on flexible [`supported`] bearings and a reduced finite-element
-//! rotor. A [`Coupling`] is what pushes on the coordinates: a bearing [`Mounted`] on a rigid rotor or [`Attached`] to any
+//! rotor. A [`ForceElement`] is what pushes on the coordinates: a bearing [`Mounted`] on a rigid rotor or [`AttachedElement`] to any
 //! coordinates, and [`MovingBalls`], whose balls are coordinates themselves.
 
-mod coupling;
-mod drive;
 mod equilibrium;
-mod gear;
-mod general;
+mod force_element;
+mod linear_system;
 mod moving_balls;
 mod newmark;
 mod rigid;
 mod runge_kutta;
+mod second_order;
+mod shaft_motion;
 mod solve;
+mod speed_ratios;
 mod supported;
-mod system;
 mod vector;
 mod verlet;
 
-pub use coupling::{Attached, Attachment, Coupling, Geared, Mounted};
-pub use drive::Drive;
 pub use equilibrium::{Equilibrium, equilibrium};
-pub use gear::{Gear, PartAngles};
-pub use general::{General, InvalidMatrix, Matrices};
+pub use force_element::{AttachedElement, Attachment, ForceElement, HasSpeedRatios, Mounted};
+pub use linear_system::{InvalidMatrix, LinearSystem, Matrices};
 pub use moving_balls::{MovingBalls, MovingBallsParams};
 pub use newmark::Newmark;
 pub use rigid::{RigidRotor, RotorParams, Unbalance};
 pub use runge_kutta::RungeKutta4;
+pub use second_order::SecondOrderSystem;
+pub use shaft_motion::ShaftMotion;
 pub use solve::solve;
+pub use speed_ratios::{ComponentAngles, SpeedRatios};
 pub use supported::{Support, supported};
-pub use system::System;
 pub use verlet::{SteadyVerlet, Verlet};
 
 use crate::choice::Choice;
 use crate::frame::Displacement;
-use crate::rotation::Rotation;
+use crate::kinematic_state::BearingKinematicState;
+use crate::phase::{Phase, PhaseDelta};
 use crate::scalar::Scalar;
 use crate::status::Status;
-use crate::turn::{Arc, Turn};
 use nalgebra::SMatrix;
 
 /// A rotor and its `N` bearings: the parameters of the hot path.
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
-/// use ballrace::rotor::{Drive, Gear, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4};
-/// use ballrace::{Displacement, Exact, Stiffness, Turn};
+/// use ballrace::rotor::{ShaftMotion, SpeedRatios, Integrator, RotorBearingSystem, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4};
+/// use ballrace::{Displacement, Exact, Stiffness, Phase};
 ///
 /// let params = RotorParams {
 ///     mass: 1.0,
@@ -61,14 +61,14 @@ use nalgebra::SMatrix;
 /// };
 /// let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[])?;
 /// let springs = Linear::new(Stiffness::from_diagonal_element(1e6));
-/// let at = |station| Mounted { bearing: springs, station, gear: Gear::new(0.4) };
-/// let machine = Machine { rotor, bearings: [at(-0.1), at(0.1)] };
+/// let at = |station| Mounted { bearing: springs, station, gear: SpeedRatios::new(0.4) };
+/// let machine = RotorBearingSystem { rotor, bearings: [at(-0.1), at(0.1)] };
 ///
 /// // 1 kg on 2e6 N/m: let go at 1 um, it is at -1 um half a period later.
 /// let start = Displacement { u: 1e-6, ..Displacement::default() };
-/// let mut state = RotorState::at_rest(start, Turn::ZERO, [Turn::ZERO; 2]);
+/// let mut state = RotorState::at_rest(start, Phase::ZERO, [Phase::ZERO; 2]);
 /// let half_period = std::f64::consts::PI / 2e6_f64.sqrt();
-/// let standing = Drive { angle: Turn::ZERO, speed: 0.0, acceleration: 0.0 };
+/// let standing = ShaftMotion { angle: Phase::ZERO, speed: 0.0, acceleration: 0.0 };
 /// for _ in 0..100 {
 ///     let status = RungeKutta4 { step: half_period / 100.0 }.step(&machine, &mut state, &standing);
 ///     assert!(!status.is_held());
@@ -77,10 +77,10 @@ use nalgebra::SMatrix;
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Machine<R, C, const N: usize> {
-    /// The rotor and what acts on it: a [`System`].
+pub struct RotorBearingSystem<R, C, const N: usize> {
+    /// The rotor and what acts on it: a [`SecondOrderSystem`].
     pub rotor: R,
-    /// Its bearings: each a [`Coupling`].
+    /// Its bearings: each a [`ForceElement`].
     pub bearings: [C; N],
 }
 
@@ -94,16 +94,16 @@ pub struct RotorState<T, const D: usize, const N: usize> {
     /// Their second derivative, carried by Newmark from step to step.
     pub acceleration: [T; D],
     /// Angles of each bearing's parts at shaft angle `shaft`.
-    pub parts: [PartAngles; N],
+    pub parts: [ComponentAngles; N],
     /// Shaft angle up to which the parts have been turned.
-    pub shaft: Turn,
+    pub shaft: Phase,
     /// Steps answered with the state held (saturating).
     pub held: u32,
 }
 
 impl<T: Scalar, const D: usize, const N: usize> RotorState<T, D, N> {
     /// At rest at `q`, with the shaft and the bearings' parts (or only their cages) at these angles.
-    pub fn at_rest(q: impl Into<[T; D]>, shaft: Turn, parts: [impl Into<PartAngles>; N]) -> Self {
+    pub fn at_rest(q: impl Into<[T; D]>, shaft: Phase, parts: [impl Into<ComponentAngles>; N]) -> Self {
         let zero = [T::ZERO; D];
         Self { q: q.into(), rate: zero, acceleration: zero, parts: parts.map(Into::into), shaft, held: 0 }
     }
@@ -120,22 +120,22 @@ impl<T: Scalar, const N: usize> RotorState<T, 5, N> {
     }
 }
 
-/// One way to step a [`Machine`] forward by a fixed time.
+/// One way to step a [`RotorBearingSystem`] forward by a fixed time.
 pub trait Integrator<T: Scalar> {
     /// From the state at the start of the step, whose shaft moves as `drive` says, to its end.
     ///
     /// A drive or result that is not finite leaves motion as it was, flagged and counted.
-    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+    fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<R, C, N>,
+        machine: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &Drive<T>,
+        drive: &ShaftMotion<T>,
     ) -> Status;
 }
 
 /// What all bearings of a machine answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Push<T, const D: usize> {
+pub struct GeneralizedForce<T, const D: usize> {
     /// Forces on the coordinates.
     pub force: [T; D],
     /// Sum of the element loads, N: 0 where contact is lost.
@@ -145,14 +145,18 @@ pub struct Push<T, const D: usize> {
 }
 
 // The loops over the bearings count by hand: the compiler takes these apart, those of iterators over two arrays it does not.
-impl<R, C, const N: usize> Machine<R, C, N> {
+impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
     /// What each bearing sees at `drive` with its parts at `parts`.
     #[inline(always)]
-    pub fn rotations<T: Scalar>(&self, parts: &[PartAngles; N], drive: &Drive<T>) -> [Rotation<T>; N]
+    pub fn rotations<T: Scalar>(
+        &self,
+        parts: &[ComponentAngles; N],
+        drive: &ShaftMotion<T>,
+    ) -> [BearingKinematicState<T>; N]
     where
-        C: Geared<T>,
+        C: HasSpeedRatios<T>,
     {
-        let mut rotations = [Rotation::default(); N];
+        let mut rotations = [BearingKinematicState::default(); N];
         let mut i = 0;
         while i < N {
             rotations[i] = self.bearings[i].gear().rotation(parts[i], drive);
@@ -163,11 +167,15 @@ impl<R, C, const N: usize> Machine<R, C, N> {
 
     /// Forces of all bearings on the coordinates, sum of loads, status.
     #[inline(always)]
-    pub fn push<T: Scalar, const D: usize>(&self, q: &[T; D], at: &[Rotation<T>; N]) -> Push<T, D>
+    pub fn push<T: Scalar, const D: usize>(
+        &self,
+        q: &[T; D],
+        at: &[BearingKinematicState<T>; N],
+    ) -> GeneralizedForce<T, D>
     where
-        C: Coupling<T, D>,
+        C: ForceElement<T, D>,
     {
-        let mut sum = Push { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
+        let mut sum = GeneralizedForce { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
         let mut i = 0;
         while i < N {
             let (load, status) = self.bearings[i].push(q, &at[i], &mut sum.force);
@@ -178,30 +186,30 @@ impl<R, C, const N: usize> Machine<R, C, N> {
         sum
     }
 
-    /// As [`Machine::push`], with the tangent stiffness `-df/dq`.
+    /// As [`RotorBearingSystem::push`], with the tangent stiffness `-df/dq`.
     pub fn push_and_stiffness<T: Scalar, const D: usize>(
         &self,
         q: &[T; D],
-        at: &[Rotation<T>; N],
-    ) -> (Push<T, D>, SMatrix<T, D, D>)
+        at: &[BearingKinematicState<T>; N],
+    ) -> (GeneralizedForce<T, D>, SMatrix<T, D, D>)
     where
-        C: Coupling<T, D>,
+        C: ForceElement<T, D>,
     {
         let mut stiffness = SMatrix::from_element(T::ZERO);
         (self.push_with_stiffness(q, at, &mut stiffness), stiffness)
     }
 
-    /// As [`Machine::push`], and adds the tangent stiffness `-df/dq` to `stiffness`.
+    /// As [`RotorBearingSystem::push`], and adds the tangent stiffness `-df/dq` to `stiffness`.
     pub fn push_with_stiffness<T: Scalar, const D: usize>(
         &self,
         q: &[T; D],
-        at: &[Rotation<T>; N],
+        at: &[BearingKinematicState<T>; N],
         stiffness: &mut SMatrix<T, D, D>,
-    ) -> Push<T, D>
+    ) -> GeneralizedForce<T, D>
     where
-        C: Coupling<T, D>,
+        C: ForceElement<T, D>,
     {
-        let mut sum = Push { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
+        let mut sum = GeneralizedForce { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
         for (bearing, at) in self.bearings.iter().zip(at) {
             let (load, status) = bearing.push_with_stiffness(q, at, &mut sum.force, stiffness);
             sum.load += load;
@@ -212,9 +220,9 @@ impl<R, C, const N: usize> Machine<R, C, N> {
 
     /// The bearings' parts after the shaft has gone `arc` further.
     #[inline(always)]
-    fn parts_after<T: Scalar>(&self, parts: &[PartAngles; N], arc: Arc) -> [PartAngles; N]
+    fn parts_after<T: Scalar>(&self, parts: &[ComponentAngles; N], arc: PhaseDelta) -> [ComponentAngles; N]
     where
-        C: Geared<T>,
+        C: HasSpeedRatios<T>,
     {
         let mut after = *parts;
         let mut i = 0;
@@ -259,7 +267,7 @@ fn accept<T: Scalar, const D: usize, const N: usize>(
     state.shaft = choice.of_turns(next.shaft, state.shaft);
     let mut i = 0;
     while i < N {
-        state.parts[i] = PartAngles::chosen(choice, next.parts[i], state.parts[i]);
+        state.parts[i] = ComponentAngles::chosen(choice, next.parts[i], state.parts[i]);
         i += 1;
     }
     state.held = state.held.saturating_add(u32::from(!good));

@@ -1,12 +1,12 @@
 //! Rung `dynamic`: each ball a mass of its own that moves along its radius between the two races.
 
-use super::coupling::Attachment;
-use super::{Coupling, Gear, Geared};
+use super::force_element::Attachment;
+use super::{ForceElement, HasSpeedRatios, SpeedRatios};
 use crate::bearing::geometry::{InvalidParameter, check};
-use crate::bearing::{Place, Reaction};
+use crate::bearing::{ElementPosition, Reaction};
 use crate::frame::Wrench;
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
-use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
 use core::marker::PhantomData;
@@ -50,7 +50,7 @@ pub struct MovingBalls<T: Scalar, M, P, const D: usize> {
     ball_mass: T,
     cage_ratio: T,
     weight: [T; 2],
-    gear: Gear<T>,
+    gear: SpeedRatios<T>,
     math: PhantomData<M>,
 }
 
@@ -62,26 +62,26 @@ struct Ball<T> {
     /// Direction from the inner ring's centre to the ball's: radial and tangential.
     line: [T; 2],
     distance: T,
-    inner: Touch<T>,
-    outer: Touch<T>,
+    inner: ContactState<T>,
+    outer: ContactState<T>,
     /// What else pushes it outward.
     inertia: T,
 }
 
 /// Load of a contact and its slope.
-struct Touch<T> {
+struct ContactState<T> {
     load: T,
     slope: T,
 }
 
-impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>, const D: usize> MovingBalls<T, M, P, D> {
+impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> MovingBalls<T, M, P, D> {
     /// From parameters, with the balls at `places` being the coordinates from `first` on.
     ///
     /// # Errors
     /// The first quantity out of its range; balls that are more than the system has coordinates for.
     pub fn try_new(
         params: &MovingBallsParams,
-        (attachment, gear): (Attachment<T, D>, Gear<T>),
+        (attachment, gear): (Attachment<T, D>, SpeedRatios<T>),
         (places, first): (P, usize),
     ) -> Result<Self, InvalidParameter> {
         for k in params.stiffness {
@@ -111,14 +111,14 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>, const D: usize> MovingBalls<T,
     }
 
     /// Force on the inner ring.
-    pub fn reaction(&self, q: &[T; D], at: &Rotation<T>) -> Reaction<T> {
+    pub fn reaction(&self, q: &[T; D], at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = Reaction::default();
         self.each(q, at, |_, ball| sum = sum.plus(ball.on_ring()));
         sum
     }
 
     /// Load of each ball on the inner race, N, into `loads` as far as both go.
-    pub fn element_loads(&self, q: &[T; D], at: &Rotation<T>, loads: &mut [T]) {
+    pub fn element_loads(&self, q: &[T; D], at: &BearingKinematicState<T>, loads: &mut [T]) {
         let mut loads = loads.iter_mut();
         self.each(q, at, |_, ball| {
             if let Some(load) = loads.next() {
@@ -127,14 +127,14 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>, const D: usize> MovingBalls<T,
         });
     }
 
-    fn touch(&self, stiffness: T, deflection: T) -> Touch<T> {
+    fn touch(&self, stiffness: T, deflection: T) -> ContactState<T> {
         let deflection = T::HALF * deflection.twice_positive();
         let root = stiffness * M::sqrt(deflection);
-        Touch { load: deflection * root, slope: T::from_f64(1.5) * root }
+        ContactState { load: deflection * root, slope: T::from_f64(1.5) * root }
     }
 
     /// Tells `ball` of every ball and its coordinate.
-    fn each(&self, q: &[T; D], at: &Rotation<T>, mut tell: impl FnMut(usize, Ball<T>)) {
+    fn each(&self, q: &[T; D], at: &BearingKinematicState<T>, mut tell: impl FnMut(usize, Ball<T>)) {
         let ring = self.attachment.displacement(q);
         let (sin, cos) = M::sin_cos(at.cage);
         let cage_speed = self.cage_ratio * at.inner_speed + (T::ONE - self.cage_ratio) * at.outer_speed;
@@ -182,14 +182,16 @@ impl<T: Scalar> Ball<T> {
     }
 }
 
-impl<T: Scalar, M, P, const D: usize> Geared<T> for MovingBalls<T, M, P, D> {
-    fn gear(&self) -> &Gear<T> {
+impl<T: Scalar, M, P, const D: usize> HasSpeedRatios<T> for MovingBalls<T, M, P, D> {
+    fn gear(&self) -> &SpeedRatios<T> {
         &self.gear
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>, const D: usize> Coupling<T, D> for MovingBalls<T, M, P, D> {
-    fn push(&self, q: &[T; D], at: &Rotation<T>, f: &mut [T; D]) -> (T, Status) {
+impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> ForceElement<T, D>
+    for MovingBalls<T, M, P, D>
+{
+    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
         let mut ring = Reaction::default();
         self.each(q, at, |i, ball| {
             ring = ring.plus(ball.on_ring());
@@ -202,7 +204,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[Place<T>]>, const D: usize> Coupling<T, D>
     fn push_with_stiffness(
         &self,
         q: &[T; D],
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         f: &mut [T; D],
         k: &mut SMatrix<T, D, D>,
     ) -> (T, Status) {

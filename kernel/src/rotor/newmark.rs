@@ -2,7 +2,7 @@
 //! linear system) and a fixed number of Newton steps with the bearings' analytic tangent.
 
 use super::vector::{add, add_scaled};
-use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept, solve};
+use super::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion, accept, solve};
 use crate::scalar::Scalar;
 use crate::status::Status;
 use nalgebra::SMatrix;
@@ -19,11 +19,11 @@ pub struct Newmark<T> {
 }
 
 impl<T: Scalar> Integrator<T> for Newmark<T> {
-    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+    fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<R, C, N>,
+        machine: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &Drive<T>,
+        drive: &ShaftMotion<T>,
     ) -> Status {
         let h = self.step;
         let two_over_h = T::from_f64(2.0) / h;

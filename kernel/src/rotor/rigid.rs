@@ -1,6 +1,6 @@
 //! The rigid rotor: inertia, gyroscopic coupling, damping, gravity, load, unbalance.
 
-use super::{Drive, System};
+use super::{SecondOrderSystem, ShaftMotion};
 use crate::bearing::geometry::{InvalidParameter, check};
 use crate::frame::Stiffness;
 use crate::math::Math;
@@ -101,14 +101,14 @@ impl<T: Scalar, M: Math<T>> RigidRotor<T, M> {
     }
 }
 
-impl<T: Scalar, M: Math<T>> System<T, 5> for RigidRotor<T, M> {
+impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
     fn constant_load(&self) -> [T; 5] {
         self.constant
     }
 
     /// The constant load and the unbalance, `m e (w^2 e_r - a e_t)` and its couple.
     #[inline(always)]
-    fn excitation(&self, drive: &Drive<T>) -> [T; 5] {
+    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; 5] {
         let turn = M::sin_cos(drive.angle);
         let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
         let rotating = |[x, y]: [T; 2]| {

@@ -1,7 +1,7 @@
 //! The classical Runge-Kutta method of order 4.
 
 use super::vector::along;
-use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept, vector};
+use super::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion, accept, vector};
 use crate::scalar::Scalar;
 use crate::status::Status;
 
@@ -13,11 +13,11 @@ pub struct RungeKutta4<T> {
 }
 
 impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
-    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+    fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<R, C, N>,
+        machine: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &Drive<T>,
+        drive: &ShaftMotion<T>,
     ) -> Status {
         let h = self.step;
         let half = T::HALF * h;

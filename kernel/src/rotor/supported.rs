@@ -1,6 +1,6 @@
 //! The second paper's rotor: rigid, its bearings in supports that give way (`docs/src/models.md#rotor`).
 
-use super::general::Matrices;
+use super::linear_system::Matrices;
 use super::rigid::sum_unbalances;
 use super::{RotorParams, Unbalance};
 use crate::bearing::geometry::{InvalidParameter, check};

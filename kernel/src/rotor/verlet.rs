@@ -2,7 +2,7 @@
 
 use super::solve::{Factored, Inverse};
 use super::vector::{add, add_scaled, along};
-use super::{Coupling, Drive, Integrator, Machine, RotorState, System, accept};
+use super::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion, accept};
 use crate::scalar::Scalar;
 use crate::status::Status;
 use core::borrow::BorrowMut;
@@ -27,13 +27,13 @@ pub struct Verlet<T> {
 impl<T: Scalar> Verlet<T> {
     /// Where the shaft is in the middle of a step, with the speed that holds for all of it.
     #[inline(always)]
-    fn middle(self, drive: &Drive<T>) -> Drive<T> {
+    fn middle(self, drive: &ShaftMotion<T>) -> ShaftMotion<T> {
         drive.after(T::HALF * self.step)
     }
 
     /// `M + h/2 (B + w G)`.
     #[inline(always)]
-    fn effective<R: System<T, D>, A, const D: usize>(self, rotor: &R, speed: T) -> Factored<A>
+    fn effective<R: SecondOrderSystem<T, D>, A, const D: usize>(self, rotor: &R, speed: T) -> Factored<A>
     where
         A: BorrowMut<SMatrix<T, D, D>> + From<SMatrix<T, D, D>>,
     {
@@ -42,12 +42,12 @@ impl<T: Scalar> Verlet<T> {
 
     /// A step with the equations `M + h/2 (B + w G)` solved as given.
     #[inline(always)]
-    fn step_with<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+    fn step_with<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         self,
         solve: impl FnOnce([T; D]) -> [T; D],
-        machine: &Machine<R, C, N>,
+        machine: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &Drive<T>,
+        drive: &ShaftMotion<T>,
     ) -> Status {
         let h = self.step;
         let half = T::HALF * h;
@@ -73,11 +73,11 @@ impl<T: Scalar> Verlet<T> {
 impl<T: Scalar> Integrator<T> for Verlet<T> {
     // Part of its caller, who may be compiled for a processor with wider registers than the rest of the program.
     #[inline(always)]
-    fn step<R: System<T, D>, C: Coupling<T, D>, const D: usize, const N: usize>(
+    fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<R, C, N>,
+        machine: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &Drive<T>,
+        drive: &ShaftMotion<T>,
     ) -> Status {
         let effective: Factored<SMatrix<T, D, D>> = self.effective(&machine.rotor, self.middle(drive).speed);
         self.step_with(
@@ -112,7 +112,7 @@ pub struct SteadyVerlet<T: Scalar, const D: usize, A = SMatrix<T, D, D>> {
 impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
     /// For this rotor, ready to start at `speed`, rad/s (from rest where it is not finite).
     #[must_use]
-    pub fn new<R: System<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
+    pub fn new<R: SecondOrderSystem<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         Self::with_storage(verlet, rotor, speed)
     }
 }
@@ -123,7 +123,7 @@ where
 {
     /// As [`SteadyVerlet::new`], each matrix stored in an `A` such as `Box<SMatrix<T, D, D>>`.
     #[must_use]
-    pub fn with_storage<R: System<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
+    pub fn with_storage<R: SecondOrderSystem<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         let speed = if speed.is_finite() { speed } else { T::ZERO };
         let effective = verlet.effective(rotor, speed);
         let inverse = Some(Inverse::new(&effective));
@@ -132,11 +132,11 @@ where
 
     /// One step, as [`Integrator::step`] of machines with the rotor that it was made for.
     #[inline(always)]
-    pub fn step<R: System<T, D>, C: Coupling<T, D>, const N: usize>(
+    pub fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const N: usize>(
         &mut self,
-        machine: &Machine<R, C, N>,
+        machine: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &Drive<T>,
+        drive: &ShaftMotion<T>,
     ) -> Status {
         let speed = self.verlet.middle(drive).speed;
         // A speed that is not finite is answered with the state held, whatever the equations: nothing to do for it.
@@ -159,7 +159,7 @@ where
     /// Equations for another speed; an inverse only for one that comes a second time: in a run-up it would be for nothing.
     #[cold]
     #[inline(never)]
-    fn turn_to<R: System<T, D>>(&mut self, rotor: &R, speed: T) {
+    fn turn_to<R: SecondOrderSystem<T, D>>(&mut self, rotor: &R, speed: T) {
         if speed == self.speed {
             (self.inverse, self.ready) = (Some(Inverse::new(&self.effective)), speed);
         } else {

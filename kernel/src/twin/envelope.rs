@@ -1,8 +1,8 @@
 //! The envelope of a band: how loud it is, moment by moment.
 
 use crate::math::Math;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// A band's envelope by moving the band down to 0 Hz, `x e^{-i w t}`, and a low-pass of order 4 (Butterworth) on both parts.
 ///
@@ -10,8 +10,8 @@ use crate::turn::Turn;
 /// Cost a sample: a sine and cosine, four second-order sections, one root.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope<T> {
-    stride: Turn,
-    angle: Turn,
+    stride: Phase,
+    angle: Phase,
     sections: [Section<T>; 2],
     state: [[[T; 2]; 2]; 2],
 }
@@ -40,8 +40,8 @@ impl<T: Scalar> Envelope<T> {
         };
         // 2 cos of the poles' angles, pi/8 and 3 pi/8.
         let sections = [section(1.847_759_065_022_573_5), section(0.765_366_864_730_179_6)];
-        let stride = Turn::from_revolutions(centre / rate);
-        Self { stride, angle: Turn::ZERO, sections, state: [[[T::ZERO; 2]; 2]; 2] }
+        let stride = Phase::from_revolutions(centre / rate);
+        Self { stride, angle: Phase::ZERO, sections, state: [[[T::ZERO; 2]; 2]; 2] }
     }
 
     /// One sample; the envelope there, of a sine in the band its amplitude.

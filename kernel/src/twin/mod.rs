@@ -5,18 +5,18 @@
 //! shaft or a bearing's parts, [`Statistics`], [`Envelope`], [`Life`]. Each works in blocks that start anew: figures are
 //! exact over any length.
 
-mod disturbed;
 mod envelope;
 mod life;
 mod observer;
 mod order;
 mod statistics;
 mod sum;
+mod unmodelled_force;
 
-pub use disturbed::Disturbed;
 pub use envelope::Envelope;
 pub use life::{Life, LifeParams};
 pub use observer::{Estimate, Observer, ObserverState, SpeedGain};
 pub use order::{OrderLine, OrderTracker, Vector};
 pub use statistics::{Figures, Statistics};
 pub use sum::ExactSum;
+pub use unmodelled_force::WithUnmodelledForce;

@@ -1,11 +1,11 @@
 //! The rotor's state from noisy probes: a steady-gain Kalman filter about the nonlinear bearing forces.
 
-use super::Disturbed;
+use super::WithUnmodelledForce;
 use crate::math::Math;
-use crate::rotor::{Coupling, Drive, Integrator, Machine, RotorState, System};
-use crate::scalar::{Scalar, Whole};
+use crate::phase::Phase;
+use crate::rotor::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion};
+use crate::scalar::{LatticeIndex, Scalar};
 use crate::status::Status;
-use crate::turn::Turn;
 
 /// Coordinates of a rigid rotor, `[u v w thu thv]`.
 const D: usize = 5;
@@ -38,7 +38,7 @@ pub struct SpeedGain<T, const P: usize> {
 #[derive(Debug, Clone, Copy)]
 pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
     /// The rotor on its bearings, as far as it is known.
-    pub machine: Machine<R, C, N>,
+    pub machine: RotorBearingSystem<R, C, N>,
     /// Moves the machine by one step.
     pub integrator: I,
     /// Length of that step, s.
@@ -97,8 +97,8 @@ impl<T: Scalar, const N: usize> ObserverState<T, N> {
 impl<T, R, C, I, A, const N: usize, const P: usize> Observer<T, R, C, I, A, N, P>
 where
     T: Scalar,
-    R: System<T, D>,
-    C: Coupling<T, D>,
+    R: SecondOrderSystem<T, D>,
+    C: ForceElement<T, D>,
     I: Integrator<T>,
     A: AsRef<[SpeedGain<T, P>]>,
 {
@@ -109,7 +109,7 @@ where
     pub fn sample<M: Math<T>>(
         &self,
         state: &mut ObserverState<T, N>,
-        drive: &Drive<T>,
+        drive: &ShaftMotion<T>,
         readings: &[T; P],
     ) -> Estimate<T, P> {
         let mut status = self.predict::<M>(state, drive);
@@ -135,9 +135,9 @@ where
         Estimate { innovation, nis, status: status.and(Status::INNOVATION_REJECTED.when(!accepted)) }
     }
 
-    fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, N>, drive: &Drive<T>) -> Status {
+    fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, N>, drive: &ShaftMotion<T>) -> Status {
         let (mut status, mut now) = (Status::OK, *drive);
-        let (sin, cos) = M::sin_cos(Turn::ZERO.advanced(drive.arc_after(self.step)));
+        let (sin, cos) = M::sin_cos(Phase::ZERO.advanced(drive.arc_after(self.step)));
         for _ in 0..self.substeps {
             // As it is in the middle of the step: half of what it is before and after.
             let before = state.turning;
@@ -146,8 +146,8 @@ where
             for (sum, (&a, &b)) in load.iter_mut().zip(before.iter().zip(&state.turning)) {
                 *sum += T::HALF * (a + b);
             }
-            let machine = Machine {
-                rotor: Disturbed { system: &self.machine.rotor, load },
+            let machine = RotorBearingSystem {
+                rotor: WithUnmodelledForce { system: &self.machine.rotor, load },
                 bearings: self.machine.bearings.each_ref(),
             };
             status = status.and(self.integrator.step(&machine, &mut state.motion, &now));
@@ -164,7 +164,7 @@ where
         let gains = self.gains.as_ref();
         let [first, density] = self.speeds;
         let place = (speed - first) * density;
-        let below = place.whole(Whole::new((gains.len() as u32).saturating_sub(2)));
+        let below = place.whole(LatticeIndex::new((gains.len() as u32).saturating_sub(2)));
         let part = (place - below.number).larger(T::ZERO).smaller(T::ONE);
         // A single gain is all there is: nothing to mix, nothing to pay for.
         let part = if gains.len() > 1 { part } else { T::ZERO };

@@ -2,9 +2,9 @@
 
 use super::ExactSum;
 use crate::math::Math;
-use crate::rotor::PartAngles;
+use crate::phase::{Phase, SpeedRatio};
+use crate::rotor::ComponentAngles;
 use crate::scalar::Scalar;
-use crate::turn::{Ratio, Turn};
 
 /// What a line's phase follows: whole multiples of the angles of the shaft and of a bearing's parts.
 ///
@@ -23,7 +23,7 @@ pub struct OrderLine {
 impl OrderLine {
     /// The line's angle.
     #[must_use]
-    pub const fn angle(&self, shaft: Turn, parts: &PartAngles) -> Turn {
+    pub const fn angle(&self, shaft: Phase, parts: &ComponentAngles) -> Phase {
         shaft
             .times(self.shaft as i64 as u64)
             .plus(parts.cage.times(self.cage as i64 as u64))
@@ -42,10 +42,10 @@ pub type Vector<T> = [T; 2];
 #[derive(Debug, Clone, Copy)]
 pub struct OrderTracker<T, const L: usize> {
     lines: [OrderLine; L],
-    share: Ratio,
-    shaft: Turn,
+    share: SpeedRatio,
+    shaft: Phase,
     /// Of the block that is gone, as an angle.
-    gone: Turn,
+    gone: Phase,
     sums: [[ExactSum<T>; 2]; L],
     weight: ExactSum<T>,
     vectors: [Vector<T>; L],
@@ -54,13 +54,13 @@ pub struct OrderTracker<T, const L: usize> {
 impl<T: Scalar, const L: usize> OrderTracker<T, L> {
     /// For blocks of `turns` turns, starting with the shaft at `shaft`. Set-up time.
     #[must_use]
-    pub fn new(lines: [OrderLine; L], turns: u32, shaft: Turn) -> Self {
+    pub fn new(lines: [OrderLine; L], turns: u32, shaft: Phase) -> Self {
         let none = [ExactSum::new(); 2];
         Self {
             lines,
-            share: Ratio::new(1.0 / f64::from(turns.max(1))),
+            share: SpeedRatio::new(1.0 / f64::from(turns.max(1))),
             shaft,
-            gone: Turn::ZERO,
+            gone: Phase::ZERO,
             sums: [none; L],
             weight: ExactSum::new(),
             vectors: [[T::ZERO; 2]; L],
@@ -68,12 +68,12 @@ impl<T: Scalar, const L: usize> OrderTracker<T, L> {
     }
 
     /// One sample with the shaft and the bearing's parts where they are; true where a block is complete.
-    pub fn add<M: Math<T>>(&mut self, x: T, shaft: Turn, parts: &PartAngles) -> bool {
+    pub fn add<M: Math<T>>(&mut self, x: T, shaft: Phase, parts: &ComponentAngles) -> bool {
         let arc = shaft.since(self.shaft);
         let before = self.gone;
         // Either sense of rotation fills the block.
         let ahead = self.share.of(arc).0.unsigned_abs();
-        self.gone = Turn(before.0.wrapping_add(ahead));
+        self.gone = Phase(before.0.wrapping_add(ahead));
         self.shaft = shaft;
         let complete = self.gone.0 < before.0;
         if complete {

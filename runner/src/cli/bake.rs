@@ -3,8 +3,8 @@
 use super::{Format, keep_apart, say};
 use anyhow::Result;
 use ballrace_twin::bake::{Baked, bake};
-use ballrace_twin::fault::scene_fault;
-use ballrace_twin::needs;
+use ballrace_twin::effect_significance;
+use ballrace_twin::error::usage_error;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use std::io::Write;
@@ -30,9 +30,9 @@ pub struct Args {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
-    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(|e| scene_fault(&e))?;
+    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(|e| usage_error(&e))?;
     AtomicFile::write(&args.output, &source)?;
-    let needs = needs::of_scene(&scene)?;
+    let needs = effect_significance::of_scene(&scene)?;
     print(&baked, args, format)?;
     if format == Format::Text { say(&mut super::standard_output(format), &needs, error) } else { Ok(()) }
 }

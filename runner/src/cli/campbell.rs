@@ -4,8 +4,8 @@ use super::{Format, keep_apart, say};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::campbell::{AtSpeed, Whirl, campbell};
-use ballrace_twin::fault::{SceneFault, scene_fault};
-use ballrace_twin::needs;
+use ballrace_twin::effect_significance;
+use ballrace_twin::error::{UsageError, usage_error};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
@@ -36,7 +36,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         keep_apart(&[("--report", path)], &[&args.scene])?;
     }
     let speeds = speeds(&args.speeds)?;
-    let all = campbell(&scene, &speeds).map_err(|e| scene_fault(&e))?;
+    let all = campbell(&scene, &speeds).map_err(|e| usage_error(&e))?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::campbell::html(&scene.name, &all)?)?;
     }
@@ -49,7 +49,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
             if let Some(path) = &args.report {
                 writeln!(out, "Written: {}", path.display())?;
             }
-            say(&mut out, &needs::of_scene(&scene)?, error)?;
+            say(&mut out, &effect_significance::of_scene(&scene)?, error)?;
         }
     }
     Ok(out.flush()?)
@@ -57,7 +57,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
 
 fn speeds(text: &str) -> Result<Vec<f64>> {
     let axis =
-        Axis::parse(&format!("speed={text}")).map_err(|e| SceneFault(e.to_string().replace("--over", "--speeds")))?;
+        Axis::parse(&format!("speed={text}")).map_err(|e| UsageError(e.to_string().replace("--over", "--speeds")))?;
     let one = |value: &f64| {
         if axis.unit.is_empty() {
             return Ok(*value);
@@ -66,7 +66,7 @@ fn speeds(text: &str) -> Result<Vec<f64>> {
     };
     match axis.values.iter().map(one).collect() {
         Ok(speeds) => Ok(speeds),
-        Err(e) => bail!(SceneFault(format!("--speeds: {e}"))),
+        Err(e) => bail!(UsageError(format!("--speeds: {e}"))),
     }
 }
 

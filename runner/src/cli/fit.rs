@@ -3,7 +3,7 @@
 use super::{Format, keep_apart};
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::fault::{SceneFault, scene_fault};
+use ballrace_twin::error::{UsageError, usage_error};
 use ballrace_twin::fit::parameters::{ALL, Group};
 use ballrace_twin::fit::{Fitted, Material, fit, read, written};
 use ballrace_twin::output::AtomicFile;
@@ -39,13 +39,13 @@ pub struct Args {
 pub fn run(args: &Args, format: Format) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let Some(recording) = &scene.recording else {
-        bail!(SceneFault(format!(
+        bail!(UsageError(format!(
             "{}: [recording]: found none, allowed: the recording to fit to",
             scene.path.display()
         )));
     };
     if !(args.turns >= 1.0 && args.turns.is_finite()) {
-        bail!(SceneFault(format!("--turns: found {}, allowed: 1 or more", args.turns)));
+        bail!(UsageError(format!("--turns: found {}, allowed: 1 or more", args.turns)));
     }
     let path = args.recording.as_ref().unwrap_or(&recording.file);
     let output = args.output.clone().unwrap_or_else(|| beside(&args.scene));
@@ -62,7 +62,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         bar.tick();
     });
     bar.finish_and_clear();
-    let found = found.map_err(|e| scene_fault(&e))?;
+    let found = found.map_err(|e| usage_error(&e))?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
     AtomicFile::write(&output, &written(&found, &scene, &text)?)?;
     print(&found, &output, format)

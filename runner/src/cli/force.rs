@@ -2,11 +2,11 @@
 
 use super::{Format, say};
 use anyhow::{Context, Result, bail};
-use ballrace::{Displacement, Rotation, Status, Turn, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 use ballrace_report::number::fixed;
-use ballrace_twin::fault::{SceneFault, scene_fault};
+use ballrace_twin::effect_significance::{self, Need};
+use ballrace_twin::error::{UsageError, usage_error};
 use ballrace_twin::force::{MathBackend, Pose, Precision, forces};
-use ballrace_twin::needs::{self, Need};
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;
 use ballrace_twin::scene::bounded::BoundedLines;
@@ -61,7 +61,7 @@ enum ModelName {
 /// What is wrong with the scene or the displacements.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
-    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(|e| scene_fault(&e))?;
+    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(|e| usage_error(&e))?;
     let model = match args.model {
         None => bearing.model,
         Some(ModelName::Linear) => Model::Linear,
@@ -71,7 +71,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         Some(ModelName::Tabulated) => Model::Tabulated,
     };
     let turning = |time| build::rotation_at(&scene, bearing, time);
-    turning(0.0).map_err(|e| scene_fault(&e))?;
+    turning(0.0).map_err(|e| usage_error(&e))?;
     let rows = read_displacements(&args.displacements, &turning)?;
     let found = forces(&scene, bearing, model, (args.precision, args.math), &rows)?;
     let forces: Vec<Force> = found.into_iter().map(Force::from).collect();
@@ -91,8 +91,8 @@ fn needed(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -> Resu
     let Some(row) = finite.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(vec![]) };
     // The displacements have the preload in them.
     let of = Bearing { model, preload: None, ..bearing.clone() };
-    let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..row.at };
-    needs::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)
+    let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..row.at };
+    effect_significance::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)
 }
 
 #[derive(Serialize)]
@@ -130,7 +130,7 @@ fn words(status: Status) -> String {
     if set.is_empty() { "ok".to_owned() } else { set.join("+") }
 }
 
-fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64>>) -> Result<Vec<Pose>> {
+fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<BearingKinematicState<f64>>) -> Result<Vec<Pose>> {
     let name = path.display();
     if path.is_dir() {
         bail!("{name}: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv");
@@ -150,13 +150,13 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
         let mut places = header.iter().enumerate().filter_map(named);
         match (places.next(), places.next()) {
             (first, None) => Ok(first),
-            (_, Some(_)) => bail!(SceneFault(format!("{name}:1: two columns are named {wanted:?}, expected one"))),
+            (_, Some(_)) => bail!(UsageError(format!("{name}:1: two columns are named {wanted:?}, expected one"))),
         }
     };
     let mut places = [0; 5];
     for (place, wanted) in places.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
         *place = column(wanted)?.ok_or_else(|| {
-            SceneFault(format!(
+            UsageError(format!(
                 "{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle",
                 listed(&header)
             ))
@@ -164,7 +164,7 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
     }
     let (time, angle) = (column("t")?, column("cage_angle")?);
     if time.is_some() && angle.is_some() {
-        bail!(SceneFault(format!("{name}:1: found both t and cage_angle, allowed: one of them")));
+        bail!(UsageError(format!("{name}:1: found both t and cage_angle, allowed: one of them")));
     }
     let mut rows = Vec::new();
     for record in reader.records() {
@@ -198,8 +198,8 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<Rotation<f64
             u = [f64::NAN; 5];
         }
         let at = turning(if t.is_finite() { t } else { 0.0 })?;
-        let cage = given.map_or(at.cage, Turn::from_radians);
-        rows.push(Pose { u, at: Rotation { cage, ..at } });
+        let cage = given.map_or(at.cage, Phase::from_radians);
+        rows.push(Pose { u, at: BearingKinematicState { cage, ..at } });
     }
     Ok(rows)
 }

@@ -2,7 +2,7 @@
 
 use crate::live as monitor;
 use crate::live::address::Address;
-use crate::live::out::Asked;
+use crate::live::out::RequestedOutputs;
 use crate::live::source::Encoding;
 use crate::live::view::Shared;
 use anyhow::{Context, Result};
@@ -33,7 +33,7 @@ pub struct LiveArgs {
     #[arg(long, value_name = "FOLDER")]
     pub state: Option<PathBuf>,
     #[command(flatten)]
-    pub asked: Asked,
+    pub asked: RequestedOutputs,
     /// Ask the system for first-in-first-out scheduling and locked memory (Linux).
     #[arg(long)]
     pub realtime: bool,

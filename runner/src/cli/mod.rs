@@ -14,8 +14,8 @@ pub mod trade;
 pub mod watch;
 
 use anyhow::{Context, Result, bail};
-use ballrace_twin::fault::SceneFault;
-use ballrace_twin::needs::{self, Need};
+use ballrace_twin::effect_significance::{self, Need};
+use ballrace_twin::error::UsageError;
 use ballrace_twin::printable::{self, Printable};
 use ballrace_twin::recording::error::RecordingError;
 use ballrace_twin::recording::rotation::RotationError;
@@ -53,7 +53,7 @@ fn share(text: &str) -> Result<f64, String> {
 
 /// Tells people which effects matter in a scene, which are left out, and warns where that is too much.
 fn say(out: &mut impl Write, needs: &[Need], error: Option<f64>) -> Result<()> {
-    for line in needs::words(needs, error.unwrap_or(needs::GOOD_ENOUGH)) {
+    for line in effect_significance::words(needs, error.unwrap_or(effect_significance::GOOD_ENOUGH)) {
         writeln!(out, "{line}")?;
     }
     Ok(())
@@ -130,7 +130,7 @@ fn keep_apart(outputs: &[(&str, &Path)], inputs: &[&Path]) -> Result<()> {
         let place = place(path);
         if taken.contains(&place) {
             let found = format!("{option}: found {}, which this command reads or writes already", path.display());
-            bail!(SceneFault(format!("{found}, allowed: another file")));
+            bail!(UsageError(format!("{found}, allowed: another file")));
         }
         taken.push(place);
     }
@@ -225,7 +225,7 @@ fn code(done: Result<()>) -> ExitCode {
 fn is_users_fault(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause.is::<SceneError>()
-            || cause.is::<SceneFault>()
+            || cause.is::<UsageError>()
             || cause.downcast_ref::<RecordingError>().is_some_and(RecordingError::is_scene_fault)
     })
 }

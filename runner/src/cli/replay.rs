@@ -5,7 +5,7 @@ use super::{Ending, Format, keep_apart};
 use crate::live as monitor;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::fault::{SceneFault, scene_fault};
+use ballrace_twin::error::{UsageError, usage_error};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::replay::outcome::Outcome;
@@ -55,7 +55,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
         return paced(args, &scene, format, error);
     }
     if let Some(option) = args.live.first_given() {
-        bail!(SceneFault(format!("{option}: found without --paced, allowed: --paced, or `ballrace watch`")));
+        bail!(UsageError(format!("{option}: found without --paced, allowed: --paced, or `ballrace watch`")));
     }
     let (reader, path) = open(args, &scene)?;
     check_outputs(args, &path)?;
@@ -135,7 +135,7 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
             scene.path.display()
         )
     });
-    let recording = recording.map_err(|e| scene_fault(&e))?;
+    let recording = recording.map_err(|e| usage_error(&e))?;
     let path = match (&args.recording, &args.scene) {
         (Some(path), _) => path,
         (None, Some(_)) => &recording.file,

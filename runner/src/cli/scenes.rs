@@ -2,7 +2,7 @@
 
 use super::Format;
 use anyhow::{Result, bail};
-use ballrace_twin::fault::SceneFault;
+use ballrace_twin::error::UsageError;
 use serde::Serialize;
 use std::io::Write;
 
@@ -58,7 +58,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     if let Some(wanted) = &args.name {
         let Some((_, text)) = SCENES.iter().find(|(name, _)| name == wanted) else {
             let names: Vec<&str> = SCENES.iter().map(|(name, _)| *name).collect();
-            bail!(SceneFault(format!("scenes: found {wanted:?}, allowed: {}", names.join(", "))));
+            bail!(UsageError(format!("scenes: found {wanted:?}, allowed: {}", names.join(", "))));
         };
         write!(out, "{text}")?;
         return Ok(out.flush()?);

@@ -3,9 +3,9 @@
 use super::{Format, keep_apart, say};
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
-use ballrace_twin::fault::{SceneFault, scene_fault};
-use ballrace_twin::motion::{self, MOST_SAMPLES, Moment, Span};
-use ballrace_twin::needs::{self, Need};
+use ballrace_twin::effect_significance::{self, Need};
+use ballrace_twin::error::{UsageError, usage_error};
+use ballrace_twin::motion::{self, MOST_SAMPLES, ResponseSample, Span};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::scene::Scene;
@@ -66,17 +66,17 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let total = samples + settle;
     if samples < 1.0 || total > MOST_SAMPLES {
         let options = if settle > 0.0 { "--duration, --settle, --rate" } else { "--duration, --rate" };
-        bail!(SceneFault(format!("{options}: found {total} samples, allowed: 1 to {MOST_SAMPLES:e}")));
+        bail!(UsageError(format!("{options}: found {total} samples, allowed: 1 to {MOST_SAMPLES:e}")));
     }
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
-    let plant = Plant::try_new(&scene).map_err(|e| scene_fault(&e))?;
+    let plant = Plant::try_new(&scene).map_err(|e| usage_error(&e))?;
     let span = Span { rate, settle: settle as u64, samples: samples as u64 };
     let summary = simulate(&scene, &plant, span, &args.output)?;
     print(&summary, &plant.notes, format, error)
 }
 
 fn option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
-    let fault = |why: String| SceneFault(format!("{name}: {why}"));
+    let fault = |why: String| UsageError(format!("{name}: {why}"));
     let value = match text.parse::<f64>() {
         Ok(si) => si,
         Err(_) => parse(text, dimension).map_err(|e| fault(e.to_string()))?,
@@ -132,7 +132,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
         computing_seconds: seconds,
         times_real_time: total as f64 / span.rate / seconds,
         output: path.display().to_string(),
-        needs: needs::at_rest(scene, plant)?,
+        needs: effect_significance::at_rest(scene, plant)?,
     })
 }
 
@@ -214,7 +214,7 @@ fn header(plant: &Plant) -> String {
     head
 }
 
-fn row(now: &Moment<'_>) -> impl Iterator<Item = f64> {
+fn row(now: &ResponseSample<'_>) -> impl Iterator<Item = f64> {
     let motion = now.twin.coordinates().iter().chain(now.twin.rates()).copied();
     let forces = (0..now.plant.seats.len()).flat_map(|i| now.wrench(i).to_array());
     std::iter::once(now.time).chain(motion).chain(forces)

@@ -3,8 +3,8 @@
 use super::{Format, keep_apart, say};
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::fault::SceneFault;
-use ballrace_twin::needs::Need;
+use ballrace_twin::effect_significance::Need;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
@@ -132,7 +132,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
 }
 
 fn time(text: &str) -> Result<f64> {
-    let allowed = || SceneFault(format!("--settle: found {text:?}, allowed: {}", Dimension::Time.allowed("0 or more")));
+    let allowed = || UsageError(format!("--settle: found {text:?}, allowed: {}", Dimension::Time.allowed("0 or more")));
     let value = text.parse::<f64>().or_else(|_| parse(text, Dimension::Time)).map_err(|_| allowed())?;
     if !(value >= 0.0 && value.is_finite()) {
         bail!(allowed());
@@ -181,7 +181,7 @@ fn shard_path(output: &Path, k: usize, n: usize) -> PathBuf {
 fn one_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()> {
     let parsed = shard.split_once('/').and_then(|(k, n)| Some((k.parse::<usize>().ok()?, n.parse::<usize>().ok()?)));
     let Some((k, n)) = parsed.filter(|(k, n)| (1..=*n).contains(k)) else {
-        bail!(SceneFault(format!("--shard: found {shard:?}, allowed: K/N with K from 1 to N, such as 3/16")));
+        bail!(UsageError(format!("--shard: found {shard:?}, allowed: K/N with K from 1 to N, such as 3/16")));
     };
     let mine: Vec<usize> = (0..plan.chains()).filter(|number| number % n == k - 1).collect();
     let path = shard_path(&args.output, k, n);

@@ -3,7 +3,7 @@
 use super::{Format, keep_apart, say};
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::fault::SceneFault;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
@@ -47,7 +47,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     if goal.is_some() {
         outputs.push(("--output", &output));
     } else if args.output.is_some() {
-        bail!(SceneFault("--output: found no goal beside it, allowed: with --error or --deadline".to_owned()));
+        bail!(UsageError("--output: found no goal beside it, allowed: with --error or --deadline".to_owned()));
     }
     keep_apart(&outputs, &[&args.scene])?;
     let bar = bar();
@@ -81,7 +81,7 @@ fn beside(scene: &Path) -> PathBuf {
 fn goal(args: &Args, error: Option<f64>) -> Result<Option<Goal>> {
     Ok(match (error, &args.deadline) {
         (Some(_), Some(_)) => {
-            bail!(SceneFault("--deadline: found --error beside it, allowed: one of them".to_owned()))
+            bail!(UsageError("--deadline: found --error beside it, allowed: one of them".to_owned()))
         }
         (Some(error), None) => Some(Goal::Error(error, args.on)),
         (None, Some(text)) => Some(deadline(text)?),
@@ -91,7 +91,7 @@ fn goal(args: &Args, error: Option<f64>) -> Result<Option<Goal>> {
 
 fn deadline(text: &str) -> Result<Goal> {
     let fault =
-        || SceneFault(format!("--deadline: found {text:?}, allowed: a time and a clock, such as \"20 us at 168 MHz\""));
+        || UsageError(format!("--deadline: found {text:?}, allowed: a time and a clock, such as \"20 us at 168 MHz\""));
     let (time, clock) = text.split_once(" at ").ok_or_else(fault)?;
     let positive = |text: &str, dimension| match parse(text.trim(), dimension) {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),

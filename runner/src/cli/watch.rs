@@ -8,7 +8,7 @@ use crate::live::source::lock;
 use crate::live::view::Shared;
 use anyhow::{Result, bail};
 use ballrace_report as report;
-use ballrace_twin::fault::SceneFault;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::printable;
 use ballrace_twin::replay::Options;
@@ -37,7 +37,7 @@ pub struct Args {
 /// What is wrong with scene, source or outputs; a standard output that is no terminal.
 pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
     if !std::io::stdout().is_terminal() {
-        bail!(SceneFault(
+        bail!(UsageError(
             "watch: found a standard output that is no terminal, allowed: a terminal, or `ballrace replay --paced`"
                 .to_owned()
         ));

@@ -211,11 +211,11 @@ fn empty(frame: &mut Frame, area: Rect, block: Block<'static>, why: &str) {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::live::out::Told;
-    use ballrace_twin::replay::Glance;
+    use crate::live::out::EventRecord;
+    use ballrace_twin::replay::Snapshot;
     use ballrace_twin::replay::outcome::MarkedLine;
     use ballrace_twin::replay::pictures::planes;
-    use ballrace_twin::replay::recent::Glimpse;
+    use ballrace_twin::replay::recent::SnapshotSample;
     use ballrace_twin::replay::second::{ProbeSecond, Second};
     use ballrace_twin::scene::read::read_str;
     use ratatui::Terminal;
@@ -228,14 +228,14 @@ mod tests {
     fn running(scene: &Scene) -> View {
         let probes = &scene.recording.as_ref().unwrap().probes;
         let turn = |i: usize| TAU * i as f64 / 256.0;
-        let sample = |i: usize| Glimpse {
+        let sample = |i: usize| SnapshotSample {
             measured: vec![8e-6 * turn(i).cos(), 5e-6 * turn(i).sin(), 3e-6 * turn(i).cos(), 3e-6 * turn(i).sin(), 0.0],
             twin: vec![8e-6 * turn(i).cos(), 5e-6 * turn(i).sin(), 3e-6 * turn(i).cos(), 3e-6 * turn(i).sin(), 0.0],
             passed: i.is_multiple_of(256),
         };
         let planes = planes(probes).into_iter().map(|p| (format!("plane {:.0}", p.station * 1e3), p)).collect();
         let loads = (0..9).map(|j| (TAU * f64::from(j) / 9.0, 10.0 * f64::from(j))).collect();
-        let glance = Glance {
+        let glance = Snapshot {
             time_s: 12.5,
             speed_rpm: 3000.0,
             rate_hz: 12_800.0,
@@ -262,7 +262,7 @@ mod tests {
             state: "running",
             glance,
             seconds: (0..60).map(second).collect(),
-            events: [Told::note(note, 3.0)].into(),
+            events: [EventRecord::note(note, 3.0)].into(),
             ..View::default()
         }
     }

@@ -5,7 +5,7 @@
 //! The second version ends with a `u32` CRC-32 (IEEE 802.3, as of zlib) of the bytes before it.
 
 use ballrace_twin::recording::Row;
-use ballrace_twin::scene::{Recording, Rotation};
+use ballrace_twin::scene::{Recording, RotationSource};
 use std::time::Instant;
 
 /// Seconds of frames that a source may repeat beyond what is not acknowledged.
@@ -166,9 +166,9 @@ impl Layout {
     #[must_use]
     pub fn new(recording: &Recording, checked: bool) -> Self {
         let rotation = match &recording.rotation {
-            Rotation::Keyphasor { .. } => Some(1.0),
-            Rotation::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
-            Rotation::Scene => None,
+            RotationSource::Keyphasor { .. } => Some(1.0),
+            RotationSource::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
+            RotationSource::Scene => None,
         };
         Self { probes: recording.probes.iter().map(|p| [p.metres_per_unit, p.offset]).collect(), rotation, checked }
     }

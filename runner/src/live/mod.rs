@@ -23,14 +23,14 @@ pub mod view;
 
 use address::Address;
 use anyhow::{Result, bail};
-use ballrace_twin::fault::scene_fault;
+use ballrace_twin::error::usage_error;
 use ballrace_twin::recording::Row;
 use ballrace_twin::recording::flaws::FlawSummary;
 use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
 use ballrace_twin::replay::{self, Replay};
 use ballrace_twin::scene::{Recording, Scene};
 use feed::{CAPACITY, Counts, Item, Receiver};
-use out::{Network, Outputs, Told};
+use out::{EventRecord, Network, Outputs};
 use pace::{BLOCK, Pace};
 use source::{Encoding, Reading, Resume, lock};
 use state::{State, StateFile};
@@ -60,7 +60,7 @@ pub struct Options<'a> {
     /// Where its state is kept.
     pub state: Option<&'a Path>,
     /// Whom it tells.
-    pub outputs: &'a out::Asked,
+    pub outputs: &'a out::RequestedOutputs,
     /// Ask for real-time scheduling and locked memory.
     pub realtime: bool,
     /// Ask for this processor only.
@@ -92,7 +92,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     state.as_mut().map_or(Ok(()), StateFile::begin)?;
     show(options, |view| view.state = "waiting for the source");
     let rate = first_rate(&reading, &mut receiver, stop, |note| {
-        let told = Told::note(note, done);
+        let told = EventRecord::note(note, done);
         show(options, |view| view.add_event(&told));
         outputs.event(&told)?;
         outputs.save_events();
@@ -107,7 +107,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     }
     if goes_on {
         let sentence = format!("Started again, at sample {} ({:.3} s).", resume.index, done);
-        outputs.event(&Told::note(feed::Note { kind: "monitor-resumed", sentence }, done))?;
+        outputs.event(&EventRecord::note(feed::Note { kind: "monitor-resumed", sentence }, done))?;
     }
     let mut monitor = Monitor {
         options,
@@ -160,7 +160,7 @@ fn probed(scene: &Scene) -> Result<&Recording> {
     let lacking = |found: &str| {
         let told =
             format!("{}: [recording]: found {found}, allowed: probes of the shaft's motion", scene.path.display());
-        scene_fault(&anyhow::anyhow!(told))
+        usage_error(&anyhow::anyhow!(told))
     };
     match &scene.recording {
         None => Err(lacking("none")),
@@ -228,7 +228,7 @@ struct Monitor<'a, 'o> {
     receiver: Receiver,
     outputs: Outputs,
     state: Option<&'a mut StateFile>,
-    back: &'a source::Back,
+    back: &'a source::AckChannel,
     /// Hz
     rate: f64,
     average: u64,
@@ -326,7 +326,7 @@ impl Monitor<'_, '_> {
             self.item(item)?;
         }
         while let Some(note) = self.receiver.note() {
-            self.event(&Told::note(note, self.time))?;
+            self.event(&EventRecord::note(note, self.time))?;
         }
         self.replay.work(Some(Instant::now() + SLICE))?;
         if own_time && !has_started && self.replay.has_started() {
@@ -340,7 +340,7 @@ impl Monitor<'_, '_> {
     fn item(&mut self, item: Item) -> Result<()> {
         match item {
             Item::Row(row) => self.row(row),
-            Item::Note(note) => self.event(&Told::note(note, self.time)),
+            Item::Note(note) => self.event(&EventRecord::note(note, self.time)),
         }
     }
 
@@ -356,7 +356,7 @@ impl Monitor<'_, '_> {
         self.replay.push(row)
     }
 
-    fn event(&mut self, told: &Told) -> Result<()> {
+    fn event(&mut self, told: &EventRecord) -> Result<()> {
         show(self.options, |view| view.add_event(told));
         self.outputs.event(told)
     }
@@ -366,11 +366,11 @@ impl Monitor<'_, '_> {
         let news = self.replay.news();
         let is_new = !news.events.is_empty() || !news.seconds.is_empty();
         for event in news.events {
-            self.event(&Told::limit(event))?;
+            self.event(&EventRecord::limit(event))?;
         }
         for notice in news.notices {
             let note = feed::Note { kind: notice.kind, sentence: notice.sentence };
-            self.event(&Told::note(note, notice.time_s))?;
+            self.event(&EventRecord::note(note, notice.time_s))?;
         }
         for second in &news.seconds {
             let next_index = second.next_index * self.average;
@@ -396,7 +396,7 @@ impl Monitor<'_, '_> {
             self.outputs.save_events();
         }
         for note in self.outputs.take_notes() {
-            self.event(&Told::note(note, self.time))?;
+            self.event(&EventRecord::note(note, self.time))?;
         }
         Ok(())
     }
@@ -429,7 +429,7 @@ impl Monitor<'_, '_> {
         let _ = self.tell();
         self.save();
         for note in self.outputs.take_notes() {
-            let _ = self.event(&Told::note(note, self.time));
+            let _ = self.event(&EventRecord::note(note, self.time));
         }
         self.outputs.save_events();
         // Without the events that are in the log now.
@@ -479,7 +479,7 @@ impl Monitor<'_, '_> {
         };
         self.silent = quiet >= SILENT;
         let note = self.receiver.limited(note);
-        note.map_or(Ok(()), |note| self.event(&Told::note(note, self.time)))
+        note.map_or(Ok(()), |note| self.event(&EventRecord::note(note, self.time)))
     }
 
     fn glance(&mut self) {

@@ -10,11 +10,11 @@ use super::datagrams::{Datagrams, LARGEST, Lines};
 use super::feed::{Item, Sender, count};
 use super::frames::{Layout, Place, Sequence};
 use anyhow::{Context, Result, bail};
-use ballrace_twin::fault::SceneFault;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::recording::clock::check_rate;
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::recording::{Reader, Row};
-use ballrace_twin::scene::{Clock, Recording, Rotation, Scene};
+use ballrace_twin::scene::{Clock, Recording, RotationSource, Scene};
 use socket2::SockRef;
 use std::io::{BufReader, ErrorKind, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -58,11 +58,11 @@ pub struct Reading {
     /// The flaws it found, or what ended it.
     pub end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>,
     /// The connection on which acknowledgements go back.
-    pub back: Back,
+    pub back: AckChannel,
 }
 
 /// The connection of the present source, if it has one.
-pub type Back = Arc<Mutex<Option<TcpStream>>>;
+pub type AckChannel = Arc<Mutex<Option<TcpStream>>>;
 
 /// Starts the reader of `address`.
 ///
@@ -77,7 +77,7 @@ pub fn start(
     sender: Sender,
 ) -> Result<Reading> {
     let (tell, rate) = mpsc::channel();
-    let back = Back::default();
+    let back = AckChannel::default();
     let listener = match address {
         Address::Tcp(place) => Some(TcpListener::bind(place).with_context(|| cannot_listen(address))?),
         _ => None,
@@ -134,7 +134,7 @@ struct Feeder {
     tell: Option<mpsc::Sender<Result<f64>>>,
     ledger: FlawLedger,
     flaws: Vec<FlawSummary>,
-    back: Back,
+    back: AckChannel,
 }
 
 impl Feeder {
@@ -182,7 +182,7 @@ impl Feeder {
     fn rate_of_frames(&self) -> Result<f64> {
         match self.recording.clock {
             Clock::Rate(rate) => Ok(rate),
-            Clock::Column(_) => bail!(SceneFault(
+            Clock::Column(_) => bail!(UsageError(
                 "[recording] time: found a column of times, allowed with frames: rate = \"51.2 kHz\"".to_owned()
             )),
         }
@@ -333,8 +333,10 @@ impl Feeder {
         }
         let mut names: Vec<String> = self.recording.probes.iter().map(|probe| probe.column.clone()).collect();
         match &self.recording.rotation {
-            Rotation::Keyphasor { column, .. } | Rotation::SpeedColumn { column, .. } => names.push(column.clone()),
-            Rotation::Scene => {}
+            RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => {
+                names.push(column.clone())
+            }
+            RotationSource::Scene => {}
         }
         if let Clock::Column(column) = &self.recording.clock {
             names.push(column.clone());

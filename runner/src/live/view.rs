@@ -1,7 +1,7 @@
 //! What a monitor shows of itself while it runs.
 
-use super::out::Told;
-use ballrace_twin::replay::Glance;
+use super::out::EventRecord;
+use ballrace_twin::replay::Snapshot;
 use ballrace_twin::replay::outcome::{Quantiles, SourceFigures};
 use ballrace_twin::replay::second::Second;
 use std::collections::VecDeque;
@@ -18,11 +18,11 @@ pub struct View {
     /// In one word or two: waiting, starting, running, silent, over.
     pub state: &'static str,
     /// Orbits, last samples, loads.
-    pub glance: Glance,
+    pub glance: Snapshot,
     /// The last ten minutes.
     pub seconds: VecDeque<Second>,
     /// The last events, oldest first.
-    pub events: VecDeque<Told>,
+    pub events: VecDeque<EventRecord>,
     /// How much later than due the program woke.
     pub lateness: Quantiles,
     /// All work of a block.
@@ -52,7 +52,7 @@ impl View {
     }
 
     /// An event more.
-    pub fn add_event(&mut self, told: &Told) {
+    pub fn add_event(&mut self, told: &EventRecord) {
         if self.events.len() == EVENTS {
             self.events.pop_front();
         }

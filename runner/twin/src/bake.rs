@@ -7,7 +7,7 @@ use crate::scene::build::{self, MadeTable};
 use crate::scene::{Bearing, Facing, Model, Scene};
 use anyhow::Result;
 use ballrace::Exact;
-use ballrace::bearing::surface::{Direction, Feature, Part, SpallShape};
+use ballrace::bearing::surface::{BearingComponent, Direction, Feature, SpallShape};
 use ballrace::bearing::tabulated::Axis;
 use std::fmt::Write;
 
@@ -102,10 +102,10 @@ fn seat_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -
         "    pub const OFFSET: Displacement<f32> = Displacement {{ u: {u:?}, v: {v:?}, w: {w:?}, thu: {thu:?}, thv: {thv:?} }};"
     )?;
     let places = build::places::<f32>(of);
-    writeln!(out, "    /// The elements.\n    pub const PLACES: [Place<f32>; {}] = [", places.len())?;
+    writeln!(out, "    /// The elements.\n    pub const PLACES: [ElementPosition<f32>; {}] = [", places.len())?;
     for place in places {
         let (cos, sin) = place.direction();
-        writeln!(out, "        Place::ready({cos:?}, {sin:?}, Turn(0x{:016x})),", place.azimuth().0)?;
+        writeln!(out, "        ElementPosition::ready({cos:?}, {sin:?}, Phase(0x{:016x})),", place.azimuth().0)?;
     }
     writeln!(out, "    ];")?;
     Ok(())
@@ -115,7 +115,7 @@ fn surface_imports(out: &mut String, of: &Bearing) -> Result<()> {
     if !build::features::<f32>(of).is_empty() {
         writeln!(
             out,
-            "    use ballrace::bearing::surface::{{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave}};"
+            "    use ballrace::bearing::surface::{{Direction, Feature, BearingComponent, Spall, SpallShape, SurfaceDeviation, Wave}};"
         )?;
     }
     if of.facing == Facing::MinusZ {
@@ -139,15 +139,15 @@ fn feature_constants(out: &mut String, of: &Bearing) -> Result<()> {
 fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fields: usize) -> Result<()> {
     let seat = made.seat.rounded::<f32>();
     let grid = made.grid.rounded::<f32>();
-    writeln!(out, "    use ballrace::bearing::Place;")?;
-    writeln!(out, "    use ballrace::bearing::quasi_static::TableSeat;")?;
+    writeln!(out, "    use ballrace::bearing::ElementPosition;")?;
+    writeln!(out, "    use ballrace::bearing::quasi_static::TableConstants;")?;
     surface_imports(out, of)?;
     writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
-    writeln!(out, "    use ballrace::{{Displacement, Exact, Turn}};\n")?;
+    writeln!(out, "    use ballrace::{{Displacement, Exact, Phase}};\n")?;
     seat_constants(out, scene, of, Model::QuasiStatic)?;
     writeln!(
         out,
-        "    const SEAT: TableSeat<f32> = TableSeat {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
+        "    const SEAT: TableConstants<f32> = TableConstants {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
         seat.couple, seat.distance, seat.axis, seat.offset, seat.arm
     )?;
     writeln!(out, "    const GRID: Grid<f32> = Grid {{")?;
@@ -179,18 +179,18 @@ fn axis_text(axis: &Axis<f32>) -> String {
     )
 }
 
-fn part_text(part: Part) -> String {
+fn part_text(part: BearingComponent) -> String {
     match part {
-        Part::Inner => "Part::Inner".to_owned(),
-        Part::Outer => "Part::Outer".to_owned(),
-        Part::Ball(place) => format!("Part::Ball(Turn(0x{:016x}))", place.0),
+        BearingComponent::Inner => "BearingComponent::Inner".to_owned(),
+        BearingComponent::Outer => "BearingComponent::Outer".to_owned(),
+        BearingComponent::Ball(place) => format!("BearingComponent::Ball(Phase(0x{:016x}))", place.0),
     }
 }
 
 fn feature_text(feature: &Feature<f32>) -> String {
     match feature {
         Feature::Wave(w) => format!(
-            "Feature::Wave(Wave {{ part: {}, direction: Direction::{}, order: {}, amplitude: {:?}, phase: Turn(0x{:016x}) }})",
+            "Feature::Wave(Wave {{ part: {}, direction: Direction::{}, order: {}, amplitude: {:?}, phase: Phase(0x{:016x}) }})",
             part_text(w.part),
             if w.direction == Direction::Axial { "Axial" } else { "Radial" },
             w.order,
@@ -201,7 +201,7 @@ fn feature_text(feature: &Feature<f32>) -> String {
             let (part, centre, half_width, depth, shape) = s.parts();
             let shape = if shape == SpallShape::HalfSine { "HalfSine" } else { "Rectangular" };
             format!(
-                "Feature::Spall(Spall::new({}, Turn(0x{:016x}), {half_width:?}, {depth:?}, SpallShape::{shape}))",
+                "Feature::Spall(Spall::new({}, Phase(0x{:016x}), {half_width:?}, {depth:?}, SpallShape::{shape}))",
                 part_text(part),
                 centre.0
             )
@@ -212,13 +212,16 @@ fn feature_text(feature: &Feature<f32>) -> String {
 fn bearing_function(out: &mut String, of: &Bearing, fields: usize) -> Result<()> {
     let n = of.elements;
     let features = of.waviness.len() + of.defect.len();
-    let surface = if features > 0 { format!(", Uneven<Exact, [Feature<f32>; {features}]>") } else { String::new() };
-    let kind = format!("Tabulated<f32, Exact, [Place<f32>; {n}], &'static [Node<f32, {fields}>], {fields}{surface}>");
+    let surface =
+        if features > 0 { format!(", SurfaceDeviation<Exact, [Feature<f32>; {features}]>") } else { String::new() };
+    let kind = format!(
+        "Tabulated<f32, Exact, [ElementPosition<f32>; {n}], &'static [Node<f32, {fields}>], {fields}{surface}>"
+    );
     let kind = if of.facing == Facing::MinusZ { format!("Mirrored<{kind}>") } else { kind };
     writeln!(out, "    /// The bearing's type.\n    pub type Baked = {kind};\n")?;
     let mut value = "Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER)".to_owned();
     if features > 0 {
-        value += ".with_surface(Uneven::new(FEATURES))";
+        value += ".with_surface(SurfaceDeviation::new(FEATURES))";
     }
     if of.facing == Facing::MinusZ {
         value = format!("Mirrored({value})");

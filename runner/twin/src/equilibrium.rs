@@ -1,7 +1,7 @@
 //! Where a bearing or a rotor settles, and what each element then carries.
 
 use crate::campbell::modes;
-use crate::needs::{self, Need};
+use crate::effect_significance::{self, Need};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::replay::outcome::BearingOrders;
 use crate::scene::build::{self, AnyBearing, Kinematics};
@@ -12,7 +12,7 @@ use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, minimum_film};
 use ballrace::contact::hertz::Race;
-use ballrace::{Displacement, Exact, Rotation, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -191,7 +191,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
     let elements = elements(of, &built, &u, &at)?;
     let one = bearing_settled(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
     // The displacement has the preload in it.
-    let needs = needs::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
+    let needs = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(Settled {
         scene: scene.name.clone(),
         speed: at.inner_speed,
@@ -221,9 +221,9 @@ fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload: Option<Preload
     }
 }
 
-fn resting(scene: &Scene, of: &BearingScene) -> Result<Rotation<f64>> {
+fn resting(scene: &Scene, of: &BearingScene) -> Result<BearingKinematicState<f64>> {
     let at = build::rotation_at(scene, of, 0.0)?;
-    Ok(Rotation { inner_speed: scene.shaft.speed.nominal(), ..at })
+    Ok(BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at })
 }
 
 fn rows<S: nalgebra::RawStorage<f64, R, C>, R: nalgebra::Dim, C: nalgebra::Dim>(
@@ -238,7 +238,7 @@ fn bearing_settled(
     bearing: &AnyBearing<f64>,
     moved: &Displacement<f64>,
     total: &Displacement<f64>,
-    at: &Rotation<f64>,
+    at: &BearingKinematicState<f64>,
 ) -> BearingSettled {
     let (reaction, k) = bearing.reaction_and_stiffness(moved, at);
     BearingSettled {
@@ -298,7 +298,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     let (mut bearings, mut all) = (Vec::new(), Vec::new());
     let mut force = [0.0; 5];
     for (i, (of, seat)) in scene.bearings.iter().zip(&plant.seats).enumerate() {
-        let at = plant.resting(seat, Turn::ZERO);
+        let at = plant.resting(seat, Phase::ZERO);
         let (moved, total) = places(&plant, i);
         let one = bearing_settled(&seat.name, &seat.bearing, &moved, &total, &at);
         let wrench = ballrace::Wrench::from_array(one.force).from_station(seat.station).to_array();
@@ -322,7 +322,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         residual: plant.residual,
         solving_seconds,
         effects: vec![],
-        needs: needs::at_rest(scene, &plant)?,
+        needs: effect_significance::at_rest(scene, &plant)?,
     })
 }
 
@@ -345,7 +345,7 @@ fn elements(
     of: &BearingScene,
     bearing: &AnyBearing<f64>,
     u: &Displacement<f64>,
-    at: &Rotation<f64>,
+    at: &BearingKinematicState<f64>,
 ) -> Result<Vec<Element>> {
     let geometry = build::geometry(of)?;
     let states = match of.model {
@@ -372,7 +372,7 @@ fn element(
     load: f64,
     state: Option<&BallState<f64>>,
     geometry: Option<&BallBearingGeometry>,
-    at: &Rotation<f64>,
+    at: &BearingKinematicState<f64>,
 ) -> Element {
     let (inner_load, outer_load) = state.map_or((load, load), |s| (s.inner_load, s.outer_load));
     let pressure = |race, load: f64| geometry.map(|g| if load > 0.0 { g.contact(race).ellipse(load).2 } else { 0.0 });
@@ -396,7 +396,12 @@ fn element(
 }
 
 /// Least film over roughness of the worse contact (`docs/src/models.md#oil-film`).
-fn film_ratio(s: &BallState<f64>, g: &BallBearingGeometry, lubricant: Lubricant, at: &Rotation<f64>) -> Option<f64> {
+fn film_ratio(
+    s: &BallState<f64>,
+    g: &BallBearingGeometry,
+    lubricant: Lubricant,
+    at: &BearingKinematicState<f64>,
+) -> Option<f64> {
     let roughness = lubricant.roughness?;
     let oil = Oil { viscosity: lubricant.viscosity, pressure_viscosity: lubricant.pressure_viscosity };
     let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);

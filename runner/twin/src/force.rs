@@ -1,12 +1,12 @@
 //! Forces of one bearing for given displacements, in every precision and math of the kernel.
 
-use crate::fault::scene_fault;
+use crate::error::usage_error;
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing, Linear, Model, Scene};
 use anyhow::{Context, Result};
-use ballrace::bearing::{Bearing as _, HeldWrench};
-use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Status, Wrench};
+use ballrace::bearing::{Bearing as _, LastValidWrench};
+use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Math, Scalar, Status, Wrench};
 
 /// Floating-point precision of the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub struct Pose {
     /// u, v, w (m), thu, thv (rad).
     pub u: [f64; 5],
     /// Angles and speeds of the bearing's parts.
-    pub at: Rotation<f64>,
+    pub at: BearingKinematicState<f64>,
 }
 
 /// Returns the force on the inner ring and its status at each of `poses`, as `model` computes it. A pose that is not finite
@@ -63,11 +63,11 @@ fn forces_in<T: Scalar, M: Math<T>>(
     model: Model,
     poses: &[Pose],
 ) -> Result<Vec<(Wrench<f64>, Status)>> {
-    let kernel = kernel::<T, M>(scene, bearing, model).map_err(|e| scene_fault(&e))?;
-    let mut held = HeldWrench::new();
+    let kernel = kernel::<T, M>(scene, bearing, model).map_err(|e| usage_error(&e))?;
+    let mut held = LastValidWrench::new();
     let evaluate = |pose: &Pose| {
         let u = Displacement::from_array(pose.u.map(T::from_f64));
-        let at = Rotation {
+        let at = BearingKinematicState {
             cage: pose.at.cage,
             inner: pose.at.inner,
             outer: pose.at.outer,

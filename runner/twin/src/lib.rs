@@ -7,12 +7,12 @@
 
 pub mod bake;
 pub mod campbell;
+pub mod effect_significance;
 pub mod equilibrium;
-pub mod fault;
+pub mod error;
 pub mod fit;
 pub mod force;
 pub mod motion;
-pub mod needs;
 pub mod observer;
 pub mod output;
 pub mod parquet_table;
@@ -21,7 +21,7 @@ pub mod printable;
 pub mod recording;
 pub mod replay;
 pub mod scene;
+pub mod simd;
 pub mod sweep;
 pub mod trade;
 pub mod vibration;
-pub mod wide;

@@ -1,13 +1,13 @@
 //! The time response of a scene's rotor from its rest position, sample by sample.
 
-use crate::fault::scene_fault;
+use crate::error::usage_error;
 use crate::plant::{Plant, Twin};
 use crate::recording::Row;
 use crate::recording::rotation::Tracker;
-use crate::scene::{Rotation, Scene};
+use crate::scene::{RotationSource, Scene};
 use anyhow::Result;
 use ballrace::Wrench;
-use ballrace::rotor::Drive;
+use ballrace::rotor::ShaftMotion;
 
 /// Most samples of one run, with those that are left out at the start.
 pub const MOST_SAMPLES: f64 = 1e9;
@@ -24,20 +24,20 @@ pub struct Span {
 }
 
 /// One sample of the response.
-pub struct Moment<'a> {
+pub struct ResponseSample<'a> {
     /// s from the start of the scene.
     pub time: f64,
     /// Revolutions of the shaft since then.
     pub turned: f64,
     /// How the shaft moves.
-    pub drive: Drive<f64>,
+    pub drive: ShaftMotion<f64>,
     /// Where the rotor is.
     pub twin: &'a dyn Twin,
     /// Its bearings.
     pub plant: &'a Plant,
 }
 
-impl Moment<'_> {
+impl ResponseSample<'_> {
     /// Force of bearing `i` on its inner ring.
     #[must_use]
     pub fn wrench(&self, i: usize) -> Wrench<f64> {
@@ -57,22 +57,22 @@ pub fn run(
     plant: &Plant,
     span: Span,
     start: impl FnOnce(&mut dyn Twin),
-    mut tell: impl FnMut(&Moment<'_>) -> Result<()>,
+    mut tell: impl FnMut(&ResponseSample<'_>) -> Result<()>,
 ) -> Result<(u64, Box<dyn Twin>)> {
     let period = 1.0 / span.rate;
-    let mut twin = plant.start(period, 0.0).map_err(|e| scene_fault(&e))?;
+    let mut twin = plant.start(period, 0.0).map_err(|e| usage_error(&e))?;
     start(twin.as_mut());
     let mut held = 0;
     // The scene's speed profile as a recording without columns would follow it.
-    let mut shaft = Tracker::new(&Rotation::Scene, span.rate, scene.shaft.speed);
+    let mut shaft = Tracker::new(&RotationSource::Scene, span.rate, scene.shaft.speed);
     for i in 0..span.settle + span.samples {
         let time = i as f64 * period;
         shaft.push(Row { index: i, time, ..Row::default() })?;
         let Some(sample) = shaft.pop() else { break };
-        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
         if i >= span.settle {
             let turned = sample.revolution as f64 + sample.angle.revolutions();
-            tell(&Moment { time, turned, drive, twin: twin.as_ref(), plant })?;
+            tell(&ResponseSample { time, turned, drive, twin: twin.as_ref(), plant })?;
         }
         held += u64::from(twin.step(&drive).is_held());
     }

@@ -1,18 +1,18 @@
 //! Any bits as displacement and rotation: finite forces or a flag that says why not, in every rung.
 #![no_main]
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
-use ballrace::bearing::{Bearing, HeldWrench, Places, even_places};
+use ballrace::bearing::{Bearing, LastValidWrench, ElementPositions, evenly_spaced};
 use ballrace::contact::law::Point;
-use ballrace::{Displacement, Exact, Rotation, Turn};
+use ballrace::{Displacement, Exact, BearingKinematicState, Phase};
 use libfuzzer_sys::fuzz_target;
 
-fn judge(bearing: &impl Bearing<f32>, u: &Displacement<f32>, at: &Rotation<f32>) {
-    let (wrench, status) = bearing.sample(&mut HeldWrench::new(), u, at);
+fn judge(bearing: &impl Bearing<f32>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) {
+    let (wrench, status) = bearing.sample(&mut LastValidWrench::new(), u, at);
     assert!(wrench.is_finite(), "{wrench:?}");
     let fresh = bearing.reaction(u, at).wrench;
     assert!(fresh.is_finite() || status.is_held(), "{fresh:?} {status:?}");
@@ -21,8 +21,8 @@ fn judge(bearing: &impl Bearing<f32>, u: &Displacement<f32>, at: &Rotation<f32>)
 fuzz_target!(|bits: ([u32; 7], u64)| {
     let [u, v, w, thu, thv, inner_speed, outer_speed] = bits.0.map(f32::from_bits);
     let u = Displacement { u, v, w, thu, thv };
-    let at = Rotation { inner_speed, outer_speed, ..Rotation::from(Turn(bits.1)) };
-    let places: Places<f32, 9> = even_places(Turn::ZERO);
+    let at = BearingKinematicState { inner_speed, outer_speed, ..BearingKinematicState::from(Phase(bits.1)) };
+    let places: ElementPositions<f32, 9> = evenly_spaced(Phase::ZERO);
     let point = Point { stiffness: 8e9 };
     let geometry = BallBearingGeometry {
         ball_diameter: 7e-3,
@@ -43,7 +43,7 @@ fuzz_target!(|bits: ([u32; 7], u64)| {
     let radial = Radial::<f32, Exact, _, _>::try_new(places, point, 5e-6).expect("a bearing");
     let axial = Axial::<f32, Exact, _, _>::try_new(places, point, 5e-6, 0.02).expect("a bearing");
     judge(&Combined(radial, axial), &u, &at);
-    judge(&Angular::<f32, Exact, _>::try_new(geometry, places, Zero::Touching).expect("a bearing"), &u, &at);
-    let solved = QuasiStatic::<f32, Exact, _>::try_new(geometry, places, Zero::Touching).expect("a bearing");
+    judge(&Angular::<f32, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).expect("a bearing"), &u, &at);
+    let solved = QuasiStatic::<f32, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).expect("a bearing");
     judge(&solved.with_outer_control(&inertia).expect("a bearing"), &u, &at);
 });

@@ -1,11 +1,11 @@
 //! What the micromath backend costs in error.
 
 use ballrace::bearing::Bearing;
-use ballrace::bearing::angular::{Angular, Zero};
-use ballrace::bearing::even_places;
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
+use ballrace::bearing::evenly_spaced;
 use ballrace::bearing::lumped::Radial;
 use ballrace::contact::law::Point;
-use ballrace::{Displacement, Exact, Fast, Math, Turn};
+use ballrace::{Displacement, Exact, Fast, Math, Phase};
 use ballrace_tests::bearings::deep_groove_geometry;
 use ballrace_tests::compare::relative_to_largest;
 
@@ -30,13 +30,13 @@ pub fn errors() -> Errors {
 }
 
 fn radial<M: Math<f32>>() -> impl Bearing<f32> {
-    let places = even_places::<f32, 9>(Turn::ZERO);
+    let places = evenly_spaced::<f32, 9>(Phase::ZERO);
     Radial::<f32, M, _, _>::try_new(places, Point { stiffness: 8e9 }, 5e-6).expect("a bearing")
 }
 
 fn angular<M: Math<f32>>() -> impl Bearing<f32> {
-    let places = even_places::<f32, 9>(Turn::ZERO);
-    Angular::<f32, M, _>::try_new(deep_groove_geometry(10e-6), places, Zero::Centred).expect("a bearing")
+    let places = evenly_spaced::<f32, 9>(Phase::ZERO);
+    Angular::<f32, M, _>::try_new(deep_groove_geometry(10e-6), places, DisplacementDatum::Centred).expect("a bearing")
 }
 
 fn force_error(exact: &impl Bearing<f32>, fast: &impl Bearing<f32>) -> f64 {
@@ -44,7 +44,7 @@ fn force_error(exact: &impl Bearing<f32>, fast: &impl Bearing<f32>) -> f64 {
         let size = 2.0_f64.powf(4.0 * f64::from(i) / 200.0);
         let u = Displacement::from_array([8e-6, 3e-6, 20e-6, 1e-4, -5e-5].map(|x| (x * size) as f32));
         let wrench = |bearing: &dyn Bearing<f32>| {
-            bearing.reaction(&u, &Turn::from_revolutions(0.1).into()).wrench.to_array().map(f64::from)
+            bearing.reaction(&u, &Phase::from_revolutions(0.1).into()).wrench.to_array().map(f64::from)
         };
         relative_to_largest(&wrench(fast), &wrench(exact))
     };

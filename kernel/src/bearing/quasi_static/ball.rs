@@ -7,9 +7,9 @@
 
 use super::film::{Film, FilmConstants, press};
 use super::inertia::{BallInertia, Inertia, InertiaEffects, InertiaLoads, WithSlopes};
+use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::{Lanes, Plane};
 use crate::math::Math;
-use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
@@ -18,7 +18,7 @@ const NO_LOAD: f64 = 1e-12;
 
 /// Constants of all balls of a bearing.
 #[derive(Debug, Clone, Copy)]
-pub struct BallSeat<T> {
+pub struct BallConstants<T> {
     /// K_i, K_o, N/m^1.5.
     pub inner_stiffness: T,
     pub outer_stiffness: T,
@@ -46,18 +46,18 @@ pub struct BallSeat<T> {
 
 /// What drives `K` balls: where the inner groove centre is, what the surfaces add to the two gaps, the speeds.
 #[derive(Clone, Copy)]
-pub struct Drive<T, const K: usize> {
+pub struct BallInput<T, const K: usize> {
     pub grooves: Plane<Lanes<T, K>>,
     pub inner_bulge: Lanes<T, K>,
     pub outer_bulge: Lanes<T, K>,
-    pub speeds: Rotation<T>,
+    pub speeds: BearingKinematicState<T>,
     /// 0 for a ball off the inner race.
     pub rolling: Lanes<T, K>,
 }
 
 /// One contact of `K` balls.
 #[derive(Clone, Copy)]
-pub struct Touch<L> {
+pub struct ContactState<L> {
     /// From the inner contact through the ball to the outer contact.
     pub direction: Plane<L>,
     /// `1/l`.
@@ -75,8 +75,8 @@ pub struct Touch<L> {
 /// All that acts on `K` balls.
 #[derive(Clone, Copy)]
 pub struct Balance<L> {
-    pub outer: Touch<L>,
-    pub inner: Touch<L>,
+    pub outer: ContactState<L>,
+    pub inner: ContactState<L>,
     pub inertia: InertiaLoads<L>,
     /// lambda_o, lambda_i.
     pub outer_share: L,
@@ -155,7 +155,7 @@ impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
 /// The ball's mechanics with the effects that the type parameters name.
 #[derive(Debug, Clone, Copy)]
 pub struct Ball<T, M, I, F> {
-    pub seat: BallSeat<T>,
+    pub seat: BallConstants<T>,
     pub inertia: I,
     pub film: F,
     pub math: PhantomData<M>,
@@ -201,7 +201,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         (stiffness, floor): (T, T),
         (direction, inverse_length, approach): (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>),
         (films, unit_film, before): (&FilmConstants<T>, Lanes<T, K>, Lanes<T, K>),
-    ) -> Touch<Lanes<T, K>> {
+    ) -> ContactState<Lanes<T, K>> {
         let k = Lanes::all(stiffness);
         let (deflection, by_approach, film) = if self.film.is_present() {
             let wet = press::<T, M, K>(films, unit_film, (k, Lanes::all(floor)), approach, before);
@@ -214,12 +214,12 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let load = per_metre * deflection.positive();
         let slope = Lanes::constant(1.5) * per_metre;
         let slope = if self.film.is_present() { slope * by_approach } else { slope };
-        Touch { direction, inverse_length, deflection, load, slope, film }
+        ContactState { direction, inverse_length, deflection, load, slope, film }
     }
 
     /// Everything at one position.
     #[inline(always)]
-    pub fn balance<const K: usize>(&self, drive: &Drive<T, K>, at: &Position<Lanes<T, K>>) -> Balance<Lanes<T, K>> {
+    pub fn balance<const K: usize>(&self, drive: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Balance<Lanes<T, K>> {
         let seat = &self.seat;
         let outer = self.reach(seat.outer_length, at.centre);
         let inner = self.reach(seat.inner_length, drive.grooves.minus(at.centre));
@@ -281,7 +281,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     #[inline(always)]
     pub fn orbital<const K: usize>(
         &self,
-        speeds: &Rotation<T>,
+        speeds: &BearingKinematicState<T>,
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
     ) -> Lanes<T, K> {
@@ -294,7 +294,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     #[inline(always)]
     pub fn unit_films<const K: usize>(
         &self,
-        speeds: &Rotation<T>,
+        speeds: &BearingKinematicState<T>,
         orbital: Lanes<T, K>,
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
@@ -317,7 +317,7 @@ pub struct Slopes<L> {
 impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     /// `k e e^T + (Q/l)(1 - e e^T)` of one contact.
     #[inline(always)]
-    fn contact_stiffness(touch: &Touch<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
+    fn contact_stiffness(touch: &ContactState<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
         let across = touch.load * touch.inverse_length;
         let tangent = touch.direction.tangent();
         Matrix::outer(touch.direction.times(touch.slope), touch.direction)
@@ -334,7 +334,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     #[inline(always)]
     pub fn loaded_slopes(&self) -> (Lanes<T, K>, Lanes<T, K>) {
         let zero = Lanes::all(T::ZERO);
-        let of = |touch: &Touch<Lanes<T, K>>| Lanes::choose(zero.below(touch.deflection), touch.slope, zero);
+        let of = |touch: &ContactState<Lanes<T, K>>| Lanes::choose(zero.below(touch.deflection), touch.slope, zero);
         (of(&self.outer), of(&self.inner))
     }
 
@@ -343,8 +343,8 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     pub fn loaded_stiffnesses(&self) -> Slopes<Lanes<T, K>> {
         let (outer, inner) = self.loaded_slopes();
         Slopes {
-            outer: Self::contact_stiffness(&Touch { slope: outer, ..self.outer }),
-            inner: Self::contact_stiffness(&Touch { slope: inner, ..self.inner }),
+            outer: Self::contact_stiffness(&ContactState { slope: outer, ..self.outer }),
+            inner: Self::contact_stiffness(&ContactState { slope: inner, ..self.inner }),
         }
     }
 

@@ -1,43 +1,43 @@
 //! The rung as a [`Bearing`], and what only this rung can tell.
 
 use super::QuasiStatic;
-use super::elements::{BallPlace, BallState, RingReactions};
+use super::elements::{BallPosition, BallState, RingReactions};
 use super::film::Film;
 use super::inertia::Inertia;
-use crate::bearing::elements::InCage;
-use crate::bearing::place::Arrangement;
-use crate::bearing::ring::{CageTurn, into_cage, out_of_cage};
+use crate::bearing::element_position::ElementLayout;
+use crate::bearing::elements::CageFrame;
+use crate::bearing::ring::{CageRotation, out_of_cage, to_cage_frame};
 use crate::bearing::surface::Surface;
 use crate::bearing::{Reaction, bearing_in_cage};
 use crate::frame::{Displacement, Stiffness};
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
-use crate::rotation::Rotation;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> InCage<T>
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> CageFrame<T>
     for QuasiStatic<T, M, P, I, F, S>
 {
     #[inline(always)]
-    fn turn(cage: Turn) -> CageTurn<T> {
+    fn turn(cage: Phase) -> CageRotation<T> {
         M::sin_cos(cage)
     }
     #[inline(always)]
-    fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.inner_reaction(&self.rims(u, None), at)
     }
     #[inline]
     fn reaction_in_cage_and_stiffness(
         &self,
         u: &Displacement<T>,
-        at: &Rotation<T>,
-        turn: CageTurn<T>,
+        at: &BearingKinematicState<T>,
+        turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
         self.reaction_and_tangent(&self.rims(u, None), at, turn)
     }
     /// The loads on the inner race.
     #[inline]
-    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         let mut loads = loads.iter_mut();
         self.states(&self.rims(u, None), at, |state| {
             if let Some(load) = loads.next() {
@@ -49,20 +49,22 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
 
 bearing_in_cage!(
     QuasiStatic<T, M, P, I, F, S>,
-    T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>
+    T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>
 );
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> QuasiStatic<T, M, P, I, F, S> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>>
+    QuasiStatic<T, M, P, I, F, S>
+{
     /// Forces on both rings, each displaced by its own. Action equals reaction but for the balls' inertia: the forces of a
     /// ball on the two rings add up to `F_c e_r`.
     pub fn ring_reactions(
         &self,
         inner: &Displacement<T>,
         outer: &Displacement<T>,
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
     ) -> RingReactions<T> {
         let turn = M::sin_cos(at.cage);
-        let (inner, outer) = (into_cage(inner, turn), into_cage(outer, turn));
+        let (inner, outer) = (to_cage_frame(inner, turn), to_cage_frame(outer, turn));
         let local = self.ring_reactions_in_cage(&inner, &outer, at);
         RingReactions {
             inner: Reaction { wrench: out_of_cage(&local.inner.wrench, turn), ..local.inner },
@@ -74,15 +76,15 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
         &self,
         inner: &Displacement<T>,
         outer: &Displacement<T>,
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
     ) -> RingReactions<T> {
         self.both_reactions(&self.rims(inner, Some(outer)), at)
     }
 
     /// What each ball does, in order; as many as `states` takes.
-    pub fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]) {
+    pub fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
         let mut states = states.iter_mut();
-        self.states(&self.rims(&into_cage(u, M::sin_cos(at.cage)), None), at, |state| {
+        self.states(&self.rims(&to_cage_frame(u, M::sin_cos(at.cage)), None), at, |state| {
             if let Some(place) = states.next() {
                 *place = state;
             }
@@ -91,20 +93,25 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
 
     /// As [`crate::Bearing::reaction`] from where the balls were at the last sample, which `balls` remembers: a few steps
     /// ([`QuasiStatic::with_steps`]) then do what a cold start needs many for. Start with [`QuasiStatic::place_balls`].
-    pub fn reaction_from(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) -> Reaction<T> {
+    pub fn reaction_from(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) -> Reaction<T> {
         let turn = M::sin_cos(at.cage);
-        let local = self.inner_reaction_from(&self.rims(&into_cage(u, turn), None), at, balls);
+        let local = self.inner_reaction_from(&self.rims(&to_cage_frame(u, turn), None), at, balls);
         Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
     }
 
     /// Puts the balls where a cold start finds them.
-    pub fn place_balls(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) {
-        self.place(&self.rims(&into_cage(u, M::sin_cos(at.cage)), None), at, balls);
+    pub fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
+        self.place(&self.rims(&to_cage_frame(u, M::sin_cos(at.cage)), None), at, balls);
     }
 
     /// The tangent with the inertia loads held constant: symmetric, and off by 0.1 to 0.4 % at high speed (`docs/src/models.md#tangent-stiffness`).
-    pub fn condensed_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> Stiffness<T> {
+    pub fn condensed_stiffness(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Stiffness<T> {
         let turn = M::sin_cos(at.cage);
-        self.condensed_in_cage(&self.rims(&into_cage(u, turn), None), at, turn)
+        self.condensed_in_cage(&self.rims(&to_cage_frame(u, turn), None), at, turn)
     }
 }

@@ -1,18 +1,18 @@
 //! From the rings' displacements to the balls and back.
 
 use super::QuasiStatic;
-use super::ball::{Balance, Ball, Drive, Position};
+use super::ball::{Balance, Ball, BallInput, Position};
 use super::film::Film;
 use super::inertia::Inertia;
 use super::solver::Solution;
 use crate::bearing::Reaction;
-use crate::bearing::place::{ABREAST, Arrangement, Place, groups};
+use crate::bearing::element_position::{BLOCK, ElementLayout, ElementPosition, groups};
 use crate::bearing::ring::{Contact, Motion, WrenchSum};
 use crate::bearing::surface::{Smooth, Surface};
 use crate::frame::{Displacement, Wrench};
+use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::{Lanes, Mask, Plane};
 use crate::math::Math;
-use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
@@ -26,7 +26,7 @@ const TRACTION: f64 = 0.1;
 
 /// Where a ball was: the start of its next solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BallPlace<T> {
+pub struct BallPosition<T> {
     centre: [T; 2],
     deflections: [T; 2],
 }
@@ -73,7 +73,9 @@ pub struct RingReactions<T> {
     pub outer: Wrench<T>,
 }
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> QuasiStatic<T, M, P, I, F, S> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>>
+    QuasiStatic<T, M, P, I, F, S>
+{
     /// The displacements, in the cage's frame, as what the groove centres go by.
     #[inline(always)]
     pub(super) fn rims(&self, inner: &Displacement<T>, outer: Option<&Displacement<T>>) -> Rims<T> {
@@ -82,7 +84,12 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
     }
 
     #[inline(always)]
-    fn drive<const K: usize>(&self, places: &[Place<T>; K], rims: &Rims<T>, at: &Rotation<T>) -> Drive<T, K> {
+    fn drive<const K: usize>(
+        &self,
+        places: &[ElementPosition<T>; K],
+        rims: &Rims<T>,
+        at: &BearingKinematicState<T>,
+    ) -> BallInput<T, K> {
         let motions = places.each_ref().map(|place| {
             let motion = Motion::of(place, &rims.inner, at, &self.surface).with_waviness();
             match &rims.outer {
@@ -93,7 +100,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
                 None => motion,
             }
         });
-        Drive {
+        BallInput {
             grooves: Plane { r: Lanes(motions.map(|m| m.radial + self.offset)), z: Lanes(motions.map(|m| m.axial)) },
             inner_bulge: Lanes(motions.map(|m| m.shape.inner)),
             outer_bulge: Lanes(motions.map(|m| m.shape.outer)),
@@ -107,10 +114,10 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
     pub(super) fn solve_each(
         &self,
         rims: &Rims<T>,
-        at: &Rotation<T>,
-        mut take: impl FnMut(&[Place<T>], &Solution<T, ABREAST>),
+        at: &BearingKinematicState<T>,
+        mut take: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK>),
     ) {
-        for group in groups::<T, ABREAST>(&self.places) {
+        for group in groups::<T, BLOCK>(&self.places) {
             let mut drive = self.drive(&group.places, rims, at);
             let solution = self.ball.solve(&mut drive, self.steps);
             take(group.real(), &solution);
@@ -118,8 +125,8 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
     }
 
     /// Where a cold start finds the balls.
-    pub(super) fn place(&self, rims: &Rims<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) {
-        let mut groups = balls.chunks_mut(ABREAST);
+    pub(super) fn place(&self, rims: &Rims<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
+        let mut groups = balls.chunks_mut(BLOCK);
         self.solve_each(rims, at, |_, solution| scatter(solution, groups.next().unwrap_or_default()));
     }
 
@@ -128,11 +135,11 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
     fn solve_each_from(
         &self,
         rims: &Rims<T>,
-        at: &Rotation<T>,
-        balls: &mut [BallPlace<T>],
-        mut take: impl FnMut(&[Place<T>], &Solution<T, ABREAST>),
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+        mut take: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK>),
     ) {
-        let groups = groups::<T, ABREAST>(&self.places).zip(balls.chunks_mut(ABREAST));
+        let groups = groups::<T, BLOCK>(&self.places).zip(balls.chunks_mut(BLOCK));
         for (group, balls) in groups {
             let mut drive = self.drive(&group.places, rims, at);
             let start = gather(balls);
@@ -149,13 +156,13 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
     ///
     /// Where the inner ring does not reach the ball the load is below 0, as it would go on if the contact could pull: what
     /// the outer race and the centrifugal force need to move the ball aside by the gap. So it has no kink there.
-    pub(in crate::bearing) fn ball_at(&self, approach: T, sin: T, at: &Rotation<T>) -> ([T; 3], bool) {
+    pub(in crate::bearing) fn ball_at(&self, approach: T, sin: T, at: &BearingKinematicState<T>) -> ([T; 3], bool) {
         let seat = &self.ball.seat;
         let cos = M::sqrt(T::ONE - sin * sin);
         let length = seat.distance + approach;
         let all = Lanes::<T, 1>::all;
         let zero = all(T::ZERO);
-        let mut drive = Drive {
+        let mut drive = BallInput {
             grooves: Plane {
                 r: all(length * cos - seat.distance * seat.axis.r),
                 z: all(length * sin - seat.distance * seat.axis.z),
@@ -180,7 +187,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
     }
 
     /// Calls `put` with the state of each ball in order.
-    pub(super) fn states(&self, rims: &Rims<T>, at: &Rotation<T>, mut put: impl FnMut(BallState<T>)) {
+    pub(super) fn states(&self, rims: &Rims<T>, at: &BearingKinematicState<T>, mut put: impl FnMut(BallState<T>)) {
         let diameter = T::from_f64(self.geometry.ball_diameter);
         self.solve_each(rims, at, |places, solution| {
             for (_, state) in places.iter().zip(states(solution, diameter)) {
@@ -191,7 +198,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
 
     /// Reaction on the inner ring, in the cage's frame.
     #[inline(always)]
-    pub(super) fn inner_reaction(&self, rims: &Rims<T>, at: &Rotation<T>) -> Reaction<T> {
+    pub(super) fn inner_reaction(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = InnerSum::new();
         self.solve_each(rims, at, |places, solution| sum.add(&self.ball, places, solution));
         sum.finish(self.inner_arm)
@@ -202,8 +209,8 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
     pub(super) fn inner_reaction_from(
         &self,
         rims: &Rims<T>,
-        at: &Rotation<T>,
-        balls: &mut [BallPlace<T>],
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
     ) -> Reaction<T> {
         let mut sum = InnerSum::new();
         self.solve_each_from(rims, at, balls, |places, solution| sum.add(&self.ball, places, solution));
@@ -212,7 +219,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
 
     /// Reactions on both rings, in the cage's frame.
     #[inline(always)]
-    pub(super) fn both_reactions(&self, rims: &Rims<T>, at: &Rotation<T>) -> RingReactions<T> {
+    pub(super) fn both_reactions(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> RingReactions<T> {
         let (mut inner, mut outer) = (InnerSum::new(), WrenchSum::new());
         self.solve_each(rims, at, |places, solution| {
             inner.add(&self.ball, places, solution);
@@ -237,8 +244,8 @@ impl<T: Scalar> InnerSum<T> {
     pub fn add<M: Math<T>, I: Inertia<T>, F: Film<T>>(
         &mut self,
         ball: &Ball<T, M, I, F>,
-        places: &[Place<T>],
-        solution: &Solution<T, ABREAST>,
+        places: &[ElementPosition<T>],
+        solution: &Solution<T, BLOCK>,
     ) {
         self.forces.add_each(places, &ball.inner_contacts(&solution.balance), 0);
         for (_, settled) in places.iter().zip(solution.settled.0) {
@@ -300,7 +307,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     }
 }
 
-fn gather<T: Scalar, const K: usize>(balls: &[BallPlace<T>]) -> Position<Lanes<T, K>> {
+fn gather<T: Scalar, const K: usize>(balls: &[BallPosition<T>]) -> Position<Lanes<T, K>> {
     let zero = Lanes::all(T::ZERO);
     let mut position = Position {
         centre: Plane { r: zero, z: zero },
@@ -308,7 +315,7 @@ fn gather<T: Scalar, const K: usize>(balls: &[BallPlace<T>]) -> Position<Lanes<T
         inner_deflection: zero,
         inner_closing: Lanes::all(T::ONE),
     };
-    let mut last = BallPlace::default();
+    let mut last = BallPosition::default();
     let mut balls = balls.iter();
     let lanes = position.centre.r.0.iter_mut().zip(&mut position.centre.z.0);
     let lanes = lanes.zip(&mut position.outer_deflection.0).zip(&mut position.inner_deflection.0);
@@ -320,7 +327,7 @@ fn gather<T: Scalar, const K: usize>(balls: &[BallPlace<T>]) -> Position<Lanes<T
     position
 }
 
-fn scatter<T: Scalar, const K: usize>(solution: &Solution<T, K>, balls: &mut [BallPlace<T>]) {
+fn scatter<T: Scalar, const K: usize>(solution: &Solution<T, K>, balls: &mut [BallPosition<T>]) {
     let at = &solution.at;
     let centres = at.centre.r.0.into_iter().zip(at.centre.z.0);
     let deflections = solution.balance.outer.deflection.0.into_iter().zip(solution.balance.inner.deflection.0);

@@ -10,8 +10,8 @@
 //! (`g = D/d_m`): no angle, no tangent, one division. `M_g` keeps the sign of the spin speed; it is below 0 for an inner
 //! ring that turns forward under a positive contact angle.
 
+use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::{Lanes, Plane};
-use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 
 /// Which race the ball does not spin on (Harris).
@@ -251,7 +251,7 @@ impl<T: Scalar> BallInertia<T> {
     pub(super) fn orbital_speed<const K: usize>(
         &self,
         ratio: T,
-        speeds: &Rotation<T>,
+        speeds: &BearingKinematicState<T>,
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
     ) -> Lanes<T, K> {
@@ -270,7 +270,7 @@ impl<T: Scalar> BallInertia<T> {
         &self,
         effects: InertiaEffects,
         ratio: T,
-        speeds: &Rotation<T>,
+        speeds: &BearingKinematicState<T>,
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
         rolling: Lanes<T, K>,

@@ -13,16 +13,16 @@ mod solver;
 mod tangent;
 
 pub(in crate::bearing) use ball::Matrix;
-pub use elements::{BallPlace, BallState, RingReactions};
+pub use elements::{BallPosition, BallState, RingReactions};
 pub(in crate::bearing) use tangent::contact_tangents;
 
-use self::ball::{Ball, BallSeat};
+use self::ball::{Ball, BallConstants};
 use self::film::{Dry, FilmConstants, HamrockDowson, Lubricant, SelectedFilm};
 use self::inertia::{
     BallInertia, Centrifugal, FrictionSharing, Gyroscopic, InertiaEffects, InertiaParams, Massless, OuterControlled,
     RaceControl, SelectedInertia,
 };
-use super::angular::Zero;
+use super::angular::DisplacementDatum;
 use super::geometry::{BallBearingGeometry, InvalidParameter, check};
 use super::surface::{Smooth, Surface};
 use crate::contact::hertz::{PointContact, Race, in_series};
@@ -38,12 +38,12 @@ pub const COLD_STEPS: u8 = 8;
 /// Cost a ball: a first guess, `steps` Newton steps and a last evaluation, whatever the state.
 ///
 /// ```
-/// use ballrace::bearing::angular::Zero;
+/// use ballrace::bearing::angular::DisplacementDatum;
 /// use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 /// use ballrace::bearing::quasi_static::QuasiStatic;
 /// use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
-/// use ballrace::bearing::{Bearing, even_places};
-/// use ballrace::{Displacement, Exact, Rotation, Turn};
+/// use ballrace::bearing::{Bearing, evenly_spaced};
+/// use ballrace::{Displacement, Exact, BearingKinematicState, Phase};
 ///
 /// // Harris' 218 bearing, pushed by 0.0330 mm at 6000 rpm: it carries 17.8 kN.
 /// let geometry = BallBearingGeometry {
@@ -62,9 +62,9 @@ pub const COLD_STEPS: u8 = 8;
 ///     control: RaceControl::Outer,
 ///     sharing: FrictionSharing::Outer,
 /// };
-/// let places = even_places::<f64, 16>(Turn::ZERO);
-/// let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, places, Zero::Touching)?.with_inertia(&inertia)?;
-/// let turning = Rotation { inner_speed: 6000.0 * std::f64::consts::TAU / 60.0, ..Rotation::default() };
+/// let places = evenly_spaced::<f64, 16>(Phase::ZERO);
+/// let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching)?.with_inertia(&inertia)?;
+/// let turning = BearingKinematicState { inner_speed: 6000.0 * std::f64::consts::TAU / 60.0, ..BearingKinematicState::default() };
 /// let pushed = Displacement { w: 32.9819e-6, ..Displacement::default() };
 /// let force = bearing.reaction(&pushed, &turning).wrench;
 /// assert!((force.fz / -17_800.0 - 1.0).abs() < 1e-5);
@@ -85,14 +85,18 @@ pub struct QuasiStatic<T, M, P, I = Massless, F = Dry, S = Smooth> {
 }
 
 /// A bearing with one more effect, or why not.
-pub type Made<T, M, P, I, F, S> = Result<QuasiStatic<T, M, P, I, F, S>, InvalidParameter>;
+pub type QuasiStaticResult<T, M, P, I, F, S> = Result<QuasiStatic<T, M, P, I, F, S>, InvalidParameter>;
 
 impl<T: Scalar, M, P> QuasiStatic<T, M, P> {
     /// Balls without mass and film on round races; stiffness by Hertz at the free contact angle. Set-up time.
     ///
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
-    pub fn try_new(geometry: BallBearingGeometry, places: P, zero: Zero) -> Result<Self, InvalidParameter> {
+    pub fn try_new(
+        geometry: BallBearingGeometry,
+        places: P,
+        zero: DisplacementDatum,
+    ) -> Result<Self, InvalidParameter> {
         let geometry = geometry.checked()?;
         Ok(Self {
             places,
@@ -108,27 +112,27 @@ impl<T: Scalar, M, P> QuasiStatic<T, M, P> {
 }
 
 /// `-A (1 - cos(alpha_0))`, half the clearance, where the rings are centred.
-fn offset(geometry: &BallBearingGeometry, zero: Zero) -> f64 {
+fn offset(geometry: &BallBearingGeometry, zero: DisplacementDatum) -> f64 {
     match zero {
-        Zero::Touching => 0.0,
-        Zero::Centred => {
+        DisplacementDatum::Touching => 0.0,
+        DisplacementDatum::Centred => {
             let half = libm::sin(0.5 * geometry.contact_angle);
             -2.0 * geometry.groove_distance() * half * half
         }
     }
 }
 
-fn seat<T: Scalar>(geometry: &BallBearingGeometry, zero: Zero) -> BallSeat<T> {
+fn seat<T: Scalar>(geometry: &BallBearingGeometry, zero: DisplacementDatum) -> BallConstants<T> {
     let d = geometry.ball_diameter;
     let (inner, outer) = (geometry.contact(Race::Inner).stiffness, geometry.contact(Race::Outer).stiffness);
     let (l_i, l_o) = ((geometry.inner_conformity - 0.5) * d, (geometry.outer_conformity - 0.5) * d);
     let axis = match zero {
-        Zero::Touching => (libm::cos(geometry.contact_angle), libm::sin(geometry.contact_angle)),
-        Zero::Centred => (1.0, 0.0),
+        DisplacementDatum::Touching => (libm::cos(geometry.contact_angle), libm::sin(geometry.contact_angle)),
+        DisplacementDatum::Centred => (1.0, 0.0),
     };
     let compliance = |k: f64| libm::pow(k, -2.0 / 3.0);
     let number = T::from_f64;
-    BallSeat {
+    BallConstants {
         inner_stiffness: number(inner),
         outer_stiffness: number(outer),
         inner_length: number(l_i),
@@ -157,7 +161,7 @@ fn rolling_contact(geometry: &BallBearingGeometry, race: Race) -> (PointContact,
 
 /// Numbers of the bearing that its table needs besides.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TableSeat<T> {
+pub struct TableConstants<T> {
     /// Lever of the friction couple over the arm.
     pub couple: T,
     /// A, m.
@@ -170,11 +174,11 @@ pub struct TableSeat<T> {
     pub arm: T,
 }
 
-impl TableSeat<f64> {
+impl TableConstants<f64> {
     /// The same in another precision, rounded once.
     #[must_use]
-    pub fn rounded<T: Scalar>(&self) -> TableSeat<T> {
-        TableSeat {
+    pub fn rounded<T: Scalar>(&self) -> TableConstants<T> {
+        TableConstants {
             couple: T::from_f64(self.couple),
             distance: T::from_f64(self.distance),
             axis: self.axis.map(T::from_f64),
@@ -187,10 +191,16 @@ impl TableSeat<f64> {
 impl<M, P, I, F, S> QuasiStatic<f64, M, P, I, F, S> {
     /// What a table of this bearing needs besides its nodes.
     #[must_use]
-    pub fn table_seat(&self) -> TableSeat<f64> {
+    pub fn table_constants(&self) -> TableConstants<f64> {
         let seat = &self.ball.seat;
         let axis = [seat.axis.r, seat.axis.z];
-        TableSeat { couple: seat.inner_couple, distance: seat.distance, axis, offset: self.offset, arm: self.inner_arm }
+        TableConstants {
+            couple: seat.inner_couple,
+            distance: seat.distance,
+            axis,
+            offset: self.offset,
+            arm: self.inner_arm,
+        }
     }
 }
 
@@ -221,7 +231,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// A density below 0 or not finite.
-    pub fn with_inertia(self, params: &InertiaParams) -> Made<T, M, P, Gyroscopic<T>, F, S>
+    pub fn with_inertia(self, params: &InertiaParams) -> QuasiStaticResult<T, M, P, Gyroscopic<T>, F, S>
     where
         F: Copy,
     {
@@ -234,7 +244,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// A density below 0 or not finite.
-    pub fn with_outer_control(self, params: &InertiaParams) -> Made<T, M, P, OuterControlled<T>, F, S>
+    pub fn with_outer_control(self, params: &InertiaParams) -> QuasiStaticResult<T, M, P, OuterControlled<T>, F, S>
     where
         F: Copy,
     {
@@ -247,7 +257,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// A density below 0 or not finite.
-    pub fn with_centrifugal(self, params: &InertiaParams) -> Made<T, M, P, Centrifugal<T>, F, S>
+    pub fn with_centrifugal(self, params: &InertiaParams) -> QuasiStaticResult<T, M, P, Centrifugal<T>, F, S>
     where
         F: Copy,
     {
@@ -261,7 +271,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// A density below 0 or not finite.
-    pub fn with_selected_inertia(self, params: &InertiaParams) -> Made<T, M, P, SelectedInertia<T>, F, S>
+    pub fn with_selected_inertia(self, params: &InertiaParams) -> QuasiStaticResult<T, M, P, SelectedInertia<T>, F, S>
     where
         F: Copy,
     {
@@ -284,7 +294,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// A viscosity or pressure-viscosity coefficient that is not above 0.
-    pub fn with_film(self, oil: Lubricant) -> Made<T, M, P, I, HamrockDowson<T>, S>
+    pub fn with_film(self, oil: Lubricant) -> QuasiStaticResult<T, M, P, I, HamrockDowson<T>, S>
     where
         I: Copy,
     {
@@ -297,7 +307,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     ///
     /// # Errors
     /// As [`QuasiStatic::with_film`].
-    pub fn with_selected_film(self, oil: Option<Lubricant>) -> Made<T, M, P, I, SelectedFilm<T>, S>
+    pub fn with_selected_film(self, oil: Option<Lubricant>) -> QuasiStaticResult<T, M, P, I, SelectedFilm<T>, S>
     where
         I: Copy,
     {

@@ -6,7 +6,7 @@
 //! against it almost as strongly as it pushed before) is cut at the secant's zero; where friction and race control leave
 //! Newton's matrix without a sure direction, the stiffness of the contacts alone takes its place.
 
-use super::ball::{Balance, Ball, Drive, Matrix, Position};
+use super::ball::{Balance, Ball, BallInput, Matrix, Position};
 use super::film::{BY_LOAD, FLOOR, Film};
 use super::inertia::Inertia;
 use crate::lanes::{Lanes, Mask, Plane};
@@ -35,7 +35,7 @@ pub struct Solution<T, const K: usize> {
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// From a cold start. One copy for all that ask: the callers' own parts are small.
     #[inline(never)]
-    pub fn solve<const K: usize>(&self, drive: &mut Drive<T, K>, steps: u8) -> Solution<T, K> {
+    pub fn solve<const K: usize>(&self, drive: &mut BallInput<T, K>, steps: u8) -> Solution<T, K> {
         let start = self.start(drive);
         self.settle(drive, &start, steps)
     }
@@ -44,7 +44,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     #[inline(never)]
     pub fn settle<const K: usize>(
         &self,
-        drive: &Drive<T, K>,
+        drive: &BallInput<T, K>,
         start: &Position<Lanes<T, K>>,
         steps: u8,
     ) -> Solution<T, K> {
@@ -105,7 +105,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
 
     /// 1 for the balls at `at` that the inner ring reaches, 0 for those it does not.
     #[inline(always)]
-    pub fn rolling<const K: usize>(&self, drive: &Drive<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
+    pub fn rolling<const K: usize>(&self, drive: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
         let (inner, _, approach) = self.reach(self.seat.inner_length, drive.grooves.minus(at.centre));
         let mut room = approach + drive.inner_bulge;
         if self.film.is_present() {
@@ -122,7 +122,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// them; where they do, the centrifugal force holds it outward, and with both directions known the balance of forces
     /// gives the loads and so better radii.
     #[inline(always)]
-    pub fn start<const K: usize>(&self, drive: &mut Drive<T, K>) -> Position<Lanes<T, K>> {
+    pub fn start<const K: usize>(&self, drive: &mut BallInput<T, K>) -> Position<Lanes<T, K>> {
         let seat = &self.seat;
         let (zero, one) = (Lanes::all(T::ZERO), Lanes::all(T::ONE));
         let rest = Plane { r: Lanes::all(seat.distance * seat.axis.r), z: Lanes::all(seat.distance * seat.axis.z) };

@@ -11,23 +11,25 @@ use super::elements::{InnerSum, Rims};
 use super::film::Film;
 use super::inertia::Inertia;
 use crate::bearing::Reaction;
-use crate::bearing::place::{ABREAST, Arrangement};
-use crate::bearing::ring::{CageTurn, ContactStiffness, ContactTangent, StiffnessSum, TangentSum};
+use crate::bearing::element_position::{BLOCK, ElementLayout};
+use crate::bearing::ring::{CageRotation, ContactStiffness, ContactTangent, StiffnessSum, TangentSum};
 use crate::bearing::surface::Surface;
 use crate::frame::Stiffness;
+use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::{Lanes, Plane};
 use crate::math::Math;
-use crate::rotation::Rotation;
 use crate::scalar::Scalar;
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>> QuasiStatic<T, M, P, I, F, S> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>>
+    QuasiStatic<T, M, P, I, F, S>
+{
     /// Reaction in the cage's frame, and its tangent in the fixed one.
     #[inline(always)]
     pub(super) fn reaction_and_tangent(
         &self,
         rims: &Rims<T>,
-        at: &Rotation<T>,
-        turn: CageTurn<T>,
+        at: &BearingKinematicState<T>,
+        turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
         let (mut sum, mut tangent) = (InnerSum::new(), TangentSum::new());
         self.solve_each(rims, at, |places, solution| {
@@ -41,7 +43,12 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, I: Inertia<T>, F: Film<T>, S: Sur
 
     /// The condensed tangent `sum T_j^T S_i (S_i + S_o)^-1 S_o T_j` in the fixed frame: the inertia loads held constant.
     #[inline(always)]
-    pub(super) fn condensed_in_cage(&self, rims: &Rims<T>, at: &Rotation<T>, turn: CageTurn<T>) -> Stiffness<T> {
+    pub(super) fn condensed_in_cage(
+        &self,
+        rims: &Rims<T>,
+        at: &BearingKinematicState<T>,
+        turn: CageRotation<T>,
+    ) -> Stiffness<T> {
         let mut sum = StiffnessSum::new();
         self.solve_each(rims, at, |places, solution| {
             for (place, k) in places.iter().zip(condensed(&solution.balance)) {
@@ -61,11 +68,11 @@ fn inverse<T: Scalar, const K: usize>(a: Matrix<Lanes<T, K>>) -> Matrix<Lanes<T,
     a.adjugate().scaled(Lanes::all(T::ONE) / size)
 }
 
-fn condensed<T: Scalar>(balance: &Balance<Lanes<T, ABREAST>>) -> [ContactStiffness<T>; ABREAST] {
+fn condensed<T: Scalar>(balance: &Balance<Lanes<T, BLOCK>>) -> [ContactStiffness<T>; BLOCK] {
     let s = balance.loaded_stiffnesses();
     let whole = balance.contact_stiffnesses();
     let k = s.inner.product(inverse(whole.outer.plus(whole.inner))).product(s.outer);
-    let lane = |lanes: &Lanes<T, ABREAST>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
+    let lane = |lanes: &Lanes<T, BLOCK>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
     core::array::from_fn(|j| ContactStiffness {
         radial: lane(&k.rr, j),
         cross: T::HALF * (lane(&k.rz, j) + lane(&k.zr, j)),
@@ -75,7 +82,7 @@ fn condensed<T: Scalar>(balance: &Balance<Lanes<T, ABREAST>>) -> [ContactStiffne
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// Slopes of the force on the inner groove (radial, axial, tilting) along its radial and axial displacement.
-    fn tangents(&self, balance: &Balance<Lanes<T, ABREAST>>) -> [ContactTangent<T>; ABREAST] {
+    fn tangents(&self, balance: &Balance<Lanes<T, BLOCK>>) -> [ContactTangent<T>; BLOCK] {
         let slopes = balance.slopes(self.inertia.effects());
         // d(centre)/d(groove)
         let follow = inverse(slopes.outer.plus(slopes.inner)).product(slopes.inner);

@@ -1,13 +1,13 @@
 //! Sampling a quasi-static ball into a table. Set-up time, on the desktop.
 
 use super::table::{Axis, Grid, Node};
+use crate::bearing::element_position::ElementLayout;
 use crate::bearing::geometry::{InvalidParameter, check};
-use crate::bearing::place::Arrangement;
 use crate::bearing::quasi_static::QuasiStatic;
 use crate::bearing::quasi_static::film::Film;
 use crate::bearing::quasi_static::inertia::Inertia;
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Exact;
-use crate::rotation::Rotation;
 
 /// What a table is made for: the ball's states that it must know, and how finely.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,7 +107,7 @@ pub fn fill<P, I, L, S, const F: usize>(
     nodes: &mut [Node<f64, F>],
 ) -> usize
 where
-    P: Arrangement<f64>,
+    P: ElementLayout<f64>,
     I: Inertia<f64>,
     L: Film<f64>,
     S: crate::bearing::surface::Surface<f64>,
@@ -118,10 +118,10 @@ where
         // What a ball does is the same whichever way it turns.
         let speed = coordinate(&grid.speed, r / grid.angle.count).abs();
         let sin = coordinate(&grid.angle, r % grid.angle.count).clamp(-0.999, 0.999);
-        let at = Rotation {
+        let at = BearingKinematicState {
             inner_speed: speed * domain.turning[0],
             outer_speed: speed * domain.turning[1],
-            ..Rotation::default()
+            ..BearingKinematicState::default()
         };
         for (i, node) in row.iter_mut().enumerate() {
             let x = coordinate(&grid.approach, i);

@@ -10,20 +10,20 @@ mod table;
 pub use fill::{Domain, fill};
 pub use table::{Axis, Grid, Node, Table};
 
-use self::table::{AtSpeed, Rows, Spots};
-use super::elements::InCage;
-use super::place::{ABREAST, Abreast, Arrangement, Place, groups};
-use super::quasi_static::{Matrix, TableSeat, contact_tangents};
-use super::ring::{CageTurn, Contact, ContactTangent, Motion, TangentSum, WrenchSum};
+use self::table::{AtSpeed, CellPositions, Rows};
+use super::element_position::{BLOCK, ElementBlock, ElementLayout, ElementPosition, groups};
+use super::elements::CageFrame;
+use super::quasi_static::{Matrix, TableConstants, contact_tangents};
+use super::ring::{CageRotation, Contact, ContactTangent, Motion, TangentSum, WrenchSum};
 use super::surface::{Smooth, Surface};
 use super::{Reaction, bearing_in_cage};
 use crate::frame::{Displacement, Stiffness};
+use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::{Lanes, Plane};
 use crate::math::Math;
-use crate::rotation::Rotation;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
 use crate::status::Status;
-use crate::turn::Turn;
 use core::marker::PhantomData;
 
 /// A ball bearing whose balls are looked up. Cost a ball: three square roots, one division, 9 nodes of two or three numbers (18
@@ -33,7 +33,7 @@ use core::marker::PhantomData;
 #[derive(Debug, Clone, Copy)]
 pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
     places: P,
-    seat: TableSeat<T>,
+    seat: TableConstants<T>,
     table: Table<T, A, F>,
     /// Of the outer ring over the inner, or the other way where the inner ring stands.
     by_outer: bool,
@@ -43,7 +43,7 @@ pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
 
 /// Most balls that go through a stage together: each ball is a long chain of dependent operations, and a desktop processor
 /// works at several only where they are near in the code.
-const STAGED: usize = 4 * ABREAST;
+const STAGED: usize = 4 * BLOCK;
 
 /// What is the same for all balls of one evaluation.
 struct Call<'a, T, const F: usize> {
@@ -51,7 +51,7 @@ struct Call<'a, T, const F: usize> {
     rows: Rows<'a, T, F>,
     /// The displacement with its tilt as axial displacement at the radius of the lever arm.
     rim: Displacement<T>,
-    at: &'a Rotation<T>,
+    at: &'a BearingKinematicState<T>,
     /// From the outer to the inner groove centres where the rings just touch the balls, m.
     rest: Plane<T>,
 }
@@ -85,21 +85,21 @@ struct Look<L, T> {
     inside: T,
 }
 
-/// `ABREAST` of the balls that are staged together; what wide registers write comes first, within cache lines.
+/// `BLOCK` of the balls that are staged together; what wide registers write comes first, within cache lines.
 #[repr(C)]
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
-struct Part<'a, T> {
-    line: Plane<Lanes<T, ABREAST>>,
-    root: Lanes<T, ABREAST>,
-    places: &'a [Place<T>; ABREAST],
+struct BearingComponent<'a, T> {
+    line: Plane<Lanes<T, BLOCK>>,
+    root: Lanes<T, BLOCK>,
+    places: &'a [ElementPosition<T>; BLOCK],
     /// How many of them were in the part before.
     known: usize,
 }
 
 /// What a stage has to say of each part.
-type Staged<X> = [Option<X>; STAGED / ABREAST];
+type Staged<X> = [Option<X>; STAGED / BLOCK];
 
-/// Written within cache lines, as [`Spots`].
+/// Written within cache lines, as [`CellPositions`].
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 struct Aligned<X>(X);
 
@@ -109,11 +109,11 @@ const fn unset<X>() -> Staged<X> {
     [None, None, None, None]
 }
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
     Tabulated<T, M, P, A, F>
 {
     /// From numbers made ready: no arithmetic. `by_outer` where the table's speed is the outer ring's.
-    pub const fn new(places: P, seat: TableSeat<T>, table: Table<T, A, F>, by_outer: bool) -> Self {
+    pub const fn new(places: P, seat: TableConstants<T>, table: Table<T, A, F>, by_outer: bool) -> Self {
         Self { places, seat, table, by_outer, surface: Smooth, math: PhantomData }
     }
 
@@ -124,7 +124,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, S: Surface<T>, const F: usize>
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, S: Surface<T>, const F: usize>
     Tabulated<T, M, P, A, F, S>
 {
     /// The table, for those who write it out.
@@ -133,12 +133,12 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 
     /// What the bearing needs besides.
-    pub fn seat(&self) -> &TableSeat<T> {
+    pub fn seat(&self) -> &TableConstants<T> {
         &self.seat
     }
 
     #[inline(always)]
-    fn call<'a>(&'a self, u: &Displacement<T>, at: &'a Rotation<T>) -> Call<'a, T, F> {
+    fn call<'a>(&'a self, u: &Displacement<T>, at: &'a BearingKinematicState<T>) -> Call<'a, T, F> {
         let speed = if self.by_outer { at.outer_speed } else { at.inner_speed };
         let arm = self.seat.arm;
         let rim = Displacement { thu: arm * u.thu, thv: arm * u.thv, ..*u };
@@ -147,7 +147,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 
     #[inline(always)]
-    fn aim<const K: usize>(&self, call: &Call<'_, T, F>, balls: &Abreast<T, K>) -> Aim<Lanes<T, K>> {
+    fn aim<const K: usize>(&self, call: &Call<'_, T, F>, balls: &ElementBlock<T, K>) -> Aim<Lanes<T, K>> {
         let all = Lanes::<T, K>::all;
         let seat = &self.seat;
         let motion = Motion::of_each(balls, &call.rim, call.at, &self.surface);
@@ -187,7 +187,7 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// Balls looked up, and what tells by its sign bits whether they are inside the table.
     #[inline(always)]
-    fn look<const K: usize>(&self, call: &Call<'_, T, F>, balls: &Abreast<T, K>) -> Look<Lanes<T, K>, T> {
+    fn look<const K: usize>(&self, call: &Call<'_, T, F>, balls: &ElementBlock<T, K>) -> Look<Lanes<T, K>, T> {
         let aim = self.aim(call, balls);
         let spots = self.table.spots(&call.rows, aim.line.z, aim.root);
         let (fields, missing) = self.table.fields::<0, K>(&call.speed, &call.rows, &spots, 0);
@@ -197,10 +197,15 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
     /// Adds one ball after the other. Gives what tells by its sign bit whether they are inside the table.
     #[inline(always)]
-    fn add(&self, call: &Call<'_, T, F>, places: impl Iterator<Item = Place<T>>, sum: &mut WrenchSum<T>) -> T {
+    fn add(
+        &self,
+        call: &Call<'_, T, F>,
+        places: impl Iterator<Item = ElementPosition<T>>,
+        sum: &mut WrenchSum<T>,
+    ) -> T {
         let mut inside = T::ZERO;
         for place in places {
-            let ball = Abreast::of(&[place]);
+            let ball = ElementBlock::of(&[place]);
             let look = self.look(call, &ball);
             sum.add_each(&[place], &self.contacts(&look.found), 0);
             inside = inside.either_sign(look.inside);
@@ -208,21 +213,21 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
         inside
     }
 
-    /// Adds the balls from the `begin`-th `ABREAST` on, up to `STAGED` of them together, stage by stage.
+    /// Adds the balls from the `begin`-th `BLOCK` on, up to `STAGED` of them together, stage by stage.
     #[inline(always)]
     fn add_staged(&self, call: &Call<'_, T, F>, begin: usize, sum: &mut WrenchSum<T>) -> T {
         let (mut parts, mut spots, mut contacts) = (unset(), unset(), unset());
-        let mut inside = Lanes::<T, ABREAST>::all(T::ZERO);
+        let mut inside = Lanes::<T, BLOCK>::all(T::ZERO);
         let (mut next, table) = (begin, self.places.table());
         for part in &mut parts {
             let Some(balls) = self.places.abreast(next) else { break };
             let Some(places) = table.get(balls.from..).and_then(<[_]>::first_chunk) else { break };
             let Aim { line, root, .. } = self.aim(call, &balls);
-            *part = Some(Part { line, root, places, known: balls.known });
+            *part = Some(BearingComponent { line, root, places, known: balls.known });
             next += 1;
         }
         for (part, spots) in parts.iter().zip(&mut spots) {
-            let Some(Part { line, root, .. }) = part else { break };
+            let Some(BearingComponent { line, root, .. }) = part else { break };
             *spots = Some(self.table.spots(&call.rows, line.z, *root));
             inside = inside.either_sign(self.table.inside(*root, line.z));
         }
@@ -247,14 +252,14 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     fn touch<const SPEEDS: usize>(
         &self,
         call: &Call<'_, T, F>,
-        parts: &Staged<Part<'_, T>>,
-        spots: &Staged<Spots<T, ABREAST>>,
-        contacts: &mut Staged<Aligned<Contact<Lanes<T, ABREAST>>>>,
+        parts: &Staged<BearingComponent<'_, T>>,
+        spots: &Staged<CellPositions<T, BLOCK>>,
+        contacts: &mut Staged<Aligned<Contact<Lanes<T, BLOCK>>>>,
     ) -> T {
         let mut inside = T::ZERO;
         for ((part, spots), contact) in parts.iter().zip(spots).zip(contacts) {
             let (Some(part), Some(spots)) = (part, spots) else { break };
-            let (fields, missing) = self.table.fields::<SPEEDS, ABREAST>(&call.speed, &call.rows, spots, part.known);
+            let (fields, missing) = self.table.fields::<SPEEDS, BLOCK>(&call.speed, &call.rows, spots, part.known);
             *contact = Some(Aligned(self.contacts(&Self::found(part.line, &fields))));
             inside = inside.either_sign(missing);
         }
@@ -295,23 +300,23 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, S: Surface<T>, const F: usize>
-    InCage<T> for Tabulated<T, M, P, A, F, S>
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, S: Surface<T>, const F: usize>
+    CageFrame<T> for Tabulated<T, M, P, A, F, S>
 {
     #[inline(always)]
-    fn turn(cage: Turn) -> CageTurn<T> {
+    fn turn(cage: Phase) -> CageRotation<T> {
         M::sin_cos(cage)
     }
 
     #[inline(always)]
-    fn reaction_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let (call, mut sum) = (self.call(u, at), WrenchSum::new());
         let (mut inside, places) = (call.speed.inside(), self.places.table());
-        if ABREAST > 1 && places.len() >= ABREAST {
+        if BLOCK > 1 && places.len() >= BLOCK {
             let mut begin = 0;
-            while begin * ABREAST < places.len() {
+            while begin * BLOCK < places.len() {
                 inside = inside.either_sign(self.add_staged(&call, begin, &mut sum));
-                begin += STAGED / ABREAST;
+                begin += STAGED / BLOCK;
             }
         } else {
             inside = inside.either_sign(self.add(&call, places.iter().copied(), &mut sum));
@@ -326,13 +331,13 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     fn reaction_in_cage_and_stiffness(
         &self,
         u: &Displacement<T>,
-        at: &Rotation<T>,
-        turn: CageTurn<T>,
+        at: &BearingKinematicState<T>,
+        turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
         let call = self.call(u, at);
         let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), call.speed.inside());
-        for group in groups::<T, ABREAST>(&self.places) {
-            let look = self.look(&call, &Abreast::of(&group.places));
+        for group in groups::<T, BLOCK>(&self.places) {
+            let look = self.look(&call, &ElementBlock::of(&group.places));
             inside = inside.either_sign(look.inside);
             sum.add_each(group.real(), &self.contacts(&look.found), 0);
             for (place, k) in group.real().iter().zip(&self.tangents(&call, &look)) {
@@ -345,11 +350,11 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
     }
 
     #[inline]
-    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         let call = self.call(u, at);
         let mut loads = loads.iter_mut();
-        for group in groups::<T, ABREAST>(&self.places) {
-            let balls = self.look(&call, &Abreast::of(&group.places)).found;
+        for group in groups::<T, BLOCK>(&self.places) {
+            let balls = self.look(&call, &ElementBlock::of(&group.places)).found;
             for (_, (found, load)) in group.real().iter().zip(balls.load.0.into_iter().zip(&mut loads)) {
                 *load = found;
             }
@@ -359,5 +364,5 @@ impl<T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + S
 
 bearing_in_cage!(
     Tabulated<T, M, P, A, F, S>,
-    T: Scalar, M: Math<T>, P: Arrangement<T>, A: AsRef<[Node<T, F>]> + Send + Sync, S: Surface<T>, const F: usize
+    T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, S: Surface<T>, const F: usize
 );

@@ -7,8 +7,8 @@
 //! wedges between both races moves sideways by the root of what the rings leave it, and because over it the load of Hertz is
 //! a cubic, smooth also where contact begins.
 
-use crate::lanes::{Lanes, Wholes};
-use crate::scalar::{Scalar, Whole};
+use crate::lanes::{Lanes, LatticeIndices};
+use crate::scalar::{LatticeIndex, Scalar};
 
 /// One entry of the table: half the load (N; twice a positive part needs no branch), sine of the turn, and with `F = 3` the
 /// friction, which is 0 at the inner contact where there is no gyroscopic moment or the outer race carries it all. With
@@ -54,7 +54,7 @@ impl<T: Scalar> Axis<T> {
 
     /// The first of the three nodes around each `x`, and how far it lies from half before to half after the middle one.
     #[inline(always)]
-    fn around<const K: usize>(&self, x: Lanes<T, K>, last: Whole<T>) -> (Wholes<T, K>, Lanes<T, K>) {
+    fn around<const K: usize>(&self, x: Lanes<T, K>, last: LatticeIndex<T>) -> (LatticeIndices<T, K>, Lanes<T, K>) {
         let place = self.place(x) - Lanes::all(T::HALF);
         let first = place.whole(last);
         (first, place - first.numbers)
@@ -62,15 +62,15 @@ impl<T: Scalar> Axis<T> {
 
     /// The last of the nodes that are the first of three.
     #[inline(always)]
-    fn last(&self) -> Whole<T> {
-        Whole::new(self.count.wrapping_sub(3) as u32)
+    fn last(&self) -> LatticeIndex<T> {
+        LatticeIndex::new(self.count.wrapping_sub(3) as u32)
     }
 
     /// The first of the two nodes around `x` and their weights; of a single node all of it.
     #[inline(always)]
     fn linear(&self, x: T) -> (u32, [T; 2]) {
         let Lanes([place]) = self.place(Lanes([x]));
-        let first = place.whole(Whole::new(self.count.saturating_sub(2) as u32));
+        let first = place.whole(LatticeIndex::new(self.count.saturating_sub(2) as u32));
         let t = place - first.number;
         (first.count, [T::ONE - t, t])
     }
@@ -112,7 +112,7 @@ impl<T: Scalar, const K: usize> Weights<T, K> {
 #[derive(Debug, Clone, Copy)]
 // What a wide register writes across two cache lines, and more so across two pages, takes many times as long.
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
-pub struct Spots<T, const K: usize> {
+pub struct CellPositions<T, const K: usize> {
     by_angle: Weights<T, K>,
     by_approach: Weights<T, K>,
     first: [usize; K],
@@ -125,9 +125,9 @@ pub struct Rows<'a, T, const F: usize> {
     before: &'a [Node<T, F>],
     middle: &'a [Node<T, F>],
     after: &'a [Node<T, F>],
-    length: Whole<T>,
-    last_angle: Whole<T>,
-    last_approach: Whole<T>,
+    length: LatticeIndex<T>,
+    last_angle: LatticeIndex<T>,
+    last_approach: LatticeIndex<T>,
 }
 
 /// A grid and its nodes.
@@ -195,10 +195,15 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 
     /// Where balls are in the table, from sines of the angle and signed roots `x` of the approach.
     #[inline(always)]
-    pub(super) fn spots<const K: usize>(&self, rows: &Rows<'_, T, F>, sin: Lanes<T, K>, x: Lanes<T, K>) -> Spots<T, K> {
+    pub(super) fn spots<const K: usize>(
+        &self,
+        rows: &Rows<'_, T, F>,
+        sin: Lanes<T, K>,
+        x: Lanes<T, K>,
+    ) -> CellPositions<T, K> {
         let (row, by_angle) = self.grid.angle.around(sin, rows.last_angle);
         let (column, by_approach) = self.grid.approach.around(x, rows.last_approach);
-        Spots {
+        CellPositions {
             by_angle: Weights::quadratic(by_angle),
             by_approach: Weights::quadratic(by_approach),
             first: row.entries(rows.length, &column),
@@ -210,7 +215,7 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     pub(super) fn rows<'a>(&'a self) -> Rows<'a, T, F> {
         // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
         let (angle, approach) = (&self.grid.angle, &self.grid.approach);
-        let length = Whole::new(approach.count as u32);
+        let length = LatticeIndex::new(approach.count as u32);
         let row = length.count as usize;
         let from = |nodes: &'a [Node<T, F>]| nodes.get(row..).unwrap_or_default();
         let nodes = self.nodes.as_ref();
@@ -233,7 +238,7 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         &self,
         at: &AtSpeed<T>,
         rows: &Rows<'_, T, F>,
-        spots: &Spots<T, K>,
+        spots: &CellPositions<T, K>,
         known: usize,
     ) -> ([Lanes<T, K>; F], T) {
         let (mut nodes, mut missing) = ([[T::ZERO; F]; K], T::ZERO);
@@ -264,8 +269,8 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         let (column, along) = approach.around(x, rows.last_approach);
         let first = row.entries(rows.length, &column);
         let (by_angle, by_approach) = (Weights::quadratic(across), Weights::quadratic(along));
-        let across = Spots { first, by_angle: Weights::slopes(across, angle.density), by_approach };
-        let along = Spots { first, by_angle, by_approach: Weights::slopes(along, approach.density) };
+        let across = CellPositions { first, by_angle: Weights::slopes(across, angle.density), by_approach };
+        let along = CellPositions { first, by_angle, by_approach: Weights::slopes(along, approach.density) };
         [self.fields::<0, K>(at, rows, &across, 0).0, self.fields::<0, K>(at, rows, &along, 0).0]
     }
 
@@ -276,7 +281,7 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         &self,
         at: &AtSpeed<T>,
         rows: &Rows<'_, T, F>,
-        spots: &Spots<T, K>,
+        spots: &CellPositions<T, K>,
         i: usize,
     ) -> Option<Node<T, F>> {
         let first = spots.first[i] as u32;
@@ -293,7 +298,7 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 impl<T: Scalar, const F: usize> Rows<'_, T, F> {
     /// Weighted sum of the nine nodes of one speed from `first` on; nothing where the table ends before them.
     #[inline(always)]
-    fn patch<const K: usize>(&self, first: u32, spots: &Spots<T, K>, i: usize) -> Option<Node<T, F>> {
+    fn patch<const K: usize>(&self, first: u32, spots: &CellPositions<T, K>, i: usize) -> Option<Node<T, F>> {
         // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
         let first = first as usize;
         let three = first..first.wrapping_add(3);

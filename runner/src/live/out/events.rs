@@ -2,7 +2,7 @@
 
 use super::super::feed::Note;
 use anyhow::{Context, Result, bail};
-use ballrace_twin::fault::SceneFault;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::replay::limits::Event;
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -13,7 +13,7 @@ use std::time::SystemTime;
 
 /// Something that is told.
 #[derive(Debug, Clone, Serialize)]
-pub struct Told {
+pub struct EventRecord {
     /// On the clock, RFC 3339 in UTC.
     pub at: String,
     /// In the recording's time.
@@ -27,7 +27,7 @@ pub struct Told {
     pub limit: Option<Event>,
 }
 
-impl Told {
+impl EventRecord {
     /// Of a limit.
     #[must_use]
     pub fn limit(mut event: Event) -> Self {
@@ -106,7 +106,7 @@ impl EventLog {
             BEGIN.starts_with(begin)
         };
         if !begins_as_log {
-            bail!(SceneFault(format!("{}: found no events, allowed: a log of events, or a new file", path.display())));
+            bail!(UsageError(format!("{}: found no events, allowed: a log of events, or a new file", path.display())));
         }
         let (mut line, mut length) = (Vec::new(), 0);
         while reader.read_until(b'\n', &mut line).with_context(name)? > 0 && line.ends_with(b"\n") {
@@ -134,7 +134,7 @@ impl EventLog {
     ///
     /// # Errors
     /// None in practice.
-    pub fn add(&mut self, told: &Told) -> Result<()> {
+    pub fn add(&mut self, told: &EventRecord) -> Result<()> {
         if self.waiting.len() >= MOST_WAITING {
             self.lost += 1;
             return Ok(());
@@ -199,13 +199,13 @@ const BEGIN: &[u8] = b"{\"at\":";
 mod tests {
     use super::*;
 
-    fn told(time_s: f64) -> Told {
+    fn told(time_s: f64) -> EventRecord {
         let note = Note { kind: "source-silent", sentence: String::new() };
-        Told::note(note, time_s)
+        EventRecord::note(note, time_s)
     }
 
-    fn crossing(start_s: f64) -> Told {
-        Told::limit(Event {
+    fn crossing(start_s: f64) -> EventRecord {
+        EventRecord::limit(Event {
             indicator: "rms",
             probe: "X".to_owned(),
             bearing: None,
@@ -219,7 +219,7 @@ mod tests {
         })
     }
 
-    fn add(log: &mut EventLog, told: &Told) {
+    fn add(log: &mut EventLog, told: &EventRecord) {
         log.add(told).unwrap();
         log.release();
         log.append().unwrap();

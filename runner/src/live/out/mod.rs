@@ -7,7 +7,7 @@ mod indicators;
 mod mqtt;
 mod prometheus;
 
-pub use events::{EventLog, Told};
+pub use events::{EventLog, EventRecord};
 
 use super::feed::{Counts, Note};
 use super::state::{State, StateFile};
@@ -22,7 +22,7 @@ use std::path::PathBuf;
 
 /// Which of them were asked for.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub struct Asked {
+pub struct RequestedOutputs {
     /// Append events as JSON lines.
     #[arg(long, value_name = "FILE.jsonl")]
     pub events: Option<PathBuf>,
@@ -63,7 +63,7 @@ impl Network {
     ///
     /// # Errors
     /// A port that is taken, an address that is none.
-    pub fn bind(asked: &Asked) -> Result<Self> {
+    pub fn bind(asked: &RequestedOutputs) -> Result<Self> {
         Ok(Self {
             prometheus: asked.prometheus.map(Prometheus::listen).transpose()?,
             #[cfg(feature = "mqtt")]
@@ -90,7 +90,7 @@ impl Outputs {
     ///
     /// # Errors
     /// A file that cannot be written or belongs to another monitor.
-    pub fn open(asked: &Asked, network: Network, state: Option<&State>) -> Result<Self> {
+    pub fn open(asked: &RequestedOutputs, network: Network, state: Option<&State>) -> Result<Self> {
         let unconfirmed = state.map_or(&[][..], |state| &state.events);
         let owner = state.map_or("", |state| &state.id);
         let length = asked.indicators_file_length.unwrap_or(HOUR);
@@ -110,7 +110,7 @@ impl Outputs {
     ///
     /// # Errors
     /// None in practice.
-    pub fn event(&mut self, told: &Told) -> Result<()> {
+    pub fn event(&mut self, told: &EventRecord) -> Result<()> {
         if let Some(log) = &mut self.events {
             log.add(told)?;
         }

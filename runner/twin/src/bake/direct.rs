@@ -6,8 +6,8 @@ use crate::scene::build;
 use crate::scene::{Bearing, Facing, Linear, Model, Scene};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::Bearing as _;
-use ballrace::bearing::angular::{AngularSeat, Zero};
-use ballrace::{Displacement, Exact, Turn};
+use ballrace::bearing::angular::{AngularConstants, DisplacementDatum};
+use ballrace::{Displacement, Exact, Phase};
 use std::fmt::Write;
 
 /// Writes the body of the bearing's module.
@@ -33,7 +33,7 @@ fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
         build::bearing::<f64, Exact>(scene, of, Model::Linear)?
     };
     // A spring's tangent and its force at zero displacement say all.
-    let (reaction, k) = spring.reaction_and_stiffness(&Displacement::default(), &Turn::ZERO.into());
+    let (reaction, k) = spring.reaction_and_stiffness(&Displacement::default(), &Phase::ZERO.into());
     let [fx, fy, fz, mx, my] = reaction.wrench.to_array().map(|f| f as f32);
     writeln!(out, "    use ballrace::bearing::linear::Linear;")?;
     writeln!(out, "    use ballrace::{{Displacement, Stiffness, Wrench}};\n")?;
@@ -80,11 +80,11 @@ fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let (stiffness, exponent, play) = build::law(of)?;
     let (kind, value) = law(stiffness, exponent);
     let (surface, with) = surface(of);
-    let mut kind = format!("Radial<f32, Exact, {kind}, [Place<f32>; {n}]{surface}>");
+    let mut kind = format!("Radial<f32, Exact, {kind}, [ElementPosition<f32>; {n}]{surface}>");
     let mut value = format!("Radial::ready(PLACES, {value}, {:?}){with}", play as f32);
     if let Some(axial) = of.axial {
         let (axial_law, axial_value) = law(axial.stiffness, axial.exponent);
-        kind = format!("Combined<{kind}, Axial<f32, Exact, {axial_law}, [Place<f32>; {n}]>>");
+        kind = format!("Combined<{kind}, Axial<f32, Exact, {axial_law}, [ElementPosition<f32>; {n}]>>");
         let (play, radius) = (axial.play as f32, axial.radius as f32);
         value = format!("Combined({value}, Axial::ready(PLACES, {axial_value}, {play:?}, {radius:?}))");
     }
@@ -99,17 +99,17 @@ fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
 
 fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let geometry = build::geometry(of)?.context("an angular bearing has a geometry")?;
-    let zero = if of.facing == Facing::Both { Zero::Centred } else { Zero::Touching };
-    let seat = AngularSeat::try_new(geometry, zero)?.rounded::<f32>();
+    let zero = if of.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching };
+    let seat = AngularConstants::try_new(geometry, zero)?.rounded::<f32>();
     let (surface, with) = surface(of);
-    imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularSeat};")?;
+    imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularConstants};")?;
     seat_constants(out, scene, of, Model::Angular)?;
-    let AngularSeat { stiffness, distance, unloaded, excess, arm } = seat;
+    let AngularConstants { stiffness, distance, unloaded, excess, arm } = seat;
     writeln!(
         out,
-        "    const SEAT: AngularSeat<f32> = AngularSeat {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"
+        "    const SEAT: AngularConstants<f32> = AngularConstants {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"
     )?;
-    let kind = format!("Angular<f32, Exact, [Place<f32>; {}]{surface}>", of.elements);
+    let kind = format!("Angular<f32, Exact, [ElementPosition<f32>; {}]{surface}>", of.elements);
     function(out, of, &kind, &format!("Angular::ready(PLACES, SEAT){with}"))
 }
 
@@ -119,14 +119,14 @@ fn surface(of: &Bearing) -> (String, &'static str) {
     if features == 0 {
         return (String::new(), "");
     }
-    (format!(", Uneven<Exact, [Feature<f32>; {features}]>"), ".with_surface(Uneven::new(FEATURES))")
+    (format!(", SurfaceDeviation<Exact, [Feature<f32>; {features}]>"), ".with_surface(SurfaceDeviation::new(FEATURES))")
 }
 
 fn imports(out: &mut String, of: &Bearing, model: &str) -> Result<()> {
-    writeln!(out, "    use ballrace::bearing::Place;")?;
+    writeln!(out, "    use ballrace::bearing::ElementPosition;")?;
     surface_imports(out, of)?;
     writeln!(out, "{model}")?;
-    writeln!(out, "    use ballrace::{{Displacement, Exact, Turn}};\n")?;
+    writeln!(out, "    use ballrace::{{Displacement, Exact, Phase}};\n")?;
     Ok(())
 }
 

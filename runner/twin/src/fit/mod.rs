@@ -8,16 +8,16 @@ pub mod least_squares;
 pub mod parameters;
 mod written;
 
-use crate::fault::SceneFault;
+use crate::error::UsageError;
 use crate::observer::{noise, observed_rows};
 use crate::plant::{Plant, only_rigid};
 use crate::recording::Reader;
 use crate::recording::Sample;
 use crate::recording::rotation::Tracker;
 use crate::replay::pose::reading;
-use crate::scene::{Rotation, Scene};
+use crate::scene::{RotationSource, Scene};
 use anyhow::{Result, bail};
-use ballrace::rotor::Drive;
+use ballrace::rotor::ShaftMotion;
 use least_squares::{Bounds, Limits, Solution};
 use nalgebra::DMatrix;
 use parameters::{Group, Parameter, Place, parameters, with};
@@ -166,15 +166,15 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
         bail!("{}: found no sample, allowed: some turns of the shaft", of.recording)
     };
     if recording.probes.is_empty() {
-        bail!(SceneFault(format!("{}: [recording]: found no probes, allowed with fit: probes", scene.path.display())));
+        bail!(UsageError(format!("{}: [recording]: found no probes, allowed with fit: probes", scene.path.display())));
     }
     if unknown.is_empty() {
-        bail!(SceneFault(format!("{}: found nothing to fit, allowed: a [rotor] on bearings", scene.path.display())));
+        bail!(UsageError(format!("{}: found nothing to fit, allowed: a [rotor] on bearings", scene.path.display())));
     }
     let rows = observed_rows(&recording.probes);
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
     let total = turns_of(first);
-    let drive = Drive { angle: first.angle, speed: first.speed, acceleration: first.acceleration };
+    let drive = ShaftMotion { angle: first.angle, speed: first.speed, acceleration: first.acceleration };
     let twin = plant.run_in(of.period, total, &drive)?;
     let start = [twin.pose().to_array(), twin.rate().to_array()].concat();
     let given: Vec<f64> = unknown.iter().map(Parameter::believed).collect();
@@ -345,7 +345,7 @@ impl Model<'_> {
                 left.push(if off.is_finite() { off.clamp(-1e6, 1e6) } else { 0.0 });
             }
             let steps = self.of.samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
-            let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+            let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
             for k in 0..steps {
                 twin.step(&drive.after(k as f64 * self.of.period));
             }
@@ -433,7 +433,7 @@ impl Model<'_> {
     fn angle_step(&self) -> f64 {
         let keyphasor = self.of.scene.recording.as_ref().map(|r| &r.rotation);
         let speed = self.of.samples.first().map_or(0.0, |s| s.speed.abs());
-        if matches!(keyphasor, Some(Rotation::Keyphasor { .. })) { 0.5 * speed * self.of.period } else { 0.0 }
+        if matches!(keyphasor, Some(RotationSource::Keyphasor { .. })) { 0.5 * speed * self.of.period } else { 0.0 }
     }
 }
 

@@ -8,16 +8,16 @@ mod tune;
 
 pub use consistency::{Consistency, Verdict, gate};
 pub use model::{Uncertainty, memory, weight};
-pub use tune::{Cancelled, Heard, Tuned, noise, tuned, watch};
+pub use tune::{Cancelled, IdentificationData, TunedObserver, noise, tuned, watch};
 
-use crate::plant::{Plant, RigidMachine, RigidTask, Step, Twin};
+use crate::plant::{Plant, RigidSystem, RigidTask, Step, Twin};
 use crate::replay::pose::row;
 use crate::scene::build::AnyBearing;
 use crate::scene::{Probe, Speed};
 use anyhow::Result;
-use ballrace::rotor::{Drive, Mounted, PartAngles, RigidRotor, RotorState};
+use ballrace::rotor::{ComponentAngles, Mounted, RigidRotor, RotorState, ShaftMotion};
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
-use ballrace::{Displacement, Exact, Status, Turn};
+use ballrace::{Displacement, Exact, Phase, Status};
 
 /// Most probes of an observer.
 pub const MOST_PROBES: usize = 16;
@@ -119,7 +119,7 @@ impl Gains {
 /// An observer under way, whatever the count of bearings.
 pub trait Watch {
     /// One sample further; the shaft moved as `drive` said at the last one. Returns the normalised innovation squared.
-    fn sample(&mut self, drive: &Drive<f64>, readings: &[f64]) -> (f64, Status);
+    fn sample(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status);
     /// Sets the validation gate; infinity disables it.
     fn set_gate(&mut self, gate: f64);
     /// Restarts the observer at this displacement and rate, with no unknown load.
@@ -133,7 +133,7 @@ pub trait Watch {
 }
 
 /// Starts an observer.
-pub struct Watching<'a> {
+pub struct RunningObserverOf<'a> {
     /// What each probe reads.
     pub rows: &'a [[f64; D]],
     /// How it corrects.
@@ -141,9 +141,9 @@ pub struct Watching<'a> {
     /// The first state.
     pub start: Start,
     /// The shaft there.
-    pub shaft: Turn,
+    pub shaft: Phase,
     /// The bearings' parts there.
-    pub parts: Vec<PartAngles>,
+    pub parts: Vec<ComponentAngles>,
     /// From sample to sample, s.
     pub period: f64,
 }
@@ -159,13 +159,13 @@ struct Running<const N: usize> {
     probes: usize,
 }
 
-impl RigidTask<Box<dyn Watch>> for Watching<'_> {
-    fn run<const N: usize>(self, machine: RigidMachine<N>, step: Step, substeps: u32) -> Box<dyn Watch> {
+impl RigidTask<Box<dyn Watch>> for RunningObserverOf<'_> {
+    fn run<const N: usize>(self, machine: RigidSystem<N>, step: Step, substeps: u32) -> Box<dyn Watch> {
         let mut probes = [[0.0; D]; MOST_PROBES];
         for (to, row) in probes.iter_mut().zip(self.rows) {
             *to = *row;
         }
-        let parts: [PartAngles; N] = std::array::from_fn(|i| self.parts.get(i).copied().unwrap_or_default());
+        let parts: [ComponentAngles; N] = std::array::from_fn(|i| self.parts.get(i).copied().unwrap_or_default());
         let motion = RotorState { rate: self.start.rate, ..RotorState::at_rest(self.start.q, self.shaft, parts) };
         let observer = Observer {
             machine,
@@ -188,7 +188,7 @@ impl RigidTask<Box<dyn Watch>> for Watching<'_> {
 }
 
 impl<const N: usize> Watch for Running<N> {
-    fn sample(&mut self, drive: &Drive<f64>, readings: &[f64]) -> (f64, Status) {
+    fn sample(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status) {
         for (to, &reading) in self.readings.iter_mut().zip(readings).take(self.probes) {
             *to = reading;
         }

@@ -1,11 +1,11 @@
 //! Where the rotor was at the first sample: the state from which the twin follows the first turns best.
 
-use super::{D, Gains, Heard, Start, model, tune};
+use super::{D, Gains, IdentificationData, Start, model, tune};
 use crate::fit::least_squares;
 use crate::plant::Plant;
 use crate::replay::pose::reading;
 use anyhow::Result;
-use ballrace::rotor::Drive;
+use ballrace::rotor::ShaftMotion;
 
 /// Samples that are looked at.
 const SAMPLES: usize = 1024;
@@ -18,8 +18,8 @@ const STATES: usize = 4 * D;
 ///
 /// # Errors
 /// What the kernel refuses, a cancelled search.
-pub fn start(plant: &Plant, heard: &Heard, noise: &[f64], guess: Start) -> Result<Start> {
-    let Heard { samples, rows, period, .. } = *heard;
+pub fn start(plant: &Plant, heard: &IdentificationData, noise: &[f64], guess: Start) -> Result<Start> {
+    let IdentificationData { samples, rows, period, .. } = *heard;
     let samples = samples.get(..SAMPLES.min(samples.len())).unwrap_or_default();
     let Some(first) = samples.first() else { return Ok(guess) };
     let (lever, weight) = (model::lever(plant), model::weight(plant));
@@ -49,7 +49,7 @@ pub fn start(plant: &Plant, heard: &Heard, noise: &[f64], guess: Start) -> Resul
                 left.push(if off.is_finite() { off } else { 0.0 });
             }
             let steps = samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
-            let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+            let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
             for k in 0..steps {
                 watch.sample(&drive.after(k as f64 * period), &[]);
             }

@@ -1,16 +1,16 @@
 //! How much the unknown moves: the wander under which the first turns are the most likely.
 
 use super::model::{self, Uncertainty};
-use super::{D, Gains, MOST_PROBES, Start, Watch, Watching, start};
-use crate::plant::{Plant, Seat};
+use super::{D, Gains, MOST_PROBES, RunningObserverOf, Start, Watch, start};
+use crate::plant::{MountedBearing, Plant};
 use crate::recording::Sample;
 use crate::scene::Speed;
 use anyhow::{Result, bail};
-use ballrace::rotor::Drive;
+use ballrace::rotor::ShaftMotion;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What the first turns are.
-pub struct Heard<'a> {
+pub struct IdentificationData<'a> {
     /// In order.
     pub samples: &'a [Sample],
     /// What each probe reads per unit of each coordinate.
@@ -32,7 +32,7 @@ pub struct Heard<'a> {
 #[error("the search for the observer was cancelled")]
 pub struct Cancelled;
 
-impl Heard<'_> {
+impl IdentificationData<'_> {
     /// # Errors
     /// [`Cancelled`].
     pub(super) fn go_on(&self) -> Result<(), Cancelled> {
@@ -42,7 +42,7 @@ impl Heard<'_> {
 
 /// An observer's making.
 #[derive(Clone)]
-pub struct Tuned {
+pub struct TunedObserver {
     /// The gains.
     pub gains: Gains,
     /// The state at the first sample.
@@ -69,7 +69,7 @@ const LEAST_NOISE: f64 = 1e-10;
 ///
 /// # Errors
 /// More probes than an observer takes, what the kernel refuses.
-pub fn tuned(plant: &Plant, linear: &Plant, heard: &Heard, guess: Start) -> Result<Option<Tuned>> {
+pub fn tuned(plant: &Plant, linear: &Plant, heard: &IdentificationData, guess: Start) -> Result<Option<TunedObserver>> {
     if heard.rows.len() > MOST_PROBES {
         bail!("recording.probes: found {}, allowed: up to {MOST_PROBES}", heard.rows.len());
     }
@@ -89,18 +89,18 @@ pub fn tuned(plant: &Plant, linear: &Plant, heard: &Heard, guess: Start) -> Resu
             best = Some((unlikely, wander, gains));
         }
     }
-    Ok(best.map(|(_, wander, gains)| Tuned { gains, start, wander, noise }))
+    Ok(best.map(|(_, wander, gains)| TunedObserver { gains, start, wander, noise }))
 }
 
 /// Twice the negative logarithm of the likelihood of the innovations, but for a constant.
-fn unlikely(plant: &Plant, heard: &Heard, gains: &Gains, start: Start) -> Result<f64> {
+fn unlikely(plant: &Plant, heard: &IdentificationData, gains: &Gains, start: Start) -> Result<f64> {
     let Some((first, rest)) = heard.samples.split_first() else { return Ok(0.0) };
     let mut watch = watch(plant, heard.rows, gains, start, first, heard.period)?;
     let mut sum = 0.0;
     let mut last = first;
     for sample in rest.iter().take(SAMPLES) {
         let steps = sample.row.index - last.row.index;
-        let drive = Drive { angle: last.angle, speed: last.speed, acceleration: last.acceleration };
+        let drive = ShaftMotion { angle: last.angle, speed: last.speed, acceleration: last.acceleration };
         for k in 0..steps {
             let missing = [f64::NAN; MOST_PROBES];
             let readings = if k + 1 == steps { sample.row.probes.as_slice() } else { &missing };
@@ -124,8 +124,8 @@ pub fn watch(
     period: f64,
 ) -> Result<Box<dyn Watch>> {
     let revolutions = sample.revolution as f64 + sample.angle.revolutions();
-    let parts = plant.seats.iter().map(|seat: &Seat| seat.kinematics.parts_at(revolutions)).collect();
-    let task = Watching { rows, gains, start, shaft: sample.angle, parts, period };
+    let parts = plant.seats.iter().map(|seat: &MountedBearing| seat.kinematics.parts_at(revolutions)).collect();
+    let task = RunningObserverOf { rows, gains, start, shaft: sample.angle, parts, period };
     plant.with_rigid(period, task)
 }
 

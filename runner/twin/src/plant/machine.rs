@@ -1,14 +1,15 @@
 //! The kernel's machine of as many coordinates and bearings as a scene has: both are constants of its type.
 
 use super::system::{OnHeap, RIGID};
-use super::{Plant, Seat, Step};
+use super::{MountedBearing, Plant, Step};
 use crate::scene::build::{self, AnyBearing, Shared};
 use anyhow::{Context, Result, bail};
-use ballrace::bearing::{Bearing, Place, Reaction};
+use ballrace::bearing::{Bearing, ElementPosition, Reaction};
 use ballrace::rotor::{
-    Attached, Attachment, Coupling, Gear, Geared, General, Machine, Mounted, MovingBalls, RigidRotor, System,
+    AttachedElement, Attachment, ForceElement, HasSpeedRatios, LinearSystem, Mounted, MovingBalls, RigidRotor,
+    RotorBearingSystem, SecondOrderSystem, SpeedRatios,
 };
-use ballrace::{Displacement, Exact, Rotation, Status, Stiffness};
+use ballrace::{BearingKinematicState, Displacement, Exact, Status, Stiffness};
 use nalgebra::SMatrix;
 use std::sync::Arc;
 
@@ -18,47 +19,51 @@ pub const MOST_BEARINGS: usize = 8;
 pub const LARGEST: usize = 128;
 
 /// A coupling that can also say what its bearing does alone.
-pub trait Fit<const D: usize>: Coupling<f64, D> {
+pub trait Fit<const D: usize>: ForceElement<f64, D> {
     /// Force on the inner ring.
-    fn reaction(&self, q: &[f64; D], at: &Rotation<f64>) -> Reaction<f64>;
+    fn reaction(&self, q: &[f64; D], at: &BearingKinematicState<f64>) -> Reaction<f64>;
 }
 
 /// Something to do with a machine of any size.
-pub trait MachineTask<R> {
+pub trait SystemTask<R> {
     /// Does it.
-    fn run<S, C, const D: usize, const N: usize>(self, machine: Machine<S, C, N>) -> R
+    fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> R
     where
-        S: System<f64, D> + 'static,
+        S: SecondOrderSystem<f64, D> + 'static,
         C: Fit<D> + 'static;
 }
 
 /// Something to do with a rigid rotor on its bearings that moves.
 pub trait RigidTask<R> {
     /// Does it: the machine, the integrator's step, steps in a sample period.
-    fn run<const N: usize>(self, machine: RigidMachine<N>, step: Step, substeps: u32) -> R;
+    fn run<const N: usize>(self, machine: RigidSystem<N>, step: Step, substeps: u32) -> R;
 }
 
 /// A rigid rotor on bearings.
-pub type RigidMachine<const N: usize> = Machine<RigidRotor<f64, Exact>, Mounted<f64, AnyBearing<f64>>, N>;
+pub type RigidSystem<const N: usize> = RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, AnyBearing<f64>>, N>;
 
 /// Which of a seat's bearings the machine holds.
-pub(super) type Hold = fn(&Seat) -> AnyBearing<f64>;
+pub(super) type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
 
 /// A place without a bearing.
 struct Nothing;
 
 impl Bearing<f64> for Nothing {
-    fn reaction(&self, _u: &Displacement<f64>, _at: &Rotation<f64>) -> Reaction<f64> {
+    fn reaction(&self, _u: &Displacement<f64>, _at: &BearingKinematicState<f64>) -> Reaction<f64> {
         Reaction::default()
     }
-    fn reaction_and_stiffness(&self, _u: &Displacement<f64>, _at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+    fn reaction_and_stiffness(
+        &self,
+        _u: &Displacement<f64>,
+        _at: &BearingKinematicState<f64>,
+    ) -> (Reaction<f64>, Stiffness<f64>) {
         (Reaction::default(), Stiffness::from_element(0.0))
     }
-    fn element_loads(&self, _u: &Displacement<f64>, _at: &Rotation<f64>, _loads: &mut [f64]) {}
+    fn element_loads(&self, _u: &Displacement<f64>, _at: &BearingKinematicState<f64>, _loads: &mut [f64]) {}
 }
 
 impl Fit<5> for Mounted<f64, AnyBearing<f64>> {
-    fn reaction(&self, q: &[f64; 5], at: &Rotation<f64>) -> Reaction<f64> {
+    fn reaction(&self, q: &[f64; 5], at: &BearingKinematicState<f64>) -> Reaction<f64> {
         self.bearing.reaction(&Displacement::from_array(*q).at_station(self.station), at)
     }
 }
@@ -66,13 +71,13 @@ impl Fit<5> for Mounted<f64, AnyBearing<f64>> {
 /// A bearing on any coordinates, or one whose balls are coordinates.
 pub enum Fitted<const D: usize> {
     /// The first.
-    Bearing(Attached<f64, AnyBearing<f64>, D>),
+    Bearing(AttachedElement<f64, AnyBearing<f64>, D>),
     /// The second.
-    Balls(Box<MovingBalls<f64, Exact, Vec<Place<f64>>, D>>),
+    Balls(Box<MovingBalls<f64, Exact, Vec<ElementPosition<f64>>, D>>),
 }
 
-impl<const D: usize> Geared<f64> for Fitted<D> {
-    fn gear(&self) -> &Gear<f64> {
+impl<const D: usize> HasSpeedRatios<f64> for Fitted<D> {
+    fn gear(&self) -> &SpeedRatios<f64> {
         match self {
             Self::Bearing(bearing) => bearing.gear(),
             Self::Balls(balls) => balls.gear(),
@@ -80,8 +85,8 @@ impl<const D: usize> Geared<f64> for Fitted<D> {
     }
 }
 
-impl<const D: usize> Coupling<f64, D> for Fitted<D> {
-    fn push(&self, q: &[f64; D], at: &Rotation<f64>, f: &mut [f64; D]) -> (f64, Status) {
+impl<const D: usize> ForceElement<f64, D> for Fitted<D> {
+    fn push(&self, q: &[f64; D], at: &BearingKinematicState<f64>, f: &mut [f64; D]) -> (f64, Status) {
         match self {
             Self::Bearing(bearing) => bearing.push(q, at, f),
             Self::Balls(balls) => balls.push(q, at, f),
@@ -90,7 +95,7 @@ impl<const D: usize> Coupling<f64, D> for Fitted<D> {
     fn push_with_stiffness(
         &self,
         q: &[f64; D],
-        at: &Rotation<f64>,
+        at: &BearingKinematicState<f64>,
         f: &mut [f64; D],
         k: &mut SMatrix<f64, D, D>,
     ) -> (f64, Status) {
@@ -102,7 +107,7 @@ impl<const D: usize> Coupling<f64, D> for Fitted<D> {
 }
 
 impl<const D: usize> Fit<D> for Fitted<D> {
-    fn reaction(&self, q: &[f64; D], at: &Rotation<f64>) -> Reaction<f64> {
+    fn reaction(&self, q: &[f64; D], at: &BearingKinematicState<f64>) -> Reaction<f64> {
         match self {
             Self::Bearing(bearing) => bearing.bearing.reaction(&bearing.attachment.displacement(q), at),
             Self::Balls(balls) => balls.reaction(q, at),
@@ -113,7 +118,7 @@ impl<const D: usize> Fit<D> for Fitted<D> {
 impl Plant {
     /// Runs `task` with the machine of as many coordinates and bearings as the scene has, or a few idle ones more: what
     /// is idle changes nothing, and each pair of counts is a machine of its own in the program.
-    pub(super) fn with_machine<R>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
+    pub(super) fn with_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
         // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
         match (order, self.seats.len()) {
@@ -132,18 +137,18 @@ impl Plant {
     /// The same of a rigid rotor alone.
     pub(super) fn rigid_machine<R>(&self, step: Step, substeps: u32, task: impl RigidTask<R>) -> Result<R> {
         Ok(match self.seats.len() {
-            1 => task.run::<1>(self.rotor_on_bearings(Seat::moving)?, step, substeps),
-            2 => task.run::<2>(self.rotor_on_bearings(Seat::moving)?, step, substeps),
-            _ => task.run::<MOST_BEARINGS>(self.rotor_on_bearings(Seat::moving)?, step, substeps),
+            1 => task.run::<1>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
+            2 => task.run::<2>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
+            _ => task.run::<MOST_BEARINGS>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
         })
     }
 
     #[inline(never)]
-    fn rigid<R, const N: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
+    fn rigid<R, const N: usize>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         Ok(task.run::<_, _, RIGID, N>(self.rotor_on_bearings(hold)?))
     }
 
-    fn rotor_on_bearings<const N: usize>(&self, hold: Hold) -> Result<RigidMachine<N>> {
+    fn rotor_on_bearings<const N: usize>(&self, hold: Hold) -> Result<RigidSystem<N>> {
         let Some(rotor) = &self.rotor else { bail!("found no rotor") };
         let mut params = build::rotor_params(rotor);
         for (i, row) in params.damping.iter_mut().enumerate() {
@@ -154,31 +159,31 @@ impl Plant {
         let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(rotor)).context("[rotor]")?;
         let bearings = std::array::from_fn(|i| match self.seats.get(i) {
             Some(seat) => Mounted { bearing: hold(seat), station: seat.station, gear: seat.kinematics.gear() },
-            None => Mounted { bearing: nothing(), station: 0.0, gear: Gear::new(0.0) },
+            None => Mounted { bearing: nothing(), station: 0.0, gear: SpeedRatios::new(0.0) },
         });
-        Ok(Machine { rotor, bearings })
+        Ok(RotorBearingSystem { rotor, bearings })
     }
 
     #[inline(never)]
-    fn general<R, const D: usize>(&self, hold: Hold, task: impl MachineTask<R>) -> Result<R> {
+    fn general<R, const D: usize>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         let matrices = self.layout.matrices::<D>(self.rotor.as_ref(), &self.seats, &self.damping)?;
-        let rotor = General::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).context("[system]")?;
+        let rotor = LinearSystem::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).context("[system]")?;
         let fitted = |i: usize| match self.seats.get(i) {
             Some(seat) => self.fitted(i, seat, hold),
-            None => Ok(Fitted::Bearing(Attached {
+            None => Ok(Fitted::Bearing(AttachedElement {
                 bearing: nothing(),
                 attachment: Attachment::on_rigid_rotor(0.0, None),
-                gear: Gear::new(0.0),
+                gear: SpeedRatios::new(0.0),
             })),
         };
         let all = (0..MOST_BEARINGS).map(fitted).collect::<Result<Vec<_>>>()?;
         let Ok(bearings) = <[Fitted<D>; MOST_BEARINGS]>::try_from(all) else {
             bail!("found another count of bearings")
         };
-        Ok(task.run::<_, _, D, MOST_BEARINGS>(Machine { rotor, bearings }))
+        Ok(task.run::<_, _, D, MOST_BEARINGS>(RotorBearingSystem { rotor, bearings }))
     }
 
-    fn fitted<const D: usize>(&self, i: usize, seat: &Seat, hold: Hold) -> Result<Fitted<D>> {
+    fn fitted<const D: usize>(&self, i: usize, seat: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
         let (attachment, gear) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.gear());
         let first = self.layout.balls.get(i).copied().flatten();
         Ok(match (&seat.balls, first) {
@@ -188,7 +193,7 @@ impl Plant {
                     .with_context(|| format!("bearing {}", seat.name))?;
                 Fitted::Balls(Box::new(moving))
             }
-            _ => Fitted::Bearing(Attached { bearing: hold(seat), attachment, gear }),
+            _ => Fitted::Bearing(AttachedElement { bearing: hold(seat), attachment, gear }),
         })
     }
 }

@@ -12,21 +12,21 @@ mod warm;
 pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
 use machine::Fit;
-pub use machine::{LARGEST, MOST_BEARINGS, RigidMachine, RigidTask};
+pub use machine::{LARGEST, MOST_BEARINGS, RigidSystem, RigidTask};
 pub use run_in::RunIn;
-pub use seat::{Balls, Seat};
+pub use seat::{Balls, MountedBearing};
 pub use system::{Layout, Scales, only_rigid};
 pub use twin::{Step, Twin, first_five};
 
-use crate::fault::SceneFault;
+use crate::error::UsageError;
 use crate::scene::build;
 use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
-use ballrace::rotor::{Drive, Equilibrium, Machine, System, equilibrium};
-use ballrace::{Displacement, Rotation, Turn};
-use machine::MachineTask;
+use ballrace::rotor::{Equilibrium, RotorBearingSystem, SecondOrderSystem, ShaftMotion, equilibrium};
+use ballrace::{BearingKinematicState, Displacement, Phase};
+use machine::SystemTask;
 use nalgebra::{Complex, DMatrix};
 use twin::{StartTask, array};
 
@@ -48,7 +48,7 @@ pub struct Plant {
     /// Which coordinate is what.
     pub layout: Layout,
     /// The bearings, with linearised ones made.
-    pub seats: Vec<Seat>,
+    pub seats: Vec<MountedBearing>,
     /// Coordinates at rest under the constant load, cages at angle 0.
     pub rest: Vec<f64>,
     /// Tangent stiffness there.
@@ -78,8 +78,11 @@ impl Plant {
         if scene.bearings.len() > MOST_BEARINGS {
             bail!("{}: bearing: found {}, allowed: up to {MOST_BEARINGS}", scene.path.display(), scene.bearings.len());
         }
-        let seats =
-            scene.bearings.iter().map(|b| Seat::new(scene, &at_one_speed(scene, b))).collect::<Result<Vec<_>>>()?;
+        let seats = scene
+            .bearings
+            .iter()
+            .map(|b| MountedBearing::new(scene, &at_one_speed(scene, b)))
+            .collect::<Result<Vec<_>>>()?;
         let layout = match &scene.system {
             Some(system) => Layout::given(Given::read(scene, system)?, seats.len()),
             None => Layout::new(&scene.bearings, &seats),
@@ -122,7 +125,7 @@ impl Plant {
         for (i, (of, seat)) in scene.bearings.iter().zip(&self.seats).enumerate() {
             let Ok(Some(geometry)) = build::geometry(of) else { continue };
             let mut loads = vec![0.0; seat.elements];
-            let (u, at) = (self.displacement(i, &self.rest), self.resting(seat, Turn::ZERO));
+            let (u, at) = (self.displacement(i, &self.rest), self.resting(seat, Phase::ZERO));
             seat.bearing.element_loads(&u, &at, &mut loads);
             let pressure = geometry.contact(Race::Inner).ellipse(loads.iter().copied().fold(0.0, f64::max)).2;
             if pressure > PRESSURE_LIMIT {
@@ -177,7 +180,7 @@ impl Plant {
         let mut rest = self.rest.clone();
         for i in 0..PITCH_SAMPLES {
             let part = f64::from(i) / f64::from(PITCH_SAMPLES);
-            let cages = |seat: &Seat| Turn::from_revolutions(part / seat.elements as f64);
+            let cages = |seat: &MountedBearing| Phase::from_revolutions(part / seat.elements as f64);
             rest = self.equilibrium(rest, cages)?.coordinates;
             for (i, (states, seat)) in states.iter_mut().zip(&self.seats).enumerate() {
                 let u = self.displacement(i, &rest);
@@ -196,7 +199,7 @@ impl Plant {
     }
 
     fn settle(&mut self) -> Result<()> {
-        let found = self.equilibrium(vec![0.0; self.layout.order], |_| Turn::ZERO)?;
+        let found = self.equilibrium(vec![0.0; self.layout.order], |_| Phase::ZERO)?;
         if found.residual > LARGEST_RESIDUAL {
             self.notes.push(format!(
                 "The rotor finds no rest under its constant load ({:.1e} of the load is left unbalanced): nothing holds it in some direction.",
@@ -210,15 +213,15 @@ impl Plant {
         Ok(())
     }
 
-    fn equilibrium(&self, start: Vec<f64>, cages: impl Fn(&Seat) -> Turn) -> Result<Rest> {
+    fn equilibrium(&self, start: Vec<f64>, cages: impl Fn(&MountedBearing) -> Phase) -> Result<Rest> {
         let at = self.seats.iter().map(|seat| self.resting(seat, cages(seat))).collect();
-        self.with_machine(Seat::cold, RestTask { start, at })
+        self.with_machine(MountedBearing::cold, RestTask { start, at })
     }
 
     /// What a bearing sees at the speed of rest with its cage at `cage`.
     #[must_use]
-    pub fn resting(&self, seat: &Seat, cage: Turn) -> Rotation<f64> {
-        seat.rotation(cage.into(), &Drive { angle: Turn::ZERO, speed: self.speed, acceleration: 0.0 })
+    pub fn resting(&self, seat: &MountedBearing, cage: Phase) -> BearingKinematicState<f64> {
+        seat.rotation(cage.into(), &ShaftMotion { angle: Phase::ZERO, speed: self.speed, acceleration: 0.0 })
     }
 
     /// Displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
@@ -319,7 +322,7 @@ impl Plant {
         let steps = (sample_period / step * (1.0 - 1e-9)).ceil().max(1.0);
         if steps > f64::from(MOST_SUBSTEPS) {
             let longer = if self.integration.step.is_some() { " or a longer [integration] step" } else { "" };
-            bail!(SceneFault(format!(
+            bail!(UsageError(format!(
                 "too many integration steps per sample: {steps:.0} of {step:.3e} s, expected at most {MOST_SUBSTEPS}: a sampling rate of {:.3e} Hz or more{longer}",
                 1.0 / (step * f64::from(MOST_SUBSTEPS))
             )));
@@ -341,7 +344,7 @@ impl Plant {
     ///
     /// # Errors
     /// What the kernel refuses.
-    pub fn run_in(&self, sample_period: f64, revolutions: f64, drive: &Drive<f64>) -> Result<Box<dyn Twin>> {
+    pub fn run_in(&self, sample_period: f64, revolutions: f64, drive: &ShaftMotion<f64>) -> Result<Box<dyn Twin>> {
         let mut run_in = RunIn::try_new(self, sample_period, revolutions, drive)?;
         while run_in.advance() {}
         Ok(run_in.into_twin())
@@ -355,12 +358,12 @@ impl Plant {
         let substeps = self.substeps(sample_period)?;
         let task = StartTask {
             rest: self.rest.clone(),
-            shaft: Turn::from_revolutions(revolutions),
+            shaft: Phase::from_revolutions(revolutions),
             parts: self.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             step: Step { method: self.integration.method, length: sample_period / f64::from(substeps) },
             substeps,
         };
-        self.with_machine(Seat::moving, task)
+        self.with_machine(MountedBearing::moving, task)
     }
 }
 
@@ -400,13 +403,13 @@ struct Rest {
 
 struct RestTask {
     start: Vec<f64>,
-    at: Vec<Rotation<f64>>,
+    at: Vec<BearingKinematicState<f64>>,
 }
 
-impl MachineTask<Rest> for RestTask {
-    fn run<S, C, const D: usize, const N: usize>(self, machine: Machine<S, C, N>) -> Rest
+impl SystemTask<Rest> for RestTask {
+    fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Rest
     where
-        S: System<f64, D> + 'static,
+        S: SecondOrderSystem<f64, D> + 'static,
         C: Fit<D> + 'static,
     {
         let n = self.start.len();

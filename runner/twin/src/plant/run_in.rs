@@ -2,15 +2,15 @@
 
 use super::{Plant, Twin};
 use anyhow::Result;
-use ballrace::Turn;
-use ballrace::rotor::Drive;
+use ballrace::Phase;
+use ballrace::rotor::ShaftMotion;
 use std::f64::consts::TAU;
 
 /// A twin that settles at a steady speed, sample by sample.
 pub struct RunIn {
     twin: Box<dyn Twin>,
     /// The shaft at the end.
-    drive: Drive<f64>,
+    drive: ShaftMotion<f64>,
     /// s
     sample_period: f64,
     /// Samples in all.
@@ -24,11 +24,11 @@ impl RunIn {
     ///
     /// # Errors
     /// The kernel's.
-    pub fn try_new(plant: &Plant, sample_period: f64, revolutions: f64, drive: &Drive<f64>) -> Result<Self> {
+    pub fn try_new(plant: &Plant, sample_period: f64, revolutions: f64, drive: &ShaftMotion<f64>) -> Result<Self> {
         let samples = (plant.settling_time() / sample_period).ceil();
         let before = samples * sample_period * drive.speed / TAU;
         let twin = plant.start(sample_period, revolutions - before)?;
-        Ok(Self { twin, drive: Drive { acceleration: 0.0, ..*drive }, sample_period, samples, passed: 0 })
+        Ok(Self { twin, drive: ShaftMotion { acceleration: 0.0, ..*drive }, sample_period, samples, passed: 0 })
     }
 
     /// Advances the twin by one sample; returns false where it has settled.
@@ -38,7 +38,7 @@ impl RunIn {
         }
         let left = (self.samples - self.passed as f64) * self.sample_period * self.drive.speed / TAU;
         self.passed += 1;
-        self.twin.step(&Drive { angle: self.drive.angle.plus(Turn::from_revolutions(-left)), ..self.drive });
+        self.twin.step(&ShaftMotion { angle: self.drive.angle.plus(Phase::from_revolutions(-left)), ..self.drive });
         true
     }
 

@@ -4,13 +4,13 @@ use super::warm::{ColdAndFew, WARM_STEPS, Warm};
 use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
 use anyhow::Result;
-use ballrace::rotor::{Drive, MovingBallsParams, PartAngles};
-use ballrace::{Displacement, Exact, Rotation};
+use ballrace::rotor::{ComponentAngles, MovingBallsParams, ShaftMotion};
+use ballrace::{BearingKinematicState, Displacement, Exact};
 use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
 #[derive(Clone)]
-pub struct Seat {
+pub struct MountedBearing {
     /// The scene's name.
     pub name: String,
     /// Along Z from the centre of mass, m.
@@ -41,10 +41,10 @@ pub struct Balls {
     /// N s/m on each ball's radial motion.
     pub damping: f64,
     /// Where they stand with the cage at angle 0.
-    pub places: Vec<ballrace::bearing::Place<f64>>,
+    pub places: Vec<ballrace::bearing::ElementPosition<f64>>,
 }
 
-impl Seat {
+impl MountedBearing {
     /// The seat of one bearing of a scene.
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl Seat {
 
     /// What the bearing sees with its parts at `parts` and the shaft as `drive` says.
     #[must_use]
-    pub fn rotation(&self, parts: PartAngles, drive: &Drive<f64>) -> Rotation<f64> {
+    pub fn rotation(&self, parts: ComponentAngles, drive: &ShaftMotion<f64>) -> BearingKinematicState<f64> {
         self.kinematics.gear().rotation(parts, drive)
     }
 

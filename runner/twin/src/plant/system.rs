@@ -1,7 +1,7 @@
 //! Which coordinates a scene's system has, and its matrices.
 
 use super::twin::array;
-use super::{Given, MOST_BEARINGS, Seat};
+use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Attachment, Matrices, RotorParams, supported};
@@ -27,7 +27,7 @@ pub struct Layout {
 
 impl Layout {
     /// That of a scene with a rigid rotor.
-    pub fn new(bearings: &[BearingScene], seats: &[Seat]) -> Self {
+    pub fn new(bearings: &[BearingScene], seats: &[MountedBearing]) -> Self {
         let mut order = RIGID;
         let mut next = |count: usize| {
             let first = order;
@@ -55,7 +55,7 @@ impl Layout {
 
     /// The coordinates' names: `u v w thu thv`, `DE_support_u`, `DE_element_1`; of given matrices `q1`, `q2`.
     #[must_use]
-    pub fn names(&self, seats: &[Seat]) -> Vec<String> {
+    pub fn names(&self, seats: &[MountedBearing]) -> Vec<String> {
         if self.given.is_some() {
             return (1..=self.order).map(|i| format!("q{i}")).collect();
         }
@@ -91,7 +91,7 @@ impl Layout {
     pub fn matrices<const D: usize>(
         &self,
         rotor: Option<&Rotor>,
-        seats: &[Seat],
+        seats: &[MountedBearing],
         extra: &DMatrix<f64>,
     ) -> Result<Matrices<D, OnHeap<D>>> {
         if self.order > D {
@@ -112,7 +112,7 @@ impl Layout {
     ///
     /// # Errors
     /// As [`Layout::matrices`].
-    pub fn scales(&self, rotor: Option<&Rotor>, seats: &[Seat], extra: &DMatrix<f64>) -> Result<Scales> {
+    pub fn scales(&self, rotor: Option<&Rotor>, seats: &[MountedBearing], extra: &DMatrix<f64>) -> Result<Scales> {
         let mut scales = match (&self.given, rotor) {
             (Some(given), _) => given.scales(),
             (None, Some(rotor)) => self.rigid_rotor_in_supports(rotor)?,

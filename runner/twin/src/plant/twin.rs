@@ -1,24 +1,25 @@
 //! The digital twin: a plant that moves, driven by the shaft angle alone.
 
-use super::machine::{Fit, MachineTask};
+use super::machine::{Fit, SystemTask};
 use super::system::OnHeap;
 use crate::scene::Method;
-use crate::wide::WideRegisters;
+use crate::simd::SimdDispatch;
 use ballrace::rotor::{
-    Coupling, Drive, Integrator, Machine, Newmark, PartAngles, RotorState, RungeKutta4, SteadyVerlet, System, Verlet,
+    ComponentAngles, ForceElement, Integrator, Newmark, RotorBearingSystem, RotorState, RungeKutta4, SecondOrderSystem,
+    ShaftMotion, SteadyVerlet, Verlet,
 };
-use ballrace::{Displacement, Rotation, Status, Turn, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 
 /// One twin, whatever its coordinates and bearings.
 pub trait Twin {
     /// One sample period further, the shaft moving as `drive` says.
-    fn step(&mut self, drive: &Drive<f64>) -> Status;
+    fn step(&mut self, drive: &ShaftMotion<f64>) -> Status;
     /// The coordinates now.
     fn coordinates(&self) -> &[f64];
     /// Their rates.
     fn rates(&self) -> &[f64];
     /// Force of bearing `i` on its inner ring now, turned as `at` says.
-    fn wrench(&self, i: usize, at: &Rotation<f64>) -> Wrench<f64>;
+    fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64>;
     /// Puts coordinates and rates, as many as given, in the place of the present ones.
     fn place(&mut self, coordinates: &[f64], rates: &[f64]);
 
@@ -58,11 +59,11 @@ pub struct Step {
 
 impl Integrator<f64> for Step {
     #[inline(always)]
-    fn step<R: System<f64, D>, C: Coupling<f64, D>, const D: usize, const N: usize>(
+    fn step<R: SecondOrderSystem<f64, D>, C: ForceElement<f64, D>, const D: usize, const N: usize>(
         &self,
-        machine: &Machine<R, C, N>,
+        machine: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<f64, D, N>,
-        drive: &Drive<f64>,
+        drive: &ShaftMotion<f64>,
     ) -> Status {
         let step = self.length;
         match self.method {
@@ -76,16 +77,16 @@ impl Integrator<f64> for Step {
 /// Starts a twin at rest.
 pub(super) struct StartTask {
     pub rest: Vec<f64>,
-    pub shaft: Turn,
-    pub parts: Vec<PartAngles>,
+    pub shaft: Phase,
+    pub parts: Vec<ComponentAngles>,
     pub step: Step,
     pub substeps: u32,
 }
 
-impl MachineTask<Box<dyn Twin>> for StartTask {
-    fn run<S, C, const D: usize, const N: usize>(self, machine: Machine<S, C, N>) -> Box<dyn Twin>
+impl SystemTask<Box<dyn Twin>> for StartTask {
+    fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Box<dyn Twin>
     where
-        S: System<f64, D> + 'static,
+        S: SecondOrderSystem<f64, D> + 'static,
         C: Fit<D> + 'static,
     {
         let steady = SteadyVerlet::with_storage(Verlet { step: self.step.length }, &machine.rotor, 0.0);
@@ -96,24 +97,24 @@ impl MachineTask<Box<dyn Twin>> for StartTask {
             coordinates: self.rest.len(),
             step: self.step,
             substeps: self.substeps,
-            registers: WideRegisters::detect(),
+            registers: SimdDispatch::detect(),
         })
     }
 }
 
 struct Moving<S, C, const D: usize, const N: usize> {
-    machine: Machine<S, C, N>,
+    machine: RotorBearingSystem<S, C, N>,
     steady: SteadyVerlet<f64, D, OnHeap<D>>,
     state: RotorState<f64, D, N>,
     /// Those that are not idle.
     coordinates: usize,
     step: Step,
     substeps: u32,
-    registers: WideRegisters,
+    registers: SimdDispatch,
 }
 
-impl<S: System<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
-    fn step(&mut self, drive: &Drive<f64>) -> Status {
+impl<S: SecondOrderSystem<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
+    fn step(&mut self, drive: &ShaftMotion<f64>) -> Status {
         let (step, substeps, machine) = (self.step, self.substeps, &self.machine);
         let (steady, state) = (&mut self.steady, &mut self.state);
         self.registers.run(
@@ -138,7 +139,7 @@ impl<S: System<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Movi
     fn rates(&self) -> &[f64] {
         self.state.rate.get(..self.coordinates).unwrap_or_default()
     }
-    fn wrench(&self, i: usize, at: &Rotation<f64>) -> Wrench<f64> {
+    fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64> {
         self.machine.bearings.get(i).map_or_else(Wrench::default, |b| b.reaction(&self.state.q, at).wrench)
     }
     fn place(&mut self, coordinates: &[f64], rates: &[f64]) {

@@ -1,9 +1,9 @@
 //! A quasi-static bearing that moves on from its last sample.
 
 use crate::scene::build::Solved;
-use ballrace::bearing::quasi_static::BallPlace;
+use ballrace::bearing::quasi_static::BallPosition;
 use ballrace::bearing::{Bearing, Reaction};
-use ballrace::{Displacement, Rotation, Status, Stiffness};
+use ballrace::{BearingKinematicState, Displacement, Status, Stiffness};
 use std::sync::{Arc, Mutex};
 
 /// Newton steps of a warm start: from the last sample they come to rounding.
@@ -23,7 +23,7 @@ pub struct ColdAndFew {
 pub struct Warm {
     solved: ColdAndFew,
     offset: Displacement<f64>,
-    balls: Mutex<Vec<BallPlace<f64>>>,
+    balls: Mutex<Vec<BallPosition<f64>>>,
 }
 
 impl Warm {
@@ -32,8 +32,13 @@ impl Warm {
         Self { solved, offset, balls: Mutex::default() }
     }
 
-    fn start(&self, u: &Displacement<f64>, at: &Rotation<f64>, balls: &mut Vec<BallPlace<f64>>) -> Reaction<f64> {
-        balls.resize(BALLS, BallPlace::default());
+    fn start(
+        &self,
+        u: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+        balls: &mut Vec<BallPosition<f64>>,
+    ) -> Reaction<f64> {
+        balls.resize(BALLS, BallPosition::default());
         self.solved.cold.place_balls(u, at, balls);
         self.solved.cold.reaction_from(u, at, balls)
     }
@@ -43,7 +48,7 @@ impl Warm {
 const BALLS: usize = 64;
 
 impl Bearing<f64> for Warm {
-    fn reaction(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> Reaction<f64> {
+    fn reaction(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Reaction<f64> {
         let u = &u.plus(self.offset);
         // A twin belongs to one thread; a poisoned memory is as good a start as any.
         let mut balls = self.balls.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -54,11 +59,15 @@ impl Bearing<f64> for Warm {
         if found.status.has(Status::NOT_SETTLED) { self.start(u, at, &mut balls) } else { found }
     }
 
-    fn reaction_and_stiffness(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+    ) -> (Reaction<f64>, Stiffness<f64>) {
         self.solved.cold.reaction_and_stiffness(&u.plus(self.offset), at)
     }
 
-    fn element_loads(&self, u: &Displacement<f64>, at: &Rotation<f64>, loads: &mut [f64]) {
+    fn element_loads(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>, loads: &mut [f64]) {
         self.solved.cold.element_loads(&u.plus(self.offset), at, loads);
     }
 }

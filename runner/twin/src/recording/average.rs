@@ -1,7 +1,7 @@
 //! Several samples averaged into one: a fast recorder under a model that needs no such rate.
 
 use super::{Row, Sample};
-use ballrace::Turn;
+use ballrace::Phase;
 use std::f64::consts::TAU;
 
 /// Averages groups of samples whose numbers share their quotient by the group's size.
@@ -73,7 +73,7 @@ impl Average {
         let arc = ahead * (middle.speed + 0.5 * ahead * middle.acceleration) / TAU;
         let revolutions = middle.angle.revolutions() + arc;
         middle.revolution += revolutions.floor() as i64;
-        middle.angle = middle.angle.plus(Turn::from_revolutions(arc));
+        middle.angle = middle.angle.plus(Phase::from_revolutions(arc));
         middle.speed += ahead * middle.acceleration;
         middle.row.time += ahead;
         middle.row.index = number;
@@ -92,7 +92,7 @@ mod tests {
         let turns = 7.3 * time + 0.5 * 4.0 * time * time;
         Sample {
             row: Row { index, line: index, time, probes: vec![1.0 + 2.0 * time, -time], rotation: 0.0 },
-            angle: Turn::from_revolutions(turns),
+            angle: Phase::from_revolutions(turns),
             revolution: turns.floor() as i64,
             speed: TAU * (7.3 + 4.0 * time),
             acceleration: TAU * 4.0,

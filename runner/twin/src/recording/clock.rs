@@ -1,6 +1,6 @@
 //! Time stamps -> sample numbers, against a grid that follows the recording's own clock.
 
-use crate::fault::SceneFault;
+use crate::error::UsageError;
 use crate::scene::{Clock, Recording, Scene, Speed};
 use std::f64::consts::TAU;
 
@@ -27,7 +27,7 @@ impl ImplausibleRate {
     #[must_use]
     pub fn of(self, scene: &Scene, name: &str) -> anyhow::Error {
         if self.by_scene {
-            SceneFault(format!("{}: [recording] rate: {self}", scene.path.display())).into()
+            UsageError(format!("{}: [recording] rate: {self}", scene.path.display())).into()
         } else {
             anyhow::anyhow!("{name}: sampling rate from its time stamps: {self}")
         }

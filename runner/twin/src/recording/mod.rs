@@ -23,7 +23,7 @@ mod wav;
 
 pub use reader::Reader;
 
-use ballrace::Turn;
+use ballrace::Phase;
 use status::SampleStatus;
 
 /// One sample as read from the file, before the shaft's angle is known.
@@ -47,7 +47,7 @@ pub struct Sample {
     /// What the file says.
     pub row: Row,
     /// Shaft angle: 0 where the keyphasor first passes.
-    pub angle: Turn,
+    pub angle: Phase,
     /// Whole turns below `angle` since the keyphasor first passed: total revolutions = `revolution + angle`, so -1
     /// before the first pulse of a shaft that turns forward.
     pub revolution: i64,

@@ -17,7 +17,7 @@ use super::flaws::{Flaw, FlawLedger, Position};
 use super::probe::{ProbeWatch, Verdict};
 use super::table::{self, ALLOWED, Cells, Table};
 use crate::scene::units;
-use crate::scene::{Clock, Probe, Recording, Rotation};
+use crate::scene::{Clock, Probe, Recording, RotationSource};
 
 /// How far the file's sampling rate and the scene's may lie apart.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -358,9 +358,11 @@ impl Wanted {
     fn new(table: &dyn Table, recording: &Recording, file: &Path) -> Result<Self, RecordingError> {
         let column = |name: &str, unit| find(table, name, file).map(|place| Column { place, unit, offset: 0.0 });
         let rotation = match &recording.rotation {
-            Rotation::Keyphasor { column: name, .. } => Some(column(name, 1.0)?),
-            Rotation::SpeedColumn { column: name, radians_per_second } => Some(column(name, *radians_per_second)?),
-            Rotation::Scene => None,
+            RotationSource::Keyphasor { column: name, .. } => Some(column(name, 1.0)?),
+            RotationSource::SpeedColumn { column: name, radians_per_second } => {
+                Some(column(name, *radians_per_second)?)
+            }
+            RotationSource::Scene => None,
         };
         let stamp = match &recording.clock {
             Clock::Rate(_) => None,
@@ -393,7 +395,8 @@ impl Wanted {
         if let Some(stamp) = &self.stamp {
             check(stamp, "s")?;
         }
-        if let (Some(column), Rotation::SpeedColumn { radians_per_second, .. }) = (&self.rotation, &recording.rotation)
+        if let (Some(column), RotationSource::SpeedColumn { radians_per_second, .. }) =
+            (&self.rotation, &recording.rotation)
             && let Some(meant) = units::speed_name(*radians_per_second)
         {
             check(column, meant)?;

@@ -27,7 +27,7 @@ use super::average::Average;
 use super::flaws::FlawLedger;
 use super::status::SampleStatus;
 use super::{Row, Sample};
-use crate::scene::{Recording, Rotation, Speed};
+use crate::scene::{Recording, RotationSource, Speed};
 
 /// Most samples that wait for a pulse or a speed.
 const LONGEST_WAIT: usize = 4_000_000;
@@ -160,13 +160,13 @@ impl Tracker {
     /// For a recording sampled at `rate`, Hz. A keyphasor cannot tell which way the shaft turns: that is taken
     /// from the sign of the scene's `speed`.
     #[must_use]
-    pub fn new(rotation: &Rotation, rate: f64, speed: Speed) -> Self {
+    pub fn new(rotation: &RotationSource, rate: f64, speed: Speed) -> Self {
         let source = match rotation {
-            Rotation::Keyphasor { column, pulses_per_turn } => {
+            RotationSource::Keyphasor { column, pulses_per_turn } => {
                 Source::Keyphasor(Box::new(Keyphasor::new(column, *pulses_per_turn, rate, is_reversed(speed))))
             }
-            Rotation::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
-            Rotation::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
+            RotationSource::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
+            RotationSource::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
         Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }
     }

@@ -8,8 +8,8 @@ use super::pose::reading;
 use crate::plant::Twin;
 use crate::recording::Sample;
 use ballrace::Displacement;
-use ballrace::rotor::Drive;
-use ballrace::turn::Arc;
+use ballrace::phase::PhaseDelta;
+use ballrace::rotor::ShaftMotion;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Turns of the recording that the lag is taken from.
@@ -22,7 +22,7 @@ const SIGNIFICANCE: f64 = 5.0;
 /// The sample with its shaft further by `lag` (s).
 #[must_use]
 pub fn shifted(mut sample: Sample, lag: f64) -> Sample {
-    let arc = Arc::from_radians(sample.speed * lag);
+    let arc = PhaseDelta::from_radians(sample.speed * lag);
     // Whole turns change where the shift carries the angle over the mark.
     let turns = sample.angle.revolutions() + arc.radians::<f64>() / std::f64::consts::TAU;
     sample.angle = sample.angle.advanced(arc);
@@ -42,7 +42,7 @@ pub fn lag(samples: &[Sample], twin: &mut dyn Twin, rows: &[[f64; 5]], period: f
         let (pose, rate) = (twin.pose(), twin.rate());
         sums.add(sample, rows, &pose, &rate);
         let steps = samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
-        let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
         for k in 0..steps {
             twin.step(&drive.after(k as f64 * period));
         }

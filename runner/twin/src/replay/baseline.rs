@@ -1,8 +1,8 @@
 //! What a machine in good order leaves of its residual: remembered by `--learn`, judged against by `--baseline`.
 
 use super::comparison::{Comparison, followed};
-use crate::fault::SceneFault;
-use crate::plant::Seat;
+use crate::error::UsageError;
+use crate::plant::MountedBearing;
 use crate::scene::{Probe, Sensor};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
@@ -59,7 +59,13 @@ pub struct BaselineProbe {
 impl Baseline {
     /// From a finished comparison.
     #[must_use]
-    pub fn learn(scene: &str, recording: &str, comparison: &Comparison, probes: &[Probe], seats: &[Seat]) -> Self {
+    pub fn learn(
+        scene: &str,
+        recording: &str,
+        comparison: &Comparison,
+        probes: &[Probe],
+        seats: &[MountedBearing],
+    ) -> Self {
         let orders = orders(seats);
         let probe = |(i, probe): (usize, &Probe)| BaselineProbe {
             name: probe.column.clone(),
@@ -99,7 +105,7 @@ impl Baseline {
         let name = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{name}: this baseline cannot be read"))?;
         let found: Self = serde_json::from_str(&text).map_err(|e| {
-            SceneFault(format!(
+            UsageError(format!(
                 "{name}:{}: found no baseline ({e}), allowed: a file written by replay --learn",
                 e.line()
             ))
@@ -108,7 +114,7 @@ impl Baseline {
     }
 
     fn of_others(&self, path: &Path) -> anyhow::Error {
-        anyhow::Error::new(SceneFault(format!(
+        anyhow::Error::new(UsageError(format!(
             "{}: found a baseline of other probes or bearings (scene {:?}), allowed: one learned with this scene",
             path.display(),
             self.scene
@@ -119,7 +125,7 @@ impl Baseline {
     ///
     /// # Errors
     /// A file that cannot be read, is no baseline, or was learned with other probes or bearings.
-    pub fn read(path: &Path, probes: &[Probe], seats: &[Seat]) -> Result<Self> {
+    pub fn read(path: &Path, probes: &[Probe], seats: &[MountedBearing]) -> Result<Self> {
         let found = Self::parse(path)?;
         let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));
         let wanted = orders(seats);
@@ -148,7 +154,7 @@ impl Baseline {
     }
 }
 
-fn orders(seats: &[Seat]) -> Vec<f64> {
+fn orders(seats: &[MountedBearing]) -> Vec<f64> {
     let ratios: Vec<f64> = seats.iter().map(|s| s.kinematics.cage_ratio).collect();
     followed(seats).iter().map(|line| line.order(&ratios)).collect()
 }

@@ -4,10 +4,10 @@ use super::lines::{Demodulator, Line};
 use super::outcome::{BallPassLine, Baseline, Baselines, Motion, ProbeOutcome};
 use super::spectrum::Welch;
 use super::statistics::Sums;
-use crate::plant::Seat;
+use crate::plant::MountedBearing;
 use crate::scene::{Direction, Probe};
 use ballrace::math::Math;
-use ballrace::{Exact, Turn};
+use ballrace::{Exact, Phase};
 
 const UM: f64 = 1e6;
 
@@ -17,7 +17,7 @@ pub const OUTER_HARMONICS: i32 = 5;
 pub const INNER_HARMONICS: i32 = 3;
 
 /// What one sample says at every probe, m.
-pub struct Seen<'a> {
+pub struct SampleReadings<'a> {
     /// Readings, NaN where missing.
     pub measured: &'a [f64],
     /// The twin's.
@@ -32,9 +32,9 @@ pub struct Seen<'a> {
 #[derive(Clone, Copy)]
 pub struct Angles<'a> {
     /// Shaft.
-    pub shaft: Turn,
+    pub shaft: Phase,
     /// Cage of each bearing.
-    pub cages: &'a [Turn],
+    pub cages: &'a [Phase],
     /// Revolutions since the last sample.
     pub arc: f64,
 }
@@ -64,7 +64,7 @@ pub struct Comparison {
 
 /// Lines that are followed: 1X, 2X, then of each bearing the outer and inner ball pass and harmonics.
 #[must_use]
-pub fn followed(seats: &[Seat]) -> Vec<Line> {
+pub fn followed(seats: &[MountedBearing]) -> Vec<Line> {
     let mut lines = vec![Line::shaft(1), Line::shaft(2)];
     for (i, seat) in seats.iter().enumerate() {
         let n = seat.elements as i32;
@@ -89,7 +89,7 @@ pub fn inner_line(bearing: usize, k: i32) -> usize {
 impl Comparison {
     /// For probes, seats and planes.
     #[must_use]
-    pub fn new(probes: usize, seats: &[Seat], planes: usize) -> Self {
+    pub fn new(probes: usize, seats: &[MountedBearing], planes: usize) -> Self {
         let first_plane = 3 * probes;
         let pairs = (0..2 * planes).map(|i| (first_plane + 2 * i, first_plane + 2 * i + 1)).collect();
         Self {
@@ -102,7 +102,7 @@ impl Comparison {
     }
 
     /// One sample; true where it ended a block of the followed lines.
-    pub fn add(&mut self, seen: &Seen, angles: Angles) -> bool {
+    pub fn add(&mut self, seen: &SampleReadings, angles: Angles) -> bool {
         let basis: (f64, f64) = Exact::sin_cos(angles.shaft);
         for (i, probe) in self.probes.iter_mut().enumerate() {
             probe.add(seen.measured[i], seen.twin[i], seen.linear[i], basis);
@@ -153,7 +153,7 @@ impl Comparison {
 
     /// The figures of every probe.
     #[must_use]
-    pub fn outcomes(&self, probes: &[Probe], seats: &[Seat], mean_speed_hz: f64) -> Vec<ProbeOutcome> {
+    pub fn outcomes(&self, probes: &[Probe], seats: &[MountedBearing], mean_speed_hz: f64) -> Vec<ProbeOutcome> {
         probes
             .iter()
             .enumerate()
@@ -164,7 +164,7 @@ impl Comparison {
             .collect()
     }
 
-    fn ball_pass(&self, probe: usize, seats: &[Seat], mean_speed_hz: f64) -> Vec<BallPassLine> {
+    fn ball_pass(&self, probe: usize, seats: &[MountedBearing], mean_speed_hz: f64) -> Vec<BallPassLine> {
         let n = self.probes.len();
         let moving = seats.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0);
         moving

@@ -4,7 +4,7 @@ use super::baseline::Baseline;
 use super::comparison::{Comparison, INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
 use super::locate::Locator;
 use super::outcome::{Finding, FindingKind, ProbeOutcome, Standing};
-use crate::plant::Seat;
+use crate::plant::MountedBearing;
 use crate::scene::{Direction, Probe};
 
 const UM: f64 = 1e6;
@@ -29,7 +29,7 @@ pub struct Evidence<'a> {
     /// The scene's probes.
     pub probes: &'a [Probe],
     /// The bearings.
-    pub seats: &'a [Seat],
+    pub seats: &'a [MountedBearing],
     /// The sums.
     pub comparison: &'a Comparison,
     /// Which of two bearings a line comes from.
@@ -73,7 +73,7 @@ fn energy(evidence: &Evidence, of: impl Fn(usize) -> f64) -> f64 {
     evidence.probes.iter().enumerate().filter(|(_, p)| radial(p)).map(|(i, _)| of(i)).sum()
 }
 
-fn families(seats: &[Seat]) -> Vec<Family> {
+fn families(seats: &[MountedBearing]) -> Vec<Family> {
     let mut families = vec![Family { kind: FindingKind::Unbalance, bearing: None, order: 1.0, lines: vec![(0, 1.0)] }];
     for (i, seat) in seats.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0) {
         let orders = seat.kinematics.orders;

@@ -3,10 +3,10 @@
 use super::outcome::{BearingOrders, BearingOutcome, ForceFigures};
 use super::pose::PoseSolver;
 use super::statistics::Running;
-use crate::plant::Seat;
+use crate::plant::MountedBearing;
 use crate::scene::Probe;
-use ballrace::bearing::{Bearing, HeldWrench};
-use ballrace::{Displacement, Rotation, Status, Turn};
+use ballrace::bearing::{Bearing, LastValidWrench};
+use ballrace::{BearingKinematicState, Displacement, Phase, Status};
 
 /// Bins around the ring in which element loads are gathered.
 pub const AZIMUTH_BINS: usize = 72;
@@ -28,7 +28,7 @@ pub struct Evaluated {
 
 /// Sums of one bearing over the recording.
 pub struct BearingSums {
-    held: HeldWrench<f64>,
+    held: LastValidWrench<f64>,
     measured: [Running; 5],
     twin: [Running; 5],
     estimated: [Running; 5],
@@ -49,7 +49,7 @@ impl BearingSums {
     #[must_use]
     pub fn new(elements: usize) -> Self {
         Self {
-            held: HeldWrench::new(),
+            held: LastValidWrench::new(),
             measured: Default::default(),
             twin: Default::default(),
             estimated: Default::default(),
@@ -69,10 +69,10 @@ impl BearingSums {
     /// measured force takes its place.
     pub fn evaluate(
         &mut self,
-        seat: &Seat,
+        seat: &MountedBearing,
         pose: &Displacement<f64>,
         others: Option<(&Displacement<f64>, Option<&Displacement<f64>>)>,
-        at: &Rotation<f64>,
+        at: &BearingKinematicState<f64>,
     ) -> Evaluated {
         let (wrench, status) = seat.bearing.sample(&mut self.held, &pose.at_station(seat.station), at);
         let measured = wrench.to_array();
@@ -83,7 +83,13 @@ impl BearingSums {
     }
 
     /// Adds a sample to the sums; returns the load on element 1.
-    pub fn add(&mut self, seat: &Seat, sample: &Evaluated, poses: [&Displacement<f64>; 2], at: &Rotation<f64>) -> f64 {
+    pub fn add(
+        &mut self,
+        seat: &MountedBearing,
+        sample: &Evaluated,
+        poses: [&Displacement<f64>; 2],
+        at: &BearingKinematicState<f64>,
+    ) -> f64 {
         self.contact_lost += u64::from(sample.status.has(Status::CONTACT_LOST));
         self.evaluated += u64::from(!sample.status.is_held());
         self.twin_contact_lost += u64::from(sample.twin == [0.0; 5]);
@@ -109,13 +115,19 @@ impl BearingSums {
         [self.contact_lost as f64 / self.evaluated.max(1) as f64, self.twin_contact_lost as f64 / twin.max(1.0)]
     }
 
-    fn gather(&mut self, seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>, which: usize) -> f64 {
+    fn gather(
+        &mut self,
+        seat: &MountedBearing,
+        pose: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+        which: usize,
+    ) -> f64 {
         self.loads.fill(0.0);
         seat.bearing.element_loads(&pose.at_station(seat.station), at, &mut self.loads);
         let n = self.loads.len() as f64;
         for (j, &load) in self.loads.iter().enumerate() {
             let azimuth =
-                at.cage.plus(Turn::from_revolutions(seat.first_azimuth / std::f64::consts::TAU + j as f64 / n));
+                at.cage.plus(Phase::from_revolutions(seat.first_azimuth / std::f64::consts::TAU + j as f64 / n));
             let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
             self.around[bin][which].add(load);
             if which == 0 {
@@ -127,7 +139,7 @@ impl BearingSums {
 
     /// The figures.
     #[must_use]
-    pub fn outcome(&self, seat: &Seat) -> BearingOutcome {
+    pub fn outcome(&self, seat: &MountedBearing) -> BearingOutcome {
         let figures = |running: &Running, sigma: Option<&Running>| ForceFigures {
             mean: running.mean(),
             min: running.extremes().0,
@@ -157,7 +169,7 @@ impl BearingSums {
 
 /// Azimuth (rad) and load (N) of every element.
 #[must_use]
-pub fn loads(seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>) -> Vec<(f64, f64)> {
+pub fn loads(seat: &MountedBearing, pose: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Vec<(f64, f64)> {
     let mut loads = vec![0.0; seat.elements];
     seat.bearing.element_loads(&pose.at_station(seat.station), at, &mut loads);
     let n = loads.len() as f64;
@@ -170,11 +182,11 @@ pub fn loads(seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>) -> Vec<(
 /// where the tangent is zero on one side. None where a probe's noise is not given.
 #[must_use]
 pub fn noise_band(
-    seat: &Seat,
+    seat: &MountedBearing,
     solver: &PoseSolver,
     probes: &[Probe],
     pose: &Displacement<f64>,
-    at: &Rotation<f64>,
+    at: &BearingKinematicState<f64>,
 ) -> Option<[f64; 5]> {
     let here = force_at(seat, pose, at);
     let mut variance = [0.0; 5];
@@ -197,6 +209,6 @@ pub fn noise_band(
     Some(variance.map(f64::sqrt))
 }
 
-fn force_at(seat: &Seat, pose: &Displacement<f64>, at: &Rotation<f64>) -> [f64; 5] {
+fn force_at(seat: &MountedBearing, pose: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 5] {
     seat.bearing.reaction(&pose.at_station(seat.station), at).wrench.to_array()
 }

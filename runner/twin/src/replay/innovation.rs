@@ -2,7 +2,7 @@
 
 use super::outcome::ObserverOutcome;
 use super::statistics::Running;
-use crate::observer::{Tuned, Verdict, gate};
+use crate::observer::{TunedObserver, Verdict, gate};
 use ballrace::Status;
 
 /// Standard deviations of a mean that chance leaves in 1 case of 100.
@@ -44,7 +44,7 @@ impl Innovation {
     /// The figures; none without a sample in which every probe had a reading. Over n samples the mean of the squares, chi-square distributed with p degrees of freedom, has the
     /// variance `2 p/n`.
     #[must_use]
-    pub fn outcome(&self, of: &Tuned) -> Option<ObserverOutcome> {
+    pub fn outcome(&self, of: &TunedObserver) -> Option<ObserverOutcome> {
         if self.squares.count() == 0.0 {
             return None;
         }

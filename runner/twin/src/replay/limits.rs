@@ -6,8 +6,8 @@
 use super::baseline::Baseline;
 use super::comparison::{followed, inner_line, outer_line};
 use super::outcome::LimitLine;
-use crate::fault::SceneFault;
-use crate::plant::Seat;
+use crate::error::UsageError;
+use crate::plant::MountedBearing;
 use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};
 use anyhow::{Result, bail};
 use ballrace::Exact;
@@ -110,7 +110,7 @@ struct Open {
 }
 
 /// All limits of a scene over a recording.
-pub struct Guards {
+pub struct LimitMonitor {
     guards: Vec<Guard>,
     names: Vec<String>,
     /// The running block of readings.
@@ -156,12 +156,17 @@ impl Block {
     }
 }
 
-impl Guards {
+impl LimitMonitor {
     /// From the scene's limits.
     ///
     /// # Errors
     /// A probe or bearing that the scene does not have, growth without a baseline.
-    pub fn try_new(limits: &[Limit], probes: &[Probe], seats: &[Seat], baseline: Option<&Baseline>) -> Result<Self> {
+    pub fn try_new(
+        limits: &[Limit],
+        probes: &[Probe],
+        seats: &[MountedBearing],
+        baseline: Option<&Baseline>,
+    ) -> Result<Self> {
         let mut guards = Vec::new();
         for limit in limits {
             let line = line(limit, seats)?;
@@ -177,7 +182,7 @@ impl Guards {
                 guards.push(Guard { limit: limit.clone(), probe, line, max, open: None });
             }
             if !any {
-                bail!(SceneFault(format!(
+                bail!(UsageError(format!(
                     "limit: probe: found {:?}, allowed: a probe of [recording]",
                     named.unwrap_or("no radial probe")
                 )));
@@ -404,7 +409,7 @@ impl Guard {
 }
 
 /// Index among the followed lines.
-fn line(limit: &Limit, seats: &[Seat]) -> Result<Option<usize>> {
+fn line(limit: &Limit, seats: &[MountedBearing]) -> Result<Option<usize>> {
     let of: fn(usize, i32) -> usize = match limit.indicator {
         Indicator::OuterRace => outer_line,
         Indicator::InnerRace => inner_line,
@@ -412,9 +417,9 @@ fn line(limit: &Limit, seats: &[Seat]) -> Result<Option<usize>> {
         Indicator::TwoX => return Ok(Some(1)),
         _ => return Ok(None),
     };
-    let named = |s: &Seat| limit.bearing.as_ref().is_some_and(|name| *name == s.name);
+    let named = |s: &MountedBearing| limit.bearing.as_ref().is_some_and(|name| *name == s.name);
     let Some(i) = seats.iter().position(named) else {
-        bail!(SceneFault(format!(
+        bail!(UsageError(format!(
             "limit: bearing: found {:?}, allowed: the name of a bearing",
             limit.bearing.as_deref().unwrap_or("none")
         )));
@@ -426,7 +431,7 @@ fn line(limit: &Limit, seats: &[Seat]) -> Result<Option<usize>> {
 /// What the baseline says of an indicator.
 fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Baseline>) -> Result<f64> {
     let Some(baseline) = baseline else {
-        bail!(SceneFault("limit: growth: found no baseline, allowed: replay with --baseline, or max".to_owned()))
+        bail!(UsageError("limit: growth: found no baseline, allowed: replay with --baseline, or max".to_owned()))
     };
     let usual = match (limit.indicator, line) {
         (Indicator::OuterRace | Indicator::InnerRace, Some(line)) => baseline.line(line, probe),
@@ -437,7 +442,7 @@ fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Bas
         return Ok(usual);
     }
     let (name, _) = limit.indicator.name();
-    bail!(SceneFault(format!(
+    bail!(UsageError(format!(
         "limit: growth_db: found a baseline without {name}, allowed: one learned by this version"
     )))
 }
@@ -448,7 +453,7 @@ mod tests {
     use super::*;
 
     /// One limit of the peak-to-peak value at 1 um, with a duration in s.
-    fn guards(duration: f64) -> Guards {
+    fn guards(duration: f64) -> LimitMonitor {
         let limit = Limit {
             indicator: Indicator::PeakToPeak,
             probe: None,
@@ -458,7 +463,7 @@ mod tests {
             duration,
         };
         let guard = Guard { limit, probe: 0, line: None, max: 1e-6, open: None };
-        Guards {
+        LimitMonitor {
             guards: vec![guard],
             names: vec!["X".to_owned()],
             readings: Block::new(1),
@@ -469,7 +474,7 @@ mod tests {
     }
 
     /// Blocks of ten samples, 1 s each; those of `high` exceed the limit.
-    fn run(guards: &mut Guards, samples: std::ops::Range<u64>, high: std::ops::Range<u64>) -> Vec<Event> {
+    fn run(guards: &mut LimitMonitor, samples: std::ops::Range<u64>, high: std::ops::Range<u64>) -> Vec<Event> {
         for index in samples {
             let size = if high.contains(&(index / 10)) { 3e-6 } else { 0.1e-6 };
             let time = index as f64 / 10.0;

@@ -6,7 +6,7 @@
 
 use super::comparison::Angles;
 use ballrace::math::Math;
-use ballrace::{Exact, Turn};
+use ballrace::{Exact, Phase};
 use std::f64::consts::TAU;
 
 /// Turns of one block. Lines 3/16 of an order apart are told apart.
@@ -35,9 +35,9 @@ impl Line {
         f64::from(self.shaft) + cage
     }
 
-    fn phase(&self, shaft: Turn, cages: &[Turn]) -> Turn {
-        let times = |angle: Turn, n: i32| angle.times(i64::from(n) as u64);
-        let cage = self.cage.map_or(Turn::ZERO, |(i, n)| times(cages.get(i).copied().unwrap_or_default(), n));
+    fn phase(&self, shaft: Phase, cages: &[Phase]) -> Phase {
+        let times = |angle: Phase, n: i32| angle.times(i64::from(n) as u64);
+        let cage = self.cage.map_or(Phase::ZERO, |(i, n)| times(cages.get(i).copied().unwrap_or_default(), n));
         times(shaft, self.shaft).plus(cage)
     }
 }

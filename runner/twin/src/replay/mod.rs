@@ -29,27 +29,27 @@ pub mod statistics;
 pub mod timing;
 pub mod trend;
 
-use crate::fault::SceneFault;
-use crate::needs;
-use crate::observer::{Consistency, MOST_PROBES, Start, Tuned, Verdict, Watch, watch};
+use crate::effect_significance;
+use crate::error::UsageError;
+use crate::observer::{Consistency, MOST_PROBES, Start, TunedObserver, Verdict, Watch, watch};
 use crate::output::AtomicFile;
 use crate::output::quoted;
-use crate::plant::{Plant, Seat, Twin, only_rigid};
+use crate::plant::{MountedBearing, Plant, Twin, only_rigid};
 use crate::recording::clock::check_rate;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
 use crate::recording::status::SampleStatus;
 use crate::recording::{Reader, Row, Sample};
-use crate::scene::{Probe, Rotation, Scene, Speed};
+use crate::scene::{Probe, RotationSource, Scene, Speed};
 use crate::vibration;
 use anyhow::{Context, Result, bail};
-use ballrace::rotor::{Drive, PartAngles};
-use ballrace::{Displacement, Status, Turn};
+use ballrace::rotor::{ComponentAngles, ShaftMotion};
+use ballrace::{Displacement, Phase, Status};
 use baseline::Baseline;
-use comparison::{Angles, Comparison, Seen};
+use comparison::{Angles, Comparison, SampleReadings};
 use forces::{BearingSums, Evaluated, noise_band};
 use innovation::Innovation;
-use limits::Guards;
+use limits::LimitMonitor;
 use locate::Locator;
 use notices::Notices;
 use outcome::{Outcome, Record};
@@ -58,10 +58,10 @@ use plausibility::Counts;
 use pose::PoseSolver;
 use range::ReadingRange;
 use readings::Readings;
-pub use recent::Glance;
 use recent::Recent;
+pub use recent::Snapshot;
 use second::{Second, Seconds};
-pub use session::{News, Replay};
+pub use session::{Replay, Update};
 use standstill::{Measured, Standstill};
 use startup::{Beginning, Search, Startup};
 use statistics::Running;
@@ -86,7 +86,7 @@ pub struct Options<'a> {
     /// A baseline to judge against.
     pub baseline: Option<&'a Path>,
     /// For a machine that is watched while it runs: indicators of every second are kept for [`Replay::news`], and forces
-    /// that no one asked for sample by sample are computed for [`WATCHED_FORCES`] samples a second at most.
+    /// that no one asked for sample by sample are computed for [`LIVE_FORCE_RATE`] samples a second at most.
     pub watched: bool,
     /// Someone looks on: [`Replay::glance`] has something to show.
     pub viewed: bool,
@@ -106,7 +106,7 @@ pub enum Source {
 }
 
 /// Samples a second whose readings are weighed on a machine that is watched; a quarter of them enters the figures.
-pub const WATCHED_FORCES: f64 = 3200.0;
+pub const LIVE_FORCE_RATE: f64 = 3200.0;
 /// Of so many samples one has its noise band computed, after the first turns, which the pictures show.
 const BANDED: u64 = 8;
 /// Rows between two calls of the progress function.
@@ -124,7 +124,7 @@ const LONGEST_COAST: f64 = 2.0;
 /// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
 pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else {
-        bail!(SceneFault(format!(
+        bail!(UsageError(format!(
             "{}: [recording]: found none, allowed: the recording to replay",
             scene.path.display()
         )));
@@ -160,9 +160,9 @@ struct Run<'a> {
     plant: Arc<Plant>,
     linear: Arc<Plant>,
     moving: Option<Moving>,
-    tuned: Option<Tuned>,
+    tuned: Option<TunedObserver>,
     innovation: Innovation,
-    guards: Guards,
+    guards: LimitMonitor,
     readings: Readings,
     standstill: Standstill,
     startup: Startup,
@@ -237,17 +237,17 @@ struct Moving {
     watch: Option<(Box<dyn Watch>, Consistency)>,
     /// Samples one after the other in which the twin was held.
     held: u32,
-    cages: Vec<Turn>,
+    cages: Vec<Phase>,
     /// Angles of all parts of each bearing.
-    parts: Vec<PartAngles>,
-    drive: Drive<f64>,
+    parts: Vec<ComponentAngles>,
+    drive: ShaftMotion<f64>,
     index: u64,
 }
 
 /// From one sample to the next.
-struct Way {
+struct SampleInterval {
     /// The shaft at the earlier one.
-    from: Drive<f64>,
+    from: ShaftMotion<f64>,
     /// Sample periods between them; more than 1 over a gap.
     steps: u64,
     /// Revolutions between them.
@@ -256,18 +256,18 @@ struct Way {
     restarted: bool,
 }
 
-impl Way {
+impl SampleInterval {
     /// The drive at the start of each period.
-    fn drives(&self, period: f64) -> impl Iterator<Item = Drive<f64>> {
+    fn drives(&self, period: f64) -> impl Iterator<Item = ShaftMotion<f64>> {
         let from = self.from;
         (0..self.steps).map(move |i| from.after(i as f64 * period))
     }
 
     /// A bearing's parts after the way, which ends at the shaft angle `end`.
-    fn parts(&self, parts: PartAngles, seat: &Seat, end: Turn) -> PartAngles {
+    fn parts(&self, parts: ComponentAngles, seat: &MountedBearing, end: Phase) -> ComponentAngles {
         if self.steps > 1 {
             let gone = seat.kinematics.parts_at(self.arc);
-            return PartAngles {
+            return ComponentAngles {
                 cage: parts.cage.plus(gone.cage),
                 ball: parts.ball.plus(gone.ball),
                 outer: parts.outer.plus(gone.outer),
@@ -284,7 +284,7 @@ struct ForcesFile {
 }
 
 impl ForcesFile {
-    fn create(path: &Path, source: Source, seats: &[Seat]) -> Result<Self> {
+    fn create(path: &Path, source: Source, seats: &[MountedBearing]) -> Result<Self> {
         let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string(), source };
         let mut head = "time_s".to_owned();
         for seat in seats {
@@ -318,7 +318,10 @@ impl<'a> Run<'a> {
         only_rigid(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
         let mut notes = plant.notes.clone();
-        notes.extend(needs::words(&needs::at_rest(scene, &plant)?, options.error.unwrap_or(needs::GOOD_ENOUGH)));
+        notes.extend(effect_significance::words(
+            &effect_significance::at_rest(scene, &plant)?,
+            options.error.unwrap_or(effect_significance::GOOD_ENOUGH),
+        ));
         let linear = Arc::new(plant.linearised(&vec![true; plant.seats.len()])?);
         let plant = Arc::new(plant);
         let rows: Vec<[f64; 5]> = probes.iter().map(pose::row).collect();
@@ -338,9 +341,9 @@ impl<'a> Run<'a> {
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
         let sparing = options.watched && options.forces.is_none();
-        let weighed = if sparing { (rate / WATCHED_FORCES).ceil() as u64 } else { 1 };
+        let weighed = if sparing { (rate / LIVE_FORCE_RATE).ceil() as u64 } else { 1 };
         let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
-        let guards = Guards::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
+        let guards = LimitMonitor::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
         let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
         let range = ReadingRange::try_new(scene, &plant, probes)?;
         Ok(Self {
@@ -655,9 +658,9 @@ impl<'a> Run<'a> {
     }
 
     /// The way from the last sample to this one. Starts the twin where there is none, or after too long a gap.
-    fn way(&mut self, sample: &Sample, drive: &Drive<f64>) -> Result<Way> {
+    fn way(&mut self, sample: &Sample, drive: &ShaftMotion<f64>) -> Result<SampleInterval> {
         if self.starts_at(sample.row.index) {
-            let here = Way { from: *drive, steps: 0, arc: 0.0, restarted: self.has_begun() };
+            let here = SampleInterval { from: *drive, steps: 0, arc: 0.0, restarted: self.has_begun() };
             let restarts = self.moving.is_some();
             self.moving = Some(self.begin(sample, drive)?);
             if restarts {
@@ -671,7 +674,7 @@ impl<'a> Run<'a> {
         let coasted = moving.drive.speed * steps as f64 / self.rate / TAU;
         // Over one period the angle's own difference; over a gap the whole turns between come from the speed.
         let fraction = drive.angle.since(moving.drive.angle).radians::<f64>() / TAU;
-        Ok(Way { from: moving.drive, steps, arc: fraction + (coasted - fraction).round(), restarted: false })
+        Ok(SampleInterval { from: moving.drive, steps, arc: fraction + (coasted - fraction).round(), restarted: false })
     }
 
     /// A sample was worked on.
@@ -680,11 +683,11 @@ impl<'a> Run<'a> {
     }
 
     /// Twin and cages at a sample with nothing before it.
-    fn begin(&mut self, sample: &Sample, drive: &Drive<f64>) -> Result<Moving> {
+    fn begin(&mut self, sample: &Sample, drive: &ShaftMotion<f64>) -> Result<Moving> {
         let revolutions = total_turns(sample);
         let period = 1.0 / self.rate;
         let [twin, linear] = self.begun.take().context("the twin is not run in")?;
-        let watch = |tuned: &Tuned| {
+        let watch = |tuned: &TunedObserver| {
             let probes = self.probes.len();
             let (start, consistency) = match self.has_begun() {
                 false => (tuned.start, Consistency::new(probes)),
@@ -728,7 +731,7 @@ impl<'a> Run<'a> {
         for values in [measured, &buffers.twin] {
             buffers.planes.extend(self.planes.iter().flat_map(|p| <[f64; 2]>::from(p.xy(values))));
         }
-        let seen = Seen { measured, twin: &buffers.twin, linear: &buffers.linear, planes: &buffers.planes };
+        let seen = SampleReadings { measured, twin: &buffers.twin, linear: &buffers.linear, planes: &buffers.planes };
         let angles = Angles { shaft: sample.angle, cages: &moving.cages, arc };
         if !seen.measured.iter().any(|y| y.is_nan()) {
             self.guards.add_residuals(sample.row.index, sample.row.time, seen.measured, seen.twin);
@@ -769,7 +772,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    fn glance(&self) -> Option<Glance> {
+    fn glance(&self) -> Option<Snapshot> {
         let (recent, moving) = (self.recent.as_ref()?, self.moving.as_ref()?);
         let trusted = moving.watch.as_ref().filter(|(_, consistency)| consistency.is_trusted());
         let pose = trusted.map_or_else(|| moving.twin.pose(), |(watch, _)| watch.pose());
@@ -778,7 +781,7 @@ impl<'a> Run<'a> {
             (seat.name.clone(), forces::loads(seat, &pose, &at))
         });
         let name = |plane: &Plane| plane.probes.map(|i| self.probes[i].column.as_str()).join(" / ");
-        Some(Glance {
+        Some(Snapshot {
             time_s: self.last_time,
             speed_rpm: moving.drive.speed * 60.0 / TAU,
             rate_hz: self.rate,
@@ -839,7 +842,7 @@ impl<'a> Run<'a> {
         };
         let implausible = plausibility::implausible(&plausibility::Evidence {
             counts: &self.counts,
-            rotation: scene.recording.as_ref().map_or(&Rotation::Scene, |r| &r.rotation),
+            rotation: scene.recording.as_ref().map_or(&RotationSource::Scene, |r| &r.rotation),
             scene_speed: scene.shaft.speed,
             mean_speed: self.speed.mean(),
             range: &self.range,
@@ -992,8 +995,8 @@ impl<'a> Run<'a> {
     }
 }
 
-fn drive(sample: &Sample) -> Drive<f64> {
-    Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration }
+fn drive(sample: &Sample) -> ShaftMotion<f64> {
+    ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration }
 }
 
 fn total_turns(sample: &Sample) -> f64 {
@@ -1025,12 +1028,12 @@ fn record(
     }
 }
 
-fn angle_source(rotation: &Rotation, tracker: &Tracker) -> String {
+fn angle_source(rotation: &RotationSource, tracker: &Tracker) -> String {
     match rotation {
-        Rotation::Keyphasor { column, pulses_per_turn } => {
+        RotationSource::Keyphasor { column, pulses_per_turn } => {
             format!("keyphasor in column {column}, {} pulses, {pulses_per_turn} per revolution", tracker.pulses())
         }
-        Rotation::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
-        Rotation::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
+        RotationSource::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
+        RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
     }
 }

@@ -7,10 +7,10 @@ use super::outcome::{
     Block, ElementLoads, FilteredOrbit, ForceTrace, FullSpectrum, HalfSpectrum, MarkedLine, Orbit, Pictures, Trace,
 };
 use super::trend::Trend;
-use crate::plant::Seat;
+use crate::plant::MountedBearing;
 use crate::recording::Sample;
 use crate::scene::{Direction, Probe, Speed};
-use ballrace::Turn;
+use ballrace::Phase;
 use std::f64::consts::TAU;
 
 const UM: f64 = 1e6;
@@ -85,7 +85,7 @@ pub struct Collector {
 impl Collector {
     /// For the probes and bearings of a replay at a sampling rate and the scene's speed.
     #[must_use]
-    pub fn new(probes: &[Probe], planes: Vec<Plane>, seats: &[Seat], rate: f64, speed: Speed) -> Self {
+    pub fn new(probes: &[Probe], planes: Vec<Plane>, seats: &[MountedBearing], rate: f64, speed: Speed) -> Self {
         let traces = probes.iter().map(|p| Trace { name: p.column.clone(), ..Trace::default() }).collect();
         let orbits = planes.iter().map(|p| orbit(p, probes)).collect();
         let forces = seats.iter().map(|s| ForceTrace { name: s.name.clone(), ..ForceTrace::default() }).collect();
@@ -131,8 +131,8 @@ impl Collector {
         bearing: usize,
         time: f64,
         force: &Evaluated,
-        seat: &Seat,
-        cage: Turn,
+        seat: &MountedBearing,
+        cage: Phase,
         first_load: f64,
     ) {
         if self.open(TURNS)
@@ -151,7 +151,7 @@ impl Collector {
         if self.open(CAGE_TURNS)
             && let Some(loads) = self.pictures.element_loads.get_mut(bearing)
         {
-            let azimuth = cage.plus(Turn::from_radians(seat.first_azimuth)).radians();
+            let azimuth = cage.plus(Phase::from_radians(seat.first_azimuth)).radians();
             loads.first_element.push((azimuth, first_load));
         }
     }
@@ -172,7 +172,7 @@ impl Collector {
         mut self,
         comparison: &Comparison,
         sums: &[BearingSums],
-        seats: &[Seat],
+        seats: &[MountedBearing],
         rate: f64,
         speed_hz: f64,
     ) -> Pictures {
@@ -247,7 +247,7 @@ fn orbit(plane: &Plane, probes: &[Probe]) -> Orbit {
 
 /// 1X and the lines of every bearing; bearings of the same shape share theirs.
 #[must_use]
-pub fn marked_lines(seats: &[Seat], speed_hz: f64) -> Vec<MarkedLine> {
+pub fn marked_lines(seats: &[MountedBearing], speed_hz: f64) -> Vec<MarkedLine> {
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: speed_hz }];
     for seat in seats.iter().filter(|s| s.kinematics.cage_ratio != 0.0) {
         let orders = seat.kinematics.orders;

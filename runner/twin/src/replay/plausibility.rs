@@ -3,9 +3,9 @@
 use super::forces::BearingSums;
 use super::outcome::ProbeOutcome;
 use super::range::ReadingRange;
-use crate::plant::Seat;
+use crate::plant::MountedBearing;
 use crate::recording::status::SampleStatus;
-use crate::scene::{Rotation, Speed};
+use crate::scene::{RotationSource, Speed};
 use std::f64::consts::TAU;
 
 /// Speeds within this factor of the scene's are plausible.
@@ -93,7 +93,7 @@ pub struct Evidence<'a> {
     /// Counts over the recording.
     pub counts: &'a Counts,
     /// Source of the shaft angle.
-    pub rotation: &'a Rotation,
+    pub rotation: &'a RotationSource,
     /// The scene's shaft speed.
     pub scene_speed: Speed,
     /// Mean measured speed, rad/s.
@@ -105,7 +105,7 @@ pub struct Evidence<'a> {
     /// The bearings with the sums of their forces.
     pub bearings: &'a [BearingSums],
     /// The same bearings.
-    pub seats: &'a [Seat],
+    pub seats: &'a [MountedBearing],
 }
 
 /// Returns the reasons why the recording cannot be one of the scene's machine; empty where it can.
@@ -117,7 +117,7 @@ pub fn implausible(of: &Evidence) -> Vec<String> {
 
 fn speed(of: &Evidence) -> Option<String> {
     let (low, high) = of.scene_speed.range();
-    let measured = !matches!(of.rotation, Rotation::Scene);
+    let measured = !matches!(of.rotation, RotationSource::Scene);
     let counts = of.counts;
     let judged = counts.samples - counts.angle_not_measured;
     let at_speed = counts.at_speed as f64 / judged.max(1) as f64;
@@ -155,7 +155,7 @@ fn size(of: &Evidence) -> Option<String> {
     })
 }
 
-fn unloaded((sums, seat): (&BearingSums, &Seat)) -> Option<String> {
+fn unloaded((sums, seat): (&BearingSums, &MountedBearing)) -> Option<String> {
     let [measured, twin] = sums.unloaded_shares();
     (measured > MOST_UNLOADED && twin < 0.5 * measured).then(|| {
         format!(

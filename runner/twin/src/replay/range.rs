@@ -5,7 +5,7 @@
 //! `LARGEST_FORCE` times the loads on the rotor. A rigid shaft between two bearings cannot be farther from zero than
 //! their limits allow at the probe's station. `MARGIN` leaves room for zero errors and damaged races.
 
-use crate::plant::{PRESSURE_LIMIT, Plant, Seat};
+use crate::plant::{MountedBearing, PRESSURE_LIMIT, Plant};
 use crate::recording::Row;
 use crate::recording::flaws::{Flaw, FlawLedger, Position};
 use crate::recording::status::SampleStatus;
@@ -13,7 +13,7 @@ use crate::scene::{Direction, Probe, Scene, build};
 use anyhow::Result;
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
-use ballrace::{Displacement, Turn};
+use ballrace::{Displacement, Phase};
 
 /// Readings up to so many times the bearings' limit are accepted.
 const MARGIN: f64 = 3.0;
@@ -137,8 +137,8 @@ struct Limit {
 }
 
 impl Limit {
-    fn new(plant: &Plant, seat: &Seat, element_load: Option<f64>, force: f64) -> Self {
-        let at = plant.resting(seat, Turn::ZERO);
+    fn new(plant: &Plant, seat: &MountedBearing, element_load: Option<f64>, force: f64) -> Self {
+        let at = plant.resting(seat, Phase::ZERO);
         let mut loads = vec![0.0; seat.elements];
         let mut beyond = |u: &Displacement<f64>| match element_load {
             Some(limit) if seat.elements > 0 => {

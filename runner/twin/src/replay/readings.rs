@@ -1,18 +1,18 @@
 //! Limits and indicators that need readings and shaft angle only: evaluated before the twin takes a sample.
 
 use super::comparison::Angles;
-use super::limits::Guards;
+use super::limits::LimitMonitor;
 use super::lines::{Demodulator, Line};
 use super::second::{ProbeSecond, Second, Seconds};
 use crate::recording::Sample;
-use ballrace::Turn;
+use ballrace::Phase;
 
 /// Monitors readings.
 pub(super) struct Readings {
     /// 1X and 2X of every probe.
     lines: Demodulator,
     /// Revolution and angle at the last sample.
-    last: Option<(i64, Turn)>,
+    last: Option<(i64, Phase)>,
     /// Indicators of every second, until the twin supplies them.
     seconds: Option<Seconds>,
     /// In place of the twin's readings.
@@ -35,7 +35,7 @@ impl Readings {
     }
 
     /// Adds a sample, and compares `limits` where it ends a block.
-    pub(super) fn add(&mut self, sample: &Sample, limits: &mut Guards) {
+    pub(super) fn add(&mut self, sample: &Sample, limits: &mut LimitMonitor) {
         let (revolution, angle) =
             self.last.replace((sample.revolution, sample.angle)).unwrap_or((sample.revolution, sample.angle));
         let measured = &sample.row.probes;

@@ -9,7 +9,7 @@ pub const KEPT: usize = 4096;
 
 /// One sample of all probes, m.
 #[derive(Debug, Clone, Default)]
-pub struct Glimpse {
+pub struct SnapshotSample {
     /// Readings.
     pub measured: Vec<f64>,
     /// The twin's.
@@ -20,7 +20,7 @@ pub struct Glimpse {
 
 /// What there is to see at one moment.
 #[derive(Debug, Clone, Default)]
-pub struct Glance {
+pub struct Snapshot {
     /// In the recording's time.
     pub time_s: f64,
     /// Now.
@@ -28,7 +28,7 @@ pub struct Glance {
     /// Samples a second of what follows.
     pub rate_hz: f64,
     /// The last samples, oldest first; readings are those of the probes in the scene's order.
-    pub samples: Vec<Glimpse>,
+    pub samples: Vec<SnapshotSample>,
     /// Planes of the probes, with what they are called.
     pub planes: Vec<(String, Plane)>,
     /// Of each bearing: its name, and azimuth (rad) and load (N) of every element where the observer sees the shaft.
@@ -41,7 +41,7 @@ pub struct Glance {
 #[derive(Default)]
 pub struct Recent {
     /// Oldest first.
-    pub samples: VecDeque<Glimpse>,
+    pub samples: VecDeque<SnapshotSample>,
 }
 
 impl Recent {

@@ -3,15 +3,15 @@
 use super::limits::{Event, LimitState};
 use super::notices::Notice;
 use super::outcome::Outcome;
-use super::recent::Glance;
+use super::recent::Snapshot;
 use super::second::Second;
 use super::startup::Startup;
 use super::{Options, Run, angle_source};
-use crate::fault::{SceneFault, scene_fault};
+use crate::error::{UsageError, usage_error};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
-use crate::scene::{Recording, Rotation, Scene};
+use crate::scene::{Recording, RotationSource, Scene};
 use anyhow::{Result, bail};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -21,7 +21,7 @@ const WATCHED_WAIT: f64 = 10.0;
 /// A replay under way: rows go in, the outcome comes at the end.
 pub struct Replay<'a> {
     scene: &'a Scene,
-    rotation: &'a Rotation,
+    rotation: &'a RotationSource,
     tracker: Tracker,
     run: Run<'a>,
     pub(super) rows: u64,
@@ -32,7 +32,7 @@ pub struct Replay<'a> {
 
 /// What came up since it was last asked for.
 #[derive(Default)]
-pub struct News {
+pub struct Update {
     /// Seconds that ended and that the twin has passed through.
     pub seconds: Vec<Second>,
     /// Seconds that ended while the twin was started, without its figures.
@@ -49,10 +49,10 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// A scene without rotor or recording, probes that do not determine the motion.
     pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
-        let Some(recording) = &scene.recording else { bail!(SceneFault("found no [recording]".to_owned())) };
+        let Some(recording) = &scene.recording else { bail!(UsageError("found no [recording]".to_owned())) };
         let tracker = tracker(scene, recording, rate, options.watched);
         let rate = rate / f64::from(recording.average);
-        let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| scene_fault(&e))?;
+        let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| usage_error(&e))?;
         Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0, flaws: vec![], ended: false })
     }
 
@@ -164,13 +164,13 @@ impl<'a> Replay<'a> {
 
     /// What there is to see now; nothing unless someone looks on.
     #[must_use]
-    pub fn glance(&self) -> Glance {
+    pub fn glance(&self) -> Snapshot {
         self.run.glance().unwrap_or_default()
     }
 
     /// What came up since the last call.
-    pub fn news(&mut self) -> News {
-        News {
+    pub fn news(&mut self) -> Update {
+        Update {
             seconds: std::mem::take(&mut self.run.ended_seconds),
             preliminary: self.run.readings.ended(),
             events: self.run.guards.news(),

@@ -4,7 +4,7 @@
 //! not depend on it.
 
 use super::{align, drive, total_turns};
-use crate::observer::{Cancelled, Heard, Start, Tuned, tuned};
+use crate::observer::{Cancelled, IdentificationData, Start, TunedObserver, tuned};
 use crate::plant::{Plant, RunIn, Twin};
 use crate::recording::Sample;
 use crate::scene::Speed;
@@ -29,7 +29,7 @@ pub(super) struct Started {
     /// Lag of the keyphasor behind the motion, s.
     pub(super) lag: f64,
     /// The observer; none where the search was cancelled or where there is no steady filter.
-    pub(super) tuned: Option<Tuned>,
+    pub(super) tuned: Option<TunedObserver>,
 }
 
 /// Inputs of the search.
@@ -67,7 +67,7 @@ impl Search {
         }
     }
 
-    fn find(&self, samples: &[Sample], lag: &mut f64) -> Result<Option<Tuned>> {
+    fn find(&self, samples: &[Sample], lag: &mut f64) -> Result<Option<TunedObserver>> {
         // A gap leaves fewer samples, never a longer time to integrate.
         let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MOST_SAMPLES as u64;
         let shifted =
@@ -84,10 +84,10 @@ impl Search {
     }
 
     /// Finds the observer under which the first samples are the most likely.
-    fn tune(&self, samples: &[Sample]) -> Result<Option<Tuned>> {
+    fn tune(&self, samples: &[Sample]) -> Result<Option<TunedObserver>> {
         let Some(first) = samples.first() else { return Ok(None) };
         let twin = self.run_in(first)?;
-        let heard = Heard {
+        let heard = IdentificationData {
             samples,
             rows: &self.rows,
             given_noise: &self.noise,

@@ -10,17 +10,17 @@ pub use preload::{loaded, preload_offset, preloaded, rotation_at};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
 use crate::plant::Balls;
-use crate::wide::shared;
+use crate::simd::shared;
 use anyhow::{Context, Result, bail};
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
-use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
-use ballrace::bearing::{Bearing, Mirrored, Place, Reaction};
+use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
+use ballrace::bearing::{Bearing, ElementPosition, Mirrored, Reaction};
 use ballrace::contact::hertz::{Material, Race};
-use ballrace::rotor::{Gear, MovingBallsParams, PartAngles, RotorParams, Support, Unbalance};
-use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
+use ballrace::rotor::{ComponentAngles, MovingBallsParams, RotorParams, SpeedRatios, Support, Unbalance};
+use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar, Stiffness, Wrench};
 use std::sync::Arc;
 
 /// A bearing behind a shared pointer.
@@ -36,13 +36,17 @@ impl<B: ?Sized> Clone for Shared<B> {
 }
 
 impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for Shared<B> {
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.0.reaction(u, at)
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
         self.0.reaction_and_stiffness(u, at)
     }
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.0.element_loads(u, at, loads);
     }
 }
@@ -63,8 +67,8 @@ pub struct Kinematics {
 impl Kinematics {
     /// How the kernel's rotor follows the shaft; balls and outer ring only where they turn.
     #[must_use]
-    pub fn gear(&self) -> Gear<f64> {
-        let gear = Gear::new(self.cage_ratio);
+    pub fn gear(&self) -> SpeedRatios<f64> {
+        let gear = SpeedRatios::new(self.cage_ratio);
         let gear = if self.spin_known { gear.with_ball(self.ball_ratio()) } else { gear };
         if self.outer_ratio == 0.0 { gear } else { gear.with_outer(self.outer_ratio) }
     }
@@ -77,9 +81,13 @@ impl Kinematics {
 
     /// Angles of the parts with the shaft at `revolutions` from its angle 0.
     #[must_use]
-    pub fn parts_at(&self, revolutions: f64) -> PartAngles {
-        let turned = |ratio: f64| Turn::from_revolutions(ratio * revolutions);
-        PartAngles { cage: turned(self.cage_ratio), ball: turned(self.ball_ratio()), outer: turned(self.outer_ratio) }
+    pub fn parts_at(&self, revolutions: f64) -> ComponentAngles {
+        let turned = |ratio: f64| Phase::from_revolutions(ratio * revolutions);
+        ComponentAngles {
+            cage: turned(self.cage_ratio),
+            ball: turned(self.ball_ratio()),
+            outer: turned(self.outer_ratio),
+        }
     }
 }
 
@@ -183,20 +191,21 @@ pub fn bearing<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene, model: M
 
 /// Where the elements stand; mirrored where the bearing faces -Z.
 #[must_use]
-pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<Place<T>> {
-    let mirror = |p: Place<T>| if scene.facing == Facing::MinusZ { p.mirrored() } else { p };
+pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<ElementPosition<T>> {
+    let mirror = |p: ElementPosition<T>| if scene.facing == Facing::MinusZ { p.mirrored() } else { p };
     (0..scene.elements).map(|j| place(scene, j)).map(mirror).collect()
 }
 
 /// Where element `j` (0 is the first) stands with the cage at angle 0: as the scene says, else evenly spaced; carried
 /// aside by a cage whose centre is not the one it turns about (`docs/src/models.md#cage-run-out`). In the cage's frame that offset stands still.
 #[must_use]
-pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> Place<T> {
-    let even = || Place::<f64>::even(Turn::from_radians(scene.first_element_azimuth), j, scene.elements).azimuth();
+pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> ElementPosition<T> {
+    let even =
+        || ElementPosition::<f64>::even(Phase::from_radians(scene.first_element_azimuth), j, scene.elements).azimuth();
     let azimuth =
-        scene.element_azimuths.get(j).map_or_else(even, |&a| Turn::from_radians(scene.first_element_azimuth + a));
+        scene.element_azimuths.get(j).map_or_else(even, |&a| Phase::from_radians(scene.first_element_azimuth + a));
     let aside = scene.cage_runout.map_or(0.0, |r| -r.offset / r.radius * (azimuth.radians() - r.angle).sin());
-    Place::at(azimuth.plus(Turn::from_radians(aside)))
+    ElementPosition::at(azimuth.plus(Phase::from_radians(aside)))
 }
 
 /// Turned about X by pi where the bearing faces -Z. Behind the pointer already, so that no kind is compiled twice.
@@ -213,7 +222,7 @@ pub fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
             direction: if w.axial { Direction::Axial } else { Direction::Radial },
             order: w.order,
             amplitude: T::from_f64(w.amplitude),
-            phase: Turn::from_radians(w.phase),
+            phase: Phase::from_radians(w.phase),
         })
     });
     let spalls = scene.defect.iter().map(|defect| {
@@ -221,7 +230,7 @@ pub fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
             DefectShape::HalfSine => SpallShape::HalfSine,
             DefectShape::Rectangular => SpallShape::Rectangular,
         };
-        let centre = Turn::from_radians(defect.azimuth);
+        let centre = Phase::from_radians(defect.azimuth);
         let (half_width, depth) = (T::from_f64(defect.half_width), T::from_f64(defect.depth));
         Feature::Spall(Spall::new(part(scene, defect.surface), centre, half_width, depth, shape))
     });
@@ -229,18 +238,18 @@ pub fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
     waves.chain(spalls).map(mirror).collect()
 }
 
-fn part(scene: &BearingScene, surface: Surface) -> Part {
+fn part(scene: &BearingScene, surface: Surface) -> BearingComponent {
     match surface {
-        Surface::Inner => Part::Inner,
-        Surface::Outer => Part::Outer,
-        Surface::Ball(j) => Part::Ball(place::<f64>(scene, j).azimuth()),
+        Surface::Inner => BearingComponent::Inner,
+        Surface::Outer => BearingComponent::Outer,
+        Surface::Ball(j) => BearingComponent::Ball(place::<f64>(scene, j).azimuth()),
     }
 }
 
 /// Surfaces that are round where the scene names nothing.
-fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<Uneven<M, Vec<Feature<T>>>> {
+fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviation<M, Vec<Feature<T>>>> {
     let features = features(scene);
-    (!features.is_empty()).then(|| Uneven::new(features))
+    (!features.is_empty()).then(|| SurfaceDeviation::new(features))
 }
 
 fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> {
@@ -253,7 +262,7 @@ fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>>
 }
 
 /// The geometry of a model with a contact angle, and where its rings stand at zero displacement.
-fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeometry, Zero)> {
+fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeometry, DisplacementDatum)> {
     let Some(geometry) = geometry(scene)? else {
         bail!(
             "bearing {}: model {model}: found no geometry, allowed: with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance",
@@ -265,7 +274,7 @@ fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeo
     {
         bail!("bearing {}: diametral_clearance: found {s} m, allowed for model {model}: 0 or more", scene.name);
     }
-    Ok((geometry, if scene.facing == Facing::Both { Zero::Centred } else { Zero::Touching }))
+    Ok((geometry, if scene.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching }))
 }
 
 fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>> {
@@ -316,7 +325,7 @@ pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -
 /// A spring bearing in another precision: its tangent and its force at zero displacement say all.
 pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
     let zero = Displacement::default();
-    let (reaction, k) = spring.reaction_and_stiffness(&zero, &Turn::ZERO.into());
+    let (reaction, k) = spring.reaction_and_stiffness(&zero, &Phase::ZERO.into());
     let force = Wrench::from_array(reaction.wrench.to_array().map(T::from_f64));
     Shared(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
 }

@@ -623,7 +623,7 @@ pub struct Recording {
     /// Of vibration; none where there are probes.
     pub sensors: Vec<Sensor>,
     /// What tells the shaft's angle.
-    pub rotation: Rotation,
+    pub rotation: RotationSource,
 }
 
 /// How samples are placed in time.
@@ -689,7 +689,7 @@ pub enum Direction {
 
 /// Where the shaft's angle comes from.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Rotation {
+pub enum RotationSource {
     /// `keyphasor = { column, pulses_per_turn }`
     Keyphasor {
         /// Column of the pulse.

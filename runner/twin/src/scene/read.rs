@@ -18,8 +18,8 @@ pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
 use super::{
-    Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording, Rotation,
-    Rotor, Scene, Sensor, Shaft, Speed, System, SystemUnbalance, Unbalance,
+    Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording,
+    RotationSource, Rotor, Scene, Sensor, Shaft, Speed, System, SystemUnbalance, Unbalance,
 };
 
 /// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
@@ -270,7 +270,7 @@ fn rotor(node: &Node<'_>) -> Read<Rotor> {
         proportional_damping: table.read("proportional_damping", time)?.unwrap_or(0.0),
         stiffness: five(&table, "stiffness", Node::not_negative, [Dimension::Stiffness, Dimension::AngularStiffness])?,
         gravity: table.read("gravity", gravity)?.unwrap_or(GRAVITY),
-        load: five(&table, "load", Node::quantity, [Dimension::Force, Dimension::Moment])?,
+        load: five(&table, "load", Node::quantity, [Dimension::Force, Dimension::ResponseSample])?,
         unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
     })
 }
@@ -450,9 +450,9 @@ fn radial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
     Ok((station, Direction::Radial(angle)))
 }
 
-fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<Rotation> {
+fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
     match (table.optional("keyphasor"), table.optional("speed")) {
-        (None, None) => Ok(Rotation::Scene),
+        (None, None) => Ok(RotationSource::Scene),
         (Some(node), None) => keyphasor(&node, taken),
         (None, Some(node)) => speed_column(&node, taken),
         (Some(_), Some(node)) => {
@@ -461,7 +461,7 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<Rotation> {
     }
 }
 
-fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
+fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
     let table = node.table(&["column", "pulses_per_turn"])?;
     let column = table.required("column", "the name of the column with the pulses")?;
     let column = column_name(&column, "the keyphasor", taken)?;
@@ -469,13 +469,13 @@ fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
     let pulses = table.required("pulses_per_turn", wants)?;
     let pulses_per_turn =
         u32::try_from(pulses.integer(1, u32::MAX.into(), wants)?).map_err(|_| pulses.refuse(wants))?;
-    Ok(Rotation::Keyphasor { column, pulses_per_turn })
+    Ok(RotationSource::Keyphasor { column, pulses_per_turn })
 }
 
-fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<Rotation> {
+fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
     let table = node.table(&["column", "unit"])?;
     let column = table.required("column", "the name of the column with the speed")?;
-    Ok(Rotation::SpeedColumn {
+    Ok(RotationSource::SpeedColumn {
         column: column_name(&column, "the speed", taken)?,
         radians_per_second: unit(&table, units::speed_column, "rpm, rev/s or rad/s")?,
     })

@@ -50,7 +50,7 @@ pub enum Dimension {
     /// N
     Force,
     /// N m
-    Moment,
+    ResponseSample,
     /// kg m^2
     Inertia,
     /// kg m, mass times radius
@@ -110,7 +110,7 @@ const FIXED: [Dimension; 20] = [
     Dimension::Speed,
     Dimension::Acceleration,
     Dimension::Force,
-    Dimension::Moment,
+    Dimension::ResponseSample,
     Dimension::Inertia,
     Dimension::Unbalance,
     Dimension::Damping,
@@ -138,7 +138,7 @@ impl Dimension {
             Self::Speed => row("a speed of rotation", "3000 rpm", "rad/s", SPEED),
             Self::Acceleration => row("an acceleration", "9.81 m/s^2", "m/s^2", [1.0, 0.0, -2.0, 0.0]),
             Self::Force => row("a force", "500 N", "N", FORCE),
-            Self::Moment => row("a moment", "2 N m", "N m", MOMENT),
+            Self::ResponseSample => row("a moment", "2 N m", "N m", MOMENT),
             Self::Inertia => row("a moment of inertia", "0.030 kg m^2", "kg m^2", [2.0, 1.0, 0.0, 0.0]),
             Self::Unbalance => row("an unbalance, mass times radius", "30 g mm", "kg m", UNBALANCE),
             Self::Damping => row("a damping", "400 N s/m", "N s/m", [0.0, 1.0, -1.0, 0.0]),

@@ -1,6 +1,6 @@
 //! `--over KEY=FROM..TO:HOW`: which key of a scene takes which values, and a scene with them put in.
 
-use crate::fault::SceneFault;
+use crate::error::UsageError;
 use anyhow::{Result, bail};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
@@ -24,7 +24,7 @@ impl Axis {
     /// # Errors
     /// What cannot be understood, with what is allowed.
     pub fn parse(text: &str) -> Result<Self> {
-        let fault = |why: String| SceneFault(format!("--over: found {text:?}, {why}"));
+        let fault = |why: String| UsageError(format!("--over: found {text:?}, {why}"));
         let allowed = "allowed: KEY=FROM..TO:COUNT (such as shaft.speed=500rpm..10000rpm:200), a step with its unit in place of the count, or KEY=A,B,C";
         let Some((key, range)) = text.split_once('=') else { bail!(fault(allowed.to_owned())) };
         let (numbers, unit) = match range.split_once("..") {
@@ -120,7 +120,7 @@ fn parts(key: &str) -> Option<Vec<Part<'_>>> {
 pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<()> {
     let found = parts(key).is_some_and(|parts| in_table(document.as_table_mut(), &parts, value));
     if !found {
-        bail!(SceneFault(format!(
+        bail!(UsageError(format!(
             "--over: found the key {key:?}, allowed: a key of the scene, such as shaft.speed, bearing[0].radial_play or bearing.DE.radial_play"
         )));
     }

@@ -1,8 +1,8 @@
 //! One point of a sweep: the scene's rotor run until it has settled, and what its motion is then.
 
-use crate::fault::SceneFault;
-use crate::motion::{self, MOST_SAMPLES, Moment, Span};
-use crate::needs::{self, Need};
+use crate::effect_significance::{self, Need};
+use crate::error::UsageError;
+use crate::motion::{self, MOST_SAMPLES, ResponseSample, Span};
 use crate::plant::{Plant, Twin};
 use crate::replay::spectrum::amplitudes;
 use crate::scene::Scene;
@@ -61,7 +61,7 @@ pub struct Figures {
     pub effects: Vec<EffectChange>,
 }
 
-/// Predicted change of a bearing's force when an effect is left out (see [`crate::needs::Need`]).
+/// Predicted change of a bearing's force when an effect is left out (see [`crate::effect_significance::Need`]).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectChange {
     /// The scene's name of the bearing.
@@ -111,7 +111,7 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
     // Whole periods, so that the section is taken at the same place at every point.
     let settle = (settle * section).ceil() * A_PERIOD as f64;
     if settle > MOST_SAMPLES {
-        bail!(SceneFault(format!(
+        bail!(UsageError(format!(
             "--settle: too many samples: {settle:.3e} at {rate:.3e} Hz, expected at most {MOST_SAMPLES:.0e}"
         )));
     }
@@ -138,7 +138,7 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
         lyapunov: asked.lyapunov.then(|| neighbour.exponent()),
         section: path.section(),
         spectrum: path.spectrum(asked.periods),
-        effects: needs::at_rest(scene, &plant)?.into_iter().map(EffectChange::from).collect(),
+        effects: effect_significance::at_rest(scene, &plant)?.into_iter().map(EffectChange::from).collect(),
     };
     Ok((figures, State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() }))
 }
@@ -155,7 +155,7 @@ struct Path {
 }
 
 impl Path {
-    fn add(&mut self, now: &Moment<'_>) {
+    fn add(&mut self, now: &ResponseSample<'_>) {
         for (along, x) in self.along.iter_mut().zip(now.plant.pose(now.twin.coordinates()).to_array()) {
             along.push(x * 1e6);
         }
@@ -221,7 +221,7 @@ struct Neighbour {
 
 impl Neighbour {
     /// Called before the first twin takes the step that `now` drives.
-    fn follow(&mut self, now: &Moment<'_>, period: f64) -> Result<()> {
+    fn follow(&mut self, now: &ResponseSample<'_>, period: f64) -> Result<()> {
         let Some(twin) = &mut self.twin else {
             let mut twin = now.plant.start(period, now.turned)?;
             self.frequency = now.plant.highest_frequency();

@@ -10,8 +10,8 @@ pub use journal::{Journal, read};
 pub use measure::{EffectChange, Figures, Measure, State, measure};
 pub use tables::{csv, parquet, sections};
 
-use crate::fault::SceneFault;
-use crate::needs::{self, Need};
+use crate::effect_significance::{self, Need};
+use crate::error::UsageError;
 use crate::scene::Scene;
 use crate::scene::read::read_str;
 use anyhow::{Context, Result, bail};
@@ -90,7 +90,7 @@ impl Plan {
             return Ok(self);
         }
         let counts: Vec<String> = self.axes.iter().map(|axis| axis.values.len().to_string()).collect();
-        bail!(SceneFault(format!(
+        bail!(UsageError(format!(
             "--over: too many points: {}, expected at most {most} with {} section periods at each",
             counts.join(" x "),
             self.measure.periods
@@ -208,10 +208,10 @@ impl Plan {
         let mut all = Vec::new();
         for row in points {
             let at = Some(self.named(&row.values));
-            let of_point = needs::of_scene(&self.scene(&row.values)?)?;
+            let of_point = effect_significance::of_scene(&self.scene(&row.values)?)?;
             all.extend(of_point.into_iter().map(|need| Need { at: at.clone(), ..need }));
         }
-        Ok(needs::largest(all))
+        Ok(effect_significance::largest(all))
     }
 
     fn named(&self, values: &[f64]) -> String {

@@ -1,7 +1,7 @@
 //! The Pareto front, and what to take for a given error or deadline.
 
 use super::{Candidate, Response};
-use crate::fault::SceneFault;
+use crate::error::UsageError;
 use anyhow::{Result, bail};
 use serde::Serialize;
 
@@ -92,7 +92,7 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
     let open = candidates.iter().filter(|c| c.arithmetic.precision == precision && c.arithmetic.math == "exact");
     let open: Vec<(&Candidate, f64)> = open.filter_map(|c| Some((c, cost(c)?))).collect();
     if open.is_empty() {
-        bail!(SceneFault(
+        bail!(UsageError(
             "--error, --deadline: found no model of this scene among those counted on the Cortex-M4F (waviness, damage and a displaced housing never were), allowed: --error with --on desktop".to_owned()
         ));
     }
@@ -104,7 +104,7 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
             within.min_by(|(a, x), (b, y)| error(a).total_cmp(&error(b)).then(x.total_cmp(y)))
         }
     };
-    let Some((candidate, cost)) = found else { bail!(SceneFault(nearest(goal, &open))) };
+    let Some((candidate, cost)) = found else { bail!(UsageError(nearest(goal, &open))) };
     let clock = if let Goal::Deadline { clock, .. } = goal { Some(*clock) } else { None };
     Ok(Choice {
         rung: candidate.rung.clone(),

@@ -6,7 +6,7 @@ use crate::scene::build::{self, AnyBearing, Shared};
 use crate::scene::{Model, Scene};
 use anyhow::Result;
 use ballrace::bearing::{Bearing, Reaction};
-use ballrace::{Displacement, Exact, Fast, Math, Rotation, Scalar, Stiffness, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Math, Scalar, Stiffness, Wrench};
 use serde::Serialize;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -72,7 +72,7 @@ struct Seated<T> {
 
 impl<T: Scalar> Seated<T> {
     fn try_new<M: Math<T>>(scene: &Scene, plant: &Plant) -> Result<Self> {
-        let seat = |(of, seat): (&crate::scene::Bearing, &crate::plant::Seat)| {
+        let seat = |(of, seat): (&crate::scene::Bearing, &crate::plant::MountedBearing)| {
             let bearing = match of.model {
                 Model::Linear => build::spring_of::<T>(&seat.bearing),
                 model => build::bearing::<T, M>(scene, of, model)?,
@@ -87,9 +87,9 @@ fn rounded<T: Scalar>(u: &Displacement<f64>) -> Displacement<T> {
     Displacement::from_array(u.to_array().map(T::from_f64))
 }
 
-fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, Rotation<T>) {
+fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicState<T>) {
     let at = &pose.at;
-    let turning = Rotation {
+    let turning = BearingKinematicState {
         cage: at.cage,
         inner: at.inner,
         outer: at.outer,
@@ -211,7 +211,11 @@ struct Single {
 }
 
 impl Single {
-    fn within(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Displacement<f32>, Rotation<f32>) {
+    fn within(
+        &self,
+        u: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+    ) -> (Displacement<f32>, BearingKinematicState<f32>) {
         let (u, at) = in_precision::<f32>(&Pose { u: *u, at: *at });
         (u.plus(self.offset), at)
     }
@@ -226,16 +230,20 @@ fn widened(reaction: &Reaction<f32>) -> Reaction<f64> {
 }
 
 impl Bearing<f64> for Single {
-    fn reaction(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> Reaction<f64> {
+    fn reaction(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Reaction<f64> {
         let (u, at) = self.within(u, at);
         widened(&self.bearing.reaction(&u, &at))
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<f64>, at: &Rotation<f64>) -> (Reaction<f64>, Stiffness<f64>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+    ) -> (Reaction<f64>, Stiffness<f64>) {
         let (u, at) = self.within(u, at);
         let (reaction, k) = self.bearing.reaction_and_stiffness(&u, &at);
         (widened(&reaction), k.map(f64::from))
     }
-    fn element_loads(&self, u: &Displacement<f64>, at: &Rotation<f64>, loads: &mut [f64]) {
+    fn element_loads(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>, loads: &mut [f64]) {
         let (u, at) = self.within(u, at);
         let mut single = vec![0.0; loads.len()];
         self.bearing.element_loads(&u, &at, &mut single);

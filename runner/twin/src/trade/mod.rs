@@ -12,10 +12,10 @@ pub use choose::{Choice, Goal, Target};
 pub use cortex::Cost;
 pub use force::{Arithmetic, Errors};
 pub use response::MotionErrors;
-pub use rung::Rung;
+pub use rung::FidelityLevel;
 
-use crate::fault::SceneFault;
-use crate::needs::{self, Need};
+use crate::effect_significance::{self, Need};
+use crate::error::UsageError;
 use crate::plant::Plant;
 use crate::scene::{Method, Model, Scene};
 use anyhow::{Context, Result, bail};
@@ -105,7 +105,7 @@ pub struct Impossible {
 
 /// A rung that the scene allows.
 struct Allowed {
-    rung: Rung,
+    rung: FidelityLevel,
     scene: Scene,
     plant: Plant,
 }
@@ -160,7 +160,7 @@ pub fn trade(
         candidates,
         responses,
         impossible,
-        needs: needs::of_scene(scene)?,
+        needs: effect_significance::of_scene(scene)?,
         choice,
     })
 }
@@ -170,19 +170,19 @@ pub fn trade(
 /// # Errors
 /// No such rung.
 pub fn written(scene: &Scene, text: &str, rung: &str) -> Result<String> {
-    let rungs = Rung::all(scene);
+    let rungs = FidelityLevel::all(scene);
     rungs.iter().find(|r| r.name == rung).context("a rung of this scene")?.written(text, scene)
 }
 
 fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)> {
     if scene.rotor.is_none() && scene.system.is_none() {
-        bail!(SceneFault(format!(
+        bail!(UsageError(format!(
             "{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compare on",
             scene.path.display()
         )));
     }
     let (mut allowed, mut impossible) = (Vec::new(), Vec::new());
-    for rung in Rung::all(scene) {
+    for rung in FidelityLevel::all(scene) {
         let tried = rung.scene(text, &scene.path, scene).and_then(|scene| Ok((Plant::try_new(&scene)?, scene)));
         match tried {
             Ok((plant, scene)) => allowed.push(Allowed { rung, scene, plant }),

@@ -7,8 +7,8 @@ use crate::recording::rotation::Tracker;
 use crate::replay::pose::PoseSolver;
 use crate::scene::{Recording, Scene};
 use anyhow::{Context, Result, bail};
-use ballrace::rotor::Drive;
-use ballrace::{Displacement, Rotation};
+use ballrace::rotor::ShaftMotion;
+use ballrace::{BearingKinematicState, Displacement};
 use std::f64::consts::TAU;
 
 /// Samples of one turn of a computed motion.
@@ -26,7 +26,7 @@ pub struct Pose {
     /// Displacement by the rotor's motion.
     pub u: Displacement<f64>,
     /// How the parts stand and turn.
-    pub at: Rotation<f64>,
+    pub at: BearingKinematicState<f64>,
 }
 
 /// Of every bearing in the scene's order, some hundred poses of its motion.
@@ -91,7 +91,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
     let mut take = |tracker: &mut Tracker| {
         while let Some(sample) = tracker.pop() {
             let pose = solver.pose(&sample.row.probes, rest.w);
-            let drive = Drive { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+            let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
             let turned = sample.revolution as f64 + sample.angle.revolutions();
             if pose.is_finite() {
                 for (poses, seat) in all.iter_mut().zip(&plant.seats) {

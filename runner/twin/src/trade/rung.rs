@@ -11,7 +11,7 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, val
 
 /// One rung with its options.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
+pub struct FidelityLevel {
     /// In words.
     pub name: String,
     model: Model,
@@ -39,7 +39,7 @@ const ABOUT_ONE_SPEED: i64 = 4;
 /// Intervals along a speed that changes.
 const OVER_SPEEDS: i64 = 16;
 
-impl Rung {
+impl FidelityLevel {
     fn new(name: &str, model: Model) -> Self {
         Self { name: name.to_owned(), model, effects: vec![], steps: None, intervals: None }
     }

@@ -12,7 +12,7 @@ use crate::recording::Row;
 use crate::replay::Options;
 use crate::replay::baseline::Baseline;
 use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Pictures, Record};
-use crate::scene::{Rotation, Scene, Sensor, Speed, build};
+use crate::scene::{RotationSource, Scene, Sensor, Speed, build};
 use anyhow::{Result, bail};
 use ballrace::Exact;
 use ballrace::twin::{Figures, Statistics};
@@ -28,7 +28,7 @@ const MOST_SAMPLES: u64 = 1 << 26;
 const PROGRESS_ROWS: u64 = 4096;
 
 /// One sensor's recording.
-struct Heard {
+struct IdentificationData {
     sensor: Sensor,
     signal: Vec<f64>,
 }
@@ -39,21 +39,21 @@ struct Heard {
 /// A speed that is not constant, a recording that is too short or cannot be read.
 pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else { bail!("found no recording") };
-    let (Speed::Constant(speed), Rotation::Scene) = (scene.shaft.speed, &recording.rotation) else {
-        bail!(crate::fault::SceneFault(format!(
+    let (Speed::Constant(speed), RotationSource::Scene) = (scene.shaft.speed, &recording.rotation) else {
+        bail!(crate::error::UsageError(format!(
             "{}: [recording] sensors: found a speed that changes or is measured, allowed: one speed in [shaft]",
             scene.path.display()
         )));
     };
     if !scene.limits.is_empty() {
-        bail!(crate::fault::SceneFault(format!(
+        bail!(crate::error::UsageError(format!(
             "{}: [[limit]]: found limits, allowed with sensors: none; damage is told without",
             scene.path.display()
         )));
     }
     let unknown = |s: &&Sensor| s.bearing.as_ref().is_some_and(|name| scene.bearings.iter().all(|b| b.name != *name));
     if let Some(sensor) = recording.sensors.iter().find(unknown) {
-        bail!(crate::fault::SceneFault(format!(
+        bail!(crate::error::UsageError(format!(
             "{}: [recording] sensors: {}: bearing: found {:?}, allowed: the name of a [[bearing]]",
             scene.path.display(),
             sensor.column,
@@ -62,8 +62,8 @@ pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) 
     }
     let (turn_hz, rate) = (speed.abs() / TAU, reader.rate());
     let begun = Instant::now();
-    let mut heard: Vec<Heard> =
-        recording.sensors.iter().map(|sensor| Heard { sensor: sensor.clone(), signal: vec![] }).collect();
+    let mut heard: Vec<IdentificationData> =
+        recording.sensors.iter().map(|sensor| IdentificationData { sensor: sensor.clone(), signal: vec![] }).collect();
     let mut row = Row { probes: vec![f64::NAN; heard.len()], ..Row::default() };
     let mut rows = 0;
     let mut whole = true;

@@ -3,10 +3,10 @@
 
 /// Bearing "DE".
 pub mod bearing_de {
-    use ballrace::bearing::Place;
-    use ballrace::bearing::quasi_static::TableSeat;
+    use ballrace::bearing::ElementPosition;
+    use ballrace::bearing::quasi_static::TableConstants;
     use ballrace::bearing::tabulated::{Axis, Grid, Node, Table, Tabulated};
-    use ballrace::{Displacement, Exact, Turn};
+    use ballrace::{Displacement, Exact, Phase};
 
     /// Along Z from the rotor's centre of mass, m.
     pub const STATION: f32 = -0.05;
@@ -19,17 +19,17 @@ pub mod bearing_de {
     /// By preload, to be added to every displacement.
     pub const OFFSET: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
     /// The elements.
-    pub const PLACES: [Place<f32>; 8] = [
-        Place::ready(1.0, 0.0, Turn(0x0000000000000000)),
-        Place::ready(0.70710677, 0.70710677, Turn(0x2000000000000000)),
-        Place::ready(6.123234e-17, 1.0, Turn(0x4000000000000000)),
-        Place::ready(-0.70710677, 0.70710677, Turn(0x6000000000000000)),
-        Place::ready(-1.0, 1.2246469e-16, Turn(0x8000000000000000)),
-        Place::ready(-0.70710677, -0.70710677, Turn(0xa000000000000000)),
-        Place::ready(-1.8369701e-16, -1.0, Turn(0xc000000000000000)),
-        Place::ready(0.70710677, -0.70710677, Turn(0xe000000000000000)),
+    pub const PLACES: [ElementPosition<f32>; 8] = [
+        ElementPosition::ready(1.0, 0.0, Phase(0x0000000000000000)),
+        ElementPosition::ready(0.70710677, 0.70710677, Phase(0x2000000000000000)),
+        ElementPosition::ready(6.123234e-17, 1.0, Phase(0x4000000000000000)),
+        ElementPosition::ready(-0.70710677, 0.70710677, Phase(0x6000000000000000)),
+        ElementPosition::ready(-1.0, 1.2246469e-16, Phase(0x8000000000000000)),
+        ElementPosition::ready(-0.70710677, -0.70710677, Phase(0xa000000000000000)),
+        ElementPosition::ready(-1.8369701e-16, -1.0, Phase(0xc000000000000000)),
+        ElementPosition::ready(0.70710677, -0.70710677, Phase(0xe000000000000000)),
     ];
-    const SEAT: TableSeat<f32> = TableSeat { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
+    const SEAT: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
     const GRID: Grid<f32> = Grid {
         approach: Axis { count: 25, origin: -0.003913119, density: 2385.1392, range: [-0.002236068, 0.004472136] },
         angle: Axis { count: 17, origin: -0.31660855, density: 11.3336, range: [0.03632432, 0.74219006] },
@@ -538,7 +538,7 @@ pub mod bearing_de {
     ];
 
     /// The bearing's type.
-    pub type Baked = Tabulated<f32, Exact, [Place<f32>; 8], &'static [Node<f32, 2>], 2>;
+    pub type Baked = Tabulated<f32, Exact, [ElementPosition<f32>; 8], &'static [Node<f32, 2>], 2>;
 
     /// The bearing, ready for the hot path.
     #[must_use]
@@ -549,12 +549,12 @@ pub mod bearing_de {
 
 /// Bearing "NDE".
 pub mod bearing_nde {
-    use ballrace::bearing::Place;
-    use ballrace::bearing::quasi_static::TableSeat;
-    use ballrace::bearing::surface::{Direction, Feature, Part, Spall, SpallShape, Uneven, Wave};
+    use ballrace::bearing::ElementPosition;
+    use ballrace::bearing::quasi_static::TableConstants;
+    use ballrace::bearing::surface::{Direction, Feature, BearingComponent, Spall, SpallShape, SurfaceDeviation, Wave};
     use ballrace::bearing::Mirrored;
     use ballrace::bearing::tabulated::{Axis, Grid, Node, Table, Tabulated};
-    use ballrace::{Displacement, Exact, Turn};
+    use ballrace::{Displacement, Exact, Phase};
 
     /// Along Z from the rotor's centre of mass, m.
     pub const STATION: f32 = 0.05;
@@ -567,18 +567,18 @@ pub mod bearing_nde {
     /// By preload, to be added to every displacement.
     pub const OFFSET: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
     /// The elements.
-    pub const PLACES: [Place<f32>; 9] = [
-        Place::ready(1.0, -0.0, Turn(0x0000000000000000)),
-        Place::ready(0.76604444, -0.64278764, Turn(0xe38e38e38e38e38f)),
-        Place::ready(0.17364818, -0.9848077, Turn(0xc71c71c71c71c71d)),
-        Place::ready(-0.5, -0.8660254, Turn(0xaaaaaaaaaaaaaaab)),
-        Place::ready(-0.9396926, -0.34202015, Turn(0x8e38e38e38e38e39)),
-        Place::ready(-0.9396926, 0.34202015, Turn(0x71c71c71c71c71c8)),
-        Place::ready(-0.5, 0.8660254, Turn(0x5555555555555556)),
-        Place::ready(0.17364818, 0.9848077, Turn(0x38e38e38e38e38e4)),
-        Place::ready(0.76604444, 0.64278764, Turn(0x1c71c71c71c71c72)),
+    pub const PLACES: [ElementPosition<f32>; 9] = [
+        ElementPosition::ready(1.0, -0.0, Phase(0x0000000000000000)),
+        ElementPosition::ready(0.76604444, -0.64278764, Phase(0xe38e38e38e38e38f)),
+        ElementPosition::ready(0.17364818, -0.9848077, Phase(0xc71c71c71c71c71d)),
+        ElementPosition::ready(-0.5, -0.8660254, Phase(0xaaaaaaaaaaaaaaab)),
+        ElementPosition::ready(-0.9396926, -0.34202015, Phase(0x8e38e38e38e38e39)),
+        ElementPosition::ready(-0.9396926, 0.34202015, Phase(0x71c71c71c71c71c8)),
+        ElementPosition::ready(-0.5, 0.8660254, Phase(0x5555555555555556)),
+        ElementPosition::ready(0.17364818, 0.9848077, Phase(0x38e38e38e38e38e4)),
+        ElementPosition::ready(0.76604444, 0.64278764, Phase(0x1c71c71c71c71c72)),
     ];
-    const SEAT: TableSeat<f32> = TableSeat { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
+    const SEAT: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
     const GRID: Grid<f32> = Grid {
         approach: Axis { count: 25, origin: -0.003913119, density: 2385.1392, range: [-0.002236068, 0.004472136] },
         angle: Axis { count: 17, origin: -0.31660855, density: 11.3336, range: [0.03632432, 0.74219006] },
@@ -586,8 +586,8 @@ pub mod bearing_nde {
     };
     const BY_OUTER: bool = false;
     const FEATURES: [Feature<f32>; 2] = [
-        Feature::Wave(Wave { part: Part::Inner, direction: Direction::Radial, order: 5, amplitude: 3e-7, phase: Turn(0xf1c71c71c71c7200) }),
-        Feature::Spall(Spall::new(Part::Outer, Turn(0x4000000000000000), 0.06981317, 2e-6, SpallShape::HalfSine)),
+        Feature::Wave(Wave { part: BearingComponent::Inner, direction: Direction::Radial, order: 5, amplitude: 3e-7, phase: Phase(0xf1c71c71c71c7200) }),
+        Feature::Spall(Spall::new(BearingComponent::Outer, Phase(0x4000000000000000), 0.06981317, 2e-6, SpallShape::HalfSine)),
     ];
     /// The table: 35700 bytes of flash.
     #[rustfmt::skip]
@@ -1091,11 +1091,11 @@ pub mod bearing_nde {
     ];
 
     /// The bearing's type.
-    pub type Baked = Mirrored<Tabulated<f32, Exact, [Place<f32>; 9], &'static [Node<f32, 3>], 3, Uneven<Exact, [Feature<f32>; 2]>>>;
+    pub type Baked = Mirrored<Tabulated<f32, Exact, [ElementPosition<f32>; 9], &'static [Node<f32, 3>], 3, SurfaceDeviation<Exact, [Feature<f32>; 2]>>>;
 
     /// The bearing, ready for the hot path.
     #[must_use]
     pub fn bearing() -> Baked {
-        Mirrored(Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER).with_surface(Uneven::new(FEATURES)))
+        Mirrored(Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER).with_surface(SurfaceDeviation::new(FEATURES)))
     }
 }

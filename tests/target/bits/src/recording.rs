@@ -1,6 +1,6 @@
 //! The recording as every machine reads it: little-endian numbers, one record a sample.
 
-use ballrace::{Displacement, Turn};
+use ballrace::{Displacement, Phase};
 
 /// Bytes of a record: five `f32` and a `u64`.
 pub const BYTES: usize = 28;
@@ -9,7 +9,7 @@ pub const BYTES: usize = 28;
 #[derive(Clone, Copy)]
 pub struct Sample {
     pub displacement: Displacement<f32>,
-    pub shaft: Turn,
+    pub shaft: Phase,
 }
 
 impl Sample {
@@ -21,6 +21,6 @@ impl Sample {
             *x = f32::from_le_bytes(*word);
         }
         let shaft = record.last_chunk::<8>().copied().map_or(0, u64::from_le_bytes);
-        Self { displacement: Displacement::from_array(u), shaft: Turn(shaft) }
+        Self { displacement: Displacement::from_array(u), shaft: Phase(shaft) }
     }
 }

@@ -1,7 +1,7 @@
 //! Every rung, rotor step and the twin, in `f32` with the math backend `Exact`.
 
 use crate::Sample;
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
@@ -9,12 +9,12 @@ use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::film::{HamrockDowson, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams, RaceControl};
-use ballrace::bearing::surface::{Feature, Part, Spall, SpallShape, Uneven};
-use ballrace::bearing::{HeldWrench, Mirrored, Pairs, Places, Reaction, even_pairs, even_places};
+use ballrace::bearing::surface::{Feature, BearingComponent, Spall, SpallShape, SurfaceDeviation};
+use ballrace::bearing::{LastValidWrench, Mirrored, OpposedPairs, ElementPositions, Reaction, even_pairs, evenly_spaced};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::rotor::{Drive, Integrator, Newmark, RotorState, RungeKutta4};
-use ballrace::turn::Ratio;
-use ballrace::{Bearing, Displacement, Exact, Math, Rotation, Stiffness, Turn};
+use ballrace::rotor::{ShaftMotion, Integrator, Newmark, RotorState, RungeKutta4};
+use ballrace::phase::SpeedRatio;
+use ballrace::{Bearing, Displacement, Exact, Math, BearingKinematicState, Stiffness, Phase};
 use rig::{Ball, CAGE_RATIO, Rig, machine};
 
 /// FNV-1a over the bits of results.
@@ -41,7 +41,7 @@ impl Checksum {
 #[rustfmt::skip]
 mod baked;
 
-type Nine = Places<f32, 9>;
+type Nine = ElementPositions<f32, 9>;
 type Solved = QuasiStatic<f32, Exact, Nine, Gyroscopic<f32>, HamrockDowson<f32>>;
 type Both = Combined<Radial<f32, Exact, Point<f32>, Nine>, Axial<f32, Exact, Point<f32>, Nine>>;
 
@@ -50,13 +50,13 @@ struct Bearings {
     linear: Linear<f32>,
     balls: Radial<f32, Exact, Point<f32>, Nine>,
     preloaded: Radial<f32, Exact, Point<f32>, Nine>,
-    pairs: Radial<f32, Exact, Point<f32>, Pairs<f32, 4>>,
+    pairs: Radial<f32, Exact, Point<f32>, OpposedPairs<f32, 4>>,
     rollers: Radial<f32, Exact, Line<f32>, Nine>,
     power: Radial<f32, Exact, Power<f32>, Nine>,
     axial: Axial<f32, Exact, Point<f32>, Nine>,
     angular: Ball<f32>,
-    angular_pairs: Angular<f32, Exact, Pairs<f32, 4>>,
-    spalled: Angular<f32, Exact, Nine, Uneven<Exact, [Feature<f32>; 1]>>,
+    angular_pairs: Angular<f32, Exact, OpposedPairs<f32, 4>>,
+    spalled: Angular<f32, Exact, Nine, SurfaceDeviation<Exact, [Feature<f32>; 1]>>,
     facing_back: Mirrored<Ball<f32>>,
     solved: Solved,
     looked_up: baked::bearing_nde::Baked,
@@ -66,13 +66,13 @@ const COUNT: usize = 12;
 
 impl Bearings {
     fn try_new() -> Result<Self, InvalidParameter> {
-        let places: Nine = even_places(Turn(0x0123_4567_89ab_cdef));
+        let places: Nine = evenly_spaced(Phase(0x0123_4567_89ab_cdef));
         let point = Point { stiffness: 8e9 };
         let geometry = rig::geometry()?;
-        let angular = Angular::try_new(geometry, places, Zero::Centred)?;
-        let spall = Spall::new(Part::Outer, Turn::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
+        let angular = Angular::try_new(geometry, places, DisplacementDatum::Centred)?;
+        let spall = Spall::new(BearingComponent::Outer, Phase::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
         let (_, tangent) =
-            angular.reaction_and_stiffness(&Displacement { w: 60e-6, ..Displacement::default() }, &Turn(0).into());
+            angular.reaction_and_stiffness(&Displacement { w: 60e-6, ..Displacement::default() }, &Phase(0).into());
         let inertia = InertiaParams {
             density: 7800.0,
             centrifugal: true,
@@ -82,18 +82,18 @@ impl Bearings {
         };
         let oil = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
         Ok(Self {
-            solved: QuasiStatic::try_new(geometry, places, Zero::Centred)?.with_inertia(&inertia)?.with_film(oil)?,
+            solved: QuasiStatic::try_new(geometry, places, DisplacementDatum::Centred)?.with_inertia(&inertia)?.with_film(oil)?,
             looked_up: baked::bearing_nde::bearing(),
             linear: Linear::new(tangent),
             balls: Radial::try_new(places, point, 5e-7)?,
             preloaded: Radial::try_new(places, point, -2e-6)?,
-            pairs: Radial::try_new(even_pairs(Turn::ZERO), point, 5e-7)?,
+            pairs: Radial::try_new(even_pairs(Phase::ZERO), point, 5e-7)?,
             rollers: Radial::try_new(places, Line { stiffness: 3e8 }, 5e-7)?,
             power: Radial::try_new(places, Power { stiffness: 2e9, exponent: 1.4 }, 5e-7)?,
             axial: Axial::try_new(places, point, 5e-6, 0.02)?,
             angular,
-            angular_pairs: Angular::try_new(geometry, even_pairs(Turn::ZERO), Zero::Centred)?,
-            spalled: angular.with_surface(Uneven::new([Feature::Spall(spall)])),
+            angular_pairs: Angular::try_new(geometry, even_pairs(Phase::ZERO), DisplacementDatum::Centred)?,
+            spalled: angular.with_surface(SurfaceDeviation::new([Feature::Spall(spall)])),
             facing_back: Mirrored(angular),
         })
     }
@@ -124,7 +124,7 @@ impl Bearings {
 pub struct Subjects {
     bearings: Bearings,
     machine: Rig<f32>,
-    held: [HeldWrench<f32>; COUNT],
+    held: [LastValidWrench<f32>; COUNT],
     forces: [Checksum; COUNT],
     flexible: Checksum,
     solved: Checksum,
@@ -133,7 +133,7 @@ pub struct Subjects {
     runge_kutta: (RotorState<f32, 5, 2>, Checksum),
     newmark: (RotorState<f32, 5, 2>, Checksum),
     residual: Checksum,
-    cage: Turn,
+    cage: Phase,
     last: Option<Sample>,
     taken: u32,
 }
@@ -151,11 +151,11 @@ impl Subjects {
     pub fn try_new() -> Result<Self, InvalidParameter> {
         let bearings = Bearings::try_new()?;
         let start =
-            RotorState::at_rest(Displacement { w: 60e-6, ..Displacement::default() }, Turn::ZERO, [Turn::ZERO; 2]);
+            RotorState::at_rest(Displacement { w: 60e-6, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
         Ok(Self {
             machine: machine(bearings.angular)?,
             bearings,
-            held: [HeldWrench::new(); COUNT],
+            held: [LastValidWrench::new(); COUNT],
             forces: [Checksum::EMPTY; COUNT],
             flexible: Checksum::EMPTY,
             solved: Checksum::EMPTY,
@@ -164,7 +164,7 @@ impl Subjects {
             runge_kutta: (start, Checksum::EMPTY),
             newmark: (start, Checksum::EMPTY),
             residual: Checksum::EMPTY,
-            cage: Turn::ZERO,
+            cage: Phase::ZERO,
             last: None,
             taken: 0,
         })
@@ -172,8 +172,8 @@ impl Subjects {
 
     /// The next sample.
     pub fn take(&mut self, sample: &Sample) {
-        let turned = self.last.map_or(ballrace::turn::Arc::ZERO, |last| sample.shaft.since(last.shaft));
-        self.cage = self.cage.advanced(Ratio::new(CAGE_RATIO).of(turned));
+        let turned = self.last.map_or(ballrace::phase::PhaseDelta::ZERO, |last| sample.shaft.since(last.shaft));
+        self.cage = self.cage.advanced(SpeedRatio::new(CAGE_RATIO).of(turned));
         let (sin, cos): (f32, f32) = Exact::sin_cos(self.cage);
         self.cage_angle.add([sin, cos]);
         self.take_forces(sample);
@@ -212,7 +212,7 @@ impl Subjects {
 
     /// The rungs whose balls are in equilibrium, in few of the samples: they cost most of all.
     fn take_balls(&mut self, sample: &Sample, speed: f32) {
-        let at = Rotation { cage: self.cage, inner: sample.shaft, inner_speed: speed, ..Rotation::default() };
+        let at = BearingKinematicState { cage: self.cage, inner: sample.shaft, inner_speed: speed, ..BearingKinematicState::default() };
         let u = &sample.displacement;
         let add = |sum: &mut Checksum, (reaction, tangent): (Reaction<f32>, Stiffness<f32>)| {
             sum.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()));
@@ -226,7 +226,7 @@ impl Subjects {
 
     /// One step of both integrators along the recording's shaft angle, and what the twin leaves of the sample.
     fn take_steps(&mut self, sample: &Sample, speed: f32) {
-        let drive = Drive { angle: sample.shaft, speed, acceleration: 0.0 };
+        let drive = ShaftMotion { angle: sample.shaft, speed, acceleration: 0.0 };
         let (state, sum) = &mut self.runge_kutta;
         let status = RungeKutta4 { step: STEP }.step(&self.machine, state, &drive);
         let twin = state.q;

@@ -1,6 +1,6 @@
 //! The inputs that a constant count has to hold for.
 
-use ballrace::{Displacement, Scalar, Turn};
+use ballrace::{Displacement, Scalar, Phase};
 
 /// Values that branches, subnormal handling or library calls would betray themselves on.
 const SPECIAL: [f32; 14] = [
@@ -25,7 +25,7 @@ pub const COUNT: u32 = 700;
 
 /// Input number `i`: special values on one or two coordinates, else pseudo-random motion of some micrometres with
 /// contact on all, some or no elements; the cage angle walks through every quadrant. Number 1 is an ordinary one.
-pub fn input<T: Scalar>(i: u32) -> (Displacement<T>, Turn) {
+pub fn input<T: Scalar>(i: u32) -> (Displacement<T>, Phase) {
     let mut seed = u64::from(i).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x1234_5678_9abc_def1);
     let mut random = || {
         seed ^= seed << 13;
@@ -44,6 +44,6 @@ pub fn input<T: Scalar>(i: u32) -> (Displacement<T>, Turn) {
             *x = special(k / 5 + k);
         }
     }
-    let cage = Turn(u64::from(i).wrapping_mul(0x6a09_e667_f3bc_c908));
+    let cage = Phase(u64::from(i).wrapping_mul(0x6a09_e667_f3bc_c908));
     (Displacement::from_array(u.map(|x| T::from_f64(f64::from(x)))), cage)
 }

@@ -7,11 +7,11 @@
 
 mod log;
 
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
-use ballrace::bearing::{Bearing, HeldWrench, Places, even_places};
-use ballrace::turn::{Arc, Ratio};
-use ballrace::{Displacement, Exact, Math, Turn};
+use ballrace::bearing::{Bearing, LastValidWrench, ElementPositions, evenly_spaced};
+use ballrace::phase::{PhaseDelta, SpeedRatio};
+use ballrace::{Displacement, Exact, Math, Phase};
 use core::cell::RefCell;
 use cortex_m::interrupt::{Mutex, free};
 use cortex_m::peripheral::syst::SystClkSource;
@@ -25,20 +25,20 @@ use panic_semihosting as _;
 #[derive(Clone, Copy)]
 struct Sample {
     displacement: Displacement<f32>,
-    shaft: Turn,
+    shaft: Phase,
 }
 
 /// The sampler's own state: where the shaft is and where samples go.
 struct Sampler {
     queue: Producer<'static, Sample>,
-    shaft: Turn,
+    shaft: Phase,
     count: u32,
 }
 
 static SAMPLER: Mutex<RefCell<Option<Sampler>>> = Mutex::new(RefCell::new(None));
 
 /// A sixteenth of a turn from sample to sample.
-const STEP: Arc = Arc(1 << 60);
+const STEP: PhaseDelta = PhaseDelta(1 << 60);
 const SAMPLES: u32 = 32;
 const BAD_SAMPLE: u32 = 10;
 
@@ -64,7 +64,7 @@ impl Sampler {
 }
 
 /// Set-up may fail; it runs once.
-fn bearing() -> Option<Angular<f32, Exact, Places<f32, 9>>> {
+fn bearing() -> Option<Angular<f32, Exact, ElementPositions<f32, 9>>> {
     let geometry = BallBearingGeometry {
         ball_diameter: 7.94e-3,
         pitch_diameter: 39.04e-3,
@@ -75,7 +75,7 @@ fn bearing() -> Option<Angular<f32, Exact, Places<f32, 9>>> {
         race: BEARING_STEEL,
     };
     let geometry = geometry.with_clearance(10e-6).ok()?;
-    Angular::try_new(geometry, even_places(Turn::ZERO), Zero::Centred).ok()
+    Angular::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred).ok()
 }
 
 #[entry]
@@ -84,7 +84,7 @@ fn main() -> ! {
     let Some(queue) = singleton!(: Queue<Sample, 8> = Queue::new()) else { done() };
     let (producer, mut samples) = queue.split();
     free(|token| {
-        let sampler = Sampler { queue: producer, shaft: Turn::ZERO, count: 0 };
+        let sampler = Sampler { queue: producer, shaft: Phase::ZERO, count: 0 };
         *SAMPLER.borrow(token).borrow_mut() = Some(sampler);
     });
     let mut timer = peripherals.SYST;
@@ -94,9 +94,9 @@ fn main() -> ! {
     timer.enable_counter();
     timer.enable_interrupt();
 
-    let mut held = HeldWrench::new();
-    let ratio = Ratio::new(0.4);
-    let (mut cage, mut shaft, mut seen) = (Turn::ZERO, Turn::ZERO, 0);
+    let mut held = LastValidWrench::new();
+    let ratio = SpeedRatio::new(0.4);
+    let (mut cage, mut shaft, mut seen) = (Phase::ZERO, Phase::ZERO, 0);
     while seen < SAMPLES {
         let Some(sample) = samples.dequeue() else { continue };
         cage = cage.advanced(ratio.of(sample.shaft.since(shaft)));

@@ -14,7 +14,7 @@ fn recording(clock: Clock) -> Recording {
         clock,
         probes: vec![probe("x"), probe("y")],
         sensors: vec![],
-        rotation: Rotation::Keyphasor { column: "key".into(), pulses_per_turn: 1 },
+        rotation: RotationSource::Keyphasor { column: "key".into(), pulses_per_turn: 1 },
     }
 }
 
@@ -251,9 +251,9 @@ fn clipped_probe_is_counted() {
 #[test]
 fn speed_column_is_in_radians_per_second() {
     let mut recording = rated();
-    recording.rotation = Rotation::SpeedColumn { column: "key".into(), radians_per_second: 0.5 };
+    recording.rotation = RotationSource::SpeedColumn { column: "key".into(), radians_per_second: 0.5 };
     assert_eq!(good("x,y,key\n1,2,30\n", &recording).0[0].rotation, 15.0);
-    recording.rotation = Rotation::Scene;
+    recording.rotation = RotationSource::Scene;
     assert_eq!(good("x,y\n1,2\n", &recording).0[0].rotation, 0.0);
 }
 
@@ -266,7 +266,7 @@ fn rig_recordings_are_flawless() {
             continue;
         }
         let probes = ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"].map(probe).to_vec();
-        let rotation = Rotation::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
+        let rotation = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
         let recording = Recording {
             file: path.clone(),
             clock: Clock::Column("time_s".into()),

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use ballrace::Turn;
+use ballrace::Phase;
 
 use super::*;
 use crate::recording::Reader;
@@ -10,8 +10,8 @@ use crate::scene::{Clock, Recording};
 
 const RATE: f64 = 12_800.0;
 
-fn keyphasor(pulses_per_turn: u32) -> Rotation {
-    Rotation::Keyphasor { column: "key".into(), pulses_per_turn }
+fn keyphasor(pulses_per_turn: u32) -> RotationSource {
+    RotationSource::Keyphasor { column: "key".into(), pulses_per_turn }
 }
 
 fn row(index: u64, rotation: f64) -> Row {
@@ -55,7 +55,7 @@ fn miss(sample: &Sample, revolutions: f64) -> f64 {
 
 /// The same, whole revolutions aside.
 fn miss_in_turn(sample: &Sample, revolutions: f64) -> f64 {
-    sample.angle.since(Turn::from_revolutions(revolutions)).radians::<f64>() / TAU
+    sample.angle.since(Phase::from_revolutions(revolutions)).radians::<f64>() / TAU
 }
 
 /// Largest error anywhere, and rms without the mean at least five turns from the ends, in samples.
@@ -348,7 +348,7 @@ fn few_samples_wait() {
 fn speed_column() {
     let speed = |t: f64| 100.0 + 40.0 * t;
     let radians = |t: f64| 100.0 * t + 20.0 * t * t;
-    let rotation = Rotation::SpeedColumn { column: "rpm".into(), radians_per_second: 1.0 };
+    let rotation = RotationSource::SpeedColumn { column: "rpm".into(), radians_per_second: 1.0 };
     let mut tracker = Tracker::new(&rotation, RATE, Speed::Constant(1.0));
     let rows: Vec<Row> = (0..50_000).map(|index| row(index, speed(index as f64 / RATE))).collect();
     let samples = track(rows, &mut tracker);
@@ -380,9 +380,9 @@ fn scene_speeds_agree_with_their_integrals() {
     let ramp = Speed::Ramp { from: 60.0, to: -500.0, over: 1.5 };
     let fluctuating = Speed::Fluctuating { mean: 314.0, fluctuation: 0.3, frequency: 7.0 };
     for speed in [Speed::Constant(-123.4), ramp, fluctuating] {
-        let mut tracker = Tracker::new(&Rotation::Scene, RATE, speed);
+        let mut tracker = Tracker::new(&RotationSource::Scene, RATE, speed);
         let samples = track((0..40_000).map(|index| row(index, 0.0)).collect(), &mut tracker);
-        assert_eq!(samples[0].angle, Turn::ZERO);
+        assert_eq!(samples[0].angle, Phase::ZERO);
         let mut radians = 0.0;
         for pair in samples.windows(2) {
             let step = pair[1].angle.since(pair[0].angle).radians::<f64>();
@@ -401,7 +401,7 @@ fn scene_speeds_agree_with_their_integrals() {
 #[test]
 fn scene_speed_years_on() {
     // A whole number of turns each second: the same angle at the same part of any second.
-    let mut tracker = Tracker::new(&Rotation::Scene, 16_384.0, Speed::Constant(-50.0 * TAU));
+    let mut tracker = Tracker::new(&RotationSource::Scene, 16_384.0, Speed::Constant(-50.0 * TAU));
     for index in [1_000, 1_000 + (1 << 44)] {
         tracker.push(row(index, 0.0)).unwrap();
     }
@@ -419,7 +419,7 @@ fn rig_recordings() {
         if !path.exists() {
             continue;
         }
-        let rotation = Rotation::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
+        let rotation = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
         let recording = Recording {
             file: path.clone(),
             clock: Clock::Rate(RATE),

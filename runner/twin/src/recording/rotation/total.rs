@@ -1,6 +1,6 @@
 //! Revolutions since the first pulse: whole ones and the angle in one number.
 
-use ballrace::Turn;
+use ballrace::Phase;
 
 /// 2^64
 const COUNTS_PER_TURN: f64 = 18_446_744_073_709_551_616.0;
@@ -39,7 +39,7 @@ impl Total {
     }
 
     /// What is beyond those.
-    pub(super) const fn angle(self) -> Turn {
-        Turn(self.0 as u64)
+    pub(super) const fn angle(self) -> Phase {
+        Phase(self.0 as u64)
     }
 }

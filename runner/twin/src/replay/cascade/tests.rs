@@ -5,7 +5,7 @@
 use super::*;
 use crate::recording::Row;
 use crate::replay::pictures::planes;
-use ballrace::Turn;
+use ballrace::Phase;
 
 fn probe(column: &str, angle: f64) -> Probe {
     Probe {
@@ -29,7 +29,7 @@ fn spectra(probes: &[Probe], seconds: f64) -> Vec<Cascade> {
         let at = [5e-6 * a.cos() + 2e-6 * b.cos() + 1e-3, 5e-6 * a.sin() - 2e-6 * b.sin()];
         spectra.add(&Sample {
             row: Row { index: i + 1, time, probes: at[..probes.len()].to_vec(), ..Row::default() },
-            angle: Turn::ZERO,
+            angle: Phase::ZERO,
             revolution: 0,
             speed: TAU * 50.0,
             acceleration: 0.0,

@@ -8,7 +8,7 @@ use crate::replay::list;
 use crate::replay::outcome::{Orbit, Pictures, ProbeOutcome};
 use crate::replay::pictures::planes;
 use crate::scene::{Direction, Probe};
-use ballrace::Turn;
+use ballrace::Phase;
 
 const RATE: f64 = 12_800.0;
 
@@ -31,7 +31,7 @@ fn gone(trend: &mut Trend, seconds: f64, hz: impl Fn(f64) -> f64, reading: impl 
         let time = i as f64 / RATE;
         let sample = Sample {
             row: Row { index: i, time, probes: reading(turns, hz(time)).to_vec(), ..Row::default() },
-            angle: Turn::from_radians(TAU * turns.rem_euclid(1.0)),
+            angle: Phase::from_radians(TAU * turns.rem_euclid(1.0)),
             revolution: turns.floor() as i64,
             speed: TAU * hz(time),
             acceleration: 0.0,

@@ -2,17 +2,17 @@
 
 use super::{AnyBearing, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
-use crate::wide::shared;
+use crate::simd::shared;
 use anyhow::{Result, bail};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
-use ballrace::bearing::quasi_static::{BallPlace, BallState, COLD_STEPS, QuasiStatic, TableSeat};
-use ballrace::bearing::surface::{Surface, Uneven};
+use ballrace::bearing::quasi_static::{BallPosition, BallState, COLD_STEPS, QuasiStatic, TableConstants};
+use ballrace::bearing::surface::{Surface, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Domain, Grid, Table, Tabulated, fill};
-use ballrace::bearing::{Arrangement, Bearing, Mirrored, Place, Reaction, SideBySide};
+use ballrace::bearing::{Bearing, BlockedPositions, ElementLayout, ElementPosition, Mirrored, Reaction};
 use ballrace::contact::hertz::Race;
-use ballrace::{Displacement, Math, Rotation, Scalar, Turn};
+use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar};
 use std::sync::Arc;
 
 /// The balls' inertia as the kernel takes it.
@@ -37,37 +37,47 @@ pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
 /// A quasi-static bearing with any of its effects, and what it alone can tell.
 pub trait Solved<T: Scalar>: Bearing<T> {
     /// What each ball does, as many as `states` takes.
-    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]);
+    fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]);
 
     /// Puts the balls where a cold start finds them.
-    fn place_balls(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]);
+    fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]);
 
     /// The reaction from where the balls were at the last sample.
-    fn reaction_from(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) -> Reaction<T>;
+    fn reaction_from(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) -> Reaction<T>;
 }
 
 impl<T, M, P, I, F, S> Solved<T> for QuasiStatic<T, M, P, I, F, S>
 where
     T: Scalar,
     M: Math<T>,
-    P: Arrangement<T>,
+    P: ElementLayout<T>,
     I: Inertia<T>,
     F: Film<T>,
     S: Surface<T>,
 {
-    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]) {
+    fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
         QuasiStatic::ball_states(self, u, at, states);
     }
-    fn place_balls(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) {
+    fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
         QuasiStatic::place_balls(self, u, at, balls);
     }
-    fn reaction_from(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) -> Reaction<T> {
+    fn reaction_from(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) -> Reaction<T> {
         QuasiStatic::reaction_from(self, u, at, balls)
     }
 }
 
 impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
-    fn ball_states(&self, u: &Displacement<T>, at: &Rotation<T>, states: &mut [BallState<T>]) {
+    fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
         self.0.0.ball_states(&u.mirrored(), &at.reversed(), states);
         // Angles count towards +Z of the scene.
         for state in states {
@@ -77,10 +87,15 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
             state.orbital_speed = -state.orbital_speed;
         }
     }
-    fn place_balls(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) {
+    fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
         self.0.0.place_balls(&u.mirrored(), &at.reversed(), balls);
     }
-    fn reaction_from(&self, u: &Displacement<T>, at: &Rotation<T>, balls: &mut [BallPlace<T>]) -> Reaction<T> {
+    fn reaction_from(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) -> Reaction<T> {
         let local = self.0.0.reaction_from(&u.mirrored(), &at.reversed(), balls);
         Reaction { wrench: local.wrench.mirrored(), ..local }
     }
@@ -104,7 +119,7 @@ pub fn solved_in<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Resu
         .and_then(|b| b.with_selected_inertia(&inertia_params(scene)))
         .and_then(|b| b.with_selected_film(lubricant(scene)))
         .map_err(|e| named(scene, e))?;
-    let surface = Uneven::<M, _>::new(features(scene));
+    let surface = SurfaceDeviation::<M, _>::new(features(scene));
     let built: Arc<dyn Solved<T>> = Arc::new(built.with_steps(steps).with_surface(surface));
     Ok(if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built })
 }
@@ -122,7 +137,7 @@ pub struct MadeTable {
     /// Nodes; the third number is the friction, where the inner contact has one.
     pub nodes: Vec<[f64; 3]>,
     /// The rest.
-    pub seat: TableSeat<f64>,
+    pub seat: TableConstants<f64>,
     /// Whether the third number is needed.
     pub friction: bool,
 }
@@ -134,9 +149,9 @@ pub struct MadeTable {
 pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry)?;
-    let one = [Place::at(Turn::ZERO)];
+    let one = [ElementPosition::at(Phase::ZERO)];
     let plain = QuasiStatic::<f64, ballrace::Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
-    let seat = plain.table_seat();
+    let seat = plain.table_constants();
     let grid = domain.grid().map_err(|e| named(of, e))?;
     let mut nodes = vec![[0.0; 3]; grid.len()];
     let full = plain
@@ -208,7 +223,7 @@ fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &Ma
     let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);
-    let places = SideBySide::<_, Vec<_>>::new(places(of));
+    let places = BlockedPositions::<_, Vec<_>>::new(places(of));
     let bearing = Tabulated::<T, M, _, _, F>::new(places, made.seat.rounded(), table, made.by_outer);
     Ok(match uneven::<T, M>(of) {
         None => facing(of, shared(bearing)),

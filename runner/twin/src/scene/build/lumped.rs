@@ -2,13 +2,13 @@
 
 use super::{AnyBearing, Shared, facing, geometry, named, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Fit};
-use crate::wide::shared;
+use crate::simd::shared;
 use anyhow::{Result, bail};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::{Axial, Radial};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::contact::law::{Law, Line, Point, Power};
-use ballrace::{Displacement, Math, Rotation, Scalar, Stiffness};
+use ballrace::{BearingKinematicState, Displacement, Math, Scalar, Stiffness};
 use std::sync::Arc;
 
 /// What a scene's exponent says; 3/2 and 10/9 (also as a decimal of four digits or more) have laws without a power.
@@ -55,7 +55,7 @@ impl<T: Scalar> Lumped<T> {
 }
 
 impl<T: Scalar> Bearing<T> for Lumped<T> {
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut housing = self.housing.clone();
         let one = |kind: &Kind<T>| match housing.as_mut_slice() {
             [] => kind.reaction(u, at),
@@ -64,7 +64,11 @@ impl<T: Scalar> Bearing<T> for Lumped<T> {
         self.kinds().map(one).fold(Reaction::default(), Reaction::plus)
     }
 
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
         let mut housing = self.housing.clone();
         let one = |kind: &Kind<T>| match housing.as_mut_slice() {
             [] => kind.reaction_and_stiffness(u, at),
@@ -75,7 +79,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T> {
     }
 
     /// Of the radial elements, which show the load zone; on a displaced housing the size of the reaction on each point.
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         if self.housing.is_empty() {
             return self.radial.element_loads(u, at, loads);
         }

@@ -5,8 +5,10 @@ use crate::scene::{Bearing as BearingScene, Facing, Preload, Scene};
 use anyhow::{Result, bail};
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{Bearing, Reaction};
-use ballrace::rotor::{Equilibrium, Gear, Machine, Mounted, RigidRotor, RotorParams, equilibrium, solve};
-use ballrace::{Displacement, Rotation, Scalar, Stiffness, Turn};
+use ballrace::rotor::{
+    Equilibrium, Mounted, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
+};
+use ballrace::{BearingKinematicState, Displacement, Phase, Scalar, Stiffness};
 use std::sync::Arc;
 
 /// A bearing that stands displaced by its preload before anything moves.
@@ -22,13 +24,17 @@ impl<T: Scalar> Preloaded<T> {
 }
 
 impl<T: Scalar> Bearing<T> for Preloaded<T> {
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.bearing.reaction(&self.with(u), at)
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
         self.bearing.reaction_and_stiffness(&self.with(u), at)
     }
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.bearing.element_loads(&self.with(u), at, loads);
     }
 }
@@ -37,7 +43,7 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
 ///
 /// # Errors
 /// As [`kinematics`](super::kinematics).
-pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<Rotation<f64>> {
+pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<BearingKinematicState<f64>> {
     let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
     let inner = scene.shaft.speed.revolutions(time);
     let outer = outer_speed * time / std::f64::consts::TAU;
@@ -51,11 +57,11 @@ pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<R
     // The outer ring takes the cage along as far as the inner one does not; a cage ratio that is given is for a
     // resting outer ring.
     let carried = if cage_ratio > 0.0 { 1.0 - cage_ratio } else { 0.0 };
-    Ok(Rotation {
-        cage: Turn::from_revolutions(cage_ratio * inner + carried * outer),
-        inner: Turn::from_revolutions(inner),
-        outer: Turn::from_revolutions(outer),
-        ball: Turn::from_revolutions(-spin * (inner - outer)),
+    Ok(BearingKinematicState {
+        cage: Phase::from_revolutions(cage_ratio * inner + carried * outer),
+        inner: Phase::from_revolutions(inner),
+        outer: Phase::from_revolutions(outer),
+        ball: Phase::from_revolutions(-spin * (inner - outer)),
         inner_speed,
         outer_speed,
     })
@@ -76,7 +82,7 @@ pub fn preload_offset(
         Preload::Displacement(w) => Ok(Some(Displacement { w: sign * w, ..Displacement::default() })),
         Preload::Force(force) => {
             let at = rotation_at(scene, bearing, 0.0)?;
-            let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..at };
+            let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
             let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], &at)?;
             if rest.residual > 1e-6 {
                 bail!(
@@ -94,7 +100,11 @@ pub fn preload_offset(
 ///
 /// # Errors
 /// None that a finite load can cause.
-pub fn loaded(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Result<Equilibrium<f64, 5>> {
+pub fn loaded(
+    bearing: &AnyBearing<f64>,
+    load: [f64; 5],
+    at: &BearingKinematicState<f64>,
+) -> Result<Equilibrium<f64, 5>> {
     let params = RotorParams {
         // Only the way of the fall depends on these.
         mass: 1.0,
@@ -106,8 +116,8 @@ pub fn loaded(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> 
         load,
     };
     let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
-    let seat = Mounted { bearing: bearing.clone(), station: 0.0, gear: Gear::new(0.0) };
-    let machine = Machine { rotor, bearings: [seat] };
+    let seat = Mounted { bearing: bearing.clone(), station: 0.0, gear: SpeedRatios::new(0.0) };
+    let machine = RotorBearingSystem { rotor, bearings: [seat] };
     // From where the bearing just carries thrust Newton's method needs a few steps; where that does not lead to rest, the
     // damped fall from zero displacement does.
     let start = thrust_start(bearing, load, at);
@@ -123,7 +133,7 @@ const NEWTON_STEPS: usize = 12;
 const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
 
 /// The first axial displacement at which the bearing carries the axial load, if there is one.
-fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -> Displacement<f64> {
+fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>) -> Displacement<f64> {
     let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
     let carries = |u: &Displacement<f64>| bearing.reaction(u, at).wrench.fz.abs() >= load[2].abs();
     THRUST_STARTS.map(along).into_iter().find(carries).unwrap_or_default()
@@ -133,7 +143,7 @@ fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &Rotation<f64>) -
 fn newton_step(
     bearing: &AnyBearing<f64>,
     load: [f64; 5],
-    at: &Rotation<f64>,
+    at: &BearingKinematicState<f64>,
     u: Displacement<f64>,
 ) -> Option<Displacement<f64>> {
     let (reaction, k) = bearing.reaction_and_stiffness(&u, at);

@@ -170,7 +170,7 @@ fn the_whole_example_reads() {
     assert!(near(radial.metres_per_unit, 1e-6) && near(radial.station, -0.12));
     assert!(near(radial.noise.unwrap(), 0.2e-6));
     assert_eq!((axial.station, axial.direction, axial.noise), (0.0, Direction::Axial, None));
-    let keyphasor = Rotation::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
+    let keyphasor = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
     assert_eq!(recording.rotation, keyphasor);
 }
 
@@ -209,7 +209,7 @@ fn defaults_are_those_of_the_format() {
     assert_eq!((bearing.facing, bearing.first_element_azimuth), (Facing::Both, 0.0));
     let geometry = bearing.geometry.unwrap();
     assert_eq!((geometry.youngs_modulus, geometry.poissons_ratio), (206e9, 0.3));
-    assert_eq!(scene.recording.unwrap().rotation, Rotation::Scene);
+    assert_eq!(scene.recording.unwrap().rotation, RotationSource::Scene);
     let law = read(LUMPED).unwrap().bearings.first().unwrap().law.unwrap();
     assert_eq!(law.exponent, 1.5);
 }
@@ -387,7 +387,7 @@ fn recording_out_of_range() {
     let speed = with(&text, "rate = 1000", "time = \"t\"\nspeed = { column = \"n\", unit = \"rpm\" }");
     let recording = read(&speed).unwrap().recording.unwrap();
     assert_eq!(recording.clock, Clock::Column("t".into()));
-    assert!(matches!(recording.rotation, Rotation::SpeedColumn { radians_per_second: f, .. } if near(f, PI / 30.0)));
+    assert!(matches!(recording.rotation, RotationSource::SpeedColumn { radians_per_second: f, .. } if near(f, PI / 30.0)));
 }
 
 #[test]

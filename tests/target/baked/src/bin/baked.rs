@@ -3,7 +3,7 @@
 #![no_main]
 
 use baked::bearings::{bearing_de, bearing_nde};
-use ballrace::{Bearing, Displacement, Rotation, Turn, Wrench};
+use ballrace::{Bearing, Displacement, BearingKinematicState, Phase, Wrench};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use panic_semihosting as _;
@@ -17,9 +17,9 @@ fn displacement(i: u16) -> Displacement<f32> {
     Displacement { u: 6e-6 * half, v: 4e-6 * (0.25 - half), w: 5e-6 + 4e-6 * part, thu: 1e-4 * half, thv: -5e-5 * part }
 }
 
-fn rotation(i: u16) -> Rotation<f32> {
-    let turn = Turn(u64::from(i) << 57);
-    Rotation { cage: turn, inner: turn.times(3), inner_speed: 1256.0, ..Rotation::default() }
+fn rotation(i: u16) -> BearingKinematicState<f32> {
+    let turn = Phase(u64::from(i) << 57);
+    BearingKinematicState { cage: turn, inner: turn.times(3), inner_speed: 1256.0, ..BearingKinematicState::default() }
 }
 
 fn print(name: &str, i: u16, wrench: &Wrench<f32>, status: u8) {

@@ -3,16 +3,16 @@
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
 use baked::bearings::{bearing_de, bearing_nde};
-use ballrace::bearing::angular::Zero;
+use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
-use ballrace::bearing::quasi_static::{BallPlace, QuasiStatic};
-use ballrace::bearing::{HeldWrench, Places, even_places};
-use ballrace::{Bearing, Displacement, Exact, Rotation, Stiffness, Turn, Wrench};
+use ballrace::bearing::quasi_static::{BallPosition, QuasiStatic};
+use ballrace::bearing::{LastValidWrench, ElementPositions, evenly_spaced};
+use ballrace::{Bearing, Displacement, Exact, BearingKinematicState, Stiffness, Phase, Wrench};
 use core::hint::black_box;
 
-type Plain = QuasiStatic<f32, Exact, Places<f32, 8>>;
+type Plain = QuasiStatic<f32, Exact, ElementPositions<f32, 8>>;
 
 /// Steps from where the balls were.
 const WARM_STEPS: u8 = 3;
@@ -36,21 +36,21 @@ fn plain() -> Option<Plain> {
         ball: BEARING_STEEL,
         race: BEARING_STEEL,
     };
-    QuasiStatic::try_new(geometry, even_places(Turn::ZERO), Zero::Touching).ok()
+    QuasiStatic::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Touching).ok()
 }
 
-fn turning(i: u32) -> (Displacement<f32>, Rotation<f32>) {
+fn turning(i: u32) -> (Displacement<f32>, BearingKinematicState<f32>) {
     let (u, cage) = input::<f32>(i);
-    (u, Rotation { cage, inner: cage.times(2), inner_speed: 1256.0, ..Rotation::default() })
+    (u, BearingKinematicState { cage, inner: cage.times(2), inner_speed: 1256.0, ..BearingKinematicState::default() })
 }
 
 #[inline(never)]
-fn force<B: Bearing<f32>>(bearing: &B, u: &Displacement<f32>, at: &Rotation<f32>) -> Wrench<f32> {
+fn force<B: Bearing<f32>>(bearing: &B, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Wrench<f32> {
     bearing.reaction(u, at).wrench
 }
 
 #[inline(never)]
-fn tangent<B: Bearing<f32>>(bearing: &B, u: &Displacement<f32>, at: &Rotation<f32>) -> (Wrench<f32>, Stiffness<f32>) {
+fn tangent<B: Bearing<f32>>(bearing: &B, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> (Wrench<f32>, Stiffness<f32>) {
     let (reaction, k) = bearing.reaction_and_stiffness(u, at);
     (reaction.wrench, k)
 }
@@ -58,9 +58,9 @@ fn tangent<B: Bearing<f32>>(bearing: &B, u: &Displacement<f32>, at: &Rotation<f3
 #[inline(never)]
 fn sample<B: Bearing<f32>>(
     bearing: &B,
-    held: &mut HeldWrench<f32>,
+    held: &mut LastValidWrench<f32>,
     u: &Displacement<f32>,
-    at: &Rotation<f32>,
+    at: &BearingKinematicState<f32>,
 ) -> Wrench<f32> {
     bearing.sample(held, u, at).0
 }
@@ -93,7 +93,7 @@ pub fn all(bench: &Bench) {
 
     let table = black_box(bearing_de::bearing());
     bearing(bench, "tabulated", 8, table);
-    let mut held = HeldWrench::new();
+    let mut held = LastValidWrench::new();
     bench.measure(
         name("tabulated", 8, "force, input checked"),
         sample::<bearing_de::Baked> as *const (),
@@ -109,16 +109,16 @@ pub fn all(bench: &Bench) {
     bearing(bench, "tabulated, friction, wave, spall, mirrored", 9, bearing_nde::bearing());
 }
 
-type Massive = QuasiStatic<f32, Exact, Places<f32, 8>, ballrace::bearing::quasi_static::inertia::OuterControlled<f32>>;
+type Massive = QuasiStatic<f32, Exact, ElementPositions<f32, 8>, ballrace::bearing::quasi_static::inertia::OuterControlled<f32>>;
 
 #[inline(never)]
-fn warm(bearing: &Massive, balls: &mut [BallPlace<f32>; 8], u: &Displacement<f32>, at: &Rotation<f32>) -> Wrench<f32> {
+fn warm(bearing: &Massive, balls: &mut [BallPosition<f32>; 8], u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Wrench<f32> {
     bearing.reaction_from(u, at, balls).wrench
 }
 
 fn from_where_the_balls_were(bench: &Bench, bearing: Massive) {
     let bearing = black_box(bearing);
-    let mut balls = [BallPlace::default(); 8];
+    let mut balls = [BallPosition::default(); 8];
     bench.measure(
         name("quasi-static, gyroscopic", 8, "force, 3 steps from the last"),
         warm as *const (),

@@ -2,12 +2,12 @@
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
-use ballrace::bearing::angular::{Angular, Zero};
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{Arrangement, HeldWrench, InCage, Reaction, even_pairs, even_places};
+use ballrace::bearing::{ElementLayout, LastValidWrench, CageFrame, Reaction, even_pairs, evenly_spaced};
 use ballrace::contact::law::{Line, Point, Power};
-use ballrace::{Bearing, Displacement, Math, Scalar, Status, Stiffness, Turn, Wrench};
+use ballrace::{Bearing, Displacement, Math, Scalar, Status, Stiffness, Phase, Wrench};
 use core::hint::black_box;
 
 /// Forces of all rungs; the other functions for 8 and 9 elements in the precision and math that firmware takes.
@@ -17,43 +17,43 @@ pub fn all<T: Scalar, M: Math<T>>(bench: &Bench, precision: &'static str, math: 
     if math == "exact" {
         rungs.bearing("linear", 0, Linear::new(Stiffness::from_element(T::from_f64(1e7))));
     }
-    rungs.of::<T, M, _>(4, even_places::<T, 4>(Turn::ZERO));
-    rungs.of::<T, M, _>(8, even_places::<T, 8>(Turn::ZERO));
-    rungs.of::<T, M, _>(9, even_places::<T, 9>(Turn::ZERO));
-    rungs.of::<T, M, _>(16, even_places::<T, 16>(Turn::ZERO));
-    rungs.of_pairs::<T, M, _>(4, even_pairs::<T, 2>(Turn::ZERO));
-    rungs.of_pairs::<T, M, _>(8, even_pairs::<T, 4>(Turn::ZERO));
-    rungs.of_pairs::<T, M, _>(16, even_pairs::<T, 8>(Turn::ZERO));
+    rungs.of::<T, M, _>(4, evenly_spaced::<T, 4>(Phase::ZERO));
+    rungs.of::<T, M, _>(8, evenly_spaced::<T, 8>(Phase::ZERO));
+    rungs.of::<T, M, _>(9, evenly_spaced::<T, 9>(Phase::ZERO));
+    rungs.of::<T, M, _>(16, evenly_spaced::<T, 16>(Phase::ZERO));
+    rungs.of_pairs::<T, M, _>(4, even_pairs::<T, 2>(Phase::ZERO));
+    rungs.of_pairs::<T, M, _>(8, even_pairs::<T, 4>(Phase::ZERO));
+    rungs.of_pairs::<T, M, _>(16, even_pairs::<T, 8>(Phase::ZERO));
 }
 
 #[inline(never)]
-fn force<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Turn) -> Wrench<T> {
+fn force<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Phase) -> Wrench<T> {
     bearing.reaction(u, &cage.into()).wrench
 }
 
 #[inline(never)]
-fn in_cage<T: Scalar, B: InCage<T>>(bearing: &B, u: &Displacement<T>, cage: Turn) -> Wrench<T> {
+fn in_cage<T: Scalar, B: CageFrame<T>>(bearing: &B, u: &Displacement<T>, cage: Phase) -> Wrench<T> {
     bearing.reaction_in_cage(u, &cage.into()).wrench
 }
 
 /// What a radial bearing has to say: two forces.
 #[inline(never)]
-fn radial_in_cage<T: Scalar, B: InCage<T>>(bearing: &B, u: T, v: T, cage: Turn) -> (T, T) {
+fn radial_in_cage<T: Scalar, B: CageFrame<T>>(bearing: &B, u: T, v: T, cage: Phase) -> (T, T) {
     let wrench = bearing.reaction_in_cage(&Displacement { u, v, ..Displacement::default() }, &cage.into()).wrench;
     (wrench.fx, wrench.fy)
 }
 
 #[inline(never)]
-fn tangent<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Turn) -> (Reaction<T>, Stiffness<T>) {
+fn tangent<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Phase) -> (Reaction<T>, Stiffness<T>) {
     bearing.reaction_and_stiffness(u, &cage.into())
 }
 
 #[inline(never)]
 fn sample<T: Scalar, B: Bearing<T>>(
     bearing: &B,
-    held: &mut HeldWrench<T>,
+    held: &mut LastValidWrench<T>,
     u: &Displacement<T>,
-    cage: Turn,
+    cage: Phase,
 ) -> (Wrench<T>, Status) {
     bearing.sample(held, u, &cage.into())
 }
@@ -78,7 +78,7 @@ impl Rungs<'_> {
         if !(self.every && matches!(n, 0 | 8 | 9)) {
             return;
         }
-        let mut held = HeldWrench::new();
+        let mut held = LastValidWrench::new();
         self.bench.measure(name("force, input checked"), sample::<T, B> as *const (), input::<T>, |(u, cage)| {
             sample(&bearing, &mut held, u, *cage)
         });
@@ -88,14 +88,14 @@ impl Rungs<'_> {
     }
 
     /// In the cage's frame, the tables of directions ready: what a hand-written evaluation is compared with.
-    fn in_cage<T: Scalar, B: InCage<T>>(&self, what: &'static str, n: usize, bearing: &B) {
+    fn in_cage<T: Scalar, B: CageFrame<T>>(&self, what: &'static str, n: usize, bearing: &B) {
         if self.every && n == 8 {
             let name = self.name(what, n, "force, in the cage's frame");
             self.bench.measure(name, in_cage::<T, B> as *const (), input::<T>, |(u, cage)| in_cage(bearing, u, *cage));
         }
     }
 
-    fn radial_in_cage<T: Scalar, B: InCage<T>>(&self, what: &'static str, n: usize, bearing: &B) {
+    fn radial_in_cage<T: Scalar, B: CageFrame<T>>(&self, what: &'static str, n: usize, bearing: &B) {
         if self.every && n == 8 {
             let name = self.name(what, n, "FX and FY, in the cage's frame");
             self.bench.measure(name, radial_in_cage::<T, B> as *const (), input::<T>, |(u, cage)| {
@@ -104,7 +104,7 @@ impl Rungs<'_> {
         }
     }
 
-    fn of<T: Scalar, M: Math<T>, P: Arrangement<T> + Copy>(&self, n: usize, places: P) {
+    fn of<T: Scalar, M: Math<T>, P: ElementLayout<T> + Copy>(&self, n: usize, places: P) {
         let (point, line) = (Point { stiffness: T::from_f64(8e9) }, Line { stiffness: T::from_f64(3e8) });
         let power = Power { stiffness: T::from_f64(2e9), exponent: T::from_f64(1.4) };
         if let Ok(bearing) = Radial::<T, M, _, _>::try_new(places, point, 5e-6) {
@@ -124,7 +124,7 @@ impl Rungs<'_> {
         self.angular::<T, M, P>("angular", n, places);
     }
 
-    fn of_pairs<T: Scalar, M: Math<T>, P: Arrangement<T> + Copy>(&self, n: usize, places: P) {
+    fn of_pairs<T: Scalar, M: Math<T>, P: ElementLayout<T> + Copy>(&self, n: usize, places: P) {
         let point = Point { stiffness: T::from_f64(8e9) };
         if let Ok(bearing) = Radial::<T, M, _, _>::try_new(places, point, 5e-6) {
             self.radial_in_cage("radial 3/2, pairs", n, &bearing);
@@ -133,9 +133,9 @@ impl Rungs<'_> {
         self.angular::<T, M, P>("angular, pairs", n, places);
     }
 
-    fn angular<T: Scalar, M: Math<T>, P: Arrangement<T>>(&self, what: &'static str, n: usize, places: P) {
+    fn angular<T: Scalar, M: Math<T>, P: ElementLayout<T>>(&self, what: &'static str, n: usize, places: P) {
         let Ok(geometry) = rig::geometry() else { return };
-        if let Ok(bearing) = Angular::<T, M, _>::try_new(geometry, places, Zero::Centred) {
+        if let Ok(bearing) = Angular::<T, M, _>::try_new(geometry, places, DisplacementDatum::Centred) {
             self.in_cage(what, n, &bearing);
             self.bearing(what, n, bearing);
         }

@@ -6,7 +6,7 @@ mod rotor;
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
-use ballrace::{Exact, Fast, Math, Turn};
+use ballrace::{Exact, Fast, Math, Phase};
 
 /// All subjects, cheapest first.
 pub fn all(bench: &Bench) {
@@ -21,7 +21,7 @@ pub fn all(bench: &Bench) {
 }
 
 #[inline(never)]
-fn sin_cos(angle: Turn) -> (f32, f32) {
+fn sin_cos(angle: Phase) -> (f32, f32) {
     <Exact as Math<f32>>::sin_cos(angle)
 }
 

@@ -2,14 +2,14 @@
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
-use ballrace::bearing::angular::{Angular, Zero};
-use ballrace::bearing::even_places;
+use ballrace::bearing::angular::{Angular, DisplacementDatum};
+use ballrace::bearing::evenly_spaced;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::rotor::{
-    Attached, Attachment, Coupling, Drive, Gear, General, Integrator, InvalidMatrix, Machine, Newmark, RotorState,
-    RungeKutta4, SteadyVerlet, Support, System, Verlet, supported,
+    AttachedElement, Attachment, ForceElement, ShaftMotion, SpeedRatios, LinearSystem, Integrator, InvalidMatrix, RotorBearingSystem, Newmark, RotorState,
+    RungeKutta4, SteadyVerlet, Support, SecondOrderSystem, Verlet, supported,
 };
-use ballrace::{Exact, Math, Scalar, Status, Turn};
+use ballrace::{Exact, Math, Scalar, Status, Phase};
 use core::hint::black_box;
 use rig::{Ball, CAGE_RATIO, Rig, geometry, machine, params};
 
@@ -35,42 +35,42 @@ fn rig<T: Scalar>() -> Result<Rig<T>, InvalidParameter>
 where
     Exact: Math<T>,
 {
-    machine(Angular::try_new(geometry()?, even_places(Turn::ZERO), Zero::Centred)?)
+    machine(Angular::try_new(geometry()?, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred)?)
 }
 
 #[inline(never)]
-fn step<T: Scalar, I: Integrator<T>, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
+fn step<T: Scalar, I: Integrator<T>, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
     integrator: &I,
-    machine: &Machine<R, C, 2>,
+    machine: &RotorBearingSystem<R, C, 2>,
     state: &mut RotorState<T, D, 2>,
-    drive: &Drive<T>,
+    drive: &ShaftMotion<T>,
 ) -> Status {
     integrator.step(machine, state, drive)
 }
 
 /// The same rotor with its two bearings in supports: nine coordinates from matrices.
-type SupportedRig<T> = Machine<General<T, Exact, 9>, Attached<T, Ball<T>, 9>, 2>;
+type SupportedRig<T> = RotorBearingSystem<LinearSystem<T, Exact, 9>, AttachedElement<T, Ball<T>, 9>, 2>;
 
 fn supported_rig<T: Scalar>() -> Result<SupportedRig<T>, InvalidParameter>
 where
     Exact: Math<T>,
 {
-    let bearing = Angular::try_new(geometry()?, even_places(Turn::ZERO), Zero::Centred)?;
+    let bearing = Angular::try_new(geometry()?, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred)?;
     let support = Support { mass: 2.0, stiffness: [[3e7, 0.0], [0.0, 2e7]], damping: [[200.0, 0.0], [0.0, 200.0]] };
     let matrices = supported::<9>(&params(), &[], &[support; 2])?;
     let refused = |e: InvalidMatrix| InvalidParameter { name: e.matrix, found: e.found, allowed: e.allowed };
-    let at = |i: usize, station| Attached {
+    let at = |i: usize, station| AttachedElement {
         bearing,
         attachment: Attachment::on_rigid_rotor(station, Some(5 + 2 * i)),
-        gear: Gear::new(CAGE_RATIO),
+        gear: SpeedRatios::new(CAGE_RATIO),
     };
-    Ok(Machine { rotor: General::try_new(&matrices).map_err(refused)?, bearings: [at(0, -0.1), at(1, 0.1)] })
+    Ok(RotorBearingSystem { rotor: LinearSystem::try_new(&matrices).map_err(refused)?, bearings: [at(0, -0.1), at(1, 0.1)] })
 }
 
-fn steps<T: Scalar, I: Integrator<T>, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
+fn steps<T: Scalar, I: Integrator<T>, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
     bench: &Bench,
     (what, precision, function): (&'static str, &'static str, &'static str),
-    machine: &Machine<R, C, 2>,
+    machine: &RotorBearingSystem<R, C, 2>,
     integrator: &I,
 ) {
     let name = Name { what, elements: 9, precision, math: "exact", function };
@@ -78,7 +78,7 @@ fn steps<T: Scalar, I: Integrator<T>, R: System<T, D>, C: Coupling<T, D>, const 
     bench.measure(name, entry, start, |(state, drive)| step(integrator, machine, state, drive));
 }
 
-fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, Drive<T>) {
+fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, ShaftMotion<T>) {
     let (u, angle) = input::<T>(i);
     let mut q = [T::ZERO; D];
     for (entry, x) in q.iter_mut().zip(u.to_array()) {
@@ -86,14 +86,14 @@ fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, Drive<T>) {
     }
     let state = RotorState::at_rest(q, angle.times(3), [angle, angle.times(5)]);
     let speed = if i.is_multiple_of(7) { u.u } else { u.w * T::from_f64(1e7) };
-    (state, Drive { angle, speed, acceleration: T::ZERO })
+    (state, ShaftMotion { angle, speed, acceleration: T::ZERO })
 }
 
 /// Steps at the speed that the integrator is ready for.
-fn steady_steps<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
+fn steady_steps<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
     bench: &Bench,
     (what, precision): (&'static str, &'static str),
-    machine: &Machine<R, C, 2>,
+    machine: &RotorBearingSystem<R, C, 2>,
     verlet: Verlet<T>,
 ) {
     let name = Name { what, elements: 9, precision, math: "exact", function: "Verlet step at the speed of the last" };
@@ -106,11 +106,11 @@ fn steady_steps<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
 }
 
 #[inline(never)]
-fn steady_step<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>(
+fn steady_step<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
     steady: &mut SteadyVerlet<T, D>,
-    machine: &Machine<R, C, 2>,
+    machine: &RotorBearingSystem<R, C, 2>,
     state: &mut RotorState<T, D, 2>,
-    drive: &Drive<T>,
+    drive: &ShaftMotion<T>,
 ) -> Status {
     steady.step(machine, state, drive)
 }

@@ -9,19 +9,19 @@ use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::film::{Dry, Film, HamrockDowson};
 use ballrace::bearing::quasi_static::inertia::{Centrifugal, Gyroscopic, Inertia, Massless, OuterControlled};
-use ballrace::bearing::quasi_static::{BallPlace, BallState, QuasiStatic};
-use ballrace::bearing::surface::{Feature, Uneven};
+use ballrace::bearing::quasi_static::{BallPosition, BallState, QuasiStatic};
+use ballrace::bearing::surface::{Feature, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Node, Tabulated};
-use ballrace::bearing::{HeldWrench, InCage, Mirrored, Pairs, Place, Places};
+use ballrace::bearing::{LastValidWrench, CageFrame, Mirrored, OpposedPairs, ElementPosition, ElementPositions};
 use ballrace::contact::law::{Law, Line, Point, Power};
 use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
 use ballrace::rotor::{
-    Attached, Coupling, Drive, General, Integrator, Machine, Mounted, MovingBalls, Newmark, RigidRotor, RotorState,
-    RungeKutta4, SteadyVerlet, System, Verlet,
+    AttachedElement, ForceElement, ShaftMotion, LinearSystem, Integrator, RotorBearingSystem, Mounted, MovingBalls, Newmark, RigidRotor, RotorState,
+    RungeKutta4, SteadyVerlet, SecondOrderSystem, Verlet,
 };
-use ballrace::turn::{Arc, Ratio};
+use ballrace::phase::{PhaseDelta, SpeedRatio};
 use ballrace::twin::{Envelope, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
-use ballrace::{Bearing, Displacement, Exact, Fast, Math, Rotation, Scalar, Stiffness, Turn, Wrench};
+use ballrace::{Bearing, Displacement, Exact, Fast, Math, BearingKinematicState, Scalar, Stiffness, Phase, Wrench};
 use core::hint::black_box;
 use panic_never as _;
 
@@ -36,7 +36,7 @@ fn given<T>() -> T {
 }
 
 fn bearing<T: Scalar, B: Bearing<T>>() {
-    let (bearing, u, at, mut held): (B, Displacement<T>, Rotation<T>, HeldWrench<T>) = given();
+    let (bearing, u, at, mut held): (B, Displacement<T>, BearingKinematicState<T>, LastValidWrench<T>) = given();
     black_box(bearing.reaction(&u, &at));
     black_box(bearing.reaction_and_stiffness(&u, &at));
     black_box(bearing.sample(&mut held, &u, &at));
@@ -44,8 +44,8 @@ fn bearing<T: Scalar, B: Bearing<T>>() {
     black_box(held.held());
 }
 
-fn in_cage<T: Scalar, B: InCage<T> + Bearing<T>>() {
-    let (bearing, u, cage): (B, Displacement<T>, Turn) = given();
+fn in_cage<T: Scalar, B: CageFrame<T> + Bearing<T>>() {
+    let (bearing, u, cage): (B, Displacement<T>, Phase) = given();
     black_box(bearing.reaction_in_cage(&u, &cage.into()));
     black_box(bearing.reaction_in_cage_and_stiffness(&u, &cage.into(), given()));
     bearing.element_loads_in_cage(&u, &given(), given::<&mut [T]>());
@@ -54,27 +54,27 @@ fn in_cage<T: Scalar, B: InCage<T> + Bearing<T>>() {
 }
 
 fn flexible<T: Scalar, B: FlexibleRing<T>>() {
-    let (bearing, u, cage): (B, Displacement<T>, Turn) = given();
+    let (bearing, u, cage): (B, Displacement<T>, Phase) = given();
     black_box(bearing.reaction_flexible(&u, &cage.into(), given::<&mut [HousingPoint<T>]>()));
     black_box(bearing.reaction_and_stiffness_flexible(&u, &cage.into(), given::<&mut [HousingPoint<T>]>()));
 }
 
 fn lumped<T: Scalar, M: Math<T>, L: Law<T, M>>() {
-    type Slice<T> = &'static [Place<T>];
-    in_cage::<T, Radial<T, M, L, Places<T, 9>>>();
-    in_cage::<T, Radial<T, M, L, Places<T, 9>, Uneven<M, [Feature<T>; 2]>>>();
+    type Slice<T> = &'static [ElementPosition<T>];
+    in_cage::<T, Radial<T, M, L, ElementPositions<T, 9>>>();
+    in_cage::<T, Radial<T, M, L, ElementPositions<T, 9>, SurfaceDeviation<M, [Feature<T>; 2]>>>();
     in_cage::<T, Radial<T, M, L, Slice<T>>>();
-    in_cage::<T, Radial<T, M, L, Pairs<T, 4>>>();
-    in_cage::<T, Axial<T, M, L, Places<T, 9>>>();
-    in_cage::<T, Axial<T, M, L, Pairs<T, 4>>>();
-    in_cage::<T, Combined<Radial<T, M, L, Places<T, 9>>, Axial<T, M, L, Places<T, 9>>>>();
+    in_cage::<T, Radial<T, M, L, OpposedPairs<T, 4>>>();
+    in_cage::<T, Axial<T, M, L, ElementPositions<T, 9>>>();
+    in_cage::<T, Axial<T, M, L, OpposedPairs<T, 4>>>();
+    in_cage::<T, Combined<Radial<T, M, L, ElementPositions<T, 9>>, Axial<T, M, L, ElementPositions<T, 9>>>>();
     flexible::<T, Radial<T, M, L, Slice<T>>>();
-    flexible::<T, Combined<Radial<T, M, L, Places<T, 9>>, Axial<T, M, L, Places<T, 9>>>>();
+    flexible::<T, Combined<Radial<T, M, L, ElementPositions<T, 9>>, Axial<T, M, L, ElementPositions<T, 9>>>>();
     radial_batch(&given::<Radial<T, M, L, Slice<T>>>(), given(), given(), given());
 }
 
-fn steps<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>() {
-    let (machine, mut state, drive): (Machine<R, C, 2>, RotorState<T, D, 2>, Drive<T>) = given();
+fn steps<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>() {
+    let (machine, mut state, drive): (RotorBearingSystem<R, C, 2>, RotorState<T, D, 2>, ShaftMotion<T>) = given();
     black_box(given::<RungeKutta4<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Newmark<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Verlet<T>>().step(&machine, &mut state, &drive));
@@ -84,25 +84,25 @@ fn steps<T: Scalar, R: System<T, D>, C: Coupling<T, D>, const D: usize>() {
 
 fn rotor<T: Scalar, M: Math<T>, B: Bearing<T>>() {
     steps::<T, RigidRotor<T, M>, Mounted<T, B>, 5>();
-    steps::<T, General<T, M, 9>, Attached<T, B, 9>, 9>();
+    steps::<T, LinearSystem<T, M, 9>, AttachedElement<T, B, 9>, 9>();
 }
 
 fn solved<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>>() {
     type Features<T> = [Feature<T>; 2];
-    in_cage::<T, QuasiStatic<T, M, Places<T, 9>, I, F>>();
-    in_cage::<T, QuasiStatic<T, M, &'static [Place<T>], I, F, Uneven<M, Features<T>>>>();
-    let bearing: QuasiStatic<T, M, Places<T, 9>, I, F> = given();
-    let (u, at): (Displacement<T>, Rotation<T>) = given();
+    in_cage::<T, QuasiStatic<T, M, ElementPositions<T, 9>, I, F>>();
+    in_cage::<T, QuasiStatic<T, M, &'static [ElementPosition<T>], I, F, SurfaceDeviation<M, Features<T>>>>();
+    let bearing: QuasiStatic<T, M, ElementPositions<T, 9>, I, F> = given();
+    let (u, at): (Displacement<T>, BearingKinematicState<T>) = given();
     black_box(bearing.ring_reactions(&u, &given(), &at));
     black_box(bearing.condensed_stiffness(&u, &at));
     bearing.ball_states(&u, &at, given::<&mut [BallState<T>]>());
-    bearing.place_balls(&u, &at, given::<&mut [BallPlace<T>]>());
-    black_box(bearing.reaction_from(&u, &at, given::<&mut [BallPlace<T>]>()));
+    bearing.place_balls(&u, &at, given::<&mut [BallPosition<T>]>());
+    black_box(bearing.reaction_from(&u, &at, given::<&mut [BallPosition<T>]>()));
 }
 
 fn looked_up<T: Scalar, M: Math<T>, const F: usize>() {
-    in_cage::<T, Tabulated<T, M, Places<T, 9>, &'static [Node<T, F>], F>>();
-    in_cage::<T, Tabulated<T, M, Pairs<T, 4>, &'static [Node<T, F>], F, Uneven<M, [Feature<T>; 2]>>>();
+    in_cage::<T, Tabulated<T, M, ElementPositions<T, 9>, &'static [Node<T, F>], F>>();
+    in_cage::<T, Tabulated<T, M, OpposedPairs<T, 4>, &'static [Node<T, F>], F, SurfaceDeviation<M, [Feature<T>; 2]>>>();
 }
 
 fn functions<T: Scalar, M: Math<T>>() {
@@ -112,13 +112,13 @@ fn functions<T: Scalar, M: Math<T>>() {
     black_box((u.mirrored(), u.at_station(given()), u.is_finite(), Displacement::<T>::from_hajzman(given())));
     black_box((f.mirrored(), f.from_station(given()), f.is_finite(), f.to_hajzman(), f.plus(given())));
     black_box((mirrored_stiffness(&k), stiffness_from_station(&k, given())));
-    black_box((Arc::from_radians(given::<T>()), given::<Arc>().radians::<T>()));
+    black_box((PhaseDelta::from_radians(given::<T>()), given::<PhaseDelta>().radians::<T>()));
 }
 
 fn twin<T: Scalar, M: Math<T>>() {
-    type Seen<T, M> = Mounted<T, Angular<T, M, Places<T, 9>>>;
+    type SampleReadings<T, M> = Mounted<T, Angular<T, M, ElementPositions<T, 9>>>;
     type Gains<T> = &'static [SpeedGain<T, 5>];
-    type OfFive<T, M> = Observer<T, RigidRotor<T, M>, Seen<T, M>, Verlet<T>, Gains<T>, 2, 5>;
+    type OfFive<T, M> = Observer<T, RigidRotor<T, M>, SampleReadings<T, M>, Verlet<T>, Gains<T>, 2, 5>;
     let observer: OfFive<T, M> = given();
     let mut state: ObserverState<T, 2> = given();
     black_box(observer.sample::<M>(&mut state, &given(), &given()));
@@ -137,18 +137,18 @@ fn all<T: Scalar, M: Math<T>>() {
     lumped::<T, M, Point<T>>();
     lumped::<T, M, Line<T>>();
     lumped::<T, M, Power<T>>();
-    in_cage::<T, Angular<T, M, Places<T, 9>>>();
-    in_cage::<T, Angular<T, M, &'static [Place<T>], Uneven<M, &'static [Feature<T>]>>>();
-    in_cage::<T, Angular<T, M, Pairs<T, 4>>>();
+    in_cage::<T, Angular<T, M, ElementPositions<T, 9>>>();
+    in_cage::<T, Angular<T, M, &'static [ElementPosition<T>], SurfaceDeviation<M, &'static [Feature<T>]>>>();
+    in_cage::<T, Angular<T, M, OpposedPairs<T, 4>>>();
     solved::<T, M, Massless, Dry>();
     solved::<T, M, Centrifugal<T>, HamrockDowson<T>>();
     solved::<T, M, OuterControlled<T>, Dry>();
     solved::<T, M, Gyroscopic<T>, HamrockDowson<T>>();
     looked_up::<T, M, 2>();
     looked_up::<T, M, 3>();
-    rotor::<T, M, Angular<T, M, Places<T, 9>>>();
+    rotor::<T, M, Angular<T, M, ElementPositions<T, 9>>>();
     rotor::<T, M, Linear<T>>();
-    steps::<T, General<T, M, 14>, MovingBalls<T, M, Places<T, 9>, 14>, 14>();
+    steps::<T, LinearSystem<T, M, 14>, MovingBalls<T, M, ElementPositions<T, 9>, 14>, 14>();
 }
 
 #[cortex_m_rt::entry]
@@ -157,7 +157,7 @@ fn main() -> ! {
     all::<f32, Fast>();
     all::<f64, Exact>();
     all::<f64, Fast>();
-    let (turn, arc, ratio): (Turn, Arc, Ratio) = given();
+    let (turn, arc, ratio): (Phase, PhaseDelta, SpeedRatio) = given();
     black_box((turn.plus(given()), turn.since(given()), turn.advanced(arc), turn.reversed(), turn.times(given())));
     black_box((turn.opposite(), ratio.of(arc)));
     loop {

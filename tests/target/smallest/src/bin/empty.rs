@@ -2,7 +2,7 @@
 #![no_std]
 #![no_main]
 
-use ballrace::{Displacement, Status, Turn, Wrench};
+use ballrace::{Displacement, Status, Phase, Wrench};
 use core::hint::black_box;
 use cortex_m_rt::entry;
 use panic_halt as _;
@@ -10,7 +10,7 @@ use panic_halt as _;
 #[entry]
 fn main() -> ! {
     loop {
-        let (_, _): (Displacement<f32>, Turn) = black_box((Displacement::default(), Turn::ZERO));
+        let (_, _): (Displacement<f32>, Phase) = black_box((Displacement::default(), Phase::ZERO));
         black_box((Wrench::<f32>::default(), Status::OK));
     }
 }

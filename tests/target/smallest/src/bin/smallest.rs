@@ -3,9 +3,9 @@
 #![no_main]
 
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::{Bearing, HeldWrench, Pairs, Place};
+use ballrace::bearing::{Bearing, LastValidWrench, OpposedPairs, ElementPosition};
 use ballrace::contact::law::Point;
-use ballrace::{Displacement, Exact, Turn};
+use ballrace::{Displacement, Exact, Phase};
 use core::f32::consts::FRAC_1_SQRT_2;
 use core::hint::black_box;
 use cortex_m_rt::entry;
@@ -14,11 +14,11 @@ use panic_halt as _;
 const EIGHTH: u64 = 1 << 61;
 
 /// One element of each pair, 45 degrees apart.
-const PLACES: Pairs<f32, 4> = Pairs::new([
-    Place::ready(1.0, 0.0, Turn(0)),
-    Place::ready(FRAC_1_SQRT_2, FRAC_1_SQRT_2, Turn(EIGHTH)),
-    Place::ready(0.0, 1.0, Turn(2 * EIGHTH)),
-    Place::ready(-FRAC_1_SQRT_2, FRAC_1_SQRT_2, Turn(3 * EIGHTH)),
+const PLACES: OpposedPairs<f32, 4> = OpposedPairs::new([
+    ElementPosition::ready(1.0, 0.0, Phase(0)),
+    ElementPosition::ready(FRAC_1_SQRT_2, FRAC_1_SQRT_2, Phase(EIGHTH)),
+    ElementPosition::ready(0.0, 1.0, Phase(2 * EIGHTH)),
+    ElementPosition::ready(-FRAC_1_SQRT_2, FRAC_1_SQRT_2, Phase(3 * EIGHTH)),
 ]);
 
 #[entry]
@@ -28,9 +28,9 @@ fn main() -> ! {
             core::hint::spin_loop();
         }
     };
-    let mut held = HeldWrench::new();
+    let mut held = LastValidWrench::new();
     loop {
-        let (u, cage): (Displacement<f32>, Turn) = black_box((Displacement::default(), Turn::ZERO));
+        let (u, cage): (Displacement<f32>, Phase) = black_box((Displacement::default(), Phase::ZERO));
         black_box(bearing.sample(&mut held, &u, &cage.into()));
     }
 }

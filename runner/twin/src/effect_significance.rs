@@ -15,7 +15,7 @@ use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};
 use ballrace::contact::hertz::{PointContact, Race};
-use ballrace::{Displacement, Exact, Rotation, Turn};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -56,7 +56,7 @@ pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<Need>> {
     let mut all = Vec::new();
     for (i, (of, seat)) in scene.bearings.iter().zip(&plant.seats).enumerate() {
         let u = plant.displacement(i, &plant.rest);
-        all.extend(of_bearing(scene, of, &u, &plant.resting(seat, Turn::ZERO))?);
+        all.extend(of_bearing(scene, of, &u, &plant.resting(seat, Phase::ZERO))?);
     }
     Ok(all)
 }
@@ -71,7 +71,8 @@ pub fn of_scene(scene: &Scene) -> Result<Vec<Need>> {
     }
     let mut all = Vec::new();
     for of in &scene.bearings {
-        let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..build::rotation_at(scene, of, 0.0)? };
+        let at =
+            BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..build::rotation_at(scene, of, 0.0)? };
         all.extend(of_bearing(scene, of, &Displacement::default(), &at)?);
     }
     Ok(all)
@@ -81,7 +82,12 @@ pub fn of_scene(scene: &Scene) -> Result<Vec<Need>> {
 ///
 /// # Errors
 /// What the kernel refuses.
-pub fn of_bearing(scene: &Scene, of: &BearingScene, u: &Displacement<f64>, at: &Rotation<f64>) -> Result<Vec<Need>> {
+pub fn of_bearing(
+    scene: &Scene,
+    of: &BearingScene,
+    u: &Displacement<f64>,
+    at: &BearingKinematicState<f64>,
+) -> Result<Vec<Need>> {
     let Some(geometry) = build::geometry(of)? else { return Ok(vec![]) };
     if matches!(of.geometry, Some(crate::scene::Geometry { fit: Fit::DiametralClearance(s), .. }) if s < 0.0) {
         return Ok(vec![]);
@@ -168,13 +174,13 @@ pub fn of_bearing(scene: &Scene, of: &BearingScene, u: &Displacement<f64>, at: &
 fn pass(
     bearing: &build::AnyBearing<f64>,
     u: &Displacement<f64>,
-    at: &Rotation<f64>,
+    at: &BearingKinematicState<f64>,
     elements: usize,
     force: f64,
 ) -> f64 {
     let at_part = |i: u32| {
         let part = f64::from(i) / f64::from(PITCH_SAMPLES) / elements as f64;
-        let at = Rotation { cage: at.cage.plus(Turn::from_revolutions(part)), ..*at };
+        let at = BearingKinematicState { cage: at.cage.plus(Phase::from_revolutions(part)), ..*at };
         let wrench = bearing.reaction(u, &at).wrench.to_array();
         [wrench[0], wrench[1], wrench[2]]
     };
@@ -243,7 +249,7 @@ struct Balls(Vec<Ball>);
 
 impl Balls {
     /// Where the rings' groove centres stand `u` apart: the closed form of balls without inertia.
-    fn new(of: &BearingScene, g: &BallBearingGeometry, at: &Rotation<f64>, u: &Displacement<f64>) -> Self {
+    fn new(of: &BearingScene, g: &BallBearingGeometry, at: &BearingKinematicState<f64>, u: &Displacement<f64>) -> Self {
         let constants = [g.contact(Race::Inner).stiffness, g.contact(Race::Outer).stiffness, g.stiffness()];
         let (free_angle, rest) = match of.facing {
             Facing::PlusZ => (g.contact_angle, g.groove_distance()),
@@ -341,7 +347,7 @@ impl Ball {
     }
 
     /// Central films of both contacts under `load`, m.
-    fn films(&self, g: &BallBearingGeometry, oil: Oil, at: &Rotation<f64>, load: f64) -> f64 {
+    fn films(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>, load: f64) -> f64 {
         let gamma = g.ball_diameter / g.pitch_diameter * self.angle.cos();
         let slide = 0.25 * g.pitch_diameter * (at.inner_speed - at.outer_speed).abs() * (1.0 - gamma * gamma);
         if slide <= 0.0 {
@@ -356,7 +362,7 @@ impl Ball {
     }
 
     /// Change by films, which press the contacts the more, and are the thinner for it.
-    fn film(&self, g: &BallBearingGeometry, oil: Oil, at: &Rotation<f64>) -> [f64; 2] {
+    fn film(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>) -> [f64; 2] {
         let pressed = |load: f64| self.constants[2] * (self.approach + self.films(g, oil, at, load)).max(0.0).powf(1.5);
         let more = (0..FILM_ROUNDS).fold(self.load, |load, _| pressed(load)) - self.load;
         let (sin, cos) = self.angle.sin_cos();
@@ -374,7 +380,7 @@ struct Inertia {
 }
 
 impl Inertia {
-    fn new(of: &BearingScene, g: &BallBearingGeometry, at: &Rotation<f64>) -> Self {
+    fn new(of: &BearingScene, g: &BallBearingGeometry, at: &BearingKinematicState<f64>) -> Self {
         let density = of.geometry.map_or(0.0, |g| g.density);
         Self {
             mass: density * PI / 6.0 * g.ball_diameter.powi(3),

@@ -1,19 +1,19 @@
 //! A rotor under a force that nobody announced.
 
-use crate::rotor::{Drive, System};
+use crate::rotor::{SecondOrderSystem, ShaftMotion};
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 
 /// A system under one more constant load: `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t) + d`.
 #[derive(Debug, Clone, Copy)]
-pub struct Disturbed<'a, R, T, const D: usize> {
+pub struct WithUnmodelledForce<'a, R, T, const D: usize> {
     /// The system as it is known.
     pub system: &'a R,
     /// N and N m on its coordinates.
     pub load: [T; D],
 }
 
-impl<R, T: Scalar, const D: usize> Disturbed<'_, R, T, D> {
+impl<R, T: Scalar, const D: usize> WithUnmodelledForce<'_, R, T, D> {
     fn added(&self, mut f: [T; D]) -> [T; D] {
         for (entry, &load) in f.iter_mut().zip(&self.load) {
             *entry += load;
@@ -22,11 +22,13 @@ impl<R, T: Scalar, const D: usize> Disturbed<'_, R, T, D> {
     }
 }
 
-impl<R: System<T, D>, T: Scalar, const D: usize> System<T, D> for Disturbed<'_, R, T, D> {
+impl<R: SecondOrderSystem<T, D>, T: Scalar, const D: usize> SecondOrderSystem<T, D>
+    for WithUnmodelledForce<'_, R, T, D>
+{
     fn constant_load(&self) -> [T; D] {
         self.added(self.system.constant_load())
     }
-    fn excitation(&self, drive: &Drive<T>) -> [T; D] {
+    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; D] {
         self.added(self.system.excitation(drive))
     }
     fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {

@@ -1,60 +1,60 @@
 //! How a bearing's parts follow the shaft.
 
-use super::Drive;
+use super::ShaftMotion;
 use crate::choice::Choice;
-use crate::rotation::Rotation;
+use crate::kinematic_state::BearingKinematicState;
+use crate::phase::{Phase, PhaseDelta, SpeedRatio};
 use crate::scalar::Scalar;
-use crate::turn::{Arc, Ratio, Turn};
 
 /// Speeds of a bearing's parts over the shaft's, which turns the inner ring.
 #[derive(Debug, Clone, Copy)]
-pub struct Gear<T> {
-    cage: Ratio,
-    ball: Option<Ratio>,
-    outer: Option<(Ratio, T)>,
+pub struct SpeedRatios<T> {
+    cage: SpeedRatio,
+    ball: Option<SpeedRatio>,
+    outer: Option<(SpeedRatio, T)>,
 }
 
 /// Angles of the parts of a bearing that do not turn with the shaft.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PartAngles {
+pub struct ComponentAngles {
     /// Of the cage.
-    pub cage: Turn,
+    pub cage: Phase,
     /// Of the balls about their own axes; stays where nobody asks for it.
-    pub ball: Turn,
+    pub ball: Phase,
     /// Of the outer ring.
-    pub outer: Turn,
+    pub outer: Phase,
 }
 
-impl From<Turn> for PartAngles {
-    fn from(cage: Turn) -> Self {
+impl From<Phase> for ComponentAngles {
+    fn from(cage: Phase) -> Self {
         Self { cage, ..Self::default() }
     }
 }
 
-impl<T: Scalar> Gear<T> {
+impl<T: Scalar> SpeedRatios<T> {
     /// A cage that turns `cage` times as fast as the shaft, the outer ring at rest.
     #[must_use]
     pub fn new(cage: f64) -> Self {
-        Self { cage: Ratio::new(cage), ball: None, outer: None }
+        Self { cage: SpeedRatio::new(cage), ball: None, outer: None }
     }
 
     /// Follows the balls' spin too, `ball` times the shaft's speed: for waviness and damage of balls.
     #[must_use]
     pub fn with_ball(self, ball: f64) -> Self {
-        Self { ball: Some(Ratio::new(ball)), ..self }
+        Self { ball: Some(SpeedRatio::new(ball)), ..self }
     }
 
     /// An outer ring that turns `outer` times as fast as the shaft.
     #[must_use]
     pub fn with_outer(self, outer: f64) -> Self {
-        Self { outer: Some((Ratio::new(outer), T::from_f64(outer))), ..self }
+        Self { outer: Some((SpeedRatio::new(outer), T::from_f64(outer))), ..self }
     }
 
     /// The angles after the shaft has gone `arc` further.
     #[must_use]
-    pub fn after(&self, angles: PartAngles, arc: Arc) -> PartAngles {
-        PartAngles {
+    pub fn after(&self, angles: ComponentAngles, arc: PhaseDelta) -> ComponentAngles {
+        ComponentAngles {
             cage: angles.cage.advanced(self.cage.of(arc)),
             ball: self.ball.map_or(angles.ball, |ball| angles.ball.advanced(ball.of(arc))),
             outer: self.outer.map_or(angles.outer, |(outer, _)| angles.outer.advanced(outer.of(arc))),
@@ -63,8 +63,8 @@ impl<T: Scalar> Gear<T> {
 
     /// What a bearing sees whose parts stand at `angles`.
     #[must_use]
-    pub fn rotation(&self, angles: PartAngles, drive: &Drive<T>) -> Rotation<T> {
-        Rotation {
+    pub fn rotation(&self, angles: ComponentAngles, drive: &ShaftMotion<T>) -> BearingKinematicState<T> {
+        BearingKinematicState {
             cage: angles.cage,
             inner: drive.angle,
             outer: angles.outer,
@@ -75,7 +75,7 @@ impl<T: Scalar> Gear<T> {
     }
 }
 
-impl PartAngles {
+impl ComponentAngles {
     pub(super) fn chosen(choice: Choice, a: Self, b: Self) -> Self {
         Self {
             cage: choice.of_turns(a.cage, b.cage),

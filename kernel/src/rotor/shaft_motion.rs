@@ -1,24 +1,24 @@
 //! How the shaft turns during one step.
 
+use crate::phase::{Phase, PhaseDelta};
 use crate::scalar::Scalar;
-use crate::turn::{Arc, Turn};
 
 /// Shaft angle, speed and angular acceleration at the start of a step; the acceleration holds through it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Drive<T> {
+pub struct ShaftMotion<T> {
     /// Angle of the keyphasor mark.
-    pub angle: Turn,
+    pub angle: Phase,
     /// rad/s, positive about +Z.
     pub speed: T,
     /// rad/s^2.
     pub acceleration: T,
 }
 
-impl<T: Scalar> Drive<T> {
+impl<T: Scalar> ShaftMotion<T> {
     /// Turned in the time `dt`: `w dt + a dt^2/2` (at most half a turn).
-    pub fn arc_after(&self, dt: T) -> Arc {
-        Arc::from_radians(dt * (self.speed + T::HALF * self.acceleration * dt))
+    pub fn arc_after(&self, dt: T) -> PhaseDelta {
+        PhaseDelta::from_radians(dt * (self.speed + T::HALF * self.acceleration * dt))
     }
 
     /// The drive `dt` later.

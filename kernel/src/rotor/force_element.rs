@@ -1,29 +1,29 @@
 //! How bearings push on a system's coordinates.
 
-use super::Gear;
+use super::SpeedRatios;
 use crate::bearing::{Bearing, Reaction};
 use crate::frame::{Displacement, Stiffness, stiffness_from_station};
-use crate::rotation::Rotation;
+use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use crate::status::Status;
 use nalgebra::SMatrix;
 
 /// Something whose parts follow the shaft.
-pub trait Geared<T> {
+pub trait HasSpeedRatios<T> {
     /// How.
-    fn gear(&self) -> &Gear<T>;
+    fn gear(&self) -> &SpeedRatios<T>;
 }
 
 /// Something that pushes on the coordinates of a system: `f_B(q, t)` of Hajzman's eq. (6), or a share of it.
-pub trait Coupling<T: Scalar, const D: usize>: Geared<T> {
+pub trait ForceElement<T: Scalar, const D: usize>: HasSpeedRatios<T> {
     /// Adds its forces on the coordinates at `q` to `f`; gives the sum of its loads and what it has to say.
-    fn push(&self, q: &[T; D], at: &Rotation<T>, f: &mut [T; D]) -> (T, Status);
+    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status);
 
     /// The same, and adds the tangent `-df/dq` to `k`.
     fn push_with_stiffness(
         &self,
         q: &[T; D],
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         f: &mut [T; D],
         k: &mut SMatrix<T, D, D>,
     ) -> (T, Status);
@@ -37,30 +37,30 @@ pub struct Mounted<T, B> {
     /// Along Z from the centre of mass, m.
     pub station: T,
     /// How its parts follow the shaft.
-    pub gear: Gear<T>,
+    pub gear: SpeedRatios<T>,
 }
 
-impl<T, B> Geared<T> for Mounted<T, B> {
-    fn gear(&self) -> &Gear<T> {
+impl<T, B> HasSpeedRatios<T> for Mounted<T, B> {
+    fn gear(&self) -> &SpeedRatios<T> {
         &self.gear
     }
 }
 
-impl<T, C: Geared<T>> Geared<T> for &C {
-    fn gear(&self) -> &Gear<T> {
+impl<T, C: HasSpeedRatios<T>> HasSpeedRatios<T> for &C {
+    fn gear(&self) -> &SpeedRatios<T> {
         (**self).gear()
     }
 }
 
-impl<T: Scalar, C: Coupling<T, D>, const D: usize> Coupling<T, D> for &C {
-    fn push(&self, q: &[T; D], at: &Rotation<T>, f: &mut [T; D]) -> (T, Status) {
+impl<T: Scalar, C: ForceElement<T, D>, const D: usize> ForceElement<T, D> for &C {
+    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
         (**self).push(q, at, f)
     }
 
     fn push_with_stiffness(
         &self,
         q: &[T; D],
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         f: &mut [T; D],
         k: &mut SMatrix<T, D, D>,
     ) -> (T, Status) {
@@ -74,9 +74,9 @@ fn add_wrench<T: Scalar>(f: &mut [T; 5], reaction: Reaction<T>, station: T) -> (
     (moved.load, moved.status)
 }
 
-impl<T: Scalar, B: Bearing<T>> Coupling<T, 5> for Mounted<T, B> {
+impl<T: Scalar, B: Bearing<T>> ForceElement<T, 5> for Mounted<T, B> {
     #[inline(always)]
-    fn push(&self, q: &[T; 5], at: &Rotation<T>, f: &mut [T; 5]) -> (T, Status) {
+    fn push(&self, q: &[T; 5], at: &BearingKinematicState<T>, f: &mut [T; 5]) -> (T, Status) {
         let u = Displacement::from_array(*q).at_station(self.station);
         add_wrench(f, self.bearing.reaction(&u, at), self.station)
     }
@@ -84,7 +84,7 @@ impl<T: Scalar, B: Bearing<T>> Coupling<T, 5> for Mounted<T, B> {
     fn push_with_stiffness(
         &self,
         q: &[T; 5],
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         f: &mut [T; 5],
         k: &mut SMatrix<T, 5, 5>,
     ) -> (T, Status) {
@@ -165,23 +165,23 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
 
 /// A bearing on any coordinates of a system.
 #[derive(Debug, Clone, Copy)]
-pub struct Attached<T: Scalar, B, const D: usize> {
+pub struct AttachedElement<T: Scalar, B, const D: usize> {
     /// What it answers to a displacement.
     pub bearing: B,
     /// Where.
     pub attachment: Attachment<T, D>,
     /// How its parts follow the shaft.
-    pub gear: Gear<T>,
+    pub gear: SpeedRatios<T>,
 }
 
-impl<T: Scalar, B, const D: usize> Geared<T> for Attached<T, B, D> {
-    fn gear(&self) -> &Gear<T> {
+impl<T: Scalar, B, const D: usize> HasSpeedRatios<T> for AttachedElement<T, B, D> {
+    fn gear(&self) -> &SpeedRatios<T> {
         &self.gear
     }
 }
 
-impl<T: Scalar, B: Bearing<T>, const D: usize> Coupling<T, D> for Attached<T, B, D> {
-    fn push(&self, q: &[T; D], at: &Rotation<T>, f: &mut [T; D]) -> (T, Status) {
+impl<T: Scalar, B: Bearing<T>, const D: usize> ForceElement<T, D> for AttachedElement<T, B, D> {
+    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
         let reaction = self.bearing.reaction(&self.attachment.displacement(q), at);
         self.attachment.spread(&reaction.wrench.to_array(), f);
         (reaction.load, reaction.status)
@@ -190,7 +190,7 @@ impl<T: Scalar, B: Bearing<T>, const D: usize> Coupling<T, D> for Attached<T, B,
     fn push_with_stiffness(
         &self,
         q: &[T; D],
-        at: &Rotation<T>,
+        at: &BearingKinematicState<T>,
         f: &mut [T; D],
         k: &mut SMatrix<T, D, D>,
     ) -> (T, Status) {

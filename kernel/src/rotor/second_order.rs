@@ -1,17 +1,17 @@
 //! What is linear of a machine, and what excites it.
 
-use super::Drive;
+use super::ShaftMotion;
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 
 /// A linear mechanical system of `D` coordinates under a turning excitation:
 /// `M q'' + (B + w G) q' + K q = f_E(t)` (Hajzman, eq. 6 without its bearings).
-pub trait System<T: Scalar, const D: usize> {
+pub trait SecondOrderSystem<T: Scalar, const D: usize> {
     /// The part of `f_E` that does not change: weight and constant load.
     fn constant_load(&self) -> [T; D];
 
     /// `f_E`, weight and unbalance with the shaft as `drive` says.
-    fn excitation(&self, drive: &Drive<T>) -> [T; D];
+    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; D];
 
     /// `-(B + w G) q' - K q`.
     fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D];

@@ -1,48 +1,48 @@
 //! Where the elements stand in the cage: any places, or opposite pairs.
 
 use crate::lanes::Lanes;
+use crate::phase::Phase;
 use crate::scalar::Scalar;
-use crate::turn::Turn;
 
 /// One element's place in the cage's frame: where it is when the cage is at angle 0, ready for the hot path.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Place<T> {
+pub struct ElementPosition<T> {
     pub(crate) cos: T,
     pub(crate) sin: T,
-    pub(crate) azimuth: Turn,
+    pub(crate) azimuth: Phase,
 }
 
 /// The places of `N` elements; the count is a constant of the type.
 ///
-/// The bearings take any `AsRef<[Place<T>]>`: an array here, a heap slice where the count is only known at run time.
-pub type Places<T, const N: usize> = [Place<T>; N];
+/// The bearings take any `AsRef<[ElementPosition<T>]>`: an array here, a heap slice where the count is only known at run time.
+pub type ElementPositions<T, const N: usize> = [ElementPosition<T>; N];
 
 /// The places of `H` elements and of those opposite to them, `2 H` in all.
 ///
 /// What opposite elements have in common is computed once: their directions differ by the sign, and where there is
 /// no preload at most one of the two is loaded. Element `j` and `j + H` stand opposite.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pairs<T, const H: usize>(Places<T, H>);
+pub struct OpposedPairs<T, const H: usize>(ElementPositions<T, H>);
 
-impl<T: Scalar> Place<T> {
+impl<T: Scalar> ElementPosition<T> {
     /// At an azimuth. Tables by `libm` in `f64`, rounded once. Set-up time.
     #[must_use]
-    pub fn at(azimuth: Turn) -> Self {
+    pub fn at(azimuth: Phase) -> Self {
         let p = azimuth.radians();
         Self { cos: T::from_f64(libm::cos(p)), sin: T::from_f64(libm::sin(p)), azimuth }
     }
 
     /// From numbers made ready elsewhere: cosine and sine of the azimuth. No arithmetic, so that firmware with constants
-    /// in flash links none of what [`Place::at`] needs.
+    /// in flash links none of what [`ElementPosition::at`] needs.
     #[must_use]
-    pub const fn ready(cos: T, sin: T, azimuth: Turn) -> Self {
+    pub const fn ready(cos: T, sin: T, azimuth: Phase) -> Self {
         Self { cos, sin, azimuth }
     }
 
     /// Number `j` of `count` evenly spaced ones, number 0 at `first`.
     #[must_use]
-    pub fn even(first: Turn, j: usize, count: usize) -> Self {
-        Self::at(first.plus(Turn((((j as u128) << 64) / (count.max(1) as u128)) as u64)))
+    pub fn even(first: Phase, j: usize, count: usize) -> Self {
+        Self::at(first.plus(Phase((((j as u128) << 64) / (count.max(1) as u128)) as u64)))
     }
 
     /// Seen from the frame turned by pi about X.
@@ -59,7 +59,7 @@ impl<T: Scalar> Place<T> {
 
     /// Azimuth with the cage at angle 0.
     #[must_use]
-    pub fn azimuth(&self) -> Turn {
+    pub fn azimuth(&self) -> Phase {
         self.azimuth
     }
 
@@ -73,71 +73,71 @@ impl<T: Scalar> Place<T> {
 
 /// `N` evenly spaced places, the first at `first`.
 #[must_use]
-pub fn even_places<T: Scalar, const N: usize>(first: Turn) -> Places<T, N> {
-    core::array::from_fn(|j| Place::even(first, j, N))
+pub fn evenly_spaced<T: Scalar, const N: usize>(first: Phase) -> ElementPositions<T, N> {
+    core::array::from_fn(|j| ElementPosition::even(first, j, N))
 }
 
 /// `2 H` evenly spaced places, the first at `first`.
 #[must_use]
-pub fn even_pairs<T: Scalar, const H: usize>(first: Turn) -> Pairs<T, H> {
-    Pairs(core::array::from_fn(|j| Place::even(first, j, 2 * H)))
+pub fn even_pairs<T: Scalar, const H: usize>(first: Phase) -> OpposedPairs<T, H> {
+    OpposedPairs(core::array::from_fn(|j| ElementPosition::even(first, j, 2 * H)))
 }
 
-impl<T: Scalar, const H: usize> Pairs<T, H> {
+impl<T: Scalar, const H: usize> OpposedPairs<T, H> {
     /// From the places of one element of each pair.
     #[must_use]
-    pub const fn new(half: Places<T, H>) -> Self {
+    pub const fn new(half: ElementPositions<T, H>) -> Self {
         Self(half)
     }
 
     /// Seen from the frame turned by pi about X.
     #[must_use]
     pub fn mirrored(self) -> Self {
-        Self(self.0.map(Place::mirrored))
+        Self(self.0.map(ElementPosition::mirrored))
     }
 }
 
-/// How the elements stand; implemented for slices, arrays and vectors of places, and for [`Pairs`].
-pub trait Arrangement<T: Scalar>: Send + Sync {
+/// How the elements stand; implemented for slices, arrays and vectors of places, and for [`OpposedPairs`].
+pub trait ElementLayout<T: Scalar>: Send + Sync {
     /// Whether each entry of the table stands for itself and the element opposite to it.
     const PAIRS: bool;
 
     /// What the hot path goes through.
-    fn table(&self) -> &[Place<T>];
+    fn table(&self) -> &[ElementPosition<T>];
 
-    /// The `part`-th `ABREAST` elements side by side; nothing where there are no more, or fewer than that in all.
+    /// The `part`-th `BLOCK` elements side by side; nothing where there are no more, or fewer than that in all.
     #[inline(always)]
-    fn abreast(&self, part: usize) -> Option<Abreast<T, ABREAST>> {
-        let (table, begin) = (self.table(), part * ABREAST);
+    fn abreast(&self, part: usize) -> Option<ElementBlock<T, BLOCK>> {
+        let (table, begin) = (self.table(), part * BLOCK);
         if begin >= table.len() {
             return None;
         }
         // The last reach back where they would not be all.
-        let from = begin.min(table.len().wrapping_sub(ABREAST));
+        let from = begin.min(table.len().wrapping_sub(BLOCK));
         let places = table.get(from..)?.first_chunk()?;
-        Some(Abreast { from, known: begin - from, ..Abreast::of(places) })
+        Some(ElementBlock { from, known: begin - from, ..ElementBlock::of(places) })
     }
 
     /// Every element in order.
     #[inline(always)]
-    fn each(&self) -> impl Iterator<Item = Place<T>> {
+    fn each(&self) -> impl Iterator<Item = ElementPosition<T>> {
         let opposite = if Self::PAIRS { self.table() } else { &[] };
         self.table().iter().copied().chain(opposite.iter().map(|place| place.opposite()))
     }
 }
 
-impl<T: Scalar, A: AsRef<[Place<T>]> + Send + Sync> Arrangement<T> for A {
+impl<T: Scalar, A: AsRef<[ElementPosition<T>]> + Send + Sync> ElementLayout<T> for A {
     const PAIRS: bool = false;
     #[inline(always)]
-    fn table(&self) -> &[Place<T>] {
+    fn table(&self) -> &[ElementPosition<T>] {
         self.as_ref()
     }
 }
 
-impl<T: Scalar, const H: usize> Arrangement<T> for Pairs<T, H> {
+impl<T: Scalar, const H: usize> ElementLayout<T> for OpposedPairs<T, H> {
     const PAIRS: bool = true;
     #[inline(always)]
-    fn table(&self) -> &[Place<T>] {
+    fn table(&self) -> &[ElementPosition<T>] {
         &self.0
     }
 }
@@ -146,19 +146,19 @@ impl<T: Scalar, const H: usize> Arrangement<T> for Pairs<T, H> {
 #[derive(Debug, Clone, Copy)]
 // What wide registers read lies within cache lines.
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
-pub struct Abreast<T, const K: usize> {
+pub struct ElementBlock<T, const K: usize> {
     pub(super) cos: Lanes<T, K>,
     pub(super) sin: Lanes<T, K>,
-    pub(super) azimuths: [Turn; K],
+    pub(super) azimuths: [Phase; K],
     /// The first's number in the table.
     pub(super) from: usize,
     /// How many of them were among the ones before.
     pub(super) known: usize,
 }
 
-impl<T: Scalar, const K: usize> Abreast<T, K> {
+impl<T: Scalar, const K: usize> ElementBlock<T, K> {
     #[inline(always)]
-    pub(super) fn of(places: &[Place<T>; K]) -> Self {
+    pub(super) fn of(places: &[ElementPosition<T>; K]) -> Self {
         let (cos, sin) = (Lanes::of(places, |place| place.cos), Lanes::of(places, |place| place.sin));
         Self { cos, sin, azimuths: places.each_ref().map(|place| place.azimuth), from: 0, known: 0 }
     }
@@ -168,64 +168,64 @@ impl<T: Scalar, const K: usize> Abreast<T, K> {
 /// [`super::tabulated`].
 ///
 /// ```
-/// use ballrace::Turn;
-/// use ballrace::bearing::{Arrangement, Places, SideBySide, even_places};
+/// use ballrace::Phase;
+/// use ballrace::bearing::{ElementLayout, ElementPositions, BlockedPositions, evenly_spaced};
 ///
-/// let nine: Places<f64, 9> = even_places(Turn::ZERO);
-/// let kept = SideBySide::<_, Vec<_>>::new(nine);
+/// let nine: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
+/// let kept = BlockedPositions::<_, Vec<_>>::new(nine);
 /// assert_eq!(kept.table(), nine);
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct SideBySide<P, G> {
+pub struct BlockedPositions<P, G> {
     places: P,
     groups: G,
 }
 
-impl<P, G> SideBySide<P, G> {
+impl<P, G> BlockedPositions<P, G> {
     /// Of these places. Set-up time.
     pub fn new<T: Scalar>(places: P) -> Self
     where
-        P: Arrangement<T>,
-        G: FromIterator<Abreast<T, ABREAST>>,
+        P: ElementLayout<T>,
+        G: FromIterator<ElementBlock<T, BLOCK>>,
     {
         let groups = (0..).map_while(|part| places.abreast(part)).collect();
         Self { places, groups }
     }
 }
 
-impl<T: Scalar, P, G> Arrangement<T> for SideBySide<P, G>
+impl<T: Scalar, P, G> ElementLayout<T> for BlockedPositions<P, G>
 where
-    P: Arrangement<T>,
-    G: AsRef<[Abreast<T, ABREAST>]> + Send + Sync,
+    P: ElementLayout<T>,
+    G: AsRef<[ElementBlock<T, BLOCK>]> + Send + Sync,
 {
     const PAIRS: bool = P::PAIRS;
     #[inline(always)]
-    fn table(&self) -> &[Place<T>] {
+    fn table(&self) -> &[ElementPosition<T>] {
         self.places.table()
     }
     #[inline(always)]
-    fn abreast(&self, part: usize) -> Option<Abreast<T, ABREAST>> {
+    fn abreast(&self, part: usize) -> Option<ElementBlock<T, BLOCK>> {
         self.groups.as_ref().get(part).copied()
     }
 }
 
 /// Elements that are computed side by side: on the desktop as many as keep its units busy, on a microcontroller one.
-pub const ABREAST: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
+pub const BLOCK: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
 
 /// Up to `K` places, the last repeated where there are fewer.
 pub(super) struct Group<T, const K: usize> {
-    pub places: [Place<T>; K],
+    pub places: [ElementPosition<T>; K],
     count: usize,
 }
 
 impl<T, const K: usize> Group<T, K> {
     /// Without the repetitions.
-    pub fn real(&self) -> &[Place<T>] {
+    pub fn real(&self) -> &[ElementPosition<T>] {
         self.places.get(..self.count).unwrap_or_default()
     }
 }
 
-pub(super) fn groups<T: Scalar, const K: usize>(places: &impl Arrangement<T>) -> impl Iterator<Item = Group<T, K>> {
+pub(super) fn groups<T: Scalar, const K: usize>(places: &impl ElementLayout<T>) -> impl Iterator<Item = Group<T, K>> {
     let mut each = places.each();
     core::iter::from_fn(move || {
         let first = each.next()?;

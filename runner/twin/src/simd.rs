@@ -3,18 +3,18 @@
 //! The same operations in the same order, four numbers at a time instead of two: the answers are the same bits.
 
 use crate::scene::build::{AnyBearing, Shared};
-use ballrace::bearing::{Bearing, InCage, Reaction};
-use ballrace::{Displacement, Rotation, Scalar, Stiffness};
+use ballrace::bearing::{Bearing, CageFrame, Reaction};
+use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 use std::sync::Arc;
 
 /// Whether this processor has them.
 #[derive(Clone, Copy)]
-pub struct WideRegisters {
+pub struct SimdDispatch {
     #[cfg(target_arch = "x86_64")]
     avx2: Option<pulp::x86::V3>,
 }
 
-impl WideRegisters {
+impl SimdDispatch {
     /// Asks the processor.
     #[must_use]
     pub fn detect() -> Self {
@@ -46,25 +46,29 @@ impl WideRegisters {
 /// A bearing that uses them.
 struct Wide<B> {
     bearing: B,
-    registers: WideRegisters,
+    registers: SimdDispatch,
 }
 
 /// A bearing behind a shared pointer, in the form that suits this processor best.
-pub fn shared<T: Scalar, B: Bearing<T> + InCage<T> + 'static>(bearing: B) -> AnyBearing<T> {
-    Shared(Arc::new(Wide { bearing, registers: WideRegisters::detect() }))
+pub fn shared<T: Scalar, B: Bearing<T> + CageFrame<T> + 'static>(bearing: B) -> AnyBearing<T> {
+    Shared(Arc::new(Wide { bearing, registers: SimdDispatch::detect() }))
 }
 
-impl<T: Scalar, B: Bearing<T> + InCage<T>> Bearing<T> for Wide<B> {
-    fn reaction(&self, u: &Displacement<T>, at: &Rotation<T>) -> Reaction<T> {
+impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Wide<B> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.registers.run(
             #[inline(always)]
             || self.bearing.reaction_inlined(u, at),
         )
     }
-    fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &Rotation<T>) -> (Reaction<T>, Stiffness<T>) {
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
         self.bearing.reaction_and_stiffness(u, at)
     }
-    fn element_loads(&self, u: &Displacement<T>, at: &Rotation<T>, loads: &mut [T]) {
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.bearing.element_loads(u, at, loads);
     }
 }
@@ -74,16 +78,19 @@ mod tests {
     use super::*;
     use crate::plant::Step;
     use crate::scene::Method;
-    use ballrace::bearing::angular::{Angular, Zero};
+    use ballrace::bearing::angular::{Angular, DisplacementDatum};
     use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
     use ballrace::bearing::linear::Linear;
     use ballrace::bearing::lumped::Radial;
     use ballrace::bearing::quasi_static::QuasiStatic;
     use ballrace::bearing::tabulated::{Domain, Table, Tabulated, fill};
-    use ballrace::bearing::{Place, Places, SideBySide, even_places};
+    use ballrace::bearing::{BlockedPositions, ElementPosition, ElementPositions, evenly_spaced};
     use ballrace::contact::law::Point;
-    use ballrace::rotor::{Drive, Gear, Integrator, Machine, Mounted, RigidRotor, RotorParams, RotorState, Unbalance};
-    use ballrace::{Exact, Turn};
+    use ballrace::rotor::{
+        Integrator, Mounted, RigidRotor, RotorBearingSystem, RotorParams, RotorState, ShaftMotion, SpeedRatios,
+        Unbalance,
+    };
+    use ballrace::{Exact, Phase};
 
     const SPEED: f64 = 314.0;
 
@@ -93,12 +100,14 @@ mod tests {
         Displacement { u: 6e-6 * u, v: 6e-6 * v, w: 8e-6 + 6e-6 * w, thu: 2e-4 * thu, thv: 2e-4 * thv }
     }
 
-    fn same_bits<B: Bearing<f64> + InCage<f64> + Clone + 'static>(name: &str, bearing: &B) {
+    fn same_bits<B: Bearing<f64> + CageFrame<f64> + Clone + 'static>(name: &str, bearing: &B) {
         let wide = shared(bearing.clone());
         let mut loaded = 0;
         for i in 0..500 {
-            let (u, at) =
-                (pose(i), Rotation { inner_speed: SPEED, ..Turn::from_revolutions(0.013 * f64::from(i)).into() });
+            let (u, at) = (
+                pose(i),
+                BearingKinematicState { inner_speed: SPEED, ..Phase::from_revolutions(0.013 * f64::from(i)).into() },
+            );
             let (plain, wide) = (bearing.reaction(&u, &at), wide.reaction(&u, &at));
             let bits = |reaction: &Reaction<f64>| reaction.wrench.to_array().map(f64::to_bits);
             assert_eq!(bits(&plain), bits(&wide), "{name}, pose {i}");
@@ -119,13 +128,16 @@ mod tests {
             ball: BEARING_STEEL,
             race: BEARING_STEEL,
         };
-        let sixteen: Places<f64, 16> = even_places(Turn::ZERO);
+        let sixteen: ElementPositions<f64, 16> = evenly_spaced(Phase::ZERO);
         for count in 1..=16 {
-            let places: Vec<Place<f64>> = sixteen.iter().copied().take(count).collect();
-            same_bits("angular", &Angular::<f64, Exact, _>::try_new(geometry, places.clone(), Zero::Touching)?);
+            let places: Vec<ElementPosition<f64>> = sixteen.iter().copied().take(count).collect();
+            same_bits(
+                "angular",
+                &Angular::<f64, Exact, _>::try_new(geometry, places.clone(), DisplacementDatum::Touching)?,
+            );
             let law = Point { stiffness: 1e10 };
             same_bits("lumped", &Radial::<f64, Exact, _, _>::try_new(places.clone(), law, -10e-6)?);
-            let solved = QuasiStatic::<f64, Exact, _>::try_new(geometry, places.clone(), Zero::Touching)?;
+            let solved = QuasiStatic::<f64, Exact, _>::try_new(geometry, places.clone(), DisplacementDatum::Touching)?;
             let domain = Domain {
                 approach: [-20e-6, 40e-6],
                 angle: [-0.2, 0.6],
@@ -140,15 +152,15 @@ mod tests {
     }
 
     fn looked_up<const F: usize>(
-        solved: &QuasiStatic<f64, Exact, Vec<Place<f64>>>,
+        solved: &QuasiStatic<f64, Exact, Vec<ElementPosition<f64>>>,
         domain: &Domain,
-        places: &[Place<f64>],
+        places: &[ElementPosition<f64>],
     ) -> anyhow::Result<()> {
         let grid = domain.grid()?;
         let mut nodes = vec![[0.0; F]; grid.len()];
         fill(solved, domain, &grid, &mut nodes);
-        let (table, seat) = (Table::new(grid, nodes), solved.table_seat());
-        let places = SideBySide::<_, Vec<_>>::new(places.to_vec());
+        let (table, seat) = (Table::new(grid, nodes), solved.table_constants());
+        let places = BlockedPositions::<_, Vec<_>>::new(places.to_vec());
         same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places, seat, table, false));
         Ok(())
     }
@@ -166,20 +178,20 @@ mod tests {
         };
         let unbalance = Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 };
         let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[unbalance])?;
-        let (law, places): (_, Places<f64, 9>) = (Point { stiffness: 1e10 }, even_places(Turn::ZERO));
+        let (law, places): (_, ElementPositions<f64, 9>) = (Point { stiffness: 1e10 }, evenly_spaced(Phase::ZERO));
         let bearing = Radial::<f64, Exact, _, _>::try_new(places.to_vec(), law, 5e-6)?;
         let springs = Linear::new(Stiffness::from_diagonal_element(1e4));
         let springs = || -> AnyBearing<f64> { Shared(Arc::new(springs)) };
         let seat = |station: f64| (shared(bearing.clone()), springs(), station);
         let [(a, b, at_a), (c, d, at_c)] = [seat(-0.1), seat(0.1)];
-        let mounted = |bearing, station| Mounted { bearing, station, gear: Gear::new(0.4) };
+        let mounted = |bearing, station| Mounted { bearing, station, gear: SpeedRatios::new(0.4) };
         let bearings = [mounted(a, at_a), mounted(b, at_a), mounted(c, at_c), mounted(d, at_c)];
-        let machine = Machine { rotor, bearings };
-        let run = |registers: WideRegisters, method: Method| {
+        let machine = RotorBearingSystem { rotor, bearings };
+        let run = |registers: SimdDispatch, method: Method| {
             let length = 39e-6;
             let (step, mut drive) =
-                (Step { method, length }, Drive { angle: Turn::ZERO, speed: 314.0, acceleration: 3.0 });
-            let mut state = RotorState::at_rest(Displacement::default(), Turn::ZERO, [Turn::ZERO; 4]);
+                (Step { method, length }, ShaftMotion { angle: Phase::ZERO, speed: 314.0, acceleration: 3.0 });
+            let mut state = RotorState::at_rest(Displacement::default(), Phase::ZERO, [Phase::ZERO; 4]);
             for _ in 0..500 {
                 registers.run(
                     #[inline(always)]
@@ -190,8 +202,8 @@ mod tests {
             [state.q, state.rate].map(|numbers| numbers.map(f64::to_bits))
         };
         for method in [Method::RungeKutta, Method::Newmark { newton_steps: 2 }, Method::Verlet] {
-            let moved = run(WideRegisters::detect(), method);
-            assert_eq!(moved, run(WideRegisters::none(), method), "{method:?}");
+            let moved = run(SimdDispatch::detect(), method);
+            assert_eq!(moved, run(SimdDispatch::none(), method), "{method:?}");
             assert_ne!(moved, [[0; 5]; 2], "{method:?}");
         }
         Ok(())

@@ -1,7 +1,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
-use crate::plant::Seat;
+use crate::plant::MountedBearing;
 use crate::scene::read::read_str;
 use std::path::Path;
 
@@ -72,7 +72,7 @@ fn pushed(i: u64, of: &BearingScene) -> Displacement<f64> {
     }
 }
 
-fn force(seat: &Seat, u: &Displacement<f64>, at: &Rotation<f64>) -> [f64; 3] {
+fn force(seat: &MountedBearing, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 3] {
     let f = seat.bearing.reaction(u, at).wrench;
     [f.fx, f.fy, f.fz]
 }
@@ -90,10 +90,13 @@ fn predictions_are_within_a_factor_of_two() {
         let of = &scene.bearings[0];
         let u = pushed(i, of);
         let oil = of.effects.film;
-        let at = Rotation { inner_speed: scene.shaft.speed.nominal(), ..Rotation::from(Turn::ZERO) };
+        let at = BearingKinematicState {
+            inner_speed: scene.shaft.speed.nominal(),
+            ..BearingKinematicState::from(Phase::ZERO)
+        };
         let with = |centrifugal: bool, gyroscopic: bool, film: bool| {
             let effects = Effects { centrifugal, gyroscopic, film: oil.filter(|_| film), ..of.effects };
-            Seat::new(&scene, &BearingScene { effects, ..of.clone() }).unwrap()
+            MountedBearing::new(&scene, &BearingScene { effects, ..of.clone() }).unwrap()
         };
         let still = with(false, false, false);
         let base = force(&still, &u, &at);
@@ -101,8 +104,8 @@ fn predictions_are_within_a_factor_of_two() {
         let spun = force(&with(true, true, false), &u, &at);
         let wet = force(&with(false, false, true), &u, &at);
         let pitch = |part: f64| {
-            let cage = Turn::from_revolutions(part / of.elements as f64);
-            force(&still, &u, &Rotation { cage, ..at })
+            let cage = Phase::from_revolutions(part / of.elements as f64);
+            force(&still, &u, &BearingKinematicState { cage, ..at })
         };
         let around: Vec<[f64; 3]> = (0..64).map(|k| pitch(f64::from(k) / 64.0)).collect();
         let swing = |k: usize| {

@@ -9,19 +9,19 @@ use crate::scalar::Scalar;
 /// instructions on a 32-bit target.
 ///
 /// ```
-/// use ballrace::Turn;
-/// let quarter = Turn::from_revolutions(0.25);
-/// assert_eq!(quarter.times(4), Turn::ZERO);
-/// assert_eq!(quarter.opposite(), Turn::from_revolutions(0.75));
+/// use ballrace::Phase;
+/// let quarter = Phase::from_revolutions(0.25);
+/// assert_eq!(quarter.times(4), Phase::ZERO);
+/// assert_eq!(quarter.opposite(), Phase::from_revolutions(0.75));
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Turn(pub u64);
+pub struct Phase(pub u64);
 
 /// 2^64, the number of counts in a turn.
 const COUNTS_PER_TURN: f64 = 18_446_744_073_709_551_616.0;
 
-impl Turn {
+impl Phase {
     /// The angle 0.
     pub const ZERO: Self = Self(0);
 
@@ -61,14 +61,14 @@ impl Turn {
     /// The shorter way from `earlier` to here.
     #[must_use]
     #[inline]
-    pub const fn since(self, earlier: Self) -> Arc {
-        Arc(self.0.wrapping_sub(earlier.0) as i64)
+    pub const fn since(self, earlier: Self) -> PhaseDelta {
+        PhaseDelta(self.0.wrapping_sub(earlier.0) as i64)
     }
 
     /// The angle further by `arc`.
     #[must_use]
     #[inline]
-    pub const fn advanced(self, arc: Arc) -> Self {
+    pub const fn advanced(self, arc: PhaseDelta) -> Self {
         Self(self.0.wrapping_add(arc.0 as u64))
     }
 
@@ -97,9 +97,9 @@ impl Turn {
 /// A signed way of at most half a turn, in counts of 2^-64 turn.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Arc(pub i64);
+pub struct PhaseDelta(pub i64);
 
-impl Arc {
+impl PhaseDelta {
     /// No way at all.
     pub const ZERO: Self = Self(0);
 
@@ -123,21 +123,21 @@ impl Arc {
 /// A float product would drift by its rounding every turn; this loses at most 2^-64 turn an increment.
 ///
 /// ```
-/// use ballrace::Turn;
-/// use ballrace::turn::Ratio;
+/// use ballrace::Phase;
+/// use ballrace::phase::SpeedRatio;
 /// // The cage turns while the shaft makes an eighth of a turn.
-/// let shaft = Turn::from_revolutions(0.125).since(Turn::ZERO);
-/// let cage = Turn::ZERO.advanced(Ratio::new(0.4).of(shaft));
+/// let shaft = Phase::from_revolutions(0.125).since(Phase::ZERO);
+/// let cage = Phase::ZERO.advanced(SpeedRatio::new(0.4).of(shaft));
 /// assert!((cage.revolutions() - 0.05).abs() < 1e-15);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Ratio(i64);
+pub struct SpeedRatio(i64);
 
-/// Binary digits of a [`Ratio`] after the point: as many as an `f64` just below 8 has.
+/// Binary digits of a [`SpeedRatio`] after the point: as many as an `f64` just below 8 has.
 const RATIO_DIGITS: u32 = 56;
 
-impl Ratio {
+impl SpeedRatio {
     /// From a number strictly between -128 and 128 (the caller's duty: outside, it saturates). Set-up time.
     #[must_use]
     pub fn new(ratio: f64) -> Self {
@@ -147,8 +147,8 @@ impl Ratio {
     /// `ratio * arc`; beyond half a turn it wraps, as angles do.
     #[must_use]
     #[inline]
-    pub const fn of(self, arc: Arc) -> Arc {
-        Arc(((self.0 as i128 * arc.0 as i128) >> RATIO_DIGITS) as i64)
+    pub const fn of(self, arc: PhaseDelta) -> PhaseDelta {
+        PhaseDelta(((self.0 as i128 * arc.0 as i128) >> RATIO_DIGITS) as i64)
     }
 
     /// The ratio as a number.

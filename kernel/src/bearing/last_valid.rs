@@ -9,25 +9,25 @@ use crate::status::Status;
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
-/// use ballrace::bearing::{Bearing, HeldWrench};
-/// use ballrace::{Displacement, Status, Stiffness, Turn};
+/// use ballrace::bearing::{Bearing, LastValidWrench};
+/// use ballrace::{Displacement, Status, Stiffness, Phase};
 ///
 /// let bearing = Linear::new(Stiffness::from_diagonal_element(1e8_f32));
-/// let mut held = HeldWrench::new();
+/// let mut held = LastValidWrench::new();
 /// let good = Displacement { u: 1e-6, ..Displacement::default() };
 /// let bad = Displacement { u: f32::NAN, ..Displacement::default() };
-/// let (before, _) = bearing.sample(&mut held, &good, &Turn::ZERO.into());
-/// let (after, status) = bearing.sample(&mut held, &bad, &Turn::ZERO.into());
+/// let (before, _) = bearing.sample(&mut held, &good, &Phase::ZERO.into());
+/// let (after, status) = bearing.sample(&mut held, &bad, &Phase::ZERO.into());
 /// assert_eq!(before, after);
 /// assert!(status.has(Status::INPUT_NOT_FINITE) && held.held() == 1);
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
-pub struct HeldWrench<T> {
+pub struct LastValidWrench<T> {
     last: Wrench<T>,
     held: u32,
 }
 
-impl<T: Scalar> HeldWrench<T> {
+impl<T: Scalar> LastValidWrench<T> {
     /// Nothing seen yet: a bad first sample is answered with zero.
     #[must_use]
     pub fn new() -> Self {

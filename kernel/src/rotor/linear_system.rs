@@ -1,6 +1,6 @@
 //! Any linear system from its matrices: a reduced finite-element rotor, a rotor with its supports.
 
-use super::{Drive, System};
+use super::{SecondOrderSystem, ShaftMotion};
 use crate::math::Math;
 use crate::scalar::Scalar;
 use core::borrow::Borrow;
@@ -121,7 +121,7 @@ fn check_mirror<const D: usize>(
 ///
 /// `A` stores one matrix, as in [`Matrices`].
 #[derive(Debug, Clone, Copy)]
-pub struct General<T: Scalar, M, const D: usize, A = SMatrix<T, D, D>> {
+pub struct LinearSystem<T: Scalar, M, const D: usize, A = SMatrix<T, D, D>> {
     mass: A,
     inverse_mass: A,
     damping: A,
@@ -132,7 +132,7 @@ pub struct General<T: Scalar, M, const D: usize, A = SMatrix<T, D, D>> {
     math: PhantomData<M>,
 }
 
-impl<T: Scalar, M: Math<T>, const D: usize> General<T, M, D> {
+impl<T: Scalar, M: Math<T>, const D: usize> LinearSystem<T, M, D> {
     /// From matrices.
     ///
     /// # Errors
@@ -142,13 +142,13 @@ impl<T: Scalar, M: Math<T>, const D: usize> General<T, M, D> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, const D: usize, A: From<SMatrix<T, D, D>>> General<T, M, D, A> {
+impl<T: Scalar, M: Math<T>, const D: usize, A: From<SMatrix<T, D, D>>> LinearSystem<T, M, D, A> {
     /// From matrices, each of them stored in an `A` such as `Box<SMatrix<T, D, D>>`.
     ///
     /// Cost: the stack holds up to four matrices at a time.
     ///
     /// # Errors
-    /// As [`General::try_new`].
+    /// As [`LinearSystem::try_new`].
     pub fn try_with_storage<B: Borrow<SMatrix<f64, D, D>>>(matrices: &Matrices<D, B>) -> Result<Self, InvalidMatrix> {
         let (mass, damping) = (matrices.mass.borrow(), matrices.damping.borrow());
         let (gyroscopic, stiffness) = (matrices.gyroscopic.borrow(), matrices.stiffness.borrow());
@@ -217,12 +217,14 @@ fn add_product<T: Scalar, const D: usize>(f: &mut [T; D], scale: T, a: &SMatrix<
     }
 }
 
-impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> System<T, D> for General<T, M, D, A> {
+impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> SecondOrderSystem<T, D>
+    for LinearSystem<T, M, D, A>
+{
     fn constant_load(&self) -> [T; D] {
         self.constant
     }
 
-    fn excitation(&self, drive: &Drive<T>) -> [T; D] {
+    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; D] {
         let (sin, cos) = M::sin_cos(drive.angle);
         let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
         // A change of speed pushes against the way: m e a (e_r turned back by a quarter).
