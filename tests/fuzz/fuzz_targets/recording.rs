@@ -27,6 +27,7 @@ fn recording(column: &str) -> Recording {
         probes: vec![probe],
         sensors: vec![],
         rotation: RotationSource::Scene,
+        average: 1,
     }
 }
 
