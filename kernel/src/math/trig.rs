@@ -42,7 +42,7 @@ pub fn sin_cos_f32(angle: Phase) -> (f32, f32) {
 #[inline]
 pub fn sin_cos_f64(angle: Phase) -> (f64, f64) {
     let (quarter, rest) = reduce(angle);
-    let x = f64::radians_of_counts(rest);
+    let x = f64::radians_from_counts(rest);
     let xx = x * x;
     // What is left of both series after the first terms, side by side: of the cosine's with the other sign, so that the two
     // are the same operations.

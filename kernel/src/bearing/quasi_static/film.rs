@@ -159,7 +159,7 @@ impl<T: Scalar> FilmConstants<T> {
 
 /// One contact with a film: what it gives way, and how that changes as it is pressed.
 #[derive(Clone, Copy)]
-pub struct Wet<L> {
+pub struct FilmContact<L> {
     /// Elastic deflection `approach + h`, m; below 0 where there is no contact.
     pub deflection: L,
     /// d(deflection)/d(approach).
@@ -172,13 +172,13 @@ pub struct Wet<L> {
 ///
 /// The left side rises and is concave in `d`, so the steps close in from below.
 #[inline(always)]
-pub(super) fn press<T: Scalar, M: Math<T>, const K: usize>(
+pub(super) fn film_newton_step<T: Scalar, M: Math<T>, const K: usize>(
     constants: &FilmConstants<T>,
     unit_film: Lanes<T, K>,
     (stiffness, floor): (Lanes<T, K>, Lanes<T, K>),
     approach: Lanes<T, K>,
     before: Lanes<T, K>,
-) -> Wet<Lanes<T, K>> {
+) -> FilmContact<Lanes<T, K>> {
     let one = Lanes::all(T::ONE);
     let d = before.larger(floor);
     let load = stiffness * d * d.sqrt::<M>();
@@ -190,9 +190,9 @@ pub(super) fn press<T: Scalar, M: Math<T>, const K: usize>(
     let thickest = unit_film * Lanes::all(constants.at_floor);
     let light = approach + thickest;
     let is_light = light.below(floor);
-    Wet {
-        deflection: Lanes::choose(is_light, light, after.larger(floor)),
-        slope: Lanes::choose(is_light, one, slope),
-        film: Lanes::choose(is_light, thickest, film),
+    FilmContact {
+        deflection: Lanes::select(is_light, light, after.larger(floor)),
+        slope: Lanes::select(is_light, one, slope),
+        film: Lanes::select(is_light, thickest, film),
     }
 }

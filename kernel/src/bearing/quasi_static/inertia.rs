@@ -42,14 +42,14 @@ pub struct InertiaEffects {
     /// The gyroscopic moment acts.
     pub gyroscopic: bool,
     /// The outer race controls the spin and carries all friction: less to compute.
-    pub by_outer_race: bool,
+    pub outer_race_control: bool,
 }
 
 impl InertiaEffects {
-    pub(super) const NONE: Self = Self { centrifugal: false, gyroscopic: false, by_outer_race: true };
-    pub(super) const CENTRIFUGAL: Self = Self { centrifugal: true, gyroscopic: false, by_outer_race: false };
-    pub(super) const OUTER_CONTROLLED: Self = Self { centrifugal: true, gyroscopic: true, by_outer_race: true };
-    pub(super) const GYROSCOPIC: Self = Self { centrifugal: true, gyroscopic: true, by_outer_race: false };
+    pub(super) const NONE: Self = Self { centrifugal: false, gyroscopic: false, outer_race_control: true };
+    pub(super) const CENTRIFUGAL: Self = Self { centrifugal: true, gyroscopic: false, outer_race_control: false };
+    pub(super) const OUTER_CONTROLLED: Self = Self { centrifugal: true, gyroscopic: true, outer_race_control: true };
+    pub(super) const GYROSCOPIC: Self = Self { centrifugal: true, gyroscopic: true, outer_race_control: false };
 }
 
 /// A ball's inertia, as much of it as the bearing takes into account.
@@ -57,7 +57,7 @@ pub trait Inertia<T: Scalar>: Copy + Send + Sync + 'static {
     /// Returns the loads that act. A constant of the type costs no instruction.
     fn effects(&self) -> InertiaEffects;
     /// Returns the constants of the loads.
-    fn ball(&self) -> BallInertia<T>;
+    fn constants(&self) -> BallInertia<T>;
 }
 
 /// Massless balls: costs no instruction.
@@ -95,7 +95,7 @@ impl<T: Scalar> Inertia<T> for SelectedInertia<T> {
         self.effects
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.ball
     }
 }
@@ -121,7 +121,7 @@ impl<T: Scalar> Inertia<T> for Massless {
         InertiaEffects::NONE
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         BallInertia::default()
     }
 }
@@ -132,7 +132,7 @@ impl<T: Scalar> Inertia<T> for Centrifugal<T> {
         InertiaEffects::CENTRIFUGAL
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.0
     }
 }
@@ -143,7 +143,7 @@ impl<T: Scalar> Inertia<T> for OuterControlled<T> {
         InertiaEffects::OUTER_CONTROLLED
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.0
     }
 }
@@ -154,7 +154,7 @@ impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
         InertiaEffects::GYROSCOPIC
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.0
     }
 }
@@ -169,9 +169,9 @@ pub struct InertiaParams {
     /// Whether the gyroscopic moment acts.
     pub gyroscopic: bool,
     /// Which race controls the spin.
-    pub control: RaceControl,
+    pub race_control: RaceControl,
     /// Who carries the friction.
-    pub sharing: FrictionSharing,
+    pub friction_sharing: FrictionSharing,
 }
 
 impl InertiaParams {
@@ -183,7 +183,7 @@ impl InertiaParams {
 
     pub(super) fn constants<T: Scalar>(&self, d: f64, pitch: f64) -> BallInertia<T> {
         let mass = self.ball_mass(d);
-        let (inner, outer, by_load) = match self.sharing {
+        let (inner, outer, by_load) = match self.friction_sharing {
             FrictionSharing::Outer => (0.0, 2.0, 0.0),
             FrictionSharing::Equal => (1.0, 1.0, 0.0),
             FrictionSharing::Proportional => (0.0, 0.0, 2.0),
@@ -191,7 +191,7 @@ impl InertiaParams {
         BallInertia {
             centrifugal: T::from_f64(if self.centrifugal { 0.5 * mass * pitch } else { 0.0 }),
             gyroscopic: T::from_f64(if self.gyroscopic { -0.1 * mass * pitch } else { 0.0 }),
-            outer_control: T::from_f64(if self.control == RaceControl::Outer { 1.0 } else { 0.0 }),
+            outer_control: T::from_f64(if self.race_control == RaceControl::Outer { 1.0 } else { 0.0 }),
             inner_share: T::from_f64(inner),
             outer_share: T::from_f64(outer),
             by_load: T::from_f64(by_load),
@@ -286,7 +286,7 @@ impl<T: Scalar> BallInertia<T> {
         let inverse = WithSlopes { value: inverse, outer: -turn, inner: turn };
 
         let near = one - g * inner.r;
-        let slip = if effects.by_outer_race {
+        let slip = if effects.outer_race_control {
             WithSlopes { value: near, outer: Lanes::all(T::ZERO), inner: g * inner.z }
         } else {
             WithSlopes {
@@ -300,7 +300,7 @@ impl<T: Scalar> BallInertia<T> {
         let centrifugal = orbital.times(orbital).scaled(Lanes::all(self.centrifugal));
         let friction = if effects.gyroscopic {
             let far = one + g * outer.r;
-            let lever = if effects.by_outer_race {
+            let lever = if effects.outer_race_control {
                 WithSlopes { value: near * outer.z, outer: near * outer.r, inner: g * inner.z * outer.z }
             } else {
                 WithSlopes {
