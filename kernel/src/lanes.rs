@@ -45,12 +45,12 @@ pub struct Mask<const K: usize>(pub [bool; K]);
 
 impl<T: Scalar, const K: usize> Lanes<T, K> {
     #[inline(always)]
-    pub fn all(x: T) -> Self {
+    pub fn splat(x: T) -> Self {
         Self([x; K])
     }
     /// One number of each.
     #[inline(always)]
-    pub fn of<S>(each: &[S; K], number: impl Fn(&S) -> T) -> Self {
+    pub fn gather<S>(each: &[S; K], number: impl Fn(&S) -> T) -> Self {
         let mut lanes = Self([T::ZERO; K]);
         let mut i = 0;
         while i < K {
@@ -60,11 +60,11 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         lanes
     }
     #[inline(always)]
-    pub fn constant(x: f64) -> Self {
+    pub fn splat_f64(x: f64) -> Self {
         Self([T::from_f64(x); K])
     }
     #[inline(always)]
-    fn each(mut self, f: impl Fn(T) -> T) -> Self {
+    fn map(mut self, f: impl Fn(T) -> T) -> Self {
         let mut i = 0;
         while i < K {
             self.0[i] = f(self.0[i]);
@@ -73,7 +73,7 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         self
     }
     #[inline(always)]
-    fn with(mut self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+    fn zip_with(mut self, other: Self, f: impl Fn(T, T) -> T) -> Self {
         let mut i = 0;
         while i < K {
             self.0[i] = f(self.0[i], other.0[i]);
@@ -96,34 +96,34 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         Self(M::sqrt_each(self.0))
     }
     #[inline(always)]
-    pub fn power<M: Math<T>>(self, n: T) -> Self {
-        self.each(|x| M::powf(x, n))
+    pub fn powf<M: Math<T>>(self, n: T) -> Self {
+        self.map(|x| M::powf(x, n))
     }
     #[inline(always)]
     pub fn approximate_two_thirds_power(self) -> Self {
-        self.each(T::approximate_two_thirds_power)
+        self.map(T::approximate_two_thirds_power)
     }
     #[inline(always)]
     pub fn abs(self) -> Self {
-        self.each(T::abs)
+        self.map(T::abs)
     }
     /// `x + |x|`
     #[inline(always)]
     pub fn twice_positive_part(self) -> Self {
-        self.each(T::twice_positive_part)
+        self.map(T::twice_positive_part)
     }
     /// `(x + |x|)/2`
     #[inline(always)]
     pub fn positive(self) -> Self {
-        self.each(|x| T::HALF * x.twice_positive_part())
+        self.map(|x| T::HALF * x.twice_positive_part())
     }
     #[inline(always)]
     pub fn xor_sign(self, sign: Self) -> Self {
-        self.with(sign, T::xor_sign)
+        self.zip_with(sign, T::xor_sign)
     }
     #[inline(always)]
     pub fn or_sign(self, other: Self) -> Self {
-        self.with(other, T::or_sign)
+        self.zip_with(other, T::or_sign)
     }
     /// A number whose sign bit is set where any lane's is.
     #[inline(always)]
@@ -143,16 +143,16 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         wholes
     }
     #[inline(always)]
-    pub fn below(self, other: Self) -> Mask<K> {
+    pub fn less_than(self, other: Self) -> Mask<K> {
         self.compare(other, |x, y| x < y)
     }
     #[inline(always)]
     pub fn smaller(self, other: Self) -> Self {
-        self.with(other, T::smaller)
+        self.zip_with(other, T::smaller)
     }
     #[inline(always)]
     pub fn larger(self, other: Self) -> Self {
-        self.with(other, T::larger)
+        self.zip_with(other, T::larger)
     }
     #[inline(always)]
     pub fn select(first: Mask<K>, a: Self, b: Self) -> Self {
@@ -193,7 +193,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.with(other, |x, y| x $op y)
+                self.zip_with(other, |x, y| x $op y)
             }
         }
     };
@@ -207,7 +207,7 @@ impl<T: Scalar, const K: usize> Neg for Lanes<T, K> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.each(|x| -x)
+        self.map(|x| -x)
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::bearing_in_cage;
 use super::element_position::ElementLayout;
-use super::elements::{Elements, in_cage_by_elements};
+use super::elements::Elements;
 use super::geometry::{BallBearingGeometry, InvalidParameter};
 use super::ring::{Contact, ContactStiffness, Motion, Ring};
 use super::surface::{Smooth, Surface};
@@ -183,7 +183,8 @@ impl<T: Scalar> Grooves<T> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements<T> for Angular<T, M, P, S> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements for Angular<T, M, P, S> {
+    type Scalar = T;
     type Math = M;
     type ElementPositions = P;
     type Surface = S;
@@ -223,5 +224,4 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements<T> for 
     }
 }
 
-in_cage_by_elements!(Angular<T, M, P, S>, M, T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>);
 bearing_in_cage!(Angular<T, M, P, S>, T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>);

@@ -159,7 +159,8 @@ pub struct ElementBlock<T, const K: usize> {
 impl<T: Scalar, const K: usize> ElementBlock<T, K> {
     #[inline(always)]
     pub(super) fn of(positions: &[ElementPosition<T>; K]) -> Self {
-        let (cos, sin) = (Lanes::of(positions, |position| position.cos), Lanes::of(positions, |position| position.sin));
+        let (cos, sin) =
+            (Lanes::gather(positions, |position| position.cos), Lanes::gather(positions, |position| position.sin));
         Self { cos, sin, azimuths: positions.each_ref().map(|position| position.azimuth), first: 0, overlap: 0 }
     }
 }

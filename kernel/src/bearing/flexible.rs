@@ -3,10 +3,8 @@
 use super::Reaction;
 use super::element_position::ElementLayout;
 use super::elements::Elements;
-use super::lumped::{Axial, Combined, Radial};
+use super::lumped::Combined;
 use super::ring::{CageRotation, Contact, Motion, StiffnessSum, WrenchSum, from_cage_frame, to_cage_frame};
-use super::surface::Surface;
-use crate::contact::law::LoadDeflectionLaw;
 use crate::frame::{Displacement, Stiffness};
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
@@ -78,7 +76,7 @@ impl<T: Scalar> HousingPoint<T> {
 }
 
 /// Goes through all elements, each with its motion over that of its housing point; `contact` gives the contact at it.
-fn each_element<T: Scalar, E: Elements<T>>(
+fn each_element<T: Scalar, E: Elements<Scalar = T>>(
     elements: &E,
     u: &Displacement<T>,
     (at, (sin, cos)): (&BearingKinematicState<T>, CageRotation<T>),
@@ -100,71 +98,45 @@ fn each_element<T: Scalar, E: Elements<T>>(
     }
 }
 
-fn reaction<T: Scalar, E: Elements<T>>(
-    elements: &E,
-    u: &Displacement<T>,
-    at: &BearingKinematicState<T>,
-    housing: &mut [HousingPoint<T>],
-) -> Reaction<T> {
-    let turn = E::Math::sin_cos(at.cage);
-    let mut sum = WrenchSum::new();
-    each_element(elements, u, (at, turn), housing, |position, motion| {
-        let [contact] = elements.contacts([motion]);
-        sum.add(position, &contact);
-        contact
-    });
-    let ring = elements.ring();
-    let local = sum.finish(ring.arm, ring.scale);
-    Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
-}
+impl<E: Elements> FlexibleRing<E::Scalar> for E {
+    fn reaction_flexible(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+        housing: &mut [HousingPoint<E::Scalar>],
+    ) -> Reaction<E::Scalar> {
+        let turn = E::Math::sin_cos(at.cage);
+        let mut sum = WrenchSum::new();
+        each_element(self, u, (at, turn), housing, |position, motion| {
+            let [contact] = self.contacts([motion]);
+            sum.add(position, &contact);
+            contact
+        });
+        let ring = self.ring();
+        let local = sum.finish(ring.arm, ring.scale);
+        Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
+    }
 
-fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
-    elements: &E,
-    u: &Displacement<T>,
-    at: &BearingKinematicState<T>,
-    housing: &mut [HousingPoint<T>],
-) -> (Reaction<T>, Stiffness<T>) {
-    let turn = E::Math::sin_cos(at.cage);
-    let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
-    each_element(elements, u, (at, turn), housing, |position, motion| {
-        let (contact, k) = elements.contact_and_stiffness(motion);
-        sum.add(position, &contact);
-        stiffness.add(position, &k);
-        contact
-    });
-    let ring = elements.ring();
-    let local = sum.finish(ring.arm, ring.scale);
-    (Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }, stiffness.finish(ring.arm, ring.scale, turn))
+    fn reaction_and_stiffness_flexible(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+        housing: &mut [HousingPoint<E::Scalar>],
+    ) -> (Reaction<E::Scalar>, Stiffness<E::Scalar>) {
+        let turn = E::Math::sin_cos(at.cage);
+        let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
+        each_element(self, u, (at, turn), housing, |position, motion| {
+            let (contact, k) = self.contact_and_stiffness(motion);
+            sum.add(position, &contact);
+            stiffness.add(position, &k);
+            contact
+        });
+        let ring = self.ring();
+        let local = sum.finish(ring.arm, ring.scale);
+        let stiffness = stiffness.finish(ring.arm, ring.scale, turn);
+        (Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }, stiffness)
+    }
 }
-
-macro_rules! flexible_by_elements {
-    ($kind:ty, $($generics:tt)*) => {
-        impl<$($generics)*> FlexibleRing<T> for $kind {
-            fn reaction_flexible(
-                &self,
-                u: &Displacement<T>,
-                at: &BearingKinematicState<T>,
-                housing: &mut [HousingPoint<T>],
-            ) -> Reaction<T> {
-                reaction(self, u, at, housing)
-            }
-            fn reaction_and_stiffness_flexible(
-                &self,
-                u: &Displacement<T>,
-                at: &BearingKinematicState<T>,
-                housing: &mut [HousingPoint<T>],
-            ) -> (Reaction<T>, Stiffness<T>) {
-                reaction_and_stiffness(self, u, at, housing)
-            }
-        }
-    };
-}
-
-flexible_by_elements!(
-    Radial<T, M, L, P, S>,
-    T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>
-);
-flexible_by_elements!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>);
 
 impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Combined<A, B> {
     fn reaction_flexible(

@@ -6,7 +6,7 @@
 //! (Hajzman, eq. 1 to 5). The exponent and the backend are types; the values are here.
 
 use super::element_position::{ElementLayout, ElementPosition};
-use super::elements::{CageFrame, Elements, in_cage_by_elements};
+use super::elements::{CageFrame, Elements};
 use super::geometry::{InvalidParameter, check};
 use super::ring::{CageRotation, Contact, ContactStiffness, Motion, RadialSum, Ring, radial};
 use super::surface::{ElementDeviation, Smooth, Surface};
@@ -153,7 +153,7 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: 
     }
 }
 
-impl<T, M, L, P, S> Elements<T> for Radial<T, M, L, P, S>
+impl<T, M, L, P, S> Elements for Radial<T, M, L, P, S>
 where
     T: Scalar,
     M: Math<T>,
@@ -161,6 +161,7 @@ where
     P: ElementLayout<T>,
     S: Surface<T>,
 {
+    type Scalar = T;
     type Math = M;
     type ElementPositions = P;
     type Surface = S;
@@ -200,7 +201,8 @@ where
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Elements<T> for Axial<T, M, L, P> {
+impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Elements for Axial<T, M, L, P> {
+    type Scalar = T;
     type Math = M;
     type ElementPositions = P;
     type Surface = Smooth;
@@ -227,15 +229,10 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Ele
     }
 }
 
-in_cage_by_elements!(
-    Radial<T, M, L, P, S>, M,
-    T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>
-);
 bearing_in_cage!(
     Radial<T, M, L, P, S>,
     T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>
 );
-in_cage_by_elements!(Axial<T, M, L, P>, M, T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>);
 bearing_in_cage!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>);
 bearing_in_cage!(Combined<A, B>, T: Scalar, A: CageFrame<T> + Send + Sync, B: CageFrame<T> + Send + Sync);
 

@@ -2,6 +2,7 @@
 
 pub mod angular;
 pub mod batch;
+mod common;
 mod element_position;
 mod elements;
 pub mod flexible;
@@ -15,6 +16,10 @@ mod ring;
 pub mod surface;
 pub mod tabulated;
 
+pub use common::{
+    AngularContact, DeepGroove, HighSpeedBearing, LubricatedBearing, LumpedAxial, LumpedRadial, LumpedRadialAxial,
+    LumpedRoller, QuasiStaticBearing, TabulatedBearing,
+};
 pub use element_position::{
     BLOCK_SIZE, BlockedPositions, ElementBlock, ElementLayout, ElementPosition, ElementPositions, OpposedPairs,
     evenly_spaced, evenly_spaced_pairs,

@@ -112,13 +112,13 @@ impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
         at: &BearingKinematicState<T>,
         surface: &S,
     ) -> Self {
-        let all = Lanes::<T, K>::all;
+        let all = Lanes::<T, K>::splat;
         let deviations = azimuths.map(|azimuth| surface.deviation(azimuth.wrapping_add(at.cage), at));
         let deviation = ElementDeviation {
-            radial: Lanes::of(&deviations, |deviation| deviation.radial),
-            axial: Lanes::of(&deviations, |deviation| deviation.axial),
-            inner: Lanes::of(&deviations, |deviation| deviation.inner),
-            outer: Lanes::of(&deviations, |deviation| deviation.outer),
+            radial: Lanes::gather(&deviations, |deviation| deviation.radial),
+            axial: Lanes::gather(&deviations, |deviation| deviation.axial),
+            inner: Lanes::gather(&deviations, |deviation| deviation.inner),
+            outer: Lanes::gather(&deviations, |deviation| deviation.outer),
         };
         let radial = all(rim.u) * cos + all(rim.v) * sin + deviation.radial;
         let axial = all(rim.thu) * sin - all(rim.thv) * cos + all(rim.w) + deviation.axial;

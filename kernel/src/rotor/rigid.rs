@@ -3,7 +3,7 @@
 use super::{SecondOrderSystem, ShaftMotion};
 use crate::bearing::geometry::{InvalidParameter, check};
 use crate::frame::Stiffness;
-use crate::math::Math;
+use crate::math::{Exact, Math};
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
@@ -60,7 +60,7 @@ impl RotorParams {
 
 /// A rigid rotor, ready for the hot path.
 #[derive(Debug, Clone, Copy)]
-pub struct RigidRotor<T: Scalar, M> {
+pub struct RigidRotor<T: Scalar, M = Exact> {
     mass: [T; 5],
     inverse_mass: [T; 5],
     polar_inertia: T,

@@ -175,7 +175,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// |v|, a min_length where it is nothing: what follows divides by it.
     #[inline(always)]
     pub fn length<const K: usize>(&self, v: Plane<Lanes<T, K>>) -> Lanes<T, K> {
-        v.dot(v).sqrt::<M>() + Lanes::all(self.constants.min_length)
+        v.dot(v).sqrt::<M>() + Lanes::splat(self.constants.min_length)
     }
 
     /// Length of `length n_0 + displacement`, its direction, and by how much it is longer than `length`.
@@ -186,11 +186,11 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         displacement: Plane<Lanes<T, K>>,
     ) -> (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>) {
         let rest =
-            Plane { r: Lanes::all(length * self.constants.axis.r), z: Lanes::all(length * self.constants.axis.z) };
+            Plane { r: Lanes::splat(length * self.constants.axis.r), z: Lanes::splat(length * self.constants.axis.z) };
         let reach = rest.plus(displacement);
         let l = self.length(reach);
-        let both = l + Lanes::all(length);
-        let inverse = Lanes::all(T::ONE) / (l * both);
+        let both = l + Lanes::splat(length);
+        let inverse = Lanes::splat(T::ONE) / (l * both);
         let longer = (displacement.dot(rest.plus(reach))) * (inverse * l);
         let inverse_length = inverse * both;
         (reach.times(inverse_length), inverse_length, longer)
@@ -203,17 +203,17 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         (direction, inverse_length, approach): (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>),
         (films, unit_film, before): (&FilmConstants<T>, Lanes<T, K>, Lanes<T, K>),
     ) -> ContactState<Lanes<T, K>> {
-        let k = Lanes::all(stiffness);
+        let k = Lanes::splat(stiffness);
         let (deflection, by_approach, film) = if self.film.is_present() {
-            let wetted = film_newton_step::<T, M, K>(films, unit_film, (k, Lanes::all(floor)), approach, before);
+            let wetted = film_newton_step::<T, M, K>(films, unit_film, (k, Lanes::splat(floor)), approach, before);
             (wetted.deflection, wetted.slope, wetted.film)
         } else {
-            (approach, Lanes::all(T::ONE), Lanes::all(T::ZERO))
+            (approach, Lanes::splat(T::ONE), Lanes::splat(T::ZERO))
         };
-        let size = deflection.abs() + Lanes::all(self.constants.min_length);
+        let size = deflection.abs() + Lanes::splat(self.constants.min_length);
         let per_metre = k * size.sqrt::<M>();
         let load = per_metre * deflection.positive();
-        let slope = Lanes::constant(1.5) * per_metre;
+        let slope = Lanes::splat_f64(1.5) * per_metre;
         let slope = if self.film.is_present() { slope * by_approach } else { slope };
         ContactState { direction, inverse_length, deflection, load, slope, film }
     }
@@ -224,7 +224,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let constants = &self.constants;
         let outer = self.stretched(constants.outer_length, at.centre);
         let inner = self.stretched(constants.inner_length, input.grooves.minus(at.centre));
-        let zero = Lanes::all(T::ZERO);
+        let zero = Lanes::splat(T::ZERO);
         let ball: BallInertia<T> = self.inertia.constants();
         let inertia = if self.inertia.effects().centrifugal {
             ball.loads(self.inertia.effects(), constants.ratio, &input.speeds, outer.0, inner.0, input.rolling)
@@ -256,8 +256,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         );
         if self.inertia.effects().centrifugal {
             // A ball that the inner ring does not reach, or did not reach before, has nothing there to step into.
-            let zero = Lanes::all(T::ZERO);
-            inner.slope = Lanes::select(inner.deflection.below(zero), inner.slope * at.inner_closing, inner.slope);
+            let zero = Lanes::splat(T::ZERO);
+            inner.slope = Lanes::select(inner.deflection.less_than(zero), inner.slope * at.inner_closing, inner.slope);
         }
 
         let (mut outer_share, mut inner_share) = (zero, zero);
@@ -267,14 +267,14 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             residual.r = residual.r + inertia.centrifugal.value;
         }
         if self.inertia.effects().gyroscopic && self.inertia.effects().outer_race_control {
-            outer_share = Lanes::constant(2.0);
+            outer_share = Lanes::splat_f64(2.0);
             let friction = outer.direction.tangent().times(outer_share * inertia.friction.value);
             residual = residual.plus(friction);
         } else if self.inertia.effects().gyroscopic {
-            let inverse = Lanes::all(T::ONE) / (inner.load + outer.load + Lanes::constant(NO_LOAD));
-            let by_load = Lanes::all(ball.by_load) * inverse;
-            outer_share = Lanes::all(ball.outer_share) + by_load * outer.load;
-            inner_share = Lanes::all(ball.inner_share) + by_load * inner.load;
+            let inverse = Lanes::splat(T::ONE) / (inner.load + outer.load + Lanes::splat_f64(NO_LOAD));
+            let by_load = Lanes::splat(ball.by_load) * inverse;
+            outer_share = Lanes::splat(ball.outer_share) + by_load * outer.load;
+            inner_share = Lanes::splat(ball.inner_share) + by_load * inner.load;
             share_by_outer = by_load * inverse * inner.load;
             share_by_inner = by_load * inverse * outer.load;
             let friction = outer.direction.tangent().times(outer_share);
@@ -306,9 +306,9 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
     ) -> (Lanes<T, K>, Lanes<T, K>) {
-        let (one, g) = (Lanes::all(T::ONE), Lanes::all(self.constants.ratio));
-        let far = (orbital - Lanes::all(speeds.outer_speed)) * (one + g * outer.r);
-        let near = (Lanes::all(speeds.inner_speed) - orbital) * (one - g * inner.r);
+        let (one, g) = (Lanes::splat(T::ONE), Lanes::splat(self.constants.ratio));
+        let far = (orbital - Lanes::splat(speeds.outer_speed)) * (one + g * outer.r);
+        let near = (Lanes::splat(speeds.inner_speed) - orbital) * (one - g * inner.r);
         self.film.constants().at_speed::<M, K>(far, near)
     }
 }
@@ -340,9 +340,10 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     /// Slopes of the loads along the approach, outer and inner, 0 where there is a gap.
     #[inline(always)]
     pub fn loaded_slopes(&self) -> (Lanes<T, K>, Lanes<T, K>) {
-        let zero = Lanes::all(T::ZERO);
-        let of =
-            |contact: &ContactState<Lanes<T, K>>| Lanes::select(zero.below(contact.deflection), contact.slope, zero);
+        let zero = Lanes::splat(T::ZERO);
+        let of = |contact: &ContactState<Lanes<T, K>>| {
+            Lanes::select(zero.less_than(contact.deflection), contact.slope, zero)
+        };
         (of(&self.outer), of(&self.inner))
     }
 
@@ -362,7 +363,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     pub fn slopes(&self, effects: InertiaEffects) -> Slopes<Lanes<T, K>> {
         let mut slopes = self.contact_stiffnesses();
         if effects.centrifugal {
-            let out = |x: Lanes<T, K>| Plane { r: x, z: Lanes::all(T::ZERO) };
+            let out = |x: Lanes<T, K>| Plane { r: x, z: Lanes::splat(T::ZERO) };
             let mut by_outer = out(self.inertia.centrifugal.outer);
             let mut by_inner = out(self.inertia.centrifugal.inner);
             let turn_outer = self.outer.direction.tangent().times(self.outer.inverse_length);

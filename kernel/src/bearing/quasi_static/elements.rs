@@ -105,7 +105,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
             inner_deviation: Lanes(motions.map(|m| m.deviation.inner)),
             outer_deviation: Lanes(motions.map(|m| m.deviation.outer)),
             speeds: *at,
-            rolling: Lanes::all(T::ONE),
+            rolling: Lanes::splat(T::ONE),
         }
     }
 
@@ -165,7 +165,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         let constants = &self.ball.constants;
         let cos = M::sqrt(T::ONE - sin * sin);
         let length = constants.distance + approach;
-        let all = Lanes::<T, 1>::all;
+        let all = Lanes::<T, 1>::splat;
         let zero = all(T::ZERO);
         let mut input = BallInput {
             grooves: Plane {
@@ -183,7 +183,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         let turn = all(cos) * direction.z - all(sin) * direction.r;
         let friction = balance.inner_share * balance.inertia.friction.value;
         let aside = balance.outer.direction.tangent().dot(direction);
-        let per_metre = balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::constant(1e-3));
+        let per_metre = balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::splat_f64(1e-3));
         let gap = per_metre * (balance.inner.deflection - balance.inner.deflection.positive());
         let load = balance.inner.load + gap;
         let ([load], [turn], [friction]) = (load.0, turn.0, friction.0);
@@ -280,7 +280,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         if self.inertia.effects().gyroscopic {
             let friction = balance.inner_share * balance.inertia.friction.value;
             force = force.minus(contact.direction.tangent().times(friction));
-            tilting = force.z + friction * Lanes::all(self.constants.inner_couple);
+            tilting = force.z + friction * Lanes::splat(self.constants.inner_couple);
         }
         Contact { radial: force.r, axial: force.z, tilting, load: contact.load }
     }
@@ -294,7 +294,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         if self.inertia.effects().gyroscopic {
             let friction = balance.outer_share * balance.inertia.friction.value;
             force = force.plus(contact.direction.tangent().times(friction));
-            tilting = force.z + friction * Lanes::all(self.constants.outer_couple);
+            tilting = force.z + friction * Lanes::splat(self.constants.outer_couple);
         }
         Contact { radial: force.r, axial: force.z, tilting, load: contact.load }
     }
@@ -305,20 +305,20 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     #[inline(always)]
     fn slips(&self) -> Mask<K> {
         let friction = self.inertia.friction.value.abs();
-        let traction = Lanes::constant(TRACTION_LIMIT);
-        let outer = (traction * self.outer.load).below(self.outer_share * friction);
-        let inner = (traction * self.inner.load).below(self.inner_share * friction);
+        let traction = Lanes::splat_f64(TRACTION_LIMIT);
+        let outer = (traction * self.outer.load).less_than(self.outer_share * friction);
+        let inner = (traction * self.inner.load).less_than(self.inner_share * friction);
         outer.or(inner)
     }
 }
 
 fn gather<T: Scalar, const K: usize>(balls: &[BallPosition<T>]) -> Position<Lanes<T, K>> {
-    let zero = Lanes::all(T::ZERO);
+    let zero = Lanes::splat(T::ZERO);
     let mut position = Position {
         centre: Plane { r: zero, z: zero },
         outer_deflection: zero,
         inner_deflection: zero,
-        inner_closing: Lanes::all(T::ONE),
+        inner_closing: Lanes::splat(T::ONE),
     };
     let mut last = BallPosition::default();
     let mut balls = balls.iter();

@@ -234,7 +234,7 @@ impl<T: Scalar, const K: usize> WithSlopes<Lanes<T, K>> {
     }
     #[inline(always)]
     pub fn none() -> Self {
-        let zero = Lanes::all(T::ZERO);
+        let zero = Lanes::splat(T::ZERO);
         Self { value: zero, outer: zero, inner: zero }
     }
 }
@@ -242,7 +242,7 @@ impl<T: Scalar, const K: usize> WithSlopes<Lanes<T, K>> {
 /// `1/(1 + C)`, kept finite where the contacts point against each other, which no ball between two races does.
 #[inline(always)]
 pub(super) fn inverse_of_one_plus<T: Scalar, const K: usize>(c: Lanes<T, K>) -> Lanes<T, K> {
-    Lanes::all(T::ONE) / (Lanes::all(T::ONE) + c).larger(Lanes::constant(1e-3))
+    Lanes::splat(T::ONE) / (Lanes::splat(T::ONE) + c).larger(Lanes::splat_f64(1e-3))
 }
 
 impl<T: Scalar> BallInertia<T> {
@@ -255,12 +255,12 @@ impl<T: Scalar> BallInertia<T> {
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
     ) -> Lanes<T, K> {
-        let one = Lanes::all(T::ONE);
-        let (g, control) = (Lanes::all(ratio), Lanes::all(self.outer_control));
+        let one = Lanes::splat(T::ONE);
+        let (g, control) = (Lanes::splat(ratio), Lanes::splat(self.outer_control));
         let c = outer.dot(inner);
         let k = control * (one - g * inner.r) + (one - control) * (c - g * outer.r);
-        Lanes::all(speeds.outer_speed)
-            + Lanes::all(speeds.inner_speed - speeds.outer_speed) * k * inverse_of_one_plus(c)
+        Lanes::splat(speeds.outer_speed)
+            + Lanes::splat(speeds.inner_speed - speeds.outer_speed) * k * inverse_of_one_plus(c)
     }
 
     /// Loads of balls whose contacts point along `outer` and `inner`; `rolling` is 0 for a ball off the inner race, which
@@ -275,9 +275,9 @@ impl<T: Scalar> BallInertia<T> {
         inner: Plane<Lanes<T, K>>,
         rolling: Lanes<T, K>,
     ) -> InertiaLoads<Lanes<T, K>> {
-        let (one, g) = (Lanes::all(T::ONE), Lanes::all(ratio));
-        let (by_outer, by_inner) = (Lanes::all(self.outer_control), Lanes::all(T::ONE - self.outer_control));
-        let relative = Lanes::all(speeds.inner_speed - speeds.outer_speed);
+        let (one, g) = (Lanes::splat(T::ONE), Lanes::splat(ratio));
+        let (by_outer, by_inner) = (Lanes::splat(self.outer_control), Lanes::splat(T::ONE - self.outer_control));
+        let relative = Lanes::splat(speeds.inner_speed - speeds.outer_speed);
         let c = outer.dot(inner);
         let s = inner.z * outer.r - inner.r * outer.z; // sin(a_i - a_o)
         let inverse = inverse_of_one_plus(c);
@@ -287,7 +287,7 @@ impl<T: Scalar> BallInertia<T> {
 
         let near = one - g * inner.r;
         let slip = if effects.outer_race_control {
-            WithSlopes { value: near, outer: Lanes::all(T::ZERO), inner: g * inner.z }
+            WithSlopes { value: near, outer: Lanes::splat(T::ZERO), inner: g * inner.z }
         } else {
             WithSlopes {
                 value: by_outer * near + by_inner * (c - g * outer.r),
@@ -296,8 +296,8 @@ impl<T: Scalar> BallInertia<T> {
             }
         };
         let excess = slip.times(inverse).scaled(relative);
-        let orbital = WithSlopes { value: Lanes::all(speeds.outer_speed) + excess.value, ..excess };
-        let centrifugal = orbital.times(orbital).scaled(Lanes::all(self.centrifugal));
+        let orbital = WithSlopes { value: Lanes::splat(speeds.outer_speed) + excess.value, ..excess };
+        let centrifugal = orbital.times(orbital).scaled(Lanes::splat(self.centrifugal));
         let friction = if effects.gyroscopic {
             let far = one + g * outer.r;
             let lever = if effects.outer_race_control {
@@ -309,7 +309,7 @@ impl<T: Scalar> BallInertia<T> {
                     inner: by_outer * g * inner.z * outer.z + by_inner * far * inner.r,
                 }
             };
-            let factor = Lanes::all(self.gyroscopic) * relative * rolling;
+            let factor = Lanes::splat(self.gyroscopic) * relative * rolling;
             lever.times(inverse).times(orbital).scaled(factor)
         } else {
             WithSlopes::none()

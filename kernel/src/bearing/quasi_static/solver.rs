@@ -48,16 +48,18 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         start: &Position<Lanes<T, K>>,
         steps: u8,
     ) -> Solution<T, K> {
-        let one = Lanes::all(T::ONE);
-        let zero = Lanes::all(T::ZERO);
+        let one = Lanes::splat(T::ONE);
+        let zero = Lanes::splat(T::ZERO);
         let mut at = *start;
         let mut direction = Plane { r: zero, z: zero };
         let (mut fraction, mut slope, mut cut_count) = (zero, zero, zero);
         for _ in 0..steps {
             let balance = self.balance(input, &at);
             let along = balance.residual.dot(direction);
-            let over = along.below(Lanes::constant(REVERSAL) * slope).and(cut_count.below(Lanes::constant(MAX_CUTS)));
-            let shorter = (slope / (slope - along)).larger(Lanes::constant(0.1)).smaller(Lanes::constant(0.7));
+            let over = along
+                .less_than(Lanes::splat_f64(REVERSAL) * slope)
+                .and(cut_count.less_than(Lanes::splat_f64(MAX_CUTS)));
+            let shorter = (slope / (slope - along)).larger(Lanes::splat_f64(0.1)).smaller(Lanes::splat_f64(0.7));
             let step = self.newton_step(&balance);
             direction = Plane::select(over, direction, step);
             // Back along the last direction to where the secant says, or on along the new one.
@@ -67,7 +69,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             cut_count = Lanes::select(over, cut_count + one, zero);
             at.centre = at.centre.plus(direction.times(further));
             if self.inertia.effects().centrifugal {
-                at.inner_closing = Lanes::select(balance.inner.deflection.below(zero), zero, input.rolling);
+                at.inner_closing = Lanes::select(balance.inner.deflection.less_than(zero), zero, input.rolling);
             }
             if self.film.is_present() {
                 at.outer_deflection = balance.outer.deflection;
@@ -89,16 +91,16 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let slopes = balance.slopes(self.inertia.effects());
             let newton = slopes.outer.plus(slopes.inner);
             let full = newton.determinant();
-            let sure = (Lanes::constant(MIN_DETERMINANT_RATIO) * determinant).below(full);
-            let sure = sure.and(Lanes::all(T::ZERO).below(newton.trace()));
+            let sure = (Lanes::splat_f64(MIN_DETERMINANT_RATIO) * determinant).less_than(full);
+            let sure = sure.and(Lanes::splat(T::ZERO).less_than(newton.trace()));
             matrix = Matrix::select(sure, newton, contacts);
             determinant = Lanes::select(sure, full, determinant);
         }
         // Two open contacts in one line hold nothing across it, and nothing pushes there.
         let trace = matrix.trace();
-        let determinant = determinant.larger(Lanes::constant(1e-12) * trace * trace);
-        let step = matrix.adjugate().times(balance.residual).times(Lanes::all(T::ONE) / determinant);
-        let longest = Lanes::all(self.constants.max_step);
+        let determinant = determinant.larger(Lanes::splat_f64(1e-12) * trace * trace);
+        let step = matrix.adjugate().times(balance.residual).times(Lanes::splat(T::ONE) / determinant);
+        let longest = Lanes::splat(self.constants.max_step);
         let within = |x: Lanes<T, K>| x.smaller(longest).larger(-longest);
         Plane { r: within(step.r), z: within(step.z) }
     }
@@ -111,10 +113,10 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         if self.film.is_present() {
             let (outer, _, _) = self.stretched(self.constants.outer_length, at.centre);
             let (_, film) = self.unit_films(&input.speeds, self.orbital(&input.speeds, outer, inner), outer, inner);
-            room = room + film * Lanes::all(self.film.constants().at_floor);
+            room = room + film * Lanes::splat(self.film.constants().at_floor);
         }
-        let zero = Lanes::all(T::ZERO);
-        Lanes::select(zero.below(room), Lanes::all(T::ONE), zero)
+        let zero = Lanes::splat(T::ZERO);
+        Lanes::select(zero.less_than(room), Lanes::splat(T::ONE), zero)
     }
 
     /// A first guess from two circles: the ball's centre is `L_o` and the outer deflection from the outer groove centre,
@@ -124,21 +126,21 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     #[inline(always)]
     pub fn initial_guess<const K: usize>(&self, input: &mut BallInput<T, K>) -> Position<Lanes<T, K>> {
         let constants = &self.constants;
-        let (zero, one) = (Lanes::all(T::ZERO), Lanes::all(T::ONE));
+        let (zero, one) = (Lanes::splat(T::ZERO), Lanes::splat(T::ONE));
         let rest = Plane {
-            r: Lanes::all(constants.distance * constants.axis.r),
-            z: Lanes::all(constants.distance * constants.axis.z),
+            r: Lanes::splat(constants.distance * constants.axis.r),
+            z: Lanes::splat(constants.distance * constants.axis.z),
         };
         let line = rest.plus(input.grooves);
         let length = self.length(line);
         let direction = line.times(one / length);
-        let longer = input.grooves.dot(rest.plus(line)) / (length + Lanes::all(constants.distance));
+        let longer = input.grooves.dot(rest.plus(line)) / (length + Lanes::splat(constants.distance));
 
         let speeds = input.speeds;
         let ball = self.inertia.constants();
         let force_at = |outer: Plane<Lanes<T, K>>, inner: Plane<Lanes<T, K>>| {
             let speed = self.orbital(&speeds, outer, inner);
-            Lanes::all(ball.centrifugal) * speed * speed
+            Lanes::splat(ball.centrifugal) * speed * speed
         };
         let films_at = |outer: Plane<Lanes<T, K>>, inner: Plane<Lanes<T, K>>| {
             self.unit_films(&speeds, self.orbital(&speeds, outer, inner), outer, inner)
@@ -146,13 +148,13 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let bulges = longer + input.outer_deviation + input.inner_deviation;
         let pressed_by = |approach: Lanes<T, K>| {
             let deflection = approach.positive();
-            Lanes::all(constants.series) * deflection * deflection.sqrt::<M>()
+            Lanes::splat(constants.series) * deflection * deflection.sqrt::<M>()
         };
         let (mut outer_film, mut inner_film, mut thickest) = (zero, zero, zero);
         let (outer, inner) = if self.film.is_present() { films_at(direction, direction) } else { (zero, zero) };
-        let under = |load: Lanes<T, K>| (load + Lanes::constant(FLOOR)).power::<M>(T::from_f64(BY_LOAD));
+        let under = |load: Lanes<T, K>| (load + Lanes::splat_f64(FLOOR)).powf::<M>(T::from_f64(BY_LOAD));
         if self.film.is_present() {
-            let half_loaded = pressed_by(bulges + (outer + inner) * Lanes::constant(FILM_AT_1000_N));
+            let half_loaded = pressed_by(bulges + (outer + inner) * Lanes::splat_f64(FILM_AT_1000_N));
             let load = if self.inertia.effects().centrifugal {
                 half_loaded + force_at(direction, direction)
             } else {
@@ -160,24 +162,24 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             };
             let by_load = under(load);
             (outer_film, inner_film) = (outer * by_load, inner * by_load);
-            thickest = inner * Lanes::all(self.film.constants().at_floor);
+            thickest = inner * Lanes::splat(self.film.constants().at_floor);
         }
         let outer_gap = input.outer_deviation + outer_film;
         let inner_gap = input.inner_deviation + inner_film;
         let approach = longer + outer_gap + inner_gap;
-        let outer_length = Lanes::all(constants.outer_length) - outer_gap;
-        let inner_length = Lanes::all(constants.inner_length) - inner_gap;
+        let outer_length = Lanes::splat(constants.outer_length) - outer_gap;
+        let inner_length = Lanes::splat(constants.inner_length) - inner_gap;
         let pressed = pressed_by(approach);
         if !self.inertia.effects().centrifugal {
             // Pressed by both rings alike, or free in the middle of what room it has.
-            let share = approach * Lanes::all(constants.outer_share);
+            let share = approach * Lanes::splat(constants.outer_share);
             return self.position(direction.times(outer_length + share), [share, approach - share], one);
         }
 
         // A ball that the inner ring does not reach sits at the bottom of the outer race.
         let out = Plane { r: one, z: zero };
-        let inverse_outer = Lanes::all(T::ONE / constants.outer_stiffness);
-        let inverse_inner = Lanes::all(T::ONE / constants.inner_stiffness);
+        let inverse_outer = Lanes::splat(T::ONE / constants.outer_stiffness);
+        let inverse_inner = Lanes::splat(T::ONE / constants.inner_stiffness);
         let mut alone = Plane { r: outer_length, z: zero };
         let (mut alone_deflection, mut reach_length) = (zero, length);
         for _ in 0..2 {
@@ -187,14 +189,14 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let centrifugal = force_at(out, inward);
             alone_deflection = (centrifugal * inverse_outer).approximate_two_thirds_power();
             let film = if self.film.is_present() { films_at(out, inward).0 * under(centrifugal) } else { zero };
-            alone.r = Lanes::all(constants.outer_length) - input.outer_deviation - film + alone_deflection;
+            alone.r = Lanes::splat(constants.outer_length) - input.outer_deviation - film + alone_deflection;
         }
         let outside_inner_reach =
-            reach_length.below(Lanes::all(constants.inner_length) - input.inner_deviation - thickest);
+            reach_length.less_than(Lanes::splat(constants.inner_length) - input.inner_deviation - thickest);
         // Nothing presses it at all, no ring and no motion: free in the middle of what room it has.
-        let idle = approach.below(zero).and(alone_deflection.below(Lanes::all(constants.min_length)));
+        let idle = approach.less_than(zero).and(alone_deflection.less_than(Lanes::splat(constants.min_length)));
         input.rolling = Lanes::select(outside_inner_reach.or(idle), zero, one);
-        let free = direction.times(outer_length + approach * Lanes::all(constants.outer_share));
+        let free = direction.times(outer_length + approach * Lanes::splat(constants.outer_share));
 
         let (mut outer_load, mut inner_load) = (pressed, pressed);
         let mut centre = alone;
@@ -203,7 +205,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             outer_deflection = (outer_load * inverse_outer).approximate_two_thirds_power();
             inner_deflection = (inner_load * inverse_inner).approximate_two_thirds_power();
             let (outer, inner) = (outer_length + outer_deflection, inner_length + inner_deflection);
-            let along = (length * length + outer * outer - inner * inner) * (Lanes::all(T::HALF) / length);
+            let along = (length * length + outer * outer - inner * inner) * (Lanes::splat(T::HALF) / length);
             let across = (outer * outer - along * along).positive().sqrt::<M>().xor_sign(line.z);
             centre = direction.times(along).minus(direction.tangent().times(across));
             let reach = line.minus(centre);
@@ -211,9 +213,9 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let i = reach.times(one / self.length(reach));
             // The triangle of the two contact forces and the centrifugal force.
             let centrifugal = force_at(o, i);
-            let between = (i.z * o.r - i.r * o.z).xor_sign(line.z).larger(Lanes::constant(1e-9));
-            let force = (centrifugal + Lanes::constant(1e-6) * pressed) / between;
-            let most = pressed + Lanes::constant(MAX_WEDGE_RATIO) * centrifugal;
+            let between = (i.z * o.r - i.r * o.z).xor_sign(line.z).larger(Lanes::splat_f64(1e-9));
+            let force = (centrifugal + Lanes::splat_f64(1e-6) * pressed) / between;
+            let most = pressed + Lanes::splat_f64(MAX_WEDGE_RATIO) * centrifugal;
             inner_load = (force * o.z.xor_sign(line.z).positive()).smaller(most);
             outer_load = (force * i.z.xor_sign(line.z).positive()).smaller(most + centrifugal);
         }
@@ -232,8 +234,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     ) -> Position<Lanes<T, K>> {
         let constants = &self.constants;
         let rest = Plane {
-            r: Lanes::all(constants.outer_length * constants.axis.r),
-            z: Lanes::all(constants.outer_length * constants.axis.z),
+            r: Lanes::splat(constants.outer_length * constants.axis.r),
+            z: Lanes::splat(constants.outer_length * constants.axis.z),
         };
         Position { centre: centre.minus(rest), outer_deflection, inner_deflection, inner_closing }
     }
@@ -243,7 +245,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     /// The residual is below `tolerance` times the largest load.
     #[inline(always)]
     pub fn is_converged(&self, tolerance: T) -> Mask<K> {
-        let allowed = Lanes::all(tolerance) * self.largest_load() + Lanes::constant(1e-12);
-        self.residual.dot(self.residual).below(allowed * allowed)
+        let allowed = Lanes::splat(tolerance) * self.largest_load() + Lanes::splat_f64(1e-12);
+        self.residual.dot(self.residual).less_than(allowed * allowed)
     }
 }

@@ -63,9 +63,9 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
 #[inline(always)]
 fn inverse<T: Scalar, const K: usize>(a: Matrix<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
     let (determinant, trace) = (a.determinant(), a.trace());
-    let smallest = Lanes::constant(1e-12) * trace * trace;
+    let smallest = Lanes::splat_f64(1e-12) * trace * trace;
     let size = determinant.abs().larger(smallest).xor_sign(determinant);
-    a.adjugate().scaled(Lanes::all(T::ONE) / size)
+    a.adjugate().scaled(Lanes::splat(T::ONE) / size)
 }
 
 fn condensed<T: Scalar>(balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactStiffness<T>; BLOCK_SIZE] {
@@ -96,7 +96,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let angle_o = t_o.times(balance.outer.inverse_length);
 
         let mut by_inner = Matrix::outer(e_i, load_i).plus(Matrix::outer(t_i.times(balance.inner.load), angle_i));
-        let zero = Lanes::all(T::ZERO);
+        let zero = Lanes::splat(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
         let mut by_outer = Matrix::outer(nothing, nothing);
         let (mut couple_inner, mut couple_outer) = (nothing, nothing);
@@ -111,7 +111,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             by_inner =
                 by_inner.minus(Matrix::outer(t_i, friction_inner)).plus(Matrix::outer(e_i.times(friction), angle_i));
             by_outer = by_outer.minus(Matrix::outer(t_i, friction_outer));
-            let lever = Lanes::all(self.constants.inner_couple);
+            let lever = Lanes::splat(self.constants.inner_couple);
             couple_inner = friction_inner.times(lever);
             couple_outer = friction_outer.times(lever);
         }

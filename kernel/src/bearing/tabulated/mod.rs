@@ -155,7 +155,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         evaluation: &Evaluation<'_, T, F>,
         balls: &ElementBlock<T, K>,
     ) -> TableQuery<Lanes<T, K>> {
-        let all = Lanes::<T, K>::all;
+        let all = Lanes::<T, K>::splat;
         let constants = &self.constants;
         let motion = Motion::of_block(balls, &evaluation.rim, evaluation.at, &self.surface);
         let a = Plane { r: motion.radial + all(constants.offset), z: motion.axial };
@@ -180,10 +180,10 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         line: Plane<Lanes<T, K>>,
         fields: &[Lanes<T, K>; F],
     ) -> BallContacts<Lanes<T, K>> {
-        let field = |k: usize| fields.get(k).copied().unwrap_or(Lanes::all(T::ZERO));
+        let field = |k: usize| fields.get(k).copied().unwrap_or(Lanes::splat(T::ZERO));
         // The table holds half the load.
         let (load, sine, friction) = (field(0).twice_positive_part(), field(1), field(2));
-        let cosine = (Lanes::all(T::ONE) - sine * sine).sqrt::<M>();
+        let cosine = (Lanes::splat(T::ONE) - sine * sine).sqrt::<M>();
         let contact = line.times(cosine).plus(line.tangent().times(sine));
         BallContacts { load, contact, turn: Plane { r: cosine, z: sine }, friction }
     }
@@ -194,7 +194,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         let mut tilting = force.z;
         if F > 2 {
             force = force.minus(balls.contact.tangent().times(balls.friction));
-            tilting = force.z + balls.friction * Lanes::all(self.constants.couple);
+            tilting = force.z + balls.friction * Lanes::splat(self.constants.couple);
         }
         Contact { radial: force.r, axial: force.z, tilting, load: balls.load }
     }
@@ -235,7 +235,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
     #[inline(always)]
     fn add_staged(&self, evaluation: &Evaluation<'_, T, F>, begin: usize, sum: &mut WrenchSum<T>) -> T {
         let (mut parts, mut cells, mut contacts) = (empty_stages(), empty_stages(), empty_stages());
-        let mut inside = Lanes::<T, BLOCK_SIZE>::all(T::ZERO);
+        let mut inside = Lanes::<T, BLOCK_SIZE>::splat(T::ZERO);
         let (mut next, table) = (begin, self.positions.stored());
         for part in &mut parts {
             let Some(balls) = self.positions.block(next) else { break };
@@ -292,11 +292,11 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         evaluation: &Evaluation<'_, T, F>,
         lookup: &Lookup<Lanes<T, K>, T>,
     ) -> [ContactTangent<T>; K] {
-        let all = Lanes::<T, K>::all;
+        let all = Lanes::<T, K>::splat;
         let Lookup { query, contacts_of_balls, .. } = lookup;
         let [by_sine, by_root] = self.table.slopes(&evaluation.speed, &evaluation.rows, query.line.z, query.root);
         // d(root)/d(approach) = 1/(2 |root|); where the root is 0 so is what it multiplies.
-        let per_approach = all(T::HALF) / (query.root.abs() + Lanes::constant(1e-9));
+        let per_approach = all(T::HALF) / (query.root.abs() + Lanes::splat_f64(1e-9));
         let per_across = query.line.r * query.inverse_length;
         let across = query.line.tangent();
         let zero = all(T::ZERO);
@@ -306,8 +306,8 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
             (Some(&root), Some(&sine)) => query.line.times(root * per_approach).plus(across.times(sine * per_across)),
             _ => nothing,
         };
-        let gap = contacts_of_balls.load.below(Lanes::constant(f64::MIN_POSITIVE));
-        let load = Plane::select(gap, nothing, slope(0).times(Lanes::constant(2.0)));
+        let gap = contacts_of_balls.load.less_than(Lanes::splat_f64(f64::MIN_POSITIVE));
+        let load = Plane::select(gap, nothing, slope(0).times(Lanes::splat_f64(2.0)));
         // The contact turns with the line and by d(asin w) = dw/sqrt(1 - w^2).
         let turning = across.times(query.inverse_length).plus(slope(1).times(all(T::ONE) / contacts_of_balls.turn.r));
         let (e, t) = (contacts_of_balls.contact, contacts_of_balls.contact.tangent());

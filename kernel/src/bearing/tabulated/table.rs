@@ -44,18 +44,18 @@ impl<T: Scalar> Axis<T> {
     #[inline(always)]
     fn inside<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
         let [low, high] = self.range;
-        (x - Lanes::all(low)) * (Lanes::all(high) - x)
+        (x - Lanes::splat(low)) * (Lanes::splat(high) - x)
     }
 
     #[inline(always)]
     fn coordinate<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
-        (x - Lanes::all(self.origin)) * Lanes::all(self.density)
+        (x - Lanes::splat(self.origin)) * Lanes::splat(self.density)
     }
 
     /// The first of the three nodes around each `x`, and how far it lies from half before to half after the middle one.
     #[inline(always)]
     fn around<const K: usize>(&self, x: Lanes<T, K>, last: LatticeIndex<T>) -> (LatticeIndices<T, K>, Lanes<T, K>) {
-        let coordinate = self.coordinate(x) - Lanes::all(T::HALF);
+        let coordinate = self.coordinate(x) - Lanes::splat(T::HALF);
         let first = coordinate.clamped_floor(last);
         (first, coordinate - first.numbers)
     }
@@ -88,7 +88,7 @@ impl<T: Scalar, const K: usize> Weights<T, K> {
     /// In a quadratic B-spline, of balls that lie `after` from half before to half after the middle node.
     #[inline(always)]
     fn quadratic(after: Lanes<T, K>) -> Self {
-        let [half, one] = [T::HALF, T::ONE].map(Lanes::all);
+        let [half, one] = [T::HALF, T::ONE].map(Lanes::splat);
         let before = one - after;
         let (before, after) = (half * before * before, half * after * after);
         Self { before, middle: one - before - after, after }
@@ -97,8 +97,8 @@ impl<T: Scalar, const K: usize> Weights<T, K> {
     /// Slopes of these weights.
     #[inline(always)]
     fn slopes(after: Lanes<T, K>, density: T) -> Self {
-        let density = Lanes::all(density);
-        let before = Lanes::all(T::ONE) - after;
+        let density = Lanes::splat(density);
+        let before = Lanes::splat(T::ONE) - after;
         Self { before: -before * density, middle: (before - after) * density, after: after * density }
     }
 
@@ -312,10 +312,10 @@ impl<T: Scalar, const F: usize> Rows<'_, T, F> {
 /// Quantity by quantity instead of ball by ball.
 #[inline(always)]
 pub(super) fn transposed<T: Scalar, const F: usize, const K: usize>(balls: &[Node<T, F>; K]) -> [Lanes<T, K>; F] {
-    let mut fields = [Lanes::all(T::ZERO); F];
+    let mut fields = [Lanes::splat(T::ZERO); F];
     let mut field = 0;
     while field < F {
-        fields[field] = Lanes::of(balls, |node| node[field]);
+        fields[field] = Lanes::gather(balls, |node| node[field]);
         field += 1;
     }
     fields
