@@ -5,7 +5,7 @@ use ballrace::bearing::batch::radial_batch;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::{ElementPositions, evenly_spaced};
-use ballrace::contact::law::Point;
+use ballrace::contact::law::PointContactLaw;
 use ballrace::{Exact, Math, Phase, Scalar};
 use std::hint::black_box;
 
@@ -40,13 +40,13 @@ where
     Exact: Math<T>,
 {
     let places: ElementPositions<T, ELEMENTS> = evenly_spaced(Phase::ZERO);
-    let law = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
+    let law = PointContactLaw { stiffness: T::from_f64(geometry()?.stiffness()) };
     let bearing = Radial::<T, Exact, _, _>::try_new(places, law, play)?;
     let (u, v) = (array(0.0, 20e-6, 0.618), array(0.0, 20e-6, 0.414));
     let (mut fx, mut fy) = (array(0.0, 0.0, 0.0), array(0.0, 0.0, 0.0));
     let mut cage = Phase::ZERO;
     Ok(Box::new(move || {
-        cage = cage.plus(Phase(0x0123_4567_89ab_cdef));
+        cage = cage.wrapping_add(Phase(0x0123_4567_89ab_cdef));
         radial_batch(black_box(&bearing), cage, (black_box(&u), black_box(&v)), (&mut fx, &mut fy));
         black_box((&mut fx, &mut fy));
     }))

@@ -5,7 +5,7 @@ use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, OuterControlled, RaceControl};
 use ballrace::bearing::quasi_static::{BallPosition, QuasiStatic};
-use ballrace::bearing::tabulated::{Domain, Node, Table, Tabulated, fill};
+use ballrace::bearing::tabulated::{Node, Table, TableDomain, Tabulated, fill_table};
 use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::hertz::Material;
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
@@ -44,24 +44,24 @@ fn solved() -> Result<Massive, InvalidParameter> {
         density: 7800.0,
         centrifugal: true,
         gyroscopic: true,
-        control: RaceControl::Outer,
-        sharing: FrictionSharing::Outer,
+        race_control: RaceControl::Outer,
+        friction_sharing: FrictionSharing::Outer,
     };
     QuasiStatic::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Touching)?
         .with_outer_control(&inertia)
 }
 
 fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
-    let domain = Domain {
+    let domain = TableDomain {
         approach: [-60e-6, 100e-6],
         angle: [20_f64.to_radians(), 60_f64.to_radians()],
         speed: [0.2 * SPEED, 2.0 * SPEED],
-        turning: [1.0, 0.0],
+        speed_ratios: [1.0, 0.0],
         intervals: [32, 16, 32],
     };
     let grid = domain.grid()?;
     let mut nodes = vec![[0.0; 2]; grid.len()];
-    fill(bearing, &domain, &grid, &mut nodes);
+    fill_table(bearing, &domain, &grid, &mut nodes);
     Ok(Tabulated::new(evenly_spaced(Phase::ZERO), bearing.table_constants(), Table::new(grid, nodes), false))
 }
 
@@ -104,7 +104,7 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
 
 /// A smooth way through the poses, each ball starting where it was.
 fn warm(bearing: Massive) -> Subject {
-    let bearing = bearing.with_steps(WARM_STEPS);
+    let bearing = bearing.with_newton_steps(WARM_STEPS);
     let at = BearingKinematicState { inner_speed: SPEED, ..BearingKinematicState::default() };
     let mut balls = [BallPosition::default(); 16];
     let pose = |i: u32| {
@@ -112,10 +112,10 @@ fn warm(bearing: Massive) -> Subject {
         Displacement { u: 8e-6 * angle.cos(), v: 8e-6 * angle.sin(), w: 15e-6, thu: 5e-5, thv: 0.0 }
     };
     let poses: Vec<_> = (0..INPUTS).map(pose).collect();
-    bearing.place_balls(&pose(0), &at, &mut balls);
+    bearing.initial_ball_positions(&pose(0), &at, &mut balls);
     let run = Box::new(move || {
         for u in &poses {
-            black_box(bearing.reaction_from(black_box(u), black_box(&at), &mut balls));
+            black_box(bearing.warm_started_reaction(black_box(u), black_box(&at), &mut balls));
         }
     });
     Subject { row: WARM.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }

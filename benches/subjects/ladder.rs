@@ -5,8 +5,8 @@ use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{Bearing, ElementPositions, even_pairs, evenly_spaced};
-use ballrace::contact::law::{Line, Point};
+use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced, evenly_spaced_pairs};
+use ballrace::contact::law::{LineContactLaw, PointContactLaw};
 use ballrace::contact::line::roller_stiffness;
 use ballrace::{Displacement, Exact, Math, Phase, Scalar};
 use std::hint::black_box;
@@ -36,10 +36,10 @@ pub fn moving<T: Scalar, M: Math<T>>(column: &'static str) -> Result<Vec<Subject
 
 /// Opposite pairs, `2 H` elements.
 fn of_pairs<T: Scalar, M: Math<T>, const H: usize>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
-    let point = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
-    let balls = Radial::<T, M, _, _>::try_new(even_pairs::<T, H>(Phase::ZERO), point, RADIAL_PLAY)?;
+    let point = PointContactLaw { stiffness: T::from_f64(geometry()?.stiffness()) };
+    let balls = Radial::<T, M, _, _>::try_new(evenly_spaced_pairs::<T, H>(Phase::ZERO), point, RADIAL_PLAY)?;
     let angular =
-        Angular::<T, M, _>::try_new(geometry()?, even_pairs::<T, H>(Phase::ZERO), DisplacementDatum::Centred)?;
+        Angular::<T, M, _>::try_new(geometry()?, evenly_spaced_pairs::<T, H>(Phase::ZERO), DisplacementDatum::Centred)?;
     let n = 2 * H;
     let subjects = [
         force_and_tangent(&format!("lumped, point contact, pairs, N = {n}"), column, balls),
@@ -50,8 +50,8 @@ fn of_pairs<T: Scalar, M: Math<T>, const H: usize>(column: &'static str) -> Resu
 
 fn of_elements<T: Scalar, M: Math<T>, const N: usize>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
     let places: ElementPositions<T, N> = evenly_spaced(Phase::ZERO);
-    let point = Point { stiffness: T::from_f64(geometry()?.stiffness()) };
-    let line = Line { stiffness: T::from_f64(roller_stiffness(ROLLER_LENGTH)) };
+    let point = PointContactLaw { stiffness: T::from_f64(geometry()?.stiffness()) };
+    let line = LineContactLaw { stiffness: T::from_f64(roller_stiffness(ROLLER_LENGTH)) };
     let balls = Radial::<T, M, _, _>::try_new(places, point, RADIAL_PLAY)?;
     let rollers = Radial::<T, M, _, _>::try_new(places, line, RADIAL_PLAY)?;
     let thrust = Axial::<T, M, _, _>::try_new(places, point, 0.0, 0.5 * geometry()?.pitch_diameter)?;

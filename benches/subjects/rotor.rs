@@ -6,8 +6,8 @@ use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{ElementPositions, evenly_spaced};
 use ballrace::rotor::{
-    Integrator, Mounted, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4, ShaftMotion,
-    SpeedRatios, Unbalance, Verlet,
+    BearingAtStation, Integrator, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4,
+    ShaftMotion, SpeedRatios, Unbalance, Verlet,
 };
 use ballrace::{Displacement, Exact, Math, Phase, Scalar};
 use std::hint::black_box;
@@ -19,7 +19,7 @@ const SPEED: f64 = 300.0;
 
 type BallBearing<T, const N: usize> = Angular<T, Exact, ElementPositions<T, N>>;
 type Rotor<T, const N: usize, const B: usize> =
-    RotorBearingSystem<RigidRotor<T, Exact>, Mounted<T, BallBearing<T, N>>, B>;
+    RotorBearingSystem<RigidRotor<T, Exact>, BearingAtStation<T, BallBearing<T, N>>, B>;
 
 /// How the cost grows with the elements and with the bearings.
 pub fn lines(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
@@ -62,14 +62,14 @@ fn stepping<T: Scalar, const N: usize, const B: usize>(
 where
     Exact: Math<T>,
 {
-    let mut state = RotorState::at_rest(Displacement::default(), Phase::ZERO, [Phase::ZERO; B]);
+    let mut state = RotorState::stationary(Displacement::default(), Phase::ZERO, [Phase::ZERO; B]);
     let mut drive = ShaftMotion { angle: Phase::ZERO, speed: T::from_f64(SPEED), acceleration: T::ZERO };
     Box::new(move || {
         for _ in 0..INPUTS {
             black_box(integrator.step(black_box(&machine), &mut state, black_box(&drive)));
             drive = drive.after(T::from_f64(STEP));
         }
-        assert_eq!(state.held, 0, "a rotor that has left the numbers takes another time a step");
+        assert_eq!(state.held_steps, 0, "a rotor that has left the numbers takes another time a step");
     })
 }
 
@@ -80,7 +80,8 @@ where
     let geometry = geometry()?;
     let cage = orders(N, geometry.gamma(), geometry.ball_diameter / geometry.pitch_diameter).cage;
     let bearing = BallBearing::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred)?;
-    let mounted = |station| Mounted { bearing, station: T::from_f64(station), gear: SpeedRatios::new(cage) };
+    let mounted =
+        |station| BearingAtStation { bearing, station: T::from_f64(station), speed_ratios: SpeedRatios::new(cage) };
     let unbalance = Unbalance { moment: 2e-5, angle: 0.0, station: 0.01 };
     // Evenly along 320 mm.
     let station = |i| 0.32 * ((i as f64 + 0.5) / B as f64 - 0.5);

@@ -18,12 +18,12 @@ impl Choice {
     }
 
     #[inline(always)]
-    pub fn of<T: Scalar>(self, a: T, b: T) -> T {
-        T::masked(self.mask, a, b)
+    pub fn select<T: Scalar>(self, a: T, b: T) -> T {
+        T::select_by_mask(self.mask, a, b)
     }
 
     #[inline(always)]
-    pub fn of_turns(self, a: Phase, b: Phase) -> Phase {
+    pub fn select_phase(self, a: Phase, b: Phase) -> Phase {
         let mask = i64::from(self.mask.cast_signed()) as u64;
         Phase((a.0 & mask) | (b.0 & !mask))
     }

@@ -3,6 +3,7 @@
 //! Fixed frame X, Y radial, Z along the shaft, right-handed.
 
 use crate::scalar::Scalar;
+use core::ops::Add;
 use nalgebra::SMatrix;
 
 /// Displacement of a ring, or of the inner ring against the outer: m, m, m, rad, rad.
@@ -57,12 +58,6 @@ impl<T: Scalar> Displacement<T> {
         Self { u: v, v: w, w: u, thu: psi, thv: theta }
     }
 
-    /// Entry by entry.
-    pub fn plus(self, other: Self) -> Self {
-        let (a, b) = (self, other);
-        Self { u: a.u + b.u, v: a.v + b.v, w: a.w + b.w, thu: a.thu + b.thu, thv: a.thv + b.thv }
-    }
-
     /// Seen from the frame turned by pi about X, in which a bearing facing -Z looks as one facing +Z.
     pub fn mirrored(self) -> Self {
         Self { u: self.u, v: -self.v, w: -self.w, thu: self.thu, thv: -self.thv }
@@ -74,13 +69,29 @@ impl<T: Scalar> Displacement<T> {
     }
 
     /// `a` if `first`, else `b`, entry by entry, the same instructions either way.
-    pub fn choose(first: bool, a: Self, b: Self) -> Self {
-        Self::from_array(choose(first, a.to_array(), b.to_array()))
+    pub fn select(first: bool, a: Self, b: Self) -> Self {
+        Self::from_array(select(first, a.to_array(), b.to_array()))
     }
 
     /// Of the point at `station` along Z of a rigid body whose point at 0 has this displacement.
     pub fn at_station(self, station: T) -> Self {
         Self { u: self.u + station * self.thv, v: self.v - station * self.thu, ..self }
+    }
+}
+
+impl<T: Scalar> Add for Displacement<T> {
+    type Output = Self;
+    #[inline]
+    fn add(self, b: Self) -> Self {
+        Self { u: self.u + b.u, v: self.v + b.v, w: self.w + b.w, thu: self.thu + b.thu, thv: self.thv + b.thv }
+    }
+}
+
+impl<T: Scalar> Add for Wrench<T> {
+    type Output = Self;
+    #[inline]
+    fn add(self, b: Self) -> Self {
+        Self { fx: self.fx + b.fx, fy: self.fy + b.fy, fz: self.fz + b.fz, mx: self.mx + b.mx, my: self.my + b.my }
     }
 }
 
@@ -118,19 +129,13 @@ impl<T: Scalar> Wrench<T> {
     }
 
     /// `a` if `first`, else `b`, entry by entry, the same instructions either way.
-    pub fn choose(first: bool, a: Self, b: Self) -> Self {
-        Self::from_array(choose(first, a.to_array(), b.to_array()))
+    pub fn select(first: bool, a: Self, b: Self) -> Self {
+        Self::from_array(select(first, a.to_array(), b.to_array()))
     }
 
     /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
     pub fn from_station(self, station: T) -> Self {
         Self { mx: self.mx - station * self.fy, my: self.my + station * self.fx, ..self }
-    }
-
-    /// Entry by entry.
-    pub fn plus(self, other: Self) -> Self {
-        let (a, b) = (self, other);
-        Self { fx: a.fx + b.fx, fy: a.fy + b.fy, fz: a.fz + b.fz, mx: a.mx + b.mx, my: a.my + b.my }
     }
 }
 
@@ -158,9 +163,9 @@ pub fn stiffness_from_station<T: Scalar>(k: &Stiffness<T>, station: T) -> Stiffn
     moved
 }
 
-fn choose<T: Scalar>(first: bool, mut a: [T; 5], b: [T; 5]) -> [T; 5] {
+fn select<T: Scalar>(first: bool, mut a: [T; 5], b: [T; 5]) -> [T; 5] {
     for (x, y) in a.iter_mut().zip(b) {
-        *x = T::choose(first, *x, y);
+        *x = T::select(first, *x, y);
     }
     a
 }

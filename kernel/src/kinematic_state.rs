@@ -20,7 +20,7 @@ use crate::scalar::Scalar;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BearingKinematicState<T> {
-    /// Cage, and so the elements' places.
+    /// Cage, and so the elements' positions.
     pub cage: Phase,
     /// Inner ring.
     pub inner: Phase,

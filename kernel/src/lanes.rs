@@ -32,7 +32,7 @@ impl<T: Scalar, const K: usize> LatticeIndices<T, K> {
         let mut entries = [0; K];
         let mut i = 0;
         while i < K {
-            entries[i] = T::entry(self.lane(i), length, columns.lane(i));
+            entries[i] = T::row_major_index(self.lane(i), length, columns.lane(i));
             i += 1;
         }
         entries
@@ -45,12 +45,12 @@ pub struct Mask<const K: usize>(pub [bool; K]);
 
 impl<T: Scalar, const K: usize> Lanes<T, K> {
     #[inline(always)]
-    pub fn all(x: T) -> Self {
+    pub fn splat(x: T) -> Self {
         Self([x; K])
     }
     /// One number of each.
     #[inline(always)]
-    pub fn of<S>(each: &[S; K], number: impl Fn(&S) -> T) -> Self {
+    pub fn gather<S>(each: &[S; K], number: impl Fn(&S) -> T) -> Self {
         let mut lanes = Self([T::ZERO; K]);
         let mut i = 0;
         while i < K {
@@ -60,11 +60,11 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         lanes
     }
     #[inline(always)]
-    pub fn constant(x: f64) -> Self {
+    pub fn splat_f64(x: f64) -> Self {
         Self([T::from_f64(x); K])
     }
     #[inline(always)]
-    fn each(mut self, f: impl Fn(T) -> T) -> Self {
+    fn map(mut self, f: impl Fn(T) -> T) -> Self {
         let mut i = 0;
         while i < K {
             self.0[i] = f(self.0[i]);
@@ -73,7 +73,7 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         self
     }
     #[inline(always)]
-    fn with(mut self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+    fn zip_with(mut self, other: Self, f: impl Fn(T, T) -> T) -> Self {
         let mut i = 0;
         while i < K {
             self.0[i] = f(self.0[i], other.0[i]);
@@ -96,70 +96,70 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         Self(M::sqrt_each(self.0))
     }
     #[inline(always)]
-    pub fn power<M: Math<T>>(self, n: T) -> Self {
-        self.each(|x| M::powf(x, n))
+    pub fn powf<M: Math<T>>(self, n: T) -> Self {
+        self.map(|x| M::powf(x, n))
     }
     #[inline(always)]
-    pub fn two_thirds_roughly(self) -> Self {
-        self.each(T::two_thirds_roughly)
+    pub fn approximate_two_thirds_power(self) -> Self {
+        self.map(T::approximate_two_thirds_power)
     }
     #[inline(always)]
     pub fn abs(self) -> Self {
-        self.each(T::abs)
+        self.map(T::abs)
     }
     /// `x + |x|`
     #[inline(always)]
-    pub fn twice_positive(self) -> Self {
-        self.each(T::twice_positive)
+    pub fn twice_positive_part(self) -> Self {
+        self.map(T::twice_positive_part)
     }
     /// `(x + |x|)/2`
     #[inline(always)]
     pub fn positive(self) -> Self {
-        self.each(|x| T::HALF * x.twice_positive())
+        self.map(|x| T::HALF * x.twice_positive_part())
     }
     #[inline(always)]
-    pub fn negated_by(self, sign: Self) -> Self {
-        self.with(sign, T::negated_by)
+    pub fn xor_sign(self, sign: Self) -> Self {
+        self.zip_with(sign, T::xor_sign)
     }
     #[inline(always)]
-    pub fn either_sign(self, other: Self) -> Self {
-        self.with(other, T::either_sign)
+    pub fn or_sign(self, other: Self) -> Self {
+        self.zip_with(other, T::or_sign)
     }
     /// A number whose sign bit is set where any lane's is.
     #[inline(always)]
     pub fn any_sign(self) -> T {
-        self.0.into_iter().fold(T::ZERO, T::either_sign)
+        self.0.into_iter().fold(T::ZERO, T::or_sign)
     }
     /// The whole part of each, 0 to `most`.
     #[inline(always)]
-    pub fn whole(self, most: LatticeIndex<T>) -> LatticeIndices<T, K> {
+    pub fn clamped_floor(self, most: LatticeIndex<T>) -> LatticeIndices<T, K> {
         let mut wholes = LatticeIndices { counts: [0; K], numbers: self };
         let mut i = 0;
         while i < K {
-            let LatticeIndex { count, number } = self.0[i].whole(most);
+            let LatticeIndex { count, number } = self.0[i].clamped_floor(most);
             (wholes.counts[i], wholes.numbers.0[i]) = (count, number);
             i += 1;
         }
         wholes
     }
     #[inline(always)]
-    pub fn below(self, other: Self) -> Mask<K> {
+    pub fn less_than(self, other: Self) -> Mask<K> {
         self.compare(other, |x, y| x < y)
     }
     #[inline(always)]
     pub fn smaller(self, other: Self) -> Self {
-        self.with(other, T::smaller)
+        self.zip_with(other, T::smaller)
     }
     #[inline(always)]
     pub fn larger(self, other: Self) -> Self {
-        self.with(other, T::larger)
+        self.zip_with(other, T::larger)
     }
     #[inline(always)]
-    pub fn choose(first: Mask<K>, a: Self, b: Self) -> Self {
+    pub fn select(first: Mask<K>, a: Self, b: Self) -> Self {
         let mut chosen = a;
         let mut i = 0;
         while i < K {
-            chosen.0[i] = T::choose(first.0[i], a.0[i], b.0[i]);
+            chosen.0[i] = T::select(first.0[i], a.0[i], b.0[i]);
             i += 1;
         }
         chosen
@@ -193,7 +193,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.with(other, |x, y| x $op y)
+                self.zip_with(other, |x, y| x $op y)
             }
         }
     };
@@ -207,7 +207,7 @@ impl<T: Scalar, const K: usize> Neg for Lanes<T, K> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.each(|x| -x)
+        self.map(|x| -x)
     }
 }
 
@@ -241,7 +241,7 @@ impl<T: Scalar, const K: usize> Plane<Lanes<T, K>> {
         Self { r: -self.z, z: self.r }
     }
     #[inline(always)]
-    pub fn choose(first: Mask<K>, a: Self, b: Self) -> Self {
-        Self { r: Lanes::choose(first, a.r, b.r), z: Lanes::choose(first, a.z, b.z) }
+    pub fn select(first: Mask<K>, a: Self, b: Self) -> Self {
+        Self { r: Lanes::select(first, a.r, b.r), z: Lanes::select(first, a.z, b.z) }
     }
 }

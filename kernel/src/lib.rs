@@ -15,7 +15,10 @@ pub mod scalar;
 pub mod status;
 pub mod twin;
 
-pub use bearing::Bearing;
+pub use bearing::{
+    AngularContact, Bearing, DeepGroove, HighSpeedBearing, LubricatedBearing, LumpedAxial, LumpedRadial,
+    LumpedRadialAxial, LumpedRoller, QuasiStaticBearing, TabulatedBearing,
+};
 pub use frame::{Displacement, Stiffness, Wrench};
 pub use kinematic_state::BearingKinematicState;
 pub use math::{Exact, Fast, Math};

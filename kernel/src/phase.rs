@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 /// ```
 /// use ballrace::Phase;
 /// let quarter = Phase::from_revolutions(0.25);
-/// assert_eq!(quarter.times(4), Phase::ZERO);
+/// assert_eq!(quarter.wrapping_mul(4), Phase::ZERO);
 /// assert_eq!(quarter.opposite(), Phase::from_revolutions(0.75));
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -54,7 +54,7 @@ impl Phase {
     /// The angle further by `angle`.
     #[must_use]
     #[inline]
-    pub const fn plus(self, angle: Self) -> Self {
+    pub const fn wrapping_add(self, angle: Self) -> Self {
         Self(self.0.wrapping_add(angle.0))
     }
 
@@ -68,8 +68,8 @@ impl Phase {
     /// The angle further by `arc`.
     #[must_use]
     #[inline]
-    pub const fn advanced(self, arc: PhaseDelta) -> Self {
-        Self(self.0.wrapping_add(arc.0 as u64))
+    pub const fn advanced(self, delta: PhaseDelta) -> Self {
+        Self(self.0.wrapping_add(delta.0 as u64))
     }
 
     /// The same angle turned the other way: -angle.
@@ -89,7 +89,7 @@ impl Phase {
     /// `n` times the angle, for the phase of the n-th harmonic or of n equally spaced elements.
     #[must_use]
     #[inline]
-    pub const fn times(self, n: u64) -> Self {
+    pub const fn wrapping_mul(self, n: u64) -> Self {
         Self(self.0.wrapping_mul(n))
     }
 }
@@ -107,14 +107,14 @@ impl PhaseDelta {
     #[must_use]
     #[inline]
     pub fn from_radians<T: Scalar>(radians: T) -> Self {
-        Self(radians.counts_of_radians())
+        Self(radians.to_phase_counts())
     }
 
     /// Radians, -pi to pi.
     #[must_use]
     #[inline]
     pub fn radians<T: Scalar>(self) -> T {
-        T::radians_of_counts(self.0)
+        T::radians_from_counts(self.0)
     }
 }
 
@@ -127,7 +127,7 @@ impl PhaseDelta {
 /// use ballrace::phase::SpeedRatio;
 /// // The cage turns while the shaft makes an eighth of a turn.
 /// let shaft = Phase::from_revolutions(0.125).since(Phase::ZERO);
-/// let cage = Phase::ZERO.advanced(SpeedRatio::new(0.4).of(shaft));
+/// let cage = Phase::ZERO.advanced(SpeedRatio::new(0.4).apply(shaft));
 /// assert!((cage.revolutions() - 0.05).abs() < 1e-15);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -147,8 +147,8 @@ impl SpeedRatio {
     /// `ratio * arc`; beyond half a turn it wraps, as angles do.
     #[must_use]
     #[inline]
-    pub const fn of(self, arc: PhaseDelta) -> PhaseDelta {
-        PhaseDelta(((self.0 as i128 * arc.0 as i128) >> RATIO_DIGITS) as i64)
+    pub const fn apply(self, delta: PhaseDelta) -> PhaseDelta {
+        PhaseDelta(((self.0 as i128 * delta.0 as i128) >> RATIO_DIGITS) as i64)
     }
 
     /// The ratio as a number.

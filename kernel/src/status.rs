@@ -15,7 +15,7 @@ impl Status {
     /// No element carries load.
     pub const CONTACT_LOST: Self = Self(4);
     /// An element did not reach its equilibrium in the steps given: the force is not to be trusted.
-    pub const NOT_SETTLED: Self = Self(8);
+    pub const NOT_CONVERGED: Self = Self(8);
     /// The friction that would balance a gyroscopic moment is more than the contacts can give: the ball would slip.
     pub const GYROSCOPIC_SLIP: Self = Self(16);
     /// Outside of what was declared when the bearing's table was made.
@@ -33,7 +33,7 @@ impl Status {
     /// Both sets of flags.
     #[must_use]
     #[inline]
-    pub const fn and(self, other: Self) -> Self {
+    pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
@@ -47,7 +47,7 @@ impl Status {
     /// All flags of `other` are set.
     #[must_use]
     #[inline]
-    pub const fn has(self, other: Self) -> bool {
+    pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 

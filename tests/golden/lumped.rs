@@ -1,7 +1,7 @@
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
-use ballrace::contact::law::{Law, Line, Point, Power};
+use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::{Displacement, Exact, Math, Phase, Scalar};
 use ballrace_tests::compare::relative_to_largest;
 use ballrace_tests::lumped::{Case, cases};
@@ -20,10 +20,10 @@ fn evaluate<T, L, A, const N: usize>(case: &Case, radial: L, axial: Option<A>, c
 where
     T: Scalar,
     Exact: Math<T>,
-    L: Law<T, Exact>,
-    A: Law<T, Exact>,
+    L: LoadDeflectionLaw<T, Exact>,
+    A: LoadDeflectionLaw<T, Exact>,
 {
-    let first = Phase::from_radians(case.azimuth_of_first_element).plus(cage.reversed());
+    let first = Phase::from_radians(case.azimuth_of_first_element).wrapping_add(cage.reversed());
     let places: ElementPositions<T, N> = evenly_spaced(first);
     let radial = Radial::<T, Exact, L, _>::try_new(places, radial, case.radial_play).unwrap();
     let u = Displacement::from_array(case.displacement.map(T::from_f64));
@@ -74,9 +74,19 @@ where
         case.elements,
         N,
         if case.exponent == 1.5 {
-            evaluate::<T, _, _, N>(case, Point { stiffness: k }, ka.map(|stiffness| Point { stiffness }), cage)
+            evaluate::<T, _, _, N>(
+                case,
+                PointContactLaw { stiffness: k },
+                ka.map(|stiffness| PointContactLaw { stiffness }),
+                cage,
+            )
         } else {
-            evaluate::<T, _, _, N>(case, Line { stiffness: k }, ka.map(|stiffness| Line { stiffness }), cage)
+            evaluate::<T, _, _, N>(
+                case,
+                LineContactLaw { stiffness: k },
+                ka.map(|stiffness| LineContactLaw { stiffness }),
+                cage,
+            )
         }
     )
 }
@@ -134,11 +144,11 @@ fn action_equals_reaction_on_the_housing() {
 fn the_general_exponent_agrees_with_the_special_ones() {
     for case in cases() {
         let k = case.stiffness;
-        let axial = case.axial.map(|a| Power { stiffness: a.stiffness, exponent: a.exponent });
+        let axial = case.axial.map(|a| PowerLaw { stiffness: a.stiffness, exponent: a.exponent });
         let general = with_elements!(
             case.elements,
             N,
-            evaluate::<f64, _, _, N>(&case, Power { stiffness: k, exponent: case.exponent }, axial, Phase::ZERO)
+            evaluate::<f64, _, _, N>(&case, PowerLaw { stiffness: k, exponent: case.exponent }, axial, Phase::ZERO)
         );
         assert!(relative_to_largest(&general.force, &case.force) < 1e-12);
     }

@@ -3,7 +3,7 @@
 use ballrace::bearing::batch::radial_batch;
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::{Bearing, ElementPosition};
-use ballrace::contact::law::{Law, Line, Point};
+use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw};
 use ballrace::{Displacement, Exact, Fast, Math, Phase, Scalar};
 
 const REACH: f64 = 30e-6;
@@ -20,11 +20,11 @@ fn samples<T: Scalar>(count: usize) -> (Vec<T>, Vec<T>) {
 }
 
 fn even<T: Scalar>(count: usize) -> Vec<ElementPosition<T>> {
-    (0..count).map(|j| ElementPosition::even(Phase::from_revolutions(0.013), j, count)).collect()
+    (0..count).map(|j| ElementPosition::evenly_spaced(Phase::from_revolutions(0.013), j, count)).collect()
 }
 
 /// Largest difference of the batch from single evaluations, over the load of one element at full reach.
-fn difference<T: Scalar, M: Math<T>, L: Law<T, M>>(
+fn difference<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(
     places: Vec<ElementPosition<T>>,
     law: L,
     play: f64,
@@ -47,7 +47,7 @@ fn difference<T: Scalar, M: Math<T>, L: Law<T, M>>(
 }
 
 /// All plays and lengths: around a whole vector, around a whole block, none.
-fn largest<T: Scalar, M: Math<T>, L: Law<T, M>>(places: &[ElementPosition<T>], law: L) -> f64 {
+fn largest<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(places: &[ElementPosition<T>], law: L) -> f64 {
     let plays = [8e-6, 0.0, -0.0, -5e-6];
     let cases = plays.into_iter().flat_map(|play| [0, 1, 3, 4, 9, 255, 256, 257, 600].map(|count| (play, count)));
     cases.map(|(play, count)| difference::<T, M, L>(places.to_vec(), law, play, count)).fold(0.0, f64::max)
@@ -55,7 +55,8 @@ fn largest<T: Scalar, M: Math<T>, L: Law<T, M>>(places: &[ElementPosition<T>], l
 
 fn largest_of_laws<T: Scalar, M: Math<T>>(places: &[ElementPosition<T>]) -> f64 {
     let stiffness = T::from_f64(STIFFNESS);
-    largest::<T, M, _>(places, Point { stiffness }).max(largest::<T, M, _>(places, Line { stiffness }))
+    largest::<T, M, _>(places, PointContactLaw { stiffness })
+        .max(largest::<T, M, _>(places, LineContactLaw { stiffness }))
 }
 
 #[test]
@@ -75,7 +76,7 @@ fn any_number_of_elements() {
 #[test]
 fn any_places() {
     let at = |revolutions: &[f64]| {
-        revolutions.iter().map(|&r| ElementPosition::at(Phase::from_revolutions(r))).collect::<Vec<_>>()
+        revolutions.iter().map(|&r| ElementPosition::from_azimuth(Phase::from_revolutions(r))).collect::<Vec<_>>()
     };
     for places in [
         at(&[0.0, 0.25, 0.5, 0.8]),
@@ -93,7 +94,7 @@ fn any_places() {
 
 #[test]
 fn stops_at_the_shortest_slice() {
-    let bearing = Radial::<f64, Exact, _, _>::try_new(even(8), Point { stiffness: STIFFNESS }, 5e-6).unwrap();
+    let bearing = Radial::<f64, Exact, _, _>::try_new(even(8), PointContactLaw { stiffness: STIFFNESS }, 5e-6).unwrap();
     let (u, v) = samples::<f64>(300);
     let run = |[nu, nv, nx, ny]: [usize; 4]| {
         let (mut fx, mut fy) = (vec![f64::MAX; 300], vec![f64::MAX; 300]);
@@ -116,7 +117,8 @@ fn stops_at_the_shortest_slice() {
 #[test]
 fn not_a_number_stays_where_it_is() {
     for play in [5e-6, -5e-6] {
-        let bearing = Radial::<f64, Exact, _, _>::try_new(even(8), Point { stiffness: STIFFNESS }, play).unwrap();
+        let bearing =
+            Radial::<f64, Exact, _, _>::try_new(even(8), PointContactLaw { stiffness: STIFFNESS }, play).unwrap();
         let (mut u, v) = samples::<f64>(9);
         u[4] = f64::NAN;
         let (mut fx, mut fy) = ([0.0; 9], [0.0; 9]);

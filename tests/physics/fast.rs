@@ -3,7 +3,7 @@
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
-use ballrace::contact::law::{Line, Point, Power};
+use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::{Displacement, Exact, Fast, Math, Phase};
 use ballrace_tests::bearings::acbb_s_geometry;
 use ballrace_tests::compare::relative_to_largest;
@@ -83,7 +83,7 @@ fn forces() {
             within($what, errors.fold(0.0, f64::max), $bound);
         }};
     }
-    fn radial<M: Math<f32>, L: ballrace::contact::law::Law<f32, M>>(
+    fn radial<M: Math<f32>, L: ballrace::contact::law::LoadDeflectionLaw<f32, M>>(
         _: M,
         law: L,
     ) -> Radial<f32, M, L, ElementPositions<f32, 9>> {
@@ -92,9 +92,9 @@ fn forces() {
     fn angular<M: Math<f32>>(_: M) -> Angular<f32, M, ElementPositions<f32, 14>> {
         Angular::try_new(acbb_s_geometry(), evenly_spaced(Phase::ZERO), DisplacementDatum::Touching).unwrap()
     }
-    compare!("lumped, 3/2", 1.8e-3, |m| radial(m, Point { stiffness: 8e9 }));
+    compare!("lumped, 3/2", 1.8e-3, |m| radial(m, PointContactLaw { stiffness: 8e9 }));
     compare!("angular", 3e-3, angular);
-    let (line, power) = (Line { stiffness: 3e8 }, Power { stiffness: 2e9, exponent: 1.37 });
+    let (line, power) = (LineContactLaw { stiffness: 3e8 }, PowerLaw { stiffness: 2e9, exponent: 1.37 });
     assert_eq!(wrenches(&radial(Exact, line)), wrenches(&radial(Fast, line)), "no square root in the line law");
     assert_eq!(wrenches(&radial(Exact, power)), wrenches(&radial(Fast, power)), "nor in any other power");
 }

@@ -3,11 +3,12 @@
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
-use ballrace::contact::law::Point;
+use ballrace::contact::law::PointContactLaw;
 use ballrace::rotor::{
-    AttachedElement, Attachment, ForceElement, Integrator, LinearSystem, Matrices, Mounted, MovingBalls,
+    AttachedBearing, Attachment, BearingAtStation, ForceElement, Integrator, LinearSystem, MovingBalls,
     MovingBallsParams, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4,
-    SecondOrderSystem, ShaftMotion, SpeedRatios, SteadyVerlet, Support, Unbalance, Verlet, equilibrium, supported,
+    SecondOrderSystem, ShaftMotion, SpeedRatios, SteadyVerlet, Support, SystemMatrices, Unbalance, Verlet, equilibrium,
+    supported_rotor,
 };
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Status, Stiffness};
 use ballrace_tests::bearings::deep_groove;
@@ -56,19 +57,20 @@ type Ball = ballrace::bearing::angular::Angular<f64, Exact, ElementPositions<f64
 
 fn on_supports(
     supports: &[Support],
-) -> RotorBearingSystem<LinearSystem<f64, Exact, 9>, AttachedElement<f64, Ball, 9>, 2> {
-    let matrices = supported::<9>(&damped(), &[UNBALANCE], supports).unwrap();
+) -> RotorBearingSystem<LinearSystem<f64, Exact, 9>, AttachedBearing<f64, Ball, 9>, 2> {
+    let matrices = supported_rotor::<9>(&damped(), &[UNBALANCE], supports).unwrap();
     let housing = |i: usize| (i < supports.len()).then_some(5 + 2 * i);
-    let at = |i: usize, station: f64| AttachedElement {
+    let at = |i: usize, station: f64| AttachedBearing {
         bearing: deep_groove::<9>(10e-6),
         attachment: Attachment::on_rigid_rotor(station, housing(i)),
-        gear: SpeedRatios::new(0.4),
+        speed_ratios: SpeedRatios::new(0.4),
     };
     RotorBearingSystem { rotor: LinearSystem::try_new(&matrices).unwrap(), bearings: [at(0, -0.1), at(1, 0.1)] }
 }
 
-fn rigid() -> RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, Ball>, 2> {
-    let at = |station| Mounted { bearing: deep_groove::<9>(10e-6), station, gear: SpeedRatios::new(0.4) };
+fn rigid() -> RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, Ball>, 2> {
+    let at =
+        |station| BearingAtStation { bearing: deep_groove::<9>(10e-6), station, speed_ratios: SpeedRatios::new(0.4) };
     RotorBearingSystem { rotor: RigidRotor::try_new(&damped(), &[UNBALANCE]).unwrap(), bearings: [at(-0.1), at(0.1)] }
 }
 
@@ -82,8 +84,8 @@ fn a_general_system_without_supports_is_the_rigid_rotor() {
     let mut start = [0.0; 9];
     start[..5].copy_from_slice(&rest.q);
     let (a, b) = (
-        RotorState::at_rest(rest.q, Phase::ZERO, [Phase::ZERO; 2]),
-        RotorState::at_rest(start, Phase::ZERO, [Phase::ZERO; 2]),
+        RotorState::stationary(rest.q, Phase::ZERO, [Phase::ZERO; 2]),
+        RotorState::stationary(start, Phase::ZERO, [Phase::ZERO; 2]),
     );
     let up = ShaftMotion { acceleration: 500.0, ..drive(100.0) };
     let h = 1e-5;
@@ -111,7 +113,7 @@ fn a_general_system_without_supports_is_the_rigid_rotor() {
 fn a_steady_verlet_steps_as_verlet() {
     let (machine, verlet) = (on_supports(&[SOFT, SOFT]), Verlet { step: 2e-5 });
     let mut steady = SteadyVerlet::new(verlet, &machine.rotor, 0.0);
-    let mut state = RotorState::at_rest([0.0; 9], Phase::ZERO, [Phase::ZERO; 2]);
+    let mut state = RotorState::stationary([0.0; 9], Phase::ZERO, [Phase::ZERO; 2]);
     let (mut now, mut speed_before, mut to_the_bit) = (drive(300.0), 0.0, 0);
     for i in 0..3000 {
         let (mut plain, mut kept) = (state, state);
@@ -127,13 +129,13 @@ fn a_steady_verlet_steps_as_verlet() {
         (state, speed_before) = (kept, now.speed);
         let mut held = kept;
         assert!(steady.step(&machine, &mut held, &ShaftMotion { speed: f64::NAN, ..now }).is_held());
-        assert_eq!((held.q, held.rate, held.held), (kept.q, kept.rate, kept.held + 1));
+        assert_eq!((held.q, held.velocity, held.held_steps), (kept.q, kept.velocity, kept.held_steps + 1));
         now = now.after(verlet.step);
         now.acceleration = if (1000..2000).contains(&i) { 400.0 } else { 0.0 };
         now.speed = if i == 2500 { -100.0 } else { now.speed };
     }
     assert!((1000..1010).contains(&to_the_bit), "{to_the_bit}");
-    assert!(state.rate.iter().any(|rate| rate.abs() > 1e-5), "{state:?}");
+    assert!(state.velocity.iter().any(|rate| rate.abs() > 1e-5), "{state:?}");
 }
 
 /// At rest the supports carry what the bearings press on them, their own weight besides: action and reaction.
@@ -165,19 +167,19 @@ fn stiff_supports_recover_the_rigid_ones() {
 }
 
 /// An undamped rotor on springs in springs: its frequencies are those of the nine-coordinate matrices, its energy stays.
-type Elastic = RotorBearingSystem<LinearSystem<f64, Exact, 9>, AttachedElement<f64, Linear<f64>, 9>, 2>;
+type Elastic = RotorBearingSystem<LinearSystem<f64, Exact, 9>, AttachedBearing<f64, Linear<f64>, 9>, 2>;
 
 const SPRING: f64 = 1e8;
 
-fn elastic() -> (Elastic, Matrices<9>) {
+fn elastic() -> (Elastic, SystemMatrices<9>) {
     let free = Support { damping: [[0.0; 2]; 2], ..SOFT };
     let still = RotorParams { gravity: [0.0; 3], load: [0.0; 5], ..PARAMS };
-    let matrices = supported::<9>(&still, &[], &[free, free]).unwrap();
+    let matrices = supported_rotor::<9>(&still, &[], &[free, free]).unwrap();
     let k = Stiffness::from_fn(|i, j| if i == j && i < 3 { SPRING } else { 0.0 });
-    let at = |i: usize, station: f64| AttachedElement {
+    let at = |i: usize, station: f64| AttachedBearing {
         bearing: Linear::new(k),
         attachment: Attachment::on_rigid_rotor(station, Some(5 + 2 * i)),
-        gear: SpeedRatios::new(0.0),
+        speed_ratios: SpeedRatios::new(0.0),
     };
     (
         RotorBearingSystem { rotor: LinearSystem::try_new(&matrices).unwrap(), bearings: [at(0, -0.1), at(1, 0.1)] },
@@ -186,19 +188,19 @@ fn elastic() -> (Elastic, Matrices<9>) {
 }
 
 fn whole_stiffness(machine: &Elastic) -> SMatrix<f64, 9, 9> {
-    let (_, tangent) = machine.push_and_stiffness(&[0.0; 9], &[BearingKinematicState::default(); 2]);
-    tangent + machine.rotor.effective([0.0, 0.0, 1.0], 0.0)
+    let (_, tangent) = machine.bearing_forces_and_stiffness(&[0.0; 9], &[BearingKinematicState::default(); 2]);
+    tangent + machine.rotor.effective_matrix([0.0, 0.0, 1.0], 0.0)
 }
 
-fn energy(matrices: &Matrices<9>, k: &SMatrix<f64, 9, 9>, state: &RotorState<f64, 9, 2>) -> f64 {
-    let (q, v) = (nalgebra::SVector::from(state.q), nalgebra::SVector::from(state.rate));
+fn energy(matrices: &SystemMatrices<9>, k: &SMatrix<f64, 9, 9>, state: &RotorState<f64, 9, 2>) -> f64 {
+    let (q, v) = (nalgebra::SVector::from(state.q), nalgebra::SVector::from(state.velocity));
     0.5 * (v.dot(&(matrices.mass * v)) + q.dot(&(k * q)))
 }
 
 fn plucked() -> RotorState<f64, 9, 2> {
     let mut q = [0.0; 9];
     (q[0], q[1], q[3], q[5]) = (1e-5, -5e-6, 1e-5, 3e-6);
-    RotorState::at_rest(q, Phase::ZERO, [Phase::ZERO; 2])
+    RotorState::stationary(q, Phase::ZERO, [Phase::ZERO; 2])
 }
 
 /// A million steps of the undamped rotor with gyroscopic moments at a tenth of the stability limit: Verlet's energy
@@ -244,14 +246,14 @@ fn energy_over_a_million_steps() {
 }
 
 fn accelerated(machine: &Elastic, state: &RotorState<f64, 9, 2>) -> [f64; 9] {
-    let mut f = machine.push(&state.q, &[BearingKinematicState::default(); 2]).force;
-    for (f, g) in f.iter_mut().zip(machine.rotor.internal(&state.q, &state.rate, 0.0)) {
+    let mut f = machine.bearing_forces(&state.q, &[BearingKinematicState::default(); 2]).force;
+    for (f, g) in f.iter_mut().zip(machine.rotor.internal_force(&state.q, &state.velocity, 0.0)) {
         *f += g;
     }
-    machine.rotor.accelerate(&f)
+    machine.rotor.acceleration(&f)
 }
 
-fn highest(matrices: &Matrices<9>, k: &SMatrix<f64, 9, 9>) -> f64 {
+fn highest(matrices: &SystemMatrices<9>, k: &SMatrix<f64, 9, 9>) -> f64 {
     let root = matrices.mass.map(|m: f64| if m > 0.0 { 1.0 / m.sqrt() } else { 0.0 });
     (root * k * root).symmetric_eigenvalues().max().sqrt()
 }
@@ -310,8 +312,8 @@ fn largest_stable_steps() {
 /// A matrix that is not what it should be is refused with the entry's place.
 #[test]
 fn crooked_matrices_are_refused() {
-    let good = Matrices::<3>::idle();
-    let says = |change: &dyn Fn(&mut Matrices<3>)| {
+    let good = SystemMatrices::<3>::unit_mass();
+    let says = |change: &dyn Fn(&mut SystemMatrices<3>)| {
         let mut bad = good;
         change(&mut bad);
         LinearSystem::<f64, Exact, 3>::try_new(&bad).map(|_| ()).unwrap_err().to_string()
@@ -334,8 +336,8 @@ fn crooked_matrices_are_refused() {
 fn attached_to_any_coordinates() {
     let shuffled = [4_usize, 2, 0, 3, 1];
     let sign = [1.0, -1.0, 1.0, -1.0, 1.0];
-    let straight = supported::<5>(&damped(), &[UNBALANCE], &[]).unwrap();
-    let mut renamed = Matrices::<5>::idle();
+    let straight = supported_rotor::<5>(&damped(), &[UNBALANCE], &[]).unwrap();
+    let mut renamed = SystemMatrices::<5>::unit_mass();
     for i in 0..5 {
         for j in 0..5 {
             let (a, b) = (shuffled[i], shuffled[j]);
@@ -356,10 +358,10 @@ fn attached_to_any_coordinates() {
         rows[1][shuffled[3]] = -station * sign[3];
         rows
     };
-    let at = |station: f64| AttachedElement {
+    let at = |station: f64| AttachedBearing {
         bearing: deep_groove::<9>(10e-6),
         attachment: Attachment::new(&extended(station)),
-        gear: SpeedRatios::new(0.4),
+        speed_ratios: SpeedRatios::new(0.4),
     };
     let machine = RotorBearingSystem {
         rotor: LinearSystem::<f64, Exact, 5>::try_new(&renamed).unwrap(),
@@ -367,9 +369,9 @@ fn attached_to_any_coordinates() {
     };
     let h = 1e-5;
     let ends = |a: [f64; 5], b: [f64; 5]| {
-        let start = RotorState::at_rest(a, Phase::ZERO, [Phase::ZERO; 2]);
+        let start = RotorState::stationary(a, Phase::ZERO, [Phase::ZERO; 2]);
         let mine = run(&machine, &RungeKutta4 { step: h }, start, drive(300.0), (h, 3000)).q;
-        let start = RotorState::at_rest(b, Phase::ZERO, [Phase::ZERO; 2]);
+        let start = RotorState::stationary(b, Phase::ZERO, [Phase::ZERO; 2]);
         (mine, run(&rigid(), &RungeKutta4 { step: h }, start, drive(300.0), (h, 3000)).q)
     };
     let (mine, other) = ends([0.0; 5], [0.0; 5]);
@@ -397,7 +399,7 @@ fn on_moving_balls(
         gravity: [0.0; 3],
         ..damped()
     };
-    let mut matrices = supported::<14>(&held, &[], &[]).unwrap();
+    let mut matrices = supported_rotor::<14>(&held, &[], &[]).unwrap();
     for i in 5..14 {
         matrices.mass[(i, i)] = params.ball_mass;
         matrices.damping[(i, i)] = 20.0;
@@ -414,7 +416,7 @@ fn moving_balls_without_mass_are_the_lumped_bearing() {
     let series = MOVING.stiffness.map(|k| k.powf(-2.0 / 3.0)).iter().sum::<f64>().powf(-1.5);
     let lumped = Radial::<f64, Exact, _, ElementPositions<f64, 9>>::try_new(
         evenly_spaced(Phase::ZERO),
-        Point { stiffness: series },
+        PointContactLaw { stiffness: series },
         MOVING.radial_play,
     )
     .unwrap();
@@ -451,14 +453,14 @@ fn tangent_of_moving_balls() {
         inner_speed: 900.0,
         ..BearingKinematicState::default()
     }];
-    let (_, k) = machine.push_and_stiffness(&q, &at);
+    let (_, k) = machine.bearing_forces_and_stiffness(&q, &at);
     let largest = k.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     for j in 0..14 {
         let h = 1e-10;
         let moved = |s: f64| {
             let mut q = q;
             q[j] += s * h;
-            machine.push(&q, &at).force
+            machine.bearing_forces(&q, &at).force
         };
         let (plus, minus) = (moved(1.0), moved(-1.0));
         for i in 0..14 {
@@ -496,7 +498,7 @@ fn moving_balls_are_thrown_outward() {
 fn moving_balls_settle() {
     let machine = on_moving_balls(&MOVING);
     let rest = equilibrium(&machine, &[BearingKinematicState::default()], [0.0; 14]);
-    let mut state = RotorState::at_rest(rest.q, Phase::ZERO, [Phase::ZERO]);
+    let mut state = RotorState::stationary(rest.q, Phase::ZERO, [Phase::ZERO]);
     state.q[0] += 1e-7;
     let h = 2e-6;
     let mut status = Status::OK;

@@ -2,13 +2,13 @@
 
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::rotor::{ComponentAngles, SpeedRatios};
-use ballrace::twin::{Envelope, ExactSum, Life, LifeParams, OrderLine, OrderTracker, Statistics};
+use ballrace::twin::{CompensatedSum, Envelope, Life, LifeParams, OrderLine, OrderTracker, Statistics};
 use ballrace::{Exact, Phase};
 use std::f64::consts::TAU;
 
 #[test]
 fn sums_lose_nothing() {
-    let mut sum = ExactSum::<f32>::new();
+    let mut sum = CompensatedSum::<f32>::new();
     for _ in 0..10_000_000 {
         sum.add(0.1);
     }
@@ -58,8 +58,8 @@ const LINES: [OrderLine; 4] = [
 fn orders_through_a_run_up() {
     let truth = [[3.0, -1.0], [0.5, 0.25], [0.0, 0.8], [0.1, 0.2]];
     for sense in [1.0, -1.0] {
-        let gear = SpeedRatios::<f64>::new(0.398_31);
-        let mut shaft = Phase::from_revolutions(0.3).times(100_000_001);
+        let speed_ratios = SpeedRatios::<f64>::new(0.398_31);
+        let mut shaft = Phase::from_revolutions(0.3).wrapping_mul(100_000_001);
         let mut parts = ComponentAngles::from(Phase::from_revolutions(0.77));
         let mut tracker = OrderTracker::<f64, 4>::new(LINES, 16, shaft);
         let (mut time, rate, mut blocks) = (0.0, 12_800.0, 0);
@@ -80,7 +80,7 @@ fn orders_through_a_run_up() {
             }
             let speed = sense * (10.0 + 45.0 * time);
             let arc = ballrace::phase::PhaseDelta::from_radians(TAU * speed / rate);
-            (shaft, parts) = (shaft.advanced(arc), gear.after(parts, arc));
+            (shaft, parts) = (shaft.advanced(arc), speed_ratios.advance(parts, arc));
             time += 1.0 / rate;
         }
     }

@@ -3,8 +3,8 @@
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::surface::{BearingComponent, Feature, Spall, SpallShape, SurfaceDeviation};
-use ballrace::bearing::{Bearing, CageFrame, ElementPositions, OpposedPairs, even_pairs, evenly_spaced};
-use ballrace::contact::law::{Line, Point, Power};
+use ballrace::bearing::{Bearing, CageFrame, ElementPositions, OpposedPairs, evenly_spaced, evenly_spaced_pairs};
+use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::{Displacement, Exact, Phase};
 use ballrace_tests::bearings::acbb_s_geometry;
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ const FIRST: Phase = Phase(0x0123_4567_89ab_cdef);
 
 /// Ten elements, so that a group of four pairs and a rest are met.
 fn pairs() -> OpposedPairs<f64, 5> {
-    even_pairs(FIRST)
+    evenly_spaced_pairs(FIRST)
 }
 
 fn places() -> ElementPositions<f64, 10> {
@@ -77,9 +77,9 @@ proptest! {
                 assert_same(&Combined(paired, axial_pairs), &Combined(single, axial), &u, cage);
             }};
         }
-        check!(Point { stiffness: 8e9 });
-        check!(Line { stiffness: 3e8 });
-        check!(Power { stiffness: 2e9, exponent: 1.37 });
+        check!(PointContactLaw { stiffness: 8e9 });
+        check!(LineContactLaw { stiffness: 3e8 });
+        check!(PowerLaw { stiffness: 2e9, exponent: 1.37 });
     }
 
     #[test]
@@ -100,7 +100,7 @@ proptest! {
         let (sin, cos) = cage.radians().sin_cos();
         let into = |x: f64, y: f64| (cos * x + sin * y, cos * y - sin * x);
         let ((tu, tv), (tthu, tthv)) = (into(u.u, u.v), into(u.thu, u.thv));
-        let local = bearing.reaction_in_cage(&Displacement { u: tu, v: tv, w: u.w, thu: tthu, thv: tthv }, &cage.into()).wrench;
+        let local = bearing.reaction_in_cage_frame(&Displacement { u: tu, v: tv, w: u.w, thu: tthu, thv: tthv }, &cage.into()).wrench;
         let fixed = bearing.reaction(&u, &cage.into()).wrench;
         let (fx, fy) = into(fixed.fx, fixed.fy);
         let (mx, my) = into(fixed.mx, fixed.my);
@@ -111,6 +111,6 @@ proptest! {
 /// Two preloaded opposite elements are loaded at once: one power cannot be shared.
 #[test]
 fn radial_pairs_refuse_preload() {
-    let error = Radial::<f64, Exact, _, _>::try_new(pairs(), Point { stiffness: 8e9 }, -1e-6).unwrap_err();
+    let error = Radial::<f64, Exact, _, _>::try_new(pairs(), PointContactLaw { stiffness: 8e9 }, -1e-6).unwrap_err();
     assert_eq!(error.to_string(), "radial_play: found -0.000001, allowed: 0 m or more with opposite pairs");
 }

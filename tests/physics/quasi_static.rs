@@ -103,7 +103,7 @@ fn films_of_model_f4b() {
 
 #[test]
 fn a_film_is_that_of_its_own_load_and_speed() {
-    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap().with_film(OIL).unwrap().with_steps(20);
+    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap().with_film(OIL).unwrap().with_newton_steps(20);
     let (geometry, at) = (acbb_s_geometry(), inner_at(6_000.0));
     let mut balls = [BallState::default(); 14];
     bearing.ball_states(&U, &at, &mut balls);
@@ -127,7 +127,7 @@ fn waviness_pushes_by_the_rule_of_model_f7() {
     let w0 = Displacement { w: 10e-6, ..Displacement::default() };
     let with = |order| {
         let wave = Wave {
-            part: BearingComponent::Inner,
+            component: BearingComponent::Inner,
             direction: Direction::Radial,
             order,
             amplitude: 0.1e-6,
@@ -156,8 +156,13 @@ fn waviness_pushes_by_the_rule_of_model_f7() {
 #[test]
 fn waves_turn_with_their_own_surface() {
     let bearing = |part, order| {
-        let wave =
-            Wave { part, direction: Direction::Axial, order, amplitude: 1e-6, phase: Phase::from_revolutions(0.1) };
+        let wave = Wave {
+            component: part,
+            direction: Direction::Axial,
+            order,
+            amplitude: 1e-6,
+            phase: Phase::from_revolutions(0.1),
+        };
         plain(Phase::ZERO).with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Wave(wave)]))
     };
     let still = BearingKinematicState::default();
@@ -209,8 +214,9 @@ fn damage_is_met_on_its_own_surface() {
 
 #[test]
 fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
-    let bearing =
-        plain(Phase::ZERO).with_inertia(&InertiaParams { sharing: FrictionSharing::Equal, ..STEEL_BALLS }).unwrap();
+    let bearing = plain(Phase::ZERO)
+        .with_inertia(&InertiaParams { friction_sharing: FrictionSharing::Equal, ..STEEL_BALLS })
+        .unwrap();
     for rpm in [0.0, 12_000.0] {
         let at = BearingKinematicState { cage: Phase::from_revolutions(0.3), ..inner_at(rpm) };
         let both = bearing.ring_reactions(&U, &Displacement::default(), &at);
@@ -243,7 +249,7 @@ fn only_the_rings_displacement_against_each_other_counts() {
     let at = inner_at(9_000.0);
     let common = Displacement { u: 1e-4, v: -2e-4, w: 5e-5, thu: 0.0, thv: 0.0 };
     let apart = bearing.ring_reactions(&U, &Displacement::default(), &at);
-    let moved = bearing.ring_reactions(&U.plus(common), &common, &at);
+    let moved = bearing.ring_reactions(&(U + common), &common, &at);
     assert!(relative_to_largest(&moved.inner.wrench.to_array(), &apart.inner.wrench.to_array()) < 1e-9);
 }
 
@@ -257,7 +263,7 @@ fn turning_by_a_pitch_changes_nothing() {
 
 #[test]
 fn reversing_the_rotation_changes_nothing() {
-    let bearing = full(InertiaParams { sharing: FrictionSharing::Proportional, ..STEEL_BALLS });
+    let bearing = full(InertiaParams { friction_sharing: FrictionSharing::Proportional, ..STEEL_BALLS });
     let at = inner_at(15_000.0);
     assert!(relative_to_largest(&force(&bearing, &U, &at.reversed()), &force(&bearing, &U, &at)) < 1e-9);
 }
@@ -280,7 +286,7 @@ fn equal_relative_speed_with_the_outer_ring_turning_shares_the_spin_but_not_the_
 #[test]
 fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
     let wave = Wave {
-        part: BearingComponent::Outer,
+        component: BearingComponent::Outer,
         direction: Direction::Axial,
         order: 5,
         amplitude: 1e-6,
@@ -359,22 +365,24 @@ fn apart(a: &Stiffness<f64>, b: &Stiffness<f64>) -> f64 {
 
 #[test]
 fn tangents_against_differences() {
-    println!("speed, sharing: implicit, condensed against differences; asymmetry");
+    println!("speed, friction sharing: implicit, condensed against differences; asymmetry");
     for (rpm, allowed) in [(0.0, 1e-6), (6_000.0, 1e-6), (12_000.0, 1e-6), (24_000.0, 1e-6)] {
-        for (control, sharing) in [
+        for (race_control, friction_sharing) in [
             (RaceControl::Outer, FrictionSharing::Outer),
             (RaceControl::Outer, FrictionSharing::Proportional),
             (RaceControl::Inner, FrictionSharing::Equal),
         ] {
-            let params = InertiaParams { control, sharing, ..STEEL_BALLS };
-            let bearing = plain(Phase::ZERO).with_inertia(&params).unwrap().with_steps(20);
+            let params = InertiaParams { race_control, friction_sharing, ..STEEL_BALLS };
+            let bearing = plain(Phase::ZERO).with_inertia(&params).unwrap().with_newton_steps(20);
             let at = BearingKinematicState { cage: Phase::from_revolutions(0.13), ..inner_at(rpm) };
             let (_, implicit) = bearing.reaction_and_stiffness(&U, &at);
             let condensed = bearing.condensed_stiffness(&U, &at);
             let numeric = differences(&bearing, &U, &at);
             let (by_implicit, by_condensed) = (apart(&implicit, &numeric), apart(&condensed, &numeric));
             let skew = apart(&implicit, &implicit.transpose());
-            println!("{rpm} rpm, {control:?} {sharing:?}: {by_implicit:.1e}, {by_condensed:.1e}; {skew:.1e}");
+            println!(
+                "{rpm} rpm, {race_control:?} {friction_sharing:?}: {by_implicit:.1e}, {by_condensed:.1e}; {skew:.1e}"
+            );
             assert!(by_implicit < allowed, "{by_implicit:e}");
             assert!(by_condensed < 1e-6_f64.max(0.05 * (rpm / 12_000.0).powi(2)), "{by_condensed:e}");
         }
@@ -403,7 +411,7 @@ fn the_tangent_of_model_f4b() {
 #[test]
 fn from_where_the_balls_were_few_steps_do() {
     let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
-    let exact = bearing.with_steps(30);
+    let exact = bearing.with_newton_steps(30);
     let mut balls = [BallPosition::default(); 14];
     let path = |i: u32| {
         let t = f64::from(i) / 100.0;
@@ -412,12 +420,12 @@ fn from_where_the_balls_were_few_steps_do() {
     };
     for steps in [2, 3, 4] {
         let (u, at) = path(0);
-        bearing.place_balls(&u, &at, &mut balls);
-        let warm = bearing.with_steps(steps);
+        bearing.initial_ball_positions(&u, &at, &mut balls);
+        let warm = bearing.with_newton_steps(steps);
         let mut worst = 0.0_f64;
         for i in 1..200 {
             let (u, at) = path(i);
-            let found = warm.reaction_from(&u, &at, &mut balls).wrench.to_array();
+            let found = warm.warm_started_reaction(&u, &at, &mut balls).wrench.to_array();
             worst = worst.max(relative_to_largest(&found, &force(&exact, &u, &at)));
         }
         println!("warm, {steps} steps: {worst:.1e}");
@@ -466,8 +474,9 @@ fn harris_218_of_model_f4() {
             assert!(relative(found, expected) < 2e-4, "{rpm} rpm: {found} {expected}");
         }
     }
-    // Inner race control and equal sharing, 10 000 rpm.
-    let inner = InertiaParams { control: RaceControl::Inner, sharing: FrictionSharing::Equal, ..STEEL_BALLS };
+    // Inner race control and equal friction sharing, 10 000 rpm.
+    let inner =
+        InertiaParams { race_control: RaceControl::Inner, friction_sharing: FrictionSharing::Equal, ..STEEL_BALLS };
     let u = Displacement { w: 24.884e-6, ..Displacement::default() };
     let mut balls = [BallState::default(); 16];
     bearing(&inner).ball_states(&u, &inner_at(10_000.0), &mut balls);

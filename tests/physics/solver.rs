@@ -11,7 +11,7 @@ fn imbalance(state: &State, ball: &BallState<f64>) -> f64 {
     let (q_i, q_o) = (ball.inner_load, ball.outer_load);
     let [c_i, s_i] = ball.inner_direction;
     let [c_o, s_o] = ball.outer_direction;
-    let sharing = state.inertia.map_or(FrictionSharing::Outer, |i| i.sharing);
+    let sharing = state.inertia.map_or(FrictionSharing::Outer, |i| i.friction_sharing);
     let (inner, outer) = match sharing {
         FrictionSharing::Outer => (0.0, 2.0),
         FrictionSharing::Equal => (1.0, 1.0),
@@ -34,7 +34,7 @@ fn to_f64<T: Scalar>(ball: &BallState<T>) -> BallState<f64> {
         centrifugal: ball.centrifugal.to_f64(),
         gyroscopic_moment: ball.gyroscopic_moment.to_f64(),
         orbital_speed: ball.orbital_speed.to_f64(),
-        settled: ball.settled,
+        converged: ball.converged,
     }
 }
 
@@ -57,7 +57,7 @@ impl Flagged {
         let distance = state.geometry.groove_distance();
         let radial = distance * state.geometry.contact_angle.cos() + state.displacement[0];
         let friction = 2.0 * ball.gyroscopic_moment.abs() / state.geometry.ball_diameter;
-        let inner = state.inertia.is_some_and(|i| i.gyroscopic && i.control == RaceControl::Inner);
+        let inner = state.inertia.is_some_and(|i| i.gyroscopic && i.race_control == RaceControl::Inner);
         if radial < 0.1 * distance || ball.inner_direction[0] < 0.1 || ball.outer_direction[0] < 0.1 {
             self.turned_over += 1;
         } else if friction > 0.3 * (ball.inner_load + ball.outer_load) {
@@ -89,7 +89,7 @@ where
         assert!(numbers.clone().all(f64::is_finite), "state {i}: {state:?} {ball:?}");
         let residual = imbalance(&state, &ball);
         residuals.push(residual);
-        if ball.settled {
+        if ball.converged {
             assert!(residual < tolerance, "state {i}: {residual:e} {state:?} {ball:?}");
         } else {
             flagged.count(&state, &ball);
@@ -107,7 +107,7 @@ where
 }
 
 /// Cold steps that the kernel takes unless told otherwise.
-const STEPS: u8 = ballrace::bearing::quasi_static::COLD_STEPS;
+const STEPS: u8 = ballrace::bearing::quasi_static::DEFAULT_NEWTON_STEPS;
 /// As many as the tests say.
 const STATES: u32 = 1_000_000;
 

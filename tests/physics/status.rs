@@ -11,7 +11,7 @@ fn not_a_number_and_infinities_are_held_and_counted() {
     let bearing = deep_groove::<9>(10e-6);
     let mut held = LastValidWrench::new();
     let (first, status) = bearing.sample(&mut held, &Displacement { v: f64::NAN, ..GOOD }, &Phase::ZERO.into());
-    assert!(status.has(Status::INPUT_NOT_FINITE));
+    assert!(status.contains(Status::INPUT_NOT_FINITE));
     assert_eq!(first.to_array(), [0.0; 5], "nothing seen yet");
     let (good, status) = bearing.sample(&mut held, &GOOD, &Phase::ZERO.into());
     assert_eq!(status, Status::OK);
@@ -22,10 +22,10 @@ fn not_a_number_and_infinities_are_held_and_counted() {
             u[k] = bad;
             let (answer, status) = bearing.sample(&mut held, &Displacement::from_array(u), &Phase::ZERO.into());
             assert_eq!(answer, good);
-            assert!(status.is_held() && status.has(Status::INPUT_NOT_FINITE));
+            assert!(status.is_held() && status.contains(Status::INPUT_NOT_FINITE));
         }
     }
-    assert_eq!(held.held(), 16);
+    assert_eq!(held.held_count(), 16);
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn overflow_is_flagged_as_such() {
     let mut held = LastValidWrench::new();
     let (good, _) = bearing.sample(&mut held, &GOOD, &Phase::ZERO.into());
     let (answer, status) = bearing.sample(&mut held, &Displacement { u: 1e300, ..GOOD }, &Phase::ZERO.into());
-    assert!(status.has(Status::RESULT_NOT_FINITE) && !status.has(Status::INPUT_NOT_FINITE));
+    assert!(status.contains(Status::RESULT_NOT_FINITE) && !status.contains(Status::INPUT_NOT_FINITE));
     assert_eq!(answer, good);
 }
 
@@ -46,5 +46,5 @@ fn lost_contact_is_a_result_not_a_fault() {
     assert_eq!(status, Status::CONTACT_LOST);
     assert!(!status.is_held());
     assert_eq!(wrench.to_array(), [0.0; 5]);
-    assert_eq!(held.held(), 0);
+    assert_eq!(held.held_count(), 0);
 }

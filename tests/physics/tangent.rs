@@ -4,7 +4,7 @@ use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{Bearing, ElementPositions, Mirrored, Reaction, evenly_spaced};
-use ballrace::contact::law::{Line, Point, Power};
+use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Stiffness};
 use ballrace_tests::bearings::{angular_contact, deep_groove, spalled};
 
@@ -70,9 +70,9 @@ fn angular() {
 #[test]
 fn lumped() {
     let places: ElementPositions<f64, 9> = evenly_spaced(Phase::from_revolutions(0.03));
-    let point = Point { stiffness: 8e9 };
-    let line = Line { stiffness: 3e8 };
-    let power = Power { stiffness: 2e9, exponent: 1.37 };
+    let point = PointContactLaw { stiffness: 8e9 };
+    let line = LineContactLaw { stiffness: 3e8 };
+    let power = PowerLaw { stiffness: 2e9, exponent: 1.37 };
     check("radial, 3/2, play", &Radial::<f64, Exact, _, _>::try_new(places, point, 5e-6).unwrap());
     check("radial, 3/2, preload", &Radial::<f64, Exact, _, _>::try_new(places, point, -5e-6).unwrap());
     check("radial, 10/9", &Radial::<f64, Exact, _, _>::try_new(places, line, 2e-6).unwrap());
@@ -104,8 +104,8 @@ impl<B: FlexibleRing<f64> + Send + Sync> Bearing<f64> for Displaced<B> {
 #[test]
 fn flexible_outer_ring() {
     let places: ElementPositions<f64, 9> = evenly_spaced(Phase::from_revolutions(0.03));
-    let radial = Radial::<f64, Exact, _, _>::try_new(places, Line { stiffness: 3e8 }, 2e-6).unwrap();
-    let axial = Axial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 1e-6, 0.02).unwrap();
+    let radial = Radial::<f64, Exact, _, _>::try_new(places, LineContactLaw { stiffness: 3e8 }, 2e-6).unwrap();
+    let axial = Axial::<f64, Exact, _, _>::try_new(places, PointContactLaw { stiffness: 8e9 }, 1e-6, 0.02).unwrap();
     let points = std::array::from_fn(|j| {
         let j = j as f64;
         HousingPoint { displacement: [(3.0 * j).sin() * 3e-6, (5.0 * j).cos() * 3e-6, j * 1e-6], reaction: [0.0; 3] }
@@ -118,13 +118,13 @@ fn unloaded_elements_add_no_stiffness() {
     let places: ElementPositions<f64, 8> = evenly_spaced(Phase::ZERO);
     let far = Displacement { u: 1e-6, ..Displacement::default() };
     for exponent in [1.0, 1.0 + 1e-9, 2.0] {
-        let law = Power { stiffness: 1e9, exponent };
+        let law = PowerLaw { stiffness: 1e9, exponent };
         let bearing = Radial::<f64, Exact, _, _>::try_new(places, law, 5e-6).unwrap();
         let (reaction, k) = bearing.reaction_and_stiffness(&far, &Phase::ZERO.into());
         assert_eq!(reaction.load, 0.0);
         assert_eq!(k, Stiffness::zeros(), "exponent {exponent}");
     }
-    let line = Radial::<f64, Exact, _, _>::try_new(places, Line { stiffness: 1e9 }, 5e-6).unwrap();
+    let line = Radial::<f64, Exact, _, _>::try_new(places, LineContactLaw { stiffness: 1e9 }, 5e-6).unwrap();
     assert_eq!(line.reaction_and_stiffness(&far, &Phase::ZERO.into()).1, Stiffness::zeros());
 }
 

@@ -5,7 +5,7 @@
 
 use ballrace::bearing::linear::Linear;
 use ballrace::rotor::{
-    Integrator, Mounted, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4, ShaftMotion,
+    BearingAtStation, Integrator, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4, ShaftMotion,
     SpeedRatios, Unbalance,
 };
 use ballrace::{Displacement, Exact, Phase, Stiffness};
@@ -17,7 +17,7 @@ const ECCENTRICITY_UM: f64 = 0.932_176;
 const ANGLE: f64 = -1.398_047; // rad, of the unbalance
 const RUN_OUT_UM: (f64, f64) = (0.613_162, -1.152_853);
 
-fn kit() -> RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, Linear<f64>>, 2> {
+fn kit() -> RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, Linear<f64>>, 2> {
     let k = NATURAL * NATURAL;
     let c = 2.0 * DAMPING_RATIO * NATURAL;
     let mut damping = [[0.0; 5]; 5];
@@ -35,19 +35,19 @@ fn kit() -> RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, Linear<f64>>
     };
     let unbalance = Unbalance { moment: ECCENTRICITY_UM * 1e-6, angle: ANGLE, station: 0.0 };
     let spring = Stiffness::from_fn(|i, j| if i == j && i < 2 { 0.5 * k } else { 0.0 });
-    let at = |station| Mounted { bearing: Linear::new(spring), station, gear: SpeedRatios::new(0.0) };
+    let at = |station| BearingAtStation { bearing: Linear::new(spring), station, speed_ratios: SpeedRatios::new(0.0) };
     RotorBearingSystem { rotor: RigidRotor::try_new(&params, &[unbalance]).unwrap(), bearings: [at(-0.1), at(0.1)] }
 }
 
 /// Settled 1X vector at a speed, um, as amplitude times e^(-i lag), from one turn of the integrated motion.
 fn response(
-    machine: &RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, Linear<f64>>, 2>,
+    machine: &RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, Linear<f64>>, 2>,
     speed: f64,
 ) -> (f64, f64) {
     let per_turn = 400;
     let step = TAU / speed / f64::from(per_turn);
     let integrator = RungeKutta4 { step };
-    let mut state = RotorState::at_rest(Displacement::default(), Phase::ZERO, [Phase::ZERO; 2]);
+    let mut state = RotorState::stationary(Displacement::default(), Phase::ZERO, [Phase::ZERO; 2]);
     let turns = (12.0 / (DAMPING_RATIO * NATURAL) * speed / TAU).ceil() as i32;
     let (mut cos, mut sin) = (0.0, 0.0);
     for i in 0..(turns + 1) * per_turn {

@@ -5,7 +5,7 @@ use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
 use ballrace::bearing::{Bearing, ElementPositions, LastValidWrench, evenly_spaced};
-use ballrace::contact::law::Point;
+use ballrace::contact::law::PointContactLaw;
 use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Phase, Scalar, Status, Wrench};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry};
 use ballrace_tests::states::Random;
@@ -17,9 +17,9 @@ fn judge(name: &str, bearing: &dyn Bearing<f32>, u: &Displacement<f32>, at: &Bea
     let (wrench, status) = bearing.sample(&mut held, u, at);
     let fresh = bearing.reaction(u, at).wrench;
     assert!(wrench.is_finite(), "{name}: {wrench:?} at {u:?}");
-    assert_eq!(status.has(Status::INPUT_NOT_FINITE), !u.is_finite(), "{name}: {status:?} at {u:?}");
+    assert_eq!(status.contains(Status::INPUT_NOT_FINITE), !u.is_finite(), "{name}: {status:?} at {u:?}");
     if u.is_finite() {
-        assert_eq!(status.has(Status::RESULT_NOT_FINITE), !fresh.is_finite(), "{name}: {status:?} at {u:?}");
+        assert_eq!(status.contains(Status::RESULT_NOT_FINITE), !fresh.is_finite(), "{name}: {status:?} at {u:?}");
     }
     assert_eq!(wrench, if status.is_held() { before } else { fresh }, "{name} at {u:?}");
     status
@@ -79,7 +79,7 @@ fn random_bits(rungs: &[Named<f32>], count: u64, seed: u64) {
         };
         let (wrench, status) = bearing.sample(&mut LastValidWrench::new(), &u, &at);
         assert!(wrench.is_finite(), "{name}: {wrench:?} at {u:?} {at:?}");
-        assert!(u.is_finite() || status.has(Status::INPUT_NOT_FINITE), "{name}: {status:?} at {u:?}");
+        assert!(u.is_finite() || status.contains(Status::INPUT_NOT_FINITE), "{name}: {status:?} at {u:?}");
         held += u64::from(status.is_held());
     }
     println!("{count} random bit patterns: all finite or flagged, {held} held");
@@ -104,7 +104,7 @@ fn a_hundred_million_random_bits() {
 fn monotone<T: Scalar>(rungs: &[Named<T>]) {
     for (name, bearing) in rungs {
         // Balls thrown outward and balls of a table are as smooth as their tolerance.
-        let slack = T::SETTLED.to_f64().max(1e-6);
+        let slack = T::EQUILIBRIUM_TOLERANCE.to_f64().max(1e-6);
         for component in 0..5 {
             let most = if component < 3 { 50e-6 } else { 2e-3 };
             let mut last = f64::MIN;
@@ -184,7 +184,7 @@ fn single_against_double_precision() {
 #[test]
 fn a_play_that_equals_the_deflection() {
     let places: ElementPositions<f32, 9> = evenly_spaced(Phase::ZERO);
-    let point = Point { stiffness: 8e9_f32 };
+    let point = PointContactLaw { stiffness: 8e9_f32 };
     let bearing = Radial::<f32, Exact, _, _>::try_new(places, point, 5e-6).unwrap();
     let force =
         |u: f32| -bearing.reaction(&Displacement { u, ..Displacement::default() }, &Phase::ZERO.into()).wrench.fx;
@@ -230,20 +230,20 @@ fn a_tiny_deflection_on_a_large_radius() {
 /// first. Balls in equilibrium do not notice; in single precision they notice what the subtraction left.
 #[test]
 fn a_large_common_displacement_of_both_rings() {
-    use ballrace::rotor::{AttachedElement, Attachment, ForceElement, SpeedRatios};
+    use ballrace::rotor::{AttachedBearing, Attachment, ForceElement, SpeedRatios};
     let places: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
     let bearing =
         QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
     let bearing = bearing.with_outer_control(&STEEL_BALLS).unwrap();
-    let attached = AttachedElement {
+    let attached = AttachedBearing {
         bearing,
         attachment: Attachment::<f64, 7>::on_rigid_rotor(0.05, Some(5)),
-        gear: SpeedRatios::new(0.4),
+        speed_ratios: SpeedRatios::new(0.4),
     };
     let push = |common: f64| {
         let q = [3e-6 + common, 1e-6 - common, 8e-6, 0.0, 0.0, common, -common];
         let mut f = [0.0; 7];
-        attached.push(&q, &turning(Phase::ZERO), &mut f);
+        attached.add_force(&q, &turning(Phase::ZERO), &mut f);
         f
     };
     let near = push(0.0);
@@ -275,9 +275,9 @@ fn balls_say_when_they_do_not_settle() {
             BearingKinematicState { inner_speed: random.over_decades(1.0, 1e4), ..BearingKinematicState::default() };
         let mut states = [BallState::default(); 9];
         bearing.ball_states(&u, &at, &mut states);
-        let flagged = bearing.reaction(&u, &at).status.has(Status::NOT_SETTLED);
-        assert_eq!(flagged, states.iter().any(|s| !s.settled));
-        for s in states.iter().filter(|s| s.settled) {
+        let flagged = bearing.reaction(&u, &at).status.contains(Status::NOT_CONVERGED);
+        assert_eq!(flagged, states.iter().any(|s| !s.converged));
+        for s in states.iter().filter(|s| s.converged) {
             assert!(s.inner_load >= 0.0 && s.outer_load >= 0.0 && s.inner_load.is_finite(), "{s:?}");
         }
         open += u32::from(flagged);

@@ -8,7 +8,7 @@ use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, R
 use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
 use ballrace::bearing::{Bearing, ElementPosition};
 use ballrace::contact::hertz::{Material, Race};
-use ballrace::contact::law::Point;
+use ballrace::contact::law::PointContactLaw;
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Status};
 use ballrace_tests::states::Random;
 
@@ -54,13 +54,17 @@ fn case(random: &mut Random) -> Case {
     let dmn = random.one_of(&[0.0, 1.0, -1.0]) * random.over_decades(1e3, 4e6);
     let speed = dmn / (pitch_diameter * 1e3) * std::f64::consts::TAU / 60.0;
     Case {
-        places: (0..elements).map(|j| ElementPosition::even(Phase::ZERO, j, elements)).collect(),
+        places: (0..elements).map(|j| ElementPosition::evenly_spaced(Phase::ZERO, j, elements)).collect(),
         inertia: InertiaParams {
             density: if ceramic { 3200.0 } else { 7800.0 },
             centrifugal: true,
             gyroscopic: true,
-            control: random.one_of(&[RaceControl::Outer, RaceControl::Inner]),
-            sharing: random.one_of(&[FrictionSharing::Outer, FrictionSharing::Equal, FrictionSharing::Proportional]),
+            race_control: random.one_of(&[RaceControl::Outer, RaceControl::Inner]),
+            friction_sharing: random.one_of(&[
+                FrictionSharing::Outer,
+                FrictionSharing::Equal,
+                FrictionSharing::Proportional,
+            ]),
         },
         oil: Lubricant {
             viscosity: random.over_decades(1e-4, 1e2),
@@ -88,25 +92,25 @@ fn bearings_from_watch_to_wind_turbine() {
         assert!(found.wrench.is_finite(), "{:?} {:?}", case.geometry, case.at);
         let mut states = vec![BallState::default(); case.places.len()];
         full.ball_states(&case.u, &case.at, &mut states);
-        for s in states.iter().filter(|s| s.settled) {
+        for s in states.iter().filter(|s| s.converged) {
             // Forces on the ball balance radially: Q_o cos a_o = Q_i cos a_i + F_c, but for the friction of the moment.
             let friction = 2.0 * s.gyroscopic_moment.abs() / case.geometry.ball_diameter;
             let radial = s.outer_load * s.outer_direction[0] - s.inner_load * s.inner_direction[0] - s.centrifugal;
             let size = s.outer_load + s.inner_load + s.centrifugal;
             assert!(radial.abs() <= 1.01 * friction + 1e-6 * size + 1e-9, "{radial:e} of {size:e}: {s:?}");
         }
-        let unsettled = states.iter().filter(|s| !s.settled).count();
-        assert_eq!(found.status.has(Status::NOT_SETTLED), unsettled > 0);
+        let unsettled = states.iter().filter(|s| !s.converged).count();
+        assert_eq!(found.status.contains(Status::NOT_CONVERGED), unsettled > 0);
         (open, balls) = (open + unsettled, balls + states.len());
         let mut without = vec![BallState::default(); case.places.len()];
         dry.ball_states(&case.u, &case.at, &mut without);
-        open_dry += without.iter().filter(|s| !s.settled).count();
-        slipping += u32::from(found.status.has(Status::GYROSCOPIC_SLIP));
+        open_dry += without.iter().filter(|s| !s.converged).count();
+        slipping += u32::from(found.status.contains(Status::GYROSCOPIC_SLIP));
         // The other way round everything is the same, held still nothing is thrown.
         let back = BearingKinematicState { inner_speed: -case.at.inner_speed, ..case.at };
         let reversed = full.reaction(&case.u, &back);
         let apart: f64 = (found.wrench.fz - reversed.wrench.fz).abs() + (found.wrench.fx - reversed.wrench.fx).abs();
-        if !found.status.has(Status::NOT_SETTLED) {
+        if !found.status.contains(Status::NOT_CONVERGED) {
             assert!(apart <= 1e-6 * (found.wrench.fz.abs() + found.wrench.fx.abs()) + 1e-9, "{apart:e}");
         }
     }
@@ -123,10 +127,11 @@ fn bearings_from_watch_to_wind_turbine() {
 fn clearance_from_interference_to_rattling() {
     for elements in [3, 4, 7, 16, 33, 64] {
         let places: Vec<ElementPosition<f64>> =
-            (0..elements).map(|j| ElementPosition::even(Phase::ZERO, j, elements)).collect();
+            (0..elements).map(|j| ElementPosition::evenly_spaced(Phase::ZERO, j, elements)).collect();
         for clearance in [-50e-6, -10e-6, -1e-6, 0.0, 1e-6, 10e-6, 100e-6, 500e-6_f64] {
             let play = 0.5 * clearance;
-            let bearing = Radial::<f64, Exact, _, _>::try_new(places.clone(), Point { stiffness: 8e9 }, play).unwrap();
+            let bearing =
+                Radial::<f64, Exact, _, _>::try_new(places.clone(), PointContactLaw { stiffness: 8e9 }, play).unwrap();
             let centred = bearing.reaction(&Displacement::default(), &Phase::ZERO.into());
             let expected = elements as f64 * 8e9 * (-play).max(0.0).powf(1.5);
             assert!((centred.load - expected).abs() <= 1e-9 * expected, "{} {expected}", centred.load);

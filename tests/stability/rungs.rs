@@ -5,9 +5,9 @@ use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::film::Lubricant;
-use ballrace::bearing::tabulated::{Domain, Table, Tabulated, fill};
+use ballrace::bearing::tabulated::{Table, TableDomain, Tabulated, fill_table};
 use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
-use ballrace::contact::law::{Line, Point, Power};
+use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::{BearingKinematicState, Exact, Math, Phase, Scalar, Stiffness};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry};
 
@@ -26,8 +26,9 @@ pub fn turning<T: Scalar>(cage: Phase) -> BearingKinematicState<T> {
 /// Rungs whose balls are where the rings put them.
 pub fn direct<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
     let places: ElementPositions<T, 9> = evenly_spaced(Phase::ZERO);
-    let (point, line) = (Point { stiffness: T::from_f64(8e9) }, Line { stiffness: T::from_f64(3e8) });
-    let power = Power { stiffness: T::from_f64(2e9), exponent: T::from_f64(1.4) };
+    let (point, line) =
+        (PointContactLaw { stiffness: T::from_f64(8e9) }, LineContactLaw { stiffness: T::from_f64(3e8) });
+    let power = PowerLaw { stiffness: T::from_f64(2e9), exponent: T::from_f64(1.4) };
     let radial = || Radial::<T, M, _, _>::try_new(places, point, PLAY).unwrap();
     let axial = Axial::<T, M, _, _>::try_new(places, point, PLAY, 0.02).unwrap();
     let angular = Angular::<T, M, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();
@@ -61,16 +62,16 @@ fn tabulated<T: Scalar, M: Math<T>>(
     let one: ElementPositions<f64, 1> = evenly_spaced(Phase::ZERO);
     let solved = QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), one, DisplacementDatum::Touching).unwrap();
     let massive = solved.with_outer_control(&STEEL_BALLS).unwrap();
-    let domain = Domain {
+    let domain = TableDomain {
         approach: [-30e-6, 40e-6],
         angle: [0.1, 0.8],
         speed: [0.8 * SPEED, 1.2 * SPEED],
-        turning: [1.0, 0.0],
+        speed_ratios: [1.0, 0.0],
         intervals: [64, 32, 8],
     };
     let grid = domain.grid().unwrap();
     let mut nodes = vec![[0.0; 2]; grid.len()];
-    assert_eq!(fill(&massive, &domain, &grid, &mut nodes), 0);
+    assert_eq!(fill_table(&massive, &domain, &grid, &mut nodes), 0);
     let nodes = nodes.iter().map(|node| node.map(T::from_f64)).collect();
     Tabulated::new(places, solved.table_constants().rounded(), Table::new(grid.rounded(), nodes), false)
 }

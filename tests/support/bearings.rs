@@ -61,8 +61,8 @@ pub const STEEL_BALLS: InertiaParams = InertiaParams {
     density: 7800.0,
     centrifugal: true,
     gyroscopic: true,
-    control: RaceControl::Outer,
-    sharing: FrictionSharing::Outer,
+    race_control: RaceControl::Outer,
+    friction_sharing: FrictionSharing::Outer,
 };
 
 /// The bearing "ACBB-S".

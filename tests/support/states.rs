@@ -79,8 +79,12 @@ pub fn random_state(random: &mut Random) -> State {
         density: random.one_of(&[7800.0, 3200.0]),
         centrifugal: random.unit() < 0.8,
         gyroscopic: random.unit() < 0.7,
-        control: random.one_of(&[RaceControl::Outer, RaceControl::Inner]),
-        sharing: random.one_of(&[FrictionSharing::Outer, FrictionSharing::Equal, FrictionSharing::Proportional]),
+        race_control: random.one_of(&[RaceControl::Outer, RaceControl::Inner]),
+        friction_sharing: random.one_of(&[
+            FrictionSharing::Outer,
+            FrictionSharing::Equal,
+            FrictionSharing::Proportional,
+        ]),
     };
     let oil = Lubricant { viscosity: random.over_decades(1e-3, 1.0), pressure_viscosity: random.between(1e-8, 3e-8) };
     let distance = geometry.groove_distance();
@@ -105,9 +109,9 @@ pub fn solve<T: Scalar>(state: &State, steps: u8) -> BallState<T>
 where
     Exact: Math<T>,
 {
-    let places = [ElementPosition::<T>::at(Phase::ZERO)];
+    let places = [ElementPosition::<T>::from_azimuth(Phase::ZERO)];
     let bearing = QuasiStatic::<T, Exact, _>::try_new(state.geometry, places, DisplacementDatum::Touching).unwrap();
-    let bearing = bearing.with_steps(steps);
+    let bearing = bearing.with_newton_steps(steps);
     let [u, w] = state.displacement.map(T::from_f64);
     let u = Displacement { u, w, ..Displacement::default() };
     let at = BearingKinematicState {

@@ -16,7 +16,7 @@ fn line(name: &str, i: u16, bearing: &impl Bearing<f32>, u: &Displacement<f32>) 
     let turn = Phase(u64::from(i) << 57);
     let at = BearingKinematicState {
         cage: turn,
-        inner: turn.times(3),
+        inner: turn.wrapping_mul(3),
         inner_speed: 1256.0,
         ..BearingKinematicState::default()
     };

@@ -7,6 +7,7 @@ mod bits;
 mod counts;
 mod deny;
 mod firmware;
+mod isr;
 mod links;
 mod roots;
 mod smallest;

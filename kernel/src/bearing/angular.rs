@@ -6,11 +6,11 @@
 
 use super::bearing_in_cage;
 use super::element_position::ElementLayout;
-use super::elements::{Elements, in_cage_by_elements};
+use super::elements::Elements;
 use super::geometry::{BallBearingGeometry, InvalidParameter};
 use super::ring::{Contact, ContactStiffness, Motion, Ring};
 use super::surface::{Smooth, Surface};
-use crate::contact::law::{Law, Point};
+use crate::contact::law::{LoadDeflectionLaw, PointContactLaw};
 use crate::math::Math;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
@@ -28,7 +28,7 @@ pub enum DisplacementDatum {
 #[derive(Debug, Clone, Copy)]
 pub struct Angular<T, M, P, S = Smooth> {
     ring: Ring<T, P>,
-    law: Point<T>,
+    law: PointContactLaw<T>,
     /// A
     distance: T,
     /// A^2
@@ -41,7 +41,7 @@ pub struct Angular<T, M, P, S = Smooth> {
     math: PhantomData<M>,
 }
 
-/// What a variable-contact-angle bearing is besides its balls' places: numbers made ready for [`Angular::ready`].
+/// What a variable-contact-angle bearing is besides its balls' positions: numbers made ready for [`Angular::from_constants`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AngularConstants<T> {
     /// Of both contacts in series, N/m^1.5.
@@ -61,11 +61,11 @@ impl AngularConstants<f64> {
     ///
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
-    pub fn try_new(geometry: BallBearingGeometry, zero: DisplacementDatum) -> Result<Self, InvalidParameter> {
+    pub fn try_new(geometry: BallBearingGeometry, datum: DisplacementDatum) -> Result<Self, InvalidParameter> {
         let geometry = geometry.checked()?;
         let a = geometry.groove_distance();
         let (sin, cos) = (libm::sin(geometry.contact_angle), libm::cos(geometry.contact_angle));
-        let (axial, excess) = match zero {
+        let (axial, excess) = match datum {
             DisplacementDatum::Touching => (a * sin, 0.0),
             DisplacementDatum::Centred => (0.0, -(a * sin) * (a * sin)),
         };
@@ -107,19 +107,23 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
     /// As [`BallBearingGeometry::checked`].
     pub fn try_new(
         geometry: BallBearingGeometry,
-        places: P,
-        zero: DisplacementDatum,
+        positions: P,
+        datum: DisplacementDatum,
     ) -> Result<Self, InvalidParameter> {
-        Ok(Self::ready(places, AngularConstants::try_new(geometry, zero)?.rounded()))
+        Ok(Self::from_constants(positions, AngularConstants::try_new(geometry, datum)?.rounded()))
     }
 
     /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
-    pub fn ready(places: P, seat: AngularConstants<T>) -> Self {
-        let law = Point { stiffness: seat.stiffness };
+    pub fn from_constants(positions: P, seat: AngularConstants<T>) -> Self {
+        let law = PointContactLaw { stiffness: seat.stiffness };
         let [distance, distance_squared] = seat.distance;
         let [radial, axial] = seat.unloaded;
         Self {
-            ring: Ring { places, arm: seat.arm, scale: <Point<T> as Law<T, M>>::scale(&law) },
+            ring: Ring {
+                positions,
+                arm: seat.arm,
+                scale: <PointContactLaw<T> as LoadDeflectionLaw<T, M>>::scale(&law),
+            },
             law,
             distance,
             distance_squared,
@@ -162,8 +166,8 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P,
         for (groove, m) in grooves.iter_mut().zip(at) {
             groove.radial += m.radial;
             groove.axial += m.axial;
-            let gap = excess(m) / (groove.length + self.distance) + (m.shape.inner + m.shape.outer);
-            groove.twice_deflection = gap.twice_positive();
+            let gap = excess(m) / (groove.length + self.distance) + (m.deviation.inner + m.deviation.outer);
+            groove.twice_deflection = gap.twice_positive_part();
         }
         grooves
     }
@@ -179,7 +183,8 @@ impl<T: Scalar> Grooves<T> {
     }
 }
 
-impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements<T> for Angular<T, M, P, S> {
+impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements for Angular<T, M, P, S> {
+    type Scalar = T;
     type Math = M;
     type ElementPositions = P;
     type Surface = S;
@@ -194,7 +199,10 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements<T> for 
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
         let grooves = self.grooves(at);
-        let loads = <Point<T> as Law<T, M>>::shape(&self.law, grooves.map(|g| g.twice_deflection));
+        let loads = <PointContactLaw<T> as LoadDeflectionLaw<T, M>>::unscaled_load(
+            &self.law,
+            grooves.map(|g| g.twice_deflection),
+        );
         core::array::from_fn(|j| grooves[j].contact(loads[j]))
     }
 
@@ -202,7 +210,8 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements<T> for 
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
         let [g] = self.grooves([at]);
-        let (load, slope) = <Point<T> as Law<T, M>>::shape_and_slope(&self.law, g.twice_deflection);
+        let (load, slope) =
+            <PointContactLaw<T> as LoadDeflectionLaw<T, M>>::unscaled_load_and_slope(&self.law, g.twice_deflection);
         let (cos, sin) = (g.radial / g.length, g.axial / g.length);
         let across = load / g.length;
         let extra = slope - across;
@@ -215,5 +224,4 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements<T> for 
     }
 }
 
-in_cage_by_elements!(Angular<T, M, P, S>, M, T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>);
 bearing_in_cage!(Angular<T, M, P, S>, T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>);

@@ -2,7 +2,7 @@
 
 use super::element_position::{ElementLayout, ElementPosition};
 use super::lumped::Radial;
-use crate::contact::law::Law;
+use crate::contact::law::LoadDeflectionLaw;
 use crate::math::Math;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
@@ -12,14 +12,14 @@ use crate::scalar::Scalar;
 const SAMPLES: usize = 256;
 
 /// Elements a pass takes together: their directions and sums are as much as 16 vector registers hold.
-const BLOCK: usize = 4;
+const BLOCK_SIZE: usize = 4;
 
 /// Many samples at once in structure-of-arrays form: `fx[i], fy[i]` from `u[i], v[i]`, the cage standing at `cage`.
 ///
-/// The compiler turns the loops into the machine's vector instructions. Stops at the shortest of the four slices.
+/// The compiler turns the loops into the system's vector instructions. Stops at the shortest of the four slices.
 /// The forces are those of [`super::Bearing::reaction`] but for rounding. Elements that stand in opposite pairs (an even
 /// number, evenly spaced) and have no preload share a square root: of two opposite ones at most one is loaded.
-pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[ElementPosition<T>]> + Send + Sync>(
+pub fn radial_batch<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: AsRef<[ElementPosition<T>]> + Send + Sync>(
     bearing: &Radial<T, M, L, P>,
     cage: Phase,
     input: (&[T], &[T]),
@@ -28,34 +28,34 @@ pub fn radial_batch<T: Scalar, M: Math<T>, L: Law<T, M>, P: AsRef<[ElementPositi
     let Radial { ring, law, play, .. } = bearing;
     let turn = M::sin_cos(cage);
     let load = |deflection: T| {
-        let [shape] = law.shape([deflection.twice_positive()]);
+        let [shape] = law.unscaled_load([deflection.twice_positive_part()]);
         ring.scale * shape
     };
-    match one_of_each_pair(ring.places.table()) {
+    match one_of_each_pair(ring.positions.stored()) {
         Some(half) if *play >= T::ZERO => {
-            sum_of_elements(half, turn, input, output, |radial| load(radial.abs() - *play).negated_by(radial));
+            sum_of_elements(half, turn, input, output, |radial| load(radial.abs() - *play).xor_sign(radial));
         }
-        _ => sum_of_elements(ring.places.table(), turn, input, output, |radial| load(radial - *play)),
+        _ => sum_of_elements(ring.positions.stored(), turn, input, output, |radial| load(radial - *play)),
     }
 }
-/// The first half of the places if each place of the second half stands opposite to its own in the first.
-fn one_of_each_pair<T: Scalar>(places: &[ElementPosition<T>]) -> Option<&[ElementPosition<T>]> {
-    let (half, other) = places.split_at(places.len() / 2);
+/// The first half of the positions if each position of the second half stands opposite to its own in the first.
+fn one_of_each_pair<T: Scalar>(positions: &[ElementPosition<T>]) -> Option<&[ElementPosition<T>]> {
+    let (half, other) = positions.split_at(positions.len() / 2);
     let opposite = |(a, b): (&ElementPosition<T>, &ElementPosition<T>)| a.azimuth.opposite() == b.azimuth;
     (half.len() == other.len() && half.iter().zip(other).all(opposite)).then_some(half)
 }
 
-/// Sets the force to `-sum(push(e^T u) e)` over the directions `e` of all places, the cage turned by `(sin, cos)`.
+/// Sets the force to `-sum(push(e^T u) e)` over the directions `e` of all positions, the cage turned by `(sin, cos)`.
 #[inline(always)]
 fn sum_of_elements<T: Scalar>(
-    places: &[ElementPosition<T>],
+    positions: &[ElementPosition<T>],
     (sin, cos): (T, T),
     (u, v): (&[T], &[T]),
     (fx, fy): (&mut [T], &mut [T]),
     push: impl Fn(T) -> T + Copy,
 ) {
     let direction = |p: &ElementPosition<T>| [cos * p.cos - sin * p.sin, cos * p.sin + sin * p.cos];
-    let (groups, rest) = places.as_chunks::<BLOCK>();
+    let (groups, rest) = positions.as_chunks::<BLOCK_SIZE>();
     let count = u.len().min(v.len()).min(fx.len()).min(fy.len());
     let fx = fx.get_mut(..count).unwrap_or_default().chunks_mut(SAMPLES);
     let fy = fy.get_mut(..count).unwrap_or_default().chunks_mut(SAMPLES);
@@ -65,8 +65,8 @@ fn sum_of_elements<T: Scalar>(
         for group in groups {
             add_forces(group.each_ref().map(direction), (u, v), (&mut *fx, &mut *fy), push);
         }
-        for place in rest {
-            add_forces([direction(place)], (u, v), (&mut *fx, &mut *fy), push);
+        for position in rest {
+            add_forces([direction(position)], (u, v), (&mut *fx, &mut *fy), push);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::Reaction;
 use super::element_position::ElementLayout;
 use super::ring::{
-    CageRotation, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, out_of_cage, to_cage_frame,
+    CageRotation, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, from_cage_frame, to_cage_frame,
 };
 use super::surface::Surface;
 use crate::frame::{Displacement, Stiffness};
@@ -12,36 +12,46 @@ use crate::math::Math;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 
-/// One family of elements around a ring: what a ball does in its plane.
-pub trait Elements<T: Scalar> {
-    /// The backend.
-    type Math: Math<T>;
-    /// The arrangement of the elements.
-    type ElementPositions: ElementLayout<T>;
-    /// What the elements run on.
-    type Surface: Surface<T>;
+/// Contact mechanics of the rolling elements around one ring, element by element.
+///
+/// Every implementation is a [`CageFrame`] and, where the outer ring bends, a [`super::flexible::FlexibleRing`].
+pub trait Elements {
+    /// Precision.
+    type Scalar: Scalar;
+    /// Math backend.
+    type Math: Math<Self::Scalar>;
+    /// Positions of the elements.
+    type ElementPositions: ElementLayout<Self::Scalar>;
+    /// Deviations of the raceways and elements from their ideal shape.
+    type Surface: Surface<Self::Scalar>;
 
-    fn ring(&self) -> &Ring<T, Self::ElementPositions>;
+    /// Returns positions, lever arm and scale of the elements.
+    fn ring(&self) -> &Ring<Self::Scalar, Self::ElementPositions>;
 
+    /// Returns the surface deviations.
     fn surface(&self) -> &Self::Surface;
 
-    /// The contacts of `K` elements, to be multiplied by the ring's scale.
-    fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K];
+    /// Computes the contacts of `K` elements, to be multiplied by the scale of the ring.
+    fn contacts<const K: usize>(&self, at: [Motion<Self::Scalar>; K]) -> [Contact<Self::Scalar>; K];
 
-    fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>);
+    /// Computes the contact of one element and its stiffness, to be multiplied by the scale of the ring.
+    fn contact_and_stiffness(
+        &self,
+        at: Motion<Self::Scalar>,
+    ) -> (Contact<Self::Scalar>, ContactStiffness<Self::Scalar>);
 
-    /// The answer of all elements in the cage's frame.
+    /// Computes the reaction of all elements in the cage frame.
     #[inline(always)]
-    fn sum(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+    fn sum(&self, u: &Displacement<Self::Scalar>, at: &BearingKinematicState<Self::Scalar>) -> Reaction<Self::Scalar> {
         let ring = self.ring();
         let rim = ring.at_rim(u);
         let mut sum = WrenchSum::new();
-        for place in ring.places.table() {
-            if Self::ElementPositions::PAIRS {
-                sum.add_pair(place, &self.contacts(Motion::of_pair(place, &rim, at, self.surface())));
+        for position in ring.positions.stored() {
+            if Self::ElementPositions::IS_PAIRED {
+                sum.add_pair(position, &self.contacts(Motion::of_pair(position, &rim, at, self.surface())));
             } else {
-                let [contact] = self.contacts([Motion::of(place, &rim, at, self.surface())]);
-                sum.add(place, &contact);
+                let [contact] = self.contacts([Motion::of(position, &rim, at, self.surface())]);
+                sum.add(position, &contact);
             }
         }
         sum.finish(ring.arm, ring.scale)
@@ -54,14 +64,14 @@ pub trait Elements<T: Scalar> {
 /// rotation of displacement and wrench are what [`super::Bearing`] adds.
 pub trait CageFrame<T: Scalar> {
     /// Sine and cosine of the cage's angle.
-    fn turn(cage: Phase) -> CageRotation<T>;
+    fn cage_rotation(cage: Phase) -> CageRotation<T>;
 
     /// As [`super::Bearing::reaction`] with displacement and wrench in the cage's frame; `at` only says where damage
     /// on a race is met.
-    fn reaction_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
+    fn reaction_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
 
     /// The same with the tangent, which is turned into the fixed frame by `turn`.
-    fn reaction_in_cage_and_stiffness(
+    fn reaction_and_stiffness_in_cage_frame(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
@@ -69,75 +79,62 @@ pub trait CageFrame<T: Scalar> {
     ) -> (Reaction<T>, Stiffness<T>);
 
     /// As [`super::Bearing::element_loads`] with the displacement in the cage's frame.
-    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
+    fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
 
     /// [`super::Bearing::reaction`] as part of whoever calls it: a caller that is compiled for a processor with wider
     /// registers than the rest of its program takes the bearing with it.
     #[inline(always)]
     fn reaction_inlined(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
-        let turn = Self::turn(at.cage);
-        let local = self.reaction_in_cage(&to_cage_frame(u, turn), at);
-        Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
+        let turn = Self::cage_rotation(at.cage);
+        let local = self.reaction_in_cage_frame(&to_cage_frame(u, turn), at);
+        Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
     }
 }
 
-#[inline(always)]
-pub(super) fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
-    elements: &E,
-    u: &Displacement<T>,
-    at: &BearingKinematicState<T>,
-    turn: CageRotation<T>,
-) -> (Reaction<T>, Stiffness<T>) {
-    let ring = elements.ring();
-    let rim = ring.at_rim(u);
-    let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
-    for place in ring.places.each() {
-        let (contact, k) = elements.contact_and_stiffness(Motion::of(&place, &rim, at, elements.surface()));
-        sum.add(&place, &contact);
-        stiffness.add(&place, &k);
+impl<E: Elements> CageFrame<E::Scalar> for E {
+    #[inline(always)]
+    fn cage_rotation(cage: Phase) -> CageRotation<E::Scalar> {
+        E::Math::sin_cos(cage)
     }
-    (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
-}
 
-pub(super) fn loads<T: Scalar, E: Elements<T>>(
-    elements: &E,
-    u: &Displacement<T>,
-    at: &BearingKinematicState<T>,
-    loads: &mut [T],
-) {
-    let rim = elements.ring().at_rim(u);
-    for (place, load) in elements.ring().places.each().zip(loads) {
-        let [contact] = elements.contacts([Motion::of(&place, &rim, at, elements.surface())]);
-        *load = elements.ring().scale * contact.load;
+    #[inline(always)]
+    fn reaction_in_cage_frame(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+    ) -> Reaction<E::Scalar> {
+        self.sum(u, at)
     }
-}
 
-/// Implements [`CageFrame`] for types with [`Elements`].
-macro_rules! in_cage_by_elements {
-    ($kind:ty, $math:ty, $($generics:tt)*) => {
-        impl<$($generics)*> $crate::bearing::CageFrame<T> for $kind {
-            #[inline(always)]
-            fn turn(cage: $crate::Phase) -> (T, T) {
-                <$math as $crate::math::Math<T>>::sin_cos(cage)
-            }
-            #[inline(always)]
-            fn reaction_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>) -> $crate::bearing::Reaction<T> {
-                $crate::bearing::elements::Elements::sum(self, u, at)
-            }
-            #[inline]
-            fn reaction_in_cage_and_stiffness(
-                &self,
-                u: &$crate::Displacement<T>,
-                at: &$crate::BearingKinematicState<T>,
-                turn: (T, T),
-            ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
-                $crate::bearing::elements::reaction_and_stiffness(self, u, at, turn)
-            }
-            #[inline]
-            fn element_loads_in_cage(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>, loads: &mut [T]) {
-                $crate::bearing::elements::loads(self, u, at, loads);
-            }
+    #[inline]
+    fn reaction_and_stiffness_in_cage_frame(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+        turn: CageRotation<E::Scalar>,
+    ) -> (Reaction<E::Scalar>, Stiffness<E::Scalar>) {
+        let ring = self.ring();
+        let rim = ring.at_rim(u);
+        let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
+        for position in ring.positions.all() {
+            let (contact, k) = self.contact_and_stiffness(Motion::of(&position, &rim, at, self.surface()));
+            sum.add(&position, &contact);
+            stiffness.add(&position, &k);
         }
-    };
+        (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
+    }
+
+    #[inline]
+    fn element_loads_in_cage_frame(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+        loads: &mut [E::Scalar],
+    ) {
+        let rim = self.ring().at_rim(u);
+        for (position, load) in self.ring().positions.all().zip(loads) {
+            let [contact] = self.contacts([Motion::of(&position, &rim, at, self.surface())]);
+            *load = self.ring().scale * contact.load;
+        }
+    }
 }
-pub(super) use in_cage_by_elements;

@@ -3,10 +3,8 @@
 use super::Reaction;
 use super::element_position::ElementLayout;
 use super::elements::Elements;
-use super::lumped::{Axial, Combined, Radial};
-use super::ring::{CageRotation, Contact, Motion, StiffnessSum, WrenchSum, out_of_cage, to_cage_frame};
-use super::surface::Surface;
-use crate::contact::law::Law;
+use super::lumped::Combined;
+use super::ring::{CageRotation, Contact, Motion, StiffnessSum, WrenchSum, from_cage_frame, to_cage_frame};
 use crate::frame::{Displacement, Stiffness};
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
@@ -27,11 +25,11 @@ pub struct HousingPoint<T> {
 /// use ballrace::bearing::evenly_spaced;
 /// use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 /// use ballrace::bearing::lumped::Radial;
-/// use ballrace::contact::law::Point;
+/// use ballrace::contact::law::PointContactLaw;
 /// use ballrace::{Displacement, Exact, Phase};
 ///
-/// let places = evenly_spaced::<f64, 8>(Phase::ZERO);
-/// let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 0.0)?;
+/// let positions = evenly_spaced::<f64, 8>(Phase::ZERO);
+/// let bearing = Radial::<f64, Exact, _, _>::try_new(positions, PointContactLaw { stiffness: 8e9 }, 0.0)?;
 /// // The housing gives way at the ball that is pressed: half the deflection, and the reaction is the housing's.
 /// let mut housing = [HousingPoint::default(); 8];
 /// housing[0].displacement = [1e-6, 0.0, 0.0];
@@ -78,7 +76,7 @@ impl<T: Scalar> HousingPoint<T> {
 }
 
 /// Goes through all elements, each with its motion over that of its housing point; `contact` gives the contact at it.
-fn each_element<T: Scalar, E: Elements<T>>(
+fn each_element<T: Scalar, E: Elements<Scalar = T>>(
     elements: &E,
     u: &Displacement<T>,
     (at, (sin, cos)): (&BearingKinematicState<T>, CageRotation<T>),
@@ -88,83 +86,57 @@ fn each_element<T: Scalar, E: Elements<T>>(
     let ring = elements.ring();
     let rim = ring.at_rim(&to_cage_frame(u, (sin, cos)));
     let mut points = housing.iter_mut();
-    for place in ring.places.each() {
+    for position in ring.positions.all() {
         let mut rigid = HousingPoint::default();
         let point = points.next().unwrap_or(&mut rigid);
         // The element's direction in the fixed frame, in which the housing point is given.
-        let direction = (cos * place.cos - sin * place.sin, cos * place.sin + sin * place.cos);
+        let direction = (cos * position.cos - sin * position.sin, cos * position.sin + sin * position.cos);
         let (radial, axial) = point.along(direction);
-        let motion = Motion::of(&place, &rim, at, elements.surface());
+        let motion = Motion::of(&position, &rim, at, elements.surface());
         let motion = Motion { radial: motion.radial - radial, axial: motion.axial - axial, ..motion };
-        point.push(direction, &contact(&place, motion), ring.scale);
+        point.push(direction, &contact(&position, motion), ring.scale);
     }
 }
 
-fn reaction<T: Scalar, E: Elements<T>>(
-    elements: &E,
-    u: &Displacement<T>,
-    at: &BearingKinematicState<T>,
-    housing: &mut [HousingPoint<T>],
-) -> Reaction<T> {
-    let turn = E::Math::sin_cos(at.cage);
-    let mut sum = WrenchSum::new();
-    each_element(elements, u, (at, turn), housing, |place, motion| {
-        let [contact] = elements.contacts([motion]);
-        sum.add(place, &contact);
-        contact
-    });
-    let ring = elements.ring();
-    let local = sum.finish(ring.arm, ring.scale);
-    Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
-}
+impl<E: Elements> FlexibleRing<E::Scalar> for E {
+    fn reaction_flexible(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+        housing: &mut [HousingPoint<E::Scalar>],
+    ) -> Reaction<E::Scalar> {
+        let turn = E::Math::sin_cos(at.cage);
+        let mut sum = WrenchSum::new();
+        each_element(self, u, (at, turn), housing, |position, motion| {
+            let [contact] = self.contacts([motion]);
+            sum.add(position, &contact);
+            contact
+        });
+        let ring = self.ring();
+        let local = sum.finish(ring.arm, ring.scale);
+        Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
+    }
 
-fn reaction_and_stiffness<T: Scalar, E: Elements<T>>(
-    elements: &E,
-    u: &Displacement<T>,
-    at: &BearingKinematicState<T>,
-    housing: &mut [HousingPoint<T>],
-) -> (Reaction<T>, Stiffness<T>) {
-    let turn = E::Math::sin_cos(at.cage);
-    let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
-    each_element(elements, u, (at, turn), housing, |place, motion| {
-        let (contact, k) = elements.contact_and_stiffness(motion);
-        sum.add(place, &contact);
-        stiffness.add(place, &k);
-        contact
-    });
-    let ring = elements.ring();
-    let local = sum.finish(ring.arm, ring.scale);
-    (Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }, stiffness.finish(ring.arm, ring.scale, turn))
+    fn reaction_and_stiffness_flexible(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+        housing: &mut [HousingPoint<E::Scalar>],
+    ) -> (Reaction<E::Scalar>, Stiffness<E::Scalar>) {
+        let turn = E::Math::sin_cos(at.cage);
+        let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
+        each_element(self, u, (at, turn), housing, |position, motion| {
+            let (contact, k) = self.contact_and_stiffness(motion);
+            sum.add(position, &contact);
+            stiffness.add(position, &k);
+            contact
+        });
+        let ring = self.ring();
+        let local = sum.finish(ring.arm, ring.scale);
+        let stiffness = stiffness.finish(ring.arm, ring.scale, turn);
+        (Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }, stiffness)
+    }
 }
-
-macro_rules! flexible_by_elements {
-    ($kind:ty, $($generics:tt)*) => {
-        impl<$($generics)*> FlexibleRing<T> for $kind {
-            fn reaction_flexible(
-                &self,
-                u: &Displacement<T>,
-                at: &BearingKinematicState<T>,
-                housing: &mut [HousingPoint<T>],
-            ) -> Reaction<T> {
-                reaction(self, u, at, housing)
-            }
-            fn reaction_and_stiffness_flexible(
-                &self,
-                u: &Displacement<T>,
-                at: &BearingKinematicState<T>,
-                housing: &mut [HousingPoint<T>],
-            ) -> (Reaction<T>, Stiffness<T>) {
-                reaction_and_stiffness(self, u, at, housing)
-            }
-        }
-    };
-}
-
-flexible_by_elements!(
-    Radial<T, M, L, P, S>,
-    T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>
-);
-flexible_by_elements!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>);
 
 impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Combined<A, B> {
     fn reaction_flexible(
@@ -173,7 +145,7 @@ impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Comb
         at: &BearingKinematicState<T>,
         housing: &mut [HousingPoint<T>],
     ) -> Reaction<T> {
-        self.0.reaction_flexible(u, at, housing).plus(self.1.reaction_flexible(u, at, housing))
+        self.0.reaction_flexible(u, at, housing) + self.1.reaction_flexible(u, at, housing)
     }
     fn reaction_and_stiffness_flexible(
         &self,
@@ -183,6 +155,6 @@ impl<T: Scalar, A: FlexibleRing<T>, B: FlexibleRing<T>> FlexibleRing<T> for Comb
     ) -> (Reaction<T>, Stiffness<T>) {
         let (a, ka) = self.0.reaction_and_stiffness_flexible(u, at, housing);
         let (b, kb) = self.1.reaction_and_stiffness_flexible(u, at, housing);
-        (a.plus(b), ka + kb)
+        (a + b, ka + kb)
     }
 }

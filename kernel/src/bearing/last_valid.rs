@@ -19,12 +19,12 @@ use crate::status::Status;
 /// let (before, _) = bearing.sample(&mut held, &good, &Phase::ZERO.into());
 /// let (after, status) = bearing.sample(&mut held, &bad, &Phase::ZERO.into());
 /// assert_eq!(before, after);
-/// assert!(status.has(Status::INPUT_NOT_FINITE) && held.held() == 1);
+/// assert!(status.contains(Status::INPUT_NOT_FINITE) && held.held_count() == 1);
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LastValidWrench<T> {
     last: Wrench<T>,
-    held: u32,
+    held_count: u32,
 }
 
 impl<T: Scalar> LastValidWrench<T> {
@@ -36,21 +36,21 @@ impl<T: Scalar> LastValidWrench<T> {
 
     /// Samples answered with an older value so far (saturating).
     #[must_use]
-    pub fn held(&self) -> u32 {
-        self.held
+    pub fn held_count(&self) -> u32 {
+        self.held_count
     }
 
-    pub(super) fn take(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
+    pub(super) fn update(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
         let fresh = evaluate();
         let result_ok = fresh.wrench.is_finite();
         // No branch here: a bad sample costs what a good one costs.
         let status = Status::INPUT_NOT_FINITE
             .when(!input_ok)
-            .and(Status::RESULT_NOT_FINITE.when(input_ok & !result_ok))
-            .and(Status::CONTACT_LOST.when(input_ok & fresh.load.is_zero()))
-            .and(fresh.status.when(input_ok));
-        self.held = self.held.saturating_add(u32::from(status.is_held()));
-        self.last = Wrench::choose(!status.is_held(), fresh.wrench, self.last);
+            .union(Status::RESULT_NOT_FINITE.when(input_ok & !result_ok))
+            .union(Status::CONTACT_LOST.when(input_ok & fresh.load.is_zero()))
+            .union(fresh.status.when(input_ok));
+        self.held_count = self.held_count.saturating_add(u32::from(status.is_held()));
+        self.last = Wrench::select(!status.is_held(), fresh.wrench, self.last);
         (self.last, status)
     }
 }

@@ -6,12 +6,12 @@
 //! (Hajzman, eq. 1 to 5). The exponent and the backend are types; the values are here.
 
 use super::element_position::{ElementLayout, ElementPosition};
-use super::elements::{CageFrame, Elements, in_cage_by_elements};
+use super::elements::{CageFrame, Elements};
 use super::geometry::{InvalidParameter, check};
 use super::ring::{CageRotation, Contact, ContactStiffness, Motion, RadialSum, Ring, radial};
 use super::surface::{ElementDeviation, Smooth, Surface};
 use super::{Reaction, bearing_in_cage};
-use crate::contact::law::Law;
+use crate::contact::law::LoadDeflectionLaw;
 use crate::frame::{Displacement, Stiffness};
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
@@ -25,14 +25,14 @@ use core::marker::PhantomData;
 /// preload.
 ///
 /// ```
-/// use ballrace::bearing::{Bearing, even_pairs};
+/// use ballrace::bearing::{Bearing, evenly_spaced_pairs};
 /// use ballrace::bearing::lumped::Radial;
-/// use ballrace::contact::law::Point;
+/// use ballrace::contact::law::PointContactLaw;
 /// use ballrace::{Displacement, Exact, Phase};
 ///
 /// // Eight balls, 1 um of radial play. One ball is pressed by 1 um: 8e9 N/m^1.5 * (1 um)^1.5.
-/// let places = even_pairs::<f64, 4>(Phase::ZERO);
-/// let bearing = Radial::<f64, Exact, _, _>::try_new(places, Point { stiffness: 8e9 }, 1e-6)?;
+/// let positions = evenly_spaced_pairs::<f64, 4>(Phase::ZERO);
+/// let bearing = Radial::<f64, Exact, _, _>::try_new(positions, PointContactLaw { stiffness: 8e9 }, 1e-6)?;
 /// let u = Displacement { u: 2e-6, ..Displacement::default() };
 /// let force = bearing.reaction(&u, &Phase::ZERO.into()).wrench;
 /// assert!(force.fx < -8.0 && force.fy.abs() < 1e-12);
@@ -52,11 +52,11 @@ pub struct Radial<T, M, L, P, S = Smooth> {
 /// ```
 /// use ballrace::bearing::{Bearing, evenly_spaced};
 /// use ballrace::bearing::lumped::Axial;
-/// use ballrace::contact::law::Line;
+/// use ballrace::contact::law::LineContactLaw;
 /// use ballrace::{Displacement, Exact, Phase};
 ///
-/// let places = evenly_spaced::<f32, 12>(Phase::ZERO);
-/// let bearing = Axial::<f32, Exact, _, _>::try_new(places, Line { stiffness: 3e8 }, 0.0, 20e-3)?;
+/// let positions = evenly_spaced::<f32, 12>(Phase::ZERO);
+/// let bearing = Axial::<f32, Exact, _, _>::try_new(positions, LineContactLaw { stiffness: 3e8 }, 0.0, 20e-3)?;
 /// let pushed = Displacement { w: 5e-6, ..Displacement::default() };
 /// assert!(bearing.reaction(&pushed, &Phase::ZERO.into()).wrench.fz < 0.0);
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
@@ -73,20 +73,20 @@ pub struct Axial<T, M, L, P> {
 #[derive(Debug, Clone, Copy)]
 pub struct Combined<A, B>(pub A, pub B);
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Radial<T, M, L, P> {
-    /// From the elements' places, the law and the radial play (m; half the diametral clearance).
+impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Radial<T, M, L, P> {
+    /// From the elements' positions, the law and the radial play (m; half the diametral clearance).
     ///
     /// # Errors
-    /// A play that is not finite; one below 0 (preload) where the places are pairs.
-    pub fn try_new(places: P, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
+    /// A play that is not finite; one below 0 (preload) where the positions are pairs.
+    pub fn try_new(positions: P, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
         check(true, "radial_play", radial_play, "a finite length")?;
-        check(!P::PAIRS || radial_play >= 0.0, "radial_play", radial_play, "0 m or more with opposite pairs")?;
-        Ok(Self::ready(places, law, T::from_f64(radial_play)))
+        check(!P::IS_PAIRED || radial_play >= 0.0, "radial_play", radial_play, "0 m or more with opposite pairs")?;
+        Ok(Self::from_constants(positions, law, T::from_f64(radial_play)))
     }
 
     /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
-    pub fn ready(places: P, law: L, radial_play: T) -> Self {
-        let ring = Ring { places, arm: T::ZERO, scale: law.scale() };
+    pub fn from_constants(positions: P, law: L, radial_play: T) -> Self {
+        let ring = Ring { positions, arm: T::ZERO, scale: law.scale() };
         Self { ring, law, play: radial_play, surface: Smooth, math: PhantomData }
     }
 
@@ -96,32 +96,32 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Radial<T, M, L, P
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Axial<T, M, L, P> {
-    /// From the elements' places, the law, the axial play (m) and the radius at which they act (m).
+impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Axial<T, M, L, P> {
+    /// From the elements' positions, the law, the axial play (m) and the radius at which they act (m).
     ///
     /// # Errors
     /// A play or radius that is not finite, a radius below 0.
-    pub fn try_new(places: P, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
+    pub fn try_new(positions: P, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
         check(true, "axial play", axial_play, "a finite length")?;
         check(radius >= 0.0, "axial radius", radius, "0 m or more")?;
-        Ok(Self::ready(places, law, T::from_f64(axial_play), T::from_f64(radius)))
+        Ok(Self::from_constants(positions, law, T::from_f64(axial_play), T::from_f64(radius)))
     }
 
     /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
-    pub fn ready(places: P, law: L, axial_play: T, radius: T) -> Self {
-        let ring = Ring { places, arm: radius, scale: law.scale() };
+    pub fn from_constants(positions: P, law: L, axial_play: T, radius: T) -> Self {
+        let ring = Ring { positions, arm: radius, scale: law.scale() };
         Self { ring, law, play: axial_play, math: PhantomData }
     }
 }
 
 /// Elements of which the radial rung takes the powers together: the powers of four wait for no other.
-const BLOCK: usize = 4;
+const BLOCK_SIZE: usize = 4;
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>> Radial<T, M, L, P, S> {
+impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>> Radial<T, M, L, P, S> {
     /// Radial displacement at which the element touches.
     #[inline(always)]
     fn gap(&self, azimuth: Phase, at: &BearingKinematicState<T>) -> T {
-        self.gap_of(self.surface.at(azimuth, at))
+        self.gap_of(self.surface.deviation(azimuth, at))
     }
 
     #[inline(always)]
@@ -131,11 +131,11 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>> Ra
 
     /// Twice the deflection at one entry of the table; with pairs, less that of the opposite element.
     #[inline(always)]
-    fn signed(&self, place: &ElementPosition<T>, u: &Displacement<T>, at: &BearingKinematicState<T>) -> T {
-        let radial = radial(place, u);
-        let azimuth = place.azimuth.plus(at.cage);
-        let here = (radial - self.gap(azimuth, at)).twice_positive();
-        if P::PAIRS { here + (radial + self.gap(azimuth.opposite(), at)).twice_negative() } else { here }
+    fn signed(&self, position: &ElementPosition<T>, u: &Displacement<T>, at: &BearingKinematicState<T>) -> T {
+        let radial = radial(position, u);
+        let azimuth = position.azimuth.wrapping_add(at.cage);
+        let here = (radial - self.gap(azimuth, at)).twice_positive_part();
+        if P::IS_PAIRED { here + (radial + self.gap(azimuth.opposite(), at)).twice_negative_part() } else { here }
     }
 
     #[inline(always)]
@@ -146,21 +146,22 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>> Ra
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
     ) {
-        let shapes = self.law.shape(group.each_ref().map(|place| self.signed(place, u, at)));
-        for (place, shape) in group.iter().zip(shapes) {
-            sum.add(place, shape);
+        let shapes = self.law.unscaled_load(group.each_ref().map(|position| self.signed(position, u, at)));
+        for (position, shape) in group.iter().zip(shapes) {
+            sum.add(position, shape);
         }
     }
 }
 
-impl<T, M, L, P, S> Elements<T> for Radial<T, M, L, P, S>
+impl<T, M, L, P, S> Elements for Radial<T, M, L, P, S>
 where
     T: Scalar,
     M: Math<T>,
-    L: Law<T, M>,
+    L: LoadDeflectionLaw<T, M>,
     P: ElementLayout<T>,
     S: Surface<T>,
 {
+    type Scalar = T;
     type Math = M;
     type ElementPositions = P;
     type Surface = S;
@@ -174,12 +175,13 @@ where
     }
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
-        let shapes = self.law.shape(at.map(|m| (m.radial - self.gap_of(m.shape)).twice_positive()));
+        let shapes = self.law.unscaled_load(at.map(|m| (m.radial - self.gap_of(m.deviation)).twice_positive_part()));
         shapes.map(|load| Contact { radial: load, axial: T::NEGATIVE_ZERO, tilting: T::NEGATIVE_ZERO, load })
     }
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
-        let (load, slope) = self.law.shape_and_slope((at.radial - self.gap_of(at.shape)).twice_positive());
+        let (load, slope) =
+            self.law.unscaled_load_and_slope((at.radial - self.gap_of(at.deviation)).twice_positive_part());
         (
             Contact { radial: load, axial: T::NEGATIVE_ZERO, tilting: T::NEGATIVE_ZERO, load },
             ContactStiffness { radial: slope, cross: T::NEGATIVE_ZERO, axial: T::NEGATIVE_ZERO },
@@ -188,18 +190,19 @@ where
     #[inline(always)]
     fn sum(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = RadialSum::new();
-        let (groups, rest) = self.ring.places.table().as_chunks::<BLOCK>();
+        let (groups, rest) = self.ring.positions.stored().as_chunks::<BLOCK_SIZE>();
         for group in groups {
             self.add_group(&mut sum, group, u, at);
         }
-        for place in rest {
-            self.add_group(&mut sum, core::array::from_ref(place), u, at);
+        for position in rest {
+            self.add_group(&mut sum, core::array::from_ref(position), u, at);
         }
         sum.finish(self.ring.scale)
     }
 }
 
-impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Elements<T> for Axial<T, M, L, P> {
+impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Elements for Axial<T, M, L, P> {
+    type Scalar = T;
     type Math = M;
     type ElementPositions = P;
     type Surface = Smooth;
@@ -213,12 +216,12 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Elements<T> for A
     }
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
-        let shapes = self.law.shape(at.map(|m| (m.axial - self.play).twice_positive()));
+        let shapes = self.law.unscaled_load(at.map(|m| (m.axial - self.play).twice_positive_part()));
         shapes.map(|load| Contact { radial: T::NEGATIVE_ZERO, axial: load, tilting: load, load })
     }
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
-        let (load, slope) = self.law.shape_and_slope((at.axial - self.play).twice_positive());
+        let (load, slope) = self.law.unscaled_load_and_slope((at.axial - self.play).twice_positive_part());
         (
             Contact { radial: T::NEGATIVE_ZERO, axial: load, tilting: load, load },
             ContactStiffness { radial: T::NEGATIVE_ZERO, cross: T::NEGATIVE_ZERO, axial: slope },
@@ -226,41 +229,36 @@ impl<T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>> Elements<T> for A
     }
 }
 
-in_cage_by_elements!(
-    Radial<T, M, L, P, S>, M,
-    T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>
-);
 bearing_in_cage!(
     Radial<T, M, L, P, S>,
-    T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>, S: Surface<T>
+    T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>
 );
-in_cage_by_elements!(Axial<T, M, L, P>, M, T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>);
-bearing_in_cage!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: Law<T, M>, P: ElementLayout<T>);
+bearing_in_cage!(Axial<T, M, L, P>, T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>);
 bearing_in_cage!(Combined<A, B>, T: Scalar, A: CageFrame<T> + Send + Sync, B: CageFrame<T> + Send + Sync);
 
 impl<T: Scalar, A: CageFrame<T>, B: CageFrame<T>> CageFrame<T> for Combined<A, B> {
     #[inline(always)]
-    fn turn(cage: Phase) -> CageRotation<T> {
-        A::turn(cage)
+    fn cage_rotation(cage: Phase) -> CageRotation<T> {
+        A::cage_rotation(cage)
     }
     #[inline(always)]
-    fn reaction_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
-        self.0.reaction_in_cage(u, at).plus(self.1.reaction_in_cage(u, at))
+    fn reaction_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.0.reaction_in_cage_frame(u, at) + self.1.reaction_in_cage_frame(u, at)
     }
     #[inline(always)]
-    fn reaction_in_cage_and_stiffness(
+    fn reaction_and_stiffness_in_cage_frame(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
         turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
-        let (a, ka) = self.0.reaction_in_cage_and_stiffness(u, at, turn);
-        let (b, kb) = self.1.reaction_in_cage_and_stiffness(u, at, turn);
-        (a.plus(b), ka + kb)
+        let (a, ka) = self.0.reaction_and_stiffness_in_cage_frame(u, at, turn);
+        let (b, kb) = self.1.reaction_and_stiffness_in_cage_frame(u, at, turn);
+        (a + b, ka + kb)
     }
     /// The loads of the first kind only: one entry an element, as the radial ones show the load zone.
     #[inline(always)]
-    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
-        self.0.element_loads_in_cage(u, at, loads);
+    fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
+        self.0.element_loads_in_cage_frame(u, at, loads);
     }
 }

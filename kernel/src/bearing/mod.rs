@@ -2,6 +2,7 @@
 
 pub mod angular;
 pub mod batch;
+mod common;
 mod element_position;
 mod elements;
 pub mod flexible;
@@ -15,9 +16,13 @@ mod ring;
 pub mod surface;
 pub mod tabulated;
 
+pub use common::{
+    AngularContact, DeepGroove, HighSpeedBearing, LubricatedBearing, LumpedAxial, LumpedRadial, LumpedRadialAxial,
+    LumpedRoller, QuasiStaticBearing, TabulatedBearing,
+};
 pub use element_position::{
-    BLOCK, BlockedPositions, ElementBlock, ElementLayout, ElementPosition, ElementPositions, OpposedPairs, even_pairs,
-    evenly_spaced,
+    BLOCK_SIZE, BlockedPositions, ElementBlock, ElementLayout, ElementPosition, ElementPositions, OpposedPairs,
+    evenly_spaced, evenly_spaced_pairs,
 };
 pub use elements::CageFrame;
 pub use last_valid::LastValidWrench;
@@ -26,6 +31,7 @@ use crate::frame::{Displacement, Stiffness, Wrench, mirrored_stiffness};
 use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use crate::status::Status;
+use core::ops::Add;
 
 /// What a bearing answers to a displacement.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -40,19 +46,22 @@ pub struct Reaction<T> {
 }
 
 impl<T: Scalar> Reaction<T> {
-    /// That of two bearings, or of two kinds of element, together.
-    #[must_use]
-    pub fn plus(self, other: Self) -> Self {
-        Self {
-            wrench: self.wrench.plus(other.wrench),
-            load: self.load + other.load,
-            status: self.status.and(other.status),
-        }
-    }
-
     /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
     pub(crate) fn moved_from(self, station: T) -> Self {
         Self { wrench: self.wrench.from_station(station), ..self }
+    }
+}
+
+impl<T: Scalar> Add for Reaction<T> {
+    type Output = Self;
+    /// Returns the reaction of two bearings, or of two kinds of element, together.
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            wrench: self.wrench + other.wrench,
+            load: self.load + other.load,
+            status: self.status.union(other.status),
+        }
     }
 }
 
@@ -74,11 +83,11 @@ pub trait Bearing<T: Scalar>: Send + Sync {
     /// flagged, counted, and answered with the last good wrench.
     fn sample(
         &self,
-        held: &mut LastValidWrench<T>,
+        last_valid: &mut LastValidWrench<T>,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
     ) -> (Wrench<T>, Status) {
-        held.take(u.is_finite(), || self.reaction(u, at))
+        last_valid.update(u.is_finite(), || self.reaction(u, at))
     }
 }
 
@@ -111,13 +120,13 @@ macro_rules! bearing_in_cage {
                 at: &$crate::BearingKinematicState<T>,
             ) -> ($crate::bearing::Reaction<T>, $crate::Stiffness<T>) {
                 use $crate::bearing::{CageFrame, ring};
-                let turn = Self::turn(at.cage);
-                let (local, k) = self.reaction_in_cage_and_stiffness(&ring::to_cage_frame(u, turn), at, turn);
-                ($crate::bearing::Reaction { wrench: ring::out_of_cage(&local.wrench, turn), ..local }, k)
+                let turn = Self::cage_rotation(at.cage);
+                let (local, k) = self.reaction_and_stiffness_in_cage_frame(&ring::to_cage_frame(u, turn), at, turn);
+                ($crate::bearing::Reaction { wrench: ring::from_cage_frame(&local.wrench, turn), ..local }, k)
             }
             fn element_loads(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>, loads: &mut [T]) {
                 use $crate::bearing::{CageFrame, ring};
-                self.element_loads_in_cage(&ring::to_cage_frame(u, Self::turn(at.cage)), at, loads);
+                self.element_loads_in_cage_frame(&ring::to_cage_frame(u, Self::cage_rotation(at.cage)), at, loads);
             }
         }
     };
@@ -126,7 +135,7 @@ use bearing_in_cage;
 
 /// A bearing that carries thrust towards -Z: the same kernel turned by pi about X.
 ///
-/// The bearing inside is built from places that are [`ElementPosition::mirrored`] (and mirrored surfaces) so that its
+/// The bearing inside is built from positions that are [`ElementPosition::mirrored`] (and mirrored surfaces) so that its
 /// elements stand where they should.
 #[derive(Debug, Clone, Copy)]
 pub struct Mirrored<B>(pub B);

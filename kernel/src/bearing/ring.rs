@@ -15,10 +15,10 @@ use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// The elements' places, the lever arm, and what all contacts are multiplied with to give newtons.
+/// The elements' positions, the lever arm, and what all contacts are multiplied with to give newtons.
 #[derive(Debug, Clone, Copy)]
 pub struct Ring<T, P> {
-    pub(super) places: P,
+    pub(super) positions: P,
     pub(super) arm: T,
     pub(super) scale: T,
 }
@@ -28,7 +28,7 @@ pub struct Ring<T, P> {
 pub struct Motion<T> {
     pub(super) radial: T,
     pub(super) axial: T,
-    pub(super) shape: ElementDeviation<T>,
+    pub(super) deviation: ElementDeviation<T>,
 }
 
 /// Force of the ring on one element's contact plane: radial outward and axial, and the load behind it; with `Lanes` those of
@@ -59,46 +59,46 @@ impl<T: Scalar, P: ElementLayout<T>> Ring<T, P> {
 }
 
 #[inline(always)]
-pub(super) fn radial<T: Scalar>(place: &ElementPosition<T>, rim: &Displacement<T>) -> T {
-    rim.u * place.cos + rim.v * place.sin
+pub(super) fn radial<T: Scalar>(position: &ElementPosition<T>, rim: &Displacement<T>) -> T {
+    rim.u * position.cos + rim.v * position.sin
 }
 
 #[inline(always)]
-fn axial_by_tilt<T: Scalar>(place: &ElementPosition<T>, rim: &Displacement<T>) -> T {
-    rim.thu * place.sin - rim.thv * place.cos
+fn axial_by_tilt<T: Scalar>(position: &ElementPosition<T>, rim: &Displacement<T>) -> T {
+    rim.thu * position.sin - rim.thv * position.cos
 }
 
 impl<T: Scalar> Motion<T> {
     #[inline(always)]
     pub(super) fn of<S: Surface<T>>(
-        place: &ElementPosition<T>,
+        position: &ElementPosition<T>,
         rim: &Displacement<T>,
         at: &BearingKinematicState<T>,
         surface: &S,
     ) -> Self {
-        let shape = surface.at(place.azimuth.plus(at.cage), at);
-        Self { radial: radial(place, rim), axial: axial_by_tilt(place, rim) + rim.w, shape }
+        let deviation = surface.deviation(position.azimuth.wrapping_add(at.cage), at);
+        Self { radial: radial(position, rim), axial: axial_by_tilt(position, rim) + rim.w, deviation }
     }
 
     /// The groove centres' displacement with that of their waviness.
     #[inline(always)]
     pub(super) fn with_waviness(self) -> Self {
-        Self { radial: self.radial + self.shape.radial, axial: self.axial + self.shape.axial, ..self }
+        Self { radial: self.radial + self.deviation.radial, axial: self.axial + self.deviation.axial, ..self }
     }
 
     /// Of an element and of the one opposite to it.
     #[inline(always)]
     pub(super) fn of_pair<S: Surface<T>>(
-        place: &ElementPosition<T>,
+        position: &ElementPosition<T>,
         rim: &Displacement<T>,
         at: &BearingKinematicState<T>,
         surface: &S,
     ) -> [Self; 2] {
-        let (radial, tilt) = (radial(place, rim), axial_by_tilt(place, rim));
-        let azimuth = place.azimuth.plus(at.cage);
+        let (radial, tilt) = (radial(position, rim), axial_by_tilt(position, rim));
+        let azimuth = position.azimuth.wrapping_add(at.cage);
         [
-            Self { radial, axial: rim.w + tilt, shape: surface.at(azimuth, at) },
-            Self { radial: -radial, axial: rim.w - tilt, shape: surface.at(azimuth.opposite(), at) },
+            Self { radial, axial: rim.w + tilt, deviation: surface.deviation(azimuth, at) },
+            Self { radial: -radial, axial: rim.w - tilt, deviation: surface.deviation(azimuth.opposite(), at) },
         ]
     }
 }
@@ -106,23 +106,23 @@ impl<T: Scalar> Motion<T> {
 impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
     /// Of elements side by side, with the waviness of their grooves.
     #[inline(always)]
-    pub(super) fn of_each<S: Surface<T>>(
+    pub(super) fn of_block<S: Surface<T>>(
         &ElementBlock { cos, sin, azimuths, .. }: &ElementBlock<T, K>,
         rim: &Displacement<T>,
         at: &BearingKinematicState<T>,
         surface: &S,
     ) -> Self {
-        let all = Lanes::<T, K>::all;
-        let shapes = azimuths.map(|azimuth| surface.at(azimuth.plus(at.cage), at));
-        let shape = ElementDeviation {
-            radial: Lanes::of(&shapes, |shape| shape.radial),
-            axial: Lanes::of(&shapes, |shape| shape.axial),
-            inner: Lanes::of(&shapes, |shape| shape.inner),
-            outer: Lanes::of(&shapes, |shape| shape.outer),
+        let all = Lanes::<T, K>::splat;
+        let deviations = azimuths.map(|azimuth| surface.deviation(azimuth.wrapping_add(at.cage), at));
+        let deviation = ElementDeviation {
+            radial: Lanes::gather(&deviations, |deviation| deviation.radial),
+            axial: Lanes::gather(&deviations, |deviation| deviation.axial),
+            inner: Lanes::gather(&deviations, |deviation| deviation.inner),
+            outer: Lanes::gather(&deviations, |deviation| deviation.outer),
         };
-        let radial = all(rim.u) * cos + all(rim.v) * sin + shape.radial;
-        let axial = all(rim.thu) * sin - all(rim.thv) * cos + all(rim.w) + shape.axial;
-        Self { radial, axial, shape }
+        let radial = all(rim.u) * cos + all(rim.v) * sin + deviation.radial;
+        let axial = all(rim.thu) * sin - all(rim.thv) * cos + all(rim.w) + deviation.axial;
+        Self { radial, axial, deviation }
     }
 }
 
@@ -143,7 +143,7 @@ pub(super) fn to_cage_frame<T: Scalar>(u: &Displacement<T>, (sin, cos): CageRota
 
 /// The same pairs of a wrench turned by the cage's angle.
 #[inline(always)]
-pub(super) fn out_of_cage<T: Scalar>(f: &Wrench<T>, (sin, cos): CageRotation<T>) -> Wrench<T> {
+pub(super) fn from_cage_frame<T: Scalar>(f: &Wrench<T>, (sin, cos): CageRotation<T>) -> Wrench<T> {
     Wrench {
         fx: cos * f.fx - sin * f.fy,
         fy: cos * f.fy + sin * f.fx,
@@ -174,27 +174,27 @@ impl<T: Scalar> WrenchSum<T> {
 
     /// Adds `T_j^T` times the contact's force.
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &ElementPosition<T>, contact: &Contact<T>) {
-        self.add_along(place, contact.radial, contact.tilting);
+    pub(super) fn add(&mut self, position: &ElementPosition<T>, contact: &Contact<T>) {
+        self.add_along(position, contact.radial, contact.tilting);
         self.z += contact.axial;
         self.load += contact.load;
     }
 
-    /// Adds the elements at `places` from number `from` on, whose contacts are side by side, one after the other.
+    /// Adds the elements at `positions` from number `from` on, whose contacts are side by side, one after the other.
     #[inline(always)]
     pub(super) fn add_each<const K: usize>(
         &mut self,
-        places: &[ElementPosition<T>],
+        positions: &[ElementPosition<T>],
         contacts: &Contact<Lanes<T, K>>,
         from: usize,
     ) {
         let mut i = 0;
         while i < K {
-            let Some(place) = places.get(i) else { break };
+            let Some(position) = positions.get(i) else { break };
             if i >= from {
                 let [radial, axial, tilting, load] =
                     [contacts.radial.0[i], contacts.axial.0[i], contacts.tilting.0[i], contacts.load.0[i]];
-                self.add(place, &Contact { radial, axial, tilting, load });
+                self.add(position, &Contact { radial, axial, tilting, load });
             }
             i += 1;
         }
@@ -202,18 +202,18 @@ impl<T: Scalar> WrenchSum<T> {
 
     /// The forces of an element and of the one opposite to it.
     #[inline(always)]
-    pub(super) fn add_pair(&mut self, place: &ElementPosition<T>, [here, there]: &[Contact<T>; 2]) {
-        self.add_along(place, here.radial - there.radial, here.tilting - there.tilting);
+    pub(super) fn add_pair(&mut self, position: &ElementPosition<T>, [here, there]: &[Contact<T>; 2]) {
+        self.add_along(position, here.radial - there.radial, here.tilting - there.tilting);
         self.z += here.axial + there.axial;
         self.load += here.load + there.load;
     }
 
     #[inline(always)]
-    fn add_along(&mut self, place: &ElementPosition<T>, radial: T, tilting: T) {
-        self.x += radial * place.cos;
-        self.y += radial * place.sin;
-        self.z_cos += tilting * place.cos;
-        self.z_sin += tilting * place.sin;
+    fn add_along(&mut self, position: &ElementPosition<T>, radial: T, tilting: T) {
+        self.x += radial * position.cos;
+        self.y += radial * position.sin;
+        self.z_cos += tilting * position.cos;
+        self.z_sin += tilting * position.sin;
     }
 
     /// Times `scale`, with the moments by the lever arm: the force on the ring is against that on the elements.
@@ -245,11 +245,11 @@ impl<T: Scalar> RadialSum<T> {
         Self { x: T::NEGATIVE_ZERO, y: T::NEGATIVE_ZERO, load: T::NEGATIVE_ZERO }
     }
 
-    /// A force outward at `place`; below 0 it is that of the opposite element.
+    /// A force outward at `position`; below 0 it is that of the opposite element.
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &ElementPosition<T>, radial: T) {
-        self.x += radial * place.cos;
-        self.y += radial * place.sin;
+    pub(super) fn add(&mut self, position: &ElementPosition<T>, radial: T) {
+        self.x += radial * position.cos;
+        self.y += radial * position.sin;
         self.load += radial.abs();
     }
 
@@ -287,15 +287,15 @@ impl<T: Scalar> SecondMoment<T> {
     }
 
     #[inline(always)]
-    fn add(&mut self, place: &ElementPosition<T>, [k_cos, k_sin]: [T; 2]) {
-        self.cc += k_cos * place.cos;
-        self.cs += k_cos * place.sin;
-        self.ss += k_sin * place.sin;
+    fn add(&mut self, position: &ElementPosition<T>, [k_cos, k_sin]: [T; 2]) {
+        self.cc += k_cos * position.cos;
+        self.cs += k_cos * position.sin;
+        self.ss += k_sin * position.sin;
     }
 
     /// Seen from the fixed frame: `R S R^T`, times `scale`.
     #[inline(always)]
-    fn turned(&self, (sin, cos): CageRotation<T>, scale: T) -> Self {
+    fn rotated(&self, (sin, cos): CageRotation<T>, scale: T) -> Self {
         let (a, b) = (cos * self.cc - sin * self.cs, cos * self.cs - sin * self.ss);
         let (c, d) = (cos * self.cs + sin * self.cc, cos * self.ss + sin * self.cs);
         Self { cc: scale * (cos * a - sin * b), cs: scale * (cos * b + sin * a), ss: scale * (cos * d + sin * c) }
@@ -303,7 +303,7 @@ impl<T: Scalar> SecondMoment<T> {
 }
 
 #[inline(always)]
-fn turned<T: Scalar>([x, y]: [T; 2], (sin, cos): CageRotation<T>, scale: T) -> [T; 2] {
+fn rotated<T: Scalar>([x, y]: [T; 2], (sin, cos): CageRotation<T>, scale: T) -> [T; 2] {
     [scale * (cos * x - sin * y), scale * (cos * y + sin * x)]
 }
 
@@ -322,17 +322,17 @@ impl<T: Scalar> StiffnessSum<T> {
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &ElementPosition<T>, k: &ContactStiffness<T>) {
-        let along = |k: T| [k * place.cos, k * place.sin];
+    pub(super) fn add(&mut self, position: &ElementPosition<T>, k: &ContactStiffness<T>) {
+        let along = |k: T| [k * position.cos, k * position.sin];
         let add = |sum: &mut [T; 2], [x, y]: [T; 2]| {
             let [sx, sy] = sum;
             *sx += x;
             *sy += y;
         };
         let (cross, axial) = (along(k.cross), along(k.axial));
-        self.radial.add(place, along(k.radial));
-        self.cross.add(place, cross);
-        self.axial.add(place, axial);
+        self.radial.add(position, along(k.radial));
+        self.cross.add(position, cross);
+        self.axial.add(position, axial);
         add(&mut self.cross_first, cross);
         add(&mut self.axial_first, axial);
         self.axial_sum += k.axial;
@@ -345,11 +345,11 @@ impl<T: Scalar> StiffnessSum<T> {
     #[inline(always)]
     pub(super) fn finish(&self, arm: T, scale: T, cage: CageRotation<T>) -> Stiffness<T> {
         let tilt = scale * arm;
-        let r = self.radial.turned(cage, scale);
-        let c = self.cross.turned(cage, tilt);
-        let a = self.axial.turned(cage, tilt * arm);
-        let [cx, cy] = turned(self.cross_first, cage, scale);
-        let [ax, ay] = turned(self.axial_first, cage, tilt);
+        let r = self.radial.rotated(cage, scale);
+        let c = self.cross.rotated(cage, tilt);
+        let a = self.axial.rotated(cage, tilt * arm);
+        let [cx, cy] = rotated(self.cross_first, cage, scale);
+        let [ax, ay] = rotated(self.axial_first, cage, tilt);
         #[rustfmt::skip]
         let stiffness = Stiffness::new(
             r.cc, r.cs, cx, c.cs, -c.cc,
@@ -403,18 +403,18 @@ impl<T: Scalar> TangentSum<T> {
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &ElementPosition<T>, k: &ContactTangent<T>) {
-        let along = |k: T| [k * place.cos, k * place.sin];
+    pub(super) fn add(&mut self, position: &ElementPosition<T>, k: &ContactTangent<T>) {
+        let along = |k: T| [k * position.cos, k * position.sin];
         let add = |sum: &mut [T; 2], [x, y]: [T; 2]| {
             let [sx, sy] = sum;
             *sx += x;
             *sy += y;
         };
         let ([rr, rz], [zr, zz], [lr, lz]) = (k.radial, k.axial, k.tilting);
-        self.radial_radial.add(place, along(rr));
-        self.radial_axial.add(place, along(rz));
-        self.tilting_radial.add(place, along(lr));
-        self.tilting_axial.add(place, along(lz));
+        self.radial_radial.add(position, along(rr));
+        self.radial_axial.add(position, along(rz));
+        self.tilting_radial.add(position, along(lr));
+        self.tilting_axial.add(position, along(lz));
         add(&mut self.radial_axial_first, along(rz));
         add(&mut self.axial_radial_first, along(zr));
         add(&mut self.axial_axial_first, along(zz));
@@ -426,14 +426,14 @@ impl<T: Scalar> TangentSum<T> {
     #[inline(always)]
     pub(super) fn finish(&self, arm: T, cage: CageRotation<T>) -> Stiffness<T> {
         let one = T::ONE;
-        let rr = self.radial_radial.turned(cage, one);
-        let rt = self.radial_axial.turned(cage, arm);
-        let tr = self.tilting_radial.turned(cage, arm);
-        let tt = self.tilting_axial.turned(cage, arm * arm);
-        let [rx, ry] = turned(self.radial_axial_first, cage, one);
-        let [xr, yr] = turned(self.axial_radial_first, cage, one);
-        let [xt, yt] = turned(self.axial_axial_first, cage, arm);
-        let [tx, ty] = turned(self.tilting_axial_first, cage, arm);
+        let rr = self.radial_radial.rotated(cage, one);
+        let rt = self.radial_axial.rotated(cage, arm);
+        let tr = self.tilting_radial.rotated(cage, arm);
+        let tt = self.tilting_axial.rotated(cage, arm * arm);
+        let [rx, ry] = rotated(self.radial_axial_first, cage, one);
+        let [xr, yr] = rotated(self.axial_radial_first, cage, one);
+        let [xt, yt] = rotated(self.axial_axial_first, cage, arm);
+        let [tx, ty] = rotated(self.tilting_axial_first, cage, arm);
         #[rustfmt::skip]
         let stiffness = Stiffness::new(
             rr.cc, rr.cs, rx, rt.cs, -rt.cc,

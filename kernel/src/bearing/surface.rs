@@ -23,7 +23,7 @@ pub struct ElementDeviation<T> {
 /// The surfaces of a bearing as its balls meet them.
 pub trait Surface<T: Scalar>: Send + Sync {
     /// At the ball that stands at `azimuth` of the fixed frame.
-    fn at(&self, azimuth: Phase, rotation: &BearingKinematicState<T>) -> ElementDeviation<T>;
+    fn deviation(&self, azimuth: Phase, kinematics: &BearingKinematicState<T>) -> ElementDeviation<T>;
 }
 
 /// Round surfaces without damage; cost no instruction.
@@ -32,7 +32,7 @@ pub struct Smooth;
 
 impl<T: Scalar> Surface<T> for Smooth {
     #[inline(always)]
-    fn at(&self, _azimuth: Phase, _rotation: &BearingKinematicState<T>) -> ElementDeviation<T> {
+    fn deviation(&self, _azimuth: Phase, _kinematics: &BearingKinematicState<T>) -> ElementDeviation<T> {
         // Adding -0 is free: it leaves every number as it is.
         let nothing = T::NEGATIVE_ZERO;
         ElementDeviation { radial: nothing, axial: nothing, inner: nothing, outer: nothing }
@@ -46,7 +46,7 @@ pub enum BearingComponent {
     Inner,
     /// Groove of the outer ring.
     Outer,
-    /// The balls: waviness is the same on all, damage is on the one whose place in the cage is given.
+    /// The balls: waviness is the same on all, damage is on the one whose position in the cage is given.
     Ball(Phase),
 }
 
@@ -64,7 +64,7 @@ pub enum Direction {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wave<T> {
     /// Whose.
-    pub part: BearingComponent,
+    pub component: BearingComponent,
     /// Ignored on balls.
     pub direction: Direction,
     /// Waves around the surface.
@@ -87,22 +87,22 @@ pub enum SpallShape {
 /// A spall on a race or on one ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spall<T> {
-    part: BearingComponent,
-    centre: Phase,
-    half_width: T,
-    depth: T,
-    shape: SpallShape,
+    /// Damaged surface.
+    pub component: BearingComponent,
+    /// Centre of the spall, measured from the surface's own zero angle.
+    pub centre: Phase,
+    /// Half width along the rolling direction, rad, above 0, at most pi.
+    pub half_width: T,
+    /// Greatest depth, m.
+    pub depth: T,
+    /// Section along the rolling direction.
+    pub shape: SpallShape,
 }
 
-impl<T: Copy> Spall<T> {
-    /// Centre (rad from the surface's own zero), half width (rad, above 0, at most pi), depth (m).
-    pub const fn new(part: BearingComponent, centre: Phase, half_width: T, depth: T, shape: SpallShape) -> Self {
-        Self { part, centre, half_width, depth, shape }
-    }
-
-    /// Surface, centre, half width, depth and section, as [`Spall::new`] takes them.
-    pub fn parts(&self) -> (BearingComponent, Phase, T, T, SpallShape) {
-        (self.part, self.centre, self.half_width, self.depth, self.shape)
+impl<T> Spall<T> {
+    /// Creates a spall; the arguments are the fields in order.
+    pub const fn new(component: BearingComponent, centre: Phase, half_width: T, depth: T, shape: SpallShape) -> Self {
+        Self { component, centre, half_width, depth, shape }
     }
 }
 
@@ -148,7 +148,7 @@ impl BearingComponent {
     #[must_use]
     fn mirrored(self) -> Self {
         match self {
-            Self::Ball(place) => Self::Ball(place.reversed()),
+            Self::Ball(position) => Self::Ball(position.reversed()),
             race => race,
         }
     }
@@ -159,11 +159,13 @@ impl<T: Scalar> Feature<T> {
     #[must_use]
     pub fn mirrored(self) -> Self {
         match self {
-            Self::Spall(s) => Self::Spall(Spall { part: s.part.mirrored(), centre: s.centre.reversed(), ..s }),
+            Self::Spall(s) => {
+                Self::Spall(Spall { component: s.component.mirrored(), centre: s.centre.reversed(), ..s })
+            }
             Self::Wave(w) => {
-                let axial = w.direction == Direction::Axial && !matches!(w.part, BearingComponent::Ball(_));
+                let axial = w.direction == Direction::Axial && !matches!(w.component, BearingComponent::Ball(_));
                 let amplitude = if axial { -w.amplitude } else { w.amplitude };
-                Self::Wave(Wave { part: w.part.mirrored(), phase: w.phase.reversed(), amplitude, ..w })
+                Self::Wave(Wave { component: w.component.mirrored(), phase: w.phase.reversed(), amplitude, ..w })
             }
         }
     }
@@ -172,41 +174,46 @@ impl<T: Scalar> Feature<T> {
 /// The angle on a ring's surface of what stands at `azimuth`.
 #[inline(always)]
 fn on_ring(azimuth: Phase, ring: Phase) -> Phase {
-    azimuth.plus(ring.reversed())
+    azimuth.wrapping_add(ring.reversed())
 }
 
 impl<T: Scalar> Wave<T> {
     #[inline(always)]
-    fn add<M: Math<T>>(&self, shape: &mut ElementDeviation<T>, azimuth: Phase, rotation: &BearingKinematicState<T>) {
+    fn add<M: Math<T>>(
+        &self,
+        deviation: &mut ElementDeviation<T>,
+        azimuth: Phase,
+        kinematics: &BearingKinematicState<T>,
+    ) {
         let height = |psi: Phase| {
-            let (_, cos) = M::sin_cos(psi.times(u64::from(self.order)).plus(self.phase));
+            let (_, cos) = M::sin_cos(psi.wrapping_mul(u64::from(self.order)).wrapping_add(self.phase));
             self.amplitude * cos
         };
-        let (groove, sign) = match self.part {
-            BearingComponent::Inner => (on_ring(azimuth, rotation.inner), T::ONE),
-            BearingComponent::Outer => (on_ring(azimuth, rotation.outer), -T::ONE),
+        let (groove, sign) = match self.component {
+            BearingComponent::Inner => (on_ring(azimuth, kinematics.inner), T::ONE),
+            BearingComponent::Outer => (on_ring(azimuth, kinematics.outer), -T::ONE),
             BearingComponent::Ball(_) => {
-                shape.inner += height(rotation.ball);
-                shape.outer += height(rotation.ball.opposite());
+                deviation.inner += height(kinematics.ball);
+                deviation.outer += height(kinematics.ball.opposite());
                 return;
             }
         };
         match self.direction {
-            Direction::Radial => shape.radial += sign * height(groove),
-            Direction::Axial => shape.axial += sign * height(groove),
+            Direction::Radial => deviation.radial += sign * height(groove),
+            Direction::Axial => deviation.axial += sign * height(groove),
         }
     }
 }
 
 impl<T: Scalar> Spall<T> {
     #[inline(always)]
-    fn add(&self, shape: &mut ElementDeviation<T>, azimuth: Phase, rotation: &BearingKinematicState<T>) {
-        match self.part {
-            BearingComponent::Inner => shape.inner -= self.depth_at(on_ring(azimuth, rotation.inner)),
-            BearingComponent::Outer => shape.outer -= self.depth_at(on_ring(azimuth, rotation.outer)),
-            BearingComponent::Ball(place) if azimuth == place.plus(rotation.cage) => {
-                shape.inner -= self.depth_at(rotation.ball);
-                shape.outer -= self.depth_at(rotation.ball.opposite());
+    fn add(&self, deviation: &mut ElementDeviation<T>, azimuth: Phase, kinematics: &BearingKinematicState<T>) {
+        match self.component {
+            BearingComponent::Inner => deviation.inner -= self.depth_at(on_ring(azimuth, kinematics.inner)),
+            BearingComponent::Outer => deviation.outer -= self.depth_at(on_ring(azimuth, kinematics.outer)),
+            BearingComponent::Ball(position) if azimuth == position.wrapping_add(kinematics.cage) => {
+                deviation.inner -= self.depth_at(kinematics.ball);
+                deviation.outer -= self.depth_at(kinematics.ball.opposite());
             }
             BearingComponent::Ball(_) => {}
         }
@@ -214,15 +221,15 @@ impl<T: Scalar> Spall<T> {
 }
 
 impl<T: Scalar, M: Math<T>, A: AsRef<[Feature<T>]> + Send + Sync> Surface<T> for SurfaceDeviation<M, A> {
-    fn at(&self, azimuth: Phase, rotation: &BearingKinematicState<T>) -> ElementDeviation<T> {
-        let mut shape = Smooth.at(azimuth, rotation);
+    fn deviation(&self, azimuth: Phase, kinematics: &BearingKinematicState<T>) -> ElementDeviation<T> {
+        let mut deviation = Smooth.deviation(azimuth, kinematics);
         for feature in self.features.as_ref() {
             match feature {
-                Feature::Wave(wave) => wave.add::<M>(&mut shape, azimuth, rotation),
-                Feature::Spall(spall) => spall.add(&mut shape, azimuth, rotation),
+                Feature::Wave(wave) => wave.add::<M>(&mut deviation, azimuth, kinematics),
+                Feature::Spall(spall) => spall.add(&mut deviation, azimuth, kinematics),
             }
         }
-        shape
+        deviation
     }
 }
 

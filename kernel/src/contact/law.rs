@@ -6,12 +6,12 @@ use crate::scalar::Scalar;
 /// A load-deflection law, as a shape common to all elements and a scale that is applied to their sum.
 ///
 /// The shape is taken of twice the deflection, since `x + |x|` is twice the positive part in two instructions.
-pub trait Law<T: Scalar, M: Math<T>>: Copy + Send + Sync + 'static {
+pub trait LoadDeflectionLaw<T: Scalar, M: Math<T>>: Copy + Send + Sync + 'static {
     /// `sign(x) |x|^n` for each `x`, twice a deflection; 0 at 0.
-    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K];
+    fn unscaled_load<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K];
 
     /// The shape of `x`, 0 or more, and its derivative by the deflection, both to be multiplied by the scale.
-    fn shape_and_slope(&self, twice_deflection: T) -> (T, T);
+    fn unscaled_load_and_slope(&self, twice_deflection: T) -> (T, T);
 
     /// What makes newtons of the shape: `K / 2^n`.
     fn scale(&self) -> T;
@@ -19,28 +19,28 @@ pub trait Law<T: Scalar, M: Math<T>>: Copy + Send + Sync + 'static {
     /// Load at one deflection (m, 0 or more), N.
     #[inline(always)]
     fn load(&self, deflection: T) -> T {
-        let [shape] = self.shape([deflection + deflection]);
-        self.scale() * shape
+        let [unscaled] = self.unscaled_load([deflection + deflection]);
+        self.scale() * unscaled
     }
 }
 
 /// Point contact, `n = 3/2`: one square root.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point<T> {
+pub struct PointContactLaw<T> {
     /// K, N/m^1.5.
     pub stiffness: T,
 }
 
 /// Line contact, `n = 10/9`: one ninth root, no logarithm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line<T> {
+pub struct LineContactLaw<T> {
     /// K, N/m^(10/9).
     pub stiffness: T,
 }
 
 /// Any exponent of 1 or more, by the backend's power function.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Power<T> {
+pub struct PowerLaw<T> {
     /// K, N/m^n.
     pub stiffness: T,
     /// n, 1 or more.
@@ -50,13 +50,13 @@ pub struct Power<T> {
 /// 2^(-10/9)
 const TWO_TO_MINUS_TEN_NINTHS: f64 = 0.462_937_356_143_645_2;
 
-impl<T: Scalar, M: Math<T>> Law<T, M> for Point<T> {
+impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for PointContactLaw<T> {
     #[inline(always)]
-    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
+    fn unscaled_load<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
         M::three_halves(twice_deflection)
     }
     #[inline(always)]
-    fn shape_and_slope(&self, twice_deflection: T) -> (T, T) {
+    fn unscaled_load_and_slope(&self, twice_deflection: T) -> (T, T) {
         let root = M::sqrt(twice_deflection);
         (root * twice_deflection, T::from_f64(3.0) * root)
     }
@@ -66,13 +66,13 @@ impl<T: Scalar, M: Math<T>> Law<T, M> for Point<T> {
     }
 }
 
-impl<T: Scalar, M: Math<T>> Law<T, M> for Line<T> {
+impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for LineContactLaw<T> {
     #[inline(always)]
-    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
+    fn unscaled_load<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
         twice_deflection.map(|x| x * M::ninth_root(x.abs()))
     }
     #[inline(always)]
-    fn shape_and_slope(&self, twice_deflection: T) -> (T, T) {
+    fn unscaled_load_and_slope(&self, twice_deflection: T) -> (T, T) {
         let root = M::ninth_root(twice_deflection);
         // The ninth root of 0 is a small number, not 0: unloaded elements must add no stiffness.
         let slope = if twice_deflection > T::ZERO { T::from_f64(20.0 / 9.0) * root } else { T::ZERO };
@@ -84,17 +84,17 @@ impl<T: Scalar, M: Math<T>> Law<T, M> for Line<T> {
     }
 }
 
-impl<T: Scalar, M: Math<T>> Law<T, M> for Power<T> {
+impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for PowerLaw<T> {
     #[inline(always)]
-    fn shape<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
-        twice_deflection.map(|x| M::powf(T::HALF * x.abs(), self.exponent).negated_by(x))
+    fn unscaled_load<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
+        twice_deflection.map(|x| M::powf(T::HALF * x.abs(), self.exponent).xor_sign(x))
     }
     #[inline(always)]
-    fn shape_and_slope(&self, twice_deflection: T) -> (T, T) {
+    fn unscaled_load_and_slope(&self, twice_deflection: T) -> (T, T) {
         let deflection = T::HALF * twice_deflection;
-        let shape = M::powf(deflection, self.exponent);
-        let slope = if deflection > T::ZERO { self.exponent * shape / deflection } else { T::ZERO };
-        (shape, slope)
+        let unscaled = M::powf(deflection, self.exponent);
+        let slope = if deflection > T::ZERO { self.exponent * unscaled / deflection } else { T::ZERO };
+        (unscaled, slope)
     }
     #[inline(always)]
     fn scale(&self) -> T {

@@ -42,12 +42,12 @@ pub fn sin_cos_f32(angle: Phase) -> (f32, f32) {
 #[inline]
 pub fn sin_cos_f64(angle: Phase) -> (f64, f64) {
     let (quarter, rest) = reduce(angle);
-    let x = f64::radians_of_counts(rest);
+    let x = f64::radians_from_counts(rest);
     let xx = x * x;
     // What is left of both series after the first terms, side by side: of the cosine's with the other sign, so that the two
     // are the same operations.
     let Lanes(rest) = polynomial_by_pairs(
-        Lanes::all(xx),
+        Lanes::splat(xx),
         [
             Lanes([-1.0 / 6.0, -1.0 / 24.0]),
             Lanes([1.0 / 120.0, 1.0 / 720.0]),

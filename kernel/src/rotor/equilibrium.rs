@@ -7,7 +7,7 @@ use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 
-/// The place found, and how well.
+/// The position found, and how well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Equilibrium<T: Scalar, const D: usize> {
     /// The coordinates: of a rigid rotor, the displacement of its centre of mass.
@@ -42,12 +42,12 @@ const FIRST_STEP: f64 = 2e-5;
 /// drag `D` is in proportion to the masses.
 /// A rotor that nothing holds in some direction keeps a residual: check it.
 pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
-    machine: &RotorBearingSystem<R, C, N>,
+    system: &RotorBearingSystem<R, C, N>,
     at: &[BearingKinematicState<T>; N],
     start: impl Into<[T; D]>,
 ) -> Equilibrium<T, D> {
-    let load = machine.rotor.constant_load();
-    let mut shares = masses(&machine.rotor);
+    let load = system.rotor.constant_load();
+    let mut shares = masses(&system.rotor);
     let heaviest = shares.iter().fold(T::ZERO, |most, &m| m.larger(most));
     shares = shares.map(|m| m / heaviest);
     // A force on a small share counts as the force on the whole mass that moves it as much.
@@ -63,17 +63,17 @@ pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>,
     let mut result = Equilibrium { q, stiffness: SMatrix::from_element(T::ZERO), residual: T::ONE };
     for iteration in 0..ITERATIONS {
         let mut stiffness = SMatrix::from_element(T::ZERO);
-        let bearings = machine.push_with_stiffness(&q, at, &mut stiffness);
+        let bearings = system.bearing_forces_adding_stiffness(&q, at, &mut stiffness);
         let mut residual = load;
         add(&mut residual, &bearings.force);
-        add(&mut residual, &machine.rotor.internal(&q, &[T::ZERO; D], T::ZERO));
-        add_stiffness(&machine.rotor, &mut stiffness);
+        add(&mut residual, &system.rotor.internal_force(&q, &[T::ZERO; D], T::ZERO));
+        add_stiffness(&system.rotor, &mut stiffness);
         let relative = size(&residual) / (scale + bearings.load);
         if relative < result.residual || iteration == 0 {
             (result.q, result.residual) = (q, relative);
             result.stiffness.copy_from(&stiffness);
         }
-        if relative < T::SETTLED * T::from_f64(1e-4) {
+        if relative < T::EQUILIBRIUM_TOLERANCE * T::from_f64(1e-4) {
             break;
         }
         if iteration > PATIENCE {
@@ -94,7 +94,7 @@ pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>,
 /// Diagonal of the mass matrix. A function of its own, as the next: the stack holds the whole matrix only while it runs.
 #[inline(never)]
 fn masses<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R) -> [T; D] {
-    let mass = rotor.effective([T::ONE, T::ZERO, T::ZERO], T::ZERO);
+    let mass = rotor.effective_matrix([T::ONE, T::ZERO, T::ZERO], T::ZERO);
     let mut masses = [T::ZERO; D];
     for (i, entry) in masses.iter_mut().enumerate() {
         *entry = mass[(i, i)];
@@ -105,5 +105,5 @@ fn masses<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R) -> [
 /// Adds the stiffness of the system without its bearings.
 #[inline(never)]
 fn add_stiffness<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R, stiffness: &mut SMatrix<T, D, D>) {
-    *stiffness += rotor.effective([T::ZERO, T::ZERO, T::ONE], T::ZERO);
+    *stiffness += rotor.effective_matrix([T::ZERO, T::ZERO, T::ONE], T::ZERO);
 }

@@ -11,16 +11,16 @@ use nalgebra::SMatrix;
 /// Something whose parts follow the shaft.
 pub trait HasSpeedRatios<T> {
     /// How.
-    fn gear(&self) -> &SpeedRatios<T>;
+    fn speed_ratios(&self) -> &SpeedRatios<T>;
 }
 
 /// Something that pushes on the coordinates of a system: `f_B(q, t)` of Hajzman's eq. (6), or a share of it.
 pub trait ForceElement<T: Scalar, const D: usize>: HasSpeedRatios<T> {
     /// Adds its forces on the coordinates at `q` to `f`; gives the sum of its loads and what it has to say.
-    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status);
+    fn add_force(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status);
 
     /// The same, and adds the tangent `-df/dq` to `k`.
-    fn push_with_stiffness(
+    fn add_force_and_stiffness(
         &self,
         q: &[T; D],
         at: &BearingKinematicState<T>,
@@ -31,40 +31,40 @@ pub trait ForceElement<T: Scalar, const D: usize>: HasSpeedRatios<T> {
 
 /// A bearing on a rigid rotor whose outer ring stands still.
 #[derive(Debug, Clone, Copy)]
-pub struct Mounted<T, B> {
+pub struct BearingAtStation<T, B> {
     /// What it answers to a displacement.
     pub bearing: B,
     /// Along Z from the centre of mass, m.
     pub station: T,
     /// How its parts follow the shaft.
-    pub gear: SpeedRatios<T>,
+    pub speed_ratios: SpeedRatios<T>,
 }
 
-impl<T, B> HasSpeedRatios<T> for Mounted<T, B> {
-    fn gear(&self) -> &SpeedRatios<T> {
-        &self.gear
+impl<T, B> HasSpeedRatios<T> for BearingAtStation<T, B> {
+    fn speed_ratios(&self) -> &SpeedRatios<T> {
+        &self.speed_ratios
     }
 }
 
 impl<T, C: HasSpeedRatios<T>> HasSpeedRatios<T> for &C {
-    fn gear(&self) -> &SpeedRatios<T> {
-        (**self).gear()
+    fn speed_ratios(&self) -> &SpeedRatios<T> {
+        (**self).speed_ratios()
     }
 }
 
 impl<T: Scalar, C: ForceElement<T, D>, const D: usize> ForceElement<T, D> for &C {
-    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
-        (**self).push(q, at, f)
+    fn add_force(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
+        (**self).add_force(q, at, f)
     }
 
-    fn push_with_stiffness(
+    fn add_force_and_stiffness(
         &self,
         q: &[T; D],
         at: &BearingKinematicState<T>,
         f: &mut [T; D],
         k: &mut SMatrix<T, D, D>,
     ) -> (T, Status) {
-        (**self).push_with_stiffness(q, at, f, k)
+        (**self).add_force_and_stiffness(q, at, f, k)
     }
 }
 
@@ -74,14 +74,14 @@ fn add_wrench<T: Scalar>(f: &mut [T; 5], reaction: Reaction<T>, station: T) -> (
     (moved.load, moved.status)
 }
 
-impl<T: Scalar, B: Bearing<T>> ForceElement<T, 5> for Mounted<T, B> {
+impl<T: Scalar, B: Bearing<T>> ForceElement<T, 5> for BearingAtStation<T, B> {
     #[inline(always)]
-    fn push(&self, q: &[T; 5], at: &BearingKinematicState<T>, f: &mut [T; 5]) -> (T, Status) {
+    fn add_force(&self, q: &[T; 5], at: &BearingKinematicState<T>, f: &mut [T; 5]) -> (T, Status) {
         let u = Displacement::from_array(*q).at_station(self.station);
         add_wrench(f, self.bearing.reaction(&u, at), self.station)
     }
 
-    fn push_with_stiffness(
+    fn add_force_and_stiffness(
         &self,
         q: &[T; 5],
         at: &BearingKinematicState<T>,
@@ -165,29 +165,29 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
 
 /// A bearing on any coordinates of a system.
 #[derive(Debug, Clone, Copy)]
-pub struct AttachedElement<T: Scalar, B, const D: usize> {
+pub struct AttachedBearing<T: Scalar, B, const D: usize> {
     /// What it answers to a displacement.
     pub bearing: B,
     /// Where.
     pub attachment: Attachment<T, D>,
     /// How its parts follow the shaft.
-    pub gear: SpeedRatios<T>,
+    pub speed_ratios: SpeedRatios<T>,
 }
 
-impl<T: Scalar, B, const D: usize> HasSpeedRatios<T> for AttachedElement<T, B, D> {
-    fn gear(&self) -> &SpeedRatios<T> {
-        &self.gear
+impl<T: Scalar, B, const D: usize> HasSpeedRatios<T> for AttachedBearing<T, B, D> {
+    fn speed_ratios(&self) -> &SpeedRatios<T> {
+        &self.speed_ratios
     }
 }
 
-impl<T: Scalar, B: Bearing<T>, const D: usize> ForceElement<T, D> for AttachedElement<T, B, D> {
-    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
+impl<T: Scalar, B: Bearing<T>, const D: usize> ForceElement<T, D> for AttachedBearing<T, B, D> {
+    fn add_force(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
         let reaction = self.bearing.reaction(&self.attachment.displacement(q), at);
         self.attachment.spread(&reaction.wrench.to_array(), f);
         (reaction.load, reaction.status)
     }
 
-    fn push_with_stiffness(
+    fn add_force_and_stiffness(
         &self,
         q: &[T; D],
         at: &BearingKinematicState<T>,

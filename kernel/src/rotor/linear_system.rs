@@ -9,12 +9,12 @@ use core::marker::PhantomData;
 use nalgebra::SMatrix;
 
 /// What an engineer says of a linear system of `D` coordinates, SI units. Coordinates that nothing uses take
-/// [`Matrices::idle`]'s entries: a mass of 1 and nothing else.
+/// [`SystemMatrices::unit_mass`]'s entries: a mass of 1 and nothing else.
 ///
 /// `A` stores one matrix: in place, or behind a pointer such as `Box` where `D` is so large that four matrices in one
 /// value would overflow a stack (128 KiB each for 128 coordinates).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Matrices<const D: usize, A = SMatrix<f64, D, D>> {
+pub struct SystemMatrices<const D: usize, A = SMatrix<f64, D, D>> {
     /// M, symmetric and positive definite.
     pub mass: A,
     /// B, symmetric.
@@ -29,10 +29,10 @@ pub struct Matrices<const D: usize, A = SMatrix<f64, D, D>> {
     pub unbalance: [[f64; 2]; D],
 }
 
-impl<const D: usize> Matrices<D> {
+impl<const D: usize> SystemMatrices<D> {
     /// A mass of 1 on each coordinate and nothing else.
     #[must_use]
-    pub fn idle() -> Self {
+    pub fn unit_mass() -> Self {
         let none = SMatrix::from_element(0.0);
         Self {
             mass: SMatrix::from_fn(|i, j| f64::from(u8::from(i == j))),
@@ -45,7 +45,7 @@ impl<const D: usize> Matrices<D> {
     }
 }
 
-impl<const D: usize, A> Matrices<D, A> {
+impl<const D: usize, A> SystemMatrices<D, A> {
     /// Adds an unbalance of `moment` kg m at `angle` from the keyphasor mark, in a plane that moves along X with the
     /// coordinate `x` and along Y with the coordinate `y`. Coordinates beyond the system are left out.
     #[must_use]
@@ -72,7 +72,7 @@ pub struct InvalidMatrix {
     pub column: usize,
     /// What was found there.
     pub found: f64,
-    /// What was found at the mirrored place.
+    /// What was found at the mirrored position.
     pub mirrored: f64,
     /// What is allowed, in words.
     pub allowed: &'static str,
@@ -119,7 +119,7 @@ fn check_mirror<const D: usize>(
 
 /// A linear system of any fixed order, ready for the hot path. Cost of its forces: three products of matrix and vector.
 ///
-/// `A` stores one matrix, as in [`Matrices`].
+/// `A` stores one matrix, as in [`SystemMatrices`].
 #[derive(Debug, Clone, Copy)]
 pub struct LinearSystem<T: Scalar, M, const D: usize, A = SMatrix<T, D, D>> {
     mass: A,
@@ -137,7 +137,7 @@ impl<T: Scalar, M: Math<T>, const D: usize> LinearSystem<T, M, D> {
     ///
     /// # Errors
     /// The first entry that breaks a matrix's symmetry or is not finite; a mass matrix that is not positive definite.
-    pub fn try_new(matrices: &Matrices<D>) -> Result<Self, InvalidMatrix> {
+    pub fn try_new(matrices: &SystemMatrices<D>) -> Result<Self, InvalidMatrix> {
         Self::try_with_storage(matrices)
     }
 }
@@ -149,7 +149,9 @@ impl<T: Scalar, M: Math<T>, const D: usize, A: From<SMatrix<T, D, D>>> LinearSys
     ///
     /// # Errors
     /// As [`LinearSystem::try_new`].
-    pub fn try_with_storage<B: Borrow<SMatrix<f64, D, D>>>(matrices: &Matrices<D, B>) -> Result<Self, InvalidMatrix> {
+    pub fn try_with_storage<B: Borrow<SMatrix<f64, D, D>>>(
+        matrices: &SystemMatrices<D, B>,
+    ) -> Result<Self, InvalidMatrix> {
         let (mass, damping) = (matrices.mass.borrow(), matrices.damping.borrow());
         let (gyroscopic, stiffness) = (matrices.gyroscopic.borrow(), matrices.stiffness.borrow());
         check_mirror("M", mass, 1.0)?;
@@ -224,9 +226,9 @@ impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> SecondO
         self.constant
     }
 
-    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; D] {
-        let (sin, cos) = M::sin_cos(drive.angle);
-        let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
+    fn excitation(&self, shaft: &ShaftMotion<T>) -> [T; D] {
+        let (sin, cos) = M::sin_cos(shaft.angle);
+        let (w2, a) = (shaft.speed * shaft.speed, shaft.acceleration);
         // A change of speed pushes against the way: m e a (e_r turned back by a quarter).
         let (by_cos, by_sin) = (w2 * cos + a * sin, w2 * sin - a * cos);
         let mut f = self.constant;
@@ -236,7 +238,7 @@ impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> SecondO
         f
     }
 
-    fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
+    fn internal_force(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
         let mut f = [T::ZERO; D];
         add_product(&mut f, -T::ONE, self.damping.borrow(), rate);
         add_product(&mut f, -speed, self.gyroscopic.borrow(), rate);
@@ -244,19 +246,19 @@ impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> SecondO
         f
     }
 
-    fn accelerate(&self, f: &[T; D]) -> [T; D] {
+    fn acceleration(&self, f: &[T; D]) -> [T; D] {
         let mut a = [T::ZERO; D];
         add_product(&mut a, T::ONE, self.inverse_mass.borrow(), f);
         a
     }
 
-    fn inertia(&self, a: &[T; D]) -> [T; D] {
+    fn inertia_force(&self, a: &[T; D]) -> [T; D] {
         let mut f = [T::ZERO; D];
         add_product(&mut f, T::ONE, self.mass.borrow(), a);
         f
     }
 
-    fn effective(&self, [m, c, k]: [T; 3], speed: T) -> SMatrix<T, D, D> {
+    fn effective_matrix(&self, [m, c, k]: [T; 3], speed: T) -> SMatrix<T, D, D> {
         // Entry by entry in one matrix: sums of whole matrices would put each of them on the stack.
         let turning = c * speed;
         let mut sum = self.mass.borrow() * m;

@@ -3,7 +3,7 @@
 //! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6). A [`SecondOrderSystem`] is the linear side and what excites
 //! it: [`RigidRotor`], five coordinates `q = [u v w thu thv]` of the centre of mass, at the least cost; [`LinearSystem`], any
 //! coordinates from matrices, among them the rigid rotor on flexible [`supported`] bearings and a reduced finite-element
-//! rotor. A [`ForceElement`] is what pushes on the coordinates: a bearing [`Mounted`] on a rigid rotor or [`AttachedElement`] to any
+//! rotor. A [`ForceElement`] is what pushes on the coordinates: a bearing [`BearingAtStation`] on a rigid rotor or [`AttachedBearing`] to any
 //! coordinates, and [`MovingBalls`], whose balls are coordinates themselves.
 
 mod equilibrium;
@@ -22,8 +22,8 @@ mod vector;
 mod verlet;
 
 pub use equilibrium::{Equilibrium, equilibrium};
-pub use force_element::{AttachedElement, Attachment, ForceElement, HasSpeedRatios, Mounted};
-pub use linear_system::{InvalidMatrix, LinearSystem, Matrices};
+pub use force_element::{AttachedBearing, Attachment, BearingAtStation, ForceElement, HasSpeedRatios};
+pub use linear_system::{InvalidMatrix, LinearSystem, SystemMatrices};
 pub use moving_balls::{MovingBalls, MovingBallsParams};
 pub use newmark::Newmark;
 pub use rigid::{RigidRotor, RotorParams, Unbalance};
@@ -32,7 +32,7 @@ pub use second_order::SecondOrderSystem;
 pub use shaft_motion::ShaftMotion;
 pub use solve::solve;
 pub use speed_ratios::{ComponentAngles, SpeedRatios};
-pub use supported::{Support, supported};
+pub use supported::{Support, supported_rotor};
 pub use verlet::{SteadyVerlet, Verlet};
 
 use crate::choice::Choice;
@@ -47,7 +47,7 @@ use nalgebra::SMatrix;
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
-/// use ballrace::rotor::{ShaftMotion, SpeedRatios, Integrator, RotorBearingSystem, Mounted, RigidRotor, RotorParams, RotorState, RungeKutta4};
+/// use ballrace::rotor::{ShaftMotion, SpeedRatios, Integrator, RotorBearingSystem, BearingAtStation, RigidRotor, RotorParams, RotorState, RungeKutta4};
 /// use ballrace::{Displacement, Exact, Stiffness, Phase};
 ///
 /// let params = RotorParams {
@@ -61,16 +61,16 @@ use nalgebra::SMatrix;
 /// };
 /// let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[])?;
 /// let springs = Linear::new(Stiffness::from_diagonal_element(1e6));
-/// let at = |station| Mounted { bearing: springs, station, gear: SpeedRatios::new(0.4) };
-/// let machine = RotorBearingSystem { rotor, bearings: [at(-0.1), at(0.1)] };
+/// let at = |station| BearingAtStation { bearing: springs, station, speed_ratios: SpeedRatios::new(0.4) };
+/// let system = RotorBearingSystem { rotor, bearings: [at(-0.1), at(0.1)] };
 ///
 /// // 1 kg on 2e6 N/m: let go at 1 um, it is at -1 um half a period later.
 /// let start = Displacement { u: 1e-6, ..Displacement::default() };
-/// let mut state = RotorState::at_rest(start, Phase::ZERO, [Phase::ZERO; 2]);
+/// let mut state = RotorState::stationary(start, Phase::ZERO, [Phase::ZERO; 2]);
 /// let half_period = std::f64::consts::PI / 2e6_f64.sqrt();
 /// let standing = ShaftMotion { angle: Phase::ZERO, speed: 0.0, acceleration: 0.0 };
 /// for _ in 0..100 {
-///     let status = RungeKutta4 { step: half_period / 100.0 }.step(&machine, &mut state, &standing);
+///     let status = RungeKutta4 { step: half_period / 100.0 }.step(&system, &mut state, &standing);
 ///     assert!(!status.is_held());
 /// }
 /// assert!((state.displacement().u + 1e-6).abs() < 1e-13);
@@ -90,26 +90,37 @@ pub struct RotorState<T, const D: usize, const N: usize> {
     /// The coordinates: of a rigid rotor, the displacement of its centre of mass.
     pub q: [T; D],
     /// Their rate, per second.
-    pub rate: [T; D],
+    pub velocity: [T; D],
     /// Their second derivative, carried by Newmark from step to step.
     pub acceleration: [T; D],
     /// Angles of each bearing's parts at shaft angle `shaft`.
-    pub parts: [ComponentAngles; N],
+    pub component_angles: [ComponentAngles; N],
     /// Shaft angle up to which the parts have been turned.
-    pub shaft: Phase,
+    pub shaft_angle: Phase,
     /// Steps answered with the state held (saturating).
-    pub held: u32,
+    pub held_steps: u32,
 }
 
 impl<T: Scalar, const D: usize, const N: usize> RotorState<T, D, N> {
     /// At rest at `q`, with the shaft and the bearings' parts (or only their cages) at these angles.
-    pub fn at_rest(q: impl Into<[T; D]>, shaft: Phase, parts: [impl Into<ComponentAngles>; N]) -> Self {
+    pub fn stationary(
+        q: impl Into<[T; D]>,
+        shaft_angle: Phase,
+        component_angles: [impl Into<ComponentAngles>; N],
+    ) -> Self {
         let zero = [T::ZERO; D];
-        Self { q: q.into(), rate: zero, acceleration: zero, parts: parts.map(Into::into), shaft, held: 0 }
+        Self {
+            q: q.into(),
+            velocity: zero,
+            acceleration: zero,
+            component_angles: component_angles.map(Into::into),
+            shaft_angle,
+            held_steps: 0,
+        }
     }
 
     fn is_finite(&self) -> bool {
-        vector::all_finite(&self.q) & vector::all_finite(&self.rate) & vector::all_finite(&self.acceleration)
+        vector::all_finite(&self.q) & vector::all_finite(&self.velocity) & vector::all_finite(&self.acceleration)
     }
 }
 
@@ -122,18 +133,18 @@ impl<T: Scalar, const N: usize> RotorState<T, 5, N> {
 
 /// One way to step a [`RotorBearingSystem`] forward by a fixed time.
 pub trait Integrator<T: Scalar> {
-    /// From the state at the start of the step, whose shaft moves as `drive` says, to its end.
+    /// From the state at the start of the step, whose shaft moves as `shaft` says, to its end.
     ///
-    /// A drive or result that is not finite leaves motion as it was, flagged and counted.
+    /// A shaft or result that is not finite leaves motion as it was, flagged and counted.
     fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &RotorBearingSystem<R, C, N>,
+        system: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
     ) -> Status;
 }
 
-/// What all bearings of a machine answer.
+/// What all bearings of a system answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GeneralizedForce<T, const D: usize> {
     /// Forces on the coordinates.
@@ -146,28 +157,28 @@ pub struct GeneralizedForce<T, const D: usize> {
 
 // The loops over the bearings count by hand: the compiler takes these apart, those of iterators over two arrays it does not.
 impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
-    /// What each bearing sees at `drive` with its parts at `parts`.
+    /// What each bearing sees at `shaft` with its parts at `parts`.
     #[inline(always)]
-    pub fn rotations<T: Scalar>(
+    pub fn kinematic_states<T: Scalar>(
         &self,
         parts: &[ComponentAngles; N],
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
     ) -> [BearingKinematicState<T>; N]
     where
         C: HasSpeedRatios<T>,
     {
-        let mut rotations = [BearingKinematicState::default(); N];
+        let mut states = [BearingKinematicState::default(); N];
         let mut i = 0;
         while i < N {
-            rotations[i] = self.bearings[i].gear().rotation(parts[i], drive);
+            states[i] = self.bearings[i].speed_ratios().kinematic_state(parts[i], shaft);
             i += 1;
         }
-        rotations
+        states
     }
 
     /// Forces of all bearings on the coordinates, sum of loads, status.
     #[inline(always)]
-    pub fn push<T: Scalar, const D: usize>(
+    pub fn bearing_forces<T: Scalar, const D: usize>(
         &self,
         q: &[T; D],
         at: &[BearingKinematicState<T>; N],
@@ -178,16 +189,16 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
         let mut sum = GeneralizedForce { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
         let mut i = 0;
         while i < N {
-            let (load, status) = self.bearings[i].push(q, &at[i], &mut sum.force);
+            let (load, status) = self.bearings[i].add_force(q, &at[i], &mut sum.force);
             sum.load += load;
-            sum.status = sum.status.and(status);
+            sum.status = sum.status.union(status);
             i += 1;
         }
         sum
     }
 
-    /// As [`RotorBearingSystem::push`], with the tangent stiffness `-df/dq`.
-    pub fn push_and_stiffness<T: Scalar, const D: usize>(
+    /// As [`RotorBearingSystem::bearing_forces`], with the tangent stiffness `-df/dq`.
+    pub fn bearing_forces_and_stiffness<T: Scalar, const D: usize>(
         &self,
         q: &[T; D],
         at: &[BearingKinematicState<T>; N],
@@ -196,11 +207,11 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
         C: ForceElement<T, D>,
     {
         let mut stiffness = SMatrix::from_element(T::ZERO);
-        (self.push_with_stiffness(q, at, &mut stiffness), stiffness)
+        (self.bearing_forces_adding_stiffness(q, at, &mut stiffness), stiffness)
     }
 
-    /// As [`RotorBearingSystem::push`], and adds the tangent stiffness `-df/dq` to `stiffness`.
-    pub fn push_with_stiffness<T: Scalar, const D: usize>(
+    /// As [`RotorBearingSystem::bearing_forces`], and adds the tangent stiffness `-df/dq` to `stiffness`.
+    pub fn bearing_forces_adding_stiffness<T: Scalar, const D: usize>(
         &self,
         q: &[T; D],
         at: &[BearingKinematicState<T>; N],
@@ -211,23 +222,23 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
     {
         let mut sum = GeneralizedForce { force: [T::ZERO; D], load: T::ZERO, status: Status::OK };
         for (bearing, at) in self.bearings.iter().zip(at) {
-            let (load, status) = bearing.push_with_stiffness(q, at, &mut sum.force, stiffness);
+            let (load, status) = bearing.add_force_and_stiffness(q, at, &mut sum.force, stiffness);
             sum.load += load;
-            sum.status = sum.status.and(status);
+            sum.status = sum.status.union(status);
         }
         sum
     }
 
-    /// The bearings' parts after the shaft has gone `arc` further.
+    /// The bearings' parts after the shaft has gone `delta` further.
     #[inline(always)]
-    fn parts_after<T: Scalar>(&self, parts: &[ComponentAngles; N], arc: PhaseDelta) -> [ComponentAngles; N]
+    fn advance_components<T: Scalar>(&self, parts: &[ComponentAngles; N], delta: PhaseDelta) -> [ComponentAngles; N]
     where
         C: HasSpeedRatios<T>,
     {
         let mut after = *parts;
         let mut i = 0;
         while i < N {
-            after[i] = self.bearings[i].gear().after(parts[i], arc);
+            after[i] = self.bearings[i].speed_ratios().advance(parts[i], delta);
             i += 1;
         }
         after
@@ -240,36 +251,37 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
 fn accept<T: Scalar, const D: usize, const N: usize>(
     state: &mut RotorState<T, D, N>,
     next: &RotorState<T, D, N>,
-    drive_ok: bool,
+    shaft_is_finite: bool,
     (load, status): (T, Status),
 ) -> Status {
     let result_ok = next.is_finite();
     let status = Status::INPUT_NOT_FINITE
-        .when(!drive_ok)
-        .and(Status::RESULT_NOT_FINITE.when(drive_ok & !result_ok))
-        .and(Status::CONTACT_LOST.when(drive_ok & load.is_zero()))
-        .and(status);
+        .when(!shaft_is_finite)
+        .union(Status::RESULT_NOT_FINITE.when(shaft_is_finite & !result_ok))
+        .union(Status::CONTACT_LOST.when(shaft_is_finite & load.is_zero()))
+        .union(status);
     let good = !status.is_held();
     if cfg!(target_pointer_width = "64") {
         // A desktop processor foresees the branch, and is at the next step while it still looks at the numbers of this one.
         if good {
             *state = *next;
         } else {
-            state.held = state.held.saturating_add(1);
+            state.held_steps = state.held_steps.saturating_add(1);
         }
         return status;
     }
     // No branch here: a held step costs what a good one costs.
     let choice = Choice::new(good);
-    vector::take(choice, &next.q, &mut state.q);
-    vector::take(choice, &next.rate, &mut state.rate);
-    vector::take(choice, &next.acceleration, &mut state.acceleration);
-    state.shaft = choice.of_turns(next.shaft, state.shaft);
+    vector::replace_if(choice, &next.q, &mut state.q);
+    vector::replace_if(choice, &next.velocity, &mut state.velocity);
+    vector::replace_if(choice, &next.acceleration, &mut state.acceleration);
+    state.shaft_angle = choice.select_phase(next.shaft_angle, state.shaft_angle);
     let mut i = 0;
     while i < N {
-        state.parts[i] = ComponentAngles::chosen(choice, next.parts[i], state.parts[i]);
+        state.component_angles[i] =
+            ComponentAngles::select(choice, next.component_angles[i], state.component_angles[i]);
         i += 1;
     }
-    state.held = state.held.saturating_add(u32::from(!good));
+    state.held_steps = state.held_steps.saturating_add(u32::from(!good));
     status
 }

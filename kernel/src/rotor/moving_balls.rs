@@ -42,7 +42,7 @@ pub struct MovingBallsParams {
 pub struct MovingBalls<T: Scalar, M, P, const D: usize> {
     attachment: Attachment<T, D>,
     first: usize,
-    places: P,
+    positions: P,
     inner_stiffness: T,
     outer_stiffness: T,
     pitch_radius: T,
@@ -50,7 +50,7 @@ pub struct MovingBalls<T: Scalar, M, P, const D: usize> {
     ball_mass: T,
     cage_ratio: T,
     weight: [T; 2],
-    gear: SpeedRatios<T>,
+    speed_ratios: SpeedRatios<T>,
     math: PhantomData<M>,
 }
 
@@ -75,14 +75,14 @@ struct ContactState<T> {
 }
 
 impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> MovingBalls<T, M, P, D> {
-    /// From parameters, with the balls at `places` being the coordinates from `first` on.
+    /// From parameters, with the balls at `positions` being the coordinates from `first` on.
     ///
     /// # Errors
     /// The first quantity out of its range; balls that are more than the system has coordinates for.
     pub fn try_new(
         params: &MovingBallsParams,
-        (attachment, gear): (Attachment<T, D>, SpeedRatios<T>),
-        (places, first): (P, usize),
+        (attachment, speed_ratios): (Attachment<T, D>, SpeedRatios<T>),
+        (positions, first): (P, usize),
     ) -> Result<Self, InvalidParameter> {
         for k in params.stiffness {
             check(k > 0.0, "stiffness", k, "above 0 N/m^1.5")?;
@@ -91,13 +91,13 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
         check(params.radial_play < params.pitch_radius, "radial_play", params.radial_play, "below the pitch radius")?;
         check(params.ball_mass > 0.0, "ball_mass", params.ball_mass, "above 0 kg")?;
         check(params.cage_ratio.abs() < 1.0, "cage_ratio", params.cage_ratio, "between -1 and 1")?;
-        let last = first.saturating_add(places.as_ref().len());
-        check(last <= D, "elements", places.as_ref().len() as f64, "as many as the system has coordinates for")?;
+        let last = first.saturating_add(positions.as_ref().len());
+        check(last <= D, "elements", positions.as_ref().len() as f64, "as many as the system has coordinates for")?;
         let [inner_stiffness, outer_stiffness] = params.stiffness.map(T::from_f64);
         Ok(Self {
             attachment,
             first,
-            places,
+            positions,
             inner_stiffness,
             outer_stiffness,
             pitch_radius: T::from_f64(params.pitch_radius),
@@ -105,7 +105,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
             ball_mass: T::from_f64(params.ball_mass),
             cage_ratio: T::from_f64(params.cage_ratio),
             weight: params.gravity.map(|g| T::from_f64(params.ball_mass * g)),
-            gear,
+            speed_ratios,
             math: PhantomData,
         })
     }
@@ -113,7 +113,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
     /// Force on the inner ring.
     pub fn reaction(&self, q: &[T; D], at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = Reaction::default();
-        self.each(q, at, |_, ball| sum = sum.plus(ball.on_ring()));
+        self.each(q, at, |_, ball| sum = sum + ball.on_ring());
         sum
     }
 
@@ -127,20 +127,20 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
         });
     }
 
-    fn touch(&self, stiffness: T, deflection: T) -> ContactState<T> {
-        let deflection = T::HALF * deflection.twice_positive();
+    fn contact_state(&self, stiffness: T, deflection: T) -> ContactState<T> {
+        let deflection = T::HALF * deflection.twice_positive_part();
         let root = stiffness * M::sqrt(deflection);
         ContactState { load: deflection * root, slope: T::from_f64(1.5) * root }
     }
 
     /// Tells `ball` of every ball and its coordinate.
-    fn each(&self, q: &[T; D], at: &BearingKinematicState<T>, mut tell: impl FnMut(usize, Ball<T>)) {
+    fn each(&self, q: &[T; D], at: &BearingKinematicState<T>, mut visit: impl FnMut(usize, Ball<T>)) {
         let ring = self.attachment.displacement(q);
         let (sin, cos) = M::sin_cos(at.cage);
         let cage_speed = self.cage_ratio * at.inner_speed + (T::ONE - self.cage_ratio) * at.outer_speed;
         let [gx, gy] = self.weight;
-        for ((i, &x), place) in q.iter().enumerate().skip(self.first).zip(self.places.as_ref()) {
-            let (c, s) = (cos * place.cos - sin * place.sin, cos * place.sin + sin * place.cos);
+        for ((i, &x), position) in q.iter().enumerate().skip(self.first).zip(self.positions.as_ref()) {
+            let (c, s) = (cos * position.cos - sin * position.sin, cos * position.sin + sin * position.cos);
             let (radial, tangential) = (ring.u * c + ring.v * s, ring.v * c - ring.u * s);
             let closer = x - radial;
             let out = self.pitch_radius + closer;
@@ -148,15 +148,15 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
             // distance - R, not as the difference of two lengths of a pitch radius.
             let further =
                 (closer * (out + self.pitch_radius) + tangential * tangential) / (distance + self.pitch_radius);
-            tell(
+            visit(
                 i,
                 Ball {
                     cos: c,
                     sin: s,
                     line: [out / distance, -tangential / distance],
                     distance,
-                    inner: self.touch(self.inner_stiffness, -self.half_play - further),
-                    outer: self.touch(self.outer_stiffness, x - self.half_play),
+                    inner: self.contact_state(self.inner_stiffness, -self.half_play - further),
+                    outer: self.contact_state(self.outer_stiffness, x - self.half_play),
                     inertia: self.ball_mass * (self.pitch_radius + x) * cage_speed * cage_speed + gx * c + gy * s,
                 },
             );
@@ -183,25 +183,25 @@ impl<T: Scalar> Ball<T> {
 }
 
 impl<T: Scalar, M, P, const D: usize> HasSpeedRatios<T> for MovingBalls<T, M, P, D> {
-    fn gear(&self) -> &SpeedRatios<T> {
-        &self.gear
+    fn speed_ratios(&self) -> &SpeedRatios<T> {
+        &self.speed_ratios
     }
 }
 
 impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> ForceElement<T, D>
     for MovingBalls<T, M, P, D>
 {
-    fn push(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
+    fn add_force(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status) {
         let mut ring = Reaction::default();
         self.each(q, at, |i, ball| {
-            ring = ring.plus(ball.on_ring());
+            ring = ring + ball.on_ring();
             self.add_ball(f, i, &ball);
         });
         self.attachment.spread(&ring.wrench.to_array(), f);
         (ring.load, ring.status)
     }
 
-    fn push_with_stiffness(
+    fn add_force_and_stiffness(
         &self,
         q: &[T; D],
         at: &BearingKinematicState<T>,
@@ -213,7 +213,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Forc
         let centrifugal = self.ball_mass * cage_speed * cage_speed;
         let (mut ring, mut on_ring) = (Reaction::default(), SMatrix::<T, 5, 5>::from_element(T::ZERO));
         self.each(q, at, |i, ball| {
-            ring = ring.plus(ball.on_ring());
+            ring = ring + ball.on_ring();
             self.add_ball(f, i, &ball);
             // Second derivative of the contact's energy by the way from the ring's centre to the ball's.
             let [n, t] = ball.line;

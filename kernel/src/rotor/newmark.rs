@@ -21,21 +21,21 @@ pub struct Newmark<T> {
 impl<T: Scalar> Integrator<T> for Newmark<T> {
     fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &RotorBearingSystem<R, C, N>,
+        system: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
     ) -> Status {
         let h = self.step;
         let two_over_h = T::from_f64(2.0) / h;
         let (per_rate, per_acceleration) = (two_over_h, two_over_h * two_over_h);
-        let start = machine.parts_after(&state.parts, drive.angle.since(state.shaft));
-        let end = drive.after(h);
-        let at = machine.rotations(&machine.parts_after(&start, drive.arc_after(h)), &end);
-        let excitation = machine.rotor.excitation(&end);
-        let effective = machine.rotor.effective([per_acceleration, per_rate, T::ONE], end.speed);
+        let start = system.advance_components(&state.component_angles, shaft.angle.since(state.shaft_angle));
+        let end = shaft.after(h);
+        let at = system.kinematic_states(&system.advance_components(&start, shaft.delta_after(h)), &end);
+        let excitation = system.rotor.excitation(&end);
+        let effective = system.rotor.effective_matrix([per_acceleration, per_rate, T::ONE], end.speed);
 
         let mut a = state.acceleration;
-        let mut v = state.rate;
+        let mut v = state.velocity;
         let mut q = state.q;
         for ((q, v), a) in q.iter_mut().zip(&mut v).zip(&a) {
             *q += h * (*v + T::HALF * h * *a);
@@ -44,19 +44,26 @@ impl<T: Scalar> Integrator<T> for Newmark<T> {
         let mut answer = (T::ONE, Status::OK);
         for _ in 0..self.newton_steps {
             let mut tangent = SMatrix::from_element(T::ZERO);
-            let bearings = machine.push_with_stiffness(&q, &at, &mut tangent);
+            let bearings = system.bearing_forces_adding_stiffness(&q, &at, &mut tangent);
             answer = (bearings.load, bearings.status);
             let mut residual = excitation;
             add(&mut residual, &bearings.force);
-            add(&mut residual, &machine.rotor.internal(&q, &v, end.speed));
-            add_scaled(&mut residual, -T::ONE, &machine.rotor.inertia(&a));
+            add(&mut residual, &system.rotor.internal_force(&q, &v, end.speed));
+            add_scaled(&mut residual, -T::ONE, &system.rotor.inertia_force(&a));
             tangent += &effective;
             let correction = solve(tangent, residual);
             add(&mut q, &correction);
             add_scaled(&mut v, per_rate, &correction);
             add_scaled(&mut a, per_acceleration, &correction);
         }
-        let next = RotorState { q, rate: v, acceleration: a, parts: start, shaft: drive.angle, held: state.held };
-        accept(state, &next, drive.is_finite(), answer)
+        let next = RotorState {
+            q,
+            velocity: v,
+            acceleration: a,
+            component_angles: start,
+            shaft_angle: shaft.angle,
+            held_steps: state.held_steps,
+        };
+        accept(state, &next, shaft.is_finite(), answer)
     }
 }

@@ -3,7 +3,7 @@
 use super::{SecondOrderSystem, ShaftMotion};
 use crate::bearing::geometry::{InvalidParameter, check};
 use crate::frame::Stiffness;
-use crate::math::Math;
+use crate::math::{Exact, Math};
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
@@ -60,7 +60,7 @@ impl RotorParams {
 
 /// A rigid rotor, ready for the hot path.
 #[derive(Debug, Clone, Copy)]
-pub struct RigidRotor<T: Scalar, M> {
+pub struct RigidRotor<T: Scalar, M = Exact> {
     mass: [T; 5],
     inverse_mass: [T; 5],
     polar_inertia: T,
@@ -108,9 +108,9 @@ impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
 
     /// The constant load and the unbalance, `m e (w^2 e_r - a e_t)` and its couple.
     #[inline(always)]
-    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; 5] {
-        let turn = M::sin_cos(drive.angle);
-        let (w2, a) = (drive.speed * drive.speed, drive.acceleration);
+    fn excitation(&self, shaft: &ShaftMotion<T>) -> [T; 5] {
+        let turn = M::sin_cos(shaft.angle);
+        let (w2, a) = (shaft.speed * shaft.speed, shaft.acceleration);
         let rotating = |[x, y]: [T; 2]| {
             let (sin, cos) = turn;
             let (rx, ry) = (cos * x - sin * y, sin * x + cos * y);
@@ -123,7 +123,7 @@ impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
 
     /// Where `G[thu, thv] = I_p = -G[thv, thu]` for a spin about +Z.
     #[inline(always)]
-    fn internal(&self, q: &[T; 5], rate: &[T; 5], speed: T) -> [T; 5] {
+    fn internal_force(&self, q: &[T; 5], rate: &[T; 5], speed: T) -> [T; 5] {
         let mut f = [T::ZERO; 5];
         for (&x, column) in rate.iter().zip(self.damping.column_iter()) {
             for (entry, &b) in f.iter_mut().zip(column.iter()) {
@@ -138,7 +138,7 @@ impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
         [fx, fy, fz, mx - spin * thv, my + spin * thu]
     }
 
-    fn accelerate(&self, f: &[T; 5]) -> [T; 5] {
+    fn acceleration(&self, f: &[T; 5]) -> [T; 5] {
         let mut a = *f;
         for (entry, inverse) in a.iter_mut().zip(self.inverse_mass) {
             *entry *= inverse;
@@ -146,7 +146,7 @@ impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
         a
     }
 
-    fn inertia(&self, a: &[T; 5]) -> [T; 5] {
+    fn inertia_force(&self, a: &[T; 5]) -> [T; 5] {
         let mut f = *a;
         for (entry, m) in f.iter_mut().zip(self.mass) {
             *entry *= m;
@@ -155,7 +155,7 @@ impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
     }
 
     #[inline(always)]
-    fn effective(&self, [m, c, k]: [T; 3], speed: T) -> Stiffness<T> {
+    fn effective_matrix(&self, [m, c, k]: [T; 3], speed: T) -> Stiffness<T> {
         let mut j = self.damping * c;
         for (i, (mass, stiffness)) in self.mass.into_iter().zip(self.stiffness).enumerate() {
             j[(i, i)] += m * mass + k * stiffness;

@@ -15,24 +15,24 @@ pub struct RungeKutta4<T> {
 impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
     fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &RotorBearingSystem<R, C, N>,
+        system: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
     ) -> Status {
         let h = self.step;
         let half = T::HALF * h;
-        let parts = machine.parts_after(&state.parts, drive.angle.since(state.shaft));
+        let parts = system.advance_components(&state.component_angles, shaft.angle.since(state.shaft_angle));
         // Slope of (q, q') at the time `dt` into the step.
         let slope = |q: &[T; D], rate: &[T; D], dt: T| {
-            let now = drive.after(dt);
-            let turned = machine.parts_after(&parts, drive.arc_after(dt));
-            let bearings = machine.push(q, &machine.rotations(&turned, &now));
-            let mut f = machine.rotor.excitation(&now);
+            let now = shaft.after(dt);
+            let turned = system.advance_components(&parts, shaft.delta_after(dt));
+            let bearings = system.bearing_forces(q, &system.kinematic_states(&turned, &now));
+            let mut f = system.rotor.excitation(&now);
             vector::add(&mut f, &bearings.force);
-            vector::add(&mut f, &machine.rotor.internal(q, rate, now.speed));
-            (machine.rotor.accelerate(&f), (bearings.load, bearings.status))
+            vector::add(&mut f, &system.rotor.internal_force(q, rate, now.speed));
+            (system.rotor.acceleration(&f), (bearings.load, bearings.status))
         };
-        let (q0, v0) = (state.q, state.rate);
+        let (q0, v0) = (state.q, state.velocity);
         let (a1, bearings) = slope(&q0, &v0, T::ZERO);
         let (q2, v2) = (along(&q0, half, &v0), along(&v0, half, &a1));
         let (a2, _) = slope(&q2, &v2, half);
@@ -42,13 +42,13 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
         let (a4, _) = slope(&q4, &v4, h);
         let next = RotorState {
             q: weighted(&q0, h, [&v0, &v2, &v3, &v4]),
-            rate: weighted(&v0, h, [&a1, &a2, &a3, &a4]),
+            velocity: weighted(&v0, h, [&a1, &a2, &a3, &a4]),
             acceleration: a4,
-            parts,
-            shaft: drive.angle,
-            held: state.held,
+            component_angles: parts,
+            shaft_angle: shaft.angle,
+            held_steps: state.held_steps,
         };
-        accept(state, &next, drive.is_finite(), bearings)
+        accept(state, &next, shaft.is_finite(), bearings)
     }
 }
 

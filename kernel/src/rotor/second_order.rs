@@ -1,4 +1,4 @@
-//! What is linear of a machine, and what excites it.
+//! What is linear of a system, and what excites it.
 
 use super::ShaftMotion;
 use crate::scalar::Scalar;
@@ -10,18 +10,18 @@ pub trait SecondOrderSystem<T: Scalar, const D: usize> {
     /// The part of `f_E` that does not change: weight and constant load.
     fn constant_load(&self) -> [T; D];
 
-    /// `f_E`, weight and unbalance with the shaft as `drive` says.
-    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; D];
+    /// `f_E`, weight and unbalance with the shaft as `shaft` says.
+    fn excitation(&self, shaft: &ShaftMotion<T>) -> [T; D];
 
     /// `-(B + w G) q' - K q`.
-    fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D];
+    fn internal_force(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D];
 
     /// `M^-1 f`.
-    fn accelerate(&self, f: &[T; D]) -> [T; D];
+    fn acceleration(&self, f: &[T; D]) -> [T; D];
 
     /// `M a`.
-    fn inertia(&self, a: &[T; D]) -> [T; D];
+    fn inertia_force(&self, a: &[T; D]) -> [T; D];
 
     /// `m M + c (B + w G) + k K` for `[m, c, k]`: what an implicit step has to solve with.
-    fn effective(&self, parts: [T; 3], speed: T) -> SMatrix<T, D, D>;
+    fn effective_matrix(&self, parts: [T; 3], speed: T) -> SMatrix<T, D, D>;
 }

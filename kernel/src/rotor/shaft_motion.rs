@@ -17,15 +17,15 @@ pub struct ShaftMotion<T> {
 
 impl<T: Scalar> ShaftMotion<T> {
     /// Turned in the time `dt`: `w dt + a dt^2/2` (at most half a turn).
-    pub fn arc_after(&self, dt: T) -> PhaseDelta {
+    pub fn delta_after(&self, dt: T) -> PhaseDelta {
         PhaseDelta::from_radians(dt * (self.speed + T::HALF * self.acceleration * dt))
     }
 
-    /// The drive `dt` later.
+    /// The shaft `dt` later.
     #[must_use]
     pub fn after(&self, dt: T) -> Self {
         Self {
-            angle: self.angle.advanced(self.arc_after(dt)),
+            angle: self.angle.advanced(self.delta_after(dt)),
             speed: self.speed + self.acceleration * dt,
             acceleration: self.acceleration,
         }

@@ -53,34 +53,34 @@ impl<T: Scalar> SpeedRatios<T> {
 
     /// The angles after the shaft has gone `arc` further.
     #[must_use]
-    pub fn after(&self, angles: ComponentAngles, arc: PhaseDelta) -> ComponentAngles {
+    pub fn advance(&self, angles: ComponentAngles, delta: PhaseDelta) -> ComponentAngles {
         ComponentAngles {
-            cage: angles.cage.advanced(self.cage.of(arc)),
-            ball: self.ball.map_or(angles.ball, |ball| angles.ball.advanced(ball.of(arc))),
-            outer: self.outer.map_or(angles.outer, |(outer, _)| angles.outer.advanced(outer.of(arc))),
+            cage: angles.cage.advanced(self.cage.apply(delta)),
+            ball: self.ball.map_or(angles.ball, |ball| angles.ball.advanced(ball.apply(delta))),
+            outer: self.outer.map_or(angles.outer, |(outer, _)| angles.outer.advanced(outer.apply(delta))),
         }
     }
 
     /// What a bearing sees whose parts stand at `angles`.
     #[must_use]
-    pub fn rotation(&self, angles: ComponentAngles, drive: &ShaftMotion<T>) -> BearingKinematicState<T> {
+    pub fn kinematic_state(&self, angles: ComponentAngles, shaft: &ShaftMotion<T>) -> BearingKinematicState<T> {
         BearingKinematicState {
             cage: angles.cage,
-            inner: drive.angle,
+            inner: shaft.angle,
             outer: angles.outer,
             ball: angles.ball,
-            inner_speed: drive.speed,
-            outer_speed: self.outer.map_or(T::ZERO, |(_, ratio)| ratio * drive.speed),
+            inner_speed: shaft.speed,
+            outer_speed: self.outer.map_or(T::ZERO, |(_, ratio)| ratio * shaft.speed),
         }
     }
 }
 
 impl ComponentAngles {
-    pub(super) fn chosen(choice: Choice, a: Self, b: Self) -> Self {
+    pub(super) fn select(choice: Choice, a: Self, b: Self) -> Self {
         Self {
-            cage: choice.of_turns(a.cage, b.cage),
-            ball: choice.of_turns(a.ball, b.ball),
-            outer: choice.of_turns(a.outer, b.outer),
+            cage: choice.select_phase(a.cage, b.cage),
+            ball: choice.select_phase(a.ball, b.ball),
+            outer: choice.select_phase(a.outer, b.outer),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The second paper's rotor: rigid, its bearings in supports that give way (`docs/src/models.md#rotor`).
 
-use super::linear_system::Matrices;
+use super::linear_system::SystemMatrices;
 use super::rigid::sum_unbalances;
 use super::{RotorParams, Unbalance};
 use crate::bearing::geometry::{InvalidParameter, check};
@@ -22,15 +22,15 @@ pub struct Support {
 ///
 /// # Errors
 /// The first quantity out of its range; more supports than there are coordinates for.
-pub fn supported<const D: usize>(
+pub fn supported_rotor<const D: usize>(
     params: &RotorParams,
     unbalances: &[Unbalance],
     supports: &[Support],
-) -> Result<Matrices<D>, InvalidParameter> {
+) -> Result<SystemMatrices<D>, InvalidParameter> {
     params.check()?;
     let needed = 5 + 2 * supports.len();
     check(needed <= D, "supports", supports.len() as f64, "at most (D - 5)/2 in a system of D coordinates")?;
-    let mut all = Matrices::<D>::idle();
+    let mut all = SystemMatrices::<D>::unit_mass();
     let mass = [params.mass, params.mass, params.mass, params.diametral_inertia, params.diametral_inertia];
     let [gx, gy, gz] = params.gravity;
     let weight = [gx * params.mass, gy * params.mass, gz * params.mass, 0.0, 0.0];

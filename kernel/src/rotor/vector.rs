@@ -36,8 +36,8 @@ pub fn all_finite<T: Scalar, const D: usize>(x: &[T; D]) -> bool {
 
 /// `x` becomes `next` if that is the choice, the same instructions either way.
 #[inline(always)]
-pub fn take<T: Scalar, const D: usize>(choice: Choice, next: &[T; D], x: &mut [T; D]) {
+pub fn replace_if<T: Scalar, const D: usize>(choice: Choice, next: &[T; D], x: &mut [T; D]) {
     for (entry, &other) in x.iter_mut().zip(next) {
-        *entry = choice.of(other, *entry);
+        *entry = choice.select(other, *entry);
     }
 }

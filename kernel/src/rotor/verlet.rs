@@ -8,7 +8,7 @@ use crate::status::Status;
 use core::borrow::BorrowMut;
 use nalgebra::SMatrix;
 
-/// Fixed step `h`, order 2, stable up to `h = 2 / w_max`: half a step along the rate, the whole push, half a step along
+/// Fixed step `h`, order 2, stable up to `h = 2 / w_max`: half a step along the rate, the whole force, half a step along
 /// the new rate.
 ///
 /// Without damping the map is symplectic: energy swings within a bound that falls as `h^2` and does not drift. Damping
@@ -27,17 +27,17 @@ pub struct Verlet<T> {
 impl<T: Scalar> Verlet<T> {
     /// Where the shaft is in the middle of a step, with the speed that holds for all of it.
     #[inline(always)]
-    fn middle(self, drive: &ShaftMotion<T>) -> ShaftMotion<T> {
-        drive.after(T::HALF * self.step)
+    fn middle(self, shaft: &ShaftMotion<T>) -> ShaftMotion<T> {
+        shaft.after(T::HALF * self.step)
     }
 
     /// `M + h/2 (B + w G)`.
     #[inline(always)]
-    fn effective<R: SecondOrderSystem<T, D>, A, const D: usize>(self, rotor: &R, speed: T) -> Factored<A>
+    fn effective_matrix<R: SecondOrderSystem<T, D>, A, const D: usize>(self, rotor: &R, speed: T) -> Factored<A>
     where
         A: BorrowMut<SMatrix<T, D, D>> + From<SMatrix<T, D, D>>,
     {
-        Factored::new(A::from(rotor.effective([T::ONE, T::HALF * self.step, T::ZERO], speed)))
+        Factored::new(A::from(rotor.effective_matrix([T::ONE, T::HALF * self.step, T::ZERO], speed)))
     }
 
     /// A step with the equations `M + h/2 (B + w G)` solved as given.
@@ -45,28 +45,35 @@ impl<T: Scalar> Verlet<T> {
     fn step_with<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         self,
         solve: impl FnOnce([T; D]) -> [T; D],
-        machine: &RotorBearingSystem<R, C, N>,
+        system: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
     ) -> Status {
         let h = self.step;
         let half = T::HALF * h;
-        let start = machine.parts_after(&state.parts, drive.angle.since(state.shaft));
-        let middle = self.middle(drive);
-        let at = machine.rotations(&machine.parts_after(&start, drive.arc_after(half)), &middle);
-        let q = along(&state.q, half, &state.rate);
+        let start = system.advance_components(&state.component_angles, shaft.angle.since(state.shaft_angle));
+        let middle = self.middle(shaft);
+        let at = system.kinematic_states(&system.advance_components(&start, shaft.delta_after(half)), &middle);
+        let q = along(&state.q, half, &state.velocity);
         // (M + h/2 (B + w G)) a = f - (B + w G) v: the mean of the rates is v + h/2 a. All that does not wait for the
         // bearings comes before them: a desktop processor does both at once.
-        let mut push = machine.rotor.excitation(&middle);
-        add(&mut push, &machine.rotor.internal(&q, &state.rate, middle.speed));
-        let bearings = machine.push(&q, &at);
-        add(&mut push, &bearings.force);
-        let acceleration = solve(push);
-        let rate = along(&state.rate, h, &acceleration);
+        let mut force = system.rotor.excitation(&middle);
+        add(&mut force, &system.rotor.internal_force(&q, &state.velocity, middle.speed));
+        let bearings = system.bearing_forces(&q, &at);
+        add(&mut force, &bearings.force);
+        let acceleration = solve(force);
+        let velocity = along(&state.velocity, h, &acceleration);
         let mut end = q;
-        add_scaled(&mut end, half, &rate);
-        let next = RotorState { q: end, rate, acceleration, parts: start, shaft: drive.angle, held: state.held };
-        accept(state, &next, drive.is_finite(), (bearings.load, bearings.status))
+        add_scaled(&mut end, half, &velocity);
+        let next = RotorState {
+            q: end,
+            velocity,
+            acceleration,
+            component_angles: start,
+            shaft_angle: shaft.angle,
+            held_steps: state.held_steps,
+        };
+        accept(state, &next, shaft.is_finite(), (bearings.load, bearings.status))
     }
 }
 
@@ -75,17 +82,17 @@ impl<T: Scalar> Integrator<T> for Verlet<T> {
     #[inline(always)]
     fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
-        machine: &RotorBearingSystem<R, C, N>,
+        system: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
     ) -> Status {
-        let effective: Factored<SMatrix<T, D, D>> = self.effective(&machine.rotor, self.middle(drive).speed);
+        let effective: Factored<SMatrix<T, D, D>> = self.effective_matrix(&system.rotor, self.middle(shaft).speed);
         self.step_with(
             #[inline(always)]
-            |push| effective.solve(push),
-            machine,
+            |force| effective.solve(force),
+            system,
             state,
-            drive,
+            shaft,
         )
     }
 }
@@ -104,13 +111,13 @@ pub struct SteadyVerlet<T: Scalar, const D: usize, A = SMatrix<T, D, D>> {
     effective: Factored<A>,
     speed: T,
     inverse: Option<Inverse<A>>,
-    /// The speed with nothing to make for: infinite where there is no inverse. One comparison, so that a bad drive costs what a
+    /// The speed with nothing to make for: infinite where there is no inverse. One comparison, so that a bad shaft costs what a
     /// good one costs.
-    ready: T,
+    inverse_speed: T,
 }
 
 impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
-    /// For this rotor, ready to start at `speed`, rad/s (from rest where it is not finite).
+    /// For this rotor, inverse_speed to start at `speed`, rad/s (from rest where it is not finite).
     #[must_use]
     pub fn new<R: SecondOrderSystem<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         Self::with_storage(verlet, rotor, speed)
@@ -125,46 +132,46 @@ where
     #[must_use]
     pub fn with_storage<R: SecondOrderSystem<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         let speed = if speed.is_finite() { speed } else { T::ZERO };
-        let effective = verlet.effective(rotor, speed);
+        let effective = verlet.effective_matrix(rotor, speed);
         let inverse = Some(Inverse::new(&effective));
-        Self { verlet, effective, speed, inverse, ready: speed }
+        Self { verlet, effective, speed, inverse, inverse_speed: speed }
     }
 
     /// One step, as [`Integrator::step`] of machines with the rotor that it was made for.
     #[inline(always)]
     pub fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const N: usize>(
         &mut self,
-        machine: &RotorBearingSystem<R, C, N>,
+        system: &RotorBearingSystem<R, C, N>,
         state: &mut RotorState<T, D, N>,
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
     ) -> Status {
-        let speed = self.verlet.middle(drive).speed;
+        let speed = self.verlet.middle(shaft).speed;
         // A speed that is not finite is answered with the state held, whatever the equations: nothing to do for it.
-        if (speed != self.ready) & speed.is_finite() {
-            self.turn_to(&machine.rotor, speed);
+        if (speed != self.inverse_speed) & speed.is_finite() {
+            self.factor_for(&system.rotor, speed);
         }
         let (effective, inverse) = (&self.effective, &self.inverse);
         self.verlet.step_with(
             #[inline(always)]
-            |push| match inverse {
-                Some(inverse) => inverse.solve(push),
-                None => effective.solve(push),
+            |force| match inverse {
+                Some(inverse) => inverse.solve(force),
+                None => effective.solve(force),
             },
-            machine,
+            system,
             state,
-            drive,
+            shaft,
         )
     }
 
     /// Equations for another speed; an inverse only for one that comes a second time: in a run-up it would be for nothing.
     #[cold]
     #[inline(never)]
-    fn turn_to<R: SecondOrderSystem<T, D>>(&mut self, rotor: &R, speed: T) {
+    fn factor_for<R: SecondOrderSystem<T, D>>(&mut self, rotor: &R, speed: T) {
         if speed == self.speed {
-            (self.inverse, self.ready) = (Some(Inverse::new(&self.effective)), speed);
+            (self.inverse, self.inverse_speed) = (Some(Inverse::new(&self.effective)), speed);
         } else {
-            (self.effective, self.speed) = (self.verlet.effective(rotor, speed), speed);
-            (self.inverse, self.ready) = (None, T::ONE / T::ZERO);
+            (self.effective, self.speed) = (self.verlet.effective_matrix(rotor, speed), speed);
+            (self.inverse, self.inverse_speed) = (None, T::ONE / T::ZERO);
         }
     }
 }

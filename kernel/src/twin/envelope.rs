@@ -47,7 +47,7 @@ impl<T: Scalar> Envelope<T> {
     /// One sample; the envelope there, of a sine in the band its amplitude.
     pub fn add<M: Math<T>>(&mut self, x: T) -> T {
         let (sin, cos) = M::sin_cos(self.angle);
-        self.angle = self.angle.plus(self.stride);
+        self.angle = self.angle.wrapping_add(self.stride);
         let mut square = T::ZERO;
         for (part, state) in [x * cos, x * sin].into_iter().zip(&mut self.state) {
             let mut y = part;

@@ -1,6 +1,6 @@
 //! Fatigue: how much of a bearing's life its loads have used.
 
-use super::ExactSum;
+use super::CompensatedSum;
 use crate::bearing::geometry::{BallBearingGeometry, InvalidParameter, check};
 use crate::math::Math;
 use crate::scalar::Scalar;
@@ -46,10 +46,10 @@ pub struct Life<T> {
     /// Inverse ratings: loads count in them, so that no power overflows.
     inner: T,
     outer: T,
-    cubes: ExactSum<T>,
-    ten_thirds: ExactSum<T>,
-    elements: ExactSum<T>,
-    used: ExactSum<T>,
+    cubes: CompensatedSum<T>,
+    ten_thirds: CompensatedSum<T>,
+    elements: CompensatedSum<T>,
+    used: CompensatedSum<T>,
 }
 
 impl<T: Scalar> Life<T> {
@@ -59,10 +59,10 @@ impl<T: Scalar> Life<T> {
         Self {
             inner: T::from_f64(1.0 / params.inner_rating),
             outer: T::from_f64(1.0 / params.outer_rating),
-            cubes: ExactSum::new(),
-            ten_thirds: ExactSum::new(),
-            elements: ExactSum::new(),
-            used: ExactSum::new(),
+            cubes: CompensatedSum::new(),
+            ten_thirds: CompensatedSum::new(),
+            elements: CompensatedSum::new(),
+            used: CompensatedSum::new(),
         }
     }
 
@@ -86,10 +86,11 @@ impl<T: Scalar> Life<T> {
         let sum = inner + outer;
         // L = s^(-9/10); the power is for exponents of 1 and more: s^(9/10) = s^(19/10)/s.
         let some = sum > T::ZERO;
-        let sure = T::choose(some, sum, T::ONE);
-        let per_million = T::choose(some, M::powf(sure, T::from_f64(1.9)) / sure, T::ZERO);
+        let sure = T::select(some, sum, T::ONE);
+        let per_million = T::select(some, M::powf(sure, T::from_f64(1.9)) / sure, T::ZERO);
         self.used.add(turns * T::from_f64(1e-6) * per_million);
-        (self.cubes, self.ten_thirds, self.elements) = (ExactSum::new(), ExactSum::new(), ExactSum::new());
+        (self.cubes, self.ten_thirds, self.elements) =
+            (CompensatedSum::new(), CompensatedSum::new(), CompensatedSum::new());
         T::ONE / per_million
     }
 

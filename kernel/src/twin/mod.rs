@@ -1,4 +1,4 @@
-//! What firmware runs every sample beside its machine: the state behind the probes and what stands out of it.
+//! What firmware runs every sample beside its system: the state behind the probes and what stands out of it.
 //!
 //! Probe samples go into an [`Observer`], which gives the rotor's motion, the forces of its bearings and what the model
 //! does not explain. Displacements, forces and residuals go into indicators: [`OrderTracker`] for what turns with the
@@ -16,7 +16,7 @@ mod unmodelled_force;
 pub use envelope::Envelope;
 pub use life::{Life, LifeParams};
 pub use observer::{Estimate, Observer, ObserverState, SpeedGain};
-pub use order::{OrderLine, OrderTracker, Vector};
-pub use statistics::{Figures, Statistics};
-pub use sum::ExactSum;
+pub use order::{OrderLine, OrderTracker, OrderVector};
+pub use statistics::{BlockStatistics, Statistics};
+pub use sum::CompensatedSum;
 pub use unmodelled_force::WithUnmodelledForce;

@@ -20,12 +20,12 @@ pub struct SpeedGain<T, const P: usize> {
     /// To the unknown load, N/m.
     pub load: [[T; D]; P],
     /// To the unknown load that turns with the shaft, N/m.
-    pub turning: [[T; D]; P],
+    pub rotating_load: [[T; D]; P],
     /// `W`, a lower triangle with `W^T W = S^-1`, the inverse covariance of the innovations, 1/m.
     pub whitening: [[T; P]; P],
 }
 
-/// What does not change: machine, probes and gains, ready for the hot path.
+/// What does not change: system, probes and gains, ready for the hot path.
 ///
 /// The state is `x = [q, q', d, r]`: coordinates, rates, and what the model does not know: a load `d` that stands still
 /// until more is heard, and a load `r` that turns with the shaft as an unbalance and its couple do. The prediction is the
@@ -38,8 +38,8 @@ pub struct SpeedGain<T, const P: usize> {
 #[derive(Debug, Clone, Copy)]
 pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
     /// The rotor on its bearings, as far as it is known.
-    pub machine: RotorBearingSystem<R, C, N>,
-    /// Moves the machine by one step.
+    pub system: RotorBearingSystem<R, C, N>,
+    /// Moves the system by one step.
     pub integrator: I,
     /// Length of that step, s.
     pub step: T,
@@ -52,7 +52,7 @@ pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
     /// Speed of the first gain, rad/s, and gains per rad/s.
     pub speeds: [T; 2],
     /// What is left of the unknown load from sample to sample where nothing is heard of it, up to 1.
-    pub memory: T,
+    pub load_retention: T,
     /// Validation gate: a sample whose normalised innovation squared is above it corrects nothing.
     ///
     /// Range: above 0. With a true model and true noise the quantity is chi-square distributed with `P` degrees of freedom,
@@ -71,7 +71,7 @@ pub struct ObserverState<T, const N: usize> {
     /// The unknown load, N and N m on the coordinates.
     pub load: [T; D],
     /// The unknown load that turns with the shaft, as it is now: `FX FY`, 0, `MX MY`.
-    pub turning: [T; D],
+    pub rotating_load: [T; D],
 }
 
 /// What one sample says.
@@ -83,14 +83,14 @@ pub struct Estimate<T, const P: usize> {
     /// degrees of freedom as there are probes, and so `P` in the mean.
     pub nis: T,
     /// [`Status::INPUT_NOT_FINITE`] where a reading is missing, [`Status::INNOVATION_REJECTED`] where `nis` is above the
-    /// gate, and the flags of the machine.
+    /// gate, and the flags of the system.
     pub status: Status,
 }
 
 impl<T: Scalar, const N: usize> ObserverState<T, N> {
     /// With nothing known of unknown loads.
     pub fn new(motion: RotorState<T, D, N>) -> Self {
-        Self { motion, load: [T::ZERO; D], turning: [T::ZERO; D] }
+        Self { motion, load: [T::ZERO; D], rotating_load: [T::ZERO; D] }
     }
 }
 
@@ -102,59 +102,59 @@ where
     I: Integrator<T>,
     A: AsRef<[SpeedGain<T, P>]>,
 {
-    /// One sample further: the shaft moved as `drive` said at the last sample, the probes now read `readings` (m).
+    /// One sample further: the shaft moved as `shaft` said at the last sample, the probes now read `readings` (m).
     ///
     /// A reading that is not finite corrects nothing; the others do. A sample beyond the gate corrects nothing at all: the
     /// state is then the prediction. The instructions are the same for every sample.
     pub fn sample<M: Math<T>>(
         &self,
         state: &mut ObserverState<T, N>,
-        drive: &ShaftMotion<T>,
+        shaft: &ShaftMotion<T>,
         readings: &[T; P],
     ) -> Estimate<T, P> {
-        let mut status = self.predict::<M>(state, drive);
+        let mut status = self.predict::<M>(state, shaft);
         let mut innovation = [T::ZERO; P];
         for ((e, reading), row) in innovation.iter_mut().zip(readings).zip(&self.probes) {
             let expected = row.iter().zip(&state.motion.q).fold(T::ZERO, |sum, (&c, &q)| sum + c * q);
             let found = *reading - expected;
             let usable = found.is_finite();
-            *e = T::choose(usable, found, T::ZERO);
-            status = status.and(Status::INPUT_NOT_FINITE.when(!usable));
+            *e = T::select(usable, found, T::ZERO);
+            status = status.union(Status::INPUT_NOT_FINITE.when(!usable));
         }
-        let weights = self.weights(drive.speed);
+        let weights = self.weights(shaft.speed);
         let gains = || self.gains.as_ref().iter().skip(weights.below as usize).zip(weights.of_each);
         let mut nis = T::ZERO;
         for (gain, weight) in gains() {
             nis += weight * gain.normalised_square(&innovation);
         }
         let accepted = nis <= self.gate;
-        let correction = innovation.map(|e| T::choose(accepted, e, T::ZERO));
+        let correction = innovation.map(|e| T::select(accepted, e, T::ZERO));
         for (gain, weight) in gains() {
             gain.apply(state, weight, &correction);
         }
-        Estimate { innovation, nis, status: status.and(Status::INNOVATION_REJECTED.when(!accepted)) }
+        Estimate { innovation, nis, status: status.union(Status::INNOVATION_REJECTED.when(!accepted)) }
     }
 
-    fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, N>, drive: &ShaftMotion<T>) -> Status {
-        let (mut status, mut now) = (Status::OK, *drive);
-        let (sin, cos) = M::sin_cos(Phase::ZERO.advanced(drive.arc_after(self.step)));
+    fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, N>, shaft: &ShaftMotion<T>) -> Status {
+        let (mut status, mut now) = (Status::OK, *shaft);
+        let (sin, cos) = M::sin_cos(Phase::ZERO.advanced(shaft.delta_after(self.step)));
         for _ in 0..self.substeps {
             // As it is in the middle of the step: half of what it is before and after.
-            let before = state.turning;
-            state.turning = turned(&before, sin, cos);
+            let before = state.rotating_load;
+            state.rotating_load = turned(&before, sin, cos);
             let mut load = state.load;
-            for (sum, (&a, &b)) in load.iter_mut().zip(before.iter().zip(&state.turning)) {
+            for (sum, (&a, &b)) in load.iter_mut().zip(before.iter().zip(&state.rotating_load)) {
                 *sum += T::HALF * (a + b);
             }
-            let machine = RotorBearingSystem {
-                rotor: WithUnmodelledForce { system: &self.machine.rotor, load },
-                bearings: self.machine.bearings.each_ref(),
+            let system = RotorBearingSystem {
+                rotor: WithUnmodelledForce { system: &self.system.rotor, load },
+                bearings: self.system.bearings.each_ref(),
             };
-            status = status.and(self.integrator.step(&machine, &mut state.motion, &now));
+            status = status.union(self.integrator.step(&system, &mut state.motion, &now));
             now = now.after(self.step);
         }
         for load in &mut state.load {
-            *load *= self.memory;
+            *load *= self.load_retention;
         }
         status
     }
@@ -163,9 +163,9 @@ where
     fn weights(&self, speed: T) -> Weights<T> {
         let gains = self.gains.as_ref();
         let [first, density] = self.speeds;
-        let place = (speed - first) * density;
-        let below = place.whole(LatticeIndex::new((gains.len() as u32).saturating_sub(2)));
-        let part = (place - below.number).larger(T::ZERO).smaller(T::ONE);
+        let position = (speed - first) * density;
+        let below = position.clamped_floor(LatticeIndex::new((gains.len() as u32).saturating_sub(2)));
+        let part = (position - below.number).larger(T::ZERO).smaller(T::ONE);
         // A single gain is all there is: nothing to mix, nothing to pay for.
         let part = if gains.len() > 1 { part } else { T::ZERO };
         Weights { below: below.count, of_each: [T::ONE - part, part] }
@@ -184,8 +184,8 @@ impl<T: Scalar, const P: usize> SpeedGain<T, P> {
     /// Adds `weight` times the correction of this innovation to the state.
     fn apply<const N: usize>(&self, state: &mut ObserverState<T, N>, weight: T, innovation: &[T; P]) {
         let motion = &mut state.motion;
-        let states = [&mut motion.q, &mut motion.rate, &mut state.load, &mut state.turning];
-        for (to, gains) in states.into_iter().zip([&self.position, &self.rate, &self.load, &self.turning]) {
+        let states = [&mut motion.q, &mut motion.velocity, &mut state.load, &mut state.rotating_load];
+        for (to, gains) in states.into_iter().zip([&self.position, &self.rate, &self.load, &self.rotating_load]) {
             for (&e, gain) in innovation.iter().zip(gains) {
                 let e = weight * e;
                 for (entry, &by) in to.iter_mut().zip(gain) {

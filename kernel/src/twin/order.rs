@@ -1,6 +1,6 @@
 //! Order tracking: amplitude and phase of what turns with the shaft, a cage or a ball.
 
-use super::ExactSum;
+use super::CompensatedSum;
 use crate::math::Math;
 use crate::phase::{Phase, SpeedRatio};
 use crate::rotor::ComponentAngles;
@@ -25,14 +25,14 @@ impl OrderLine {
     #[must_use]
     pub const fn angle(&self, shaft: Phase, parts: &ComponentAngles) -> Phase {
         shaft
-            .times(self.shaft as i64 as u64)
-            .plus(parts.cage.times(self.cage as i64 as u64))
-            .plus(parts.ball.times(self.ball as i64 as u64))
+            .wrapping_mul(self.shaft as i64 as u64)
+            .wrapping_add(parts.cage.wrapping_mul(self.cage as i64 as u64))
+            .wrapping_add(parts.ball.wrapping_mul(self.ball as i64 as u64))
     }
 }
 
 /// Amplitudes of cosine and sine of a line over a block: the signal is `c cos p + s sin p` with the line's angle `p`.
-pub type Vector<T> = [T; 2];
+pub type OrderVector<T> = [T; 2];
 
 /// Demodulates one signal at `L` lines over blocks of whole turns of the shaft.
 ///
@@ -42,27 +42,27 @@ pub type Vector<T> = [T; 2];
 #[derive(Debug, Clone, Copy)]
 pub struct OrderTracker<T, const L: usize> {
     lines: [OrderLine; L],
-    share: SpeedRatio,
+    progress_per_revolution: SpeedRatio,
     shaft: Phase,
-    /// Of the block that is gone, as an angle.
-    gone: Phase,
-    sums: [[ExactSum<T>; 2]; L],
-    weight: ExactSum<T>,
-    vectors: [Vector<T>; L],
+    /// Of the block that is progress, as an angle.
+    progress: Phase,
+    sums: [[CompensatedSum<T>; 2]; L],
+    weight: CompensatedSum<T>,
+    vectors: [OrderVector<T>; L],
 }
 
 impl<T: Scalar, const L: usize> OrderTracker<T, L> {
     /// For blocks of `turns` turns, starting with the shaft at `shaft`. Set-up time.
     #[must_use]
     pub fn new(lines: [OrderLine; L], turns: u32, shaft: Phase) -> Self {
-        let none = [ExactSum::new(); 2];
+        let none = [CompensatedSum::new(); 2];
         Self {
             lines,
-            share: SpeedRatio::new(1.0 / f64::from(turns.max(1))),
+            progress_per_revolution: SpeedRatio::new(1.0 / f64::from(turns.max(1))),
             shaft,
-            gone: Phase::ZERO,
+            progress: Phase::ZERO,
             sums: [none; L],
-            weight: ExactSum::new(),
+            weight: CompensatedSum::new(),
             vectors: [[T::ZERO; 2]; L],
         }
     }
@@ -70,16 +70,16 @@ impl<T: Scalar, const L: usize> OrderTracker<T, L> {
     /// One sample with the shaft and the bearing's parts where they are; true where a block is complete.
     pub fn add<M: Math<T>>(&mut self, x: T, shaft: Phase, parts: &ComponentAngles) -> bool {
         let arc = shaft.since(self.shaft);
-        let before = self.gone;
+        let before = self.progress;
         // Either sense of rotation fills the block.
-        let ahead = self.share.of(arc).0.unsigned_abs();
-        self.gone = Phase(before.0.wrapping_add(ahead));
+        let advance = self.progress_per_revolution.apply(arc).0.unsigned_abs();
+        self.progress = Phase(before.0.wrapping_add(advance));
         self.shaft = shaft;
-        let complete = self.gone.0 < before.0;
+        let complete = self.progress.0 < before.0;
         if complete {
             self.close();
         }
-        let (_, cos) = M::sin_cos(self.gone);
+        let (_, cos) = M::sin_cos(self.progress);
         let window = T::HALF * (T::ONE - cos);
         self.weight.add(window);
         let x = window * x;
@@ -94,18 +94,18 @@ impl<T: Scalar, const L: usize> OrderTracker<T, L> {
 
     fn close(&mut self) {
         let weight = self.weight.value();
-        let some = weight > T::ZERO;
-        let scale = T::choose(some, T::from_f64(2.0) / T::choose(some, weight, T::ONE), T::ZERO);
+        let is_weighted = weight > T::ZERO;
+        let scale = T::select(is_weighted, T::from_f64(2.0) / T::select(is_weighted, weight, T::ONE), T::ZERO);
         for (vector, sums) in self.vectors.iter_mut().zip(&mut self.sums) {
             *vector = sums.map(|sum| scale * sum.value());
-            *sums = [ExactSum::new(); 2];
+            *sums = [CompensatedSum::new(); 2];
         }
-        self.weight = ExactSum::new();
+        self.weight = CompensatedSum::new();
     }
 
     /// The lines over the last complete block.
     #[must_use]
-    pub const fn vectors(&self) -> &[Vector<T>; L] {
+    pub const fn vectors(&self) -> &[OrderVector<T>; L] {
         &self.vectors
     }
 }

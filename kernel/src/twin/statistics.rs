@@ -1,12 +1,12 @@
 //! Mean, rms, peaks, crest factor and kurtosis of a signal, block by block.
 
-use super::ExactSum;
+use super::CompensatedSum;
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// Figures of one block.
+/// BlockStatistics of one block.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Figures<T> {
+pub struct BlockStatistics<T> {
     /// The mean: of a plane's two probes, the shaft's centreline.
     pub mean: T,
     /// Root mean square about the mean.
@@ -28,7 +28,7 @@ pub struct Statistics<T> {
     length: u32,
     count: u32,
     about: T,
-    powers: [ExactSum<T>; 4],
+    powers: [CompensatedSum<T>; 4],
     least: T,
     greatest: T,
 }
@@ -37,15 +37,15 @@ impl<T: Scalar> Statistics<T> {
     /// For blocks of `length` samples, 1 or more.
     #[must_use]
     pub fn new(length: u32) -> Self {
-        let powers = [ExactSum::new(); 4];
+        let powers = [CompensatedSum::new(); 4];
         Self { length, count: 0, about: T::ZERO, powers, least: T::ZERO, greatest: T::ZERO }
     }
 
     /// One sample; the figures where it ended a block.
-    pub fn add<M: Math<T>>(&mut self, x: T) -> Option<Figures<T>> {
+    pub fn add<M: Math<T>>(&mut self, x: T) -> Option<BlockStatistics<T>> {
         let first = self.count == 0;
-        self.least = T::choose(first, x, x.smaller(self.least));
-        self.greatest = T::choose(first, x, x.larger(self.greatest));
+        self.least = T::select(first, x, x.smaller(self.least));
+        self.greatest = T::select(first, x, x.larger(self.greatest));
         let off = x - self.about;
         let mut power = off;
         for sum in &mut self.powers {
@@ -57,7 +57,7 @@ impl<T: Scalar> Statistics<T> {
     }
 
     /// Ends the block where it is.
-    pub fn close<M: Math<T>>(&mut self) -> Figures<T> {
+    pub fn close<M: Math<T>>(&mut self) -> BlockStatistics<T> {
         let part = T::ONE / T::from_f64(f64::from(self.count.max(1)));
         let [m1, m2, m3, m4] = self.powers.map(|sum| part * sum.value());
         let mean = self.about + m1;
@@ -70,15 +70,15 @@ impl<T: Scalar> Statistics<T> {
         let rms = M::sqrt(second);
         let peak = (self.greatest - mean).larger(mean - self.least);
         let moves = second > T::ZERO;
-        let over = |x: T, by: T| T::choose(moves, x / T::choose(moves, by, T::ONE), T::ZERO);
-        let figures = Figures {
+        let over = |x: T, by: T| T::select(moves, x / T::select(moves, by, T::ONE), T::ZERO);
+        let figures = BlockStatistics {
             mean,
             rms,
             peak_to_peak: self.greatest - self.least,
             crest_factor: over(peak, rms),
             kurtosis: over(fourth, second * second),
         };
-        let about = T::choose(mean.is_finite(), mean, T::ZERO);
+        let about = T::select(mean.is_finite(), mean, T::ZERO);
         *self = Self { about, ..Self::new(self.length) };
         figures
     }

@@ -7,12 +7,12 @@ use crate::scalar::Scalar;
 /// Source: Knuth, The Art of Computer Programming 2, 4.2.2 (two-sum), as Kahan and Babuska use it. Cost of an addition:
 /// ten additions, no branch.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ExactSum<T> {
+pub struct CompensatedSum<T> {
     sum: T,
     lost: T,
 }
 
-impl<T: Scalar> ExactSum<T> {
+impl<T: Scalar> CompensatedSum<T> {
     /// 0.
     #[must_use]
     pub const fn new() -> Self {

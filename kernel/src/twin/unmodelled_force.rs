@@ -28,19 +28,19 @@ impl<R: SecondOrderSystem<T, D>, T: Scalar, const D: usize> SecondOrderSystem<T,
     fn constant_load(&self) -> [T; D] {
         self.added(self.system.constant_load())
     }
-    fn excitation(&self, drive: &ShaftMotion<T>) -> [T; D] {
-        self.added(self.system.excitation(drive))
+    fn excitation(&self, shaft: &ShaftMotion<T>) -> [T; D] {
+        self.added(self.system.excitation(shaft))
     }
-    fn internal(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
-        self.system.internal(q, rate, speed)
+    fn internal_force(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
+        self.system.internal_force(q, rate, speed)
     }
-    fn accelerate(&self, f: &[T; D]) -> [T; D] {
-        self.system.accelerate(f)
+    fn acceleration(&self, f: &[T; D]) -> [T; D] {
+        self.system.acceleration(f)
     }
-    fn inertia(&self, a: &[T; D]) -> [T; D] {
-        self.system.inertia(a)
+    fn inertia_force(&self, a: &[T; D]) -> [T; D] {
+        self.system.inertia_force(a)
     }
-    fn effective(&self, parts: [T; 3], speed: T) -> SMatrix<T, D, D> {
-        self.system.effective(parts, speed)
+    fn effective_matrix(&self, parts: [T; 3], speed: T) -> SMatrix<T, D, D> {
+        self.system.effective_matrix(parts, speed)
     }
 }

@@ -628,8 +628,9 @@ pub(crate) fn crowded() -> Outcome {
     outcome.probes = (0..16)
         .map(|i| probe(&name(i), 55.5 * i as f64 - 400.0, Some(22.5 * i as f64), 1234.5 * (i + 1) as f64))
         .collect();
-    outcome.bearings =
-        (0..4).map(|i| bearing(&format!("Bearing {i} of the intermediate gear shaft"), 300.0 * f64::from(i))).collect();
+    outcome.bearings = (0..4)
+        .map(|i| bearing(&format!("Bearing {i} of the intermediate speed_ratios shaft"), 300.0 * f64::from(i)))
+        .collect();
     let pictures = &mut outcome.pictures;
     pictures.traces = (0..16).map(|i| trace(&name(i), 0.1 * i as f64, 1e4)).collect();
     pictures.half_spectra = (0..16).map(|i| half_spectrum(&name(i), 1e4)).collect();
@@ -638,7 +639,7 @@ pub(crate) fn crowded() -> Outcome {
             (0..8).map(|i| (format!("Channel {i} left"), std::f64::consts::FRAC_PI_4 * f64::from(i))).collect();
     }
     pictures.lines.push(MarkedLine {
-        label: "Bearing 0 of the intermediate gear shaft outer".into(),
+        label: "Bearing 0 of the intermediate speed_ratios shaft outer".into(),
         order: 7.99,
         hz: 399.5,
     });

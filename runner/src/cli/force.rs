@@ -122,11 +122,11 @@ fn words(status: Status) -> String {
         (Status::INPUT_NOT_FINITE, "input-not-finite"),
         (Status::RESULT_NOT_FINITE, "result-not-finite"),
         (Status::CONTACT_LOST, "contact-lost"),
-        (Status::NOT_SETTLED, "not-settled"),
+        (Status::NOT_CONVERGED, "not-settled"),
         (Status::GYROSCOPIC_SLIP, "gyroscopic-slip"),
         (Status::OUT_OF_TABLE, "out-of-table"),
     ];
-    let set: Vec<&str> = flags.iter().filter(|(flag, _)| status.has(*flag)).map(|(_, word)| *word).collect();
+    let set: Vec<&str> = flags.iter().filter(|(flag, _)| status.contains(*flag)).map(|(_, word)| *word).collect();
     if set.is_empty() { "ok".to_owned() } else { set.join("+") }
 }
 

@@ -7,7 +7,7 @@ use crate::scene::build::{self, MadeTable};
 use crate::scene::{Bearing, Facing, Model, Scene};
 use anyhow::Result;
 use ballrace::Exact;
-use ballrace::bearing::surface::{BearingComponent, Direction, Feature, SpallShape};
+use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape};
 use ballrace::bearing::tabulated::Axis;
 use std::fmt::Write;
 
@@ -102,10 +102,14 @@ fn seat_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -
         "    pub const OFFSET: Displacement<f32> = Displacement {{ u: {u:?}, v: {v:?}, w: {w:?}, thu: {thu:?}, thv: {thv:?} }};"
     )?;
     let places = build::places::<f32>(of);
-    writeln!(out, "    /// The elements.\n    pub const PLACES: [ElementPosition<f32>; {}] = [", places.len())?;
+    writeln!(out, "    /// The elements.\n    pub const POSITIONS: [ElementPosition<f32>; {}] = [", places.len())?;
     for place in places {
         let (cos, sin) = place.direction();
-        writeln!(out, "        ElementPosition::ready({cos:?}, {sin:?}, Phase(0x{:016x})),", place.azimuth().0)?;
+        writeln!(
+            out,
+            "        ElementPosition::from_constants({cos:?}, {sin:?}, Phase(0x{:016x})),",
+            place.azimuth().0
+        )?;
     }
     writeln!(out, "    ];")?;
     Ok(())
@@ -147,7 +151,7 @@ fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fi
     seat_constants(out, scene, of, Model::QuasiStatic)?;
     writeln!(
         out,
-        "    const SEAT: TableConstants<f32> = TableConstants {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
+        "    const CONSTANTS: TableConstants<f32> = TableConstants {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
         seat.couple, seat.distance, seat.axis, seat.offset, seat.arm
     )?;
     writeln!(out, "    const GRID: Grid<f32> = Grid {{")?;
@@ -190,19 +194,19 @@ fn part_text(part: BearingComponent) -> String {
 fn feature_text(feature: &Feature<f32>) -> String {
     match feature {
         Feature::Wave(w) => format!(
-            "Feature::Wave(Wave {{ part: {}, direction: Direction::{}, order: {}, amplitude: {:?}, phase: Phase(0x{:016x}) }})",
-            part_text(w.part),
+            "Feature::Wave(Wave {{ component: {}, direction: Direction::{}, order: {}, amplitude: {:?}, phase: Phase(0x{:016x}) }})",
+            part_text(w.component),
             if w.direction == Direction::Axial { "Axial" } else { "Radial" },
             w.order,
             w.amplitude,
             w.phase.0
         ),
         Feature::Spall(s) => {
-            let (part, centre, half_width, depth, shape) = s.parts();
+            let Spall { component, centre, half_width, depth, shape } = *s;
             let shape = if shape == SpallShape::HalfSine { "HalfSine" } else { "Rectangular" };
             format!(
                 "Feature::Spall(Spall::new({}, Phase(0x{:016x}), {half_width:?}, {depth:?}, SpallShape::{shape}))",
-                part_text(part),
+                part_text(component),
                 centre.0
             )
         }
@@ -219,7 +223,7 @@ fn bearing_function(out: &mut String, of: &Bearing, fields: usize) -> Result<()>
     );
     let kind = if of.facing == Facing::MinusZ { format!("Mirrored<{kind}>") } else { kind };
     writeln!(out, "    /// The bearing's type.\n    pub type Baked = {kind};\n")?;
-    let mut value = "Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER)".to_owned();
+    let mut value = "Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER)".to_owned();
     if features > 0 {
         value += ".with_surface(SurfaceDeviation::new(FEATURES))";
     }

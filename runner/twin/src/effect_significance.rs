@@ -96,7 +96,7 @@ pub fn of_bearing(
     let built = build::bearing::<f64, Exact>(scene, &still, Model::Angular)?;
     let offset = build::preload_offset(scene, &still, &built)?.unwrap_or_default();
     let look = |u: &Displacement<f64>| Balls::new(&still, &geometry, at, u);
-    let loaded = look(&u.plus(offset));
+    let loaded = look(&(*u + offset));
     let right = loaded.sum(Ball::push);
     let force = size(right);
     if force <= 0.0 {
@@ -113,7 +113,7 @@ pub fn of_bearing(
         let carried = look(&offset).sum(Ball::push)[2];
         let lacking = |more: f64| carried - look(&along(more)).sum(whole)[2];
         let more = root(lacking, 1e-3 * offset.w);
-        look(&u.plus(along(more))).sum(whole)
+        look(&(*u + along(more))).sum(whole)
     };
     let change = |with: [f64; 3], without: [f64; 3]| size(minus(with, without)) / force;
     let fitted = of.effects;
@@ -142,7 +142,7 @@ pub fn of_bearing(
     });
     let fixed = loaded.fixed_angle(of.facing);
     let turned = worst(&|b| (b.angle - fixed).abs().to_degrees());
-    let pass = pass(&built, &u.plus(offset), at, of.elements, force);
+    let pass = pass(&built, &(*u + offset), at, of.elements, force);
     let inertial = [
         need(
             "centrifugal",
@@ -180,7 +180,7 @@ fn pass(
 ) -> f64 {
     let at_part = |i: u32| {
         let part = f64::from(i) / f64::from(PITCH_SAMPLES) / elements as f64;
-        let at = BearingKinematicState { cage: at.cage.plus(Phase::from_revolutions(part)), ..*at };
+        let at = BearingKinematicState { cage: at.cage.wrapping_add(Phase::from_revolutions(part)), ..*at };
         let wrench = bearing.reaction(u, &at).wrench.to_array();
         [wrench[0], wrench[1], wrench[2]]
     };
@@ -260,7 +260,7 @@ impl Balls {
         let lengths = [g.inner_conformity, g.outer_conformity].map(|f| f * g.ball_diameter - half);
         let arm = g.inner_groove_radius();
         let ball = |j: usize| {
-            let azimuth = build::place::<f64>(of, j).azimuth().plus(at.cage).radians();
+            let azimuth = build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians();
             let (sin, cos) = azimuth.sin_cos();
             let radial = rest * free_angle.cos() + u.u * cos + u.v * sin;
             let axial = rest * free_angle.sin() + u.w + arm * (u.thu * sin - u.thv * cos);

@@ -329,7 +329,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
 /// Displacement of a bearing by the rotor's motion, and with its preload.
 fn places(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f64>) {
     let moved = plant.displacement(i, &plant.rest);
-    (moved, moved.plus(plant.seats.get(i).map_or_else(Displacement::default, |s| s.offset)))
+    (moved, moved + plant.seats.get(i).map_or_else(Displacement::default, |s| s.offset))
 }
 
 /// A linear bearing has the elements of what it is linearised from.
@@ -360,7 +360,7 @@ fn elements(
     bearing.element_loads(u, at, &mut loads);
     let element = |(j, &load): (usize, &f64)| {
         let state = states.as_ref().and_then(|states| states.get(j));
-        let azimuth = build::place::<f64>(of, j).azimuth().plus(at.cage).radians();
+        let azimuth = build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians();
         element(of, (j + 1, azimuth), load, state, geometry.as_ref(), at)
     };
     Ok(loads.iter().enumerate().map(element).collect())

@@ -83,12 +83,12 @@ mod tests {
     use ballrace::bearing::linear::Linear;
     use ballrace::bearing::lumped::Radial;
     use ballrace::bearing::quasi_static::QuasiStatic;
-    use ballrace::bearing::tabulated::{Domain, Table, Tabulated, fill};
+    use ballrace::bearing::tabulated::{Table, TableDomain, Tabulated, fill_table};
     use ballrace::bearing::{BlockedPositions, ElementPosition, ElementPositions, evenly_spaced};
-    use ballrace::contact::law::Point;
+    use ballrace::contact::law::PointContactLaw;
     use ballrace::rotor::{
-        Integrator, Mounted, RigidRotor, RotorBearingSystem, RotorParams, RotorState, ShaftMotion, SpeedRatios,
-        Unbalance,
+        BearingAtStation, Integrator, RigidRotor, RotorBearingSystem, RotorParams, RotorState, ShaftMotion,
+        SpeedRatios, Unbalance,
     };
     use ballrace::{Exact, Phase};
 
@@ -135,14 +135,14 @@ mod tests {
                 "angular",
                 &Angular::<f64, Exact, _>::try_new(geometry, places.clone(), DisplacementDatum::Touching)?,
             );
-            let law = Point { stiffness: 1e10 };
+            let law = PointContactLaw { stiffness: 1e10 };
             same_bits("lumped", &Radial::<f64, Exact, _, _>::try_new(places.clone(), law, -10e-6)?);
             let solved = QuasiStatic::<f64, Exact, _>::try_new(geometry, places.clone(), DisplacementDatum::Touching)?;
-            let domain = Domain {
+            let domain = TableDomain {
                 approach: [-20e-6, 40e-6],
                 angle: [-0.2, 0.6],
                 speed: [0.5 * SPEED, 2.0 * SPEED],
-                turning: [1.0, 0.0],
+                speed_ratios: [1.0, 0.0],
                 intervals: [16, 8, if count % 2 == 0 { 2 } else { 0 }],
             };
             looked_up::<2>(&solved, &domain, &places)?;
@@ -153,12 +153,12 @@ mod tests {
 
     fn looked_up<const F: usize>(
         solved: &QuasiStatic<f64, Exact, Vec<ElementPosition<f64>>>,
-        domain: &Domain,
+        domain: &TableDomain,
         places: &[ElementPosition<f64>],
     ) -> anyhow::Result<()> {
         let grid = domain.grid()?;
         let mut nodes = vec![[0.0; F]; grid.len()];
-        fill(solved, domain, &grid, &mut nodes);
+        fill_table(solved, domain, &grid, &mut nodes);
         let (table, seat) = (Table::new(grid, nodes), solved.table_constants());
         let places = BlockedPositions::<_, Vec<_>>::new(places.to_vec());
         same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places, seat, table, false));
@@ -178,20 +178,21 @@ mod tests {
         };
         let unbalance = Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 };
         let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[unbalance])?;
-        let (law, places): (_, ElementPositions<f64, 9>) = (Point { stiffness: 1e10 }, evenly_spaced(Phase::ZERO));
+        let (law, places): (_, ElementPositions<f64, 9>) =
+            (PointContactLaw { stiffness: 1e10 }, evenly_spaced(Phase::ZERO));
         let bearing = Radial::<f64, Exact, _, _>::try_new(places.to_vec(), law, 5e-6)?;
         let springs = Linear::new(Stiffness::from_diagonal_element(1e4));
         let springs = || -> AnyBearing<f64> { Shared(Arc::new(springs)) };
         let seat = |station: f64| (shared(bearing.clone()), springs(), station);
         let [(a, b, at_a), (c, d, at_c)] = [seat(-0.1), seat(0.1)];
-        let mounted = |bearing, station| Mounted { bearing, station, gear: SpeedRatios::new(0.4) };
+        let mounted = |bearing, station| BearingAtStation { bearing, station, speed_ratios: SpeedRatios::new(0.4) };
         let bearings = [mounted(a, at_a), mounted(b, at_a), mounted(c, at_c), mounted(d, at_c)];
         let machine = RotorBearingSystem { rotor, bearings };
         let run = |registers: SimdDispatch, method: Method| {
             let length = 39e-6;
             let (step, mut drive) =
                 (Step { method, length }, ShaftMotion { angle: Phase::ZERO, speed: 314.0, acceleration: 3.0 });
-            let mut state = RotorState::at_rest(Displacement::default(), Phase::ZERO, [Phase::ZERO; 4]);
+            let mut state = RotorState::stationary(Displacement::default(), Phase::ZERO, [Phase::ZERO; 4]);
             for _ in 0..500 {
                 registers.run(
                     #[inline(always)]
@@ -199,7 +200,7 @@ mod tests {
                 );
                 drive = drive.after(length);
             }
-            [state.q, state.rate].map(|numbers| numbers.map(f64::to_bits))
+            [state.q, state.velocity].map(|numbers| numbers.map(f64::to_bits))
         };
         for method in [Method::RungeKutta, Method::Newmark { newton_steps: 2 }, Method::Verlet] {
             let moved = run(SimdDispatch::detect(), method);

@@ -18,7 +18,10 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 fuzz_target!(|bytes: &[u8]| {
     let Some(recording) = &SCENE.recording else { return };
     let bytes = bytes.to_vec();
-    let Ok(mut reader) = Reader::from_reader(Box::new(Cursor::new(bytes)), Path::new("fuzz.csv"), None, recording) else { return };
+    let Ok(mut reader) = Reader::from_reader(Box::new(Cursor::new(bytes)), Path::new("fuzz.csv"), None, recording)
+    else {
+        return;
+    };
     let mut tracker = Tracker::new(&recording.rotation, reader.rate(), SCENE.shaft.speed);
     let mut row = tracker.blank();
     while let Ok(true) = reader.next_row(&mut row) {

@@ -6,9 +6,9 @@ use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
-use ballrace::bearing::{Bearing, LastValidWrench, ElementPositions, evenly_spaced};
-use ballrace::contact::law::Point;
-use ballrace::{Displacement, Exact, BearingKinematicState, Phase};
+use ballrace::bearing::{Bearing, ElementPositions, LastValidWrench, evenly_spaced};
+use ballrace::contact::law::PointContactLaw;
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use libfuzzer_sys::fuzz_target;
 
 fn judge(bearing: &impl Bearing<f32>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) {
@@ -23,7 +23,7 @@ fuzz_target!(|bits: ([u32; 7], u64)| {
     let u = Displacement { u, v, w, thu, thv };
     let at = BearingKinematicState { inner_speed, outer_speed, ..BearingKinematicState::from(Phase(bits.1)) };
     let places: ElementPositions<f32, 9> = evenly_spaced(Phase::ZERO);
-    let point = Point { stiffness: 8e9 };
+    let point = PointContactLaw { stiffness: 8e9 };
     let geometry = BallBearingGeometry {
         ball_diameter: 7e-3,
         pitch_diameter: 38.5e-3,
@@ -37,13 +37,18 @@ fuzz_target!(|bits: ([u32; 7], u64)| {
         density: 7800.0,
         centrifugal: true,
         gyroscopic: true,
-        control: RaceControl::Outer,
-        sharing: FrictionSharing::Outer,
+        race_control: RaceControl::Outer,
+        friction_sharing: FrictionSharing::Outer,
     };
     let radial = Radial::<f32, Exact, _, _>::try_new(places, point, 5e-6).expect("a bearing");
     let axial = Axial::<f32, Exact, _, _>::try_new(places, point, 5e-6, 0.02).expect("a bearing");
     judge(&Combined(radial, axial), &u, &at);
-    judge(&Angular::<f32, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).expect("a bearing"), &u, &at);
-    let solved = QuasiStatic::<f32, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).expect("a bearing");
+    judge(
+        &Angular::<f32, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).expect("a bearing"),
+        &u,
+        &at,
+    );
+    let solved =
+        QuasiStatic::<f32, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching).expect("a bearing");
     judge(&solved.with_outer_control(&inertia).expect("a bearing"), &u, &at);
 });

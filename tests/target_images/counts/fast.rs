@@ -4,7 +4,7 @@ use ballrace::bearing::Bearing;
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::evenly_spaced;
 use ballrace::bearing::lumped::Radial;
-use ballrace::contact::law::Point;
+use ballrace::contact::law::PointContactLaw;
 use ballrace::{Displacement, Exact, Fast, Math, Phase};
 use ballrace_tests::bearings::deep_groove_geometry;
 use ballrace_tests::compare::relative_to_largest;
@@ -31,7 +31,7 @@ pub fn errors() -> Errors {
 
 fn radial<M: Math<f32>>() -> impl Bearing<f32> {
     let places = evenly_spaced::<f32, 9>(Phase::ZERO);
-    Radial::<f32, M, _, _>::try_new(places, Point { stiffness: 8e9 }, 5e-6).expect("a bearing")
+    Radial::<f32, M, _, _>::try_new(places, PointContactLaw { stiffness: 8e9 }, 5e-6).expect("a bearing")
 }
 
 fn angular<M: Math<f32>>() -> impl Bearing<f32> {

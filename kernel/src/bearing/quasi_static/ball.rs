@@ -1,11 +1,11 @@
-//! One ball between its two races: forces on it at a given place, and how they change as it moves.
+//! One ball between its two races: forces on it at a given position, and how they change as it moves.
 //!
-//! The ball's centre is where it sits when both rings just touch it, displaced by `xi`; the inner groove centre is
+//! The ball's centre is where it sits when both rings just contact it, displaced by `xi`; the inner groove centre is
 //! displaced by `a` against the outer one. Along the two contacts the gaps are
 //! `|L_o n_0 + xi| - L_o` and `|L_i n_0 + a - xi| - L_i`, written as `(2 L n_0.xi + xi^2)/(l + L)` so that a deflection of a
 //! nanometre is not the difference of two lengths of a millimetre.
 
-use super::film::{Film, FilmConstants, press};
+use super::film::{Film, FilmConstants, film_newton_step};
 use super::inertia::{BallInertia, Inertia, InertiaEffects, InertiaLoads, WithSlopes};
 use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::{Lanes, Plane};
@@ -25,7 +25,7 @@ pub struct BallConstants<T> {
     /// L_i, L_o: groove radius less ball radius, m.
     pub inner_length: T,
     pub outer_length: T,
-    /// Direction from the outer to the inner groove centre when the rings just touch the ball.
+    /// Direction from the outer to the inner groove centre when the rings just contact the ball.
     pub axis: Plane<T>,
     /// D/d_m.
     pub ratio: T,
@@ -39,17 +39,17 @@ pub struct BallConstants<T> {
     /// Share of the outer contact in the static approach.
     pub outer_share: T,
     /// Largest move of a Newton step, m.
-    pub longest_step: T,
+    pub max_step: T,
     /// Keeps slopes above 0 where a gap is exactly 0, m.
-    pub grain: T,
+    pub min_length: T,
 }
 
 /// What drives `K` balls: where the inner groove centre is, what the surfaces add to the two gaps, the speeds.
 #[derive(Clone, Copy)]
 pub struct BallInput<T, const K: usize> {
     pub grooves: Plane<Lanes<T, K>>,
-    pub inner_bulge: Lanes<T, K>,
-    pub outer_bulge: Lanes<T, K>,
+    pub inner_deviation: Lanes<T, K>,
+    pub outer_deviation: Lanes<T, K>,
     pub speeds: BearingKinematicState<T>,
     /// 0 for a ball off the inner race.
     pub rolling: Lanes<T, K>,
@@ -142,12 +142,12 @@ impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
         Self { rr: self.rr * f, rz: self.rz * f, zr: self.zr * f, zz: self.zz * f }
     }
     #[inline(always)]
-    pub fn choose(first: crate::lanes::Mask<K>, a: Self, b: Self) -> Self {
+    pub fn select(first: crate::lanes::Mask<K>, a: Self, b: Self) -> Self {
         Self {
-            rr: Lanes::choose(first, a.rr, b.rr),
-            rz: Lanes::choose(first, a.rz, b.rz),
-            zr: Lanes::choose(first, a.zr, b.zr),
-            zz: Lanes::choose(first, a.zz, b.zz),
+            rr: Lanes::select(first, a.rr, b.rr),
+            rz: Lanes::select(first, a.rz, b.rz),
+            zr: Lanes::select(first, a.zr, b.zr),
+            zz: Lanes::select(first, a.zz, b.zz),
         }
     }
 }
@@ -155,7 +155,7 @@ impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
 /// The ball's mechanics with the effects that the type parameters name.
 #[derive(Debug, Clone, Copy)]
 pub struct Ball<T, M, I, F> {
-    pub seat: BallConstants<T>,
+    pub constants: BallConstants<T>,
     pub inertia: I,
     pub film: F,
     pub math: PhantomData<M>,
@@ -172,61 +172,62 @@ pub struct Position<L> {
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
-    /// |v|, a grain where it is nothing: what follows divides by it.
+    /// |v|, a min_length where it is nothing: what follows divides by it.
     #[inline(always)]
     pub fn length<const K: usize>(&self, v: Plane<Lanes<T, K>>) -> Lanes<T, K> {
-        v.dot(v).sqrt::<M>() + Lanes::all(self.seat.grain)
+        v.dot(v).sqrt::<M>() + Lanes::splat(self.constants.min_length)
     }
 
     /// Length of `length n_0 + displacement`, its direction, and by how much it is longer than `length`.
     #[inline(always)]
-    pub fn reach<const K: usize>(
+    pub fn stretched<const K: usize>(
         &self,
         length: T,
         displacement: Plane<Lanes<T, K>>,
     ) -> (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>) {
-        let rest = Plane { r: Lanes::all(length * self.seat.axis.r), z: Lanes::all(length * self.seat.axis.z) };
+        let rest =
+            Plane { r: Lanes::splat(length * self.constants.axis.r), z: Lanes::splat(length * self.constants.axis.z) };
         let reach = rest.plus(displacement);
         let l = self.length(reach);
-        let both = l + Lanes::all(length);
-        let inverse = Lanes::all(T::ONE) / (l * both);
+        let both = l + Lanes::splat(length);
+        let inverse = Lanes::splat(T::ONE) / (l * both);
         let longer = (displacement.dot(rest.plus(reach))) * (inverse * l);
         let inverse_length = inverse * both;
         (reach.times(inverse_length), inverse_length, longer)
     }
 
     #[inline(always)]
-    fn touch<const K: usize>(
+    fn contact_state<const K: usize>(
         &self,
         (stiffness, floor): (T, T),
         (direction, inverse_length, approach): (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>),
         (films, unit_film, before): (&FilmConstants<T>, Lanes<T, K>, Lanes<T, K>),
     ) -> ContactState<Lanes<T, K>> {
-        let k = Lanes::all(stiffness);
+        let k = Lanes::splat(stiffness);
         let (deflection, by_approach, film) = if self.film.is_present() {
-            let wet = press::<T, M, K>(films, unit_film, (k, Lanes::all(floor)), approach, before);
-            (wet.deflection, wet.slope, wet.film)
+            let wetted = film_newton_step::<T, M, K>(films, unit_film, (k, Lanes::splat(floor)), approach, before);
+            (wetted.deflection, wetted.slope, wetted.film)
         } else {
-            (approach, Lanes::all(T::ONE), Lanes::all(T::ZERO))
+            (approach, Lanes::splat(T::ONE), Lanes::splat(T::ZERO))
         };
-        let size = deflection.abs() + Lanes::all(self.seat.grain);
+        let size = deflection.abs() + Lanes::splat(self.constants.min_length);
         let per_metre = k * size.sqrt::<M>();
         let load = per_metre * deflection.positive();
-        let slope = Lanes::constant(1.5) * per_metre;
+        let slope = Lanes::splat_f64(1.5) * per_metre;
         let slope = if self.film.is_present() { slope * by_approach } else { slope };
         ContactState { direction, inverse_length, deflection, load, slope, film }
     }
 
     /// Everything at one position.
     #[inline(always)]
-    pub fn balance<const K: usize>(&self, drive: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Balance<Lanes<T, K>> {
-        let seat = &self.seat;
-        let outer = self.reach(seat.outer_length, at.centre);
-        let inner = self.reach(seat.inner_length, drive.grooves.minus(at.centre));
-        let zero = Lanes::all(T::ZERO);
-        let ball: BallInertia<T> = self.inertia.ball();
+    pub fn balance<const K: usize>(&self, input: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Balance<Lanes<T, K>> {
+        let constants = &self.constants;
+        let outer = self.stretched(constants.outer_length, at.centre);
+        let inner = self.stretched(constants.inner_length, input.grooves.minus(at.centre));
+        let zero = Lanes::splat(T::ZERO);
+        let ball: BallInertia<T> = self.inertia.constants();
         let inertia = if self.inertia.effects().centrifugal {
-            ball.loads(self.inertia.effects(), seat.ratio, &drive.speeds, outer.0, inner.0, drive.rolling)
+            ball.loads(self.inertia.effects(), constants.ratio, &input.speeds, outer.0, inner.0, input.rolling)
         } else {
             InertiaLoads { orbital: zero, centrifugal: WithSlopes::none(), friction: WithSlopes::none() }
         };
@@ -235,22 +236,28 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let orbital = if self.inertia.effects().centrifugal {
                 inertia.orbital
             } else {
-                self.orbital(&drive.speeds, outer.0, inner.0)
+                self.orbital(&input.speeds, outer.0, inner.0)
             };
-            self.unit_films(&drive.speeds, orbital, outer.0, inner.0)
+            self.unit_films(&input.speeds, orbital, outer.0, inner.0)
         } else {
             (zero, zero)
         };
-        let outer = (outer.0, outer.1, outer.2 + drive.outer_bulge);
-        let inner = (inner.0, inner.1, inner.2 + drive.inner_bulge);
-        let outer =
-            self.touch((seat.outer_stiffness, films.outer_floor), outer, (&films, outer_film, at.outer_deflection));
-        let mut inner =
-            self.touch((seat.inner_stiffness, films.inner_floor), inner, (&films, inner_film, at.inner_deflection));
+        let outer = (outer.0, outer.1, outer.2 + input.outer_deviation);
+        let inner = (inner.0, inner.1, inner.2 + input.inner_deviation);
+        let outer = self.contact_state(
+            (constants.outer_stiffness, films.outer_floor),
+            outer,
+            (&films, outer_film, at.outer_deflection),
+        );
+        let mut inner = self.contact_state(
+            (constants.inner_stiffness, films.inner_floor),
+            inner,
+            (&films, inner_film, at.inner_deflection),
+        );
         if self.inertia.effects().centrifugal {
             // A ball that the inner ring does not reach, or did not reach before, has nothing there to step into.
-            let zero = Lanes::all(T::ZERO);
-            inner.slope = Lanes::choose(inner.deflection.below(zero), inner.slope * at.inner_closing, inner.slope);
+            let zero = Lanes::splat(T::ZERO);
+            inner.slope = Lanes::select(inner.deflection.less_than(zero), inner.slope * at.inner_closing, inner.slope);
         }
 
         let (mut outer_share, mut inner_share) = (zero, zero);
@@ -259,15 +266,15 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         if self.inertia.effects().centrifugal {
             residual.r = residual.r + inertia.centrifugal.value;
         }
-        if self.inertia.effects().gyroscopic && self.inertia.effects().by_outer_race {
-            outer_share = Lanes::constant(2.0);
+        if self.inertia.effects().gyroscopic && self.inertia.effects().outer_race_control {
+            outer_share = Lanes::splat_f64(2.0);
             let friction = outer.direction.tangent().times(outer_share * inertia.friction.value);
             residual = residual.plus(friction);
         } else if self.inertia.effects().gyroscopic {
-            let inverse = Lanes::all(T::ONE) / (inner.load + outer.load + Lanes::constant(NO_LOAD));
-            let by_load = Lanes::all(ball.by_load) * inverse;
-            outer_share = Lanes::all(ball.outer_share) + by_load * outer.load;
-            inner_share = Lanes::all(ball.inner_share) + by_load * inner.load;
+            let inverse = Lanes::splat(T::ONE) / (inner.load + outer.load + Lanes::splat_f64(NO_LOAD));
+            let by_load = Lanes::splat(ball.by_load) * inverse;
+            outer_share = Lanes::splat(ball.outer_share) + by_load * outer.load;
+            inner_share = Lanes::splat(ball.inner_share) + by_load * inner.load;
             share_by_outer = by_load * inverse * inner.load;
             share_by_inner = by_load * inverse * outer.load;
             let friction = outer.direction.tangent().times(outer_share);
@@ -286,8 +293,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         inner: Plane<Lanes<T, K>>,
     ) -> Lanes<T, K> {
         let rolling = BallInertia { outer_control: T::ONE, ..BallInertia::default() };
-        let ball = if self.inertia.effects().centrifugal { self.inertia.ball() } else { rolling };
-        ball.orbital_speed(self.seat.ratio, speeds, outer, inner)
+        let ball = if self.inertia.effects().centrifugal { self.inertia.constants() } else { rolling };
+        ball.orbital_speed(self.constants.ratio, speeds, outer, inner)
     }
 
     /// Films under 1 N, outer and inner, at the speeds of rolling.
@@ -299,9 +306,9 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
     ) -> (Lanes<T, K>, Lanes<T, K>) {
-        let (one, g) = (Lanes::all(T::ONE), Lanes::all(self.seat.ratio));
-        let far = (orbital - Lanes::all(speeds.outer_speed)) * (one + g * outer.r);
-        let near = (Lanes::all(speeds.inner_speed) - orbital) * (one - g * inner.r);
+        let (one, g) = (Lanes::splat(T::ONE), Lanes::splat(self.constants.ratio));
+        let far = (orbital - Lanes::splat(speeds.outer_speed)) * (one + g * outer.r);
+        let near = (Lanes::splat(speeds.inner_speed) - orbital) * (one - g * inner.r);
         self.film.constants().at_speed::<M, K>(far, near)
     }
 }
@@ -317,10 +324,10 @@ pub struct Slopes<L> {
 impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     /// `k e e^T + (Q/l)(1 - e e^T)` of one contact.
     #[inline(always)]
-    fn contact_stiffness(touch: &ContactState<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
-        let across = touch.load * touch.inverse_length;
-        let tangent = touch.direction.tangent();
-        Matrix::outer(touch.direction.times(touch.slope), touch.direction)
+    fn contact_stiffness(contact: &ContactState<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
+        let across = contact.load * contact.inverse_length;
+        let tangent = contact.direction.tangent();
+        Matrix::outer(contact.direction.times(contact.slope), contact.direction)
             .plus(Matrix::outer(tangent.times(across), tangent))
     }
 
@@ -333,8 +340,10 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     /// Slopes of the loads along the approach, outer and inner, 0 where there is a gap.
     #[inline(always)]
     pub fn loaded_slopes(&self) -> (Lanes<T, K>, Lanes<T, K>) {
-        let zero = Lanes::all(T::ZERO);
-        let of = |touch: &ContactState<Lanes<T, K>>| Lanes::choose(zero.below(touch.deflection), touch.slope, zero);
+        let zero = Lanes::splat(T::ZERO);
+        let of = |contact: &ContactState<Lanes<T, K>>| {
+            Lanes::select(zero.less_than(contact.deflection), contact.slope, zero)
+        };
         (of(&self.outer), of(&self.inner))
     }
 
@@ -354,7 +363,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     pub fn slopes(&self, effects: InertiaEffects) -> Slopes<Lanes<T, K>> {
         let mut slopes = self.contact_stiffnesses();
         if effects.centrifugal {
-            let out = |x: Lanes<T, K>| Plane { r: x, z: Lanes::all(T::ZERO) };
+            let out = |x: Lanes<T, K>| Plane { r: x, z: Lanes::splat(T::ZERO) };
             let mut by_outer = out(self.inertia.centrifugal.outer);
             let mut by_inner = out(self.inertia.centrifugal.inner);
             let turn_outer = self.outer.direction.tangent().times(self.outer.inverse_length);
@@ -365,7 +374,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
                 let g = self.inertia.friction;
                 by_outer = by_outer.minus(e_o.times(g.value * self.outer_share));
                 let mut along = t_o.times(self.outer_share);
-                if !effects.by_outer_race {
+                if !effects.outer_race_control {
                     along = along.minus(t_i.times(self.inner_share));
                     by_inner = by_inner.plus(e_i.times(g.value * self.inner_share));
                     let shift = t_o.plus(t_i).times(g.value);

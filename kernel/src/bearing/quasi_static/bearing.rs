@@ -6,7 +6,7 @@ use super::film::Film;
 use super::inertia::Inertia;
 use crate::bearing::element_position::ElementLayout;
 use crate::bearing::elements::CageFrame;
-use crate::bearing::ring::{CageRotation, out_of_cage, to_cage_frame};
+use crate::bearing::ring::{CageRotation, from_cage_frame, to_cage_frame};
 use crate::bearing::surface::Surface;
 use crate::bearing::{Reaction, bearing_in_cage};
 use crate::frame::{Displacement, Stiffness};
@@ -19,15 +19,15 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     for QuasiStatic<T, M, P, I, F, S>
 {
     #[inline(always)]
-    fn turn(cage: Phase) -> CageRotation<T> {
+    fn cage_rotation(cage: Phase) -> CageRotation<T> {
         M::sin_cos(cage)
     }
     #[inline(always)]
-    fn reaction_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+    fn reaction_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.inner_reaction(&self.rims(u, None), at)
     }
     #[inline]
-    fn reaction_in_cage_and_stiffness(
+    fn reaction_and_stiffness_in_cage_frame(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
@@ -37,7 +37,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     }
     /// The loads on the inner race.
     #[inline]
-    fn element_loads_in_cage(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
+    fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         let mut loads = loads.iter_mut();
         self.states(&self.rims(u, None), at, |state| {
             if let Some(load) = loads.next() {
@@ -67,8 +67,8 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         let (inner, outer) = (to_cage_frame(inner, turn), to_cage_frame(outer, turn));
         let local = self.ring_reactions_in_cage(&inner, &outer, at);
         RingReactions {
-            inner: Reaction { wrench: out_of_cage(&local.inner.wrench, turn), ..local.inner },
-            outer: out_of_cage(&local.outer, turn),
+            inner: Reaction { wrench: from_cage_frame(&local.inner.wrench, turn), ..local.inner },
+            outer: from_cage_frame(&local.outer, turn),
         }
     }
 
@@ -85,15 +85,15 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     pub fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
         let mut states = states.iter_mut();
         self.states(&self.rims(&to_cage_frame(u, M::sin_cos(at.cage)), None), at, |state| {
-            if let Some(place) = states.next() {
-                *place = state;
+            if let Some(position) = states.next() {
+                *position = state;
             }
         });
     }
 
     /// As [`crate::Bearing::reaction`] from where the balls were at the last sample, which `balls` remembers: a few steps
-    /// ([`QuasiStatic::with_steps`]) then do what a cold start needs many for. Start with [`QuasiStatic::place_balls`].
-    pub fn reaction_from(
+    /// ([`QuasiStatic::with_newton_steps`]) then do what a cold start needs many for. Start with [`QuasiStatic::initial_ball_positions`].
+    pub fn warm_started_reaction(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
@@ -101,12 +101,17 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     ) -> Reaction<T> {
         let turn = M::sin_cos(at.cage);
         let local = self.inner_reaction_from(&self.rims(&to_cage_frame(u, turn), None), at, balls);
-        Reaction { wrench: out_of_cage(&local.wrench, turn), ..local }
+        Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
     }
 
     /// Puts the balls where a cold start finds them.
-    pub fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
-        self.place(&self.rims(&to_cage_frame(u, M::sin_cos(at.cage)), None), at, balls);
+    pub fn initial_ball_positions(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) {
+        self.initial_positions(&self.rims(&to_cage_frame(u, M::sin_cos(at.cage)), None), at, balls);
     }
 
     /// The tangent with the inertia loads held constant: symmetric, and off by 0.1 to 0.4 % at high speed (`docs/src/models.md#tangent-stiffness`).

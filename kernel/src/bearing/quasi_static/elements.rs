@@ -6,7 +6,7 @@ use super::film::Film;
 use super::inertia::Inertia;
 use super::solver::Solution;
 use crate::bearing::Reaction;
-use crate::bearing::element_position::{BLOCK, ElementLayout, ElementPosition, groups};
+use crate::bearing::element_position::{BLOCK_SIZE, ElementLayout, ElementPosition, padded_groups};
 use crate::bearing::ring::{Contact, Motion, WrenchSum};
 use crate::bearing::surface::{Smooth, Surface};
 use crate::frame::{Displacement, Wrench};
@@ -17,12 +17,12 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 
 /// Steps that settle a ball for a table, where time does not count.
-const SAMPLING_STEPS: u8 = 60;
+const TABLE_NEWTON_STEPS: u8 = 60;
 /// Unbalanced force over largest load that a table's error hides.
-const SAMPLED: f64 = 1e-6;
+const TABLE_TOLERANCE: f64 = 1e-6;
 
 /// Friction over load beyond which a contact would slide: the upper end of what oil under pressure gives.
-const TRACTION: f64 = 0.1;
+const TRACTION_LIMIT: f64 = 0.1;
 
 /// Where a ball was: the start of its next solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -53,7 +53,7 @@ pub struct BallState<T> {
     /// w_c, rad/s; 0 for massless balls, whose speed nobody asks for.
     pub orbital_speed: T,
     /// In equilibrium within the precision's tolerance.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 /// Displacements of the two rings in the cage's frame, tilts at the radius of the groove centres; the outer ring at rest
@@ -84,17 +84,17 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     }
 
     #[inline(always)]
-    fn drive<const K: usize>(
+    fn ball_input<const K: usize>(
         &self,
-        places: &[ElementPosition<T>; K],
+        positions: &[ElementPosition<T>; K],
         rims: &Rims<T>,
         at: &BearingKinematicState<T>,
     ) -> BallInput<T, K> {
-        let motions = places.each_ref().map(|place| {
-            let motion = Motion::of(place, &rims.inner, at, &self.surface).with_waviness();
+        let motions = positions.each_ref().map(|position| {
+            let motion = Motion::of(position, &rims.inner, at, &self.surface).with_waviness();
             match &rims.outer {
                 Some(rim) => {
-                    let other = Motion::of(place, rim, at, &Smooth);
+                    let other = Motion::of(position, rim, at, &Smooth);
                     Motion { radial: motion.radial - other.radial, axial: motion.axial - other.axial, ..motion }
                 }
                 None => motion,
@@ -102,10 +102,10 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         });
         BallInput {
             grooves: Plane { r: Lanes(motions.map(|m| m.radial + self.offset)), z: Lanes(motions.map(|m| m.axial)) },
-            inner_bulge: Lanes(motions.map(|m| m.shape.inner)),
-            outer_bulge: Lanes(motions.map(|m| m.shape.outer)),
+            inner_deviation: Lanes(motions.map(|m| m.deviation.inner)),
+            outer_deviation: Lanes(motions.map(|m| m.deviation.outer)),
             speeds: *at,
-            rolling: Lanes::all(T::ONE),
+            rolling: Lanes::splat(T::ONE),
         }
     }
 
@@ -115,18 +115,23 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         &self,
         rims: &Rims<T>,
         at: &BearingKinematicState<T>,
-        mut take: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK>),
+        mut each_group: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK_SIZE>),
     ) {
-        for group in groups::<T, BLOCK>(&self.places) {
-            let mut drive = self.drive(&group.places, rims, at);
-            let solution = self.ball.solve(&mut drive, self.steps);
-            take(group.real(), &solution);
+        for group in padded_groups::<T, BLOCK_SIZE>(&self.positions) {
+            let mut input = self.ball_input(&group.positions, rims, at);
+            let solution = self.ball.solve(&mut input, self.newton_steps);
+            each_group(group.without_padding(), &solution);
         }
     }
 
     /// Where a cold start finds the balls.
-    pub(super) fn place(&self, rims: &Rims<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
-        let mut groups = balls.chunks_mut(BLOCK);
+    pub(super) fn initial_positions(
+        &self,
+        rims: &Rims<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) {
+        let mut groups = balls.chunks_mut(BLOCK_SIZE);
         self.solve_each(rims, at, |_, solution| scatter(solution, groups.next().unwrap_or_default()));
     }
 
@@ -137,60 +142,60 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         rims: &Rims<T>,
         at: &BearingKinematicState<T>,
         balls: &mut [BallPosition<T>],
-        mut take: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK>),
+        mut each_group: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK_SIZE>),
     ) {
-        let groups = groups::<T, BLOCK>(&self.places).zip(balls.chunks_mut(BLOCK));
+        let groups = padded_groups::<T, BLOCK_SIZE>(&self.positions).zip(balls.chunks_mut(BLOCK_SIZE));
         for (group, balls) in groups {
-            let mut drive = self.drive(&group.places, rims, at);
+            let mut input = self.ball_input(&group.positions, rims, at);
             let start = gather(balls);
-            drive.rolling = self.ball.rolling(&drive, &start);
-            let solution = self.ball.settle(&drive, &start, self.steps);
+            input.rolling = self.ball.rolling(&input, &start);
+            let solution = self.ball.iterate(&input, &start, self.newton_steps);
             scatter(&solution, balls);
-            take(group.real(), &solution);
+            each_group(group.without_padding(), &solution);
         }
     }
 
-    /// What one ball does with its groove centres `approach` further apart than where they just touch it, along a line at
+    /// What one ball does with its groove centres `approach` further apart than where they just contact it, along a line at
     /// the angle whose sine is `sin`: load of the inner contact (N), sine of the turn from that line to the contact, friction
-    /// at the inner contact (N); and whether it is settled. Round surfaces.
+    /// at the inner contact (N); and whether it is converged. Round surfaces.
     ///
     /// Where the inner ring does not reach the ball the load is below 0, as it would go on if the contact could pull: what
     /// the outer race and the centrifugal force need to move the ball aside by the gap. So it has no kink there.
     pub(in crate::bearing) fn ball_at(&self, approach: T, sin: T, at: &BearingKinematicState<T>) -> ([T; 3], bool) {
-        let seat = &self.ball.seat;
+        let constants = &self.ball.constants;
         let cos = M::sqrt(T::ONE - sin * sin);
-        let length = seat.distance + approach;
-        let all = Lanes::<T, 1>::all;
+        let length = constants.distance + approach;
+        let all = Lanes::<T, 1>::splat;
         let zero = all(T::ZERO);
-        let mut drive = BallInput {
+        let mut input = BallInput {
             grooves: Plane {
-                r: all(length * cos - seat.distance * seat.axis.r),
-                z: all(length * sin - seat.distance * seat.axis.z),
+                r: all(length * cos - constants.distance * constants.axis.r),
+                z: all(length * sin - constants.distance * constants.axis.z),
             },
-            inner_bulge: zero,
-            outer_bulge: zero,
+            inner_deviation: zero,
+            outer_deviation: zero,
             speeds: *at,
             rolling: all(T::ONE),
         };
-        let solution = self.ball.solve(&mut drive, SAMPLING_STEPS);
+        let solution = self.ball.solve(&mut input, TABLE_NEWTON_STEPS);
         let balance = &solution.balance;
         let direction = balance.inner.direction;
         let turn = all(cos) * direction.z - all(sin) * direction.r;
         let friction = balance.inner_share * balance.inertia.friction.value;
         let aside = balance.outer.direction.tangent().dot(direction);
-        let per_metre = balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::constant(1e-3));
+        let per_metre = balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::splat_f64(1e-3));
         let gap = per_metre * (balance.inner.deflection - balance.inner.deflection.positive());
         let load = balance.inner.load + gap;
         let ([load], [turn], [friction]) = (load.0, turn.0, friction.0);
-        let [settled] = balance.is_settled(T::from_f64(SAMPLED)).0;
-        ([load, turn, friction], settled)
+        let [converged] = balance.is_converged(T::from_f64(TABLE_TOLERANCE)).0;
+        ([load, turn, friction], converged)
     }
 
     /// Calls `put` with the state of each ball in order.
     pub(super) fn states(&self, rims: &Rims<T>, at: &BearingKinematicState<T>, mut put: impl FnMut(BallState<T>)) {
         let diameter = T::from_f64(self.geometry.ball_diameter);
-        self.solve_each(rims, at, |places, solution| {
-            for (_, state) in places.iter().zip(states(solution, diameter)) {
+        self.solve_each(rims, at, |positions, solution| {
+            for (_, state) in positions.iter().zip(states(solution, diameter)) {
                 put(state);
             }
         });
@@ -200,7 +205,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     #[inline(always)]
     pub(super) fn inner_reaction(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = InnerSum::new();
-        self.solve_each(rims, at, |places, solution| sum.add(&self.ball, places, solution));
+        self.solve_each(rims, at, |positions, solution| sum.add(&self.ball, positions, solution));
         sum.finish(self.inner_arm)
     }
 
@@ -213,7 +218,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         balls: &mut [BallPosition<T>],
     ) -> Reaction<T> {
         let mut sum = InnerSum::new();
-        self.solve_each_from(rims, at, balls, |places, solution| sum.add(&self.ball, places, solution));
+        self.solve_each_from(rims, at, balls, |positions, solution| sum.add(&self.ball, positions, solution));
         sum.finish(self.inner_arm)
     }
 
@@ -221,9 +226,9 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     #[inline(always)]
     pub(super) fn both_reactions(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> RingReactions<T> {
         let (mut inner, mut outer) = (InnerSum::new(), WrenchSum::new());
-        self.solve_each(rims, at, |places, solution| {
-            inner.add(&self.ball, places, solution);
-            outer.add_each(places, &self.ball.outer_contacts(&solution.balance), 0);
+        self.solve_each(rims, at, |positions, solution| {
+            inner.add(&self.ball, positions, solution);
+            outer.add_each(positions, &self.ball.outer_contacts(&solution.balance), 0);
         });
         RingReactions { inner: inner.finish(self.inner_arm), outer: outer.finish(self.outer_arm, T::ONE).wrench }
     }
@@ -244,16 +249,16 @@ impl<T: Scalar> InnerSum<T> {
     pub fn add<M: Math<T>, I: Inertia<T>, F: Film<T>>(
         &mut self,
         ball: &Ball<T, M, I, F>,
-        places: &[ElementPosition<T>],
-        solution: &Solution<T, BLOCK>,
+        positions: &[ElementPosition<T>],
+        solution: &Solution<T, BLOCK_SIZE>,
     ) {
-        self.forces.add_each(places, &ball.inner_contacts(&solution.balance), 0);
-        for (_, settled) in places.iter().zip(solution.settled.0) {
-            self.status = self.status.and(Status::NOT_SETTLED.when(!settled));
+        self.forces.add_each(positions, &ball.inner_contacts(&solution.balance), 0);
+        for (_, converged) in positions.iter().zip(solution.converged.0) {
+            self.status = self.status.union(Status::NOT_CONVERGED.when(!converged));
         }
         if ball.inertia.effects().gyroscopic {
-            for (_, slips) in places.iter().zip(solution.balance.slips().0) {
-                self.status = self.status.and(Status::GYROSCOPIC_SLIP.when(slips));
+            for (_, slips) in positions.iter().zip(solution.balance.slips().0) {
+                self.status = self.status.union(Status::GYROSCOPIC_SLIP.when(slips));
             }
         }
     }
@@ -269,29 +274,29 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// friction couple.
     #[inline(always)]
     fn inner_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
-        let touch = &balance.inner;
-        let mut force = touch.direction.times(touch.load);
+        let contact = &balance.inner;
+        let mut force = contact.direction.times(contact.load);
         let mut tilting = force.z;
         if self.inertia.effects().gyroscopic {
             let friction = balance.inner_share * balance.inertia.friction.value;
-            force = force.minus(touch.direction.tangent().times(friction));
-            tilting = force.z + friction * Lanes::all(self.seat.inner_couple);
+            force = force.minus(contact.direction.tangent().times(friction));
+            tilting = force.z + friction * Lanes::splat(self.constants.inner_couple);
         }
-        Contact { radial: force.r, axial: force.z, tilting, load: touch.load }
+        Contact { radial: force.r, axial: force.z, tilting, load: contact.load }
     }
 
     /// The same on the outer ring, which is pushed the other way.
     #[inline(always)]
     fn outer_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
-        let touch = &balance.outer;
-        let mut force = touch.direction.times(-touch.load);
+        let contact = &balance.outer;
+        let mut force = contact.direction.times(-contact.load);
         let mut tilting = force.z;
         if self.inertia.effects().gyroscopic {
             let friction = balance.outer_share * balance.inertia.friction.value;
-            force = force.plus(touch.direction.tangent().times(friction));
-            tilting = force.z + friction * Lanes::all(self.seat.outer_couple);
+            force = force.plus(contact.direction.tangent().times(friction));
+            tilting = force.z + friction * Lanes::splat(self.constants.outer_couple);
         }
-        Contact { radial: force.r, axial: force.z, tilting, load: touch.load }
+        Contact { radial: force.r, axial: force.z, tilting, load: contact.load }
     }
 }
 
@@ -300,20 +305,20 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     #[inline(always)]
     fn slips(&self) -> Mask<K> {
         let friction = self.inertia.friction.value.abs();
-        let traction = Lanes::constant(TRACTION);
-        let outer = (traction * self.outer.load).below(self.outer_share * friction);
-        let inner = (traction * self.inner.load).below(self.inner_share * friction);
+        let traction = Lanes::splat_f64(TRACTION_LIMIT);
+        let outer = (traction * self.outer.load).less_than(self.outer_share * friction);
+        let inner = (traction * self.inner.load).less_than(self.inner_share * friction);
         outer.or(inner)
     }
 }
 
 fn gather<T: Scalar, const K: usize>(balls: &[BallPosition<T>]) -> Position<Lanes<T, K>> {
-    let zero = Lanes::all(T::ZERO);
+    let zero = Lanes::splat(T::ZERO);
     let mut position = Position {
         centre: Plane { r: zero, z: zero },
         outer_deflection: zero,
         inner_deflection: zero,
-        inner_closing: Lanes::all(T::ONE),
+        inner_closing: Lanes::splat(T::ONE),
     };
     let mut last = BallPosition::default();
     let mut balls = balls.iter();
@@ -333,7 +338,7 @@ fn scatter<T: Scalar, const K: usize>(solution: &Solution<T, K>, balls: &mut [Ba
     let deflections = solution.balance.outer.deflection.0.into_iter().zip(solution.balance.inner.deflection.0);
     for (ball, ((r, z), (outer, inner))) in balls.iter_mut().zip(centres.zip(deflections)) {
         let good = r.is_finite() & z.is_finite() & outer.is_finite() & inner.is_finite();
-        let keep = |new: T, old: T| T::choose(good, new, old);
+        let keep = |new: T, old: T| T::select(good, new, old);
         let ([old_r, old_z], [old_outer, old_inner]) = (ball.centre, ball.deflections);
         ball.centre = [keep(r, old_r), keep(z, old_z)];
         ball.deflections = [keep(outer, old_outer), keep(inner, old_inner)];
@@ -356,6 +361,6 @@ fn states<T: Scalar, const K: usize>(solution: &Solution<T, K>, diameter: T) -> 
         centrifugal: lane(&balance.inertia.centrifugal.value, j),
         gyroscopic_moment: diameter * lane(&balance.inertia.friction.value, j),
         orbital_speed: lane(&balance.inertia.orbital, j),
-        settled: solution.settled.0.get(j).copied().unwrap_or(false),
+        converged: solution.converged.0.get(j).copied().unwrap_or(false),
     })
 }

@@ -151,15 +151,15 @@ impl<T: Scalar> FilmConstants<T> {
         outer_speed: Lanes<T, K>,
         inner_speed: Lanes<T, K>,
     ) -> (Lanes<T, K>, Lanes<T, K>) {
-        let radius = Lanes::all(self.orbit_radius);
-        let by_speed = |speed: Lanes<T, K>| (speed.abs() * radius).power::<M>(T::from_f64(BY_SPEED));
-        (Lanes::all(self.outer) * by_speed(outer_speed), Lanes::all(self.inner) * by_speed(inner_speed))
+        let radius = Lanes::splat(self.orbit_radius);
+        let by_speed = |speed: Lanes<T, K>| (speed.abs() * radius).powf::<M>(T::from_f64(BY_SPEED));
+        (Lanes::splat(self.outer) * by_speed(outer_speed), Lanes::splat(self.inner) * by_speed(inner_speed))
     }
 }
 
 /// One contact with a film: what it gives way, and how that changes as it is pressed.
 #[derive(Clone, Copy)]
-pub struct Wet<L> {
+pub struct FilmContact<L> {
     /// Elastic deflection `approach + h`, m; below 0 where there is no contact.
     pub deflection: L,
     /// d(deflection)/d(approach).
@@ -172,27 +172,27 @@ pub struct Wet<L> {
 ///
 /// The left side rises and is concave in `d`, so the steps close in from below.
 #[inline(always)]
-pub(super) fn press<T: Scalar, M: Math<T>, const K: usize>(
+pub(super) fn film_newton_step<T: Scalar, M: Math<T>, const K: usize>(
     constants: &FilmConstants<T>,
     unit_film: Lanes<T, K>,
     (stiffness, floor): (Lanes<T, K>, Lanes<T, K>),
     approach: Lanes<T, K>,
     before: Lanes<T, K>,
-) -> Wet<Lanes<T, K>> {
-    let one = Lanes::all(T::ONE);
+) -> FilmContact<Lanes<T, K>> {
+    let one = Lanes::splat(T::ONE);
     let d = before.larger(floor);
     let load = stiffness * d * d.sqrt::<M>();
-    let film = unit_film * load.power::<M>(T::from_f64(BY_LOAD));
+    let film = unit_film * load.powf::<M>(T::from_f64(BY_LOAD));
     // h ~ d^-0.1005
-    let slope = one / (one + Lanes::constant(-1.5 * BY_LOAD) * film / d);
+    let slope = one / (one + Lanes::splat_f64(-1.5 * BY_LOAD) * film / d);
     let after = d + (approach + film - d) * slope;
     // Where even the thickest film leaves no more than the floor's load, that is the answer.
-    let thickest = unit_film * Lanes::all(constants.at_floor);
+    let thickest = unit_film * Lanes::splat(constants.at_floor);
     let light = approach + thickest;
-    let is_light = light.below(floor);
-    Wet {
-        deflection: Lanes::choose(is_light, light, after.larger(floor)),
-        slope: Lanes::choose(is_light, one, slope),
-        film: Lanes::choose(is_light, thickest, film),
+    let is_light = light.less_than(floor);
+    FilmContact {
+        deflection: Lanes::select(is_light, light, after.larger(floor)),
+        slope: Lanes::select(is_light, one, slope),
+        film: Lanes::select(is_light, thickest, film),
     }
 }

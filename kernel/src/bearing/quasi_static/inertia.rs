@@ -42,14 +42,14 @@ pub struct InertiaEffects {
     /// The gyroscopic moment acts.
     pub gyroscopic: bool,
     /// The outer race controls the spin and carries all friction: less to compute.
-    pub by_outer_race: bool,
+    pub outer_race_control: bool,
 }
 
 impl InertiaEffects {
-    pub(super) const NONE: Self = Self { centrifugal: false, gyroscopic: false, by_outer_race: true };
-    pub(super) const CENTRIFUGAL: Self = Self { centrifugal: true, gyroscopic: false, by_outer_race: false };
-    pub(super) const OUTER_CONTROLLED: Self = Self { centrifugal: true, gyroscopic: true, by_outer_race: true };
-    pub(super) const GYROSCOPIC: Self = Self { centrifugal: true, gyroscopic: true, by_outer_race: false };
+    pub(super) const NONE: Self = Self { centrifugal: false, gyroscopic: false, outer_race_control: true };
+    pub(super) const CENTRIFUGAL: Self = Self { centrifugal: true, gyroscopic: false, outer_race_control: false };
+    pub(super) const OUTER_CONTROLLED: Self = Self { centrifugal: true, gyroscopic: true, outer_race_control: true };
+    pub(super) const GYROSCOPIC: Self = Self { centrifugal: true, gyroscopic: true, outer_race_control: false };
 }
 
 /// A ball's inertia, as much of it as the bearing takes into account.
@@ -57,7 +57,7 @@ pub trait Inertia<T: Scalar>: Copy + Send + Sync + 'static {
     /// Returns the loads that act. A constant of the type costs no instruction.
     fn effects(&self) -> InertiaEffects;
     /// Returns the constants of the loads.
-    fn ball(&self) -> BallInertia<T>;
+    fn constants(&self) -> BallInertia<T>;
 }
 
 /// Massless balls: costs no instruction.
@@ -95,7 +95,7 @@ impl<T: Scalar> Inertia<T> for SelectedInertia<T> {
         self.effects
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.ball
     }
 }
@@ -121,7 +121,7 @@ impl<T: Scalar> Inertia<T> for Massless {
         InertiaEffects::NONE
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         BallInertia::default()
     }
 }
@@ -132,7 +132,7 @@ impl<T: Scalar> Inertia<T> for Centrifugal<T> {
         InertiaEffects::CENTRIFUGAL
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.0
     }
 }
@@ -143,7 +143,7 @@ impl<T: Scalar> Inertia<T> for OuterControlled<T> {
         InertiaEffects::OUTER_CONTROLLED
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.0
     }
 }
@@ -154,7 +154,7 @@ impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
         InertiaEffects::GYROSCOPIC
     }
     #[inline(always)]
-    fn ball(&self) -> BallInertia<T> {
+    fn constants(&self) -> BallInertia<T> {
         self.0
     }
 }
@@ -169,9 +169,9 @@ pub struct InertiaParams {
     /// Whether the gyroscopic moment acts.
     pub gyroscopic: bool,
     /// Which race controls the spin.
-    pub control: RaceControl,
+    pub race_control: RaceControl,
     /// Who carries the friction.
-    pub sharing: FrictionSharing,
+    pub friction_sharing: FrictionSharing,
 }
 
 impl InertiaParams {
@@ -183,7 +183,7 @@ impl InertiaParams {
 
     pub(super) fn constants<T: Scalar>(&self, d: f64, pitch: f64) -> BallInertia<T> {
         let mass = self.ball_mass(d);
-        let (inner, outer, by_load) = match self.sharing {
+        let (inner, outer, by_load) = match self.friction_sharing {
             FrictionSharing::Outer => (0.0, 2.0, 0.0),
             FrictionSharing::Equal => (1.0, 1.0, 0.0),
             FrictionSharing::Proportional => (0.0, 0.0, 2.0),
@@ -191,7 +191,7 @@ impl InertiaParams {
         BallInertia {
             centrifugal: T::from_f64(if self.centrifugal { 0.5 * mass * pitch } else { 0.0 }),
             gyroscopic: T::from_f64(if self.gyroscopic { -0.1 * mass * pitch } else { 0.0 }),
-            outer_control: T::from_f64(if self.control == RaceControl::Outer { 1.0 } else { 0.0 }),
+            outer_control: T::from_f64(if self.race_control == RaceControl::Outer { 1.0 } else { 0.0 }),
             inner_share: T::from_f64(inner),
             outer_share: T::from_f64(outer),
             by_load: T::from_f64(by_load),
@@ -234,7 +234,7 @@ impl<T: Scalar, const K: usize> WithSlopes<Lanes<T, K>> {
     }
     #[inline(always)]
     pub fn none() -> Self {
-        let zero = Lanes::all(T::ZERO);
+        let zero = Lanes::splat(T::ZERO);
         Self { value: zero, outer: zero, inner: zero }
     }
 }
@@ -242,7 +242,7 @@ impl<T: Scalar, const K: usize> WithSlopes<Lanes<T, K>> {
 /// `1/(1 + C)`, kept finite where the contacts point against each other, which no ball between two races does.
 #[inline(always)]
 pub(super) fn inverse_of_one_plus<T: Scalar, const K: usize>(c: Lanes<T, K>) -> Lanes<T, K> {
-    Lanes::all(T::ONE) / (Lanes::all(T::ONE) + c).larger(Lanes::constant(1e-3))
+    Lanes::splat(T::ONE) / (Lanes::splat(T::ONE) + c).larger(Lanes::splat_f64(1e-3))
 }
 
 impl<T: Scalar> BallInertia<T> {
@@ -255,12 +255,12 @@ impl<T: Scalar> BallInertia<T> {
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
     ) -> Lanes<T, K> {
-        let one = Lanes::all(T::ONE);
-        let (g, control) = (Lanes::all(ratio), Lanes::all(self.outer_control));
+        let one = Lanes::splat(T::ONE);
+        let (g, control) = (Lanes::splat(ratio), Lanes::splat(self.outer_control));
         let c = outer.dot(inner);
         let k = control * (one - g * inner.r) + (one - control) * (c - g * outer.r);
-        Lanes::all(speeds.outer_speed)
-            + Lanes::all(speeds.inner_speed - speeds.outer_speed) * k * inverse_of_one_plus(c)
+        Lanes::splat(speeds.outer_speed)
+            + Lanes::splat(speeds.inner_speed - speeds.outer_speed) * k * inverse_of_one_plus(c)
     }
 
     /// Loads of balls whose contacts point along `outer` and `inner`; `rolling` is 0 for a ball off the inner race, which
@@ -275,9 +275,9 @@ impl<T: Scalar> BallInertia<T> {
         inner: Plane<Lanes<T, K>>,
         rolling: Lanes<T, K>,
     ) -> InertiaLoads<Lanes<T, K>> {
-        let (one, g) = (Lanes::all(T::ONE), Lanes::all(ratio));
-        let (by_outer, by_inner) = (Lanes::all(self.outer_control), Lanes::all(T::ONE - self.outer_control));
-        let relative = Lanes::all(speeds.inner_speed - speeds.outer_speed);
+        let (one, g) = (Lanes::splat(T::ONE), Lanes::splat(ratio));
+        let (by_outer, by_inner) = (Lanes::splat(self.outer_control), Lanes::splat(T::ONE - self.outer_control));
+        let relative = Lanes::splat(speeds.inner_speed - speeds.outer_speed);
         let c = outer.dot(inner);
         let s = inner.z * outer.r - inner.r * outer.z; // sin(a_i - a_o)
         let inverse = inverse_of_one_plus(c);
@@ -286,8 +286,8 @@ impl<T: Scalar> BallInertia<T> {
         let inverse = WithSlopes { value: inverse, outer: -turn, inner: turn };
 
         let near = one - g * inner.r;
-        let slip = if effects.by_outer_race {
-            WithSlopes { value: near, outer: Lanes::all(T::ZERO), inner: g * inner.z }
+        let slip = if effects.outer_race_control {
+            WithSlopes { value: near, outer: Lanes::splat(T::ZERO), inner: g * inner.z }
         } else {
             WithSlopes {
                 value: by_outer * near + by_inner * (c - g * outer.r),
@@ -296,11 +296,11 @@ impl<T: Scalar> BallInertia<T> {
             }
         };
         let excess = slip.times(inverse).scaled(relative);
-        let orbital = WithSlopes { value: Lanes::all(speeds.outer_speed) + excess.value, ..excess };
-        let centrifugal = orbital.times(orbital).scaled(Lanes::all(self.centrifugal));
+        let orbital = WithSlopes { value: Lanes::splat(speeds.outer_speed) + excess.value, ..excess };
+        let centrifugal = orbital.times(orbital).scaled(Lanes::splat(self.centrifugal));
         let friction = if effects.gyroscopic {
             let far = one + g * outer.r;
-            let lever = if effects.by_outer_race {
+            let lever = if effects.outer_race_control {
                 WithSlopes { value: near * outer.z, outer: near * outer.r, inner: g * inner.z * outer.z }
             } else {
                 WithSlopes {
@@ -309,7 +309,7 @@ impl<T: Scalar> BallInertia<T> {
                     inner: by_outer * g * inner.z * outer.z + by_inner * far * inner.r,
                 }
             };
-            let factor = Lanes::all(self.gyroscopic) * relative * rolling;
+            let factor = Lanes::splat(self.gyroscopic) * relative * rolling;
             lever.times(inverse).times(orbital).scaled(factor)
         } else {
             WithSlopes::none()

@@ -1,6 +1,6 @@
 //! Rung `quasi-static`: every ball in equilibrium between two rings, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
 //!
-//! Two unknowns a ball, the place of its centre in its plane: Hertz contact on both races, and what the type parameters
+//! Two unknowns a ball, the position of its centre in its plane: Hertz contact on both races, and what the type parameters
 //! name: [`inertia`] (centrifugal force, signed gyroscopic moment), [`film`], [`super::surface`]. An effect that is not
 //! named costs no instruction.
 
@@ -30,8 +30,8 @@ use crate::lanes::Plane;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
-/// Newton steps from a cold start that settle what can be settled: twice as many settle one ball in a hundred more of the wildest states.
-pub const COLD_STEPS: u8 = 8;
+/// Newton steps from a cold start that settle what can be converged: twice as many settle one ball in a hundred more of the wildest states.
+pub const DEFAULT_NEWTON_STEPS: u8 = 8;
 
 /// A ball bearing solved ball by ball, with the inertia `I`, the film `F` and the surfaces `S`.
 ///
@@ -59,11 +59,11 @@ pub const COLD_STEPS: u8 = 8;
 ///     density: 7800.0,
 ///     centrifugal: true,
 ///     gyroscopic: true,
-///     control: RaceControl::Outer,
-///     sharing: FrictionSharing::Outer,
+///     race_control: RaceControl::Outer,
+///     friction_sharing: FrictionSharing::Outer,
 /// };
-/// let places = evenly_spaced::<f64, 16>(Phase::ZERO);
-/// let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, places, DisplacementDatum::Touching)?.with_inertia(&inertia)?;
+/// let positions = evenly_spaced::<f64, 16>(Phase::ZERO);
+/// let bearing = QuasiStatic::<f64, Exact, _>::try_new(geometry, positions, DisplacementDatum::Touching)?.with_inertia(&inertia)?;
 /// let turning = BearingKinematicState { inner_speed: 6000.0 * std::f64::consts::TAU / 60.0, ..BearingKinematicState::default() };
 /// let pushed = Displacement { w: 32.9819e-6, ..Displacement::default() };
 /// let force = bearing.reaction(&pushed, &turning).wrench;
@@ -72,7 +72,7 @@ pub const COLD_STEPS: u8 = 8;
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct QuasiStatic<T, M, P, I = Massless, F = Dry, S = Smooth> {
-    places: P,
+    positions: P,
     /// R_i and R_o, m.
     inner_arm: T,
     outer_arm: T,
@@ -81,7 +81,7 @@ pub struct QuasiStatic<T, M, P, I = Massless, F = Dry, S = Smooth> {
     ball: Ball<T, M, I, F>,
     geometry: BallBearingGeometry,
     surface: S,
-    steps: u8,
+    newton_steps: u8,
 }
 
 /// A bearing with one more effect, or why not.
@@ -94,26 +94,26 @@ impl<T: Scalar, M, P> QuasiStatic<T, M, P> {
     /// As [`BallBearingGeometry::checked`].
     pub fn try_new(
         geometry: BallBearingGeometry,
-        places: P,
-        zero: DisplacementDatum,
+        positions: P,
+        datum: DisplacementDatum,
     ) -> Result<Self, InvalidParameter> {
         let geometry = geometry.checked()?;
         Ok(Self {
-            places,
+            positions,
             inner_arm: T::from_f64(geometry.inner_groove_radius()),
             outer_arm: T::from_f64(geometry.outer_groove_radius()),
-            offset: T::from_f64(offset(&geometry, zero)),
-            ball: Ball { seat: seat(&geometry, zero), inertia: Massless, film: Dry, math: PhantomData },
+            offset: T::from_f64(offset(&geometry, datum)),
+            ball: Ball { constants: ball_constants(&geometry, datum), inertia: Massless, film: Dry, math: PhantomData },
             geometry,
             surface: Smooth,
-            steps: COLD_STEPS,
+            newton_steps: DEFAULT_NEWTON_STEPS,
         })
     }
 }
 
 /// `-A (1 - cos(alpha_0))`, half the clearance, where the rings are centred.
-fn offset(geometry: &BallBearingGeometry, zero: DisplacementDatum) -> f64 {
-    match zero {
+fn offset(geometry: &BallBearingGeometry, datum: DisplacementDatum) -> f64 {
+    match datum {
         DisplacementDatum::Touching => 0.0,
         DisplacementDatum::Centred => {
             let half = libm::sin(0.5 * geometry.contact_angle);
@@ -122,11 +122,11 @@ fn offset(geometry: &BallBearingGeometry, zero: DisplacementDatum) -> f64 {
     }
 }
 
-fn seat<T: Scalar>(geometry: &BallBearingGeometry, zero: DisplacementDatum) -> BallConstants<T> {
+fn ball_constants<T: Scalar>(geometry: &BallBearingGeometry, datum: DisplacementDatum) -> BallConstants<T> {
     let d = geometry.ball_diameter;
     let (inner, outer) = (geometry.contact(Race::Inner).stiffness, geometry.contact(Race::Outer).stiffness);
     let (l_i, l_o) = ((geometry.inner_conformity - 0.5) * d, (geometry.outer_conformity - 0.5) * d);
-    let axis = match zero {
+    let axis = match datum {
         DisplacementDatum::Touching => (libm::cos(geometry.contact_angle), libm::sin(geometry.contact_angle)),
         DisplacementDatum::Centred => (1.0, 0.0),
     };
@@ -144,8 +144,8 @@ fn seat<T: Scalar>(geometry: &BallBearingGeometry, zero: DisplacementDatum) -> B
         distance: number(l_i + l_o),
         series: number(in_series(inner, outer)),
         outer_share: number(compliance(outer) / (compliance(outer) + compliance(inner))),
-        longest_step: number(0.4 * l_i.min(l_o)),
-        grain: number(1e-12 * (l_i + l_o)),
+        max_step: number(0.4 * l_i.min(l_o)),
+        min_length: number(1e-12 * (l_i + l_o)),
     }
 }
 
@@ -166,7 +166,7 @@ pub struct TableConstants<T> {
     pub couple: T,
     /// A, m.
     pub distance: T,
-    /// Direction of the line of groove centres where the rings just touch the ball: cosine and sine.
+    /// Direction of the line of groove centres where the rings just contact the ball: cosine and sine.
     pub axis: [T; 2],
     /// Outward displacement of the inner groove centres at zero displacement, m.
     pub offset: T,
@@ -192,11 +192,11 @@ impl<M, P, I, F, S> QuasiStatic<f64, M, P, I, F, S> {
     /// What a table of this bearing needs besides its nodes.
     #[must_use]
     pub fn table_constants(&self) -> TableConstants<f64> {
-        let seat = &self.ball.seat;
-        let axis = [seat.axis.r, seat.axis.z];
+        let constants = &self.ball.constants;
+        let axis = [constants.axis.r, constants.axis.z];
         TableConstants {
-            couple: seat.inner_couple,
-            distance: seat.distance,
+            couple: constants.inner_couple,
+            distance: constants.distance,
             axis,
             offset: self.offset,
             arm: self.inner_arm,
@@ -207,14 +207,14 @@ impl<M, P, I, F, S> QuasiStatic<f64, M, P, I, F, S> {
 impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     fn with_ball<J, G>(self, ball: Ball<T, M, J, G>) -> QuasiStatic<T, M, P, J, G, S> {
         QuasiStatic {
-            places: self.places,
+            positions: self.positions,
             inner_arm: self.inner_arm,
             outer_arm: self.outer_arm,
             offset: self.offset,
             ball,
             geometry: self.geometry,
             surface: self.surface,
-            steps: self.steps,
+            newton_steps: self.newton_steps,
         }
     }
 
@@ -222,8 +222,8 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     where
         F: Copy,
     {
-        let Ball { seat, film, math, .. } = self.ball;
-        self.with_ball(Ball { seat, inertia, film, math })
+        let Ball { constants, film, math, .. } = self.ball;
+        self.with_ball(Ball { constants, inertia, film, math })
     }
 
     /// The same bearing with the balls' inertia: `m_b (d_m/2) w_c^2` outward and the gyroscopic moment, as far as `params`
@@ -248,7 +248,8 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     where
         F: Copy,
     {
-        let by_outer = InertiaParams { control: RaceControl::Outer, sharing: FrictionSharing::Outer, ..*params };
+        let by_outer =
+            InertiaParams { race_control: RaceControl::Outer, friction_sharing: FrictionSharing::Outer, ..*params };
         let constants = self.inertia_constants(&by_outer)?;
         Ok(self.with_loads(OuterControlled(constants)))
     }
@@ -275,7 +276,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     where
         F: Copy,
     {
-        let by_outer = params.control == RaceControl::Outer && params.sharing == FrictionSharing::Outer;
+        let by_outer = params.race_control == RaceControl::Outer && params.friction_sharing == FrictionSharing::Outer;
         let effects = match (params.centrifugal, params.gyroscopic) {
             (false, false) => return Ok(self.with_loads(SelectedInertia::none())),
             (true, true) if by_outer => InertiaEffects::OUTER_CONTROLLED,
@@ -319,8 +320,8 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     where
         I: Copy,
     {
-        let Ball { seat, inertia, math, .. } = self.ball;
-        self.with_ball(Ball { seat, inertia, film, math })
+        let Ball { constants, inertia, math, .. } = self.ball;
+        self.with_ball(Ball { constants, inertia, film, math })
     }
 
     fn film_constants(&self, oil: Lubricant) -> Result<FilmConstants<T>, InvalidParameter> {
@@ -335,20 +336,20 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
     /// The same bearing with waviness or damage.
     pub fn with_surface<R: Surface<T>>(self, surface: R) -> QuasiStatic<T, M, P, I, F, R> {
         QuasiStatic {
-            places: self.places,
+            positions: self.positions,
             inner_arm: self.inner_arm,
             outer_arm: self.outer_arm,
             offset: self.offset,
             ball: self.ball,
             geometry: self.geometry,
             surface,
-            steps: self.steps,
+            newton_steps: self.newton_steps,
         }
     }
 
-    /// The same bearing with another number of Newton steps: the knob between speed and accuracy.
+    /// The same bearing with another number of Newton newton_steps: the knob between speed and accuracy.
     #[must_use]
-    pub fn with_steps(self, steps: u8) -> Self {
-        Self { steps, ..self }
+    pub fn with_newton_steps(self, newton_steps: u8) -> Self {
+        Self { newton_steps, ..self }
     }
 }

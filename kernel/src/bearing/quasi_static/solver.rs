@@ -1,10 +1,10 @@
 //! A ball's equilibrium by a fixed number of safeguarded Newton steps.
 //!
 //! With inertia loads that do not change, the ball sits at the minimum of a convex potential, and a contact that opens or
-//! closes is its only edge. Three things keep the steps on the way there: a gap is given the slope of a deflection of the
+//! closes is its only edge. Three things keep the steps on the direction there: a gap is given the slope of a deflection of the
 //! same size, so that an open contact does not throw the ball across its groove; a step that overshoots (the force turns
 //! against it almost as strongly as it pushed before) is cut at the secant's zero; where friction and race control leave
-//! Newton's matrix without a sure direction, the stiffness of the contacts alone takes its place.
+//! Newton's matrix without a sure direction, the stiffness of the contacts alone takes its position.
 
 use super::ball::{Balance, Ball, BallInput, Matrix, Position};
 use super::film::{BY_LOAD, FLOOR, Film};
@@ -14,69 +14,71 @@ use crate::math::Math;
 use crate::scalar::Scalar;
 
 /// Cuts of one step at most.
-const CUTS: f64 = 3.0;
+const MAX_CUTS: f64 = 3.0;
 /// A step that reverses the force by more than this part of it is cut.
 const REVERSAL: f64 = -0.9;
 /// Newton's matrix is trusted down to this part of the contacts' determinant.
-const TRUSTED: f64 = 0.2;
+const MIN_DETERMINANT_RATIO: f64 = 0.2;
 
 /// `1000^-0.067`: a film's share of what it is under 1 N, for a load of the usual size.
 const FILM_AT_1000_N: f64 = 0.63;
 /// A first guess lets the centrifugal force wedge a ball with at most this many times itself.
-const WEDGED: f64 = 3.0;
+const MAX_WEDGE_RATIO: f64 = 3.0;
 
 /// What a solution is: where the balls are, what acts on them there, and which are in balance.
 pub struct Solution<T, const K: usize> {
     pub at: Position<Lanes<T, K>>,
     pub balance: Balance<Lanes<T, K>>,
-    pub settled: Mask<K>,
+    pub converged: Mask<K>,
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// From a cold start. One copy for all that ask: the callers' own parts are small.
     #[inline(never)]
-    pub fn solve<const K: usize>(&self, drive: &mut BallInput<T, K>, steps: u8) -> Solution<T, K> {
-        let start = self.start(drive);
-        self.settle(drive, &start, steps)
+    pub fn solve<const K: usize>(&self, input: &mut BallInput<T, K>, steps: u8) -> Solution<T, K> {
+        let start = self.initial_guess(input);
+        self.iterate(input, &start, steps)
     }
 
     /// `steps` Newton steps from `start`, then the balance there.
     #[inline(never)]
-    pub fn settle<const K: usize>(
+    pub fn iterate<const K: usize>(
         &self,
-        drive: &BallInput<T, K>,
+        input: &BallInput<T, K>,
         start: &Position<Lanes<T, K>>,
         steps: u8,
     ) -> Solution<T, K> {
-        let one = Lanes::all(T::ONE);
-        let zero = Lanes::all(T::ZERO);
+        let one = Lanes::splat(T::ONE);
+        let zero = Lanes::splat(T::ZERO);
         let mut at = *start;
-        let mut way = Plane { r: zero, z: zero };
-        let (mut part, mut push, mut cuts) = (zero, zero, zero);
+        let mut direction = Plane { r: zero, z: zero };
+        let (mut fraction, mut slope, mut cut_count) = (zero, zero, zero);
         for _ in 0..steps {
-            let balance = self.balance(drive, &at);
-            let along = balance.residual.dot(way);
-            let over = along.below(Lanes::constant(REVERSAL) * push).and(cuts.below(Lanes::constant(CUTS)));
-            let shorter = (push / (push - along)).larger(Lanes::constant(0.1)).smaller(Lanes::constant(0.7));
+            let balance = self.balance(input, &at);
+            let along = balance.residual.dot(direction);
+            let over = along
+                .less_than(Lanes::splat_f64(REVERSAL) * slope)
+                .and(cut_count.less_than(Lanes::splat_f64(MAX_CUTS)));
+            let shorter = (slope / (slope - along)).larger(Lanes::splat_f64(0.1)).smaller(Lanes::splat_f64(0.7));
             let step = self.newton_step(&balance);
-            way = Plane::choose(over, way, step);
-            // Back along the last way to where the secant says, or on along the new one.
-            let further = Lanes::choose(over, part * (shorter - one), one);
-            part = Lanes::choose(over, part * shorter, one);
-            push = Lanes::choose(over, push, balance.residual.dot(step));
-            cuts = Lanes::choose(over, cuts + one, zero);
-            at.centre = at.centre.plus(way.times(further));
+            direction = Plane::select(over, direction, step);
+            // Back along the last direction to where the secant says, or on along the new one.
+            let further = Lanes::select(over, fraction * (shorter - one), one);
+            fraction = Lanes::select(over, fraction * shorter, one);
+            slope = Lanes::select(over, slope, balance.residual.dot(step));
+            cut_count = Lanes::select(over, cut_count + one, zero);
+            at.centre = at.centre.plus(direction.times(further));
             if self.inertia.effects().centrifugal {
-                at.inner_closing = Lanes::choose(balance.inner.deflection.below(zero), zero, drive.rolling);
+                at.inner_closing = Lanes::select(balance.inner.deflection.less_than(zero), zero, input.rolling);
             }
             if self.film.is_present() {
                 at.outer_deflection = balance.outer.deflection;
                 at.inner_deflection = balance.inner.deflection;
             }
         }
-        let balance = self.balance(drive, &at);
-        let settled = balance.is_settled(T::SETTLED);
-        Solution { at, balance, settled }
+        let balance = self.balance(input, &at);
+        let converged = balance.is_converged(T::EQUILIBRIUM_TOLERANCE);
+        Solution { at, balance, converged }
     }
 
     #[inline(always)]
@@ -89,32 +91,32 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let slopes = balance.slopes(self.inertia.effects());
             let newton = slopes.outer.plus(slopes.inner);
             let full = newton.determinant();
-            let sure = (Lanes::constant(TRUSTED) * determinant).below(full);
-            let sure = sure.and(Lanes::all(T::ZERO).below(newton.trace()));
-            matrix = Matrix::choose(sure, newton, contacts);
-            determinant = Lanes::choose(sure, full, determinant);
+            let sure = (Lanes::splat_f64(MIN_DETERMINANT_RATIO) * determinant).less_than(full);
+            let sure = sure.and(Lanes::splat(T::ZERO).less_than(newton.trace()));
+            matrix = Matrix::select(sure, newton, contacts);
+            determinant = Lanes::select(sure, full, determinant);
         }
         // Two open contacts in one line hold nothing across it, and nothing pushes there.
         let trace = matrix.trace();
-        let determinant = determinant.larger(Lanes::constant(1e-12) * trace * trace);
-        let step = matrix.adjugate().times(balance.residual).times(Lanes::all(T::ONE) / determinant);
-        let longest = Lanes::all(self.seat.longest_step);
+        let determinant = determinant.larger(Lanes::splat_f64(1e-12) * trace * trace);
+        let step = matrix.adjugate().times(balance.residual).times(Lanes::splat(T::ONE) / determinant);
+        let longest = Lanes::splat(self.constants.max_step);
         let within = |x: Lanes<T, K>| x.smaller(longest).larger(-longest);
         Plane { r: within(step.r), z: within(step.z) }
     }
 
     /// 1 for the balls at `at` that the inner ring reaches, 0 for those it does not.
     #[inline(always)]
-    pub fn rolling<const K: usize>(&self, drive: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
-        let (inner, _, approach) = self.reach(self.seat.inner_length, drive.grooves.minus(at.centre));
-        let mut room = approach + drive.inner_bulge;
+    pub fn rolling<const K: usize>(&self, input: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
+        let (inner, _, approach) = self.stretched(self.constants.inner_length, input.grooves.minus(at.centre));
+        let mut room = approach + input.inner_deviation;
         if self.film.is_present() {
-            let (outer, _, _) = self.reach(self.seat.outer_length, at.centre);
-            let (_, film) = self.unit_films(&drive.speeds, self.orbital(&drive.speeds, outer, inner), outer, inner);
-            room = room + film * Lanes::all(self.film.constants().at_floor);
+            let (outer, _, _) = self.stretched(self.constants.outer_length, at.centre);
+            let (_, film) = self.unit_films(&input.speeds, self.orbital(&input.speeds, outer, inner), outer, inner);
+            room = room + film * Lanes::splat(self.film.constants().at_floor);
         }
-        let zero = Lanes::all(T::ZERO);
-        Lanes::choose(zero.below(room), Lanes::all(T::ONE), zero)
+        let zero = Lanes::splat(T::ZERO);
+        Lanes::select(zero.less_than(room), Lanes::splat(T::ONE), zero)
     }
 
     /// A first guess from two circles: the ball's centre is `L_o` and the outer deflection from the outer groove centre,
@@ -122,34 +124,37 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// them; where they do, the centrifugal force holds it outward, and with both directions known the balance of forces
     /// gives the loads and so better radii.
     #[inline(always)]
-    pub fn start<const K: usize>(&self, drive: &mut BallInput<T, K>) -> Position<Lanes<T, K>> {
-        let seat = &self.seat;
-        let (zero, one) = (Lanes::all(T::ZERO), Lanes::all(T::ONE));
-        let rest = Plane { r: Lanes::all(seat.distance * seat.axis.r), z: Lanes::all(seat.distance * seat.axis.z) };
-        let line = rest.plus(drive.grooves);
+    pub fn initial_guess<const K: usize>(&self, input: &mut BallInput<T, K>) -> Position<Lanes<T, K>> {
+        let constants = &self.constants;
+        let (zero, one) = (Lanes::splat(T::ZERO), Lanes::splat(T::ONE));
+        let rest = Plane {
+            r: Lanes::splat(constants.distance * constants.axis.r),
+            z: Lanes::splat(constants.distance * constants.axis.z),
+        };
+        let line = rest.plus(input.grooves);
         let length = self.length(line);
         let direction = line.times(one / length);
-        let longer = drive.grooves.dot(rest.plus(line)) / (length + Lanes::all(seat.distance));
+        let longer = input.grooves.dot(rest.plus(line)) / (length + Lanes::splat(constants.distance));
 
-        let speeds = drive.speeds;
-        let ball = self.inertia.ball();
+        let speeds = input.speeds;
+        let ball = self.inertia.constants();
         let force_at = |outer: Plane<Lanes<T, K>>, inner: Plane<Lanes<T, K>>| {
             let speed = self.orbital(&speeds, outer, inner);
-            Lanes::all(ball.centrifugal) * speed * speed
+            Lanes::splat(ball.centrifugal) * speed * speed
         };
         let films_at = |outer: Plane<Lanes<T, K>>, inner: Plane<Lanes<T, K>>| {
             self.unit_films(&speeds, self.orbital(&speeds, outer, inner), outer, inner)
         };
-        let bulges = longer + drive.outer_bulge + drive.inner_bulge;
+        let bulges = longer + input.outer_deviation + input.inner_deviation;
         let pressed_by = |approach: Lanes<T, K>| {
             let deflection = approach.positive();
-            Lanes::all(seat.series) * deflection * deflection.sqrt::<M>()
+            Lanes::splat(constants.series) * deflection * deflection.sqrt::<M>()
         };
         let (mut outer_film, mut inner_film, mut thickest) = (zero, zero, zero);
         let (outer, inner) = if self.film.is_present() { films_at(direction, direction) } else { (zero, zero) };
-        let under = |load: Lanes<T, K>| (load + Lanes::constant(FLOOR)).power::<M>(T::from_f64(BY_LOAD));
+        let under = |load: Lanes<T, K>| (load + Lanes::splat_f64(FLOOR)).powf::<M>(T::from_f64(BY_LOAD));
         if self.film.is_present() {
-            let half_loaded = pressed_by(bulges + (outer + inner) * Lanes::constant(FILM_AT_1000_N));
+            let half_loaded = pressed_by(bulges + (outer + inner) * Lanes::splat_f64(FILM_AT_1000_N));
             let load = if self.inertia.effects().centrifugal {
                 half_loaded + force_at(direction, direction)
             } else {
@@ -157,24 +162,24 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             };
             let by_load = under(load);
             (outer_film, inner_film) = (outer * by_load, inner * by_load);
-            thickest = inner * Lanes::all(self.film.constants().at_floor);
+            thickest = inner * Lanes::splat(self.film.constants().at_floor);
         }
-        let outer_gap = drive.outer_bulge + outer_film;
-        let inner_gap = drive.inner_bulge + inner_film;
+        let outer_gap = input.outer_deviation + outer_film;
+        let inner_gap = input.inner_deviation + inner_film;
         let approach = longer + outer_gap + inner_gap;
-        let outer_length = Lanes::all(seat.outer_length) - outer_gap;
-        let inner_length = Lanes::all(seat.inner_length) - inner_gap;
+        let outer_length = Lanes::splat(constants.outer_length) - outer_gap;
+        let inner_length = Lanes::splat(constants.inner_length) - inner_gap;
         let pressed = pressed_by(approach);
         if !self.inertia.effects().centrifugal {
             // Pressed by both rings alike, or free in the middle of what room it has.
-            let share = approach * Lanes::all(seat.outer_share);
+            let share = approach * Lanes::splat(constants.outer_share);
             return self.position(direction.times(outer_length + share), [share, approach - share], one);
         }
 
         // A ball that the inner ring does not reach sits at the bottom of the outer race.
         let out = Plane { r: one, z: zero };
-        let inverse_outer = Lanes::all(T::ONE / seat.outer_stiffness);
-        let inverse_inner = Lanes::all(T::ONE / seat.inner_stiffness);
+        let inverse_outer = Lanes::splat(T::ONE / constants.outer_stiffness);
+        let inverse_inner = Lanes::splat(T::ONE / constants.inner_stiffness);
         let mut alone = Plane { r: outer_length, z: zero };
         let (mut alone_deflection, mut reach_length) = (zero, length);
         for _ in 0..2 {
@@ -182,40 +187,41 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             reach_length = self.length(reach);
             let inward = reach.times(one / reach_length);
             let centrifugal = force_at(out, inward);
-            alone_deflection = (centrifugal * inverse_outer).two_thirds_roughly();
+            alone_deflection = (centrifugal * inverse_outer).approximate_two_thirds_power();
             let film = if self.film.is_present() { films_at(out, inward).0 * under(centrifugal) } else { zero };
-            alone.r = Lanes::all(seat.outer_length) - drive.outer_bulge - film + alone_deflection;
+            alone.r = Lanes::splat(constants.outer_length) - input.outer_deviation - film + alone_deflection;
         }
-        let unreached = reach_length.below(Lanes::all(seat.inner_length) - drive.inner_bulge - thickest);
+        let outside_inner_reach =
+            reach_length.less_than(Lanes::splat(constants.inner_length) - input.inner_deviation - thickest);
         // Nothing presses it at all, no ring and no motion: free in the middle of what room it has.
-        let idle = approach.below(zero).and(alone_deflection.below(Lanes::all(seat.grain)));
-        drive.rolling = Lanes::choose(unreached.or(idle), zero, one);
-        let free = direction.times(outer_length + approach * Lanes::all(seat.outer_share));
+        let idle = approach.less_than(zero).and(alone_deflection.less_than(Lanes::splat(constants.min_length)));
+        input.rolling = Lanes::select(outside_inner_reach.or(idle), zero, one);
+        let free = direction.times(outer_length + approach * Lanes::splat(constants.outer_share));
 
         let (mut outer_load, mut inner_load) = (pressed, pressed);
         let mut centre = alone;
         let (mut outer_deflection, mut inner_deflection) = (zero, zero);
         for _ in 0..2 {
-            outer_deflection = (outer_load * inverse_outer).two_thirds_roughly();
-            inner_deflection = (inner_load * inverse_inner).two_thirds_roughly();
+            outer_deflection = (outer_load * inverse_outer).approximate_two_thirds_power();
+            inner_deflection = (inner_load * inverse_inner).approximate_two_thirds_power();
             let (outer, inner) = (outer_length + outer_deflection, inner_length + inner_deflection);
-            let along = (length * length + outer * outer - inner * inner) * (Lanes::all(T::HALF) / length);
-            let across = (outer * outer - along * along).positive().sqrt::<M>().negated_by(line.z);
+            let along = (length * length + outer * outer - inner * inner) * (Lanes::splat(T::HALF) / length);
+            let across = (outer * outer - along * along).positive().sqrt::<M>().xor_sign(line.z);
             centre = direction.times(along).minus(direction.tangent().times(across));
             let reach = line.minus(centre);
             let o = centre.times(one / self.length(centre));
             let i = reach.times(one / self.length(reach));
             // The triangle of the two contact forces and the centrifugal force.
             let centrifugal = force_at(o, i);
-            let between = (i.z * o.r - i.r * o.z).negated_by(line.z).larger(Lanes::constant(1e-9));
-            let force = (centrifugal + Lanes::constant(1e-6) * pressed) / between;
-            let most = pressed + Lanes::constant(WEDGED) * centrifugal;
-            inner_load = (force * o.z.negated_by(line.z).positive()).smaller(most);
-            outer_load = (force * i.z.negated_by(line.z).positive()).smaller(most + centrifugal);
+            let between = (i.z * o.r - i.r * o.z).xor_sign(line.z).larger(Lanes::splat_f64(1e-9));
+            let force = (centrifugal + Lanes::splat_f64(1e-6) * pressed) / between;
+            let most = pressed + Lanes::splat_f64(MAX_WEDGE_RATIO) * centrifugal;
+            inner_load = (force * o.z.xor_sign(line.z).positive()).smaller(most);
+            outer_load = (force * i.z.xor_sign(line.z).positive()).smaller(most + centrifugal);
         }
-        let centre = Plane::choose(unreached, alone, Plane::choose(idle, free, centre));
-        let outer_deflection = Lanes::choose(unreached, alone_deflection, outer_deflection);
-        self.position(centre, [outer_deflection, inner_deflection], drive.rolling)
+        let centre = Plane::select(outside_inner_reach, alone, Plane::select(idle, free, centre));
+        let outer_deflection = Lanes::select(outside_inner_reach, alone_deflection, outer_deflection);
+        self.position(centre, [outer_deflection, inner_deflection], input.rolling)
     }
 
     /// The position of a centre given from the outer groove centre.
@@ -226,9 +232,11 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         [outer_deflection, inner_deflection]: [Lanes<T, K>; 2],
         inner_closing: Lanes<T, K>,
     ) -> Position<Lanes<T, K>> {
-        let seat = &self.seat;
-        let rest =
-            Plane { r: Lanes::all(seat.outer_length * seat.axis.r), z: Lanes::all(seat.outer_length * seat.axis.z) };
+        let constants = &self.constants;
+        let rest = Plane {
+            r: Lanes::splat(constants.outer_length * constants.axis.r),
+            z: Lanes::splat(constants.outer_length * constants.axis.z),
+        };
         Position { centre: centre.minus(rest), outer_deflection, inner_deflection, inner_closing }
     }
 }
@@ -236,8 +244,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
 impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     /// The residual is below `tolerance` times the largest load.
     #[inline(always)]
-    pub fn is_settled(&self, tolerance: T) -> Mask<K> {
-        let allowed = Lanes::all(tolerance) * self.largest_load() + Lanes::constant(1e-12);
-        self.residual.dot(self.residual).below(allowed * allowed)
+    pub fn is_converged(&self, tolerance: T) -> Mask<K> {
+        let allowed = Lanes::splat(tolerance) * self.largest_load() + Lanes::splat_f64(1e-12);
+        self.residual.dot(self.residual).less_than(allowed * allowed)
     }
 }

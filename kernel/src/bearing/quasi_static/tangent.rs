@@ -11,7 +11,7 @@ use super::elements::{InnerSum, Rims};
 use super::film::Film;
 use super::inertia::Inertia;
 use crate::bearing::Reaction;
-use crate::bearing::element_position::{BLOCK, ElementLayout};
+use crate::bearing::element_position::{BLOCK_SIZE, ElementLayout};
 use crate::bearing::ring::{CageRotation, ContactStiffness, ContactTangent, StiffnessSum, TangentSum};
 use crate::bearing::surface::Surface;
 use crate::frame::Stiffness;
@@ -32,10 +32,10 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
         let (mut sum, mut tangent) = (InnerSum::new(), TangentSum::new());
-        self.solve_each(rims, at, |places, solution| {
-            sum.add(&self.ball, places, solution);
-            for (place, k) in places.iter().zip(self.ball.tangents(&solution.balance)) {
-                tangent.add(place, &k);
+        self.solve_each(rims, at, |positions, solution| {
+            sum.add(&self.ball, positions, solution);
+            for (position, k) in positions.iter().zip(self.ball.tangents(&solution.balance)) {
+                tangent.add(position, &k);
             }
         });
         (sum.finish(self.inner_arm), tangent.finish(self.inner_arm, turn))
@@ -50,9 +50,9 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         turn: CageRotation<T>,
     ) -> Stiffness<T> {
         let mut sum = StiffnessSum::new();
-        self.solve_each(rims, at, |places, solution| {
-            for (place, k) in places.iter().zip(condensed(&solution.balance)) {
-                sum.add(place, &k);
+        self.solve_each(rims, at, |positions, solution| {
+            for (position, k) in positions.iter().zip(condensed(&solution.balance)) {
+                sum.add(position, &k);
             }
         });
         sum.finish(self.inner_arm, T::ONE, turn)
@@ -63,16 +63,16 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
 #[inline(always)]
 fn inverse<T: Scalar, const K: usize>(a: Matrix<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
     let (determinant, trace) = (a.determinant(), a.trace());
-    let smallest = Lanes::constant(1e-12) * trace * trace;
-    let size = determinant.abs().larger(smallest).negated_by(determinant);
-    a.adjugate().scaled(Lanes::all(T::ONE) / size)
+    let smallest = Lanes::splat_f64(1e-12) * trace * trace;
+    let size = determinant.abs().larger(smallest).xor_sign(determinant);
+    a.adjugate().scaled(Lanes::splat(T::ONE) / size)
 }
 
-fn condensed<T: Scalar>(balance: &Balance<Lanes<T, BLOCK>>) -> [ContactStiffness<T>; BLOCK] {
+fn condensed<T: Scalar>(balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactStiffness<T>; BLOCK_SIZE] {
     let s = balance.loaded_stiffnesses();
     let whole = balance.contact_stiffnesses();
     let k = s.inner.product(inverse(whole.outer.plus(whole.inner))).product(s.outer);
-    let lane = |lanes: &Lanes<T, BLOCK>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
+    let lane = |lanes: &Lanes<T, BLOCK_SIZE>, j: usize| lanes.0.get(j).copied().unwrap_or(T::ZERO);
     core::array::from_fn(|j| ContactStiffness {
         radial: lane(&k.rr, j),
         cross: T::HALF * (lane(&k.rz, j) + lane(&k.zr, j)),
@@ -82,7 +82,7 @@ fn condensed<T: Scalar>(balance: &Balance<Lanes<T, BLOCK>>) -> [ContactStiffness
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// Slopes of the force on the inner groove (radial, axial, tilting) along its radial and axial displacement.
-    fn tangents(&self, balance: &Balance<Lanes<T, BLOCK>>) -> [ContactTangent<T>; BLOCK] {
+    fn tangents(&self, balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactTangent<T>; BLOCK_SIZE] {
         let slopes = balance.slopes(self.inertia.effects());
         // d(centre)/d(groove)
         let follow = inverse(slopes.outer.plus(slopes.inner)).product(slopes.inner);
@@ -96,7 +96,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let angle_o = t_o.times(balance.outer.inverse_length);
 
         let mut by_inner = Matrix::outer(e_i, load_i).plus(Matrix::outer(t_i.times(balance.inner.load), angle_i));
-        let zero = Lanes::all(T::ZERO);
+        let zero = Lanes::splat(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
         let mut by_outer = Matrix::outer(nothing, nothing);
         let (mut couple_inner, mut couple_outer) = (nothing, nothing);
@@ -111,7 +111,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             by_inner =
                 by_inner.minus(Matrix::outer(t_i, friction_inner)).plus(Matrix::outer(e_i.times(friction), angle_i));
             by_outer = by_outer.minus(Matrix::outer(t_i, friction_outer));
-            let lever = Lanes::all(self.seat.inner_couple);
+            let lever = Lanes::splat(self.constants.inner_couple);
             couple_inner = friction_inner.times(lever);
             couple_outer = friction_outer.times(lever);
         }

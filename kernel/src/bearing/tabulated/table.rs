@@ -44,20 +44,20 @@ impl<T: Scalar> Axis<T> {
     #[inline(always)]
     fn inside<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
         let [low, high] = self.range;
-        (x - Lanes::all(low)) * (Lanes::all(high) - x)
+        (x - Lanes::splat(low)) * (Lanes::splat(high) - x)
     }
 
     #[inline(always)]
-    fn place<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
-        (x - Lanes::all(self.origin)) * Lanes::all(self.density)
+    fn coordinate<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
+        (x - Lanes::splat(self.origin)) * Lanes::splat(self.density)
     }
 
     /// The first of the three nodes around each `x`, and how far it lies from half before to half after the middle one.
     #[inline(always)]
     fn around<const K: usize>(&self, x: Lanes<T, K>, last: LatticeIndex<T>) -> (LatticeIndices<T, K>, Lanes<T, K>) {
-        let place = self.place(x) - Lanes::all(T::HALF);
-        let first = place.whole(last);
-        (first, place - first.numbers)
+        let coordinate = self.coordinate(x) - Lanes::splat(T::HALF);
+        let first = coordinate.clamped_floor(last);
+        (first, coordinate - first.numbers)
     }
 
     /// The last of the nodes that are the first of three.
@@ -69,9 +69,9 @@ impl<T: Scalar> Axis<T> {
     /// The first of the two nodes around `x` and their weights; of a single node all of it.
     #[inline(always)]
     fn linear(&self, x: T) -> (u32, [T; 2]) {
-        let Lanes([place]) = self.place(Lanes([x]));
-        let first = place.whole(LatticeIndex::new(self.count.saturating_sub(2) as u32));
-        let t = place - first.number;
+        let Lanes([coordinate]) = self.coordinate(Lanes([x]));
+        let first = coordinate.clamped_floor(LatticeIndex::new(self.count.saturating_sub(2) as u32));
+        let t = coordinate - first.number;
         (first.count, [T::ONE - t, t])
     }
 }
@@ -88,7 +88,7 @@ impl<T: Scalar, const K: usize> Weights<T, K> {
     /// In a quadratic B-spline, of balls that lie `after` from half before to half after the middle node.
     #[inline(always)]
     fn quadratic(after: Lanes<T, K>) -> Self {
-        let [half, one] = [T::HALF, T::ONE].map(Lanes::all);
+        let [half, one] = [T::HALF, T::ONE].map(Lanes::splat);
         let before = one - after;
         let (before, after) = (half * before * before, half * after * after);
         Self { before, middle: one - before - after, after }
@@ -97,8 +97,8 @@ impl<T: Scalar, const K: usize> Weights<T, K> {
     /// Slopes of these weights.
     #[inline(always)]
     fn slopes(after: Lanes<T, K>, density: T) -> Self {
-        let density = Lanes::all(density);
-        let before = Lanes::all(T::ONE) - after;
+        let density = Lanes::splat(density);
+        let before = Lanes::splat(T::ONE) - after;
         Self { before: -before * density, middle: (before - after) * density, after: after * density }
     }
 
@@ -190,12 +190,12 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     /// ranges; the speed has its own ([`AtSpeed::inside`]).
     #[inline(always)]
     pub(super) fn inside<const K: usize>(&self, x: Lanes<T, K>, sin: Lanes<T, K>) -> Lanes<T, K> {
-        self.grid.approach.inside(x).either_sign(self.grid.angle.inside(sin))
+        self.grid.approach.inside(x).or_sign(self.grid.angle.inside(sin))
     }
 
     /// Where balls are in the table, from sines of the angle and signed roots `x` of the approach.
     #[inline(always)]
-    pub(super) fn spots<const K: usize>(
+    pub(super) fn cells<const K: usize>(
         &self,
         rows: &Rows<'_, T, F>,
         sin: Lanes<T, K>,
@@ -231,28 +231,28 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         self.grid.speed.count == 1
     }
 
-    /// The quantities at `spots` of a table of one speed, mixed from two, or (0) as the table is, and the sign bit set where
-    /// nodes are missing; 0 of balls before `known`.
+    /// The quantities at `cells` of a table of one speed, mixed from two, or (0) as the table is, and the sign bit set where
+    /// nodes are missing; 0 of balls before `overlap`.
     #[inline(always)]
     pub(super) fn fields<const SPEEDS: usize, const K: usize>(
         &self,
         at: &AtSpeed<T>,
         rows: &Rows<'_, T, F>,
-        spots: &CellPositions<T, K>,
-        known: usize,
+        cells: &CellPositions<T, K>,
+        overlap: usize,
     ) -> ([Lanes<T, K>; F], T) {
         let (mut nodes, mut missing) = ([[T::ZERO; F]; K], T::ZERO);
         let mut i = 0;
         while i < K {
-            if i >= known {
-                match self.value::<SPEEDS, K>(at, rows, spots, i) {
+            if i >= overlap {
+                match self.value::<SPEEDS, K>(at, rows, cells, i) {
                     Some(node) => nodes[i] = node,
                     None => missing = T::NEGATIVE_ZERO,
                 }
             }
             i += 1;
         }
-        (side_by_side(&nodes), missing)
+        (transposed(&nodes), missing)
     }
 
     /// Slopes of the quantities along sines `sin` of the angle and signed roots `x` of the approach.
@@ -281,41 +281,41 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         &self,
         at: &AtSpeed<T>,
         rows: &Rows<'_, T, F>,
-        spots: &CellPositions<T, K>,
+        cells: &CellPositions<T, K>,
         i: usize,
     ) -> Option<Node<T, F>> {
-        let first = spots.first[i] as u32;
+        let first = cells.first[i] as u32;
         if SPEEDS == 1 || (SPEEDS == 0 && self.is_of_one_speed()) {
-            return rows.patch(first, spots, i);
+            return rows.weighted_sum(first, cells, i);
         }
         let first = at.first.wrapping_add(first);
-        let below = rows.patch(first, spots, i)?;
-        let above = rows.patch(first.wrapping_add(self.layer()), spots, i)?;
-        Some(mixed(at.weights, [below, above]))
+        let below = rows.weighted_sum(first, cells, i)?;
+        let above = rows.weighted_sum(first.wrapping_add(self.layer()), cells, i)?;
+        Some(combined(at.weights, [below, above]))
     }
 }
 
 impl<T: Scalar, const F: usize> Rows<'_, T, F> {
     /// Weighted sum of the nine nodes of one speed from `first` on; nothing where the table ends before them.
     #[inline(always)]
-    fn patch<const K: usize>(&self, first: u32, spots: &CellPositions<T, K>, i: usize) -> Option<Node<T, F>> {
+    fn weighted_sum<const K: usize>(&self, first: u32, cells: &CellPositions<T, K>, i: usize) -> Option<Node<T, F>> {
         // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
         let first = first as usize;
         let three = first..first.wrapping_add(3);
         // Read here, where the compiler knows `i`: the closure may become a function of its own.
-        let [by_angle, by_approach] = [spots.by_angle.of(i), spots.by_approach.of(i)];
-        let along = |nodes: &[Node<T, F>]| Some(mixed(by_approach, *nodes.get(three.clone())?.first_chunk()?));
-        Some(mixed(by_angle, [along(self.before)?, along(self.middle)?, along(self.after)?]))
+        let [by_angle, by_approach] = [cells.by_angle.of(i), cells.by_approach.of(i)];
+        let along = |nodes: &[Node<T, F>]| Some(combined(by_approach, *nodes.get(three.clone())?.first_chunk()?));
+        Some(combined(by_angle, [along(self.before)?, along(self.middle)?, along(self.after)?]))
     }
 }
 
 /// Quantity by quantity instead of ball by ball.
 #[inline(always)]
-pub(super) fn side_by_side<T: Scalar, const F: usize, const K: usize>(balls: &[Node<T, F>; K]) -> [Lanes<T, K>; F] {
-    let mut fields = [Lanes::all(T::ZERO); F];
+pub(super) fn transposed<T: Scalar, const F: usize, const K: usize>(balls: &[Node<T, F>; K]) -> [Lanes<T, K>; F] {
+    let mut fields = [Lanes::splat(T::ZERO); F];
     let mut field = 0;
     while field < F {
-        fields[field] = Lanes::of(balls, |node| node[field]);
+        fields[field] = Lanes::gather(balls, |node| node[field]);
         field += 1;
     }
     fields
@@ -323,7 +323,7 @@ pub(super) fn side_by_side<T: Scalar, const F: usize, const K: usize>(balls: &[N
 
 /// Sum of nodes times weights.
 #[inline(always)]
-fn mixed<T: Scalar, const F: usize, const W: usize>(weights: [T; W], nodes: [Node<T, F>; W]) -> Node<T, F> {
+fn combined<T: Scalar, const F: usize, const W: usize>(weights: [T; W], nodes: [Node<T, F>; W]) -> Node<T, F> {
     let mut sum = [T::NEGATIVE_ZERO; F];
     for (node, w) in nodes.into_iter().zip(weights) {
         for (s, value) in sum.iter_mut().zip(node) {

@@ -67,10 +67,10 @@ fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
 fn law(stiffness: f64, exponent: f64) -> (&'static str, String) {
     let stiffness = stiffness as f32;
     match build::Exponent::of(exponent) {
-        build::Exponent::Point => ("Point<f32>", format!("Point {{ stiffness: {stiffness:?} }}")),
-        build::Exponent::Line => ("Line<f32>", format!("Line {{ stiffness: {stiffness:?} }}")),
+        build::Exponent::Point => ("PointContactLaw<f32>", format!("Point {{ stiffness: {stiffness:?} }}")),
+        build::Exponent::Line => ("LineContactLaw<f32>", format!("LineContactLaw {{ stiffness: {stiffness:?} }}")),
         build::Exponent::Other => {
-            ("Power<f32>", format!("Power {{ stiffness: {stiffness:?}, exponent: {:?} }}", exponent as f32))
+            ("PowerLaw<f32>", format!("PowerLaw {{ stiffness: {stiffness:?}, exponent: {:?} }}", exponent as f32))
         }
     }
 }
@@ -81,17 +81,17 @@ fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let (kind, value) = law(stiffness, exponent);
     let (surface, with) = surface(of);
     let mut kind = format!("Radial<f32, Exact, {kind}, [ElementPosition<f32>; {n}]{surface}>");
-    let mut value = format!("Radial::ready(PLACES, {value}, {:?}){with}", play as f32);
+    let mut value = format!("Radial::from_constants(POSITIONS, {value}, {:?}){with}", play as f32);
     if let Some(axial) = of.axial {
         let (axial_law, axial_value) = law(axial.stiffness, axial.exponent);
         kind = format!("Combined<{kind}, Axial<f32, Exact, {axial_law}, [ElementPosition<f32>; {n}]>>");
         let (play, radius) = (axial.play as f32, axial.radius as f32);
-        value = format!("Combined({value}, Axial::ready(PLACES, {axial_value}, {play:?}, {radius:?}))");
+        value = format!("Combined({value}, Axial::from_constants(POSITIONS, {axial_value}, {play:?}, {radius:?}))");
     }
     imports(
         out,
         of,
-        "    use ballrace::bearing::lumped::{Axial, Combined, Radial};\n    use ballrace::contact::law::{Line, Point, Power};",
+        "    use ballrace::bearing::lumped::{Axial, Combined, Radial};\n    use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};",
     )?;
     seat_constants(out, scene, of, Model::Lumped)?;
     function(out, of, &kind, &value)
@@ -107,10 +107,10 @@ fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let AngularConstants { stiffness, distance, unloaded, excess, arm } = seat;
     writeln!(
         out,
-        "    const SEAT: AngularConstants<f32> = AngularConstants {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"
+        "    const CONSTANTS: AngularConstants<f32> = AngularConstants {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"
     )?;
     let kind = format!("Angular<f32, Exact, [ElementPosition<f32>; {}]{surface}>", of.elements);
-    function(out, of, &kind, &format!("Angular::ready(PLACES, SEAT){with}"))
+    function(out, of, &kind, &format!("Angular::from_constants(POSITIONS, CONSTANTS){with}"))
 }
 
 /// What waviness and damage add to type and value.

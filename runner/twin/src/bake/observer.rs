@@ -50,8 +50,12 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     writeln!(out, "    /// By speed.\n    pub static GAINS: [SpeedGain<f32, {p}>; {}] = [", gains.all.len())?;
     for gain in &gains.all {
         writeln!(out, "        SpeedGain {{")?;
-        let parts =
-            [("position", &gain.position), ("rate", &gain.rate), ("load", &gain.load), ("turning", &gain.turning)];
+        let parts = [
+            ("position", &gain.position),
+            ("rate", &gain.rate),
+            ("load", &gain.load),
+            ("rotating_load", &gain.rotating_load),
+        ];
         for (name, entries) in parts {
             writeln!(out, "            {name}: {},", table(&entries[..p]))?;
         }

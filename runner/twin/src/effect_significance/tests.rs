@@ -117,7 +117,7 @@ fn predictions_are_within_a_factor_of_two() {
             apart(thrown, base) / whole,
             apart(spun, thrown) / whole,
             apart(wet, base) / whole,
-            apart(held(of, &u.plus(still.offset)), base) / whole,
+            apart(held(of, &(u + still.offset)), base) / whole,
             size([swing(0), swing(1), swing(2)]) / whole,
         ];
         let needs = of_bearing(&scene, of, &u, &at).unwrap();

@@ -15,7 +15,7 @@ use crate::replay::pose::row;
 use crate::scene::build::AnyBearing;
 use crate::scene::{Probe, Speed};
 use anyhow::Result;
-use ballrace::rotor::{ComponentAngles, Mounted, RigidRotor, RotorState, ShaftMotion};
+use ballrace::rotor::{BearingAtStation, ComponentAngles, RigidRotor, RotorState, ShaftMotion};
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
 use ballrace::{Displacement, Exact, Phase, Status};
 
@@ -75,7 +75,7 @@ impl Gains {
             position: zero,
             rate: zero,
             load: zero,
-            turning: zero,
+            rotating_load: zero,
             whitening: [[0.0; MOST_PROBES]; MOST_PROBES],
         };
         Self { all: vec![gain], speeds: [0.0; 2], log_determinant: 0.0 }
@@ -103,7 +103,7 @@ impl Gains {
                 position: part(0),
                 rate: part(D),
                 load: part(2 * D),
-                turning: part(3 * D),
+                rotating_load: part(3 * D),
                 whitening: std::array::from_fn(|i| std::array::from_fn(|j| white(i, j))),
             });
             log_determinant = -2.0 * (0..rows.len()).map(|i| steady.whitening[(i, i)].ln()).sum::<f64>();
@@ -149,7 +149,7 @@ pub struct RunningObserverOf<'a> {
 }
 
 type Of<const N: usize> =
-    Observer<f64, RigidRotor<f64, Exact>, Mounted<f64, AnyBearing<f64>>, Step, Vec<Gain>, N, MOST_PROBES>;
+    Observer<f64, RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, Step, Vec<Gain>, N, MOST_PROBES>;
 
 struct Running<const N: usize> {
     observer: Of<N>,
@@ -166,21 +166,22 @@ impl RigidTask<Box<dyn Watch>> for RunningObserverOf<'_> {
             *to = *row;
         }
         let parts: [ComponentAngles; N] = std::array::from_fn(|i| self.parts.get(i).copied().unwrap_or_default());
-        let motion = RotorState { rate: self.start.rate, ..RotorState::at_rest(self.start.q, self.shaft, parts) };
+        let motion =
+            RotorState { velocity: self.start.rate, ..RotorState::stationary(self.start.q, self.shaft, parts) };
         let observer = Observer {
-            machine,
+            system: machine,
             integrator: step,
             step: step.length,
             substeps,
             probes,
             gains: self.gains.all.clone(),
             speeds: self.gains.speeds,
-            memory: memory(self.period),
+            load_retention: memory(self.period),
             gate: f64::INFINITY,
         };
         Box::new(Running {
             observer,
-            state: ObserverState { motion, load: self.start.load, turning: self.start.turning },
+            state: ObserverState { motion, load: self.start.load, rotating_load: self.start.turning },
             readings: [0.0; MOST_PROBES],
             probes: self.rows.len(),
         })
@@ -200,9 +201,9 @@ impl<const N: usize> Watch for Running<N> {
     }
     fn restart(&mut self, pose: &Displacement<f64>, rate: &Displacement<f64>) {
         self.state.motion.q = pose.to_array();
-        self.state.motion.rate = rate.to_array();
+        self.state.motion.velocity = rate.to_array();
         self.state.load = [0.0; D];
-        self.state.turning = [0.0; D];
+        self.state.rotating_load = [0.0; D];
     }
     fn pose(&self) -> Displacement<f64> {
         self.state.motion.displacement()
@@ -211,6 +212,6 @@ impl<const N: usize> Watch for Running<N> {
         self.state.load
     }
     fn turning(&self) -> [f64; D] {
-        self.state.turning
+        self.state.rotating_load
     }
 }

@@ -3,7 +3,7 @@
 use super::Scales;
 use crate::scene::{Coordinates, Scene, System, matrix};
 use anyhow::{Result, bail};
-use ballrace::rotor::Matrices;
+use ballrace::rotor::SystemMatrices;
 use nalgebra::DMatrix;
 use std::path::PathBuf;
 
@@ -101,7 +101,7 @@ impl Given {
     pub fn scales(&self) -> Scales {
         let mut unbalance = vec![[0.0; 2]; self.order()];
         for given in &self.system.unbalance {
-            let plane = Matrices::<2>::idle().with_unbalance((0, 1), given.moment, given.angle);
+            let plane = SystemMatrices::<2>::unit_mass().with_unbalance((0, 1), given.moment, given.angle);
             for (at, [cos, sin]) in given.at.iter().zip(plane.unbalance) {
                 if let Some(entry) = unbalance.get_mut(*at) {
                     *entry = [entry[0] + cos, entry[1] + sin];

@@ -6,7 +6,7 @@ use crate::scene::build::{self, AnyBearing, Shared};
 use anyhow::{Context, Result, bail};
 use ballrace::bearing::{Bearing, ElementPosition, Reaction};
 use ballrace::rotor::{
-    AttachedElement, Attachment, ForceElement, HasSpeedRatios, LinearSystem, Mounted, MovingBalls, RigidRotor,
+    AttachedBearing, Attachment, BearingAtStation, ForceElement, HasSpeedRatios, LinearSystem, MovingBalls, RigidRotor,
     RotorBearingSystem, SecondOrderSystem, SpeedRatios,
 };
 use ballrace::{BearingKinematicState, Displacement, Exact, Status, Stiffness};
@@ -40,7 +40,8 @@ pub trait RigidTask<R> {
 }
 
 /// A rigid rotor on bearings.
-pub type RigidSystem<const N: usize> = RotorBearingSystem<RigidRotor<f64, Exact>, Mounted<f64, AnyBearing<f64>>, N>;
+pub type RigidSystem<const N: usize> =
+    RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, N>;
 
 /// Which of a seat's bearings the machine holds.
 pub(super) type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
@@ -62,7 +63,7 @@ impl Bearing<f64> for Nothing {
     fn element_loads(&self, _u: &Displacement<f64>, _at: &BearingKinematicState<f64>, _loads: &mut [f64]) {}
 }
 
-impl Fit<5> for Mounted<f64, AnyBearing<f64>> {
+impl Fit<5> for BearingAtStation<f64, AnyBearing<f64>> {
     fn reaction(&self, q: &[f64; 5], at: &BearingKinematicState<f64>) -> Reaction<f64> {
         self.bearing.reaction(&Displacement::from_array(*q).at_station(self.station), at)
     }
@@ -71,28 +72,28 @@ impl Fit<5> for Mounted<f64, AnyBearing<f64>> {
 /// A bearing on any coordinates, or one whose balls are coordinates.
 pub enum Fitted<const D: usize> {
     /// The first.
-    Bearing(AttachedElement<f64, AnyBearing<f64>, D>),
+    Bearing(AttachedBearing<f64, AnyBearing<f64>, D>),
     /// The second.
     Balls(Box<MovingBalls<f64, Exact, Vec<ElementPosition<f64>>, D>>),
 }
 
 impl<const D: usize> HasSpeedRatios<f64> for Fitted<D> {
-    fn gear(&self) -> &SpeedRatios<f64> {
+    fn speed_ratios(&self) -> &SpeedRatios<f64> {
         match self {
-            Self::Bearing(bearing) => bearing.gear(),
-            Self::Balls(balls) => balls.gear(),
+            Self::Bearing(bearing) => bearing.speed_ratios(),
+            Self::Balls(balls) => balls.speed_ratios(),
         }
     }
 }
 
 impl<const D: usize> ForceElement<f64, D> for Fitted<D> {
-    fn push(&self, q: &[f64; D], at: &BearingKinematicState<f64>, f: &mut [f64; D]) -> (f64, Status) {
+    fn add_force(&self, q: &[f64; D], at: &BearingKinematicState<f64>, f: &mut [f64; D]) -> (f64, Status) {
         match self {
-            Self::Bearing(bearing) => bearing.push(q, at, f),
-            Self::Balls(balls) => balls.push(q, at, f),
+            Self::Bearing(bearing) => bearing.add_force(q, at, f),
+            Self::Balls(balls) => balls.add_force(q, at, f),
         }
     }
-    fn push_with_stiffness(
+    fn add_force_and_stiffness(
         &self,
         q: &[f64; D],
         at: &BearingKinematicState<f64>,
@@ -100,8 +101,8 @@ impl<const D: usize> ForceElement<f64, D> for Fitted<D> {
         k: &mut SMatrix<f64, D, D>,
     ) -> (f64, Status) {
         match self {
-            Self::Bearing(bearing) => bearing.push_with_stiffness(q, at, f, k),
-            Self::Balls(balls) => balls.push_with_stiffness(q, at, f, k),
+            Self::Bearing(bearing) => bearing.add_force_and_stiffness(q, at, f, k),
+            Self::Balls(balls) => balls.add_force_and_stiffness(q, at, f, k),
         }
     }
 }
@@ -158,8 +159,12 @@ impl Plant {
         }
         let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(rotor)).context("[rotor]")?;
         let bearings = std::array::from_fn(|i| match self.seats.get(i) {
-            Some(seat) => Mounted { bearing: hold(seat), station: seat.station, gear: seat.kinematics.gear() },
-            None => Mounted { bearing: nothing(), station: 0.0, gear: SpeedRatios::new(0.0) },
+            Some(seat) => BearingAtStation {
+                bearing: hold(seat),
+                station: seat.station,
+                speed_ratios: seat.kinematics.speed_ratios(),
+            },
+            None => BearingAtStation { bearing: nothing(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) },
         });
         Ok(RotorBearingSystem { rotor, bearings })
     }
@@ -170,10 +175,10 @@ impl Plant {
         let rotor = LinearSystem::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).context("[system]")?;
         let fitted = |i: usize| match self.seats.get(i) {
             Some(seat) => self.fitted(i, seat, hold),
-            None => Ok(Fitted::Bearing(AttachedElement {
+            None => Ok(Fitted::Bearing(AttachedBearing {
                 bearing: nothing(),
                 attachment: Attachment::on_rigid_rotor(0.0, None),
-                gear: SpeedRatios::new(0.0),
+                speed_ratios: SpeedRatios::new(0.0),
             })),
         };
         let all = (0..MOST_BEARINGS).map(fitted).collect::<Result<Vec<_>>>()?;
@@ -184,16 +189,16 @@ impl Plant {
     }
 
     fn fitted<const D: usize>(&self, i: usize, seat: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
-        let (attachment, gear) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.gear());
+        let (attachment, speed_ratios) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.speed_ratios());
         let first = self.layout.balls.get(i).copied().flatten();
         Ok(match (&seat.balls, first) {
             (Some(balls), Some(first)) => {
                 let places = (balls.places.clone(), first);
-                let moving = MovingBalls::try_new(&balls.params, (attachment, gear), places)
+                let moving = MovingBalls::try_new(&balls.params, (attachment, speed_ratios), places)
                     .with_context(|| format!("bearing {}", seat.name))?;
                 Fitted::Balls(Box::new(moving))
             }
-            _ => Fitted::Bearing(AttachedElement { bearing: hold(seat), attachment, gear }),
+            _ => Fitted::Bearing(AttachedBearing { bearing: hold(seat), attachment, speed_ratios }),
         })
     }
 }

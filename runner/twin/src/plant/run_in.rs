@@ -38,7 +38,8 @@ impl RunIn {
         }
         let left = (self.samples - self.passed as f64) * self.sample_period * self.drive.speed / TAU;
         self.passed += 1;
-        self.twin.step(&ShaftMotion { angle: self.drive.angle.plus(Phase::from_revolutions(-left)), ..self.drive });
+        self.twin
+            .step(&ShaftMotion { angle: self.drive.angle.wrapping_add(Phase::from_revolutions(-left)), ..self.drive });
         true
     }
 

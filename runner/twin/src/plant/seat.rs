@@ -78,7 +78,7 @@ impl MountedBearing {
     /// What the bearing sees with its parts at `parts` and the shaft as `drive` says.
     #[must_use]
     pub fn rotation(&self, parts: ComponentAngles, drive: &ShaftMotion<f64>) -> BearingKinematicState<f64> {
-        self.kinematics.gear().rotation(parts, drive)
+        self.kinematics.speed_ratios().kinematic_state(parts, drive)
     }
 
     /// Puts another bearing in the place of the scene's.

@@ -4,7 +4,7 @@ use super::twin::array;
 use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use anyhow::{Context, Result, bail};
-use ballrace::rotor::{Attachment, Matrices, RotorParams, supported};
+use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
 use nalgebra::{DMatrix, SMatrix};
 use std::sync::Arc;
 
@@ -93,12 +93,12 @@ impl Layout {
         rotor: Option<&Rotor>,
         seats: &[MountedBearing],
         extra: &DMatrix<f64>,
-    ) -> Result<Matrices<D, OnHeap<D>>> {
+    ) -> Result<SystemMatrices<D, OnHeap<D>>> {
         if self.order > D {
             bail!("found a system of {} coordinates, allowed: up to {D}", self.order);
         }
         let scales = self.scales(rotor, seats, extra)?;
-        Ok(Matrices {
+        Ok(SystemMatrices {
             mass: on_heap(&scales.mass, 1.0),
             damping: on_heap(&scales.damping, 0.0),
             gyroscopic: on_heap(&scales.gyroscopic, 0.0),
@@ -134,7 +134,8 @@ impl Layout {
         const MOST: usize = RIGID + 2 * MOST_BEARINGS;
         let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
         let params: RotorParams = build::rotor_params(rotor);
-        let all: Matrices<MOST> = supported(&params, &build::unbalances(rotor), &supports).context("[rotor]")?;
+        let all: SystemMatrices<MOST> =
+            supported_rotor(&params, &build::unbalances(rotor), &supports).context("[rotor]")?;
         let part = |from: &SMatrix<f64, MOST, MOST>, idle: f64| {
             let entry = |i, j| from.get((i, j)).map_or(if i == j { idle } else { 0.0 }, |&x: &f64| x);
             DMatrix::from_fn(self.order, self.order, entry)
@@ -176,7 +177,7 @@ pub struct Scales {
     pub stiffness: DMatrix<f64>,
     /// Weight and constant load on each coordinate.
     pub load: Vec<f64>,
-    /// Unbalance on each coordinate, as in [`Matrices::unbalance`].
+    /// Unbalance on each coordinate, as in [`SystemMatrices::unbalance`].
     pub unbalance: Vec<[f64; 2]>,
 }
 

@@ -93,7 +93,7 @@ impl SystemTask<Box<dyn Twin>> for StartTask {
         Box::new(Moving {
             machine,
             steady,
-            state: RotorState::at_rest(array::<f64, D>(&self.rest), self.shaft, array::<_, N>(&self.parts)),
+            state: RotorState::stationary(array::<f64, D>(&self.rest), self.shaft, array::<_, N>(&self.parts)),
             coordinates: self.rest.len(),
             step: self.step,
             substeps: self.substeps,
@@ -124,7 +124,7 @@ impl<S: SecondOrderSystem<f64, D>, C: Fit<D>, const D: usize, const N: usize> Tw
                 // A plain loop: the body of `fold` would be a function of its own, compiled for every processor.
                 for i in 0..substeps {
                     let now = drive.after(f64::from(i) * step.length);
-                    status = status.and(match step.method {
+                    status = status.union(match step.method {
                         Method::Verlet => steady.step(machine, state, &now),
                         _ => step.step(machine, state, &now),
                     });
@@ -137,13 +137,13 @@ impl<S: SecondOrderSystem<f64, D>, C: Fit<D>, const D: usize, const N: usize> Tw
         self.state.q.get(..self.coordinates).unwrap_or_default()
     }
     fn rates(&self) -> &[f64] {
-        self.state.rate.get(..self.coordinates).unwrap_or_default()
+        self.state.velocity.get(..self.coordinates).unwrap_or_default()
     }
     fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64> {
         self.machine.bearings.get(i).map_or_else(Wrench::default, |b| b.reaction(&self.state.q, at).wrench)
     }
     fn place(&mut self, coordinates: &[f64], rates: &[f64]) {
-        for (to, from) in [(&mut self.state.q, coordinates), (&mut self.state.rate, rates)] {
+        for (to, from) in [(&mut self.state.q, coordinates), (&mut self.state.velocity, rates)] {
             for (entry, &x) in to.iter_mut().zip(from) {
                 *entry = x;
             }

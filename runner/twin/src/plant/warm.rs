@@ -39,8 +39,8 @@ impl Warm {
         balls: &mut Vec<BallPosition<f64>>,
     ) -> Reaction<f64> {
         balls.resize(BALLS, BallPosition::default());
-        self.solved.cold.place_balls(u, at, balls);
-        self.solved.cold.reaction_from(u, at, balls)
+        self.solved.cold.initial_ball_positions(u, at, balls);
+        self.solved.cold.warm_started_reaction(u, at, balls)
     }
 }
 
@@ -49,14 +49,14 @@ const BALLS: usize = 64;
 
 impl Bearing<f64> for Warm {
     fn reaction(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Reaction<f64> {
-        let u = &u.plus(self.offset);
+        let u = &(*u + self.offset);
         // A twin belongs to one thread; a poisoned memory is as good a start as any.
         let mut balls = self.balls.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if balls.is_empty() {
             return self.start(u, at, &mut balls);
         }
-        let found = self.solved.few.reaction_from(u, at, &mut balls);
-        if found.status.has(Status::NOT_SETTLED) { self.start(u, at, &mut balls) } else { found }
+        let found = self.solved.few.warm_started_reaction(u, at, &mut balls);
+        if found.status.contains(Status::NOT_CONVERGED) { self.start(u, at, &mut balls) } else { found }
     }
 
     fn reaction_and_stiffness(
@@ -64,10 +64,10 @@ impl Bearing<f64> for Warm {
         u: &Displacement<f64>,
         at: &BearingKinematicState<f64>,
     ) -> (Reaction<f64>, Stiffness<f64>) {
-        self.solved.cold.reaction_and_stiffness(&u.plus(self.offset), at)
+        self.solved.cold.reaction_and_stiffness(&(*u + self.offset), at)
     }
 
     fn element_loads(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>, loads: &mut [f64]) {
-        self.solved.cold.element_loads(&u.plus(self.offset), at, loads);
+        self.solved.cold.element_loads(&(*u + self.offset), at, loads);
     }
 }

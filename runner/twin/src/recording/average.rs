@@ -73,7 +73,7 @@ impl Average {
         let arc = ahead * (middle.speed + 0.5 * ahead * middle.acceleration) / TAU;
         let revolutions = middle.angle.revolutions() + arc;
         middle.revolution += revolutions.floor() as i64;
-        middle.angle = middle.angle.plus(Phase::from_revolutions(arc));
+        middle.angle = middle.angle.wrapping_add(Phase::from_revolutions(arc));
         middle.speed += ahead * middle.acceleration;
         middle.row.time += ahead;
         middle.row.index = number;

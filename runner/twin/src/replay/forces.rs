@@ -90,7 +90,7 @@ impl BearingSums {
         poses: [&Displacement<f64>; 2],
         at: &BearingKinematicState<f64>,
     ) -> f64 {
-        self.contact_lost += u64::from(sample.status.has(Status::CONTACT_LOST));
+        self.contact_lost += u64::from(sample.status.contains(Status::CONTACT_LOST));
         self.evaluated += u64::from(!sample.status.is_held());
         self.twin_contact_lost += u64::from(sample.twin == [0.0; 5]);
         self.held_samples += u64::from(sample.status.is_held());
@@ -126,8 +126,9 @@ impl BearingSums {
         seat.bearing.element_loads(&pose.at_station(seat.station), at, &mut self.loads);
         let n = self.loads.len() as f64;
         for (j, &load) in self.loads.iter().enumerate() {
-            let azimuth =
-                at.cage.plus(Phase::from_revolutions(seat.first_azimuth / std::f64::consts::TAU + j as f64 / n));
+            let azimuth = at
+                .cage
+                .wrapping_add(Phase::from_revolutions(seat.first_azimuth / std::f64::consts::TAU + j as f64 / n));
             let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
             self.around[bin][which].add(load);
             if which == 0 {

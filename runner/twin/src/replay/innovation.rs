@@ -22,7 +22,7 @@ pub struct Innovation {
 impl Innovation {
     /// One sample: the normalised square, bounded, with its status, and the verdict on the observer.
     pub fn add(&mut self, nis: f64, status: Status, verdict: Verdict) {
-        self.rejected += u64::from(status.has(Status::INNOVATION_REJECTED));
+        self.rejected += u64::from(status.contains(Status::INNOVATION_REJECTED));
         self.restarts += u64::from(verdict == Verdict::Restart);
         self.distrusted += u64::from(verdict != Verdict::Trusted);
         self.squares.add(nis);

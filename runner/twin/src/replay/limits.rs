@@ -11,7 +11,7 @@ use crate::plant::MountedBearing;
 use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};
 use anyhow::{Result, bail};
 use ballrace::Exact;
-use ballrace::twin::{Figures, Statistics};
+use ballrace::twin::{BlockStatistics, Statistics};
 use serde::{Deserialize, Serialize};
 
 const UM: f64 = 1e6;
@@ -149,7 +149,7 @@ impl Block {
     }
 
     /// Ends the block with the sample `index` at `time` and begins the next; returns its start and the figures of every probe.
-    fn close(&mut self, index: u64, time: f64) -> Option<(f64, Vec<Figures<f64>>)> {
+    fn close(&mut self, index: u64, time: f64) -> Option<(f64, Vec<BlockStatistics<f64>>)> {
         let start = self.start.replace(time)?;
         self.next_index = Some(index + 1);
         Some((start, self.probes.iter_mut().map(Statistics::close::<Exact>).collect()))

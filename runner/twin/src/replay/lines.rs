@@ -36,9 +36,9 @@ impl Line {
     }
 
     fn phase(&self, shaft: Phase, cages: &[Phase]) -> Phase {
-        let times = |angle: Phase, n: i32| angle.times(i64::from(n) as u64);
+        let times = |angle: Phase, n: i32| angle.wrapping_mul(i64::from(n) as u64);
         let cage = self.cage.map_or(Phase::ZERO, |(i, n)| times(cages.get(i).copied().unwrap_or_default(), n));
-        times(shaft, self.shaft).plus(cage)
+        times(shaft, self.shaft).wrapping_add(cage)
     }
 }
 

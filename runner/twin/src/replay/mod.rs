@@ -268,12 +268,12 @@ impl SampleInterval {
         if self.steps > 1 {
             let gone = seat.kinematics.parts_at(self.arc);
             return ComponentAngles {
-                cage: parts.cage.plus(gone.cage),
-                ball: parts.ball.plus(gone.ball),
-                outer: parts.outer.plus(gone.outer),
+                cage: parts.cage.wrapping_add(gone.cage),
+                ball: parts.ball.wrapping_add(gone.ball),
+                outer: parts.outer.wrapping_add(gone.outer),
             };
         }
-        seat.kinematics.gear().after(parts, end.since(self.from.angle))
+        seat.kinematics.speed_ratios().advance(parts, end.since(self.from.angle))
     }
 }
 
@@ -592,7 +592,7 @@ impl<'a> Run<'a> {
                 continue;
             }
             let estimate = watch.pose();
-            let possible = !flags.has(Status::INPUT_NOT_FINITE)
+            let possible = !flags.contains(Status::INPUT_NOT_FINITE)
                 && self.range.allows(self.rows.iter().map(|row| pose::reading(row, &estimate)), estimate.w);
             let was_trusted = consistency.is_trusted();
             let verdict = consistency.sample(nis, possible);

@@ -151,7 +151,7 @@ impl Collector {
         if self.open(CAGE_TURNS)
             && let Some(loads) = self.pictures.element_loads.get_mut(bearing)
         {
-            let azimuth = cage.plus(Phase::from_radians(seat.first_azimuth)).radians();
+            let azimuth = cage.wrapping_add(Phase::from_radians(seat.first_azimuth)).radians();
             loads.first_element.push((azimuth, first_load));
         }
     }

@@ -5,7 +5,7 @@ use super::outcome::phase_lag_deg;
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
 use ballrace::Exact;
-use ballrace::twin::{Figures, Statistics};
+use ballrace::twin::{BlockStatistics, Statistics};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -165,7 +165,7 @@ impl Seconds {
     }
 
     fn probe(&mut self, i: usize, one_x: &[[f64; 2]]) -> ProbeSecond {
-        let Figures { mean, rms, peak_to_peak, crest_factor, kurtosis } = self.measured[i].close::<Exact>();
+        let BlockStatistics { mean, rms, peak_to_peak, crest_factor, kurtosis } = self.measured[i].close::<Exact>();
         let [cosine, sine] = one_x.get(i).copied().unwrap_or_default();
         ProbeSecond {
             name: self.names[i].clone(),

@@ -67,10 +67,10 @@ pub struct Kinematics {
 impl Kinematics {
     /// How the kernel's rotor follows the shaft; balls and outer ring only where they turn.
     #[must_use]
-    pub fn gear(&self) -> SpeedRatios<f64> {
-        let gear = SpeedRatios::new(self.cage_ratio);
-        let gear = if self.spin_known { gear.with_ball(self.ball_ratio()) } else { gear };
-        if self.outer_ratio == 0.0 { gear } else { gear.with_outer(self.outer_ratio) }
+    pub fn speed_ratios(&self) -> SpeedRatios<f64> {
+        let speed_ratios = SpeedRatios::new(self.cage_ratio);
+        let speed_ratios = if self.spin_known { speed_ratios.with_ball(self.ball_ratio()) } else { speed_ratios };
+        if self.outer_ratio == 0.0 { speed_ratios } else { speed_ratios.with_outer(self.outer_ratio) }
     }
 
     /// Spin of the balls over shaft speed: against the shaft where the inner ring is the faster.
@@ -200,12 +200,14 @@ pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<ElementPosition<T>> {
 /// aside by a cage whose centre is not the one it turns about (`docs/src/models.md#cage-run-out`). In the cage's frame that offset stands still.
 #[must_use]
 pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> ElementPosition<T> {
-    let even =
-        || ElementPosition::<f64>::even(Phase::from_radians(scene.first_element_azimuth), j, scene.elements).azimuth();
+    let even = || {
+        ElementPosition::<f64>::evenly_spaced(Phase::from_radians(scene.first_element_azimuth), j, scene.elements)
+            .azimuth()
+    };
     let azimuth =
         scene.element_azimuths.get(j).map_or_else(even, |&a| Phase::from_radians(scene.first_element_azimuth + a));
     let aside = scene.cage_runout.map_or(0.0, |r| -r.offset / r.radius * (azimuth.radians() - r.angle).sin());
-    ElementPosition::at(azimuth.plus(Phase::from_radians(aside)))
+    ElementPosition::from_azimuth(azimuth.wrapping_add(Phase::from_radians(aside)))
 }
 
 /// Turned about X by pi where the bearing faces -Z. Behind the pointer already, so that no kind is compiled twice.
@@ -218,7 +220,7 @@ fn facing<T: Scalar>(scene: &BearingScene, bearing: AnyBearing<T>) -> AnyBearing
 pub fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
     let waves = scene.waviness.iter().map(|w| {
         Feature::Wave(Wave {
-            part: part(scene, w.surface),
+            component: part(scene, w.surface),
             direction: if w.axial { Direction::Axial } else { Direction::Radial },
             order: w.order,
             amplitude: T::from_f64(w.amplitude),

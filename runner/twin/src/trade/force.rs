@@ -105,7 +105,7 @@ impl<T: Scalar> Forces for Seated<T> {
         let Some((bearing, offset)) = self.bearings.get(i) else { return vec![] };
         let wrench = |pose: &Pose| {
             let (u, at) = in_precision::<T>(pose);
-            Wrench::from_array(bearing.reaction(&u.plus(*offset), &at).wrench.to_array().map(Scalar::to_f64))
+            Wrench::from_array(bearing.reaction(&(u + *offset), &at).wrench.to_array().map(Scalar::to_f64))
         };
         poses.iter().map(wrench).collect()
     }
@@ -117,7 +117,7 @@ impl<T: Scalar> Forces for Seated<T> {
                 let begun = Instant::now();
                 for (u, at) in ready {
                     let u: &Displacement<T> = black_box(u);
-                    black_box(bearing.reaction(&u.plus(*offset), black_box(at)));
+                    black_box(bearing.reaction(&(*u + *offset), black_box(at)));
                 }
                 begun.elapsed().as_secs_f64() * 1e9 / ready.len().max(1) as f64
             };
@@ -217,7 +217,7 @@ impl Single {
         at: &BearingKinematicState<f64>,
     ) -> (Displacement<f32>, BearingKinematicState<f32>) {
         let (u, at) = in_precision::<f32>(&Pose { u: *u, at: *at });
-        (u.plus(self.offset), at)
+        (u + self.offset, at)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Pictures, R
 use crate::scene::{RotationSource, Scene, Sensor, Speed, build};
 use anyhow::{Result, bail};
 use ballrace::Exact;
-use ballrace::twin::{Figures, Statistics};
+use ballrace::twin::{BlockStatistics, Statistics};
 use judge::{Judge, Suspect};
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -175,7 +175,7 @@ fn words(sensor: &Sensor, signal: &[f64]) -> String {
     for &x in signal {
         statistics.add::<Exact>(x);
     }
-    let Figures { rms, crest_factor, kurtosis, .. } = statistics.close::<Exact>();
+    let BlockStatistics { rms, crest_factor, kurtosis, .. } = statistics.close::<Exact>();
     format!(
         "{}: {rms:.4} {unit} rms, peak {peak:.4} {unit}, crest factor {crest_factor:.2}, kurtosis {kurtosis:.2} (3 is noise).",
         sensor.column,

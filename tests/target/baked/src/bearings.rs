@@ -19,17 +19,17 @@ pub mod bearing_de {
     /// By preload, to be added to every displacement.
     pub const OFFSET: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
     /// The elements.
-    pub const PLACES: [ElementPosition<f32>; 8] = [
-        ElementPosition::ready(1.0, 0.0, Phase(0x0000000000000000)),
-        ElementPosition::ready(0.70710677, 0.70710677, Phase(0x2000000000000000)),
-        ElementPosition::ready(6.123234e-17, 1.0, Phase(0x4000000000000000)),
-        ElementPosition::ready(-0.70710677, 0.70710677, Phase(0x6000000000000000)),
-        ElementPosition::ready(-1.0, 1.2246469e-16, Phase(0x8000000000000000)),
-        ElementPosition::ready(-0.70710677, -0.70710677, Phase(0xa000000000000000)),
-        ElementPosition::ready(-1.8369701e-16, -1.0, Phase(0xc000000000000000)),
-        ElementPosition::ready(0.70710677, -0.70710677, Phase(0xe000000000000000)),
+    pub const POSITIONS: [ElementPosition<f32>; 8] = [
+        ElementPosition::from_constants(1.0, 0.0, Phase(0x0000000000000000)),
+        ElementPosition::from_constants(0.70710677, 0.70710677, Phase(0x2000000000000000)),
+        ElementPosition::from_constants(6.123234e-17, 1.0, Phase(0x4000000000000000)),
+        ElementPosition::from_constants(-0.70710677, 0.70710677, Phase(0x6000000000000000)),
+        ElementPosition::from_constants(-1.0, 1.2246469e-16, Phase(0x8000000000000000)),
+        ElementPosition::from_constants(-0.70710677, -0.70710677, Phase(0xa000000000000000)),
+        ElementPosition::from_constants(-1.8369701e-16, -1.0, Phase(0xc000000000000000)),
+        ElementPosition::from_constants(0.70710677, -0.70710677, Phase(0xe000000000000000)),
     ];
-    const SEAT: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
+    const CONSTANTS: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
     const GRID: Grid<f32> = Grid {
         approach: Axis { count: 25, origin: -0.003913119, density: 2385.1392, range: [-0.002236068, 0.004472136] },
         angle: Axis { count: 17, origin: -0.31660855, density: 11.3336, range: [0.03632432, 0.74219006] },
@@ -543,7 +543,7 @@ pub mod bearing_de {
     /// The bearing, ready for the hot path.
     #[must_use]
     pub fn bearing() -> Baked {
-        Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER)
+        Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER)
     }
 }
 
@@ -567,18 +567,18 @@ pub mod bearing_nde {
     /// By preload, to be added to every displacement.
     pub const OFFSET: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
     /// The elements.
-    pub const PLACES: [ElementPosition<f32>; 9] = [
-        ElementPosition::ready(1.0, -0.0, Phase(0x0000000000000000)),
-        ElementPosition::ready(0.76604444, -0.64278764, Phase(0xe38e38e38e38e38f)),
-        ElementPosition::ready(0.17364818, -0.9848077, Phase(0xc71c71c71c71c71d)),
-        ElementPosition::ready(-0.5, -0.8660254, Phase(0xaaaaaaaaaaaaaaab)),
-        ElementPosition::ready(-0.9396926, -0.34202015, Phase(0x8e38e38e38e38e39)),
-        ElementPosition::ready(-0.9396926, 0.34202015, Phase(0x71c71c71c71c71c8)),
-        ElementPosition::ready(-0.5, 0.8660254, Phase(0x5555555555555556)),
-        ElementPosition::ready(0.17364818, 0.9848077, Phase(0x38e38e38e38e38e4)),
-        ElementPosition::ready(0.76604444, 0.64278764, Phase(0x1c71c71c71c71c72)),
+    pub const POSITIONS: [ElementPosition<f32>; 9] = [
+        ElementPosition::from_constants(1.0, -0.0, Phase(0x0000000000000000)),
+        ElementPosition::from_constants(0.76604444, -0.64278764, Phase(0xe38e38e38e38e38f)),
+        ElementPosition::from_constants(0.17364818, -0.9848077, Phase(0xc71c71c71c71c71d)),
+        ElementPosition::from_constants(-0.5, -0.8660254, Phase(0xaaaaaaaaaaaaaaab)),
+        ElementPosition::from_constants(-0.9396926, -0.34202015, Phase(0x8e38e38e38e38e39)),
+        ElementPosition::from_constants(-0.9396926, 0.34202015, Phase(0x71c71c71c71c71c8)),
+        ElementPosition::from_constants(-0.5, 0.8660254, Phase(0x5555555555555556)),
+        ElementPosition::from_constants(0.17364818, 0.9848077, Phase(0x38e38e38e38e38e4)),
+        ElementPosition::from_constants(0.76604444, 0.64278764, Phase(0x1c71c71c71c71c72)),
     ];
-    const SEAT: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
+    const CONSTANTS: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
     const GRID: Grid<f32> = Grid {
         approach: Axis { count: 25, origin: -0.003913119, density: 2385.1392, range: [-0.002236068, 0.004472136] },
         angle: Axis { count: 17, origin: -0.31660855, density: 11.3336, range: [0.03632432, 0.74219006] },
@@ -586,7 +586,7 @@ pub mod bearing_nde {
     };
     const BY_OUTER: bool = false;
     const FEATURES: [Feature<f32>; 2] = [
-        Feature::Wave(Wave { part: BearingComponent::Inner, direction: Direction::Radial, order: 5, amplitude: 3e-7, phase: Phase(0xf1c71c71c71c7200) }),
+        Feature::Wave(Wave { component: BearingComponent::Inner, direction: Direction::Radial, order: 5, amplitude: 3e-7, phase: Phase(0xf1c71c71c71c7200) }),
         Feature::Spall(Spall::new(BearingComponent::Outer, Phase(0x4000000000000000), 0.06981317, 2e-6, SpallShape::HalfSine)),
     ];
     /// The table: 35700 bytes of flash.
@@ -1096,6 +1096,6 @@ pub mod bearing_nde {
     /// The bearing, ready for the hot path.
     #[must_use]
     pub fn bearing() -> Baked {
-        Mirrored(Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER).with_surface(SurfaceDeviation::new(FEATURES)))
+        Mirrored(Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER).with_surface(SurfaceDeviation::new(FEATURES)))
     }
 }

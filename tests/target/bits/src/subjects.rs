@@ -9,12 +9,14 @@ use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::QuasiStatic;
 use ballrace::bearing::quasi_static::film::{HamrockDowson, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Gyroscopic, InertiaParams, RaceControl};
-use ballrace::bearing::surface::{Feature, BearingComponent, Spall, SpallShape, SurfaceDeviation};
-use ballrace::bearing::{LastValidWrench, Mirrored, OpposedPairs, ElementPositions, Reaction, even_pairs, evenly_spaced};
-use ballrace::contact::law::{Line, Point, Power};
-use ballrace::rotor::{ShaftMotion, Integrator, Newmark, RotorState, RungeKutta4};
+use ballrace::bearing::surface::{BearingComponent, Feature, Spall, SpallShape, SurfaceDeviation};
+use ballrace::bearing::{
+    ElementPositions, LastValidWrench, Mirrored, OpposedPairs, Reaction, evenly_spaced, evenly_spaced_pairs,
+};
+use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::phase::SpeedRatio;
-use ballrace::{Bearing, Displacement, Exact, Math, BearingKinematicState, Stiffness, Phase};
+use ballrace::rotor::{Integrator, Newmark, RotorState, RungeKutta4, ShaftMotion};
+use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Math, Phase, Stiffness};
 use rig::{Ball, CAGE_RATIO, Rig, machine};
 
 /// FNV-1a over the bits of results.
@@ -43,17 +45,17 @@ mod baked;
 
 type Nine = ElementPositions<f32, 9>;
 type Solved = QuasiStatic<f32, Exact, Nine, Gyroscopic<f32>, HamrockDowson<f32>>;
-type Both = Combined<Radial<f32, Exact, Point<f32>, Nine>, Axial<f32, Exact, Point<f32>, Nine>>;
+type Both = Combined<Radial<f32, Exact, PointContactLaw<f32>, Nine>, Axial<f32, Exact, PointContactLaw<f32>, Nine>>;
 
 /// The bearings of all rungs.
 struct Bearings {
     linear: Linear<f32>,
-    balls: Radial<f32, Exact, Point<f32>, Nine>,
-    preloaded: Radial<f32, Exact, Point<f32>, Nine>,
-    pairs: Radial<f32, Exact, Point<f32>, OpposedPairs<f32, 4>>,
-    rollers: Radial<f32, Exact, Line<f32>, Nine>,
-    power: Radial<f32, Exact, Power<f32>, Nine>,
-    axial: Axial<f32, Exact, Point<f32>, Nine>,
+    balls: Radial<f32, Exact, PointContactLaw<f32>, Nine>,
+    preloaded: Radial<f32, Exact, PointContactLaw<f32>, Nine>,
+    pairs: Radial<f32, Exact, PointContactLaw<f32>, OpposedPairs<f32, 4>>,
+    rollers: Radial<f32, Exact, LineContactLaw<f32>, Nine>,
+    power: Radial<f32, Exact, PowerLaw<f32>, Nine>,
+    axial: Axial<f32, Exact, PointContactLaw<f32>, Nine>,
     angular: Ball<f32>,
     angular_pairs: Angular<f32, Exact, OpposedPairs<f32, 4>>,
     spalled: Angular<f32, Exact, Nine, SurfaceDeviation<Exact, [Feature<f32>; 1]>>,
@@ -67,32 +69,35 @@ const COUNT: usize = 12;
 impl Bearings {
     fn try_new() -> Result<Self, InvalidParameter> {
         let places: Nine = evenly_spaced(Phase(0x0123_4567_89ab_cdef));
-        let point = Point { stiffness: 8e9 };
+        let point = PointContactLaw { stiffness: 8e9 };
         let geometry = rig::geometry()?;
         let angular = Angular::try_new(geometry, places, DisplacementDatum::Centred)?;
-        let spall = Spall::new(BearingComponent::Outer, Phase::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
+        let spall =
+            Spall::new(BearingComponent::Outer, Phase::from_revolutions(-0.25), 0.05, 3e-6, SpallShape::HalfSine);
         let (_, tangent) =
             angular.reaction_and_stiffness(&Displacement { w: 60e-6, ..Displacement::default() }, &Phase(0).into());
         let inertia = InertiaParams {
             density: 7800.0,
             centrifugal: true,
             gyroscopic: true,
-            control: RaceControl::Inner,
-            sharing: FrictionSharing::Proportional,
+            race_control: RaceControl::Inner,
+            friction_sharing: FrictionSharing::Proportional,
         };
         let oil = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
         Ok(Self {
-            solved: QuasiStatic::try_new(geometry, places, DisplacementDatum::Centred)?.with_inertia(&inertia)?.with_film(oil)?,
+            solved: QuasiStatic::try_new(geometry, places, DisplacementDatum::Centred)?
+                .with_inertia(&inertia)?
+                .with_film(oil)?,
             looked_up: baked::bearing_nde::bearing(),
             linear: Linear::new(tangent),
             balls: Radial::try_new(places, point, 5e-7)?,
             preloaded: Radial::try_new(places, point, -2e-6)?,
-            pairs: Radial::try_new(even_pairs(Phase::ZERO), point, 5e-7)?,
-            rollers: Radial::try_new(places, Line { stiffness: 3e8 }, 5e-7)?,
-            power: Radial::try_new(places, Power { stiffness: 2e9, exponent: 1.4 }, 5e-7)?,
+            pairs: Radial::try_new(evenly_spaced_pairs(Phase::ZERO), point, 5e-7)?,
+            rollers: Radial::try_new(places, LineContactLaw { stiffness: 3e8 }, 5e-7)?,
+            power: Radial::try_new(places, PowerLaw { stiffness: 2e9, exponent: 1.4 }, 5e-7)?,
             axial: Axial::try_new(places, point, 5e-6, 0.02)?,
             angular,
-            angular_pairs: Angular::try_new(geometry, even_pairs(Phase::ZERO), DisplacementDatum::Centred)?,
+            angular_pairs: Angular::try_new(geometry, evenly_spaced_pairs(Phase::ZERO), DisplacementDatum::Centred)?,
             spalled: angular.with_surface(SurfaceDeviation::new([Feature::Spall(spall)])),
             facing_back: Mirrored(angular),
         })
@@ -151,7 +156,7 @@ impl Subjects {
     pub fn try_new() -> Result<Self, InvalidParameter> {
         let bearings = Bearings::try_new()?;
         let start =
-            RotorState::at_rest(Displacement { w: 60e-6, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
+            RotorState::stationary(Displacement { w: 60e-6, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
         Ok(Self {
             machine: machine(bearings.angular)?,
             bearings,
@@ -173,7 +178,7 @@ impl Subjects {
     /// The next sample.
     pub fn take(&mut self, sample: &Sample) {
         let turned = self.last.map_or(ballrace::phase::PhaseDelta::ZERO, |last| sample.shaft.since(last.shaft));
-        self.cage = self.cage.advanced(SpeedRatio::new(CAGE_RATIO).of(turned));
+        self.cage = self.cage.advanced(SpeedRatio::new(CAGE_RATIO).apply(turned));
         let (sin, cos): (f32, f32) = Exact::sin_cos(self.cage);
         self.cage_angle.add([sin, cos]);
         self.take_forces(sample);
@@ -212,7 +217,12 @@ impl Subjects {
 
     /// The rungs whose balls are in equilibrium, in few of the samples: they cost most of all.
     fn take_balls(&mut self, sample: &Sample, speed: f32) {
-        let at = BearingKinematicState { cage: self.cage, inner: sample.shaft, inner_speed: speed, ..BearingKinematicState::default() };
+        let at = BearingKinematicState {
+            cage: self.cage,
+            inner: sample.shaft,
+            inner_speed: speed,
+            ..BearingKinematicState::default()
+        };
         let u = &sample.displacement;
         let add = |sum: &mut Checksum, (reaction, tangent): (Reaction<f32>, Stiffness<f32>)| {
             sum.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()));

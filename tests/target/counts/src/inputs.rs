@@ -1,6 +1,6 @@
 //! The inputs that a constant count has to hold for.
 
-use ballrace::{Displacement, Scalar, Phase};
+use ballrace::{Displacement, Phase, Scalar};
 
 /// Values that branches, subnormal handling or library calls would betray themselves on.
 const SPECIAL: [f32; 14] = [

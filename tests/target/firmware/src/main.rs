@@ -9,7 +9,7 @@ mod log;
 
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
-use ballrace::bearing::{Bearing, LastValidWrench, ElementPositions, evenly_spaced};
+use ballrace::bearing::{Bearing, ElementPositions, LastValidWrench, evenly_spaced};
 use ballrace::phase::{PhaseDelta, SpeedRatio};
 use ballrace::{Displacement, Exact, Math, Phase};
 use core::cell::RefCell;
@@ -99,14 +99,14 @@ fn main() -> ! {
     let (mut cage, mut shaft, mut seen) = (Phase::ZERO, Phase::ZERO, 0);
     while seen < SAMPLES {
         let Some(sample) = samples.dequeue() else { continue };
-        cage = cage.advanced(ratio.of(sample.shaft.since(shaft)));
+        cage = cage.advanced(ratio.apply(sample.shaft.since(shaft)));
         shaft = sample.shaft;
         // Every sample: fixed cost, no failure.
         let (wrench, status) = bearing.sample(&mut held, &sample.displacement, &cage.into());
         log::sample(seen, &wrench, status);
         seen += 1;
     }
-    log::held(held.held());
+    log::held(held.held_count());
     done()
 }
 

@@ -4,13 +4,13 @@
 use ballrace::bearing::ElementPositions;
 use ballrace::bearing::angular::Angular;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
-use ballrace::rotor::{SpeedRatios, RotorBearingSystem, Mounted, RigidRotor, RotorParams, Unbalance};
+use ballrace::rotor::{BearingAtStation, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, Unbalance};
 use ballrace::{Exact, Math, Scalar};
 
 /// Nine balls with variable contact angle.
 pub type Ball<T> = Angular<T, Exact, ElementPositions<T, 9>>;
 /// A rigid rotor on two of them.
-pub type Rig<T> = RotorBearingSystem<RigidRotor<T, Exact>, Mounted<T, Ball<T>>, 2>;
+pub type Rig<T> = RotorBearingSystem<RigidRotor<T, Exact>, BearingAtStation<T, Ball<T>>, 2>;
 
 /// Cage speed over shaft speed of the bearing below.
 pub const CAGE_RATIO: f64 = 0.398_3;
@@ -61,6 +61,10 @@ where
     Exact: Math<T>,
 {
     let rotor = RigidRotor::try_new(&params(), &[Unbalance { moment: 120e-6, angle: 0.3, station: 0.02 }])?;
-    let at = |station| Mounted { bearing, station: T::from_f64(station), gear: SpeedRatios::new(CAGE_RATIO) };
+    let at = |station| BearingAtStation {
+        bearing,
+        station: T::from_f64(station),
+        speed_ratios: SpeedRatios::new(CAGE_RATIO),
+    };
     Ok(RotorBearingSystem { rotor, bearings: [at(-0.1), at(0.1)] })
 }

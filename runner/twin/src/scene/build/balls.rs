@@ -7,9 +7,9 @@ use anyhow::{Result, bail};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
-use ballrace::bearing::quasi_static::{BallPosition, BallState, COLD_STEPS, QuasiStatic, TableConstants};
+use ballrace::bearing::quasi_static::{BallPosition, BallState, DEFAULT_NEWTON_STEPS, QuasiStatic, TableConstants};
 use ballrace::bearing::surface::{Surface, SurfaceDeviation};
-use ballrace::bearing::tabulated::{Domain, Grid, Table, Tabulated, fill};
+use ballrace::bearing::tabulated::{Grid, Table, TableDomain, Tabulated, fill_table};
 use ballrace::bearing::{Bearing, BlockedPositions, ElementLayout, ElementPosition, Mirrored, Reaction};
 use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar};
@@ -22,11 +22,11 @@ pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
         density: scene.geometry.map_or(0.0, |g| g.density),
         centrifugal: scene.effects.centrifugal,
         gyroscopic: scene.effects.gyroscopic,
-        control: match scene.effects.control {
+        race_control: match scene.effects.control {
             crate::scene::RaceControl::Outer => RaceControl::Outer,
             crate::scene::RaceControl::Inner => RaceControl::Inner,
         },
-        sharing: match scene.effects.sharing {
+        friction_sharing: match scene.effects.sharing {
             crate::scene::FrictionSharing::Outer => FrictionSharing::Outer,
             crate::scene::FrictionSharing::Equal => FrictionSharing::Equal,
             crate::scene::FrictionSharing::Proportional => FrictionSharing::Proportional,
@@ -40,10 +40,10 @@ pub trait Solved<T: Scalar>: Bearing<T> {
     fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]);
 
     /// Puts the balls where a cold start finds them.
-    fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]);
+    fn initial_ball_positions(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]);
 
     /// The reaction from where the balls were at the last sample.
-    fn reaction_from(
+    fn warm_started_reaction(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
@@ -63,16 +63,21 @@ where
     fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
         QuasiStatic::ball_states(self, u, at, states);
     }
-    fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
-        QuasiStatic::place_balls(self, u, at, balls);
+    fn initial_ball_positions(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) {
+        QuasiStatic::initial_ball_positions(self, u, at, balls);
     }
-    fn reaction_from(
+    fn warm_started_reaction(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
         balls: &mut [BallPosition<T>],
     ) -> Reaction<T> {
-        QuasiStatic::reaction_from(self, u, at, balls)
+        QuasiStatic::warm_started_reaction(self, u, at, balls)
     }
 }
 
@@ -87,16 +92,21 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
             state.orbital_speed = -state.orbital_speed;
         }
     }
-    fn place_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]) {
-        self.0.0.place_balls(&u.mirrored(), &at.reversed(), balls);
+    fn initial_ball_positions(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        balls: &mut [BallPosition<T>],
+    ) {
+        self.0.0.initial_ball_positions(&u.mirrored(), &at.reversed(), balls);
     }
-    fn reaction_from(
+    fn warm_started_reaction(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
         balls: &mut [BallPosition<T>],
     ) -> Reaction<T> {
-        let local = self.0.0.reaction_from(&u.mirrored(), &at.reversed(), balls);
+        let local = self.0.0.warm_started_reaction(&u.mirrored(), &at.reversed(), balls);
         Reaction { wrench: local.wrench.mirrored(), ..local }
     }
 }
@@ -106,7 +116,7 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.
 pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>> {
-    solved_in::<T, M>(scene, scene.solver_steps.unwrap_or(COLD_STEPS))
+    solved_in::<T, M>(scene, scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS))
 }
 
 /// The same with another number of Newton steps.
@@ -120,7 +130,7 @@ pub fn solved_in<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Resu
         .and_then(|b| b.with_selected_film(lubricant(scene)))
         .map_err(|e| named(scene, e))?;
     let surface = SurfaceDeviation::<M, _>::new(features(scene));
-    let built: Arc<dyn Solved<T>> = Arc::new(built.with_steps(steps).with_surface(surface));
+    let built: Arc<dyn Solved<T>> = Arc::new(built.with_newton_steps(steps).with_surface(surface));
     Ok(if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built })
 }
 
@@ -149,7 +159,7 @@ pub struct MadeTable {
 pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry)?;
-    let one = [ElementPosition::at(Phase::ZERO)];
+    let one = [ElementPosition::from_azimuth(Phase::ZERO)];
     let plain = QuasiStatic::<f64, ballrace::Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
     let seat = plain.table_constants();
     let grid = domain.grid().map_err(|e| named(of, e))?;
@@ -158,7 +168,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
         .with_selected_inertia(&inertia_params(of))
         .and_then(|b| b.with_selected_film(lubricant(of)))
         .map_err(|e| named(of, e))?;
-    let open = fill(&full, &domain, &grid, &mut nodes);
+    let open = fill_table(&full, &domain, &grid, &mut nodes);
     if open > 0 {
         bail!(
             "{}: bearing {}: table: found {open} of {} states in which a ball has no equilibrium, allowed: none; a smaller approach, angle or speed range in table = {{ ... }} leaves them out",
@@ -183,7 +193,7 @@ const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
 const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
 
 /// What the table of a bearing is made for: what the scene says, else up to the static limit, about its angle and speed.
-fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(Domain, bool)> {
+fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(TableDomain, bool)> {
     let given = of.table.unwrap_or_default();
     let contact = geometry.contact(Race::Inner);
     let (_, _, pressure) = contact.ellipse(1.0);
@@ -210,7 +220,10 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
     let [nx, na, nv] = given.intervals.unwrap_or([approach, angle, if narrow { about_one } else { over_many }]);
     let intervals = [nx, na, if still || speed[0] == speed[1] { 0 } else { nv }];
     let approach = given.approach.unwrap_or([-0.5 * most, most]);
-    Ok((Domain { approach, angle: given.angle.unwrap_or(angles), speed, turning, intervals }, by_outer))
+    Ok((
+        TableDomain { approach, angle: given.angle.unwrap_or(angles), speed, speed_ratios: turning, intervals },
+        by_outer,
+    ))
 }
 
 pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>> {

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::{Axial, Radial};
 use ballrace::bearing::{Bearing, Reaction};
-use ballrace::contact::law::{Law, Line, Point, Power};
+use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::{BearingKinematicState, Displacement, Math, Scalar, Stiffness};
 use std::sync::Arc;
 
@@ -61,7 +61,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T> {
             [] => kind.reaction(u, at),
             points => kind.reaction_flexible(u, at, points),
         };
-        self.kinds().map(one).fold(Reaction::default(), Reaction::plus)
+        self.kinds().map(one).fold(Reaction::default(), |sum, one| sum + one)
     }
 
     fn reaction_and_stiffness(
@@ -75,7 +75,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T> {
             points => kind.reaction_and_stiffness_flexible(u, at, points),
         };
         let start = (Reaction::default(), Stiffness::from_element(T::ZERO));
-        self.kinds().map(one).fold(start, |(sum, stiffness), (reaction, k)| (sum.plus(reaction), stiffness + k))
+        self.kinds().map(one).fold(start, |(sum, stiffness), (reaction, k)| (sum + reaction, stiffness + k))
     }
 
     /// Of the radial elements, which show the load zone; on a displaced housing the size of the reaction on each point.
@@ -98,9 +98,9 @@ pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyB
     let (stiffness, exponent, play) = law(scene)?;
     let stiffness = T::from_f64(stiffness);
     match Exponent::of(exponent) {
-        Exponent::Point => with_radial::<T, M, _>(scene, Point { stiffness }, play),
-        Exponent::Line => with_radial::<T, M, _>(scene, Line { stiffness }, play),
-        Exponent::Other => with_radial::<T, M, _>(scene, Power { stiffness, exponent: T::from_f64(exponent) }, play),
+        Exponent::Point => with_radial::<T, M, _>(scene, PointContactLaw { stiffness }, play),
+        Exponent::Line => with_radial::<T, M, _>(scene, LineContactLaw { stiffness }, play),
+        Exponent::Other => with_radial::<T, M, _>(scene, PowerLaw { stiffness, exponent: T::from_f64(exponent) }, play),
     }
 }
 
@@ -130,7 +130,11 @@ pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
     Ok((stiffness, law.map_or(1.5, |l| l.exponent), play))
 }
 
-fn with_radial<T: Scalar, M: Math<T>, L: Law<T, M>>(scene: &BearingScene, law: L, play: f64) -> Result<AnyBearing<T>> {
+fn with_radial<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(
+    scene: &BearingScene,
+    law: L,
+    play: f64,
+) -> Result<AnyBearing<T>> {
     let radial = Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
     let alone = scene.axial.is_none() && scene.housing_displacement.is_empty();
     match uneven::<T, M>(scene) {
@@ -147,10 +151,10 @@ fn with_axial<T: Scalar, M: Math<T>>(scene: &BearingScene, radial: Kind<T>) -> R
         Some(axial) => {
             let stiffness = T::from_f64(axial.stiffness);
             Some(match Exponent::of(axial.exponent) {
-                Exponent::Point => axial_kind::<T, M, _>(scene, Point { stiffness })?,
-                Exponent::Line => axial_kind::<T, M, _>(scene, Line { stiffness })?,
+                Exponent::Point => axial_kind::<T, M, _>(scene, PointContactLaw { stiffness })?,
+                Exponent::Line => axial_kind::<T, M, _>(scene, LineContactLaw { stiffness })?,
                 Exponent::Other => {
-                    axial_kind::<T, M, _>(scene, Power { stiffness, exponent: T::from_f64(axial.exponent) })?
+                    axial_kind::<T, M, _>(scene, PowerLaw { stiffness, exponent: T::from_f64(axial.exponent) })?
                 }
             })
         }
@@ -158,7 +162,7 @@ fn with_axial<T: Scalar, M: Math<T>>(scene: &BearingScene, radial: Kind<T>) -> R
     Ok(facing(scene, Shared(Arc::new(Lumped { radial, axial, housing: housing(scene) }))))
 }
 
-fn axial_kind<T: Scalar, M: Math<T>, L: Law<T, M>>(scene: &BearingScene, law: L) -> Result<Kind<T>> {
+fn axial_kind<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(scene: &BearingScene, law: L) -> Result<Kind<T>> {
     let (play, radius) = scene.axial.map_or((0.0, 0.0), |a| (a.play, a.radius));
     let axial = Axial::<T, M, L, _>::try_new(places(scene), law, play, radius).map_err(|e| named(scene, e))?;
     Ok(Box::new(axial))

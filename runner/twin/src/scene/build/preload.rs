@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
-    Equilibrium, Mounted, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
+    BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
 };
 use ballrace::{BearingKinematicState, Displacement, Phase, Scalar, Stiffness};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ struct Preloaded<T> {
 
 impl<T: Scalar> Preloaded<T> {
     fn with(&self, u: &Displacement<T>) -> Displacement<T> {
-        u.plus(self.offset)
+        *u + self.offset
     }
 }
 
@@ -116,7 +116,7 @@ pub fn loaded(
         load,
     };
     let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
-    let seat = Mounted { bearing: bearing.clone(), station: 0.0, gear: SpeedRatios::new(0.0) };
+    let seat = BearingAtStation { bearing: bearing.clone(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) };
     let machine = RotorBearingSystem { rotor, bearings: [seat] };
     // From where the bearing just carries thrust Newton's method needs a few steps; where that does not lead to rest, the
     // damped fall from zero displacement does.
@@ -151,7 +151,7 @@ fn newton_step(
     for (r, f) in residual.iter_mut().zip(load) {
         *r += f;
     }
-    let next = u.plus(Displacement::from_array(solve(k, residual)));
+    let next = u + Displacement::from_array(solve(k, residual));
     next.is_finite().then_some(next)
 }
 

@@ -3,7 +3,7 @@
 #![no_main]
 
 use baked::bearings::{bearing_de, bearing_nde};
-use ballrace::{Bearing, Displacement, BearingKinematicState, Phase, Wrench};
+use ballrace::{Bearing, BearingKinematicState, Displacement, Phase, Wrench};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use panic_semihosting as _;
@@ -19,7 +19,12 @@ fn displacement(i: u16) -> Displacement<f32> {
 
 fn rotation(i: u16) -> BearingKinematicState<f32> {
     let turn = Phase(u64::from(i) << 57);
-    BearingKinematicState { cage: turn, inner: turn.times(3), inner_speed: 1256.0, ..BearingKinematicState::default() }
+    BearingKinematicState {
+        cage: turn,
+        inner: turn.wrapping_mul(3),
+        inner_speed: 1256.0,
+        ..BearingKinematicState::default()
+    }
 }
 
 fn print(name: &str, i: u16, wrench: &Wrench<f32>, status: u8) {

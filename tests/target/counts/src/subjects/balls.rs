@@ -8,8 +8,8 @@ use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
 use ballrace::bearing::quasi_static::{BallPosition, QuasiStatic};
-use ballrace::bearing::{LastValidWrench, ElementPositions, evenly_spaced};
-use ballrace::{Bearing, Displacement, Exact, BearingKinematicState, Stiffness, Phase, Wrench};
+use ballrace::bearing::{ElementPositions, LastValidWrench, evenly_spaced};
+use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Phase, Stiffness, Wrench};
 use core::hint::black_box;
 
 type Plain = QuasiStatic<f32, Exact, ElementPositions<f32, 8>>;
@@ -21,8 +21,8 @@ const STEEL: InertiaParams = InertiaParams {
     density: 7800.0,
     centrifugal: true,
     gyroscopic: true,
-    control: RaceControl::Outer,
-    sharing: FrictionSharing::Outer,
+    race_control: RaceControl::Outer,
+    friction_sharing: FrictionSharing::Outer,
 };
 
 /// The spindle bearing that the baked scene has too.
@@ -41,7 +41,15 @@ fn plain() -> Option<Plain> {
 
 fn turning(i: u32) -> (Displacement<f32>, BearingKinematicState<f32>) {
     let (u, cage) = input::<f32>(i);
-    (u, BearingKinematicState { cage, inner: cage.times(2), inner_speed: 1256.0, ..BearingKinematicState::default() })
+    (
+        u,
+        BearingKinematicState {
+            cage,
+            inner: cage.wrapping_mul(2),
+            inner_speed: 1256.0,
+            ..BearingKinematicState::default()
+        },
+    )
 }
 
 #[inline(never)]
@@ -50,7 +58,11 @@ fn force<B: Bearing<f32>>(bearing: &B, u: &Displacement<f32>, at: &BearingKinema
 }
 
 #[inline(never)]
-fn tangent<B: Bearing<f32>>(bearing: &B, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> (Wrench<f32>, Stiffness<f32>) {
+fn tangent<B: Bearing<f32>>(
+    bearing: &B,
+    u: &Displacement<f32>,
+    at: &BearingKinematicState<f32>,
+) -> (Wrench<f32>, Stiffness<f32>) {
     let (reaction, k) = bearing.reaction_and_stiffness(u, at);
     (reaction.wrench, k)
 }
@@ -89,7 +101,7 @@ pub fn all(bench: &Bench) {
     if let Ok(wet) = massive.with_film(Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 }) {
         bearing(bench, "quasi-static, gyroscopic, film", 8, wet);
     }
-    from_where_the_balls_were(bench, massive.with_steps(WARM_STEPS));
+    from_where_the_balls_were(bench, massive.with_newton_steps(WARM_STEPS));
 
     let table = black_box(bearing_de::bearing());
     bearing(bench, "tabulated", 8, table);
@@ -109,11 +121,17 @@ pub fn all(bench: &Bench) {
     bearing(bench, "tabulated, friction, wave, spall, mirrored", 9, bearing_nde::bearing());
 }
 
-type Massive = QuasiStatic<f32, Exact, ElementPositions<f32, 8>, ballrace::bearing::quasi_static::inertia::OuterControlled<f32>>;
+type Massive =
+    QuasiStatic<f32, Exact, ElementPositions<f32, 8>, ballrace::bearing::quasi_static::inertia::OuterControlled<f32>>;
 
 #[inline(never)]
-fn warm(bearing: &Massive, balls: &mut [BallPosition<f32>; 8], u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Wrench<f32> {
-    bearing.reaction_from(u, at, balls).wrench
+fn warm(
+    bearing: &Massive,
+    balls: &mut [BallPosition<f32>; 8],
+    u: &Displacement<f32>,
+    at: &BearingKinematicState<f32>,
+) -> Wrench<f32> {
+    bearing.warm_started_reaction(u, at, balls).wrench
 }
 
 fn from_where_the_balls_were(bench: &Bench, bearing: Massive) {

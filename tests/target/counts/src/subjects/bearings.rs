@@ -5,9 +5,9 @@ use crate::measure::{Bench, Name};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{ElementLayout, LastValidWrench, CageFrame, Reaction, even_pairs, evenly_spaced};
-use ballrace::contact::law::{Line, Point, Power};
-use ballrace::{Bearing, Displacement, Math, Scalar, Status, Stiffness, Phase, Wrench};
+use ballrace::bearing::{CageFrame, ElementLayout, LastValidWrench, Reaction, evenly_spaced, evenly_spaced_pairs};
+use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
+use ballrace::{Bearing, Displacement, Math, Phase, Scalar, Status, Stiffness, Wrench};
 use core::hint::black_box;
 
 /// Forces of all rungs; the other functions for 8 and 9 elements in the precision and math that firmware takes.
@@ -21,9 +21,9 @@ pub fn all<T: Scalar, M: Math<T>>(bench: &Bench, precision: &'static str, math: 
     rungs.of::<T, M, _>(8, evenly_spaced::<T, 8>(Phase::ZERO));
     rungs.of::<T, M, _>(9, evenly_spaced::<T, 9>(Phase::ZERO));
     rungs.of::<T, M, _>(16, evenly_spaced::<T, 16>(Phase::ZERO));
-    rungs.of_pairs::<T, M, _>(4, even_pairs::<T, 2>(Phase::ZERO));
-    rungs.of_pairs::<T, M, _>(8, even_pairs::<T, 4>(Phase::ZERO));
-    rungs.of_pairs::<T, M, _>(16, even_pairs::<T, 8>(Phase::ZERO));
+    rungs.of_pairs::<T, M, _>(4, evenly_spaced_pairs::<T, 2>(Phase::ZERO));
+    rungs.of_pairs::<T, M, _>(8, evenly_spaced_pairs::<T, 4>(Phase::ZERO));
+    rungs.of_pairs::<T, M, _>(16, evenly_spaced_pairs::<T, 8>(Phase::ZERO));
 }
 
 #[inline(never)]
@@ -33,13 +33,13 @@ fn force<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Phase
 
 #[inline(never)]
 fn in_cage<T: Scalar, B: CageFrame<T>>(bearing: &B, u: &Displacement<T>, cage: Phase) -> Wrench<T> {
-    bearing.reaction_in_cage(u, &cage.into()).wrench
+    bearing.reaction_in_cage_frame(u, &cage.into()).wrench
 }
 
 /// What a radial bearing has to say: two forces.
 #[inline(never)]
 fn radial_in_cage<T: Scalar, B: CageFrame<T>>(bearing: &B, u: T, v: T, cage: Phase) -> (T, T) {
-    let wrench = bearing.reaction_in_cage(&Displacement { u, v, ..Displacement::default() }, &cage.into()).wrench;
+    let wrench = bearing.reaction_in_cage_frame(&Displacement { u, v, ..Displacement::default() }, &cage.into()).wrench;
     (wrench.fx, wrench.fy)
 }
 
@@ -105,8 +105,9 @@ impl Rungs<'_> {
     }
 
     fn of<T: Scalar, M: Math<T>, P: ElementLayout<T> + Copy>(&self, n: usize, places: P) {
-        let (point, line) = (Point { stiffness: T::from_f64(8e9) }, Line { stiffness: T::from_f64(3e8) });
-        let power = Power { stiffness: T::from_f64(2e9), exponent: T::from_f64(1.4) };
+        let (point, line) =
+            (PointContactLaw { stiffness: T::from_f64(8e9) }, LineContactLaw { stiffness: T::from_f64(3e8) });
+        let power = PowerLaw { stiffness: T::from_f64(2e9), exponent: T::from_f64(1.4) };
         if let Ok(bearing) = Radial::<T, M, _, _>::try_new(places, point, 5e-6) {
             self.radial_in_cage("radial 3/2", n, &bearing);
             self.bearing("radial 3/2", n, bearing);
@@ -125,7 +126,7 @@ impl Rungs<'_> {
     }
 
     fn of_pairs<T: Scalar, M: Math<T>, P: ElementLayout<T> + Copy>(&self, n: usize, places: P) {
-        let point = Point { stiffness: T::from_f64(8e9) };
+        let point = PointContactLaw { stiffness: T::from_f64(8e9) };
         if let Ok(bearing) = Radial::<T, M, _, _>::try_new(places, point, 5e-6) {
             self.radial_in_cage("radial 3/2, pairs", n, &bearing);
             self.bearing("radial 3/2, pairs", n, bearing);

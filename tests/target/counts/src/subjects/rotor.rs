@@ -6,10 +6,11 @@ use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::evenly_spaced;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::rotor::{
-    AttachedElement, Attachment, ForceElement, ShaftMotion, SpeedRatios, LinearSystem, Integrator, InvalidMatrix, RotorBearingSystem, Newmark, RotorState,
-    RungeKutta4, SteadyVerlet, Support, SecondOrderSystem, Verlet, supported,
+    AttachedBearing, Attachment, ForceElement, Integrator, InvalidMatrix, LinearSystem, Newmark, RotorBearingSystem,
+    RotorState, RungeKutta4, SecondOrderSystem, ShaftMotion, SpeedRatios, SteadyVerlet, Support, Verlet,
+    supported_rotor,
 };
-use ballrace::{Exact, Math, Scalar, Status, Phase};
+use ballrace::{Exact, Math, Phase, Scalar, Status};
 use core::hint::black_box;
 use rig::{Ball, CAGE_RATIO, Rig, geometry, machine, params};
 
@@ -49,7 +50,7 @@ fn step<T: Scalar, I: Integrator<T>, R: SecondOrderSystem<T, D>, C: ForceElement
 }
 
 /// The same rotor with its two bearings in supports: nine coordinates from matrices.
-type SupportedRig<T> = RotorBearingSystem<LinearSystem<T, Exact, 9>, AttachedElement<T, Ball<T>, 9>, 2>;
+type SupportedRig<T> = RotorBearingSystem<LinearSystem<T, Exact, 9>, AttachedBearing<T, Ball<T>, 9>, 2>;
 
 fn supported_rig<T: Scalar>() -> Result<SupportedRig<T>, InvalidParameter>
 where
@@ -57,14 +58,17 @@ where
 {
     let bearing = Angular::try_new(geometry()?, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred)?;
     let support = Support { mass: 2.0, stiffness: [[3e7, 0.0], [0.0, 2e7]], damping: [[200.0, 0.0], [0.0, 200.0]] };
-    let matrices = supported::<9>(&params(), &[], &[support; 2])?;
+    let matrices = supported_rotor::<9>(&params(), &[], &[support; 2])?;
     let refused = |e: InvalidMatrix| InvalidParameter { name: e.matrix, found: e.found, allowed: e.allowed };
-    let at = |i: usize, station| AttachedElement {
+    let at = |i: usize, station| AttachedBearing {
         bearing,
         attachment: Attachment::on_rigid_rotor(station, Some(5 + 2 * i)),
-        gear: SpeedRatios::new(CAGE_RATIO),
+        speed_ratios: SpeedRatios::new(CAGE_RATIO),
     };
-    Ok(RotorBearingSystem { rotor: LinearSystem::try_new(&matrices).map_err(refused)?, bearings: [at(0, -0.1), at(1, 0.1)] })
+    Ok(RotorBearingSystem {
+        rotor: LinearSystem::try_new(&matrices).map_err(refused)?,
+        bearings: [at(0, -0.1), at(1, 0.1)],
+    })
 }
 
 fn steps<T: Scalar, I: Integrator<T>, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
@@ -84,7 +88,7 @@ fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, ShaftMotion
     for (entry, x) in q.iter_mut().zip(u.to_array()) {
         *entry = x;
     }
-    let state = RotorState::at_rest(q, angle.times(3), [angle, angle.times(5)]);
+    let state = RotorState::stationary(q, angle.wrapping_mul(3), [angle, angle.wrapping_mul(5)]);
     let speed = if i.is_multiple_of(7) { u.u } else { u.w * T::from_f64(1e7) };
     (state, ShaftMotion { angle, speed, acceleration: T::ZERO })
 }

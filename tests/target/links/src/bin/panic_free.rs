@@ -12,16 +12,16 @@ use ballrace::bearing::quasi_static::inertia::{Centrifugal, Gyroscopic, Inertia,
 use ballrace::bearing::quasi_static::{BallPosition, BallState, QuasiStatic};
 use ballrace::bearing::surface::{Feature, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Node, Tabulated};
-use ballrace::bearing::{LastValidWrench, CageFrame, Mirrored, OpposedPairs, ElementPosition, ElementPositions};
-use ballrace::contact::law::{Law, Line, Point, Power};
+use ballrace::bearing::{CageFrame, ElementPosition, ElementPositions, LastValidWrench, Mirrored, OpposedPairs};
+use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
-use ballrace::rotor::{
-    AttachedElement, ForceElement, ShaftMotion, LinearSystem, Integrator, RotorBearingSystem, Mounted, MovingBalls, Newmark, RigidRotor, RotorState,
-    RungeKutta4, SteadyVerlet, SecondOrderSystem, Verlet,
-};
 use ballrace::phase::{PhaseDelta, SpeedRatio};
+use ballrace::rotor::{
+    AttachedBearing, BearingAtStation, ForceElement, Integrator, LinearSystem, MovingBalls, Newmark, RigidRotor,
+    RotorBearingSystem, RotorState, RungeKutta4, SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
+};
 use ballrace::twin::{Envelope, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
-use ballrace::{Bearing, Displacement, Exact, Fast, Math, BearingKinematicState, Scalar, Stiffness, Phase, Wrench};
+use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Fast, Math, Phase, Scalar, Stiffness, Wrench};
 use core::hint::black_box;
 use panic_never as _;
 
@@ -41,14 +41,14 @@ fn bearing<T: Scalar, B: Bearing<T>>() {
     black_box(bearing.reaction_and_stiffness(&u, &at));
     black_box(bearing.sample(&mut held, &u, &at));
     bearing.element_loads(&u, &at, given::<&mut [T]>());
-    black_box(held.held());
+    black_box(held.held_count());
 }
 
 fn in_cage<T: Scalar, B: CageFrame<T> + Bearing<T>>() {
     let (bearing, u, cage): (B, Displacement<T>, Phase) = given();
-    black_box(bearing.reaction_in_cage(&u, &cage.into()));
-    black_box(bearing.reaction_in_cage_and_stiffness(&u, &cage.into(), given()));
-    bearing.element_loads_in_cage(&u, &given(), given::<&mut [T]>());
+    black_box(bearing.reaction_in_cage_frame(&u, &cage.into()));
+    black_box(bearing.reaction_and_stiffness_in_cage_frame(&u, &cage.into(), given()));
+    bearing.element_loads_in_cage_frame(&u, &given(), given::<&mut [T]>());
     self::bearing::<T, B>();
     self::bearing::<T, Mirrored<B>>();
 }
@@ -59,7 +59,7 @@ fn flexible<T: Scalar, B: FlexibleRing<T>>() {
     black_box(bearing.reaction_and_stiffness_flexible(&u, &cage.into(), given::<&mut [HousingPoint<T>]>()));
 }
 
-fn lumped<T: Scalar, M: Math<T>, L: Law<T, M>>() {
+fn lumped<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>() {
     type Slice<T> = &'static [ElementPosition<T>];
     in_cage::<T, Radial<T, M, L, ElementPositions<T, 9>>>();
     in_cage::<T, Radial<T, M, L, ElementPositions<T, 9>, SurfaceDeviation<M, [Feature<T>; 2]>>>();
@@ -83,8 +83,8 @@ fn steps<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: 
 }
 
 fn rotor<T: Scalar, M: Math<T>, B: Bearing<T>>() {
-    steps::<T, RigidRotor<T, M>, Mounted<T, B>, 5>();
-    steps::<T, LinearSystem<T, M, 9>, AttachedElement<T, B, 9>, 9>();
+    steps::<T, RigidRotor<T, M>, BearingAtStation<T, B>, 5>();
+    steps::<T, LinearSystem<T, M, 9>, AttachedBearing<T, B, 9>, 9>();
 }
 
 fn solved<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>>() {
@@ -96,8 +96,8 @@ fn solved<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>>() {
     black_box(bearing.ring_reactions(&u, &given(), &at));
     black_box(bearing.condensed_stiffness(&u, &at));
     bearing.ball_states(&u, &at, given::<&mut [BallState<T>]>());
-    bearing.place_balls(&u, &at, given::<&mut [BallPosition<T>]>());
-    black_box(bearing.reaction_from(&u, &at, given::<&mut [BallPosition<T>]>()));
+    bearing.initial_ball_positions(&u, &at, given::<&mut [BallPosition<T>]>());
+    black_box(bearing.warm_started_reaction(&u, &at, given::<&mut [BallPosition<T>]>()));
 }
 
 fn looked_up<T: Scalar, M: Math<T>, const F: usize>() {
@@ -110,13 +110,13 @@ fn functions<T: Scalar, M: Math<T>>() {
     black_box((M::sqrt_each::<9>(given()), M::three_halves::<9>(given())));
     let (u, f, k): (Displacement<T>, Wrench<T>, Stiffness<T>) = given();
     black_box((u.mirrored(), u.at_station(given()), u.is_finite(), Displacement::<T>::from_hajzman(given())));
-    black_box((f.mirrored(), f.from_station(given()), f.is_finite(), f.to_hajzman(), f.plus(given())));
+    black_box((f.mirrored(), f.from_station(given()), f.is_finite(), f.to_hajzman(), f + given()));
     black_box((mirrored_stiffness(&k), stiffness_from_station(&k, given())));
     black_box((PhaseDelta::from_radians(given::<T>()), given::<PhaseDelta>().radians::<T>()));
 }
 
 fn twin<T: Scalar, M: Math<T>>() {
-    type SampleReadings<T, M> = Mounted<T, Angular<T, M, ElementPositions<T, 9>>>;
+    type SampleReadings<T, M> = BearingAtStation<T, Angular<T, M, ElementPositions<T, 9>>>;
     type Gains<T> = &'static [SpeedGain<T, 5>];
     type OfFive<T, M> = Observer<T, RigidRotor<T, M>, SampleReadings<T, M>, Verlet<T>, Gains<T>, 2, 5>;
     let observer: OfFive<T, M> = given();
@@ -134,9 +134,9 @@ fn all<T: Scalar, M: Math<T>>() {
     functions::<T, M>();
     twin::<T, M>();
     bearing::<T, Linear<T>>();
-    lumped::<T, M, Point<T>>();
-    lumped::<T, M, Line<T>>();
-    lumped::<T, M, Power<T>>();
+    lumped::<T, M, PointContactLaw<T>>();
+    lumped::<T, M, LineContactLaw<T>>();
+    lumped::<T, M, PowerLaw<T>>();
     in_cage::<T, Angular<T, M, ElementPositions<T, 9>>>();
     in_cage::<T, Angular<T, M, &'static [ElementPosition<T>], SurfaceDeviation<M, &'static [Feature<T>]>>>();
     in_cage::<T, Angular<T, M, OpposedPairs<T, 4>>>();
@@ -158,8 +158,14 @@ fn main() -> ! {
     all::<f64, Exact>();
     all::<f64, Fast>();
     let (turn, arc, ratio): (Phase, PhaseDelta, SpeedRatio) = given();
-    black_box((turn.plus(given()), turn.since(given()), turn.advanced(arc), turn.reversed(), turn.times(given())));
-    black_box((turn.opposite(), ratio.of(arc)));
+    black_box((
+        turn.wrapping_add(given()),
+        turn.since(given()),
+        turn.advanced(arc),
+        turn.reversed(),
+        turn.wrapping_mul(given()),
+    ));
+    black_box((turn.opposite(), ratio.apply(arc)));
     loop {
         core::hint::spin_loop();
     }

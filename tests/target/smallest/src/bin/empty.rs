@@ -2,7 +2,7 @@
 #![no_std]
 #![no_main]
 
-use ballrace::{Displacement, Status, Phase, Wrench};
+use ballrace::{Displacement, Phase, Status, Wrench};
 use core::hint::black_box;
 use cortex_m_rt::entry;
 use panic_halt as _;

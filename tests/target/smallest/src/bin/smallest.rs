@@ -3,8 +3,8 @@
 #![no_main]
 
 use ballrace::bearing::lumped::Radial;
-use ballrace::bearing::{Bearing, LastValidWrench, OpposedPairs, ElementPosition};
-use ballrace::contact::law::Point;
+use ballrace::bearing::{Bearing, ElementPosition, LastValidWrench, OpposedPairs};
+use ballrace::contact::law::PointContactLaw;
 use ballrace::{Displacement, Exact, Phase};
 use core::f32::consts::FRAC_1_SQRT_2;
 use core::hint::black_box;
@@ -14,16 +14,16 @@ use panic_halt as _;
 const EIGHTH: u64 = 1 << 61;
 
 /// One element of each pair, 45 degrees apart.
-const PLACES: OpposedPairs<f32, 4> = OpposedPairs::new([
-    ElementPosition::ready(1.0, 0.0, Phase(0)),
-    ElementPosition::ready(FRAC_1_SQRT_2, FRAC_1_SQRT_2, Phase(EIGHTH)),
-    ElementPosition::ready(0.0, 1.0, Phase(2 * EIGHTH)),
-    ElementPosition::ready(-FRAC_1_SQRT_2, FRAC_1_SQRT_2, Phase(3 * EIGHTH)),
+const POSITIONS: OpposedPairs<f32, 4> = OpposedPairs::new([
+    ElementPosition::from_constants(1.0, 0.0, Phase(0)),
+    ElementPosition::from_constants(FRAC_1_SQRT_2, FRAC_1_SQRT_2, Phase(EIGHTH)),
+    ElementPosition::from_constants(0.0, 1.0, Phase(2 * EIGHTH)),
+    ElementPosition::from_constants(-FRAC_1_SQRT_2, FRAC_1_SQRT_2, Phase(3 * EIGHTH)),
 ]);
 
 #[entry]
 fn main() -> ! {
-    let Ok(bearing) = Radial::<f32, Exact, _, _>::try_new(PLACES, Point { stiffness: 8e9 }, 5e-6) else {
+    let Ok(bearing) = Radial::<f32, Exact, _, _>::try_new(POSITIONS, PointContactLaw { stiffness: 8e9 }, 5e-6) else {
         loop {
             core::hint::spin_loop();
         }

@@ -11,15 +11,15 @@ use crate::math::Exact;
 
 /// What a table is made for: the ball's states that it must know, and how finely.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Domain {
+pub struct TableDomain {
     /// Least and greatest approach of the rings along the line of groove centres, m; below 0 they leave the ball room.
     pub approach: [f64; 2],
     /// Least and greatest angle of that line, rad.
     pub angle: [f64; 2],
     /// Least and greatest speed, rad/s: of the inner ring, or of the outer where the inner stands.
     pub speed: [f64; 2],
-    /// Speed of the inner and the outer ring over that speed: 1 and 0 for a turning inner ring.
-    pub turning: [f64; 2],
+    /// Speed of the inner and the outer ring over that speed: 1 and 0 for a speed_ratios inner ring.
+    pub speed_ratios: [f64; 2],
     /// Intervals along approach, angle and speed; none along the speed where it is one, or does not matter.
     pub intervals: [usize; 3],
 }
@@ -38,7 +38,7 @@ fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
     }
 }
 
-impl Domain {
+impl TableDomain {
     /// The table's shape.
     ///
     /// # Errors
@@ -100,9 +100,9 @@ fn coordinate(axis: &Axis<f64>, i: usize) -> f64 {
 /// Fills `nodes` (as many as the grid has; what is beyond is left alone) from the bearing's balls.
 ///
 /// Returns how many nodes within the range did not settle.
-pub fn fill<P, I, L, S, const F: usize>(
+pub fn fill_table<P, I, L, S, const F: usize>(
     bearing: &QuasiStatic<f64, Exact, P, I, L, S>,
-    domain: &Domain,
+    domain: &TableDomain,
     grid: &Grid<f64>,
     nodes: &mut [Node<f64, F>],
 ) -> usize
@@ -119,8 +119,8 @@ where
         let speed = coordinate(&grid.speed, r / grid.angle.count).abs();
         let sin = coordinate(&grid.angle, r % grid.angle.count).clamp(-0.999, 0.999);
         let at = BearingKinematicState {
-            inner_speed: speed * domain.turning[0],
-            outer_speed: speed * domain.turning[1],
+            inner_speed: speed * domain.speed_ratios[0],
+            outer_speed: speed * domain.speed_ratios[1],
             ..BearingKinematicState::default()
         };
         for (i, node) in row.iter_mut().enumerate() {
@@ -134,19 +134,19 @@ where
             open += usize::from(!settled && (low..=high).contains(&x));
         }
     }
-    filter(grid, nodes);
+    prefilter(grid, nodes);
     open
 }
 
 /// From values at the nodes to coefficients of the splines that go through them, along approach and angle.
-fn filter<const F: usize>(grid: &Grid<f64>, nodes: &mut [Node<f64, F>]) {
+fn prefilter<const F: usize>(grid: &Grid<f64>, nodes: &mut [Node<f64, F>]) {
     let (nx, na, nv) = (grid.approach.count, grid.angle.count, grid.speed.count);
     for row in 0..na * nv {
-        through(nodes, row * nx, 1, nx);
+        interpolation_coefficients(nodes, row * nx, 1, nx);
     }
     for layer in 0..nv {
         for column in 0..nx {
-            through(nodes, layer * nx * na + column, nx, na);
+            interpolation_coefficients(nodes, layer * nx * na + column, nx, na);
         }
     }
 }
@@ -155,7 +155,7 @@ fn filter<const F: usize>(grid: &Grid<f64>, nodes: &mut [Node<f64, F>]) {
 ///
 /// The ends are taken as constant beyond; the margin keeps what that does away from the declared range. Source: Unser,
 /// Splines: a perfect fit for signal and image processing (1999).
-fn through<const F: usize>(nodes: &mut [Node<f64, F>], start: usize, stride: usize, count: usize) {
+fn interpolation_coefficients<const F: usize>(nodes: &mut [Node<f64, F>], start: usize, stride: usize, count: usize) {
     /// sqrt(8) - 3
     const POLE: f64 = -0.171_572_875_253_809_9;
     const GAIN: f64 = 8.0;
