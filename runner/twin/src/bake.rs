@@ -82,7 +82,7 @@ fn module(scene: &Scene, of: &Bearing) -> Result<(String, Baked)> {
 }
 
 /// Where the bearing is, how its parts turn, its displacement by preload, and its elements.
-fn seat_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -> Result<()> {
+fn position_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -> Result<()> {
     let kinematics = build::kinematics(scene, of)?;
     let plain = build::bearing::<f64, Exact>(scene, of, model)?;
     let offset = build::preload_offset(scene, of, &plain)?.unwrap_or_default().to_array().map(|x| x as f32);
@@ -102,7 +102,7 @@ fn seat_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -
         "    pub const OFFSET: Displacement<f32> = Displacement {{ u: {u:?}, v: {v:?}, w: {w:?}, thu: {thu:?}, thv: {thv:?} }};"
     )?;
     let places = build::places::<f32>(of);
-    writeln!(out, "    /// The elements.\n    pub const PLACES: [ElementPosition<f32>; {}] = [", places.len())?;
+    writeln!(out, "    /// The elements.\n    pub const POSITIONS: [ElementPosition<f32>; {}] = [", places.len())?;
     for place in places {
         let (cos, sin) = place.direction();
         writeln!(out, "        ElementPosition::ready({cos:?}, {sin:?}, Phase(0x{:016x})),", place.azimuth().0)?;
@@ -137,18 +137,18 @@ fn feature_constants(out: &mut String, of: &Bearing) -> Result<()> {
 }
 
 fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fields: usize) -> Result<()> {
-    let seat = made.seat.rounded::<f32>();
+    let constants = made.constants.rounded::<f32>();
     let grid = made.grid.rounded::<f32>();
     writeln!(out, "    use ballrace::bearing::ElementPosition;")?;
     writeln!(out, "    use ballrace::bearing::quasi_static::TableConstants;")?;
     surface_imports(out, of)?;
     writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
     writeln!(out, "    use ballrace::{{Displacement, Exact, Phase}};\n")?;
-    seat_constants(out, scene, of, Model::QuasiStatic)?;
+    position_constants(out, scene, of, Model::QuasiStatic)?;
     writeln!(
         out,
-        "    const SEAT: TableConstants<f32> = TableConstants {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
-        seat.couple, seat.distance, seat.axis, seat.offset, seat.arm
+        "    const CONSTANTS: TableConstants<f32> = TableConstants {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
+        constants.couple, constants.distance, constants.axis, constants.offset, constants.arm
     )?;
     writeln!(out, "    const GRID: Grid<f32> = Grid {{")?;
     for (name, axis) in [("approach", &grid.approach), ("angle", &grid.angle), ("speed", &grid.speed)] {
@@ -219,7 +219,7 @@ fn bearing_function(out: &mut String, of: &Bearing, fields: usize) -> Result<()>
     );
     let kind = if of.facing == Facing::MinusZ { format!("Mirrored<{kind}>") } else { kind };
     writeln!(out, "    /// The bearing's type.\n    pub type Baked = {kind};\n")?;
-    let mut value = "Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER)".to_owned();
+    let mut value = "Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER)".to_owned();
     if features > 0 {
         value += ".with_surface(SurfaceDeviation::new(FEATURES))";
     }

@@ -1,6 +1,6 @@
 //! Models whose forces follow from the displacement at once: springs, lumped elements, variable contact angle.
 
-use super::{feature_constants, seat_constants, surface_imports};
+use super::{feature_constants, position_constants, surface_imports};
 use crate::plant::Plant;
 use crate::scene::build;
 use crate::scene::{Bearing, Facing, Linear, Model, Scene};
@@ -28,7 +28,7 @@ pub fn module(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
 fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let spring = if matches!(of.linear, Some(Linear::Of(_))) {
         let plant = Plant::try_new(scene)?;
-        plant.seats.iter().find(|s| s.name == of.name).context("the bearing has a seat")?.bearing.clone()
+        plant.bearings.iter().find(|s| s.name == of.name).context("the bearing has a mounted")?.bearing.clone()
     } else {
         build::bearing::<f64, Exact>(scene, of, Model::Linear)?
     };
@@ -81,36 +81,36 @@ fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let (kind, value) = law(stiffness, exponent);
     let (surface, with) = surface(of);
     let mut kind = format!("Radial<f32, Exact, {kind}, [ElementPosition<f32>; {n}]{surface}>");
-    let mut value = format!("Radial::ready(PLACES, {value}, {:?}){with}", play as f32);
+    let mut value = format!("Radial::ready(POSITIONS, {value}, {:?}){with}", play as f32);
     if let Some(axial) = of.axial {
         let (axial_law, axial_value) = law(axial.stiffness, axial.exponent);
         kind = format!("Combined<{kind}, Axial<f32, Exact, {axial_law}, [ElementPosition<f32>; {n}]>>");
         let (play, radius) = (axial.play as f32, axial.radius as f32);
-        value = format!("Combined({value}, Axial::ready(PLACES, {axial_value}, {play:?}, {radius:?}))");
+        value = format!("Combined({value}, Axial::ready(POSITIONS, {axial_value}, {play:?}, {radius:?}))");
     }
     imports(
         out,
         of,
         "    use ballrace::bearing::lumped::{Axial, Combined, Radial};\n    use ballrace::contact::law::{Line, Point, Power};",
     )?;
-    seat_constants(out, scene, of, Model::Lumped)?;
+    position_constants(out, scene, of, Model::Lumped)?;
     function(out, of, &kind, &value)
 }
 
 fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let geometry = build::geometry(of)?.context("an angular bearing has a geometry")?;
-    let zero = if of.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching };
-    let seat = AngularConstants::try_new(geometry, zero)?.rounded::<f32>();
+    let datum = if of.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching };
+    let constants = AngularConstants::try_new(geometry, datum)?.rounded::<f32>();
     let (surface, with) = surface(of);
     imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularConstants};")?;
-    seat_constants(out, scene, of, Model::Angular)?;
-    let AngularConstants { stiffness, distance, unloaded, excess, arm } = seat;
+    position_constants(out, scene, of, Model::Angular)?;
+    let AngularConstants { stiffness, distance, unloaded, excess, arm } = constants;
     writeln!(
         out,
-        "    const SEAT: AngularConstants<f32> = AngularConstants {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"
+        "    const CONSTANTS: AngularConstants<f32> = AngularConstants {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"
     )?;
     let kind = format!("Angular<f32, Exact, [ElementPosition<f32>; {}]{surface}>", of.elements);
-    function(out, of, &kind, &format!("Angular::ready(PLACES, SEAT){with}"))
+    function(out, of, &kind, &format!("Angular::ready(POSITIONS, CONSTANTS){with}"))
 }
 
 /// What waviness and damage add to type and value.

@@ -19,7 +19,7 @@ pub mod bearing_de {
     /// By preload, to be added to every displacement.
     pub const OFFSET: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
     /// The elements.
-    pub const PLACES: [ElementPosition<f32>; 8] = [
+    pub const POSITIONS: [ElementPosition<f32>; 8] = [
         ElementPosition::ready(1.0, 0.0, Phase(0x0000000000000000)),
         ElementPosition::ready(0.70710677, 0.70710677, Phase(0x2000000000000000)),
         ElementPosition::ready(6.123234e-17, 1.0, Phase(0x4000000000000000)),
@@ -29,7 +29,7 @@ pub mod bearing_de {
         ElementPosition::ready(-1.8369701e-16, -1.0, Phase(0xc000000000000000)),
         ElementPosition::ready(0.70710677, -0.70710677, Phase(0xe000000000000000)),
     ];
-    const SEAT: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
+    const CONSTANTS: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
     const GRID: Grid<f32> = Grid {
         approach: Axis { count: 25, origin: -0.003913119, density: 2385.1392, range: [-0.002236068, 0.004472136] },
         angle: Axis { count: 17, origin: -0.31660855, density: 11.3336, range: [0.03632432, 0.74219006] },
@@ -543,7 +543,7 @@ pub mod bearing_de {
     /// The bearing, ready for the hot path.
     #[must_use]
     pub fn bearing() -> Baked {
-        Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER)
+        Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER)
     }
 }
 
@@ -567,7 +567,7 @@ pub mod bearing_nde {
     /// By preload, to be added to every displacement.
     pub const OFFSET: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
     /// The elements.
-    pub const PLACES: [ElementPosition<f32>; 9] = [
+    pub const POSITIONS: [ElementPosition<f32>; 9] = [
         ElementPosition::ready(1.0, -0.0, Phase(0x0000000000000000)),
         ElementPosition::ready(0.76604444, -0.64278764, Phase(0xe38e38e38e38e38f)),
         ElementPosition::ready(0.17364818, -0.9848077, Phase(0xc71c71c71c71c71d)),
@@ -578,7 +578,7 @@ pub mod bearing_nde {
         ElementPosition::ready(0.17364818, 0.9848077, Phase(0x38e38e38e38e38e4)),
         ElementPosition::ready(0.76604444, 0.64278764, Phase(0x1c71c71c71c71c72)),
     ];
-    const SEAT: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
+    const CONSTANTS: TableConstants<f32> = TableConstants { couple: 0.18785271, distance: 0.00028, axis: [0.9063078, 0.42261827], offset: 0.0, arm: 0.019376883 };
     const GRID: Grid<f32> = Grid {
         approach: Axis { count: 25, origin: -0.003913119, density: 2385.1392, range: [-0.002236068, 0.004472136] },
         angle: Axis { count: 17, origin: -0.31660855, density: 11.3336, range: [0.03632432, 0.74219006] },
@@ -1096,6 +1096,6 @@ pub mod bearing_nde {
     /// The bearing, ready for the hot path.
     #[must_use]
     pub fn bearing() -> Baked {
-        Mirrored(Tabulated::new(PLACES, SEAT, Table::new(GRID, NODES.as_slice()), BY_OUTER).with_surface(SurfaceDeviation::new(FEATURES)))
+        Mirrored(Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER).with_surface(SurfaceDeviation::new(FEATURES)))
     }
 }

@@ -137,7 +137,7 @@ pub struct MadeTable {
     /// Nodes; the third number is the friction, where the inner contact has one.
     pub nodes: Vec<[f64; 3]>,
     /// The rest.
-    pub seat: TableConstants<f64>,
+    pub constants: TableConstants<f64>,
     /// Whether the third number is needed.
     pub friction: bool,
 }
@@ -151,7 +151,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
     let (domain, by_outer) = domain(scene, of, &geometry)?;
     let one = [ElementPosition::at(Phase::ZERO)];
     let plain = QuasiStatic::<f64, ballrace::Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
-    let seat = plain.table_constants();
+    let constants = plain.table_constants();
     let grid = domain.grid().map_err(|e| named(of, e))?;
     let mut nodes = vec![[0.0; 3]; grid.len()];
     let full = plain
@@ -168,7 +168,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
         );
     }
     let friction = of.effects.gyroscopic && of.effects.sharing != crate::scene::FrictionSharing::Outer;
-    Ok(MadeTable { by_outer, grid, nodes, seat, friction })
+    Ok(MadeTable { by_outer, grid, nodes, constants, friction })
 }
 
 /// Peak pressure up to which a table goes unless the scene says otherwise, Pa: the static limit of ISO 76.
@@ -224,7 +224,7 @@ fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &Ma
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);
     let places = BlockedPositions::<_, Vec<_>>::new(places(of));
-    let bearing = Tabulated::<T, M, _, _, F>::new(places, made.seat.rounded(), table, made.by_outer);
+    let bearing = Tabulated::<T, M, _, _, F>::new(places, made.constants.rounded(), table, made.by_outer);
     Ok(match uneven::<T, M>(of) {
         None => facing(of, shared(bearing)),
         Some(surface) => facing(of, shared(bearing.with_surface(surface))),

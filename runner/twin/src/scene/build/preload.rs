@@ -116,8 +116,8 @@ pub fn loaded(
         load,
     };
     let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
-    let seat = Mounted { bearing: bearing.clone(), station: 0.0, gear: SpeedRatios::new(0.0) };
-    let machine = RotorBearingSystem { rotor, bearings: [seat] };
+    let mounted = Mounted { bearing: bearing.clone(), station: 0.0, gear: SpeedRatios::new(0.0) };
+    let machine = RotorBearingSystem { rotor, bearings: [mounted] };
     // From where the bearing just carries thrust Newton's method needs a few steps; where that does not lead to rest, the
     // damped fall from zero displacement does.
     let start = thrust_start(bearing, load, at);

@@ -45,7 +45,7 @@ pub struct Balls {
 }
 
 impl MountedBearing {
-    /// The seat of one bearing of a scene.
+    /// The mounted of one bearing of a scene.
     ///
     /// # Errors
     /// What the scene does not say for the model, or the kernel refuses.
@@ -60,7 +60,7 @@ impl MountedBearing {
         if !moving {
             kinematics.cage_ratio = 0.0;
         }
-        let (seated, offset) = seated(scene, bearing, model)?;
+        let (loaded, offset) = loaded(scene, bearing, model)?;
         Ok(Self {
             name: bearing.name.clone(),
             station: bearing.station,
@@ -68,7 +68,7 @@ impl MountedBearing {
             first_azimuth: bearing.first_element_azimuth,
             kinematics,
             offset,
-            bearing: seated,
+            bearing: loaded,
             description: describe(bearing),
             solved: (bearing.model == Model::QuasiStatic).then(|| solved(bearing)).transpose()?,
             balls: (model == Model::Dynamic).then(|| build::moving_balls(scene, bearing)).transpose()?,
@@ -109,7 +109,7 @@ fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
 }
 
 /// The bearing with its preload: displaced as given, or until it answers with the force given.
-fn seated(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
+fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
     let plain = build::bearing::<f64, Exact>(scene, bearing, model)?;
     match build::preload_offset(scene, bearing, &plain)? {
         Some(offset) => Ok((build::preloaded(plain, offset), offset)),
