@@ -2,10 +2,12 @@
 
 pub mod bake;
 pub mod campbell;
+pub mod completions;
 pub mod equilibrium;
 pub mod fit;
 pub mod force;
 mod live;
+pub mod man;
 pub mod replay;
 pub mod scenes;
 pub mod simulate;
@@ -85,6 +87,10 @@ pub enum Command {
     Trade(trade::Args),
     /// List or print the scenes that come with the program.
     Scenes(scenes::Args),
+    /// Print the completion script of a shell.
+    Completions(completions::Args),
+    /// Print the manual page of the program or of a subcommand, in roff.
+    Man(man::Args),
 }
 
 impl Command {
@@ -169,6 +175,8 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Fit(args) => fit::run(args, cli.format),
         Command::Trade(args) => trade::run(args, cli.format, cli.error),
         Command::Scenes(args) => scenes::run(args, cli.format),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
     };
     code(done)
 }
