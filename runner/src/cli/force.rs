@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 use ballrace_report::number::fixed;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::error::{UsageError, usage_error};
+use ballrace_twin::error::UsageError;
 use ballrace_twin::force::{MathBackend, Pose, Precision, forces};
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;
@@ -61,7 +61,7 @@ enum ModelName {
 /// Returns an error if the scene or the displacements are invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
-    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(|e| usage_error(&e))?;
+    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(UsageError::new)?;
     let model = match args.model {
         None => bearing.model,
         Some(ModelName::Linear) => Model::Linear,
@@ -70,8 +70,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         Some(ModelName::QuasiStatic) => Model::QuasiStatic,
         Some(ModelName::Tabulated) => Model::Tabulated,
     };
-    let turning = |time| build::rotation_at(&scene, bearing, time);
-    turning(0.0).map_err(|e| usage_error(&e))?;
+    let turning = |time| Ok(build::rotation_at(&scene, bearing, time).map_err(UsageError::new)?);
+    turning(0.0)?;
     let rows = read_displacements(&args.displacements, &turning)?;
     let found = forces(&scene, bearing, model, (args.precision, args.math), &rows)?;
     let forces: Vec<Force> = found.into_iter().map(Force::from).collect();

@@ -124,7 +124,7 @@ fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
     // Opening a pipe for a trial would end it for its reader.
     let special = |path: &Path| path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());
     let trial = |path: &Path| if special(path) { Ok(()) } else { AtomicFile::create(path).map(|_| ()) };
-    outputs.iter().try_for_each(|(_, path)| trial(path))
+    Ok(outputs.iter().try_for_each(|(_, path)| trial(path))?)
 }
 
 /// The recording to replay and its path.

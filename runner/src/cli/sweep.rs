@@ -113,9 +113,9 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     write(&section, |out| sweep::sections(out, &rows))?;
     let mut bytes = Vec::new();
     sweep::parquet(&mut bytes, &plan.axes, &rows)?;
-    write(&columns, |out| Ok(out.write_all(&bytes)?))?;
+    write(&columns, |out| out.write_all(&bytes))?;
     let html = report::sweep::html(&scene.name, &plan.axes, &rows)?;
-    write(&page, |out| Ok(out.write_all(html.as_bytes())?))?;
+    write(&page, |out| out.write_all(html.as_bytes()))?;
     if let Some(journal) = journal {
         std::fs::remove_file(&journal).with_context(|| journal.display().to_string())?;
     }
@@ -152,10 +152,10 @@ fn named(output: &Path, end: &str) -> PathBuf {
     PathBuf::from(if end == "sections" { format!("{stem}-sections.csv") } else { format!("{stem}.{end}") })
 }
 
-fn write(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> Result<()>) -> Result<()> {
+fn write(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> std::io::Result<()>) -> Result<()> {
     let mut file = AtomicFile::create(path)?;
     fill(&mut file).with_context(|| format!("{}: this file cannot be written", path.display()))?;
-    file.finish()
+    Ok(file.finish()?)
 }
 
 fn work(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Journal, usize)> {

@@ -2,7 +2,7 @@
 //!
 //! The same operations in the same order, four numbers at a time instead of two: the answers are the same bits.
 
-use crate::scene::build::{AnyBearing, Shared};
+use crate::handle::{AnyBearing, Shared};
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 use std::sync::Arc;

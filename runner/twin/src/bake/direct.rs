@@ -28,7 +28,7 @@ pub fn module(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
 fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let spring = if matches!(of.linear, Some(Linear::Of(_))) {
         let plant = Plant::try_new(scene)?;
-        plant.bearings.iter().find(|s| s.name == of.name).context("the bearing has a mounted")?.bearing.clone()
+        plant.bearings.iter().find(|s| s.name == of.name).context("a mounted bearing of the scene")?.bearing.clone()
     } else {
         build::bearing::<f64, Exact>(scene, of, Model::Linear)?
     };

@@ -13,6 +13,7 @@ pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
 use machine::Fit;
 pub use machine::{LARGEST, MOST_BEARINGS, RigidSystem, RigidTask};
+pub use crate::scene::build::PRESSURE_LIMIT;
 pub use mounted::{Balls, MountedBearing};
 pub use run_in::RunIn;
 pub use system::{Layout, Scales, only_rigid};
@@ -30,8 +31,6 @@ use machine::SystemTask;
 use nalgebra::{Complex, DMatrix};
 use twin::{StartTask, array};
 
-/// Peak pressure of the static limit of ISO 76 for ball bearings, Pa.
-pub const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Part of the load that may be left unbalanced at a static equilibrium.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Most integration steps in one sample period.

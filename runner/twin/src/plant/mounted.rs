@@ -1,10 +1,11 @@
 //! A bearing in its place on the rotor.
 
 use super::warm::{ColdAndFew, WARM_STEPS, Warm};
+pub use crate::scene::build::Balls;
 use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
 use anyhow::Result;
-use ballrace::rotor::{ComponentAngles, MovingBallsParams, ShaftMotion};
+use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{BearingKinematicState, Displacement, Exact};
 use std::sync::Arc;
 
@@ -31,17 +32,6 @@ pub struct MountedBearing {
     pub balls: Option<Balls>,
     /// The quasi-static model cold and with the few steps of a warm start.
     solved: Option<ColdAndFew>,
-}
-
-/// What the `dynamic` model needs besides.
-#[derive(Clone)]
-pub struct Balls {
-    /// As the kernel takes them.
-    pub params: MovingBallsParams,
-    /// N s/m on each ball's radial motion.
-    pub damping: f64,
-    /// Where they stand with the cage at angle 0.
-    pub places: Vec<ballrace::bearing::ElementPosition<f64>>,
 }
 
 impl MountedBearing {
