@@ -19,7 +19,8 @@ const EXCEPTIONS: [(&str, &str); 8] = [
 ];
 
 /// Values for the words that stand for a value. `SCENE`, `NAME` and `F.csv` are names of files of the desk.
-const VALUES: [(&str, &str); 4] = [
+const VALUES: [(&str, &str); 5] = [
+    ("completions SHELL", "completions bash"),
     // The demonstration has two.
     ("force SCENE", "force SCENE --bearing DE"),
     ("--duration D", "--duration '1 ms'"),
@@ -114,7 +115,11 @@ fn documented(kind: Kind) -> BTreeSet<String> {
             let is_name = command.split(' ').count() == 2;
             match command.split_once(" [") {
                 Some((without, optional)) => {
-                    let value = if optional == "NAME]" { "tiwari-balanced" } else { optional.trim_end_matches(']') };
+                    let value = match optional {
+                        "NAME]" => "tiwari-balanced",
+                        "COMMAND]" => "replay",
+                        _ => optional.trim_end_matches(']'),
+                    };
                     lines.extend([without.to_owned(), format!("{without} {value}")]);
                 }
                 None if is_name && !["ballrace watch", "ballrace replay", "ballrace scenes"].contains(&&*command) => {

@@ -7,6 +7,7 @@ mod bad_scene;
 mod bake;
 mod bounds;
 mod chromium;
+mod completions;
 mod contact_angle;
 mod degraded;
 mod documented;

@@ -82,11 +82,12 @@ fn figure(one: &Value, path: &[&str]) -> f64 {
     path.iter().fold(one, |value, key| &value[key]).as_f64().unwrap_or_else(|| panic!("{path:?} of {one}"))
 }
 
-fn find<'a>(all: &'a Value, rung: &str, precision: &str, math: &str) -> &'a Value {
+fn find<'a>(all: &'a Value, model: &str, precision: &str, math: &str) -> &'a Value {
     let all = all["candidates"].as_array().unwrap();
-    let same =
-        |c: &&Value| c["rung"] == rung && c["arithmetic"]["precision"] == precision && c["arithmetic"]["math"] == math;
-    all.iter().find(same).unwrap_or_else(|| panic!("{rung} {precision} {math}"))
+    let same = |c: &&Value| {
+        c["model"] == model && c["arithmetic"]["precision"] == precision && c["arithmetic"]["math"] == math
+    };
+    all.iter().find(same).unwrap_or_else(|| panic!("{model} {precision} {math}"))
 }
 
 #[test]
@@ -114,29 +115,29 @@ fn the_ladder_on_a_spindle() {
             assert!(!beaten, "{c}");
         }
     }
-    let error = |rung: &str, precision: &str| figure(find(&all, rung, precision, "exact"), &["error", "most_99"]);
-    // The dearest rung is the truth but for its last steps; single precision costs its rounding only.
+    let error = |model: &str, precision: &str| figure(find(&all, model, precision, "exact"), &["error", "most_99"]);
+    // The most expensive model is the truth but for its last steps; single precision costs its rounding only.
     assert!(error("quasi-static, centrifugal, gyroscopic", "f64") < 1e-10);
     assert!((1e-9..1e-5).contains(&error("quasi-static, centrifugal, gyroscopic", "f32")));
     // Each effect left out and each coarser table is further off.
     let [full, centrifugal, none] =
         ["quasi-static, centrifugal, gyroscopic", "quasi-static, centrifugal", "quasi-static, no effects"]
-            .map(|rung| error(rung, "f64"));
+            .map(|model| error(model, "f64"));
     assert!(full < 0.1 * centrifugal && centrifugal < none, "{full:e} {centrifugal:e} {none:e}");
     let tables = ["8 x 4", "16 x 8", "32 x 16", "64 x 32"].map(|size| error(&format!("tabulated {size}"), "f64"));
     assert!(tables.windows(2).all(|pair| pair[1] < pair[0]), "{tables:?}");
     // Balls solved one by one without inertia are the closed form.
     assert!((error("angular", "f64") / none - 1.0).abs() < 1e-6);
     // Of the motion too: the nearer model of the force gives the nearer motion.
-    let left = |rung: &str| {
+    let left = |model: &str| {
         let all = all["responses"].as_array().unwrap();
-        let usual = |r: &&Value| r["rung"] == rung && r["usual"] == true && r["precision"] == "f64";
+        let usual = |r: &&Value| r["model"] == model && r["usual"] == true && r["precision"] == "f64";
         figure(all.iter().find(usual).unwrap(), &["error", "residual"])
     };
     assert!(left("quasi-static, centrifugal, gyroscopic") < 0.1 * left("tabulated 8 x 4"));
     assert!(left("tabulated 64 x 32") < left("angular"));
     let why = all["impossible"].as_array().unwrap();
-    assert_eq!(why.iter().map(|w| w["rung"].as_str().unwrap()).collect::<Vec<_>>(), ["linear", "lumped"]);
+    assert_eq!(why.iter().map(|w| w["model"].as_str().unwrap()).collect::<Vec<_>>(), ["linear", "lumped"]);
     assert!(why.iter().all(|w| w["why"].as_str().unwrap().contains("preload")), "{why:?}");
     let page = desk.read("ballrace-trade.html");
     assert_eq!(page.matches("<svg").count(), 3);
@@ -171,7 +172,7 @@ fn what_is_chosen_meets_what_was_asked() {
         "json",
     ];
     let choice = desk.done(&args).json::<Value>()["choice"].clone();
-    assert!(figure(&choice, &["seconds"]) <= 20e-6 && choice["rung"] == "angular", "{choice}");
+    assert!(figure(&choice, &["seconds"]) <= 20e-6 && choice["model"] == "angular", "{choice}");
     assert!(desk.read("fast.toml").contains("model = \"angular\"") && !desk.read("fast.toml").contains("effects"));
     let longer = [
         "trade",
@@ -186,7 +187,7 @@ fn what_is_chosen_meets_what_was_asked() {
     ];
     let choice = desk.done(&longer).json::<Value>()["choice"].clone();
     assert!(
-        choice["rung"].as_str().unwrap().starts_with("quasi-static, centrifugal, gyroscopic")
+        choice["model"].as_str().unwrap().starts_with("quasi-static, centrifugal, gyroscopic")
             && figure(&choice, &["error"]) < 1e-6,
         "{choice}"
     );

@@ -1,4 +1,4 @@
-//! The Campbell table for people: a text for the terminal, a page with the diagram.
+//! Campbell diagram: text for the terminal and HTML page.
 
 use super::equilibrium::page;
 use super::figures::diagram;
@@ -6,7 +6,7 @@ use anyhow::Result;
 use ballrace_twin::campbell::{AtSpeed, Whirl};
 use std::fmt::Write;
 
-/// For the terminal.
+/// Returns the table as text for the terminal.
 #[must_use]
 pub fn text(scene: &str, all: &[AtSpeed]) -> String {
     let mut out = format!("{scene}: natural frequencies in Hz (f forward, b backward whirl), damping in per cent\n\n");
@@ -20,16 +20,16 @@ pub fn text(scene: &str, all: &[AtSpeed]) -> String {
             format!("{:9.2}{whirl} {:5.2}", m.frequency_hz, m.damping_ratio * 100.0)
         };
         let modes: Vec<String> = at.modes.iter().map(mode).collect();
-        // A string takes all that is written.
+        // Writing to a string cannot fail.
         let _ = writeln!(out, "{:8.0} rpm {}", at.speed_rpm, modes.join(" "));
     }
     out
 }
 
-/// The page, one file without references.
+/// Returns the HTML page, one file without external references.
 ///
 /// # Errors
-/// A picture that cannot be drawn.
+/// Returns an error if a figure cannot be drawn.
 pub fn html(scene: &str, all: &[AtSpeed]) -> Result<String> {
     page(scene, "Campbell diagram", &[diagram(all)?], &text(scene, all))
 }

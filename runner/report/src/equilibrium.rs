@@ -24,7 +24,9 @@ pub fn text(settled: &Settled) -> String {
         let part = settled.residual * 100.0;
         line(
             &mut out,
-            &format!("NOT IN EQUILIBRIUM: {part:.2e} % of the load is left; nothing holds it in some direction."),
+            &format!(
+                "NOT IN EQUILIBRIUM: {part:.2e} % of the load is unbalanced; the rotor is unsupported in some direction."
+            ),
         );
     }
     for b in &settled.bearings {
@@ -68,7 +70,7 @@ fn line(out: &mut String, text: &str) {
     out.push('\n');
 }
 
-/// Prints the contact angle that the cage and the orders use, and beside it the one under load.
+/// Prints the contact angle used for cage speed and orders, and the mean angle under load.
 fn kinematics(out: &mut String, b: &BearingSettled) {
     let per_turn = |o: &BearingOrders| {
         format!("cage {:.3}, outer race {:.3}, inner race {:.3} per turn", o.cage, o.outer_race, o.inner_race)
@@ -79,11 +81,17 @@ fn kinematics(out: &mut String, b: &BearingSettled) {
         (None, Some(angle)) => format!("free contact angle {:.2} deg", angle.free.to_degrees()),
         (None, None) => return,
     };
-    line(out, &format!("  kinematics    {source}: the cage and the orders use it"));
+    line(out, &format!("  kinematics    {source}, used for cage speed and orders"));
     line(out, &format!("                {}", per_turn(orders)));
     let loaded = b.contact_angle.and_then(|angle| angle.loaded);
     if let Some((angle, orders)) = loaded.zip(b.orders_under_load.as_ref()) {
-        line(out, &format!("                mean angle under load {:.2} deg: by rolling at it", angle.to_degrees()));
+        line(
+            out,
+            &format!(
+                "                mean angle under load {:.2} deg, pure rolling at this angle:",
+                angle.to_degrees()
+            ),
+        );
         line(out, &format!("                {}", per_turn(orders)));
     }
 }
@@ -136,7 +144,7 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
         return;
     }
     line(out, "");
-    line(out, "What each effect does (this equilibrium without it):");
+    line(out, "Change of this equilibrium when one effect is switched off:");
     line(out, "  effect          u, v, w, um                stiffness X, Y, Z, %       largest load, %");
     for e in effects {
         let [u, v, w, ..] = e.displacement.map(|x| x * 1e6);
@@ -150,17 +158,17 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
     }
 }
 
-/// A page that stands alone.
+/// Returns a self-contained HTML page.
 ///
 /// # Errors
-/// None is known; those of the template and the pictures.
+/// Returns an error if the template or a figure fails.
 pub fn html(settled: &Settled) -> Result<String> {
     let pictures =
         settled.bearings.iter().map(|b| balance(&b.name, &of(settled, &b.name))).collect::<Result<Vec<_>>>()?;
     page(&settled.scene, "equilibrium", &pictures, &text(settled))
 }
 
-/// A page of pictures and words.
+/// Returns a page of figures and preformatted text.
 pub(super) fn page(scene: &str, what: &str, pictures: &[Picture], words: &str) -> Result<String> {
     let mut environment = Environment::new();
     environment.add_template("page.html", PAGE)?;

@@ -1,4 +1,7 @@
-//! The pictures of the report, one SVG element each.
+//! Figures of the reports, one SVG element each.
+//!
+//! A figure of the replay's report is a type in a file of its own that implements [`Figure`], and an entry in
+//! [`REGISTRY`], whose order is that of the report. The other reports call their figures directly.
 
 mod axis;
 mod balance;
@@ -9,6 +12,7 @@ mod cascade;
 mod centreline;
 mod envelope;
 mod force;
+mod full_spectrum;
 mod line;
 mod mark;
 mod one_x;
@@ -27,156 +31,133 @@ pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};
 
 use anyhow::Result;
-use ballrace_twin::replay::outcome::{Block, Orbit, Outcome, ProbeOutcome};
-use line::Point;
-use one_x::OneX;
+use ballrace_twin::replay::outcome::{Outcome, Pictures};
 
-/// One picture with its words.
+/// Figures of the replay's report in its order: shape, time, frequency, force.
+const REGISTRY: &[&dyn Figure] = &[
+    &orbit::Orbits,
+    &centreline::Centrelines,
+    &polar::PolarPlots,
+    &bode::BodePlots,
+    &trace::Traces,
+    &trend::Trends,
+    &spectrum::HalfSpectra,
+    &full_spectrum::FullSpectra,
+    &cascade::Cascades,
+    &envelope::EnvelopeSpectra,
+    &force::BearingForces,
+    &ring::ElementLoadPlots,
+];
+
+/// A kind of figure in the replay's report.
+trait Figure: Sync {
+    /// Returns the heading of its section.
+    fn heading(&self) -> &'static str;
+
+    /// Returns how its pictures are laid out on the page.
+    fn shape(&self) -> Shape {
+        Shape::Wide
+    }
+
+    /// Returns the number of long lines that it draws, by which [`PointBudget`] is shared.
+    fn lines(&self, _data: &Pictures) -> usize {
+        0
+    }
+
+    /// Draws its pictures; none where the outcome lacks the data.
+    ///
+    /// # Errors
+    /// Returns an error if an SVG element cannot be drawn.
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>>;
+}
+
+/// Layout of a section's pictures.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Shape {
+    /// Across the page.
+    Wide,
+    /// Several in a row.
+    Square,
+}
+
+/// A drawn figure with its texts.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Picture {
-    /// What it shows.
+    /// Caption.
     pub(super) title: String,
-    /// What the reader must know to read it; may be empty.
+    /// Explanation; may be empty.
     pub(super) note: String,
     /// An `svg` element.
     pub(super) svg: String,
 }
 
-/// All pictures, by kind.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Gallery {
-    pub(super) orbits: Vec<Picture>,
-    pub(super) centrelines: Vec<Picture>,
-    pub(super) bodes: Vec<Picture>,
-    pub(super) polars: Vec<Picture>,
-    pub(super) traces: Vec<Picture>,
-    pub(super) half_spectra: Vec<Picture>,
-    pub(super) full_spectra: Vec<Picture>,
-    pub(super) cascades: Vec<Picture>,
-    pub(super) envelopes: Vec<Picture>,
-    pub(super) trends: Vec<Picture>,
-    pub(super) forces: Vec<Picture>,
-    pub(super) loads: Vec<Picture>,
+/// All pictures of one kind of figure.
+#[derive(Debug, Clone)]
+pub(super) struct Section {
+    pub(super) heading: &'static str,
+    pub(super) shape: Shape,
+    pub(super) pictures: Vec<Picture>,
 }
 
-/// Points that all lines together may have: about ten bytes each.
+/// Input of every figure.
+struct Context<'a> {
+    outcome: &'a Outcome,
+    data: &'a Pictures,
+    budget: PointBudget,
+    /// Sense of rotation: +1 from +X towards +Y.
+    forward: f64,
+    /// Whether the speed changes during the recording.
+    over_speed: bool,
+}
+
+impl Context<'_> {
+    /// Returns index, name and angle (rad) of each radial probe, where there are enough blocks for a line.
+    fn radial_probes(&self) -> impl Iterator<Item = (usize, &str, f64)> {
+        let probes = self.outcome.probes.iter().enumerate().filter(|_| self.data.blocks.len() > 1);
+        probes.filter_map(|(i, probe)| probe.angle_deg.map(|angle| (i, probe.name.as_str(), angle.to_radians())))
+    }
+}
+
+/// Points of all lines of a report together, of about ten bytes each.
 const POINTS: usize = 160_000;
 
-/// Points that one line may have, so that a report of many probes stays small.
+/// Largest number of points in one line, so that a report of many probes stays small.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Budget(usize);
+struct PointBudget(usize);
 
-impl Budget {
-    fn of(outcome: &Outcome) -> Self {
-        let pictures = &outcome.pictures;
-        let lines = 3 * pictures.traces.len()
-            + 2 * pictures.orbits.len()
-            + 6 * pictures.half_spectra.len()
-            + 2 * pictures.full_spectra.len()
-            + 12 * pictures.forces.len()
-            + 4 * pictures.element_loads.len()
-            + 4 * pictures.traces.len()
-            + pictures.envelopes.len();
+impl PointBudget {
+    fn new(data: &Pictures) -> Self {
+        let lines: usize = REGISTRY.iter().map(|figure| figure.lines(data)).sum();
         Self((POINTS / lines.max(1)).clamp(64, 2000))
     }
 
-    /// For a line over time.
-    pub(super) fn line(self) -> usize {
+    /// Returns the limit of a line over time.
+    fn line(self) -> usize {
         self.0
     }
 
-    /// For a line of a spectrum: one peak for about every half pixel.
-    pub(super) fn spectrum(self) -> usize {
+    /// Returns the limit of a spectrum's line: about one peak for every half pixel.
+    fn spectrum(self) -> usize {
         self.0.min(1000)
     }
 }
 
-/// Draws everything.
-pub(super) fn gallery(outcome: &Outcome) -> Result<Gallery> {
-    let pictures = &outcome.pictures;
-    let budget = Budget::of(outcome);
-    let forward = if outcome.record.mean_speed_rpm < 0.0 { -1.0 } else { 1.0 };
-    let over_speed = outcome.record.speed_changes();
-    Ok(Gallery {
-        orbits: orbits(&pictures.orbits, forward, budget)?,
-        centrelines: centrelines(outcome)?,
-        bodes: if over_speed { bodes(outcome)? } else { vec![] },
-        polars: if over_speed { polars(outcome, forward)? } else { vec![] },
-        traces: each(&pictures.traces, |trace| trace::trace(trace, budget))?,
-        half_spectra: each(&pictures.half_spectra, |half| spectrum::half(half, &pictures.lines, budget))?,
-        full_spectra: each(&pictures.full_spectra, |full| spectrum::full(full, &pictures.lines, budget))?,
-        cascades: each(pictures.cascades.iter().filter(|one| one.slices.len() > 1), |one| {
-            cascade::cascade(one, &pictures.lines, over_speed)
-        })?,
-        envelopes: each(&pictures.envelopes, |one| envelope::envelope(one, budget))?,
-        trends: trends(outcome, budget)?,
-        forces: each(&pictures.forces, |force| force::force(force, budget))?,
-        loads: each(&pictures.element_loads, |loads| ring::loads(loads, budget))?,
-    })
-}
-
-/// Direct and 1X side by side.
-fn orbits(orbits: &[Orbit], forward: f64, budget: Budget) -> Result<Vec<Picture>> {
-    let mut pictures = Vec::new();
-    for direct in orbits {
-        pictures.push(orbit::orbit(direct, forward, budget)?);
-        pictures.extend(orbit::one_x(direct, forward, budget)?);
-    }
-    Ok(pictures)
-}
-
-/// The radial probes with their index and angle (rad), where there are blocks enough for a line.
-fn radial(outcome: &Outcome) -> impl Iterator<Item = (usize, &str, f64)> {
-    let some = outcome.pictures.blocks.len() > 1;
-    let probes = outcome.probes.iter().enumerate().filter(move |_| some);
-    probes.filter_map(|(i, probe)| probe.angle_deg.map(|angle| (i, probe.name.as_str(), angle.to_radians())))
-}
-
-fn bodes(outcome: &Outcome) -> Result<Vec<Picture>> {
-    radial(outcome).map(|(i, name, _)| bode::bode(name, &OneX::new(&outcome.pictures.blocks, i))).collect()
-}
-
-fn polars(outcome: &Outcome, forward: f64) -> Result<Vec<Picture>> {
-    let blocks = &outcome.pictures.blocks;
-    radial(outcome).map(|(i, name, angle)| polar::polar(name, angle, forward, &OneX::new(blocks, i))).collect()
-}
-
-fn trends(outcome: &Outcome, budget: Budget) -> Result<Vec<Picture>> {
-    let pictures = &outcome.pictures;
-    let probes = outcome.probes.iter().enumerate().filter(|_| pictures.blocks.len() > 1);
-    let of = |(probe, named): (usize, &ProbeOutcome)| {
-        let name = named.name.as_str();
-        let limits = pictures.limits.iter().filter(|limit| limit.probe == name).collect();
-        let events = outcome.events.iter().filter(|event| event.probe == name).collect();
-        trend::trend(&trend::Trend { name, probe, blocks: &pictures.blocks, limits, events }, budget)
+/// Draws all figures that have data.
+///
+/// # Errors
+/// Returns an error if an SVG element cannot be drawn.
+pub(super) fn sections(outcome: &Outcome) -> Result<Vec<Section>> {
+    let data = &outcome.pictures;
+    let context = Context {
+        outcome,
+        data,
+        budget: PointBudget::new(data),
+        forward: if outcome.record.mean_speed_rpm < 0.0 { -1.0 } else { 1.0 },
+        over_speed: outcome.record.speed_changes(),
     };
-    probes.map(of).collect()
-}
-
-fn centrelines(outcome: &Outcome) -> Result<Vec<Picture>> {
-    let pictures = &outcome.pictures;
-    let planes = pictures.orbits.iter().zip(&pictures.clearances).filter(|_| pictures.blocks.len() > 1);
-    planes.map(|(orbit, clearance)| centreline::centreline(orbit, &way(outcome, orbit), clearance.as_ref())).collect()
-}
-
-/// Mean places in a plane with their speeds, um.
-fn way(outcome: &Outcome, orbit: &Orbit) -> Vec<(Point, f64)> {
-    let place = |name: &str| outcome.probes.iter().position(|probe| probe.name == name);
-    let [(a, from_a), (b, from_b), ..] = &orbit.probes[..] else { return vec![] };
-    let (Some(a), Some(b)) = (place(a), place(b)) else { return vec![] };
-    let determinant = (from_b - from_a).sin();
-    let mean = |block: &Block| {
-        let (a, b) = (block.probes.get(a)?.mean_um, block.probes.get(b)?.mean_um);
-        let x = (from_b.sin() * a - from_a.sin() * b) / determinant;
-        let y = (from_a.cos() * b - from_b.cos() * a) / determinant;
-        Some(((x, y), block.speed_rpm))
+    let section = |figure: &&dyn Figure| {
+        Ok(Section { heading: figure.heading(), shape: figure.shape(), pictures: figure.draw(&context)? })
     };
-    outcome.pictures.blocks.iter().filter_map(mean).collect()
-}
-
-fn each<'a, T: 'a>(
-    data: impl IntoIterator<Item = &'a T>,
-    draw: impl Fn(&T) -> Result<Picture>,
-) -> Result<Vec<Picture>> {
-    data.into_iter().map(draw).collect()
+    let all = REGISTRY.iter().map(section).collect::<Result<Vec<_>>>()?;
+    Ok(all.into_iter().filter(|section| !section.pictures.is_empty()).collect())
 }

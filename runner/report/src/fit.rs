@@ -1,18 +1,18 @@
-//! A fit in words.
+//! The text and CSV of a fit.
 
 use ballrace_twin::fit::{Fitted, LARGEST_CHI_SQUARE};
 use std::fmt::Write;
 
-/// For people.
+/// Returns the fit as text for the terminal.
 #[must_use]
 pub fn text(found: &Fitted) -> String {
     let mut out = format!(
-        "{} fitted to {}: {} samples, {:.1} turns\n\n",
+        "{} fitted to {}: {} samples, {:.1} revolutions\n\n",
         found.scene, found.recording, found.samples, found.turns
     );
     let _ = writeln!(out, "{:<28} {:>11} {:>11} {:>11} {:>11}  unit", "", "scene", "fitted", "from", "to");
     for p in &found.parameters {
-        let mark = if p.told { "" } else { "  not told" };
+        let mark = if p.identified { "" } else { "  not identifiable" };
         let end = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
         let _ = writeln!(
             out,
@@ -26,7 +26,7 @@ pub fn text(found: &Fitted) -> String {
         );
     }
     if found.consistent {
-        let _ = writeln!(out, "\nThe intervals hold together in 95 of 100 cases.");
+        let _ = writeln!(out, "\nThe intervals have a joint confidence level of 95 %.");
     } else {
         let _ = writeln!(
             out,
@@ -35,12 +35,8 @@ pub fn text(found: &Fitted) -> String {
             found.chi_square_per_reading
         );
     }
-    let _ = writeln!(
-        out,
-        "Squares of what is left over those of the noise: {:.1} for {} readings.\n",
-        found.chi_square, found.readings
-    );
-    let _ = writeln!(out, "{:<16} {:>10} {:>10} {:>10}", "left, um rms", "scene", "fitted", "noise");
+    let _ = writeln!(out, "Chi-squared of the residuals: {:.1} for {} readings.\n", found.chi_square, found.readings);
+    let _ = writeln!(out, "{:<16} {:>10} {:>10} {:>10}", "residual, um rms", "scene", "fitted", "noise");
     for r in &found.residuals {
         let _ = writeln!(out, "{:<16} {:>10.4} {:>10.4} {:>10.4}", r.probe, r.before_um, r.after_um, r.noise_um);
     }
@@ -50,14 +46,14 @@ pub fn text(found: &Fitted) -> String {
     out
 }
 
-/// One row a number.
+/// Returns CSV with one row per parameter.
 #[must_use]
 pub fn csv(found: &Fitted) -> String {
     let mut out = "parameter,unit,scene,fitted,from,to,told\n".to_owned();
     for p in &found.parameters {
         let end = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
         let (low, high) = (end(p.low), end(p.high));
-        let _ = writeln!(out, "{},{},{},{},{low},{high},{}", p.name, p.unit, p.given, p.value, p.told);
+        let _ = writeln!(out, "{},{},{},{},{low},{high},{}", p.name, p.unit, p.given, p.value, p.identified);
     }
     out
 }

@@ -1,6 +1,6 @@
 //! The page: one self-contained HTML file that prints as well as it reads.
 
-use super::figures::{Gallery, Picture, gallery};
+use super::figures::{Picture, Section, Shape, sections};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use anyhow::{Context, Result};
@@ -26,10 +26,10 @@ pub fn html(outcome: &Outcome) -> Result<String> {
     // The name ends in .html: every value is escaped, save those marked as safe.
     environment.add_template(NAME, TEMPLATE).context("reading the report's template")?;
     let template = environment.get_template(NAME).context("reading the report's template")?;
-    template.render(page(outcome, &gallery(outcome)?)).context("writing the report")
+    template.render(page(outcome, &sections(outcome)?)).context("writing the report")
 }
 
-fn page(outcome: &Outcome, gallery: &Gallery) -> Value {
+fn page(outcome: &Outcome, sections: &[Section]) -> Value {
     context! {
         scene => titled(&outcome.scene),
         recording => outcome.recording.as_str(),
@@ -53,7 +53,7 @@ fn page(outcome: &Outcome, gallery: &Gallery) -> Value {
         timing => timing(&outcome.timing),
         flaws => outcome.flaws.iter().map(|flaw| flaw.sentence.clone()).collect::<Vec<_>>(),
         notes => outcome.notes.clone(),
-        galleries => galleries(gallery),
+        galleries => galleries(sections),
     }
 }
 
@@ -256,30 +256,17 @@ fn quantiles(name: &str, times: &Quantiles) -> Value {
     context! { name => name, figures => figures.to_vec() }
 }
 
-/// Headings in the order in which an engineer looks: shape, time, frequency, force.
-fn galleries(gallery: &Gallery) -> Vec<Value> {
-    let kinds: [(&str, &str, &[Picture]); 12] = [
-        ("Orbits", "square", &gallery.orbits),
-        ("Shaft centrelines", "square", &gallery.centrelines),
-        ("Polar plots", "square", &gallery.polars),
-        ("Bode plots", "wide", &gallery.bodes),
-        ("Time traces", "wide", &gallery.traces),
-        ("Trends", "wide", &gallery.trends),
-        ("Spectra", "wide", &gallery.half_spectra),
-        ("Full spectra", "wide", &gallery.full_spectra),
-        ("Spectra one after the other", "wide", &gallery.cascades),
-        ("Envelope spectra", "wide", &gallery.envelopes),
-        ("Bearing forces", "wide", &gallery.forces),
-        ("Load on the rolling elements", "wide", &gallery.loads),
-    ];
-    let shown = kinds.into_iter().filter(|kind| !kind.2.is_empty());
-    shown
-        .map(|(heading, shape, pictures)| {
-            let shared = shared_note(pictures);
-            let pictures: Vec<Value> = pictures.iter().map(|one| picture(one, shared.is_empty())).collect();
-            context! { heading => heading, shape => shape, note => shared, pictures => pictures }
-        })
-        .collect()
+fn galleries(sections: &[Section]) -> Vec<Value> {
+    let gallery = |section: &Section| {
+        let shape = match section.shape {
+            Shape::Square => "square",
+            Shape::Wide => "wide",
+        };
+        let shared = shared_note(&section.pictures);
+        let pictures: Vec<Value> = section.pictures.iter().map(|one| picture(one, shared.is_empty())).collect();
+        context! { heading => section.heading, shape => shape, note => shared, pictures => pictures }
+    };
+    sections.iter().map(gallery).collect()
 }
 
 /// The note of all pictures, when they have the same: it is said once, under the heading.

@@ -1,17 +1,17 @@
-//! The page of a sweep: response curve, bifurcation diagram, waterfall.
+//! HTML page of a sweep: response curve, bifurcation diagram, waterfall.
 
 use super::equilibrium::page;
 use super::figures::{Curve, bifurcation, response, waterfall};
 use anyhow::Result;
 use ballrace_twin::sweep::{Axis, Row};
 
-/// Ways through the other axes that the pictures show.
+/// Largest number of curves in a figure.
 const MOST_CURVES: usize = 6;
 
-/// The page, one file without references.
+/// Returns the HTML page, one file without external references.
 ///
 /// # Errors
-/// A picture that cannot be drawn.
+/// Returns an error if a figure cannot be drawn.
 pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
     let Some(first) = axes.first() else { return page(scene, "sweep", &[], "") };
     let title = if first.unit.is_empty() { first.key.clone() } else { format!("{}, {}", first.key, first.unit) };
@@ -35,7 +35,7 @@ pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
     let mut words =
         format!("{} points over {}.", rows.len(), axes.iter().map(|a| a.key.as_str()).collect::<Vec<_>>().join(", "));
     if all > MOST_CURVES {
-        words += &format!(" The pictures show {MOST_CURVES} of {all} ways; the tables have all.");
+        words += &format!(" The figures show {MOST_CURVES} of {all} curves; the tables contain all.");
     }
     page(scene, "sweep", &pictures, &words)
 }
@@ -44,7 +44,7 @@ fn along(row: &Row) -> f64 {
     row.values.first().copied().unwrap_or(0.0)
 }
 
-/// The other axes' values and the way.
+/// Names a curve by the values of the other axes and the direction.
 fn named(axes: &[Axis], row: &Row) -> String {
     let others = axes.iter().zip(&row.values).skip(1).map(|(axis, value)| {
         let key = axis.key.rsplit('.').next().unwrap_or(&axis.key);
@@ -52,5 +52,5 @@ fn named(axes: &[Axis], row: &Row) -> String {
     });
     let way = (row.way != "rest").then(|| row.way.clone());
     let all: Vec<String> = others.chain(way).collect();
-    if all.is_empty() { "from rest".to_owned() } else { all.join(", ") }
+    if all.is_empty() { "from equilibrium".to_owned() } else { all.join(", ") }
 }

@@ -1,4 +1,4 @@
-//! A trade for people: tables for the terminal, a page with the fronts.
+//! Comparison of models: tables for the terminal and for programs, HTML page with the Pareto fronts.
 
 use super::equilibrium::page;
 use super::figures::{Dot, front};
@@ -6,27 +6,27 @@ use anyhow::Result;
 use ballrace_twin::trade::{Candidate, Choice, Response, Trade};
 use std::fmt::Write;
 
-/// For the terminal: what is exact or on a front, and motions by the integrator that a scene takes by itself. The page and
-/// the tables for programs have all.
+/// Returns the comparison as text for the terminal: candidates in exact math or on a Pareto front, and motions by the
+/// default integrator. The HTML page, JSON and CSV contain all candidates.
 #[must_use]
 pub fn text(trade: &Trade) -> String {
     let mut out = String::new();
     let Trade { scene, motion, poses, truth, largest_load, .. } = trade;
-    line(&mut out, &format!("{scene}: speed against accuracy at {poses} poses of each bearing from the {motion}"));
+    line(&mut out, &format!("{scene}: cost and accuracy at {poses} poses of each bearing from the {motion}"));
     line(
         &mut out,
-        &format!("Truth: {truth}, f64, converged. Errors are relative to the largest load, {largest_load:.4} N."),
+        &format!("Reference: {truth}, f64, converged. Errors are relative to the largest load, {largest_load:.4} N."),
     );
     forces(&mut out, &trade.candidates);
     if !trade.responses.is_empty() {
         motions(&mut out, &trade.responses);
     }
     if !trade.impossible.is_empty() {
-        line(&mut out, "\nNot possible in this scene:");
+        line(&mut out, "\nNot applicable to this scene:");
         let mut rest = trade.impossible.as_slice();
         while let Some(first) = rest.first() {
             let same = rest.iter().take_while(|one| one.why == first.why).count();
-            let names: Vec<&str> = rest.iter().take(same).map(|one| one.rung.as_str()).collect();
+            let names: Vec<&str> = rest.iter().take(same).map(|one| one.model.as_str()).collect();
             line(&mut out, &format!("  {}: {}", names.join("; "), first.why));
             rest = rest.get(same..).unwrap_or_default();
         }
@@ -34,13 +34,13 @@ pub fn text(trade: &Trade) -> String {
     out
 }
 
-/// What was chosen, in a sentence.
+/// Returns a sentence that describes the chosen model.
 #[must_use]
 pub fn chosen(choice: &Choice) -> String {
-    let Choice { rung, precision, error, cost, unit, seconds } = choice;
+    let Choice { model, precision, error, cost, unit, seconds } = choice;
     let time = seconds.map_or(String::new(), |s| format!(" ({:.3} us)", s * 1e6));
     format!(
-        "Take {rung} in {precision}: off by {} in 99 of 100 poses, {cost:.0} {unit}{time} for one force of every bearing.",
+        "Recommended: {model} in {precision}: error {} at the 99th percentile of poses, {cost:.0} {unit}{time} for one force of every bearing.",
         percent(*error)
     )
 }
@@ -50,7 +50,7 @@ fn line(out: &mut String, text: &str) {
     out.push('\n');
 }
 
-/// Relative to 1, as people read it.
+/// Formats a ratio as per cent.
 fn percent(x: f64) -> String {
     match x * 100.0 {
         p if !p.is_finite() => "-".to_owned(),
@@ -64,7 +64,7 @@ fn percent(x: f64) -> String {
 fn forces(out: &mut String, candidates: &[Candidate]) {
     line(
         out,
-        "\nForces of all bearings, one sample (* nothing is both cheaper and truer; ~ between or beyond counted rows)",
+        "\nForces of all bearings, one sample (* on the Pareto front; ~ interpolated or extrapolated from counted rows)",
     );
     line(
         out,
@@ -93,7 +93,7 @@ fn forces(out: &mut String, candidates: &[Candidate]) {
             out,
             &format!(
                 "  {:<52} {numbers:<9} {:>10} {:>10} {:>10} {:>10} {ns:>9} {instructions:>11} {cycles:>11}",
-                c.rung,
+                c.model,
                 percent(c.error.median),
                 percent(c.error.most_99),
                 percent(c.error.largest),
@@ -106,13 +106,13 @@ fn forces(out: &mut String, candidates: &[Candidate]) {
 fn motions(out: &mut String, responses: &[Response]) {
     line(
         out,
-        "\nMotion computed with each model (1X vector, ball pass, peak to peak, mean and what is left, relative to the truth's)",
+        "\nMotion computed with each model (errors of 1X vector, ball pass, peak to peak, mean and residual, relative to the reference)",
     );
     line(
         out,
         &format!(
             "  {:<52} {:<5} {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}",
-            "model", "", "integrator", "step us", "1X", "ball pass", "p-p", "mean", "left", "x real"
+            "model", "", "integrator", "step us", "1X", "ball pass", "p-p", "mean", "residual", "x real"
         ),
     );
     for r in responses.iter().filter(|r| r.usual || r.front) {
@@ -123,7 +123,7 @@ fn motions(out: &mut String, responses: &[Response]) {
             out,
             &format!(
                 "  {:<52} {:<5} {:<12} {:>9.2} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7.1}{front}{held}",
-                r.rung,
+                r.model,
                 r.precision,
                 r.method,
                 r.step * 1e6,
@@ -138,7 +138,7 @@ fn motions(out: &mut String, responses: &[Response]) {
     }
 }
 
-/// One row a candidate, then one a motion; empty where a column does not apply.
+/// Returns CSV with one row per candidate and one per motion; a cell is empty where its column does not apply.
 #[must_use]
 pub fn csv(trade: &Trade) -> String {
     let mut out = "kind,model,precision,math,integrator,step_s,error_median,error_99,error_largest,modelling_99,rounding_99,\
@@ -147,11 +147,11 @@ pub fn csv(trade: &Trade) -> String {
         .to_owned();
     for c in &trade.candidates {
         let cortex = c.cortex.map_or(",,".to_owned(), |m| format!("{},{},{}", m.instructions, m.cycles, m.counted));
-        // A string takes whatever is written.
+        // Writing to a string cannot fail.
         let _ = writeln!(
             out,
             "force,\"{}\",{},{},,,{},{},{},{},{},{},{cortex},,,,,,,{},{}",
-            c.rung,
+            c.model,
             c.arithmetic.precision,
             c.arithmetic.math,
             c.error.median,
@@ -169,7 +169,7 @@ pub fn csv(trade: &Trade) -> String {
         let _ = writeln!(
             out,
             "motion,\"{}\",{},exact,{},{},,,,,,,,,,{},{},{},{},{},{},{},",
-            r.rung,
+            r.model,
             r.precision,
             r.method,
             r.step,
@@ -185,14 +185,14 @@ pub fn csv(trade: &Trade) -> String {
     out
 }
 
-/// The page, one file without references.
+/// Returns the HTML page, one file without external references.
 ///
 /// # Errors
-/// A picture that cannot be drawn.
+/// Returns an error if a figure cannot be drawn.
 pub fn html(trade: &Trade) -> Result<String> {
     let name = |c: &Candidate| {
         let fast = if c.arithmetic.math == "fast" { " fast" } else { "" };
-        format!("{}, {}{fast}", c.rung, c.arithmetic.precision)
+        format!("{}, {}{fast}", c.model, c.arithmetic.precision)
     };
     let dot = |c: &Candidate, cost: f64, front: bool| Dot {
         cost,
@@ -209,23 +209,18 @@ pub fn html(trade: &Trade) -> Result<String> {
         error: r.error.residual,
         front: r.front,
         single: r.precision == "f32",
-        name: format!("{}, {}, {:.1} us", r.rung, r.method, r.step * 1e6),
+        name: format!("{}, {}, {:.1} us", r.model, r.method, r.step * 1e6),
     };
     let motions: Vec<Dot> = trade.responses.iter().map(moved).collect();
-    let error = "Force error in 99 of 100 poses, over the largest load";
+    let error = "Force error at the 99th percentile, over the largest load";
     let pictures = [
-        front("Forces on a Cortex-M4F", "Modelled cycles of one force of every bearing", error, &target)?,
-        front("Forces on this machine", "Time of one force of every bearing, ns", error, &desktop)?,
-        front(
-            "Motion",
-            "Computing time of a second of motion, ms",
-            "What is left of the motion, rms over rms",
-            &motions,
-        )?,
+        front("Forces on a Cortex-M4F", "Modelled cycles for one force of every bearing", error, &target)?,
+        front("Forces on this machine", "Time for one force of every bearing, ns", error, &desktop)?,
+        front("Motion", "Computing time per second of motion, ms", "Residual of the motion, rms over rms", &motions)?,
     ];
     let words = match &trade.choice {
         Some(choice) => format!("{}\n\n{}", chosen(choice), text(trade)),
         None => text(trade),
     };
-    page(&trade.scene, "speed against accuracy", &pictures.into_iter().flatten().collect::<Vec<_>>(), &words)
+    page(&trade.scene, "cost and accuracy", &pictures.into_iter().flatten().collect::<Vec<_>>(), &words)
 }

@@ -217,7 +217,7 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
         remarks.push(format!("no element carried load in {}", counted(contact_lost, "sample")));
     }
     if held > 0 {
-        remarks.push(format!("last good force held in {}", counted(held, "sample")));
+        remarks.push(format!("last valid force held for {}", counted(held, "sample")));
     }
     remarks
 }
@@ -278,7 +278,7 @@ fn source(source: &SourceFigures) -> String {
         n => format!("silent {}, up to {} s", counted(n, "time"), fixed(source.longest_stall_s, 1)),
     };
     format!(
-        "Source: {} read, {}; {stalls}; up to {} of {} places of the ring in use.",
+        "Source: {} read, {}; {stalls}; ring buffer: up to {} of {} slots used.",
         counted(source.rows, "sample"),
         told.join(", "),
         count(source.ring_highest),

@@ -1,6 +1,6 @@
 //! `ballrace bake`: a scene as constants for firmware.
 
-use super::{Format, keep_apart, say};
+use super::{Format, keep_apart, print_effects};
 use anyhow::Result;
 use ballrace_twin::bake::{Baked, bake};
 use ballrace_twin::effect_significance;
@@ -10,7 +10,7 @@ use ballrace_twin::scene::read::read_file;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// What `bake` takes.
+/// Arguments of `bake`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
@@ -18,7 +18,7 @@ pub struct Args {
     /// Rust source to write.
     #[arg(short, long, value_name = "F.rs")]
     output: PathBuf,
-    /// One bearing only.
+    /// Write this bearing only.
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
 }
@@ -26,15 +26,19 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with the scene, or an output that cannot be written.
+/// Returns an error if the scene is invalid or the output cannot be written.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
     let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(|e| usage_error(&e))?;
     AtomicFile::write(&args.output, &source)?;
-    let needs = effect_significance::of_scene(&scene)?;
+    let significance = effect_significance::of_scene(&scene)?;
     print(&baked, args, format)?;
-    if format == Format::Text { say(&mut super::standard_output(format), &needs, error) } else { Ok(()) }
+    if format == Format::Text {
+        print_effects(&mut super::standard_output(format), &significance, error)
+    } else {
+        Ok(())
+    }
 }
 
 fn print(baked: &[Baked], args: &Args, format: Format) -> Result<()> {

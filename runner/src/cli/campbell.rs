@@ -1,6 +1,6 @@
 //! `ballrace campbell`: natural frequencies over the shaft's speed.
 
-use super::{Format, keep_apart, say};
+use super::{Format, keep_apart, print_effects};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::campbell::{AtSpeed, Whirl, campbell};
@@ -13,12 +13,12 @@ use ballrace_twin::sweep::Axis;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// What `campbell` takes.
+/// Arguments of `campbell`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Speeds, e.g. 0rpm..30000rpm:31 (so many of them), with a step 0rpm..30000rpm:1000rpm, or a list.
+    /// Shaft speeds: a range with a count, e.g. 0rpm..30000rpm:31, or with a step, e.g. 0rpm..30000rpm:1000rpm, or a list.
     #[arg(long, value_name = "SPEEDS", default_value = "0rpm..30000rpm:31")]
     speeds: String,
     /// HTML page with the diagram.
@@ -29,7 +29,7 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with scene or speeds.
+/// Returns an error if scene or speeds are invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     if let Some(path) = &args.report {
@@ -49,7 +49,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
             if let Some(path) = &args.report {
                 writeln!(out, "Written: {}", path.display())?;
             }
-            say(&mut out, &effect_significance::of_scene(&scene)?, error)?;
+            print_effects(&mut out, &effect_significance::of_scene(&scene)?, error)?;
         }
     }
     Ok(out.flush()?)
@@ -70,7 +70,7 @@ fn speeds(text: &str) -> Result<Vec<f64>> {
     }
 }
 
-/// One row a mode.
+/// Writes one row for each mode.
 fn csv(out: &mut impl Write, all: &[AtSpeed]) -> Result<()> {
     writeln!(out, "speed_rpm,mode,frequency_hz,damping_ratio,whirl")?;
     for at in all {

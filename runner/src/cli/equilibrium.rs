@@ -1,6 +1,6 @@
-//! `ballrace equilibrium`: where the rotor or a bearing settles.
+//! `ballrace equilibrium`: static equilibrium of the rotor or of one bearing.
 
-use super::{Format, keep_apart, say};
+use super::{Format, keep_apart, print_effects};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::equilibrium::{Element, settle};
@@ -11,12 +11,12 @@ use ballrace_twin::scene::read::read_file;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// What `equilibrium` takes.
+/// Arguments of `equilibrium`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// One bearing alone, its outer ring held, instead of the rotor.
+    /// Solve one bearing alone, with a fixed outer ring, instead of the rotor.
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
     /// Load on that bearing's inner ring: FX,FY,FZ,MX,MY in N and N m (a preload force of the scene is added).
@@ -50,7 +50,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         Format::Csv => csv(&mut out, &settled.elements)?,
         Format::Text => {
             out.write_all(report::equilibrium::text(&settled).as_bytes())?;
-            say(&mut out, &settled.needs, error)?;
+            print_effects(&mut out, &settled.significance, error)?;
         }
     }
     if format == Format::Text

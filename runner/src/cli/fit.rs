@@ -13,21 +13,21 @@ use indicatif::ProgressBar;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// What `fit` takes.
+/// Arguments of `fit`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scene file: where the search starts.
+    /// Scene file with the start values.
     scene: PathBuf,
     /// Fit to this recording instead of the scene's own.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
-    /// What to fit, by commas; the rest is believed [default: all].
+    /// Parameters to fit, separated by commas; the others keep the scene's values [default: all].
     #[arg(long, value_enum, value_delimiter = ',')]
     only: Vec<Group>,
-    /// Turns of the shaft to look at, from the start of the recording.
+    /// Number of shaft revolutions used, from the start of the recording.
     #[arg(long, default_value_t = 64.0)]
     turns: f64,
-    /// Where the fitted scene goes [default: beside the scene, ending in -fitted.toml].
+    /// Scene file to write with the fitted values [default: beside the scene, ending in -fitted.toml].
     #[arg(short, long, value_name = "F.toml")]
     output: Option<PathBuf>,
 }
@@ -35,7 +35,7 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with scene, recording or output.
+/// Returns an error if scene, recording or output is invalid.
 pub fn run(args: &Args, format: Format) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let Some(recording) = &scene.recording else {

@@ -1,11 +1,11 @@
 //! `ballrace force`: ring displacements in, forces out.
 
-use super::{Format, say};
+use super::{Format, print_effects};
 use anyhow::{Context, Result, bail};
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 use ballrace_report::number::fixed;
-use ballrace_twin::effect_significance::{self, Need};
-use ballrace_twin::error::{UsageError, usage_error};
+use ballrace_twin::effect_significance::{self, EffectSignificance};
+use ballrace_twin::error::UsageError;
 use ballrace_twin::force::{MathBackend, Pose, Precision, forces};
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;
@@ -24,24 +24,24 @@ const LONGEST_LINE: usize = 1 << 20;
 /// Most rows of displacements; their forces take 2 GB.
 const MOST_ROWS: usize = 10_000_000;
 
-/// What `force` takes.
+/// Arguments of `force`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Columns u,v,w,thu,thv (SI), optionally t (s) or cage_angle (rad).
+    /// CSV file with the columns u,v,w,thu,thv (SI), optionally t (s) or cage_angle (rad).
     #[arg(long, value_name = "F.csv")]
     displacements: PathBuf,
-    /// Which bearing, where the scene has several.
+    /// Bearing to evaluate, where the scene has several.
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
-    /// Another model than the scene's.
+    /// Model to use instead of the scene's.
     #[arg(long, value_enum)]
     model: Option<ModelName>,
-    /// Precision of the kernel.
+    /// Floating-point precision of the kernel.
     #[arg(long, value_enum, default_value_t = Precision::F64)]
     precision: Precision,
-    /// Square roots and powers: exact (correctly rounded, libm) or fast (micromath).
+    /// Implementation of square roots and powers.
     #[arg(long, value_enum, default_value_t = MathBackend::Exact)]
     math: MathBackend,
 }
@@ -58,10 +58,10 @@ enum ModelName {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with the scene or the displacements.
+/// Returns an error if the scene or the displacements are invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
-    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(|e| usage_error(&e))?;
+    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(UsageError::new)?;
     let model = match args.model {
         None => bearing.model,
         Some(ModelName::Linear) => Model::Linear,
@@ -70,8 +70,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         Some(ModelName::QuasiStatic) => Model::QuasiStatic,
         Some(ModelName::Tabulated) => Model::Tabulated,
     };
-    let turning = |time| build::rotation_at(&scene, bearing, time);
-    turning(0.0).map_err(|e| usage_error(&e))?;
+    let turning = |time| Ok(build::rotation_at(&scene, bearing, time).map_err(UsageError::new)?);
+    turning(0.0)?;
     let rows = read_displacements(&args.displacements, &turning)?;
     let found = forces(&scene, bearing, model, (args.precision, args.math), &rows)?;
     let forces: Vec<Force> = found.into_iter().map(Force::from).collect();
@@ -80,16 +80,20 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         Precision::F32 => 8,
     };
     print(&forces, format, digits)?;
-    let needs = needed(&scene, bearing, model, &rows)?;
-    if format == Format::Text { say(&mut super::standard_output(format), &needs, error) } else { Ok(()) }
+    let significance = significance(&scene, bearing, model, &rows)?;
+    if format == Format::Text {
+        print_effects(&mut super::standard_output(format), &significance, error)
+    } else {
+        Ok(())
+    }
 }
 
-/// What matters at the largest displacement.
-fn needed(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -> Result<Vec<Need>> {
+/// Returns the effect significance at the largest displacement.
+fn significance(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -> Result<Vec<EffectSignificance>> {
     let size = |row: &&Pose| row.u.iter().take(3).map(|x| x * x).sum::<f64>();
     let finite = rows.iter().filter(|row| size(row).is_finite());
     let Some(row) = finite.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(vec![]) };
-    // The displacements have the preload in them.
+    // The displacements include the preload.
     let of = Bearing { model, preload: None, ..bearing.clone() };
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..row.at };
     effect_significance::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)
@@ -194,7 +198,7 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<BearingKinem
         let t = time.map_or(Ok(0.0), cell)?;
         let given = angle.map(cell).transpose()?;
         if !t.is_finite() || given.is_some_and(|a| !a.is_finite()) {
-            // The kernel's angles are always finite; what it is to say of the row it says of the displacement.
+            // The kernel's angles are finite by type; a NaN displacement makes it report an invalid row.
             u = [f64::NAN; 5];
         }
         let at = turning(if t.is_finite() { t } else { 0.0 })?;

@@ -1,4 +1,4 @@
-//! What `replay --paced` and `watch` have in common.
+//! Options and set-up shared by `replay --paced` and `watch`.
 
 use crate::live as monitor;
 use crate::live::address::Address;
@@ -16,34 +16,34 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(super) const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
 pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/healthy.csv");
 
-/// Where samples come from in real time, and who is told.
+/// Options of live monitoring: source, duration, state, outputs and scheduling.
 #[derive(Debug, Clone, clap::Args)]
 pub struct LiveArgs {
-    /// Where samples come from: a file, - for standard input, tcp:PORT or udp:PORT to listen at on this machine, or
-    /// tcp:ADDRESS:PORT; the scene's recording where absent.
+    /// Source of the samples: a file, - for standard input, tcp:PORT or udp:PORT to listen on this machine, or
+    /// tcp:ADDRESS:PORT [default: the scene's recording].
     #[arg(long, value_name = "SOURCE")]
     pub source: Option<Address>,
-    /// Form of the samples on a stream.
+    /// Encoding of the samples on a stream.
     #[arg(long, value_enum, default_value_t = Encoding::Csv)]
     pub encoding: Encoding,
-    /// End after so much of the recording's time, e.g. "10 min".
+    /// Stop after this much recorded time, e.g. "10 min".
     #[arg(long = "for", value_name = "DURATION", value_parser = duration)]
     pub duration: Option<f64>,
-    /// Keep the state in this folder: started again, the monitor goes on at the first sample not yet worked off.
+    /// Folder for the monitor's state: after a restart the monitor continues at the first unprocessed sample.
     #[arg(long, value_name = "FOLDER")]
     pub state: Option<PathBuf>,
     #[command(flatten)]
     pub asked: RequestedOutputs,
-    /// Ask the system for first-in-first-out scheduling and locked memory (Linux).
+    /// Request first-in-first-out scheduling (SCHED_FIFO) and locked memory (Linux).
     #[arg(long)]
     pub realtime: bool,
-    /// Ask the system for this processor (Linux).
+    /// Request to run on this processor (Linux).
     #[arg(long, value_name = "NUMBER")]
     pub core: Option<usize>,
 }
 
 impl LiveArgs {
-    /// Something was asked for that makes sense in real time only; its option.
+    /// Returns the first given option that applies to real time only.
     #[must_use]
     pub fn first_given(&self) -> Option<&'static str> {
         let given = [
@@ -62,7 +62,7 @@ impl LiveArgs {
         given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
     }
 
-    /// What is asked of the monitor.
+    /// Returns the monitor's options.
     #[must_use]
     pub fn options<'a>(
         &'a self,
@@ -83,7 +83,7 @@ impl LiveArgs {
         }
     }
 
-    /// The source, or the scene's recording, or that of the demonstration.
+    /// Returns the address of the source: the option's, else the scene's recording, else the demonstration's.
     #[must_use]
     pub fn source(&self, scene: &Scene, given: Option<&Path>, is_demo: bool) -> Address {
         match (&self.source, given, &scene.recording) {
@@ -101,10 +101,10 @@ fn duration(text: &str) -> Result<f64, String> {
     if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(allowed()) }
 }
 
-/// The scene, or the demonstration's.
+/// Reads the scene, or the demonstration's where none is given.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Returns an error if the scene is invalid.
 pub fn scene(path: Option<&Path>) -> Result<Scene> {
     match path {
         Some(path) => Ok(read_file(path)?),
@@ -112,13 +112,13 @@ pub fn scene(path: Option<&Path>) -> Result<Scene> {
     }
 }
 
-/// Set by Ctrl-C and by a request to end.
+/// Returns a flag that Ctrl-C or a termination signal sets.
 ///
 /// # Errors
-/// A system without signals.
+/// Returns an error if the handler of signals cannot be installed.
 pub fn stop_on_signal() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let set = stop.clone();
-    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)).context("signals cannot be heard")?;
+    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)).context("signals cannot be received")?;
     Ok(stop)
 }

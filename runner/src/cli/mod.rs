@@ -1,11 +1,13 @@
-//! The commands, one file each, thin; and what a failure means for the exit code.
+//! The commands, one file each, and the exit codes of their errors.
 
 pub mod bake;
 pub mod campbell;
+pub mod completions;
 pub mod equilibrium;
 pub mod fit;
 pub mod force;
 mod live;
+pub mod man;
 pub mod replay;
 pub mod scenes;
 pub mod simulate;
@@ -14,7 +16,7 @@ pub mod trade;
 pub mod watch;
 
 use anyhow::{Context, Result, bail};
-use ballrace_twin::effect_significance::{self, Need};
+use ballrace_twin::effect_significance::{self, EffectSignificance};
 use ballrace_twin::error::UsageError;
 use ballrace_twin::printable::{self, Printable};
 use ballrace_twin::recording::error::RecordingError;
@@ -30,14 +32,14 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(name = "ballrace", version, about)]
 pub struct Cli {
-    /// What to do.
+    /// Subcommand.
     #[command(subcommand)]
     pub command: Command,
-    /// Form of standard output: text for people, json or csv for programs.
+    /// Format of standard output.
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     pub format: Format,
-    /// Error of force that is good enough, e.g. 1%: an effect left out that is predicted to matter more is warned of;
-    /// `trade` takes the cheapest model that meets it.
+    /// Acceptable error of force, e.g. 1%: warns about a neglected effect that is predicted to exceed it; `trade` chooses
+    /// the cheapest model within it.
     #[arg(long, global = true, value_name = "E", value_parser = share)]
     pub error: Option<f64>,
 }
@@ -51,9 +53,10 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Tells people which effects matter in a scene, which are left out, and warns where that is too much.
-fn say(out: &mut impl Write, needs: &[Need], error: Option<f64>) -> Result<()> {
-    for line in effect_significance::words(needs, error.unwrap_or(effect_significance::GOOD_ENOUGH)) {
+/// Prints which effects are significant in a scene and which are neglected, with a warning where their error exceeds
+/// `error`.
+fn print_effects(out: &mut impl Write, effects: &[EffectSignificance], error: Option<f64>) -> Result<()> {
+    for line in effect_significance::describe(effects, error.unwrap_or(effect_significance::GOOD_ENOUGH)) {
         writeln!(out, "{line}")?;
     }
     Ok(())
@@ -62,32 +65,36 @@ fn say(out: &mut impl Write, needs: &[Need], error: Option<f64>) -> Result<()> {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Replay a recording through kernel and twin, compare them, write the report.
+    /// Replay a recording through the digital twin, compare measured and computed motion, write a report.
     Replay(replay::Args),
-    /// Follow a machine in real time, live in the terminal.
+    /// Monitor a machine in real time in the terminal.
     Watch(watch::Args),
-    /// Forces of a bearing for given ring displacements.
+    /// Compute the forces of a bearing for given ring displacements.
     Force(force::Args),
-    /// A scene's bearings as Rust constants for firmware.
+    /// Write a scene's bearings as Rust constants for firmware.
     Bake(bake::Args),
-    /// Where the rotor or a bearing settles, and what each element then carries.
+    /// Compute the static equilibrium of the rotor or of one bearing, with the load on each element.
     Equilibrium(equilibrium::Args),
-    /// Time response of the scene's rotor.
+    /// Simulate the time response of the scene's rotor.
     Simulate(simulate::Args),
-    /// Natural frequencies, damping and whirl of the rotor over the shaft's speed.
+    /// Compute natural frequencies, damping and whirl of the rotor over the shaft speed.
     Campbell(campbell::Args),
-    /// A scene over ranges of its keys: response curve, bifurcation diagram, waterfall.
+    /// Simulate a scene over ranges of its keys: response curve, bifurcation diagram, waterfall.
     Sweep(sweep::Args),
-    /// Unbalance, clearance, damping, stiffness and offsets from a recording, with intervals; written as a scene.
+    /// Estimate unbalance, clearance, damping, stiffness and offsets from a recording, with confidence intervals.
     Fit(fit::Args),
-    /// Error against cost of every model, precision, integrator and step on the scene's own motion, and which to take.
+    /// Compare error and cost of every model, precision, integrator and step on the scene's own motion.
     Trade(trade::Args),
-    /// The scenes that come with the program.
+    /// List or print the scenes that come with the program.
     Scenes(scenes::Args),
+    /// Print the completion script of a shell.
+    Completions(completions::Args),
+    /// Print the manual page of the program or of a subcommand, in roff.
+    Man(man::Args),
 }
 
 impl Command {
-    /// A command that ends on a signal by itself, with a report of what it measured.
+    /// Whether the command handles signals itself, so that it can end with a report.
     const fn is_live(&self) -> bool {
         matches!(self, Self::Watch(_) | Self::Replay(replay::Args { paced: true, .. }))
     }
@@ -105,7 +112,7 @@ fn exit_on_signal() -> Result<()> {
 /// `--format`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// For people.
+    /// Plain text.
     Text,
     /// One JSON document.
     Json,
@@ -113,16 +120,16 @@ pub enum Format {
     Csv,
 }
 
-/// Standard output. In text for people, names from files cannot steer the terminal.
+/// Returns standard output. In text, control characters in names from files are replaced.
 fn standard_output(format: Format) -> Box<dyn Write> {
     let out = BufWriter::new(std::io::stdout().lock());
     if format == Format::Text { Box::new(Printable(out)) } else { Box::new(out) }
 }
 
-/// Refuses an output that would take the place of a file that is read, or of another output.
+/// Checks that no output overwrites an input or another output.
 ///
 /// # Errors
-/// Names the option.
+/// Returns an error that names the option.
 fn keep_apart(outputs: &[(&str, &Path)], inputs: &[&Path]) -> Result<()> {
     let real = inputs.iter().filter_map(|path| path.canonicalize().ok());
     let mut taken: Vec<PathBuf> = inputs.iter().map(|path| place(path)).chain(real).collect();
@@ -137,7 +144,7 @@ fn keep_apart(outputs: &[(&str, &Path)], inputs: &[&Path]) -> Result<()> {
     Ok(())
 }
 
-/// One and the same for every way to write a path, also of a file that is not there yet.
+/// Returns a canonical form of a path, also of a file that does not exist yet.
 fn place(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match (folder.canonicalize(), path.file_name()) {
@@ -168,6 +175,8 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Fit(args) => fit::run(args, cli.format),
         Command::Trade(args) => trade::run(args, cli.format, cli.error),
         Command::Scenes(args) => scenes::run(args, cli.format),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
     };
     code(done)
 }
@@ -177,14 +186,14 @@ const LIMIT_CROSSED: u8 = 3;
 /// Exit code of a replay whose recording is not plausible for the scene.
 const IMPLAUSIBLE: u8 = 4;
 
-/// How a replay ended.
+/// Result of a replay that the exit code reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// With nothing to report by the exit code.
+    /// Completed: exit code 0.
     Done,
-    /// With a limit of the scene crossed.
+    /// A limit of the scene was crossed: exit code 3.
     LimitCrossed,
-    /// With a recording that cannot be one of the scene's machine.
+    /// The recording is not plausible for the scene: exit code 4.
     Implausible,
 }
 
@@ -211,18 +220,18 @@ fn code(done: Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            // Nobody may be left to read it.
+            // Standard error may be closed.
             let _ = writeln!(std::io::stderr(), "ballrace: {}", printable::message(&format!("{error:#}")));
             ExitCode::from(match error.downcast_ref::<RotationError>() {
                 Some(RotationError::ImplausibleSpeed { .. }) => IMPLAUSIBLE,
-                _ if is_users_fault(&error) => 2,
+                _ if is_usage_error(&error) => 2,
                 _ => 1,
             })
         }
     }
 }
 
-fn is_users_fault(error: &anyhow::Error) -> bool {
+fn is_usage_error(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause.is::<SceneError>()
             || cause.is::<UsageError>()
@@ -230,7 +239,7 @@ fn is_users_fault(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Whoever read our output has had enough of it: `ballrace ... | head`.
+/// Whether the reader of standard output has closed the pipe: `ballrace ... | head`.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error
         .chain()

@@ -15,7 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// What `replay` takes.
+/// Arguments of `replay`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file; without one, the built-in demonstration.
@@ -23,22 +23,22 @@ pub struct Args {
     /// Replay this recording instead of the scene's own.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
-    /// Where the HTML report goes.
+    /// HTML report to write.
     #[arg(long, value_name = "FILE.html", default_value = "ballrace-report.html")]
     report: PathBuf,
     /// Write the force of every bearing at every sample.
     #[arg(long, value_name = "FILE.csv")]
     forces: Option<PathBuf>,
-    /// Which forces: at the position behind the probes' noise, or at the one that they show.
+    /// Displacement at which --forces evaluates the bearings: filtered by the observer, or as measured.
     #[arg(long, value_enum, default_value_t = Source::Observer, requires = "forces")]
     force_source: Source,
-    /// Remember this recording as that of a machine in good order.
+    /// Store this recording's levels as the baseline of a healthy machine.
     #[arg(long, value_name = "BASELINE.json")]
     learn: Option<PathBuf>,
-    /// Judge against a recording remembered by --learn.
+    /// Compare with a baseline stored by --learn.
     #[arg(long, value_name = "BASELINE.json")]
     baseline: Option<PathBuf>,
-    /// In real time: a recording keeps to its own time, a source is followed as it comes.
+    /// Run in real time: replay a recording at its own rate, or process a live source as samples arrive.
     #[arg(long)]
     pub(super) paced: bool,
     #[command(flatten)]
@@ -81,7 +81,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
     deliver(args, &outcome?, format)
 }
 
-/// The same in real time.
+/// Replays in real time.
 fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<Ending> {
     let source = args.live.source(scene, args.recording.as_deref(), args.scene.is_none());
     let path = PathBuf::from(source.to_string());
@@ -101,7 +101,7 @@ fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Resu
     deliver(args, &outcome, format)
 }
 
-/// Writes report and baseline, prints the outcome. A recording that does not fit the scene is no baseline.
+/// Writes report and baseline, prints the outcome. A recording that is not plausible for the scene is no baseline.
 fn deliver(args: &Args, outcome: &Outcome, format: Format) -> Result<Ending> {
     AtomicFile::write(&args.report, &report::html(outcome)?)?;
     let fits = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
@@ -112,7 +112,7 @@ fn deliver(args: &Args, outcome: &Outcome, format: Format) -> Result<Ending> {
     Ok(Ending::from(outcome))
 }
 
-/// An output that cannot be written should not cost a long replay first.
+/// Checks before a long replay that all outputs can be written.
 fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
     let mut outputs = vec![("--report", args.report.as_path())];
     outputs.extend(args.forces.as_deref().map(|path| ("--forces", path)));
@@ -124,16 +124,13 @@ fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
     // Opening a pipe for a trial would end it for its reader.
     let special = |path: &Path| path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());
     let trial = |path: &Path| if special(path) { Ok(()) } else { AtomicFile::create(path).map(|_| ()) };
-    outputs.iter().try_for_each(|(_, path)| trial(path))
+    Ok(outputs.iter().try_for_each(|(_, path)| trial(path))?)
 }
 
 /// The recording to replay and its path.
 fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
     let recording = scene.recording.as_ref().with_context(|| {
-        format!(
-            "{}: [recording]: found none, allowed: the table that says which column means what",
-            scene.path.display()
-        )
+        format!("{}: [recording]: found none, allowed: the table that defines the columns", scene.path.display())
     });
     let recording = recording.map_err(|e| usage_error(&e))?;
     let path = match (&args.recording, &args.scene) {
@@ -154,7 +151,7 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
     Ok((Reader::open(path, &columns)?, path.clone()))
 }
 
-/// On standard error, and only where a person sees it.
+/// Returns a progress bar on standard error, hidden where that is no terminal.
 fn progress_bar(name: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

@@ -6,10 +6,10 @@ use ballrace_twin::error::UsageError;
 use serde::Serialize;
 use std::io::Write;
 
-/// What `scenes` takes.
+/// Arguments of `scenes`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The scene to print, such as tiwari-balanced; without it, all their names.
+    /// Scene to print, such as tiwari-balanced [default: list all scenes].
     name: Option<String>,
 }
 
@@ -19,7 +19,7 @@ macro_rules! shipped {
     };
 }
 
-/// Name and text of each.
+/// Names and texts of the scenes.
 pub const SCENES: [(&str, &str); 12] = shipped![
     "jones-1960",
     "tiwari-balanced",
@@ -35,7 +35,7 @@ pub const SCENES: [(&str, &str); 12] = shipped![
     "wang-angular-pair",
 ];
 
-/// The first sentence of a scene's opening comment: what it shows.
+/// Returns the first sentence of a scene's opening comment, which describes the scene.
 fn shows(text: &str) -> String {
     let comment: Vec<&str> = text.lines().map_while(|line| line.strip_prefix("# ")).collect();
     let comment = comment.join(" ");
@@ -52,7 +52,7 @@ struct Shipped {
 /// Runs the command.
 ///
 /// # Errors
-/// A name that is none of theirs.
+/// Returns an error if no scene has that name.
 pub fn run(args: &Args, format: Format) -> Result<()> {
     let mut out = std::io::stdout().lock();
     if let Some(wanted) = &args.name {

@@ -1,9 +1,9 @@
 //! `ballrace simulate`: the time response of the scene's rotor from its rest position.
 
-use super::{Format, keep_apart, say};
+use super::{Format, keep_apart, print_effects};
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
-use ballrace_twin::effect_significance::{self, Need};
+use ballrace_twin::effect_significance::{self, EffectSignificance};
 use ballrace_twin::error::{UsageError, usage_error};
 use ballrace_twin::motion::{self, MOST_SAMPLES, ResponseSample, Span};
 use ballrace_twin::output::{AtomicFile, quoted};
@@ -19,21 +19,21 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
-/// What `simulate` takes.
+/// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// How long, e.g. "2 s".
+    /// Duration to simulate, e.g. "2 s".
     #[arg(long, value_name = "D")]
     duration: String,
-    /// Samples per second, e.g. "12.8 kHz".
+    /// Sampling rate of the output, e.g. "12.8 kHz".
     #[arg(long, value_name = "R")]
     rate: String,
-    /// Time left out at the start, while the motion settles, e.g. "1 s".
+    /// Transient at the start that is simulated but not written, e.g. "1 s".
     #[arg(long, value_name = "T")]
     settle: Option<String>,
-    /// CSV file to write: t, displacement, velocity, the force of each bearing (SI).
+    /// CSV file to write: time, displacements, velocities, forces of each bearing (SI).
     #[arg(short, long, value_name = "F")]
     output: PathBuf,
 }
@@ -50,13 +50,14 @@ struct Summary {
     computing_seconds: f64,
     times_real_time: f64,
     output: String,
-    needs: Vec<Need>,
+    #[serde(rename = "needs")]
+    significance: Vec<EffectSignificance>,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with scene, duration, rate or output.
+/// Returns an error if scene, duration, rate or output is invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let duration = option("--duration", &args.duration, Dimension::Time)?;
@@ -132,27 +133,27 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
         computing_seconds: seconds,
         times_real_time: total as f64 / span.rate / seconds,
         output: path.display().to_string(),
-        needs: effect_significance::at_rest(scene, plant)?,
+        significance: effect_significance::at_rest(scene, plant)?,
     })
 }
 
-/// Rows on their way to the file: numbers take longer to print than to compute, so another thread prints them.
+/// Writer of rows. Printing numbers takes longer than computing them, so a second thread prints.
 struct Rows<'s> {
     block: Block,
-    /// None once the writer has failed.
+    /// `None` after an error of the writer.
     sender: Option<SyncSender<Block>>,
     writer: ScopedJoinHandle<'s, std::io::Result<AtomicFile>>,
     waited: Duration,
 }
 
-/// Rows one after the other, and the numbers of each.
+/// Consecutive rows, and the count of numbers in each.
 #[derive(Default)]
 struct Block {
     numbers: Vec<f64>,
     width: usize,
 }
 
-/// Numbers of a full block, and blocks that may wait for the writer.
+/// Numbers in a full block, and capacity of the queue of blocks.
 const BLOCK: (usize, usize) = (1 << 15, 8);
 
 impl<'s> Rows<'s> {
@@ -187,7 +188,7 @@ impl<'s> Rows<'s> {
         self.waited += begun.elapsed();
     }
 
-    /// The file with all rows, and how long the computing has waited for it.
+    /// Returns the file with all rows, and the time for which the computation waited for the writer.
     fn finish(mut self) -> std::io::Result<(AtomicFile, Duration)> {
         self.send();
         self.sender = None;
@@ -200,15 +201,15 @@ impl<'s> Rows<'s> {
 fn header(plant: &Plant) -> String {
     let mut head = "t".to_owned();
     for rate in ["", "_dot"] {
-        for name in plant.layout.names(&plant.seats) {
+        for name in plant.layout.names(&plant.bearings) {
             head += ",";
             head += &quoted(&format!("{name}{rate}"));
         }
     }
-    for seat in &plant.seats {
+    for mounted in &plant.bearings {
         for entry in ["FX", "FY", "FZ", "MX", "MY"] {
             head += ",";
-            head += &quoted(&format!("{}_{entry}", seat.name));
+            head += &quoted(&format!("{}_{entry}", mounted.name));
         }
     }
     head
@@ -216,7 +217,7 @@ fn header(plant: &Plant) -> String {
 
 fn row(now: &ResponseSample<'_>) -> impl Iterator<Item = f64> {
     let motion = now.twin.coordinates().iter().chain(now.twin.rates()).copied();
-    let forces = (0..now.plant.seats.len()).flat_map(|i| now.wrench(i).to_array());
+    let forces = (0..now.plant.bearings.len()).flat_map(|i| now.wrench(i).to_array());
     std::iter::once(now.time).chain(motion).chain(forces)
 }
 
@@ -267,7 +268,7 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
             for note in notes {
                 writeln!(out, "{note}")?;
             }
-            say(&mut out, &summary.needs, error)?;
+            print_effects(&mut out, &summary.significance, error)?;
             writeln!(out, "Written: {}", summary.output)?;
         }
     }

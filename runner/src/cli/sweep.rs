@@ -1,9 +1,9 @@
 //! `ballrace sweep`: a scene over ranges of its keys.
 
-use super::{Format, keep_apart, say};
+use super::{Format, keep_apart, print_effects};
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::effect_significance::Need;
+use ballrace_twin::effect_significance::EffectSignificance;
 use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
@@ -15,40 +15,40 @@ use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// What `sweep` takes.
+/// Arguments of `sweep`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// A key of the scene and its values, e.g. shaft.speed=500rpm..10000rpm:200 (200 of them), with a step
-    /// 500rpm..10000rpm:50rpm, or a list 7,9,11. May be given several times; the first runs fastest.
+    /// A key of the scene and its values: a range with a count, e.g. shaft.speed=500rpm..10000rpm:200, or with a step, e.g.
+    /// 500rpm..10000rpm:50rpm, or a list 7,9,11. May be given several times; the first key varies fastest.
     #[arg(long, value_name = "KEY=VALUES", required = true)]
     over: Vec<String>,
-    /// Name of the results: NAME.csv, NAME.parquet, NAME-sections.csv, NAME.html, and NAME.journal until they are there.
+    /// Base name of the results: NAME.csv, NAME.parquet, NAME-sections.csv, NAME.html; NAME.journal while the sweep runs.
     #[arg(short, long, value_name = "NAME")]
     output: PathBuf,
-    /// Time left out at each point while the motion settles, e.g. "1 s"; from the rotor's damping where not given.
+    /// Transient at each point that is simulated but not measured, e.g. "1 s" [default: from the rotor's damping].
     #[arg(long, value_name = "T")]
     settle: Option<String>,
-    /// Section periods measured at each point.
+    /// Number of section periods measured at each point.
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(16..=4096))]
     periods: u32,
-    /// Where the section of the motion is taken.
+    /// Event at which the Poincare section is taken.
     #[arg(long, value_enum, default_value_t = Section::BallPass)]
     section: Section,
-    /// Whether each point starts where the one before it ended: one way along the first key, or both ways.
+    /// Start each point from the final state of its neighbour along the first key: upwards, downwards, or both.
     #[arg(long, value_enum, default_value_t = Follow::None)]
     follow: Follow,
-    /// The largest Lyapunov exponent too, at twice the cost.
+    /// Compute the largest Lyapunov exponent too, at twice the cost.
     #[arg(long)]
     lyapunov: bool,
-    /// This part of the work only, e.g. 3/16: leaves NAME.shard-3-of-16, to be put together by --merge.
+    /// Compute this part of the points only, e.g. 3/16, into NAME.shard-3-of-16, for --merge.
     #[arg(long, value_name = "K/N", conflicts_with = "merge")]
     shard: Option<String>,
-    /// Puts the shards together that lie beside NAME.
+    /// Merge all shards of NAME.
     #[arg(long)]
     merge: bool,
-    /// Points at a time; as many as the machine has processors where not given.
+    /// Number of points computed in parallel [default: number of processors].
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
 }
@@ -56,9 +56,9 @@ pub struct Args {
 /// `--section`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Section {
-    /// Once a ball pass of the first bearing.
+    /// Once per ball pass of the first bearing.
     BallPass,
-    /// Once a turn of the shaft.
+    /// Once per shaft revolution.
     Shaft,
 }
 
@@ -69,14 +69,15 @@ struct Summary {
     computed: usize,
     taken_over: usize,
     written: Vec<String>,
-    /// Each effect at the point where it matters most.
-    needs: Vec<Need>,
+    /// Each effect, at the point of its largest change.
+    #[serde(rename = "needs")]
+    significance: Vec<EffectSignificance>,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with scene, options or files.
+/// Returns an error if scene, options or files are invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
@@ -89,7 +90,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         lyapunov: args.lyapunov,
     };
     let plan = Plan { text, path: args.scene.clone(), axes, follow: args.follow, measure }.checked()?;
-    // All that can be known to be wrong is said before hours of work.
+    // Errors are reported before hours of computation.
     for point in [0, plan.points() - 1] {
         plan.scene(&plan.values(point))?;
     }
@@ -112,9 +113,9 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     write(&section, |out| sweep::sections(out, &rows))?;
     let mut bytes = Vec::new();
     sweep::parquet(&mut bytes, &plan.axes, &rows)?;
-    write(&columns, |out| Ok(out.write_all(&bytes)?))?;
+    write(&columns, |out| out.write_all(&bytes))?;
     let html = report::sweep::html(&scene.name, &plan.axes, &rows)?;
-    write(&page, |out| Ok(out.write_all(html.as_bytes())?))?;
+    write(&page, |out| out.write_all(html.as_bytes()))?;
     if let Some(journal) = journal {
         std::fs::remove_file(&journal).with_context(|| journal.display().to_string())?;
     }
@@ -125,10 +126,14 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         computed,
         taken_over: rows.len() - computed,
         written,
-        needs: plan.needs(&rows)?,
+        significance: plan.significance(&rows)?,
     };
     print(&summary, &plan.axes, &rows, format)?;
-    if format == Format::Text { say(&mut super::standard_output(format), &summary.needs, error) } else { Ok(()) }
+    if format == Format::Text {
+        print_effects(&mut super::standard_output(format), &summary.significance, error)
+    } else {
+        Ok(())
+    }
 }
 
 fn time(text: &str) -> Result<f64> {
@@ -140,17 +145,17 @@ fn time(text: &str) -> Result<f64> {
     Ok(value)
 }
 
-/// NAME with an ending; a name that has one of the endings already loses it.
+/// Returns NAME with an ending, which replaces one of the known endings.
 fn named(output: &Path, end: &str) -> PathBuf {
     let name = output.to_string_lossy();
     let stem = [".csv", ".parquet", ".html"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
     PathBuf::from(if end == "sections" { format!("{stem}-sections.csv") } else { format!("{stem}.{end}") })
 }
 
-fn write(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> Result<()>) -> Result<()> {
+fn write(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> std::io::Result<()>) -> Result<()> {
     let mut file = AtomicFile::create(path)?;
     fill(&mut file).with_context(|| format!("{}: this file cannot be written", path.display()))?;
-    file.finish()
+    Ok(file.finish()?)
 }
 
 fn work(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Journal, usize)> {
@@ -165,7 +170,7 @@ fn work(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Jour
     bar.set_position(journal.done.len() as u64);
     let run = plan.run(chains, journal, jobs, || bar.inc(1));
     bar.finish_and_clear();
-    // A sweep that never began leaves nothing to go on from.
+    // A sweep without results leaves no journal.
     if run.is_err() && sweep::read(path, &plan.identity()?).is_ok_and(|done| done.is_empty()) {
         std::fs::remove_file(path).with_context(|| path.display().to_string())?;
     }
@@ -193,12 +198,12 @@ fn one_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()
         computed,
         taken_over: points - computed,
         written: vec![path.display().to_string()],
-        needs: vec![],
+        significance: vec![],
     };
     print(&summary, &plan.axes, &[], format)
 }
 
-/// What the shards beside NAME hold, all of it.
+/// Reads the rows of all shards of NAME.
 fn merged(output: &Path, plan: &Plan) -> Result<BTreeMap<usize, Chain>> {
     let start = named(output, "shard-");
     let folder = start.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,6 +1,6 @@
-//! `ballrace trade`: error against cost of everything that a scene allows, and which to take.
+//! `ballrace trade`: error and cost of every model that a scene allows, and the recommended one.
 
-use super::{Format, keep_apart, say};
+use super::{Format, keep_apart, print_effects};
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
 use ballrace_twin::error::UsageError;
@@ -12,24 +12,24 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// What `trade` takes.
+/// Arguments of `trade`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Take the truest whose forces of all bearings are done in time, e.g. "20 us at 168 MHz" (Cortex-M4F).
+    /// Choose the most accurate model whose forces of all bearings meet this deadline, e.g. "20 us at 168 MHz" (Cortex-M4F).
     #[arg(long, value_name = "TIME at CLOCK")]
     deadline: Option<String>,
-    /// Forces only: leaves out the motions, which take most of the time.
+    /// Compare forces only; simulated motions take most of the computing time.
     #[arg(long)]
     forces_only: bool,
-    /// Whose cost counts for --error.
+    /// Processor whose cost --error minimises.
     #[arg(long, value_enum, default_value_t = Target::CortexM4f)]
     on: Target,
-    /// Where the scene with the choice goes [default: beside the scene, ending in -chosen.toml].
+    /// Scene file to write with the chosen model [default: beside the scene, ending in -chosen.toml].
     #[arg(short, long, value_name = "SCENE.toml")]
     output: Option<PathBuf>,
-    /// Where the page with the fronts goes.
+    /// HTML report to write, with the Pareto fronts.
     #[arg(long, value_name = "FILE.html", default_value = "ballrace-trade.html")]
     report: PathBuf,
 }
@@ -37,7 +37,7 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with scene, goal or outputs; a goal that nothing meets.
+/// Returns an error if scene, goal or outputs are invalid, or if no model meets the goal.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let goal = goal(args, error)?;
     let scene = read_file(&args.scene)?;
@@ -60,7 +60,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let found = found?;
     AtomicFile::write(&args.report, &report::trade::html(&found)?)?;
     if let Some(choice) = &found.choice {
-        AtomicFile::write(&output, &written(&scene, &text, &choice.rung)?)?;
+        AtomicFile::write(&output, &written(&scene, &text, &choice.model)?)?;
     }
     print(&found, args, &output, (format, error))
 }
@@ -108,7 +108,7 @@ fn print(found: &Trade, args: &Args, output: &Path, (format, error): (Format, Op
         Format::Text => {
             out.write_all(report::trade::text(found).as_bytes())?;
             writeln!(out)?;
-            say(&mut out, &found.needs, error)?;
+            print_effects(&mut out, &found.significance, error)?;
             if let Some(choice) = &found.choice {
                 writeln!(out, "\n{}", report::trade::chosen(choice))?;
                 writeln!(out, "Written: {}, {}", output.display(), args.report.display())?;

@@ -16,7 +16,7 @@ use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What `watch` takes.
+/// Arguments of `watch`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file; without one, the built-in demonstration.
@@ -24,7 +24,7 @@ pub struct Args {
     /// Write an HTML report at the end.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Judge against a recording remembered by `replay --learn`.
+    /// Compare with a baseline stored by `replay --learn`.
     #[arg(long, value_name = "BASELINE.json")]
     baseline: Option<PathBuf>,
     #[command(flatten)]
@@ -65,7 +65,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
         stop.store(true, Ordering::Relaxed);
         Ok::<_, std::io::Error>((work.join(), shown))
     })?;
-    let Ok(outcome) = outcome else { bail!("the monitor broke") };
+    let Ok(outcome) = outcome else { bail!("the monitor failed") };
     let outcome = outcome?;
     shown?;
     if let Some(path) = &args.report {

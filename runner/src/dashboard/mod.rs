@@ -169,7 +169,7 @@ fn one(frame: &mut Frame, area: Rect, panel: Panel, machine: &Machine, view: &Vi
 
 fn header(machine: &Machine, view: &View, held: bool) -> Paragraph<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
-    let state = if held { "picture held" } else { view.state };
+    let state = if held { "display paused" } else { view.state };
     let alarm = view.state.contains("silent") || held;
     let mut spans = vec![
         Span::styled(format!(" {} ", machine.name), bold.add_modifier(Modifier::REVERSED)),
@@ -256,8 +256,7 @@ mod tests {
                 .collect(),
             ..Second::default()
         };
-        let note =
-            crate::live::feed::Note { kind: "source-silent", sentence: "Nothing comes from the source.".to_owned() };
+        let note = crate::live::feed::Note { kind: "source-silent", sentence: "The source sends no data.".to_owned() };
         View {
             state: "running",
             glance,
@@ -299,7 +298,7 @@ mod tests {
         ] {
             assert!(shown.contains(text), "{text} is not on\n{shown}");
         }
-        assert!(shown.contains("Nothing comes"), "{shown}");
+        assert!(shown.contains("The source sends no data"), "{shown}");
     }
 
     #[test]

@@ -470,7 +470,7 @@ impl Monitor<'_, '_> {
         let note = match (quiet >= SILENT, self.silent) {
             (true, false) => {
                 self.source.stalls += 1;
-                feed::Note { kind: "source-silent", sentence: "Nothing comes from the source.".to_owned() }
+                feed::Note { kind: "source-silent", sentence: "The source sends no data.".to_owned() }
             }
             (false, true) => {
                 feed::Note { kind: "source-speaks", sentence: "Samples come from the source again.".to_owned() }

@@ -60,7 +60,7 @@ fn only_on(core: usize) -> String {
 #[must_use]
 pub fn ask(realtime: bool, core: Option<usize>) -> String {
     if realtime || core.is_some() {
-        "ordinary scheduling: real-time scheduling, locked memory and one processor can be asked for on Linux only"
+        "ordinary scheduling: real-time scheduling, locked memory and processor affinity are available on Linux only"
             .to_owned()
     } else {
         "ordinary scheduling".to_owned()

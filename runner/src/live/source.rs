@@ -33,12 +33,12 @@ const RATE_TOLERANCE: f64 = 1e-3;
 /// Form of the samples on a stream.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Encoding {
-    /// Lines as in a CSV file, a header first.
+    /// CSV lines with a header.
     #[default]
     Csv,
-    /// Binary: `u32` sequence number and one `f32` a column, little-endian.
+    /// Binary frames: a `u32` sequence number and one `f32` per column, little-endian.
     Frames,
-    /// The same, and a `u32` CRC-32 of the bytes before it.
+    /// Binary frames followed by the `u32` CRC-32 of their bytes.
     FramesCrc,
 }
 
@@ -301,7 +301,8 @@ impl Feeder {
     }
 
     fn note_new_count(&mut self, number: u32) {
-        let sentence = format!("The source counts anew, from {number}; time goes on from the last sample.");
+        let sentence =
+            format!("The source restarted its sample counter at {number}; time continues from the last sample.");
         self.sender.note("source-counts-anew", sentence);
     }
 
@@ -381,7 +382,7 @@ impl Feeder {
         let end = self.stream(Box::new(followed), &format!("tcp {peer}"));
         *lock(&self.back) = None;
         let (kind, words) = if replaced.load(Ordering::Relaxed) {
-            ("source-replaced", "is silent; the next one takes its place")
+            ("source-replaced", "is silent; the next connection replaces it")
         } else {
             ("source-gone", "has gone; waiting for the next")
         };
@@ -418,7 +419,7 @@ impl Feeder {
             let lines = Lines { datagrams: datagrams.clone(), stopped: self.sender.stopped() };
             let end = self.stream(Box::new(lines), &format!("udp {peer}"));
             lock(&datagrams).leave();
-            self.note_end(peer, end, "source-replaced", "begins anew, or another one takes its place", rows);
+            self.note_end(peer, end, "source-replaced", "restarted, or another source replaced it", rows);
         }
         Ok(())
     }

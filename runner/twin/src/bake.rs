@@ -82,7 +82,7 @@ fn module(scene: &Scene, of: &Bearing) -> Result<(String, Baked)> {
 }
 
 /// Where the bearing is, how its parts turn, its displacement by preload, and its elements.
-fn seat_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -> Result<()> {
+fn position_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -> Result<()> {
     let kinematics = build::kinematics(scene, of)?;
     let plain = build::bearing::<f64, Exact>(scene, of, model)?;
     let offset = build::preload_offset(scene, of, &plain)?.unwrap_or_default().to_array().map(|x| x as f32);
@@ -141,18 +141,18 @@ fn feature_constants(out: &mut String, of: &Bearing) -> Result<()> {
 }
 
 fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable, fields: usize) -> Result<()> {
-    let seat = made.seat.rounded::<f32>();
+    let constants = made.constants.rounded::<f32>();
     let grid = made.grid.rounded::<f32>();
     writeln!(out, "    use ballrace::bearing::ElementPosition;")?;
     writeln!(out, "    use ballrace::bearing::quasi_static::TableConstants;")?;
     surface_imports(out, of)?;
     writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
     writeln!(out, "    use ballrace::{{Displacement, Exact, Phase}};\n")?;
-    seat_constants(out, scene, of, Model::QuasiStatic)?;
+    position_constants(out, scene, of, Model::QuasiStatic)?;
     writeln!(
         out,
         "    const CONSTANTS: TableConstants<f32> = TableConstants {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
-        seat.couple, seat.distance, seat.axis, seat.offset, seat.arm
+        constants.couple, constants.distance, constants.axis, constants.offset, constants.arm
     )?;
     writeln!(out, "    const GRID: Grid<f32> = Grid {{")?;
     for (name, axis) in [("approach", &grid.approach), ("angle", &grid.angle), ("speed", &grid.speed)] {

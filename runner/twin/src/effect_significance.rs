@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 
 /// One effect on one bearing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Need {
+pub struct EffectSignificance {
     /// The scene's name of the bearing.
     pub bearing: String,
     /// `centrifugal`, `gyroscopic`, `film`, `contact-angle` or `moving-balls`.
@@ -52,11 +52,11 @@ const SECANTS: usize = 12;
 ///
 /// # Errors
 /// What the kernel refuses.
-pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<Need>> {
+pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<EffectSignificance>> {
     let mut all = Vec::new();
-    for (i, (of, seat)) in scene.bearings.iter().zip(&plant.seats).enumerate() {
+    for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
         let u = plant.displacement(i, &plant.rest);
-        all.extend(of_bearing(scene, of, &u, &plant.resting(seat, Phase::ZERO))?);
+        all.extend(of_bearing(scene, of, &u, &plant.resting(mounted, Phase::ZERO))?);
     }
     Ok(all)
 }
@@ -65,7 +65,7 @@ pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<Need>> {
 ///
 /// # Errors
 /// What the kernel refuses.
-pub fn of_scene(scene: &Scene) -> Result<Vec<Need>> {
+pub fn of_scene(scene: &Scene) -> Result<Vec<EffectSignificance>> {
     if scene.rotor.is_some() || scene.system.is_some() {
         return at_rest(scene, &Plant::try_new(scene)?);
     }
@@ -87,7 +87,7 @@ pub fn of_bearing(
     of: &BearingScene,
     u: &Displacement<f64>,
     at: &BearingKinematicState<f64>,
-) -> Result<Vec<Need>> {
+) -> Result<Vec<EffectSignificance>> {
     let Some(geometry) = build::geometry(of)? else { return Ok(vec![]) };
     if matches!(of.geometry, Some(crate::scene::Geometry { fit: Fit::DiametralClearance(s), .. }) if s < 0.0) {
         return Ok(vec![]);
@@ -123,7 +123,7 @@ pub fn of_bearing(
     let [thrown, spun] = [false, true].map(|spin| pushed(&|ball| inertia.change(ball, spin)));
     let solved = matches!(of.model, Model::QuasiStatic | Model::Tabulated);
     let named = of.name.clone();
-    let need = |effect, change, modelled, because: String| Need {
+    let entry = |effect, change, modelled, because: String| EffectSignificance {
         bearing: named.clone(),
         effect,
         change,
@@ -138,19 +138,19 @@ pub fn of_bearing(
         let wet = pushed(&|ball| ball.film(&geometry, oil, at));
         let thick = worst(&|b| b.films(&geometry, oil, at, b.load) / b.approach);
         let because = format!("film {} of the approach", share(thick));
-        need("film", change(wet, right), solved && fitted.film.is_some(), because)
+        entry("film", change(wet, right), solved && fitted.film.is_some(), because)
     });
     let fixed = loaded.fixed_angle(of.facing);
     let turned = worst(&|b| (b.angle - fixed).abs().to_degrees());
     let pass = pass(&built, &(*u + offset), at, of.elements, force);
     let inertial = [
-        need(
+        entry(
             "centrifugal",
             change(thrown, right),
             solved && fitted.centrifugal,
             format!("centrifugal force {} of the load of a ball", share(throw)),
         ),
-        need(
+        entry(
             "gyroscopic",
             change(spun, thrown),
             solved && fitted.gyroscopic,
@@ -158,16 +158,16 @@ pub fn of_bearing(
         ),
     ];
     let geometric = [
-        need(
+        entry(
             "contact-angle",
             loaded.held_angle(fixed, force),
             !matches!(of.model, Model::Linear | Model::Lumped | Model::Dynamic),
             format!("contact angles up to {turned:.2} degrees from a fixed one of {:.2}", fixed.abs().to_degrees()),
         ),
-        need("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
+        entry("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
     ];
     // What is no number cannot be told.
-    Ok(inertial.into_iter().chain(film).chain(geometric).filter(|need| need.change.is_finite()).collect())
+    Ok(inertial.into_iter().chain(film).chain(geometric).filter(|entry| entry.change.is_finite()).collect())
 }
 
 /// Half the swing of the force while the balls pass by, over the force.
@@ -427,38 +427,38 @@ impl Inertia {
 
 /// Returns, for each bearing and effect, the entry with the largest change, in the order in which they first occur.
 #[must_use]
-pub fn largest(all: impl IntoIterator<Item = Need>) -> Vec<Need> {
-    let mut largest: Vec<Need> = Vec::new();
-    for need in all {
-        match largest.iter_mut().find(|other| other.bearing == need.bearing && other.effect == need.effect) {
-            Some(other) if need.change > other.change => *other = need,
+pub fn largest(all: impl IntoIterator<Item = EffectSignificance>) -> Vec<EffectSignificance> {
+    let mut largest: Vec<EffectSignificance> = Vec::new();
+    for entry in all {
+        match largest.iter_mut().find(|other| other.bearing == entry.bearing && other.effect == entry.effect) {
+            Some(other) if entry.change > other.change => *other = entry,
             Some(_) => {}
-            None => largest.push(need),
+            None => largest.push(entry),
         }
     }
     // Some points may have an effect that the first one lacks.
     let mut bearings: Vec<String> = Vec::new();
-    for need in &largest {
-        if !bearings.contains(&need.bearing) {
-            bearings.push(need.bearing.clone());
+    for entry in &largest {
+        if !bearings.contains(&entry.bearing) {
+            bearings.push(entry.bearing.clone());
         }
     }
-    largest.sort_by_key(|need| bearings.iter().position(|name| *name == need.bearing));
+    largest.sort_by_key(|entry| bearings.iter().position(|name| *name == entry.bearing));
     largest
 }
 
 /// What a command says of a scene: which effects are kept, which are left out and what that is predicted to change, and
 /// a warning where that is more than `error`.
 #[must_use]
-pub fn words(needs: &[Need], error: f64) -> Vec<String> {
-    let mut names: Vec<&str> = needs.iter().map(|need| need.bearing.as_str()).collect();
+pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
+    let mut names: Vec<&str> = effects.iter().map(|entry| entry.bearing.as_str()).collect();
     names.dedup();
     let line = |name: &&str| {
-        let of = || needs.iter().filter(|need| need.bearing == **name);
+        let of = || effects.iter().filter(|entry| entry.bearing == **name);
         let list = |modelled: bool| {
-            let told = of().filter(|need| need.modelled == modelled);
-            let told: Vec<String> = told.map(|need| format!("{} {}", need.effect, share(need.change))).collect();
-            if told.is_empty() { "none".to_owned() } else { told.join(", ") }
+            let listed = of().filter(|entry| entry.modelled == modelled);
+            let listed: Vec<String> = listed.map(|entry| format!("{} {}", entry.effect, share(entry.change))).collect();
+            if listed.is_empty() { "none".to_owned() } else { listed.join(", ") }
         };
         format!(
             "{name}: effects of this scene, as change of force if left out: {}; left out: {}",
@@ -466,19 +466,19 @@ pub fn words(needs: &[Need], error: f64) -> Vec<String> {
             list(false)
         )
     };
-    let warning = |need: &Need| {
-        let at = need.at.as_ref().map_or_else(String::new, |at| format!(" at {at}"));
+    let warning = |entry: &EffectSignificance| {
+        let at = entry.at.as_ref().map_or_else(String::new, |at| format!(" at {at}"));
         format!(
             "{}: WARNING: {} is left out and predicted to change the force by {} ({}){at}, more than {}",
-            need.bearing,
-            need.effect,
-            share(need.change),
-            need.because,
+            entry.bearing,
+            entry.effect,
+            share(entry.change),
+            entry.because,
             share(error)
         )
     };
-    let lacking = needs.iter().filter(|need| !need.modelled && need.change > error);
-    let has_film = |name: &&str| needs.iter().any(|need| need.bearing == *name && need.effect == "film");
+    let lacking = effects.iter().filter(|entry| !entry.modelled && entry.change > error);
+    let has_film = |name: &&str| effects.iter().any(|entry| entry.bearing == *name && entry.effect == "film");
     let dry: Vec<&str> = names.iter().copied().filter(|name| !has_film(name)).collect();
     let dry =
         (!dry.is_empty()).then(|| format!("{}: film is not considered: the scene names no lubricant", dry.join(", ")));

@@ -1,7 +1,7 @@
 //! Where a bearing or a rotor settles, and what each element then carries.
 
 use crate::campbell::modes;
-use crate::effect_significance::{self, Need};
+use crate::effect_significance::{self, EffectSignificance};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::replay::outcome::BearingOrders;
 use crate::scene::build::{self, AnyBearing, Kinematics};
@@ -42,7 +42,8 @@ pub struct Settled {
     /// What changes when an effect is switched off.
     pub effects: Vec<EffectShare>,
     /// What each effect is predicted to change, also those that the scene leaves out.
-    pub needs: Vec<Need>,
+    #[serde(rename = "needs")]
+    pub significance: Vec<EffectSignificance>,
 }
 
 impl Settled {
@@ -178,7 +179,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         (load, preload) => {
             let Some(total) = total_load(of, load, preload) else {
                 bail!(
-                    "{}: bearing {}: found neither a rotor, a preload nor --load, allowed: one of them, or there is nothing to settle under",
+                    "{}: bearing {}: found neither a rotor, a preload nor --load, allowed: one of them, as a load for the equilibrium",
                     scene.path.display(),
                     of.name
                 );
@@ -191,7 +192,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
     let elements = elements(of, &built, &u, &at)?;
     let one = bearing_settled(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
     // The displacement has the preload in it.
-    let needs = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
+    let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(Settled {
         scene: scene.name.clone(),
         speed: at.inner_speed,
@@ -204,7 +205,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         residual,
         solving_seconds,
         effects: vec![],
-        needs,
+        significance,
     })
 }
 
@@ -297,11 +298,11 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     let speed = scene.shaft.speed.nominal();
     let (mut bearings, mut all) = (Vec::new(), Vec::new());
     let mut force = [0.0; 5];
-    for (i, (of, seat)) in scene.bearings.iter().zip(&plant.seats).enumerate() {
-        let at = plant.resting(seat, Phase::ZERO);
+    for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
+        let at = plant.resting(mounted, Phase::ZERO);
         let (moved, total) = places(&plant, i);
-        let one = bearing_settled(&seat.name, &seat.bearing, &moved, &total, &at);
-        let wrench = ballrace::Wrench::from_array(one.force).from_station(seat.station).to_array();
+        let one = bearing_settled(&mounted.name, &mounted.bearing, &moved, &total, &at);
+        let wrench = ballrace::Wrench::from_array(one.force).from_station(mounted.station).to_array();
         for (sum, f) in force.iter_mut().zip(wrench) {
             *sum += f;
         }
@@ -322,14 +323,14 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         residual: plant.residual,
         solving_seconds,
         effects: vec![],
-        needs: effect_significance::at_rest(scene, &plant)?,
+        significance: effect_significance::at_rest(scene, &plant)?,
     })
 }
 
 /// Displacement of a bearing by the rotor's motion, and with its preload.
 fn places(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f64>) {
     let moved = plant.displacement(i, &plant.rest);
-    (moved, moved + plant.seats.get(i).map_or_else(Displacement::default, |s| s.offset))
+    (moved, moved + plant.bearings.get(i).map_or_else(Displacement::default, |s| s.offset))
 }
 
 /// A linear bearing has the elements of what it is linearised from.

@@ -12,9 +12,9 @@ use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Math, Scalar, S
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Precision {
-    /// Single.
+    /// Single precision.
     F32,
-    /// Double.
+    /// Double precision.
     F64,
 }
 
@@ -22,9 +22,9 @@ pub enum Precision {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum MathBackend {
-    /// Correctly rounded roots, powers by libm.
+    /// Correctly rounded square roots, powers by libm.
     Exact,
-    /// Approximations of micromath.
+    /// Approximations by micromath.
     Fast,
 }
 
@@ -86,8 +86,9 @@ fn forces_in<T: Scalar, M: Math<T>>(
 fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
     if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
         let plant = Plant::try_new(scene)?;
-        let seat = plant.seats.iter().find(|s| s.name == bearing.name).context("the bearing has a seat")?;
-        return Ok(build::spring_of(&seat.bearing));
+        let mounted =
+            plant.bearings.iter().find(|s| s.name == bearing.name).context("a mounted bearing of the scene")?;
+        return Ok(build::spring_of(&mounted.bearing));
     }
     build::bearing::<T, M>(scene, bearing, model).with_context(|| scene.path.display().to_string())
 }

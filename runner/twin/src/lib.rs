@@ -12,6 +12,7 @@ pub mod equilibrium;
 pub mod error;
 pub mod fit;
 pub mod force;
+pub mod handle;
 pub mod motion;
 pub mod observer;
 pub mod output;

@@ -41,8 +41,8 @@ impl ResponseSample<'_> {
     /// Force of bearing `i` on its inner ring.
     #[must_use]
     pub fn wrench(&self, i: usize) -> Wrench<f64> {
-        self.plant.seats.get(i).map_or_else(Wrench::default, |seat| {
-            self.twin.wrench(i, &seat.rotation(seat.kinematics.parts_at(self.turned), &self.drive))
+        self.plant.bearings.get(i).map_or_else(Wrench::default, |mounted| {
+            self.twin.wrench(i, &mounted.rotation(mounted.kinematics.parts_at(self.turned), &self.drive))
         })
     }
 }

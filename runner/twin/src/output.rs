@@ -1,13 +1,31 @@
 //! Output files that are complete or absent: written beside their place and moved into it at the end.
 
-use anyhow::{Context, Result};
 use std::fs::{File, OpenOptions, Permissions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
-/// A file under way. Dropped before [`AtomicFile::finish`], it leaves nothing behind.
+/// Error returned when an output file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The path is a folder.
+    #[error("{}: found a folder, allowed: the name of a file to write", file.display())]
+    Folder {
+        /// Path of the output.
+        file: PathBuf,
+    },
+    /// The file cannot be created, written or moved into its place.
+    #[error("{}: this file cannot be written", file.display())]
+    Write {
+        /// Path of the output.
+        file: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+}
+
+/// An output file in progress. Dropped before [`AtomicFile::finish`], it leaves nothing behind.
 pub struct AtomicFile {
     writer: BufWriter<Place>,
     /// Where it goes, links followed.
@@ -89,8 +107,8 @@ pub fn exit_without_temporary_files(code: i32) -> ! {
     std::process::exit(code)
 }
 
-fn failed(path: &Path) -> impl FnOnce() -> String {
-    move || format!("{}: this file cannot be written", path.display())
+fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> OutputError {
+    move |source| OutputError::Write { file: path.to_owned(), source }
 }
 
 impl AtomicFile {
@@ -98,9 +116,9 @@ impl AtomicFile {
     ///
     /// # Errors
     /// A folder that is missing or not writable, a path that is a folder.
-    pub fn create(path: &Path) -> Result<Self> {
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
         if path.is_dir() {
-            anyhow::bail!("{}: found a folder, allowed: the name of a file to write", path.display());
+            return Err(OutputError::Folder { file: path.to_owned() });
         }
         // A link is followed, not replaced.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -108,10 +126,10 @@ impl AtomicFile {
         let special = existing.as_ref().is_some_and(|m| !m.is_file());
         let permissions = existing.filter(|m| m.is_file()).map(|m| m.permissions());
         let place = if special {
-            Place::Straight(OpenOptions::new().write(true).open(&path).with_context(failed(&path))?)
+            Place::Straight(OpenOptions::new().write(true).open(&path).map_err(failed(&path))?)
         } else {
             let temporary = Temporary::create(folder_of(&path), permissions.as_ref());
-            Place::Beside(temporary.with_context(failed(&path))?)
+            Place::Beside(temporary.map_err(failed(&path))?)
         };
         Ok(Self { writer: BufWriter::with_capacity(1 << 16, place), path, permissions })
     }
@@ -120,9 +138,9 @@ impl AtomicFile {
     ///
     /// # Errors
     /// As [`AtomicFile::create`] and [`AtomicFile::finish`].
-    pub fn write(path: &Path, contents: &str) -> Result<()> {
+    pub fn write(path: &Path, contents: &str) -> Result<(), OutputError> {
         let mut file = Self::create(path)?;
-        file.write_all(contents.as_bytes()).with_context(failed(path))?;
+        file.write_all(contents.as_bytes()).map_err(failed(path))?;
         file.finish()
     }
 
@@ -130,19 +148,18 @@ impl AtomicFile {
     ///
     /// # Errors
     /// A full disk, a place that became unwritable.
-    pub fn finish(self) -> Result<()> {
+    pub fn finish(self) -> Result<(), OutputError> {
         let Self { writer, path, permissions } = self;
-        let Place::Beside(temporary) = writer.into_inner().map_err(|e| e.into_error()).with_context(failed(&path))?
-        else {
+        let Place::Beside(temporary) = writer.into_inner().map_err(|e| e.into_error()).map_err(failed(&path))? else {
             return Ok(());
         };
         let Temporary { file, listed } = temporary;
         if let Some(permissions) = permissions {
-            file.as_file().set_permissions(permissions).with_context(failed(&path))?;
+            file.as_file().set_permissions(permissions).map_err(failed(&path))?;
         }
         // In its place it has to be whole, also after the power failed.
-        file.as_file().sync_all().with_context(failed(&path))?;
-        file.persist(&path).map_err(|e| e.error).with_context(failed(&path))?;
+        file.as_file().sync_all().map_err(failed(&path))?;
+        file.persist(&path).map_err(|e| e.error).map_err(failed(&path))?;
         drop(listed);
         sync_folder(&path);
         Ok(())

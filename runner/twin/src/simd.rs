@@ -1,8 +1,8 @@
-//! Code compiled twice: for every processor of the target, and for one with wide registers, taken where there is one.
+//! Code compiled twice: for every processor of the target, and for one with AVX2 registers, taken where there is one.
 //!
 //! The same operations in the same order, four numbers at a time instead of two: the answers are the same bits.
 
-use crate::scene::build::{AnyBearing, Shared};
+use crate::handle::{AnyBearing, Shared};
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 use std::sync::Arc;
@@ -32,7 +32,7 @@ impl SimdDispatch {
         }
     }
 
-    /// Does `work`, with wide registers where there are any: as far as the compiler makes it part of this function.
+    /// Does `work`, with AVX2 registers where there are any: as far as the compiler makes it part of this function.
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
         #[cfg(target_arch = "x86_64")]
@@ -44,17 +44,17 @@ impl SimdDispatch {
 }
 
 /// A bearing that uses them.
-struct Wide<B> {
+struct Dispatched<B> {
     bearing: B,
     registers: SimdDispatch,
 }
 
 /// A bearing behind a shared pointer, in the form that suits this processor best.
 pub fn shared<T: Scalar, B: Bearing<T> + CageFrame<T> + 'static>(bearing: B) -> AnyBearing<T> {
-    Shared(Arc::new(Wide { bearing, registers: SimdDispatch::detect() }))
+    Shared(Arc::new(Dispatched { bearing, registers: SimdDispatch::detect() }))
 }
 
-impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Wide<B> {
+impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
     fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.registers.run(
             #[inline(always)]
@@ -101,17 +101,21 @@ mod tests {
     }
 
     fn same_bits<B: Bearing<f64> + CageFrame<f64> + Clone + 'static>(name: &str, bearing: &B) {
-        let wide = shared(bearing.clone());
+        let dispatched = shared(bearing.clone());
         let mut loaded = 0;
         for i in 0..500 {
             let (u, at) = (
                 pose(i),
                 BearingKinematicState { inner_speed: SPEED, ..Phase::from_revolutions(0.013 * f64::from(i)).into() },
             );
-            let (plain, wide) = (bearing.reaction(&u, &at), wide.reaction(&u, &at));
+            let (plain, dispatched) = (bearing.reaction(&u, &at), dispatched.reaction(&u, &at));
             let bits = |reaction: &Reaction<f64>| reaction.wrench.to_array().map(f64::to_bits);
-            assert_eq!(bits(&plain), bits(&wide), "{name}, pose {i}");
-            assert_eq!((plain.load.to_bits(), plain.status), (wide.load.to_bits(), wide.status), "{name}, pose {i}");
+            assert_eq!(bits(&plain), bits(&dispatched), "{name}, pose {i}");
+            assert_eq!(
+                (plain.load.to_bits(), plain.status),
+                (dispatched.load.to_bits(), dispatched.status),
+                "{name}, pose {i}"
+            );
             loaded += u32::from(plain.load > 0.0);
         }
         assert!(loaded > 100, "{name}: loaded in {loaded} of 500 poses");
@@ -159,9 +163,9 @@ mod tests {
         let grid = domain.grid()?;
         let mut nodes = vec![[0.0; F]; grid.len()];
         fill_table(solved, domain, &grid, &mut nodes);
-        let (table, seat) = (Table::new(grid, nodes), solved.table_constants());
+        let (table, mounted) = (Table::new(grid, nodes), solved.table_constants());
         let places = BlockedPositions::<_, Vec<_>>::new(places.to_vec());
-        same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places, seat, table, false));
+        same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places, mounted, table, false));
         Ok(())
     }
 
@@ -183,8 +187,8 @@ mod tests {
         let bearing = Radial::<f64, Exact, _, _>::try_new(places.to_vec(), law, 5e-6)?;
         let springs = Linear::new(Stiffness::from_diagonal_element(1e4));
         let springs = || -> AnyBearing<f64> { Shared(Arc::new(springs)) };
-        let seat = |station: f64| (shared(bearing.clone()), springs(), station);
-        let [(a, b, at_a), (c, d, at_c)] = [seat(-0.1), seat(0.1)];
+        let mounted = |station: f64| (shared(bearing.clone()), springs(), station);
+        let [(a, b, at_a), (c, d, at_c)] = [mounted(-0.1), mounted(0.1)];
         let mounted = |bearing, station| BearingAtStation { bearing, station, speed_ratios: SpeedRatios::new(0.4) };
         let bearings = [mounted(a, at_a), mounted(b, at_a), mounted(c, at_c), mounted(d, at_c)];
         let machine = RotorBearingSystem { rotor, bearings };

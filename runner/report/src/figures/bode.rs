@@ -1,16 +1,32 @@
 //! Bode plots: phase lag and amplitude of 1X over the speed.
 
-use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{Dashes, Frame, Key, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
 use super::line::Point;
 use super::one_x::{OneX, amplitude, lag};
+use super::{Context, Figure, Picture};
 use anyhow::Result;
 
 const WIDTH: f64 = 620.0;
 const COMPENSATED: Stroke = Stroke(MEASURED, 1.8);
 const RAW: Stroke = Stroke(RESIDUAL, 1.6);
 const OF_TWIN: Stroke = Stroke(TWIN, 1.4);
+
+/// Bode plots of 1X, one per radial probe of a recording over speed.
+pub(super) struct BodePlots;
+
+impl Figure for BodePlots {
+    fn heading(&self) -> &'static str {
+        "Bode plots"
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        if !context.over_speed {
+            return Ok(vec![]);
+        }
+        context.radial_probes().map(|(i, name, _)| bode(name, &OneX::new(&context.data.blocks, i))).collect()
+    }
+}
 
 /// Of one probe.
 pub(super) fn bode(name: &str, one_x: &OneX) -> Result<Picture> {

@@ -1,10 +1,10 @@
 //! Spectra one behind the other: a waterfall over time, or a cascade over speed where that changes.
 
-use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{Anchor, Canvas, Dashes, FAINT, Frame, INK, MARK, MEASURED, PAPER, Stroke, gutter, picture};
 use super::line::{Point, peaks};
 use super::mark::{self, Mark};
+use super::{Context, Figure, Picture};
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{Cascade, MarkedLine, Slice};
 
@@ -18,6 +18,21 @@ const POINTS: usize = 170;
 const BEYOND_LINES: f64 = 1.3;
 /// Lowest bins, which hold what the window spreads of the mean.
 const MEAN_BINS: usize = 2;
+
+/// Waterfalls over time or cascades over speed, one per plane or probe.
+pub(super) struct Cascades;
+
+impl Figure for Cascades {
+    fn heading(&self) -> &'static str {
+        "Cascade and waterfall spectra"
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        let data = context.data;
+        let several = data.cascades.iter().filter(|one| one.slices.len() > 1);
+        several.map(|one| cascade(one, &data.lines, context.over_speed)).collect()
+    }
+}
 
 /// One picture a plane or probe; over the speed where it changes.
 pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool) -> Result<Picture> {

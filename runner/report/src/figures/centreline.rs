@@ -1,16 +1,52 @@
 //! Shaft centrelines: the mean place in a plane, from the start of the recording to its end, inside the clearance.
 
-use super::Picture;
 use super::axis::{Axis, extent, signed};
 use super::canvas::{Dashes, Frame, Key, MARK, MEASURED, Stroke, TWIN, gutter, picture};
 use super::line::Point;
+use super::{Context, Figure, Picture, Shape};
 use crate::number::fixed;
 use anyhow::Result;
-use ballrace_twin::replay::outcome::{Clearance, Orbit};
+use ballrace_twin::replay::outcome::{Block, Clearance, Orbit, Outcome};
 
 const SIDE: f64 = 340.0;
 const CLEARANCE: Stroke = Stroke(MARK, 1.2);
 const WAY: Stroke = Stroke(MEASURED, 1.6);
+
+/// Shaft centrelines, one per plane.
+pub(super) struct Centrelines;
+
+impl Figure for Centrelines {
+    fn heading(&self) -> &'static str {
+        "Shaft centrelines"
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Square
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        let data = context.data;
+        let planes = data.orbits.iter().zip(&data.clearances).filter(|_| data.blocks.len() > 1);
+        planes
+            .map(|(orbit, clearance)| centreline(orbit, &positions(context.outcome, orbit), clearance.as_ref()))
+            .collect()
+    }
+}
+
+/// Returns the mean positions in a plane with their speeds, um and rpm.
+fn positions(outcome: &Outcome, orbit: &Orbit) -> Vec<(Point, f64)> {
+    let index = |name: &str| outcome.probes.iter().position(|probe| probe.name == name);
+    let [(a, from_a), (b, from_b), ..] = &orbit.probes[..] else { return vec![] };
+    let (Some(a), Some(b)) = (index(a), index(b)) else { return vec![] };
+    let determinant = (from_b - from_a).sin();
+    let mean = |block: &Block| {
+        let (a, b) = (block.probes.get(a)?.mean_um, block.probes.get(b)?.mean_um);
+        let x = (from_b.sin() * a - from_a.sin() * b) / determinant;
+        let y = (from_a.cos() * b - from_b.cos() * a) / determinant;
+        Some(((x, y), block.speed_rpm))
+    };
+    outcome.pictures.blocks.iter().filter_map(mean).collect()
+}
 
 /// Of one plane; each point has its speed.
 pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<&Clearance>) -> Result<Picture> {
@@ -20,7 +56,7 @@ pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<
     let rpm = |at: Option<&(Point, f64)>| fixed(at.map_or(f64::NAN, |(_, rpm)| *rpm), 0);
     let (start, end) = (format!("start, {} rpm", rpm(way.first())), format!("end, {} rpm", rpm(way.last())));
     let rim = clearance.map_or_else(String::new, |c| format!("clearance of {}", c.bearing));
-    let mut legend = vec![(Key::Line(WAY), "mean place"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
+    let mut legend = vec![(Key::Line(WAY), "mean position"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
     if radius.is_some() {
         legend.push((Key::Line(CLEARANCE), &rim));
     }
@@ -47,7 +83,7 @@ pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<
 
 fn words(clearance: Option<&Clearance>) -> String {
     let circle = clearance.map_or_else(
-        || "The scene gives no clearance to draw.".to_owned(),
+        || "The scene has no clearance.".to_owned(),
         |c| {
             format!(
                 "Circle: half the diametral clearance of {}, {} um, {} mm away along the shaft, about the scene's \

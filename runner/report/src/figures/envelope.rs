@@ -1,12 +1,11 @@
 //! Envelope spectra: how often a second a band of a vibration swells, with the lines of the bearing's parts.
 
-use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{BAND, Dashes, FAINT, Frame, Key, MEASURED, Stroke, gutter, picture};
 use super::line::{Point, peaks};
-use super::{Budget, mark};
+use super::{Context, Figure, Picture, PointBudget, mark};
 use anyhow::Result;
-use ballrace_twin::replay::outcome::EnvelopeSpectrum;
+use ballrace_twin::replay::outcome::{EnvelopeSpectrum, Pictures};
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 190.0;
@@ -15,8 +14,25 @@ const MULTIPLES: [f64; 2] = [2.0, 3.0];
 const SIDE_BAND: Stroke = Stroke(BAND, 2.4);
 const MULTIPLE: Stroke = Stroke(FAINT, 0.9);
 
+/// Envelope spectra, one per vibration sensor.
+pub(super) struct EnvelopeSpectra;
+
+impl Figure for EnvelopeSpectra {
+    fn heading(&self) -> &'static str {
+        "Envelope spectra"
+    }
+
+    fn lines(&self, data: &Pictures) -> usize {
+        data.envelopes.len()
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        context.data.envelopes.iter().map(|one| envelope(one, context.budget)).collect()
+    }
+}
+
 /// One picture for each sensor.
-pub(super) fn envelope(envelope: &EnvelopeSpectrum, budget: Budget) -> Result<Picture> {
+pub(super) fn envelope(envelope: &EnvelopeSpectrum, budget: PointBudget) -> Result<Picture> {
     let points: Vec<Point> =
         envelope.modulation.iter().enumerate().skip(1).map(|(i, a)| (i as f64 * envelope.bin_hz, *a)).collect();
     let highest = points.last().map(|point| point.0).filter(|hz| *hz > 0.0 && hz.is_finite()).unwrap_or(1.0);

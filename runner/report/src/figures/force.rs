@@ -4,17 +4,34 @@ use super::axis::{Axis, extent};
 use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, Stroke, TWIN, gutter, picture};
 use super::line::{Point, decimated, pieces, thinned, zipped};
 use super::trace::Clock;
-use super::{Budget, Picture};
+use super::{Context, Figure, Picture, PointBudget};
 use anyhow::Result;
-use ballrace_twin::replay::outcome::ForceTrace;
+use ballrace_twin::replay::outcome::{ForceTrace, Pictures};
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 112.0;
 const GAP: f64 = 10.0;
 const TITLES: [&str; 3] = ["FX, N", "FY, N", "FZ, N"];
 
+/// Forces over time, one picture per bearing.
+pub(super) struct BearingForces;
+
+impl Figure for BearingForces {
+    fn heading(&self) -> &'static str {
+        "Bearing forces"
+    }
+
+    fn lines(&self, data: &Pictures) -> usize {
+        12 * data.forces.len()
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        context.data.forces.iter().map(|one| force(one, context.budget)).collect()
+    }
+}
+
 /// One picture for each bearing: three components, one above another.
-pub(super) fn force(force: &ForceTrace, budget: Budget) -> Result<Picture> {
+pub(super) fn force(force: &ForceTrace, budget: PointBudget) -> Result<Picture> {
     let clock = Clock::of(&force.time);
     let time: Vec<f64> = force.time.iter().map(|t| t * clock.scale).collect();
     let panels: Vec<Panel> = (0..3).map(|i| Panel::new(force, i, &time, budget.line())).collect();

@@ -5,10 +5,10 @@ use super::canvas::{
     Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, TWIN, gutter, picture, text_width,
 };
 use super::line::{Point, thinned};
-use super::{Budget, Picture};
+use super::{Context, Figure, Picture, PointBudget, Shape};
 use crate::number::{fixed, shortened};
 use anyhow::Result;
-use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit};
+use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit, Pictures};
 
 /// Side of the square.
 const SIDE: f64 = 340.0;
@@ -28,8 +28,34 @@ const NOTE: &str = "Equal scales. X to the right, Y up, Z towards the reader. Bl
 /// Points of a 1X orbit.
 const ELLIPSE: u16 = 180;
 
+/// Orbits, direct and 1X side by side.
+pub(super) struct Orbits;
+
+impl Figure for Orbits {
+    fn heading(&self) -> &'static str {
+        "Orbits"
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Square
+    }
+
+    fn lines(&self, data: &Pictures) -> usize {
+        2 * data.orbits.len()
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        let mut pictures = Vec::new();
+        for direct in &context.data.orbits {
+            pictures.push(orbit(direct, context.forward, context.budget)?);
+            pictures.extend(one_x(direct, context.forward, context.budget)?);
+        }
+        Ok(pictures)
+    }
+}
+
 /// The 1X part of an orbit, once around; `forward` is the sense of rotation.
-pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Option<Picture>> {
+pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<Option<Picture>> {
     let Some(FilteredOrbit { speed_rpm, measured, twin }) = orbit.one_x else { return Ok(None) };
     let around = |[cos, sin]: [(f64, f64); 2]| -> Vec<Point> {
         let point = |i: u16| {
@@ -72,7 +98,7 @@ fn precession(points: &[Point], forward: f64) -> &'static str {
 }
 
 /// One picture for each plane; `forward` is the sense of rotation, +1 from +X towards +Y.
-pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: Budget) -> Result<Picture> {
+pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<Picture> {
     let shown = shown_samples(orbit);
     let frame = square(orbit, shown);
     let svg = picture((frame.right + 14.0, frame.bottom + 36.0), Dashes::Twin, |canvas| {
@@ -184,7 +210,7 @@ fn draw_path(
     marks: &[usize],
     shown: usize,
     stroke: Stroke,
-    budget: Budget,
+    budget: PointBudget,
 ) -> Result<()> {
     let turn = marks.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).max().unwrap_or(0);
     let blank = if turn > 0 { 2 + (BLANK * turn as f64) as usize } else { 0 };

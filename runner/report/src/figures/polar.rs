@@ -1,12 +1,12 @@
 //! Polar plots: the 1X vector as it goes with the speed. Zero is at the probe, the lag grows against rotation.
 
-use super::Picture;
 use super::axis::Axis;
 use super::canvas::{
     Anchor, Canvas, Dashes, GRID, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, picture, text_width,
 };
 use super::line::{Point, pieces};
 use super::one_x::{OneX, amplitude, lag};
+use super::{Context, Figure, Picture, Shape};
 use anyhow::Result;
 use plotters::prelude::RGBColor;
 
@@ -39,6 +39,27 @@ impl Dial {
     fn at(&self, vector: &[f64; 2]) -> Point {
         let size = amplitude(vector);
         if size.is_finite() { self.around(lag(vector), self.radial.place(size)) } else { (f64::NAN, f64::NAN) }
+    }
+}
+
+/// Polar plots of 1X, one per radial probe of a recording over speed.
+pub(super) struct PolarPlots;
+
+impl Figure for PolarPlots {
+    fn heading(&self) -> &'static str {
+        "Polar plots"
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Square
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        if !context.over_speed {
+            return Ok(vec![]);
+        }
+        let one = |(i, name, angle)| polar(name, angle, context.forward, &OneX::new(&context.data.blocks, i));
+        context.radial_probes().map(one).collect()
     }
 }
 

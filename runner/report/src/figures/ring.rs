@@ -5,9 +5,9 @@ use super::canvas::{
     Anchor, Canvas, Dashes, Frame, GRID, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture,
 };
 use super::line::{Point, decimated};
-use super::{Budget, Picture};
+use super::{Context, Figure, Picture, PointBudget};
 use anyhow::Result;
-use ballrace_twin::replay::outcome::ElementLoads;
+use ballrace_twin::replay::outcome::{ElementLoads, Pictures};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const WIDTH: f64 = 620.0;
@@ -19,8 +19,25 @@ const LARGEST: Stroke = Stroke(RESIDUAL, 1.2);
 const MEAN: Stroke = Stroke(MEASURED, 1.6);
 const TWIN_MEAN: Stroke = Stroke(TWIN, 1.5);
 
+/// Loads around the ring, one picture per bearing with elements.
+pub(super) struct ElementLoadPlots;
+
+impl Figure for ElementLoadPlots {
+    fn heading(&self) -> &'static str {
+        "Load on the rolling elements"
+    }
+
+    fn lines(&self, data: &Pictures) -> usize {
+        4 * data.element_loads.len()
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        context.data.element_loads.iter().map(|one| loads(one, context.budget)).collect()
+    }
+}
+
 /// One picture for each bearing with elements.
-pub(super) fn loads(loads: &ElementLoads, budget: Budget) -> Result<Picture> {
+pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Result<Picture> {
     let top = extent(loads.largest.iter().chain(&loads.mean).chain(&loads.twin_mean).copied()).map(|range| range.1);
     let radial = Axis::from_zero(top, 5, "");
     let frame = way_frame(loads);

@@ -4,9 +4,9 @@ use super::axis::{Axis, extent};
 use super::canvas::{Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
 use super::line::{Point, peaks};
 use super::mark::{self, Mark};
-use super::{Budget, Picture};
+use super::{Context, Figure, Picture, PointBudget};
 use anyhow::Result;
-use ballrace_twin::replay::outcome::{FullSpectrum, HalfSpectrum, MarkedLine};
+use ballrace_twin::replay::outcome::{FullSpectrum, HalfSpectrum, MarkedLine, Pictures};
 
 const WIDTH: f64 = 620.0;
 /// Height of a frame; the rows of names come on top.
@@ -23,8 +23,26 @@ const RESIDUAL_FINE: Stroke = Stroke(RESIDUAL, 0.8);
 /// Lowest bins, which hold the mean and what the window spreads of it, at most.
 const MEAN_BINS: usize = 3;
 
+/// Spectra, one per probe.
+pub(super) struct HalfSpectra;
+
+impl Figure for HalfSpectra {
+    fn heading(&self) -> &'static str {
+        "Spectra"
+    }
+
+    fn lines(&self, data: &Pictures) -> usize {
+        6 * data.half_spectra.len()
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        let data = context.data;
+        data.half_spectra.iter().map(|one| half(one, &data.lines, context.budget)).collect()
+    }
+}
+
 /// One picture for each probe: the range of the bearing lines, and beside it the whole range.
-pub(super) fn half(spectrum: &HalfSpectrum, lines: &[MarkedLine], budget: Budget) -> Result<Picture> {
+pub(super) fn half(spectrum: &HalfSpectrum, lines: &[MarkedLine], budget: PointBudget) -> Result<Picture> {
     let whole = whole_range(spectrum.bin_hz, longest(spectrum).saturating_sub(1));
     let close = close_view(lines, whole, BEYOND_LINES);
     let curves = Curves::new(spectrum, mean_bins(lines, spectrum.bin_hz));
@@ -65,7 +83,7 @@ fn half_legend() -> [(Key, &'static str); 4] {
 }
 
 /// The same three curves from 0 to the highest frequency, narrow.
-fn overview(canvas: &mut Canvas, close: &Frame, curves: &Curves, whole: f64, budget: Budget) -> Result<()> {
+fn overview(canvas: &mut Canvas, close: &Frame, curves: &Curves, whole: f64, budget: PointBudget) -> Result<()> {
     let x = Axis::exact(Some((0.0, whole)), 4, "Whole range, Hz");
     let mut y = close.y.clone();
     y.title = String::new();
@@ -106,7 +124,7 @@ impl Curves {
     }
 
     /// The twin wide and below, so that it shows on both sides of a peak that the machine has too.
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: Budget) -> Result<()> {
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) -> Result<()> {
         let curves = [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE), (&self.residual, RESIDUAL_FINE)];
         for (points, stroke) in curves {
             let points = peaks(&inside(frame, points), budget.spectrum());
@@ -164,7 +182,7 @@ fn close_view(lines: &[MarkedLine], whole: f64, beyond: f64) -> f64 {
 }
 
 /// One picture for each plane: forward to the right, reverse to the left; below it, magnified, all but 1X.
-pub(super) fn full(spectrum: &FullSpectrum, lines: &[MarkedLine], budget: Budget) -> Result<Picture> {
+pub(super) fn full(spectrum: &FullSpectrum, lines: &[MarkedLine], budget: PointBudget) -> Result<Picture> {
     let sides = Sides::new(spectrum, lines);
     let mut marks = mark::marks(lines, sides.close);
     let frames = sides.frames(&mut marks);
@@ -241,7 +259,7 @@ impl Sides {
         axes.into_iter().enumerate().map(frame).collect()
     }
 
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: Budget) -> Result<()> {
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) -> Result<()> {
         for (points, stroke) in [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE)] {
             frame.curve(canvas, &peaks(&inside(frame, points), budget.spectrum()), stroke)?;
         }

@@ -75,7 +75,7 @@ pub(crate) fn response(title: &str, curves: &[Curve<'_>]) -> Result<Picture> {
         Ok(())
     })?;
     Ok(Picture {
-        title: "Response: peak to peak of the settled motion".to_owned(),
+        title: "Response: peak to peak of the steady-state motion".to_owned(),
         note: "Of the rotor's centre of mass.".to_owned(),
         svg,
     })

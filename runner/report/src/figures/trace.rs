@@ -3,14 +3,31 @@
 use super::axis::{Axis, extent};
 use super::canvas::{Canvas, Dashes, Frame, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
 use super::line::{Point, decimated, zipped};
-use super::{Budget, Picture};
+use super::{Context, Figure, Picture, PointBudget};
 use anyhow::Result;
-use ballrace_twin::replay::outcome::Trace;
+use ballrace_twin::replay::outcome::{Pictures, Trace};
 
 const WIDTH: f64 = 620.0;
 
+/// Time traces, one per probe.
+pub(super) struct Traces;
+
+impl Figure for Traces {
+    fn heading(&self) -> &'static str {
+        "Time traces"
+    }
+
+    fn lines(&self, data: &Pictures) -> usize {
+        3 * data.traces.len()
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        context.data.traces.iter().map(|one| trace(one, context.budget)).collect()
+    }
+}
+
 /// One picture for each probe.
-pub(super) fn trace(trace: &Trace, budget: Budget) -> Result<Picture> {
+pub(super) fn trace(trace: &Trace, budget: PointBudget) -> Result<Picture> {
     let clock = Clock::of(&trace.time);
     let time: Vec<f64> = trace.time.iter().map(|t| t * clock.scale).collect();
     let curves = Curves::new(trace, &time, budget.line());

@@ -1,4 +1,4 @@
-//! Error against cost: every candidate a dot, the front a line, what lies on it numbered.
+//! Error over cost: one dot per candidate, the Pareto front as a line with numbered dots.
 
 use super::Picture;
 use super::axis::Axis;
@@ -8,7 +8,7 @@ use anyhow::Result;
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 360.0;
-/// Errors below this are drawn here: what is rounded away says nothing of the model.
+/// Smallest error drawn; smaller ones are rounding.
 const LEAST: f64 = 1e-16;
 
 /// One dot.
@@ -17,7 +17,7 @@ pub(crate) struct Dot {
     pub cost: f64,
     /// Relative.
     pub error: f64,
-    /// Nothing beats it.
+    /// Whether it is on the Pareto front.
     pub front: bool,
     /// In single precision.
     pub single: bool,
@@ -25,7 +25,7 @@ pub(crate) struct Dot {
     pub name: String,
 }
 
-/// The picture; none where nothing has a cost.
+/// Draws the figure; `None` where no candidate has a cost.
 pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Result<Option<Picture>> {
     let shown: Vec<&Dot> = dots.iter().filter(|d| d.cost > 0.0 && d.error.is_finite()).collect();
     if shown.is_empty() {
@@ -44,11 +44,8 @@ pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Res
     let mut best: Vec<&Dot> = shown.iter().copied().filter(|d| d.front).collect();
     best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let svg = picture((WIDTH, HEIGHT + 36.0), Dashes::None, |canvas| {
-        let keys = [
-            (Key::Dot(MEASURED), "f64"),
-            (Key::Dot(TWIN), "f32"),
-            (Key::Line(Stroke(FAINT, 1.5)), "front: nothing is both cheaper and truer"),
-        ];
+        let keys =
+            [(Key::Dot(MEASURED), "f64"), (Key::Dot(TWIN), "f32"), (Key::Line(Stroke(FAINT, 1.5)), "Pareto front")];
         canvas.legend(left, 0.0, &keys)?;
         frame.axes(canvas, true)?;
         frame.curve(canvas, &stairs(&best), Stroke(FAINT, 1.5))?;
@@ -60,10 +57,10 @@ pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Res
         numbers(canvas, &frame, &best)
     })?;
     let list: Vec<String> = best.iter().enumerate().map(|(i, d)| format!("{} {}", i + 1, d.name)).collect();
-    Ok(Some(Picture { title: title.to_owned(), note: format!("On the front: {}.", list.join("; ")), svg }))
+    Ok(Some(Picture { title: title.to_owned(), note: format!("On the Pareto front: {}.", list.join("; ")), svg }))
 }
 
-/// The front as a border between what can be had and what cannot.
+/// Returns the Pareto front as a staircase.
 fn stairs(best: &[&Dot]) -> Vec<Point> {
     let mut line = Vec::new();
     for dot in best {
@@ -76,12 +73,12 @@ fn stairs(best: &[&Dot]) -> Vec<Point> {
     line
 }
 
-/// Numbers beside the dots of the front, on the side where nothing can be.
+/// Draws numbers beside the dots of the front, on the side of lower cost and error.
 fn numbers(canvas: &mut Canvas, frame: &Frame, best: &[&Dot]) -> Result<()> {
     let mut last: Option<Point> = None;
     for (i, dot) in best.iter().enumerate() {
         let (px, py) = frame.at(&(dot.cost, dot.error.max(LEAST)));
-        // Dots that all but fall on each other would write over each other.
+        // Labels of nearly coincident dots would overlap.
         let near = last.is_some_and(|(x, y)| (px - x).abs() < 12.0 && (py - y).abs() < 12.0);
         let at = if near { (px + 9.0, py - 9.0) } else { (px - 9.0, py + 9.0) };
         canvas.text(&(i + 1).to_string(), at, Anchor::Middle, INK)?;

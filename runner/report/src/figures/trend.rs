@@ -3,10 +3,10 @@
 use super::axis::{Axis, extent};
 use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
 use super::line::{Point, decimated};
-use super::{Budget, Picture};
+use super::{Context, Figure, Picture, PointBudget};
 use anyhow::Result;
 use ballrace_twin::replay::limits::Event;
-use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine};
+use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine, Pictures, ProbeOutcome};
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 78.0;
@@ -33,8 +33,33 @@ pub(super) struct Trend<'a> {
     pub(super) events: Vec<&'a Event>,
 }
 
+/// Trends, one per probe of a recording of several blocks.
+pub(super) struct Trends;
+
+impl Figure for Trends {
+    fn heading(&self) -> &'static str {
+        "Trends"
+    }
+
+    fn lines(&self, data: &Pictures) -> usize {
+        4 * data.traces.len()
+    }
+
+    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+        let (outcome, data) = (context.outcome, context.data);
+        let probes = outcome.probes.iter().enumerate().filter(|_| data.blocks.len() > 1);
+        let one = |(probe, named): (usize, &ProbeOutcome)| {
+            let name = named.name.as_str();
+            let limits = data.limits.iter().filter(|limit| limit.probe == name).collect();
+            let events = outcome.events.iter().filter(|event| event.probe == name).collect();
+            trend(&Trend { name, probe, blocks: &data.blocks, limits, events }, context.budget)
+        };
+        probes.map(one).collect()
+    }
+}
+
 /// One picture for each probe.
-pub(super) fn trend(trend: &Trend, budget: Budget) -> Result<Picture> {
+pub(super) fn trend(trend: &Trend, budget: PointBudget) -> Result<Picture> {
     let clock = Clock::of(trend.blocks);
     let frames = frames(trend, &clock);
     let bottom = frames.last().map_or(0.0, |frame| frame.bottom);

@@ -274,7 +274,7 @@ fn write_file(folder: &Path, number: u32, table: &Table) -> Result<()> {
     let columns: Vec<Column> = table.names.iter().enumerate().map(column).collect();
     let mut out = AtomicFile::create(&file(folder, number))?;
     parquet_table::write(&mut out, "indicators", &columns)?;
-    out.finish()
+    Ok(out.finish()?)
 }
 
 /// Header, complete rows and their bytes of a journal; none where there is no journal.

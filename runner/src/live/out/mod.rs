@@ -26,13 +26,13 @@ pub struct RequestedOutputs {
     /// Append events as JSON lines.
     #[arg(long, value_name = "FILE.jsonl")]
     pub events: Option<PathBuf>,
-    /// Write every second's indicators, a Parquet file an hour: FOLDER/indicators-0001.parquet and so on.
+    /// Write indicators once per second to Parquet files of one hour: FOLDER/indicators-0001.parquet and so on.
     #[arg(long, value_name = "FOLDER")]
     pub indicators: Option<PathBuf>,
-    /// Length of one of these files, e.g. "10 min"; an hour where absent.
+    /// Length of each indicator file, e.g. "10 min" [default: one hour].
     #[arg(long, value_name = "DURATION", requires = "indicators", value_parser = whole_seconds)]
     pub indicators_file_length: Option<usize>,
-    /// Answer Prometheus at this port of 127.0.0.1.
+    /// Serve Prometheus metrics on this port of 127.0.0.1.
     #[arg(long, value_name = "PORT")]
     pub prometheus: Option<u16>,
     /// Publish indicators and events to an MQTT broker: mqtt://HOST:PORT/TOPIC.

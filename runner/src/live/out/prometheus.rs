@@ -165,7 +165,7 @@ fn page(second: &Second, counts: &Counts, misses: u64, outputs: &OutputFigures) 
         ("ballrace_probe_rms_um", "About the mean.", |p| p.rms_um),
         ("ballrace_probe_crest_factor", "Greatest distance from the mean over the rms.", |p| p.crest_factor),
         ("ballrace_probe_kurtosis", "3 of noise, 1.5 of a sine.", |p| p.kurtosis),
-        ("ballrace_probe_residual_rms_um", "Of what the twin leaves, about its mean.", |p| p.residual_rms_um),
+        ("ballrace_probe_residual_rms_um", "RMS of measured minus twin, about its mean.", |p| p.residual_rms_um),
         ("ballrace_probe_1x_um", "1X amplitude, zero to peak.", |p| p.one_x_um),
         ("ballrace_probe_1x_phase_lag_degrees", "Behind the keyphasor mark.", |p| p.one_x_phase_lag_deg),
     ];

@@ -1,6 +1,6 @@
 //! Models whose forces follow from the displacement at once: springs, lumped elements, variable contact angle.
 
-use super::{feature_constants, seat_constants, surface_imports};
+use super::{feature_constants, position_constants, surface_imports};
 use crate::plant::Plant;
 use crate::scene::build;
 use crate::scene::{Bearing, Facing, Linear, Model, Scene};
@@ -28,7 +28,7 @@ pub fn module(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
 fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let spring = if matches!(of.linear, Some(Linear::Of(_))) {
         let plant = Plant::try_new(scene)?;
-        plant.seats.iter().find(|s| s.name == of.name).context("the bearing has a seat")?.bearing.clone()
+        plant.bearings.iter().find(|s| s.name == of.name).context("a mounted bearing of the scene")?.bearing.clone()
     } else {
         build::bearing::<f64, Exact>(scene, of, Model::Linear)?
     };
@@ -93,18 +93,18 @@ fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
         of,
         "    use ballrace::bearing::lumped::{Axial, Combined, Radial};\n    use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};",
     )?;
-    seat_constants(out, scene, of, Model::Lumped)?;
+    position_constants(out, scene, of, Model::Lumped)?;
     function(out, of, &kind, &value)
 }
 
 fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let geometry = build::geometry(of)?.context("an angular bearing has a geometry")?;
-    let zero = if of.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching };
-    let seat = AngularConstants::try_new(geometry, zero)?.rounded::<f32>();
+    let datum = if of.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching };
+    let constants = AngularConstants::try_new(geometry, datum)?.rounded::<f32>();
     let (surface, with) = surface(of);
     imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularConstants};")?;
-    seat_constants(out, scene, of, Model::Angular)?;
-    let AngularConstants { stiffness, distance, unloaded, excess, arm } = seat;
+    position_constants(out, scene, of, Model::Angular)?;
+    let AngularConstants { stiffness, distance, unloaded, excess, arm } = constants;
     writeln!(
         out,
         "    const CONSTANTS: AngularConstants<f32> = AngularConstants {{ stiffness: {stiffness:?}, distance: {distance:?}, unloaded: {unloaded:?}, excess: {excess:?}, arm: {arm:?} }};"

@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// # Errors
 /// A scene that leaves open what the gains depend on.
 pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
-    let Some(wander) = scene.observer.wander else { return Ok(()) };
+    let Some(process_noise) = scene.observer.process_noise else { return Ok(()) };
     let lacking = |what: &str, allowed: &str| {
         anyhow::anyhow!("{}: [observer]: found {what}, allowed with bake: {allowed}", scene.path.display())
     };
@@ -26,9 +26,9 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     only_rigid(scene, "bake")?;
     let plant = Plant::try_new(scene)?;
     let Some(rotor) = plant.rotor() else { bail!(lacking("no [rotor]", "a rotor")) };
-    let linear = plant.linearised(&vec![true; plant.seats.len()])?;
+    let linear = plant.linearised(&vec![true; plant.bearings.len()])?;
     let rows = observed_rows(&recording.probes);
-    let of = Uncertainty::new(&noise, wander, weight(&plant));
+    let of = Uncertainty::new(&noise, process_noise, weight(&plant));
     let gains = Gains::try_new(&linear, &rows, scene.shaft.speed, 1.0 / rate, &of)?;
     let p = rows.len();
     writeln!(out, "\n/// The observer behind the scene's probes, and the rotor that it moves.\npub mod observer {{")?;
@@ -37,7 +37,10 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let substeps = plant.substeps(1.0 / rate)?;
     writeln!(out, "    /// Steps of the integrator in it.\n    pub const SUBSTEPS: u32 = {substeps};")?;
     let memory = memory(1.0 / rate) as f32;
-    writeln!(out, "    /// What is left of the unknown load after it.\n    pub const MEMORY: f32 = {memory:?};")?;
+    writeln!(
+        out,
+        "    /// Decay factor of the unknown load over one period.\n    pub const MEMORY: f32 = {memory:?};"
+    )?;
     let gate = gate(p) as f32;
     writeln!(out, "    /// Largest normalised innovation squared that still corrects the state.")?;
     writeln!(out, "    pub const GATE: f32 = {gate:?};")?;
@@ -45,7 +48,7 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     writeln!(out, "    /// Speed of the first gain, rad/s, gains per rad/s.")?;
     writeln!(out, "    pub const SPEEDS: [f32; 2] = [{first:?}, {density:?}];")?;
     let names: Vec<&str> = recording.probes.iter().map(|p| p.column.as_str()).collect();
-    writeln!(out, "    /// What each probe reads per unit of each coordinate: {}.", names.join(", "))?;
+    writeln!(out, "    /// Reading of each probe per unit of each coordinate: {}.", names.join(", "))?;
     writeln!(out, "    pub const PROBES: [[f32; 5]; {p}] = {};", table(&rows))?;
     writeln!(out, "    /// By speed.\n    pub static GAINS: [SpeedGain<f32, {p}>; {}] = [", gains.all.len())?;
     for gain in &gains.all {

@@ -34,7 +34,7 @@ fn scene(i: u64) -> String {
     let thrown = about * 0.002 * 150_f64.powf(unit(i, 0.414_214));
     let mass = 7800.0 * PI / 6.0 * (ball * 1e-3_f64).powi(3);
     let speed = 2.2 * (2.0 * thrown / mass / (pitch * 1e-3)).sqrt();
-    let seat = match (i / 16) % 3 {
+    let mounted = match (i / 16) % 3 {
         0 => format!("facing = \"+z\"\ncontact_angle = \"{angle} deg\"\npreload = {{ force = \"{force} N\" }}"),
         1 => format!(
             "facing = \"-z\"\ncontact_angle = \"{angle} deg\"\npreload = {{ displacement = \"{} um\" }}",
@@ -45,7 +45,7 @@ fn scene(i: u64) -> String {
     format!(
         "[shaft]\nspeed = \"{} rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"quasi-static\"\nelements = {elements}\n\
          ball_diameter = \"{ball} mm\"\npitch_diameter = \"{pitch} mm\"\ninner_conformity = {conformity}\nouter_conformity = {conformity}\n\
-         lubricant = {{ viscosity = \"{} Pa s\", pressure_viscosity = \"2e-8 1/Pa\" }}\neffects = [\"centrifugal\", \"gyroscopic\", \"film\"]\n{seat}\n",
+         lubricant = {{ viscosity = \"{} Pa s\", pressure_viscosity = \"2e-8 1/Pa\" }}\neffects = [\"centrifugal\", \"gyroscopic\", \"film\"]\n{mounted}\n",
         speed * 60.0 / (2.0 * PI),
         0.005 * 20_f64.powf(unit(i, 0.236_068)),
     )
@@ -72,8 +72,8 @@ fn pushed(i: u64, of: &BearingScene) -> Displacement<f64> {
     }
 }
 
-fn force(seat: &MountedBearing, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 3] {
-    let f = seat.bearing.reaction(u, at).wrench;
+fn force(mounted: &MountedBearing, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 3] {
+    let f = mounted.bearing.reaction(u, at).wrench;
     [f.fx, f.fy, f.fz]
 }
 
@@ -120,9 +120,9 @@ fn predictions_are_within_a_factor_of_two() {
             apart(held(of, &(u + still.offset)), base) / whole,
             size([swing(0), swing(1), swing(2)]) / whole,
         ];
-        let needs = of_bearing(&scene, of, &u, &at).unwrap();
+        let significance = of_bearing(&scene, of, &u, &at).unwrap();
         for ((ratios, effect), found) in ratios.iter_mut().zip(effects).zip(found) {
-            let predicted = needs.iter().find(|need| need.effect == effect).unwrap().change;
+            let predicted = significance.iter().find(|one| one.effect == effect).unwrap().change;
             if found > LEAST || predicted > LEAST {
                 ratios.push((predicted / found, found, i));
             }

@@ -103,7 +103,8 @@ pub struct Estimate {
     /// Upper end, as `low`.
     pub high: Option<f64>,
     /// The interval is narrow enough to be of use.
-    pub told: bool,
+    #[serde(rename = "told")]
+    pub identified: bool,
 }
 
 /// What is fitted to.
@@ -122,7 +123,7 @@ pub struct Material<'a> {
 /// Reads the first `turns` turns of a recording.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Returns an error if the scene is invalid.
 pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<Vec<Sample>> {
     let Some(recording) = &scene.recording else { bail!("found no recording") };
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
@@ -184,13 +185,14 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let before = model.residuals(&at)?;
     let everything = model.search(progress)?;
     let open = covariance(&everything, &model);
-    let told: Vec<usize> = (0..everything.x.len()).filter(|&i| i >= unknown.len() || model.told(&open, i)).collect();
+    let identified: Vec<usize> =
+        (0..everything.x.len()).filter(|&i| i >= unknown.len() || model.identified(&open, i)).collect();
     // What is not told goes back to the scene's value, and the rest is sought with it there.
     let mut at = everything.x.clone();
-    (0..at.len()).filter(|i| !told.contains(i)).for_each(|i| at[i] = model.believed[i]);
-    let free: Vec<Tied> = told.iter().map(|&i| vec![i]).collect();
-    let solution = if told.len() < at.len() { model.stage(&at, &free, THERE, progress)? } else { everything };
-    let covariance = expanded(&covariance(&solution, &model), &open, &told);
+    (0..at.len()).filter(|i| !identified.contains(i)).for_each(|i| at[i] = model.believed[i]);
+    let free: Vec<Tied> = identified.iter().map(|&i| vec![i]).collect();
+    let solution = if identified.len() < at.len() { model.stage(&at, &free, THERE, progress)? } else { everything };
+    let covariance = expanded(&covariance(&solution, &model), &open, &identified);
     let found = model.judged(&solution, &covariance);
     let rms = |left: &[f64], p: usize| {
         let own = left.iter().take(of.samples.len() * rows.len()).skip(p).step_by(rows.len());
@@ -375,12 +377,12 @@ impl Model<'_> {
             }
             let (name, unit, size) = parameter.place.name(scene);
             let reach = z * covariance[(i, i)].max(0.0).sqrt();
-            let told = self.told(covariance, i);
-            if !told {
+            let identified = self.identified(covariance, i);
+            if !identified {
                 notes.push(format!(
-                    "{name} is not told by this recording: {:.0} % of what was plausible before is left open{}. The scene's value is kept.",
+                    "{name} is not identifiable from this recording: {:.0} % of the prior uncertainty remains{}. The scene's value is kept.",
                     100.0 * reach / z,
-                    self.partner(covariance, i).map_or_else(String::new, |other| format!("; it goes along with {other}"))
+                    self.partner(covariance, i).map_or_else(String::new, |other| format!("; it is correlated with {other}"))
                 ));
             }
             all.push(Estimate {
@@ -390,13 +392,13 @@ impl Model<'_> {
                 value: values[i] / size,
                 low: Some(parameter.value(solution.x[i] - reach) / size),
                 high: Some(parameter.value(solution.x[i] + reach) / size),
-                told,
+                identified,
             });
         }
         let kept = |i: usize| {
             let parameter = &self.unknown[i];
-            let told = self.told(covariance, i);
-            (parameter.clone(), if told { values[i] } else { parameter.given })
+            let identified = self.identified(covariance, i);
+            (parameter.clone(), if identified { values[i] } else { parameter.given })
         };
         Fitted {
             scene: String::new(),
@@ -416,7 +418,7 @@ impl Model<'_> {
     }
 
     /// The recording leaves less than [`TOLD`] of what was open before.
-    fn told(&self, covariance: &DMatrix<f64>, i: usize) -> bool {
+    fn identified(&self, covariance: &DMatrix<f64>, i: usize) -> bool {
         let of_unbalance = matches!(self.unknown[i].place, Place::Unbalance(_) | Place::Couple(_));
         of_unbalance || covariance[(i, i)].max(0.0).sqrt() < TOLD
     }
@@ -452,10 +454,10 @@ fn covariance(solution: &Solution, model: &Model) -> DMatrix<f64> {
 }
 
 /// The covariance `of` the unknowns `told` among all, the others with their variances from `open`.
-fn expanded(of: &DMatrix<f64>, open: &DMatrix<f64>, told: &[usize]) -> DMatrix<f64> {
+fn expanded(of: &DMatrix<f64>, open: &DMatrix<f64>, identified: &[usize]) -> DMatrix<f64> {
     let mut all = DMatrix::from_diagonal(&open.diagonal());
-    for (a, &i) in told.iter().enumerate() {
-        for (b, &j) in told.iter().enumerate() {
+    for (a, &i) in identified.iter().enumerate() {
+        for (b, &j) in identified.iter().enumerate() {
             all[(i, j)] = of[(a, b)];
         }
     }
@@ -515,7 +517,7 @@ fn unbalance(
         0.0
     };
     let single = across.abs() <= half(of_across);
-    let told = half(of_amount) < amount;
+    let identified = half(of_amount) < amount;
     let estimate = |name: &str, unit, size: f64, given: f64, value: f64, plus_minus: f64| Estimate {
         name: name.to_owned(),
         unit,
@@ -523,7 +525,7 @@ fn unbalance(
         value: value / size,
         low: Some((value - plus_minus) / size),
         high: Some((value + plus_minus) / size),
-        told,
+        identified,
     };
     let degree = TAU / 360.0;
     let mut all = vec![

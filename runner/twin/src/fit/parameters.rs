@@ -9,15 +9,15 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Group {
-    /// Amount, angle and station.
+    /// Unbalance: amount, angle and station.
     Unbalance,
-    /// Clearance, play or preload of each bearing.
+    /// Clearance, radial play or preload of each bearing.
     Clearance,
-    /// Of the rotor: radial, axial, of tilt.
+    /// Damping of the rotor: radial, axial, tilt.
     Damping,
-    /// Of the contacts of each bearing.
+    /// Contact stiffness of each bearing.
     Stiffness,
-    /// Of each probe.
+    /// Offset of each probe.
     Offset,
 }
 
@@ -161,7 +161,7 @@ fn bounds(scene: &Scene, place: Place) -> [f64; 2] {
 }
 
 fn lever(plant: &Plant) -> f64 {
-    plant.seats.iter().map(|s| s.station.abs()).fold(0.02, f64::max)
+    plant.bearings.iter().map(|s| s.station.abs()).fold(0.02, f64::max)
 }
 
 /// Sum of the unbalances, and of each times its station.

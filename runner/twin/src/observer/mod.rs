@@ -60,7 +60,7 @@ impl Start {
     }
 }
 
-/// What each probe reads per unit of each coordinate.
+/// Reading of each probe per unit of each coordinate.
 #[must_use]
 pub fn observed_rows(probes: &[Probe]) -> Vec<[f64; D]> {
     probes.iter().map(row).collect()

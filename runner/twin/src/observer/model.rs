@@ -53,8 +53,8 @@ fn scales(plant: &Plant) -> [f64; STATES] {
 
 /// Rms distance of the bearings from the centre of mass, m.
 pub fn lever(plant: &Plant) -> f64 {
-    let squares: f64 = plant.seats.iter().map(|s| s.station * s.station).sum();
-    let lever = (squares / plant.seats.len().max(1) as f64).sqrt();
+    let squares: f64 = plant.bearings.iter().map(|s| s.station * s.station).sum();
+    let lever = (squares / plant.bearings.len().max(1) as f64).sqrt();
     if lever > 0.0 { lever } else { 0.05 }
 }
 

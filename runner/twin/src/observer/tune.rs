@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct IdentificationData<'a> {
     /// In order.
     pub samples: &'a [Sample],
-    /// What each probe reads per unit of each coordinate.
+    /// Reading of each probe per unit of each coordinate.
     pub rows: &'a [[f64; D]],
     /// Rms of each probe as the scene gives it, m.
     pub given_noise: &'a [Option<f64>],
@@ -124,7 +124,7 @@ pub fn watch(
     period: f64,
 ) -> Result<Box<dyn Watch>> {
     let revolutions = sample.revolution as f64 + sample.angle.revolutions();
-    let parts = plant.seats.iter().map(|seat: &MountedBearing| seat.kinematics.parts_at(revolutions)).collect();
+    let parts = plant.bearings.iter().map(|seat: &MountedBearing| seat.kinematics.parts_at(revolutions)).collect();
     let task = RunningObserverOf { rows, gains, start, shaft: sample.angle, parts, period };
     plant.with_rigid(period, task)
 }

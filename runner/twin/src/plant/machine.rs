@@ -43,7 +43,7 @@ pub trait RigidTask<R> {
 pub type RigidSystem<const N: usize> =
     RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, N>;
 
-/// Which of a seat's bearings the machine holds.
+/// Which of a mounted's bearings the machine holds.
 pub(super) type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
 
 /// A place without a bearing.
@@ -122,7 +122,7 @@ impl Plant {
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
         // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
-        match (order, self.seats.len()) {
+        match (order, self.bearings.len()) {
             (RIGID, 1) => self.rigid::<R, 1>(hold, task),
             (RIGID, 2) => self.rigid::<R, 2>(hold, task),
             (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
@@ -137,7 +137,7 @@ impl Plant {
 
     /// The same of a rigid rotor alone.
     pub(super) fn rigid_machine<R>(&self, step: Step, substeps: u32, task: impl RigidTask<R>) -> Result<R> {
-        Ok(match self.seats.len() {
+        Ok(match self.bearings.len() {
             1 => task.run::<1>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
             2 => task.run::<2>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
             _ => task.run::<MOST_BEARINGS>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
@@ -158,11 +158,11 @@ impl Plant {
             }
         }
         let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(rotor)).context("[rotor]")?;
-        let bearings = std::array::from_fn(|i| match self.seats.get(i) {
-            Some(seat) => BearingAtStation {
-                bearing: hold(seat),
-                station: seat.station,
-                speed_ratios: seat.kinematics.speed_ratios(),
+        let bearings = std::array::from_fn(|i| match self.bearings.get(i) {
+            Some(mounted) => BearingAtStation {
+                bearing: hold(mounted),
+                station: mounted.station,
+                speed_ratios: mounted.kinematics.speed_ratios(),
             },
             None => BearingAtStation { bearing: nothing(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) },
         });
@@ -171,10 +171,10 @@ impl Plant {
 
     #[inline(never)]
     fn general<R, const D: usize>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
-        let matrices = self.layout.matrices::<D>(self.rotor.as_ref(), &self.seats, &self.damping)?;
+        let matrices = self.layout.matrices::<D>(self.rotor.as_ref(), &self.bearings, &self.damping)?;
         let rotor = LinearSystem::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).context("[system]")?;
-        let fitted = |i: usize| match self.seats.get(i) {
-            Some(seat) => self.fitted(i, seat, hold),
+        let fitted = |i: usize| match self.bearings.get(i) {
+            Some(mounted) => self.fitted(i, mounted, hold),
             None => Ok(Fitted::Bearing(AttachedBearing {
                 bearing: nothing(),
                 attachment: Attachment::on_rigid_rotor(0.0, None),
@@ -188,17 +188,18 @@ impl Plant {
         Ok(task.run::<_, _, D, MOST_BEARINGS>(RotorBearingSystem { rotor, bearings }))
     }
 
-    fn fitted<const D: usize>(&self, i: usize, seat: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
-        let (attachment, speed_ratios) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.speed_ratios());
+    fn fitted<const D: usize>(&self, i: usize, mounted: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
+        let (attachment, speed_ratios) =
+            (self.layout.attachment::<D>(i, mounted.station), mounted.kinematics.speed_ratios());
         let first = self.layout.balls.get(i).copied().flatten();
-        Ok(match (&seat.balls, first) {
+        Ok(match (&mounted.balls, first) {
             (Some(balls), Some(first)) => {
                 let places = (balls.places.clone(), first);
                 let moving = MovingBalls::try_new(&balls.params, (attachment, speed_ratios), places)
-                    .with_context(|| format!("bearing {}", seat.name))?;
+                    .with_context(|| format!("bearing {}", mounted.name))?;
                 Fitted::Balls(Box::new(moving))
             }
-            _ => Fitted::Bearing(AttachedBearing { bearing: hold(seat), attachment, speed_ratios }),
+            _ => Fitted::Bearing(AttachedBearing { bearing: hold(mounted), attachment, speed_ratios }),
         })
     }
 }

@@ -3,18 +3,19 @@
 mod eigen;
 mod given;
 mod machine;
+mod mounted;
 mod run_in;
-mod seat;
 mod system;
 mod twin;
 mod warm;
 
+pub use crate::scene::build::PRESSURE_LIMIT;
 pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
 use machine::Fit;
 pub use machine::{LARGEST, MOST_BEARINGS, RigidSystem, RigidTask};
+pub use mounted::{Balls, MountedBearing};
 pub use run_in::RunIn;
-pub use seat::{Balls, MountedBearing};
 pub use system::{Layout, Scales, only_rigid};
 pub use twin::{Step, Twin, first_five};
 
@@ -30,8 +31,6 @@ use machine::SystemTask;
 use nalgebra::{Complex, DMatrix};
 use twin::{StartTask, array};
 
-/// Peak pressure of the static limit of ISO 76 for ball bearings, Pa.
-pub const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Part of the load that may be left unbalanced at a static equilibrium.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Most integration steps in one sample period.
@@ -48,7 +47,7 @@ pub struct Plant {
     /// Which coordinate is what.
     pub layout: Layout,
     /// The bearings, with linearised ones made.
-    pub seats: Vec<MountedBearing>,
+    pub bearings: Vec<MountedBearing>,
     /// Coordinates at rest under the constant load, cages at angle 0.
     pub rest: Vec<f64>,
     /// Tangent stiffness there.
@@ -78,14 +77,14 @@ impl Plant {
         if scene.bearings.len() > MOST_BEARINGS {
             bail!("{}: bearing: found {}, allowed: up to {MOST_BEARINGS}", scene.path.display(), scene.bearings.len());
         }
-        let seats = scene
+        let mounted = scene
             .bearings
             .iter()
             .map(|b| MountedBearing::new(scene, &at_one_speed(scene, b)))
             .collect::<Result<Vec<_>>>()?;
         let layout = match &scene.system {
-            Some(system) => Layout::given(Given::read(scene, system)?, seats.len()),
-            None => Layout::new(&scene.bearings, &seats),
+            Some(system) => Layout::given(Given::read(scene, system)?, mounted.len()),
+            None => Layout::new(&scene.bearings, &mounted),
         };
         let by_rotor = scene.rotor.as_ref().map(|r| r.proportional_damping);
         let proportional_damping = by_rotor.or(scene.system.as_ref().map(|s| s.proportional_damping)).unwrap_or(0.0);
@@ -96,7 +95,7 @@ impl Plant {
             integration: scene.integration,
             rest: vec![0.0; layout.order],
             layout,
-            seats,
+            bearings: mounted,
             stiffness: none.clone(),
             residual: 0.0,
             highest_frequency: 0.0,
@@ -122,16 +121,16 @@ impl Plant {
 
     /// Notes what is beyond its range: contacts pressed flat, a step that the integrator cannot take.
     fn warn(&mut self, scene: &Scene) -> Result<()> {
-        for (i, (of, seat)) in scene.bearings.iter().zip(&self.seats).enumerate() {
+        for (i, (of, mounted)) in scene.bearings.iter().zip(&self.bearings).enumerate() {
             let Ok(Some(geometry)) = build::geometry(of) else { continue };
-            let mut loads = vec![0.0; seat.elements];
-            let (u, at) = (self.displacement(i, &self.rest), self.resting(seat, Phase::ZERO));
-            seat.bearing.element_loads(&u, &at, &mut loads);
+            let mut loads = vec![0.0; mounted.elements];
+            let (u, at) = (self.displacement(i, &self.rest), self.resting(mounted, Phase::ZERO));
+            mounted.bearing.element_loads(&u, &at, &mut loads);
             let pressure = geometry.contact(Race::Inner).ellipse(loads.iter().copied().fold(0.0, f64::max)).2;
             if pressure > PRESSURE_LIMIT {
                 self.notes.push(format!(
                     "Bearing {}: the balls press with {:.2} GPa at rest, beyond {:.1} GPa, the static limit of ISO 76.",
-                    seat.name,
+                    mounted.name,
                     pressure / 1e9,
                     PRESSURE_LIMIT / 1e9
                 ));
@@ -176,22 +175,22 @@ impl Plant {
     /// # Errors
     /// As [`Plant::try_new`].
     pub fn linearised(&self, which: &[bool]) -> Result<Self> {
-        let mut states = vec![Vec::new(); self.seats.len()];
+        let mut states = vec![Vec::new(); self.bearings.len()];
         let mut rest = self.rest.clone();
         for i in 0..PITCH_SAMPLES {
             let part = f64::from(i) / f64::from(PITCH_SAMPLES);
-            let cages = |seat: &MountedBearing| Phase::from_revolutions(part / seat.elements as f64);
+            let cages = |mounted: &MountedBearing| Phase::from_revolutions(part / mounted.elements as f64);
             rest = self.equilibrium(rest, cages)?.coordinates;
-            for (i, (states, seat)) in states.iter_mut().zip(&self.seats).enumerate() {
+            for (i, (states, mounted)) in states.iter_mut().zip(&self.bearings).enumerate() {
                 let u = self.displacement(i, &rest);
-                let (reaction, k) = seat.bearing.reaction_and_stiffness(&u, &self.resting(seat, cages(seat)));
+                let (reaction, k) = mounted.bearing.reaction_and_stiffness(&u, &self.resting(mounted, cages(mounted)));
                 states.push((u, reaction.wrench, k));
             }
         }
         let mut plant = Self { notes: vec![], ..self.clone() };
-        for ((seat, states), &linear) in plant.seats.iter_mut().zip(&states).zip(which) {
+        for ((mounted, states), &linear) in plant.bearings.iter_mut().zip(&states).zip(which) {
             if linear {
-                seat.replace(build::linearised(states));
+                mounted.replace(build::linearised(states));
             }
         }
         plant.settle()?;
@@ -202,7 +201,7 @@ impl Plant {
         let found = self.equilibrium(vec![0.0; self.layout.order], |_| Phase::ZERO)?;
         if found.residual > LARGEST_RESIDUAL {
             self.notes.push(format!(
-                "The rotor finds no rest under its constant load ({:.1e} of the load is left unbalanced): nothing holds it in some direction.",
+                "The rotor has no static equilibrium under its constant load ({:.1e} of the load is unbalanced): it is unsupported in some direction.",
                 found.residual
             ));
         }
@@ -214,14 +213,14 @@ impl Plant {
     }
 
     fn equilibrium(&self, start: Vec<f64>, cages: impl Fn(&MountedBearing) -> Phase) -> Result<Rest> {
-        let at = self.seats.iter().map(|seat| self.resting(seat, cages(seat))).collect();
+        let at = self.bearings.iter().map(|mounted| self.resting(mounted, cages(mounted))).collect();
         self.with_machine(MountedBearing::cold, RestTask { start, at })
     }
 
     /// What a bearing sees at the speed of rest with its cage at `cage`.
     #[must_use]
-    pub fn resting(&self, seat: &MountedBearing, cage: Phase) -> BearingKinematicState<f64> {
-        seat.rotation(cage.into(), &ShaftMotion { angle: Phase::ZERO, speed: self.speed, acceleration: 0.0 })
+    pub fn resting(&self, mounted: &MountedBearing, cage: Phase) -> BearingKinematicState<f64> {
+        mounted.rotation(cage.into(), &ShaftMotion { angle: Phase::ZERO, speed: self.speed, acceleration: 0.0 })
     }
 
     /// Displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
@@ -231,7 +230,7 @@ impl Plant {
             let product = |row: &Vec<f64>| row.iter().zip(coordinates).map(|(t, q)| t * q).sum();
             return Displacement::from_array(extended.each_ref().map(product));
         }
-        let station = self.seats.get(i).map_or(0.0, |s| s.station);
+        let station = self.bearings.get(i).map_or(0.0, |s| s.station);
         let u = first_five(coordinates).at_station(station);
         let housing = self.layout.housings.get(i).copied().flatten();
         let outer = |k: usize| housing.and_then(|first| coordinates.get(first + k)).copied().unwrap_or(0.0);
@@ -262,7 +261,7 @@ impl Plant {
     /// # Errors
     /// What the kernel refuses.
     pub fn scales(&self) -> Result<Scales> {
-        self.layout.scales(self.rotor.as_ref(), &self.seats, &self.damping)
+        self.layout.scales(self.rotor.as_ref(), &self.bearings, &self.damping)
     }
 
     /// Returns an upper bound of the highest natural frequency at rest, rad/s.
@@ -359,7 +358,7 @@ impl Plant {
         let task = StartTask {
             rest: self.rest.clone(),
             shaft: Phase::from_revolutions(revolutions),
-            parts: self.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
+            parts: self.bearings.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             step: Step { method: self.integration.method, length: sample_period / f64::from(substeps) },
             substeps,
         };

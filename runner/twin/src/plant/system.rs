@@ -27,7 +27,7 @@ pub struct Layout {
 
 impl Layout {
     /// That of a scene with a rigid rotor.
-    pub fn new(bearings: &[BearingScene], seats: &[MountedBearing]) -> Self {
+    pub fn new(bearings: &[BearingScene], mounted: &[MountedBearing]) -> Self {
         let mut order = RIGID;
         let mut next = |count: usize| {
             let first = order;
@@ -35,7 +35,7 @@ impl Layout {
             first
         };
         let housings = bearings.iter().map(|b| b.support.map(|_| next(2))).collect();
-        let balls = seats.iter().map(|s| s.balls.as_ref().map(|_| next(s.elements))).collect();
+        let balls = mounted.iter().map(|s| s.balls.as_ref().map(|_| next(s.elements))).collect();
         let supports = bearings.iter().filter_map(|b| b.support).collect();
         Self { housings, balls, order, given: None, supports }
     }
@@ -55,19 +55,19 @@ impl Layout {
 
     /// The coordinates' names: `u v w thu thv`, `DE_support_u`, `DE_element_1`; of given matrices `q1`, `q2`.
     #[must_use]
-    pub fn names(&self, seats: &[MountedBearing]) -> Vec<String> {
+    pub fn names(&self, mounted: &[MountedBearing]) -> Vec<String> {
         if self.given.is_some() {
             return (1..=self.order).map(|i| format!("q{i}")).collect();
         }
         let mut names: Vec<String> = ["u", "v", "w", "thu", "thv"].map(str::to_owned).to_vec();
-        for (seat, housing) in seats.iter().zip(&self.housings) {
+        for (mounted, housing) in mounted.iter().zip(&self.housings) {
             if housing.is_some() {
-                names.extend(["u", "v"].map(|along| format!("{}_support_{along}", seat.name)));
+                names.extend(["u", "v"].map(|along| format!("{}_support_{along}", mounted.name)));
             }
         }
-        for (seat, first) in seats.iter().zip(&self.balls) {
+        for (mounted, first) in mounted.iter().zip(&self.balls) {
             if first.is_some() {
-                names.extend((1..=seat.elements).map(|j| format!("{}_element_{j}", seat.name)));
+                names.extend((1..=mounted.elements).map(|j| format!("{}_element_{j}", mounted.name)));
             }
         }
         names
@@ -91,13 +91,13 @@ impl Layout {
     pub fn matrices<const D: usize>(
         &self,
         rotor: Option<&Rotor>,
-        seats: &[MountedBearing],
+        mounted: &[MountedBearing],
         extra: &DMatrix<f64>,
     ) -> Result<SystemMatrices<D, OnHeap<D>>> {
         if self.order > D {
             bail!("found a system of {} coordinates, allowed: up to {D}", self.order);
         }
-        let scales = self.scales(rotor, seats, extra)?;
+        let scales = self.scales(rotor, mounted, extra)?;
         Ok(SystemMatrices {
             mass: on_heap(&scales.mass, 1.0),
             damping: on_heap(&scales.damping, 0.0),
@@ -112,15 +112,15 @@ impl Layout {
     ///
     /// # Errors
     /// As [`Layout::matrices`].
-    pub fn scales(&self, rotor: Option<&Rotor>, seats: &[MountedBearing], extra: &DMatrix<f64>) -> Result<Scales> {
+    pub fn scales(&self, rotor: Option<&Rotor>, mounted: &[MountedBearing], extra: &DMatrix<f64>) -> Result<Scales> {
         let mut scales = match (&self.given, rotor) {
             (Some(given), _) => given.scales(),
             (None, Some(rotor)) => self.rigid_rotor_in_supports(rotor)?,
             (None, None) => bail!("found neither a rotor nor a system"),
         };
-        for (seat, first) in seats.iter().zip(&self.balls) {
-            let (Some(balls), Some(first)) = (&seat.balls, *first) else { continue };
-            for i in first..first + seat.elements {
+        for (mounted, first) in mounted.iter().zip(&self.balls) {
+            let (Some(balls), Some(first)) = (&mounted.balls, *first) else { continue };
+            for i in first..first + mounted.elements {
                 scales.mass[(i, i)] = balls.params.ball_mass;
                 scales.damping[(i, i)] = balls.damping;
             }

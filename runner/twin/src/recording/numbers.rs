@@ -166,7 +166,7 @@ impl Numbers {
         }
         let beyond = |run: &&Run| run.length().is_none() || run.end().is_none_or(|end| end > size);
         if lane.runs.iter().filter(|run| run.count > 0 && run.repeats > 0).any(|run| beyond(&run)) {
-            return Err(self.wrong(format!("a file cut short: `{}` goes on beyond its {size} bytes", lane.name)));
+            return Err(self.wrong(format!("a truncated file: `{}` extends beyond its {size} bytes", lane.name)));
         }
         let runs = lane.runs.iter().filter(|run| run.count > 0 && run.repeats > 0);
         let runs = runs.map(|run| run.straightened()).collect();

@@ -64,7 +64,7 @@ pub enum RotationError {
     },
     /// The pulses end.
     #[error(
-        "column {column}: no keyphasor pulse in {samples} samples after line {line} ({time:.6} s): the shaft stands still or the keyphasor is dead"
+        "column {column}: no keyphasor pulse in {samples} samples after line {line} ({time:.6} s): the shaft is at standstill or the keyphasor is dead"
     )]
     Standstill {
         /// Column of the keyphasor.

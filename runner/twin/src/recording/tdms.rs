@@ -341,7 +341,7 @@ impl Object {
         let refused = match (self.index, self.scales.line(raw.map(|raw| raw.scale))) {
             // Values as they are would be taken for volts or metres.
             (_, Err(why)) => Some(why),
-            (Some(index), _) if number(index.kind, false).is_none() => Some("holds no numbers".to_owned()),
+            (Some(index), _) if number(index.kind, false).is_none() => Some("contains no numbers".to_owned()),
             (_, Ok([slope, intercept])) => {
                 for run in &mut self.runs {
                     (run.number.scale, run.number.offset) = (slope, intercept);

@@ -30,14 +30,14 @@ impl Locator {
     /// None unless the plant has two bearings.
     #[must_use]
     pub fn new(plant: &Plant) -> Option<Self> {
-        let [a, b] = plant.seats.as_slice() else { return None };
-        let lines: Vec<Line> = followed(&plant.seats);
+        let [a, b] = plant.bearings.as_slice() else { return None };
+        let lines: Vec<Line> = followed(&plant.bearings);
         Some(Self {
             power: vec![[0.0; 2]; lines.len()],
             // Pose (5), then both bearings' wrenches moved to the centre of mass (5).
             demodulator: Demodulator::new(lines, 10),
             stations: [a.station, b.station],
-            ratios: plant.seats.iter().map(|s| s.kinematics.cage_ratio).collect(),
+            ratios: plant.bearings.iter().map(|s| s.kinematics.cage_ratio).collect(),
             signals: Vec::with_capacity(10),
             arc: 0.0,
         })

@@ -98,10 +98,10 @@ pub struct Options<'a> {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Source {
-    /// The bearing's model at the position that the observer takes to be behind the probes' noise.
+    /// Bearing model at the displacement estimated by the observer, free of probe noise.
     #[default]
     Observer,
-    /// The bearing's model at the position that the probes show.
+    /// Bearing model at the displacement measured by the probes.
     Displacement,
 }
 
@@ -318,11 +318,11 @@ impl<'a> Run<'a> {
         only_rigid(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
         let mut notes = plant.notes.clone();
-        notes.extend(effect_significance::words(
+        notes.extend(effect_significance::describe(
             &effect_significance::at_rest(scene, &plant)?,
             options.error.unwrap_or(effect_significance::GOOD_ENOUGH),
         ));
-        let linear = Arc::new(plant.linearised(&vec![true; plant.seats.len()])?);
+        let linear = Arc::new(plant.linearised(&vec![true; plant.bearings.len()])?);
         let plant = Arc::new(plant);
         let rows: Vec<[f64; 5]> = probes.iter().map(pose::row).collect();
         let cancelled = Arc::new(AtomicBool::new(false));
@@ -333,18 +333,19 @@ impl<'a> Run<'a> {
             noise: probes.iter().map(|p| p.noise).collect(),
             period: 1.0 / rate,
             speed: scene.shaft.speed,
-            process_noise: scene.observer.wander,
+            process_noise: scene.observer.process_noise,
             cancelled: cancelled.clone(),
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
-        let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
+        let stations: Vec<f64> = plant.bearings.iter().map(|s| s.station).collect();
         let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
         let planes = pictures::planes(probes);
         let sparing = options.watched && options.forces.is_none();
         let weighed = if sparing { (rate / LIVE_FORCE_RATE).ceil() as u64 } else { 1 };
-        let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.seats)).transpose()?;
-        let guards = LimitMonitor::try_new(&scene.limits, probes, &plant.seats, baseline.as_ref())?;
-        let forces = options.forces.map(|path| ForcesFile::create(path, options.source, &plant.seats)).transpose()?;
+        let baseline = options.baseline.map(|path| Baseline::read(path, probes, &plant.bearings)).transpose()?;
+        let guards = LimitMonitor::try_new(&scene.limits, probes, &plant.bearings, baseline.as_ref())?;
+        let forces =
+            options.forces.map(|path| ForcesFile::create(path, options.source, &plant.bearings)).transpose()?;
         let range = ReadingRange::try_new(scene, &plant, probes)?;
         Ok(Self {
             scene_speed: scene.shaft.speed,
@@ -354,9 +355,9 @@ impl<'a> Run<'a> {
             twin_restarted: f64::NEG_INFINITY,
             probes,
             rows,
-            comparison: Comparison::new(probes.len(), &plant.seats, planes.len()),
-            collector: Collector::new(probes, planes.clone(), &plant.seats, rate, scene.shaft.speed),
-            bearings: plant.seats.iter().map(|s| BearingSums::new(s.elements)).collect(),
+            comparison: Comparison::new(probes.len(), &plant.bearings, planes.len()),
+            collector: Collector::new(probes, planes.clone(), &plant.bearings, rate, scene.shaft.speed),
+            bearings: plant.bearings.iter().map(|s| BearingSums::new(s.elements)).collect(),
             locator: Locator::new(&plant),
             planes,
             solver,
@@ -388,7 +389,7 @@ impl<'a> Run<'a> {
             restarts: (0, 0),
             recent: options.viewed.then(Recent::default),
             seconds: options.watched.then(|| {
-                let bearings = plant.seats.iter().map(|s| s.name.clone()).collect();
+                let bearings = plant.bearings.iter().map(|s| s.name.clone()).collect();
                 Seconds::new(names, bearings)
             }),
             plant,
@@ -620,7 +621,7 @@ impl<'a> Run<'a> {
         status = status
             .and(SampleStatus::FROM_DISPLACEMENT.when(trusted.is_none()))
             .and(SampleStatus::TWIN_HELD.when(moving.held > 0));
-        for ((parts, cage), seat) in moving.parts.iter_mut().zip(&mut moving.cages).zip(&self.plant.seats) {
+        for ((parts, cage), seat) in moving.parts.iter_mut().zip(&mut moving.cages).zip(&self.plant.bearings) {
             *parts = way.parts(*parts, seat, sample.angle);
             *cage = parts.cage;
         }
@@ -630,7 +631,7 @@ impl<'a> Run<'a> {
         let pose = self.solver.pose(&self.buffers.readings, twin_pose.w);
         self.buffers.evaluated.clear();
         let others = (sample.row.index.is_multiple_of(self.thorough)).then_some((&twin_pose, likely.as_ref()));
-        let seats = if sample.row.index.is_multiple_of(self.weighed) { self.plant.seats.as_slice() } else { &[] };
+        let seats = if sample.row.index.is_multiple_of(self.weighed) { self.plant.bearings.as_slice() } else { &[] };
         for ((seat, sums), &parts) in seats.iter().zip(&mut self.bearings).zip(&moving.parts) {
             let at = seat.rotation(parts, &drive);
             let evaluated = sums.evaluate(seat, &pose, others, &at);
@@ -699,8 +700,8 @@ impl<'a> Run<'a> {
             watch: self.tuned.as_ref().map(watch).transpose()?,
             twin,
             linear,
-            cages: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions).cage).collect(),
-            parts: self.plant.seats.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
+            cages: self.plant.bearings.iter().map(|s| s.kinematics.parts_at(revolutions).cage).collect(),
+            parts: self.plant.bearings.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
             drive: *drive,
             index: sample.row.index,
             held: 0,
@@ -776,7 +777,7 @@ impl<'a> Run<'a> {
         let (recent, moving) = (self.recent.as_ref()?, self.moving.as_ref()?);
         let trusted = moving.watch.as_ref().filter(|(_, consistency)| consistency.is_trusted());
         let pose = trusted.map_or_else(|| moving.twin.pose(), |(watch, _)| watch.pose());
-        let loads = self.plant.seats.iter().zip(&moving.parts).map(|(seat, &parts)| {
+        let loads = self.plant.bearings.iter().zip(&moving.parts).map(|(seat, &parts)| {
             let at = seat.rotation(parts, &moving.drive);
             (seat.name.clone(), forces::loads(seat, &pose, &at))
         });
@@ -788,7 +789,7 @@ impl<'a> Run<'a> {
             samples: recent.samples.iter().cloned().collect(),
             planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
             loads: loads.collect(),
-            lines: pictures::marked_lines(&self.plant.seats, moving.drive.speed.abs() / TAU),
+            lines: pictures::marked_lines(&self.plant.bearings, moving.drive.speed.abs() / TAU),
         })
     }
 
@@ -796,7 +797,7 @@ impl<'a> Run<'a> {
     fn weigh(&mut self, sample: &Sample, [pose, twin_pose]: [&Displacement<f64>; 2]) {
         let Some(moving) = &self.moving else { return };
         let banded = sample.row.index.is_multiple_of(BANDED) || self.collector.shows_forces();
-        for (i, (seat, sums)) in self.plant.seats.iter().zip(&mut self.bearings).enumerate() {
+        for (i, (seat, sums)) in self.plant.bearings.iter().zip(&mut self.bearings).enumerate() {
             let (force, cage) = (&mut self.buffers.evaluated[i], moving.cages[i]);
             let at = seat.rotation(moving.parts[i], &moving.drive);
             if banded
@@ -830,10 +831,10 @@ impl<'a> Run<'a> {
         }
         self.comparison.finish();
         let speed_hz = self.speed.mean().abs() / TAU;
-        let mut probes = self.comparison.outcomes(self.probes, &self.plant.seats, speed_hz);
+        let mut probes = self.comparison.outcomes(self.probes, &self.plant.bearings, speed_hz);
         let evidence = findings::Evidence {
             probes: self.probes,
-            seats: &self.plant.seats,
+            seats: &self.plant.bearings,
             comparison: &self.comparison,
             locator: self.locator.as_ref(),
             baseline: self.baseline.as_ref(),
@@ -848,12 +849,12 @@ impl<'a> Run<'a> {
             range: &self.range,
             probes: &probes,
             bearings: &self.bearings,
-            seats: &self.plant.seats,
+            seats: &self.plant.bearings,
         });
         let not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
         let findings = if is_judged { findings::findings(&evidence) } else { vec![] };
-        let learned = Baseline::learn(&scene.name, recording, &self.comparison, self.probes, &self.plant.seats);
+        let learned = Baseline::learn(&scene.name, recording, &self.comparison, self.probes, &self.plant.bearings);
         self.explain();
         let observer = self.tuned.as_ref().and_then(|tuned| self.innovation.outcome(tuned));
         self.notes.extend(observer.as_ref().map(innovation::words));
@@ -861,7 +862,7 @@ impl<'a> Run<'a> {
         let events = self.guards.finish();
         self.notes.extend(events.iter().map(|event| event.sentence.clone()));
         let mut pictures =
-            self.collector.finish(&self.comparison, &self.bearings, &self.plant.seats, self.rate, speed_hz);
+            self.collector.finish(&self.comparison, &self.bearings, &self.plant.bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         let record = Record {
@@ -889,7 +890,7 @@ impl<'a> Run<'a> {
             planes: list::planes(&self.planes, &pictures, self.speed.mean().signum()),
             observation: self.solver.observation.clone(),
             probes,
-            bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
+            bearings: self.bearings.iter().zip(&self.plant.bearings).map(|(b, s)| b.outcome(s)).collect(),
             timing: self.ledger.finish(),
             observer,
             findings,
@@ -918,7 +919,7 @@ impl<'a> Run<'a> {
         }
         let outcome = self.standstill.outcome(Measured {
             probes: self.probes,
-            bearings: self.bearings.iter().zip(&self.plant.seats).map(|(b, s)| b.outcome(s)).collect(),
+            bearings: self.bearings.iter().zip(&self.plant.bearings).map(|(b, s)| b.outcome(s)).collect(),
             observation: self.solver.observation.clone(),
             rows,
             rate: self.rate,

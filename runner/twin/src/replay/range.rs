@@ -51,7 +51,7 @@ impl ReadingRange {
     /// What the kernel refuses of a bearing's geometry.
     pub fn try_new(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Result<Self> {
         let loads = loads(scene);
-        let limits = scene.bearings.iter().zip(&plant.seats).map(|(bearing, seat)| {
+        let limits = scene.bearings.iter().zip(&plant.bearings).map(|(bearing, seat)| {
             let geometry = build::geometry(bearing)?;
             let pressure_limit = geometry.map(|g| {
                 // The pressure grows with the third root of the load.
@@ -184,7 +184,7 @@ fn unseen_axial(plant: &Plant, probes: &[Probe], loads: f64) -> f64 {
     if loads == 0.0 || probes.iter().any(|probe| probe.direction == Direction::Axial) {
         return f64::INFINITY;
     }
-    let limits = plant.seats.iter().map(|seat| Limit::new(plant, seat, None, LARGEST_UNSEEN_FORCE * loads).axial);
+    let limits = plant.bearings.iter().map(|seat| Limit::new(plant, seat, None, LARGEST_UNSEEN_FORCE * loads).axial);
     let largest = limits.filter(|x| x.is_finite()).reduce(f64::max).unwrap_or(f64::INFINITY);
     plant.pose(&plant.rest).w.abs() + largest
 }

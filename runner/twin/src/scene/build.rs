@@ -1,55 +1,28 @@
-//! Scene -> kernel: the one place that knows both.
+//! Kernel types from a scene.
 
 mod balls;
+mod error;
 mod lumped;
 mod preload;
 
-pub use balls::{MadeTable, Solved, inertia_params, quasi_static, solved_in, table};
+pub use balls::{MadeTable, PRESSURE_LIMIT, Solved, inertia_params, quasi_static, solved_in, table};
+pub use error::BuildError;
 pub use lumped::{Exponent, law};
 pub use preload::{loaded, preload_offset, preloaded, rotation_at};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
-use crate::plant::Balls;
+pub use crate::handle::{AnyBearing, Shared};
 use crate::simd::shared;
-use anyhow::{Context, Result, bail};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
-use ballrace::bearing::{Bearing, ElementPosition, Mirrored, Reaction};
+use ballrace::bearing::{Bearing as _, ElementPosition, Mirrored};
 use ballrace::contact::hertz::{Material, Race};
 use ballrace::rotor::{ComponentAngles, MovingBallsParams, RotorParams, SpeedRatios, Support, Unbalance};
-use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar, Stiffness, Wrench};
+use ballrace::{Displacement, Math, Phase, Scalar, Stiffness, Wrench};
 use std::sync::Arc;
-
-/// A bearing behind a shared pointer.
-pub struct Shared<B: ?Sized>(pub Arc<B>);
-
-/// Any rung behind one pointer: how the runner holds bearings whose kind it learns at run time.
-pub type AnyBearing<T> = Shared<dyn Bearing<T>>;
-
-impl<B: ?Sized> Clone for Shared<B> {
-    fn clone(&self) -> Self {
-        Self(self.0.clone())
-    }
-}
-
-impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for Shared<B> {
-    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
-        self.0.reaction(u, at)
-    }
-    fn reaction_and_stiffness(
-        &self,
-        u: &Displacement<T>,
-        at: &BearingKinematicState<T>,
-    ) -> (Reaction<T>, Stiffness<T>) {
-        self.0.reaction_and_stiffness(u, at)
-    }
-    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
-        self.0.element_loads(u, at, loads);
-    }
-}
 
 /// How the elements of a bearing go round.
 #[derive(Debug, Clone, Copy)]
@@ -96,7 +69,7 @@ impl Kinematics {
 ///
 /// # Errors
 /// An outer ring that turns under a shaft whose speed changes: the ratio is then no constant.
-pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics> {
+pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics, BuildError> {
     kinematics_of(scene, bearing, geometry(bearing)?)
 }
 
@@ -108,7 +81,7 @@ pub fn kinematics_of(
     scene: &Scene,
     bearing: &BearingScene,
     geometry: Option<BallBearingGeometry>,
-) -> Result<Kinematics> {
+) -> Result<Kinematics, BuildError> {
     let n = bearing.elements as f64;
     let by_geometry = geometry.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter));
     let spin = by_geometry.map(|o| o.ball_spin);
@@ -117,11 +90,11 @@ pub fn kinematics_of(
     // Harris: w_c = [w_i (1 - gamma) + w_o (1 + gamma)]/2, here over w_i.
     let cage_ratio = bearing.cage_ratio.unwrap_or(rolling + outer * (1.0 - rolling) * f64::from(rolling > 0.0));
     if cage_ratio.abs() >= 1.0 {
-        bail!(
-            "{}: bearing {}: found a cage that turns {cage_ratio:.3} times as fast as the shaft, allowed: slower than the shaft",
-            scene.path.display(),
-            bearing.name
-        );
+        return Err(BuildError::CageRatio {
+            file: scene.path.clone(),
+            bearing: bearing.name.clone(),
+            found: cage_ratio,
+        });
     }
     let orders = Orders {
         cage: cage_ratio,
@@ -132,15 +105,11 @@ pub fn kinematics_of(
     Ok(Kinematics { cage_ratio, orders, spin_known: spin.is_some(), outer_ratio: outer })
 }
 
-fn outer_ratio(scene: &Scene) -> Result<f64> {
+fn outer_ratio(scene: &Scene) -> Result<f64, BuildError> {
     match (scene.shaft.outer_speed, scene.shaft.speed) {
         (0.0, _) => Ok(0.0),
         (outer, Speed::Constant(shaft)) if shaft != 0.0 => Ok(outer / shaft),
-        _ => bail!(
-            "{}: shaft.outer_speed: found {} rad/s with a shaft speed that changes or is 0, allowed: an outer speed only with one constant shaft speed",
-            scene.path.display(),
-            scene.shaft.outer_speed
-        ),
+        _ => Err(BuildError::OuterSpeed { file: scene.path.clone(), found: scene.shaft.outer_speed }),
     }
 }
 
@@ -148,7 +117,7 @@ fn outer_ratio(scene: &Scene) -> Result<f64> {
 ///
 /// # Errors
 /// What the kernel refuses.
-pub fn geometry(bearing: &BearingScene) -> Result<Option<BallBearingGeometry>> {
+pub fn geometry(bearing: &BearingScene) -> Result<Option<BallBearingGeometry>, BuildError> {
     let Some(g) = bearing.geometry else { return Ok(None) };
     let steel = Material { youngs_modulus: g.youngs_modulus, poissons_ratio: g.poissons_ratio };
     let built = BallBearingGeometry {
@@ -169,8 +138,18 @@ pub fn geometry(bearing: &BearingScene) -> Result<Option<BallBearingGeometry>> {
     Ok(Some(built.checked().map_err(|e| named(bearing, e))?))
 }
 
-fn named(bearing: &BearingScene, error: InvalidParameter) -> anyhow::Error {
-    anyhow::anyhow!("bearing {}: {error}", bearing.name)
+fn named(bearing: &BearingScene, error: InvalidParameter) -> BuildError {
+    BuildError::Parameter { bearing: bearing.name.clone(), error }
+}
+
+/// The error of a bearing's value, or of one that is missing.
+fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<String>, expected: &str) -> BuildError {
+    BuildError::Value {
+        bearing: bearing.name.clone(),
+        key: key.into(),
+        found: found.into(),
+        expected: expected.to_owned(),
+    }
 }
 
 /// The rung `model` of one bearing. A linear rung that is made from another one needs the rotor's equilibrium
@@ -178,7 +157,11 @@ fn named(bearing: &BearingScene, error: InvalidParameter) -> anyhow::Error {
 ///
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.
-pub fn bearing<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<T>> {
+pub fn bearing<T: Scalar, M: Math<T>>(
+    scene: &Scene,
+    of: &BearingScene,
+    model: Model,
+) -> Result<AnyBearing<T>, BuildError> {
     match model {
         Model::Linear => linear(of),
         // What moving balls come to where their mass does not matter.
@@ -254,7 +237,7 @@ fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviatio
     (!features.is_empty()).then(|| SurfaceDeviation::new(features))
 }
 
-fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> {
+fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "angular")?;
     let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
     Ok(match uneven::<T, M>(scene) {
@@ -264,22 +247,21 @@ fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>>
 }
 
 /// The geometry of a model with a contact angle, and where its rings stand at zero displacement.
-fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeometry, DisplacementDatum)> {
+fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeometry, DisplacementDatum), BuildError> {
     let Some(geometry) = geometry(scene)? else {
-        bail!(
-            "bearing {}: model {model}: found no geometry, allowed: with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance",
-            scene.name
-        );
+        let keys = "with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance";
+        return Err(invalid(scene, format!("model {model}"), "no geometry", keys));
     };
     if let Some(super::Geometry { fit: Fit::DiametralClearance(s), .. }) = scene.geometry
         && s < 0.0
     {
-        bail!("bearing {}: diametral_clearance: found {s} m, allowed for model {model}: 0 or more", scene.name);
+        let expected = format!("0 or more with model {model}");
+        return Err(invalid(scene, "diametral_clearance", format!("{s} m"), &expected));
     }
     Ok((geometry, if scene.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching }))
 }
 
-fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>> {
+fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
     match &scene.linear {
         Some(Linear::Matrix(rows)) => {
             let k = Stiffness::from_fn(|i, j| T::from_f64(rows[i][j]));
@@ -287,24 +269,20 @@ fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>> {
         }
         Some(Linear::TwoSpring { static_load }) => {
             let Some(g) = geometry(scene)? else {
-                bail!(
-                    "bearing {}: two_spring: found no geometry, allowed: with ball_diameter and the others",
-                    scene.name
-                );
+                return Err(invalid(scene, "two_spring", "no geometry", "with ball_diameter and the others"));
             };
             let springs = two_spring_ball(scene.elements, g.ball_diameter, *static_load, g.contact_angle)
                 .map_err(|e| named(scene, e))?;
             // Along the static load: gravity acts along Y.
             Ok(Shared(Arc::new(LinearBearing::new(springs.stiffness(std::f64::consts::FRAC_PI_2)))))
         }
-        Some(Linear::Of(_)) => bail!(
-            "bearing {}: linearise: found a bearing taken alone, allowed: in a scene with a [rotor], whose rest position it is linearised at",
-            scene.name
-        ),
-        None => bail!(
-            "bearing {}: model linear: found no stiffness, allowed: stiffness_matrix, two_spring or linearise",
-            scene.name
-        ),
+        Some(Linear::Of(_)) => Err(invalid(
+            scene,
+            "linearise",
+            "a bearing taken alone",
+            "in a scene with a [rotor], at whose equilibrium it is linearised",
+        )),
+        None => Err(invalid(scene, "model linear", "no stiffness", "stiffness_matrix, two_spring or linearise")),
     }
 }
 
@@ -353,13 +331,24 @@ pub fn support(support: &super::Support) -> Support {
     Support { mass: support.mass, stiffness: [[x, cross], [cross, y]], damping: [[c, 0.0], [0.0, c]] }
 }
 
-/// What the `dynamic` model of a bearing needs besides the lumped one.
+/// The moving balls of the `dynamic` model.
+#[derive(Clone)]
+pub struct Balls {
+    /// Parameters of the kernel.
+    pub params: MovingBallsParams,
+    /// Damping of each ball's radial motion, N s/m.
+    pub damping: f64,
+    /// Positions at cage angle 0.
+    pub places: Vec<ElementPosition<f64>>,
+}
+
+/// Returns the moving balls of a bearing with the `dynamic` model.
 ///
 /// # Errors
-/// No geometry, from which the balls' mass and contact stiffness come.
-pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls> {
+/// Returns an error if the bearing has no geometry, from which mass and contact stiffness of the balls follow.
+pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls, BuildError> {
     let Some(geometry) = geometry(of)? else {
-        bail!("bearing {}: model dynamic: found no geometry, allowed: with ball_diameter and the others", of.name)
+        return Err(invalid(of, "model dynamic", "no geometry", "with ball_diameter and the others"));
     };
     let gravity = scene.rotor.as_ref().map_or([0.0; 3], |r| r.gravity);
     let density = of.geometry.map_or(0.0, |g| g.density);
@@ -389,15 +378,15 @@ pub fn unbalances(rotor: &Rotor) -> Vec<Unbalance> {
 ///
 /// # Errors
 /// No such name, or a choice to make.
-pub fn pick<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a BearingScene> {
-    let names = || scene.bearings.iter().map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ");
-    match name {
-        Some(name) => scene
-            .bearings
-            .iter()
-            .find(|b| b.name == name)
-            .with_context(|| format!("--bearing: found {name:?}, allowed in {}: {}", scene.path.display(), names())),
-        None if scene.bearings.len() == 1 => scene.bearings.first().context("a scene has a bearing"),
-        None => bail!("--bearing: found none, allowed: one of {} ({} has several)", names(), scene.path.display()),
+pub fn pick<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a BearingScene, BuildError> {
+    let failed = || BuildError::Selection {
+        file: scene.path.clone(),
+        found: name.map(str::to_owned),
+        names: scene.bearings.iter().map(|b| b.name.as_str()).collect::<Vec<_>>().join(", "),
+    };
+    match (name, scene.bearings.as_slice()) {
+        (Some(name), all) => all.iter().find(|b| b.name == name).ok_or_else(failed),
+        (None, [only]) => Ok(only),
+        (None, _) => Err(failed()),
     }
 }

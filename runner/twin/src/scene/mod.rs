@@ -112,7 +112,7 @@ impl Indicator {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Observer {
     /// `wander`, N per root second, above 0: how far an unknown force wanders; from the first turns when absent
-    pub wander: Option<f64>,
+    pub process_noise: Option<f64>,
 }
 
 /// `[integration]`: how motion is computed.

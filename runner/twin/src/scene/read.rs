@@ -161,8 +161,8 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
 
 fn observer(node: &Node<'_>) -> Read<Observer> {
     let table = node.table(&["wander"])?;
-    let wander = table.read("wander", |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
-    Ok(Observer { wander })
+    let process_noise = table.read("wander", |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
+    Ok(Observer { process_noise })
 }
 
 /// The name of a scene that gives itself none.
@@ -456,7 +456,7 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
         (Some(node), None) => keyphasor(&node, taken),
         (None, Some(node)) => speed_column(&node, taken),
         (Some(_), Some(node)) => {
-            Err(node.fail("both keyphasor and speed", "at most one of them: the shaft's angle comes from one place"))
+            Err(node.fail("both keyphasor and speed", "at most one of them as the source of the shaft angle"))
         }
     }
 }

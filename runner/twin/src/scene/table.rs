@@ -323,7 +323,7 @@ impl<'a> Table<'a> {
         } else {
             format!("in the table {}", self.path)
         };
-        let found = format!("no such key {place}, which needs it");
+        let found = format!("no such key {place}, which requires it");
         self.source.error(self.span.start, &self.path_of(key), found, wants)
     }
 

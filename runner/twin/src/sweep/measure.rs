@@ -1,6 +1,6 @@
 //! One point of a sweep: the scene's rotor run until it has settled, and what its motion is then.
 
-use crate::effect_significance::{self, Need};
+use crate::effect_significance::{self, EffectSignificance};
 use crate::error::UsageError;
 use crate::motion::{self, MOST_SAMPLES, ResponseSample, Span};
 use crate::plant::{Plant, Twin};
@@ -61,20 +61,20 @@ pub struct Figures {
     pub effects: Vec<EffectChange>,
 }
 
-/// Predicted change of a bearing's force when an effect is left out (see [`crate::effect_significance::Need`]).
+/// Predicted change of a bearing's force when an effect is left out (see [`crate::effect_significance::EffectSignificance`]).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectChange {
     /// The scene's name of the bearing.
     pub bearing: String,
-    /// As `Need::effect` names it.
+    /// As `EffectSignificance::effect` names it.
     pub effect: String,
     /// Over the force.
     pub change: f64,
 }
 
-impl From<Need> for EffectChange {
-    fn from(need: Need) -> Self {
-        Self { bearing: need.bearing, effect: need.effect.to_owned(), change: need.change }
+impl From<EffectSignificance> for EffectChange {
+    fn from(effect: EffectSignificance) -> Self {
+        Self { bearing: effect.bearing, effect: effect.effect.to_owned(), change: effect.change }
     }
 }
 
@@ -88,7 +88,7 @@ pub struct State {
 /// Frequency at which the section is taken, Hz, and the ball pass of the first bearing that has one.
 fn frequencies(scene: &Scene, plant: &Plant, by_shaft: bool) -> (f64, f64) {
     let shaft = scene.shaft.speed.nominal().abs() / TAU;
-    let pass = plant.seats.iter().map(|s| s.kinematics.orders.outer_race * shaft).find(|f| *f > 0.0);
+    let pass = plant.bearings.iter().map(|s| s.kinematics.orders.outer_race * shaft).find(|f| *f > 0.0);
     let section = if by_shaft { shaft } else { pass.unwrap_or(shaft) };
     (section, pass.unwrap_or(0.0))
 }
@@ -102,7 +102,7 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
     let (section, pass) = frequencies(scene, &plant, asked.by_shaft);
     if section <= 0.0 {
         bail!(
-            "{}: shaft.speed: found a shaft that stands still, allowed in a sweep: one that turns",
+            "{}: shaft.speed: found a shaft at standstill, allowed in a sweep: a rotating shaft",
             scene.path.display()
         );
     }

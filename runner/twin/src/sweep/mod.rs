@@ -10,7 +10,7 @@ pub use journal::{Journal, read};
 pub use measure::{EffectChange, Figures, Measure, State, measure};
 pub use tables::{csv, parquet, sections};
 
-use crate::effect_significance::{self, Need};
+use crate::effect_significance::{self, EffectSignificance};
 use crate::error::UsageError;
 use crate::scene::Scene;
 use crate::scene::read::read_str;
@@ -26,13 +26,13 @@ use toml_edit::DocumentMut;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Follow {
-    /// Each from rest.
+    /// Start each point from static equilibrium.
     None,
-    /// Each from where the one before it ended, upwards.
+    /// Follow with increasing values.
     Up,
-    /// The same downwards.
+    /// Follow with decreasing values.
     Down,
-    /// Up and down: where the two differ there is hysteresis.
+    /// Follow up and then down; a difference between the two shows hysteresis.
     Both,
 }
 
@@ -192,7 +192,7 @@ impl Plan {
     ///
     /// # Errors
     /// What the kernel refuses.
-    pub fn needs(&self, rows: &[&Row]) -> Result<Vec<Need>> {
+    pub fn significance(&self, rows: &[&Row]) -> Result<Vec<EffectSignificance>> {
         let mut worst: BTreeMap<(&str, &str), (f64, &Row)> = BTreeMap::new();
         for row in rows {
             for EffectChange { bearing, effect, change } in &row.figures.effects {
@@ -209,7 +209,7 @@ impl Plan {
         for row in points {
             let at = Some(self.named(&row.values));
             let of_point = effect_significance::of_scene(&self.scene(&row.values)?)?;
-            all.extend(of_point.into_iter().map(|need| Need { at: at.clone(), ..need }));
+            all.extend(of_point.into_iter().map(|effect| EffectSignificance { at: at.clone(), ..effect }));
         }
         Ok(effect_significance::largest(all))
     }

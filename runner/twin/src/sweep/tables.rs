@@ -1,7 +1,6 @@
 //! The results of a sweep as tables: CSV and Parquet, the same numbers in the same order.
 
 use crate::parquet_table::{self, Column};
-use anyhow::Result;
 use std::io::Write;
 
 use super::{Axis, Row};
@@ -49,7 +48,7 @@ fn cell(column: &Column, i: usize) -> String {
 ///
 /// # Errors
 /// What the writer gives.
-pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> Result<()> {
+pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> std::io::Result<()> {
     let columns = columns(axes, rows);
     let names: Vec<&str> = columns.iter().map(Column::name).collect();
     writeln!(out, "{}", names.join(","))?;
@@ -64,7 +63,7 @@ pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> Result<()> {
 ///
 /// # Errors
 /// What the writer gives.
-pub fn sections(out: &mut impl Write, rows: &[&Row]) -> Result<()> {
+pub fn sections(out: &mut impl Write, rows: &[&Row]) -> std::io::Result<()> {
     writeln!(out, "point,way,section,u_um,v_um")?;
     for row in rows {
         for (k, [u, v]) in row.figures.section.iter().enumerate() {
@@ -78,6 +77,6 @@ pub fn sections(out: &mut impl Write, rows: &[&Row]) -> Result<()> {
 ///
 /// # Errors
 /// What the writer gives.
-pub fn parquet(out: impl Write + Send, axes: &[Axis], rows: &[&Row]) -> Result<()> {
+pub fn parquet(out: impl Write + Send, axes: &[Axis], rows: &[&Row]) -> parquet::errors::Result<()> {
     parquet_table::write(out, "sweep", &columns(axes, rows))
 }

@@ -24,17 +24,17 @@ pub enum Goal {
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
-    /// Modelled cycles of a Cortex-M4F, in `f32` and exact: what `bake` writes.
+    /// Modelled cycles of a Cortex-M4F, in `f32` with exact math, as `bake` writes it.
     CortexM4f,
-    /// Time on this machine, in `f64` and exact: what the runner computes with.
+    /// Time on this machine, in `f64` with exact math, as this program computes.
     Desktop,
 }
 
-/// What to take.
+/// The recommended model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Choice {
-    /// The rung.
-    pub rung: String,
+    /// The level.
+    pub model: String,
     /// Its arithmetic.
     pub precision: &'static str,
     /// Its error in 99 of 100 poses.
@@ -107,7 +107,7 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
     let Some((candidate, cost)) = found else { bail!(UsageError(nearest(goal, &open))) };
     let clock = if let Goal::Deadline { clock, .. } = goal { Some(*clock) } else { None };
     Ok(Choice {
-        rung: candidate.rung.clone(),
+        model: candidate.model.clone(),
         precision,
         error: error(candidate),
         cost: *cost,

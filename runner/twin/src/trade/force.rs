@@ -52,7 +52,7 @@ pub trait Forces {
     fn time(&self, poses: &Poses) -> f64;
 }
 
-/// The candidate's bearings as the plant seats them.
+/// The candidate's bearings as the plant mounted them.
 ///
 /// # Errors
 /// What the kernel refuses.
@@ -72,14 +72,14 @@ struct Seated<T> {
 
 impl<T: Scalar> Seated<T> {
     fn try_new<M: Math<T>>(scene: &Scene, plant: &Plant) -> Result<Self> {
-        let seat = |(of, seat): (&crate::scene::Bearing, &crate::plant::MountedBearing)| {
+        let mounted = |(of, mounted): (&crate::scene::Bearing, &crate::plant::MountedBearing)| {
             let bearing = match of.model {
-                Model::Linear => build::spring_of::<T>(&seat.bearing),
+                Model::Linear => build::spring_of::<T>(&mounted.bearing),
                 model => build::bearing::<T, M>(scene, of, model)?,
             };
-            Ok((bearing, rounded(&seat.offset)))
+            Ok((bearing, rounded(&mounted.offset)))
         };
-        Ok(Self { bearings: scene.bearings.iter().zip(&plant.seats).map(seat).collect::<Result<_>>()? })
+        Ok(Self { bearings: scene.bearings.iter().zip(&plant.bearings).map(mounted).collect::<Result<_>>()? })
     }
 }
 
@@ -161,7 +161,7 @@ impl Truth {
         self.errors_of(&found, &self.wrenches)
     }
 
-    /// How far a candidate is off the same rung in the truest arithmetic.
+    /// How far a candidate is off the same level in the truest arithmetic.
     #[must_use]
     pub fn rounding(&self, forces: &dyn Forces, exact: &dyn Forces, poses: &Poses) -> Errors {
         let all = |forces: &dyn Forces| -> Vec<_> {
@@ -198,8 +198,8 @@ fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
 /// What the kernel refuses.
 pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant> {
     let single = Seated::<f32>::try_new::<Exact>(scene, &plant)?;
-    for (seat, (bearing, offset)) in plant.seats.iter_mut().zip(single.bearings) {
-        seat.replace(Shared(Arc::new(Single { bearing, offset })));
+    for (mounted, (bearing, offset)) in plant.bearings.iter_mut().zip(single.bearings) {
+        mounted.replace(Shared(Arc::new(Single { bearing, offset })));
     }
     Ok(plant)
 }

@@ -1,20 +1,20 @@
-//! Speed against accuracy, measured on a scene's own motion: every rung in every arithmetic against the best truth there
+//! Speed against accuracy, measured on a scene's own motion: every level in every arithmetic against the best truth there
 //! is, what it costs, and which to take.
 
 mod choose;
 mod cortex;
 mod force;
+mod level;
 mod poses;
 mod response;
-mod rung;
 
 pub use choose::{Choice, Goal, Target};
 pub use cortex::Cost;
 pub use force::{Arithmetic, Errors};
+pub use level::FidelityLevel;
 pub use response::MotionErrors;
-pub use rung::FidelityLevel;
 
-use crate::effect_significance::{self, Need};
+use crate::effect_significance::{self, EffectSignificance};
 use crate::error::UsageError;
 use crate::plant::Plant;
 use crate::scene::{Method, Model, Scene};
@@ -43,23 +43,24 @@ pub struct Trade {
     /// What the scene does not allow, and why.
     pub impossible: Vec<Impossible>,
     /// Which effects the scene needs.
-    pub needs: Vec<Need>,
+    #[serde(rename = "needs")]
+    pub significance: Vec<EffectSignificance>,
     /// What to take, where a goal was given.
     pub choice: Option<Choice>,
 }
 
-/// One rung in one arithmetic.
+/// One level in one arithmetic.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Candidate {
-    /// The rung with its options.
-    pub rung: String,
+    /// The level with its options.
+    pub model: String,
     /// In which numbers.
     pub arithmetic: Arithmetic,
     /// Against the truth.
     pub error: Errors,
-    /// Part of it that the rung has in exact arithmetic too.
+    /// Part of it that the level has in exact arithmetic too.
     pub modelling: Errors,
-    /// Against the same rung in exact arithmetic.
+    /// Against the same level in exact arithmetic.
     pub rounding: Errors,
     /// One force of every bearing on this machine, ns.
     pub desktop_ns: f64,
@@ -74,8 +75,8 @@ pub struct Candidate {
 /// One computed motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Response {
-    /// The rung.
-    pub rung: String,
+    /// The level.
+    pub model: String,
     /// Precision of the forces; the rotor is computed in `f64`.
     pub precision: &'static str,
     /// Integrator, as a scene names it.
@@ -94,18 +95,18 @@ pub struct Response {
     pub front: bool,
 }
 
-/// A rung that the scene does not allow.
+/// A level that the scene does not allow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Impossible {
-    /// The rung.
-    pub rung: String,
+    /// The level.
+    pub model: String,
     /// In the words of whoever refused it.
     pub why: String,
 }
 
-/// A rung that the scene allows.
+/// A level that the scene allows.
 struct Allowed {
-    rung: FidelityLevel,
+    level: FidelityLevel,
     scene: Scene,
     plant: Plant,
 }
@@ -125,8 +126,8 @@ pub fn trade(
 ) -> Result<Trade> {
     let (allowed, impossible) = allowed(scene, text)?;
     let dearest = dearest(&allowed).context("found no model that this scene allows")?;
-    let truth_rung = dearest.rung.converged();
-    let truth_scene = truth_rung.scene(text, &scene.path, scene)?;
+    let truth_level = dearest.level.converged();
+    let truth_scene = truth_level.scene(text, &scene.path, scene)?;
     let truth_plant = Plant::try_new(&truth_scene)?;
     let poses = match &scene.recording {
         Some(recording) => poses::measured(scene, &truth_plant, recording)?,
@@ -143,7 +144,7 @@ pub fn trade(
     let work = allowed.len() * if motions { 1 + METHODS.len() * STEPS.len() } else { 1 };
     let mut candidates = Vec::new();
     for (i, one) in allowed.iter().enumerate() {
-        if one.rung.model() != Model::Dynamic {
+        if one.level.model() != Model::Dynamic {
             candidates.extend(candidates_of(one, &truth, &poses)?);
         }
         progress(i + 1, work);
@@ -155,23 +156,23 @@ pub fn trade(
         scene: scene.name.clone(),
         motion: if scene.recording.is_some() { "recording" } else { "simulation" },
         poses: poses.first().map_or(0, Vec::len),
-        truth: truth_rung.name,
+        truth: truth_level.name,
         largest_load: truth.largest(),
         candidates,
         responses,
         impossible,
-        needs: effect_significance::of_scene(scene)?,
+        significance: effect_significance::of_scene(scene)?,
         choice,
     })
 }
 
-/// The scene's text with the rung of that name in it.
+/// The scene's text with the level of that name in it.
 ///
 /// # Errors
-/// No such rung.
-pub fn written(scene: &Scene, text: &str, rung: &str) -> Result<String> {
-    let rungs = FidelityLevel::all(scene);
-    rungs.iter().find(|r| r.name == rung).context("a rung of this scene")?.written(text, scene)
+/// No such level.
+pub fn written(scene: &Scene, text: &str, level: &str) -> Result<String> {
+    let levels = FidelityLevel::all(scene);
+    levels.iter().find(|r| r.name == level).context("a level of this scene")?.written(text, scene)
 }
 
 fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)> {
@@ -182,19 +183,19 @@ fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)>
         )));
     }
     let (mut allowed, mut impossible) = (Vec::new(), Vec::new());
-    for rung in FidelityLevel::all(scene) {
-        let tried = rung.scene(text, &scene.path, scene).and_then(|scene| Ok((Plant::try_new(&scene)?, scene)));
+    for level in FidelityLevel::all(scene) {
+        let tried = level.scene(text, &scene.path, scene).and_then(|scene| Ok((Plant::try_new(&scene)?, scene)));
         match tried {
-            Ok((plant, scene)) => allowed.push(Allowed { rung, scene, plant }),
-            Err(error) => impossible.push(Impossible { rung: rung.name, why: format!("{error:#}") }),
+            Ok((plant, scene)) => allowed.push(Allowed { level, scene, plant }),
+            Err(error) => impossible.push(Impossible { model: level.name, why: format!("{error:#}") }),
         }
     }
     Ok((allowed, impossible))
 }
 
-/// The last rung with forces of its own.
+/// The last level with forces of its own.
 fn dearest(allowed: &[Allowed]) -> Option<&Allowed> {
-    allowed.iter().rev().find(|one| one.rung.model() != Model::Dynamic)
+    allowed.iter().rev().find(|one| one.level.model() != Model::Dynamic)
 }
 
 fn candidates_of(one: &Allowed, truth: &Truth, poses: &poses::Poses) -> Result<Vec<Candidate>> {
@@ -205,7 +206,7 @@ fn candidates_of(one: &Allowed, truth: &Truth, poses: &poses::Poses) -> Result<V
         let cost = |of| cortex::force(of, arithmetic.precision, arithmetic.math);
         let cortex = one.scene.bearings.iter().map(cost).reduce(|a, b| Some(a?.plus(b?))).flatten();
         Ok(Candidate {
-            rung: one.rung.name.clone(),
+            model: one.level.name.clone(),
             arithmetic,
             error: truth.errors(forces.as_ref(), poses),
             modelling,
@@ -229,7 +230,7 @@ fn responses(
     progress: Progress<'_>,
 ) -> Result<Vec<Response>> {
     // Balls with a mass of their own know more of a motion than balls in equilibrium.
-    let dynamic = allowed.iter().find(|one| one.rung.model() == Model::Dynamic);
+    let dynamic = allowed.iter().find(|one| one.level.model() == Model::Dynamic);
     let (moving, plant) = dynamic.map_or(solved, |one| (&one.scene, &one.plant));
     let truth_plant = plant.with_step(Method::RungeKutta, 0.25);
     let span = poses::span(moving, &truth_plant);
@@ -240,13 +241,13 @@ fn responses(
             for (k, part) in STEPS.into_iter().enumerate() {
                 progress(allowed.len() + (i * METHODS.len() + j) * STEPS.len() + k + 1, work);
                 // From the last sample every number of steps comes to the same.
-                if one.rung.has_own_steps() {
+                if one.level.has_own_steps() {
                     continue;
                 }
                 let plant = one.plant.with_step(method, part);
                 let usual = part == 1.0 && method == Method::RungeKutta;
                 all.push(response_of(one, &plant, (name, "f64", usual), span, &truth)?);
-                if usual && one.rung.model() != Model::Dynamic {
+                if usual && one.level.model() != Model::Dynamic {
                     let single = force::in_single(&one.scene, plant)?;
                     all.push(response_of(one, &single, (name, "f32", usual), span, &truth)?);
                 }
@@ -266,7 +267,7 @@ fn response_of(
 ) -> Result<Response> {
     let found = response::run(&one.scene, plant, span)?;
     Ok(Response {
-        rung: one.rung.name.clone(),
+        model: one.level.name.clone(),
         precision,
         method,
         step: 1.0 / span.rate / f64::from(plant.substeps(1.0 / span.rate)?),

@@ -54,7 +54,7 @@ pub fn span(scene: &Scene, plant: &Plant) -> Span {
 pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
     let span = span(scene, plant);
     let stride = span.samples.div_ceil(MOST_POSES as u64).max(1);
-    let mut poses = vec![Vec::new(); plant.seats.len()];
+    let mut poses = vec![Vec::new(); plant.bearings.len()];
     let mut count = 0;
     motion::run(
         scene,
@@ -63,9 +63,9 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
         |_| {},
         |now| {
             if count % stride == 0 {
-                for (i, (poses, seat)) in poses.iter_mut().zip(&plant.seats).enumerate() {
+                for (i, (poses, mounted)) in poses.iter_mut().zip(&plant.bearings).enumerate() {
                     let u = plant.displacement(i, now.twin.coordinates());
-                    poses.push(Pose { u, at: seat.rotation(seat.kinematics.parts_at(now.turned), &now.drive) });
+                    poses.push(Pose { u, at: mounted.rotation(mounted.kinematics.parts_at(now.turned), &now.drive) });
                 }
             }
             count += 1;
@@ -83,10 +83,10 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
     let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(&recording.file);
     let mut reader = Reader::open(&path, recording).with_context(|| path.display().to_string())?;
-    let stations: Vec<f64> = plant.seats.iter().map(|s| s.station).collect();
+    let stations: Vec<f64> = plant.bearings.iter().map(|s| s.station).collect();
     let solver = PoseSolver::try_new(&recording.probes, &stations).with_context(|| scene.path.display().to_string())?;
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
-    let mut all = vec![Vec::new(); plant.seats.len()];
+    let mut all = vec![Vec::new(); plant.bearings.len()];
     let rest = plant.pose(&plant.rest);
     let mut take = |tracker: &mut Tracker| {
         while let Some(sample) = tracker.pop() {
@@ -94,9 +94,9 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
             let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
             let turned = sample.revolution as f64 + sample.angle.revolutions();
             if pose.is_finite() {
-                for (poses, seat) in all.iter_mut().zip(&plant.seats) {
-                    let at = seat.rotation(seat.kinematics.parts_at(turned), &drive);
-                    poses.push(Pose { u: pose.at_station(seat.station), at });
+                for (poses, mounted) in all.iter_mut().zip(&plant.bearings) {
+                    let at = mounted.rotation(mounted.kinematics.parts_at(turned), &drive);
+                    poses.push(Pose { u: pose.at_station(mounted.station), at });
                 }
             }
             tracker.recycle(sample.row);

@@ -1,4 +1,4 @@
-//! The motion that a candidate computes beside the truest one: rungs, integrators and time steps.
+//! The motion that a candidate computes beside the truest one: levels, integrators and time steps.
 
 use crate::motion;
 use crate::plant::Plant;
@@ -44,7 +44,7 @@ pub struct Motion {
 /// # Errors
 /// What the kernel refuses.
 pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
-    let mut series = vec![Vec::new(); 2 * plant.seats.len()];
+    let mut series = vec![Vec::new(); 2 * plant.bearings.len()];
     let mut turned = Vec::new();
     let begun = Instant::now();
     let (held, _) = motion::run(
@@ -53,7 +53,7 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
         span,
         |_| {},
         |now| {
-            for i in 0..plant.seats.len() {
+            for i in 0..plant.bearings.len() {
                 let u = plant.displacement(i, now.twin.coordinates());
                 for (along, x) in series.iter_mut().skip(2 * i).zip([u.u, u.v]) {
                     along.push(x);
@@ -64,7 +64,7 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
         },
     )?;
     let computed = (span.settle + span.samples) as f64 / span.rate;
-    let orders = plant.seats.iter().map(|s| s.kinematics.orders.outer_race).collect();
+    let orders = plant.bearings.iter().map(|s| s.kinematics.orders.outer_race).collect();
     Ok(Motion { series, turned, orders, seconds_per_second: begun.elapsed().as_secs_f64() / computed, held })
 }
 

@@ -25,7 +25,7 @@ pub(super) fn check(path: &Path, chunk: &ColumnChunkMetaData) -> Decoded<u64> {
     let (Some(start), Some(length)) = said else { return Err(implausible("a column before its beginning")) };
     let mut file = File::open(path)?;
     if start.checked_add(length).is_none_or(|end| file.metadata().is_ok_and(|about| about.len() < end)) {
-        return Err(implausible("a column that goes on beyond the file"));
+        return Err(implausible("a column that extends beyond the file"));
     }
     file.seek(SeekFrom::Start(start))?;
     let width = if matches!(chunk.column_type(), Physical::INT32 | Physical::FLOAT) { 4 } else { 8 };

@@ -61,16 +61,16 @@ impl Scales {
         let (mut slope, mut intercept) = (1.0, 0.0);
         let mut at = self.count.checked_sub(1).filter(|_| !self.scaled);
         while let Some(number) = at.filter(|number| Some(*number) != raw) {
-            let none = format!("holds raw values without their scale {number}");
+            let none = format!("contains raw values without their scale {number}");
             let scale = self.all.get(&number).ok_or(none)?;
             let Some(own) = scale.slope.filter(|_| scale.kind == "Linear") else {
-                return Err(format!("holds raw values with a scale of the kind {:?}, not a linear one", scale.kind));
+                return Err(format!("contains raw values with a scale of the kind {:?}, not a linear one", scale.kind));
             };
             (slope, intercept) = (slope * own, slope * scale.intercept + intercept);
             at = Some(scale.input).filter(|input| *input < RAW).map(|input| input as u32);
             // A scale may only use one before it: else there would be no end.
             if at.is_some_and(|input| input >= number) {
-                return Err(format!("holds raw values whose scale {number} takes a later one for its input"));
+                return Err(format!("contains raw values whose scale {number} takes a later one for its input"));
             }
         }
         Ok([slope, intercept])

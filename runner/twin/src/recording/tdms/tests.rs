@@ -162,9 +162,9 @@ fn what_is_no_number_is_refused_when_named() {
     let numbers = [doubles(0, 2), vec![b'a'; 6], vec![0; 32], words(0, 2)].concat();
     let file = segment(NEW, &objects, &numbers);
     assert_eq!(values(&file, &["x"]), [[0.0], [0.1]]);
-    assert!(error(&file, &recording(&["words"])).contains("`G/words`: holds no numbers"));
-    assert!(error(&file, &recording(&["time"])).contains("`G/time`: holds no numbers"));
-    assert!(error(&file, &recording(&["raw"])).contains("`G/raw`: holds raw values without their scale 0"));
+    assert!(error(&file, &recording(&["words"])).contains("`G/words`: contains no numbers"));
+    assert!(error(&file, &recording(&["time"])).contains("`G/time`: contains no numbers"));
+    assert!(error(&file, &recording(&["raw"])).contains("`G/raw`: contains raw values without their scale 0"));
 }
 
 /// The index of a count of 16 bits in a row of DAQmx raw data.

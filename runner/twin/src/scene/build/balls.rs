@@ -1,9 +1,8 @@
 //! The rungs whose balls are in equilibrium: solved ball by ball, and looked up in a table made from that.
 
-use super::{AnyBearing, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
+use super::{AnyBearing, BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
 use crate::simd::shared;
-use anyhow::{Result, bail};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
@@ -115,7 +114,7 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
 ///
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.
-pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>> {
+pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>, BuildError> {
     solved_in::<T, M>(scene, scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS))
 }
 
@@ -123,7 +122,7 @@ pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<d
 ///
 /// # Errors
 /// As [`quasi_static`].
-pub fn solved_in<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<T>>> {
+pub fn solved_in<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<T>>, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
     let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero)
         .and_then(|b| b.with_selected_inertia(&inertia_params(scene)))
@@ -147,7 +146,7 @@ pub struct MadeTable {
     /// Nodes; the third number is the friction, where the inner contact has one.
     pub nodes: Vec<[f64; 3]>,
     /// The rest.
-    pub seat: TableConstants<f64>,
+    pub constants: TableConstants<f64>,
     /// Whether the third number is needed.
     pub friction: bool,
 }
@@ -156,12 +155,12 @@ pub struct MadeTable {
 ///
 /// # Errors
 /// As [`quasi_static`], and a table that cannot be made.
-pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
+pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable, BuildError> {
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry)?;
     let one = [ElementPosition::from_azimuth(Phase::ZERO)];
     let plain = QuasiStatic::<f64, ballrace::Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
-    let seat = plain.table_constants();
+    let constants = plain.table_constants();
     let grid = domain.grid().map_err(|e| named(of, e))?;
     let mut nodes = vec![[0.0; 3]; grid.len()];
     let full = plain
@@ -170,19 +169,19 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable> {
         .map_err(|e| named(of, e))?;
     let open = fill_table(&full, &domain, &grid, &mut nodes);
     if open > 0 {
-        bail!(
-            "{}: bearing {}: table: found {open} of {} states in which a ball has no equilibrium, allowed: none; a smaller approach, angle or speed range in table = {{ ... }} leaves them out",
-            scene.path.display(),
-            of.name,
-            grid.len()
-        );
+        return Err(BuildError::Table {
+            file: scene.path.clone(),
+            bearing: of.name.clone(),
+            found: open,
+            states: grid.len(),
+        });
     }
     let friction = of.effects.gyroscopic && of.effects.sharing != crate::scene::FrictionSharing::Outer;
-    Ok(MadeTable { by_outer, grid, nodes, seat, friction })
+    Ok(MadeTable { by_outer, grid, nodes, constants, friction })
 }
 
-/// Peak pressure up to which a table goes unless the scene says otherwise, Pa: the static limit of ISO 76.
-const TABLE_PRESSURE: f64 = crate::plant::PRESSURE_LIMIT;
+/// Permissible static contact pressure of ball bearings, Pa (ISO 76); the default upper limit of a table.
+pub const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Contact angles to either side of the free one, rad.
 const TABLE_ANGLES: f64 = 0.4;
 /// Speeds about a constant one.
@@ -193,11 +192,11 @@ const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
 const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
 
 /// What the table of a bearing is made for: what the scene says, else up to the static limit, about its angle and speed.
-fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(TableDomain, bool)> {
+fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(TableDomain, bool), BuildError> {
     let given = of.table.unwrap_or_default();
     let contact = geometry.contact(Race::Inner);
     let (_, _, pressure) = contact.ellipse(1.0);
-    let load = (TABLE_PRESSURE / pressure).powi(3);
+    let load = (PRESSURE_LIMIT / pressure).powi(3);
     let most = (load / geometry.stiffness()).powf(2.0 / 3.0);
     let free = if of.facing == Facing::Both { [0.0, geometry.contact_angle] } else { [geometry.contact_angle; 2] };
     let widest = if of.facing == Facing::Both { free[1] + TABLE_ANGLES } else { TABLE_ANGLES };
@@ -226,18 +225,21 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
     ))
 }
 
-pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>> {
+pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
     let made = table(scene, of)?;
     // Four numbers a node, the last of them 0: one wide register.
     if made.friction { looked_up::<T, M, 4>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
 }
 
-fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &MadeTable) -> Result<AnyBearing<T>> {
+fn looked_up<T: Scalar, M: Math<T>, const F: usize>(
+    of: &BearingScene,
+    made: &MadeTable,
+) -> Result<AnyBearing<T>, BuildError> {
     let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);
     let places = BlockedPositions::<_, Vec<_>>::new(places(of));
-    let bearing = Tabulated::<T, M, _, _, F>::new(places, made.seat.rounded(), table, made.by_outer);
+    let bearing = Tabulated::<T, M, _, _, F>::new(places, made.constants.rounded(), table, made.by_outer);
     Ok(match uneven::<T, M>(of) {
         None => facing(of, shared(bearing)),
         Some(surface) => facing(of, shared(bearing.with_surface(surface))),

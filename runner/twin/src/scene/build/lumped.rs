@@ -1,9 +1,8 @@
 //! The lumped rung: radial and axial elements with any of the laws, on a housing that may stand displaced.
 
-use super::{AnyBearing, Shared, facing, geometry, named, places, uneven};
+use super::{AnyBearing, BuildError, Shared, facing, geometry, invalid, named, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Fit};
 use crate::simd::shared;
-use anyhow::{Result, bail};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::lumped::{Axial, Radial};
 use ballrace::bearing::{Bearing, Reaction};
@@ -94,7 +93,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T> {
     }
 }
 
-pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>> {
+pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
     let (stiffness, exponent, play) = law(scene)?;
     let stiffness = T::from_f64(stiffness);
     match Exponent::of(exponent) {
@@ -108,24 +107,20 @@ pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyB
 ///
 /// # Errors
 /// What neither says.
-pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64)> {
+pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64), BuildError> {
     let geometry = geometry(scene)?;
     let law = scene.law;
     let Some(stiffness) = law.and_then(|l| l.stiffness).or_else(|| geometry.map(|g| g.stiffness())) else {
-        bail!(
-            "bearing {}: model lumped: found no stiffness, allowed: stiffness, or the geometry it follows from",
-            scene.name
-        );
+        let expected = "stiffness, or the geometry it follows from";
+        return Err(invalid(scene, "model lumped", "no stiffness", expected));
     };
     let from_clearance = scene.geometry.and_then(|g| match g.fit {
         Fit::DiametralClearance(s) => Some(0.5 * s),
         Fit::ContactAngle(_) => None,
     });
     let Some(play) = law.and_then(|l| l.radial_play).or(from_clearance) else {
-        bail!(
-            "bearing {}: model lumped: found no radial_play, allowed: radial_play or diametral_clearance",
-            scene.name
-        );
+        let expected = "radial_play or diametral_clearance";
+        return Err(invalid(scene, "model lumped", "no radial_play", expected));
     };
     Ok((stiffness, law.map_or(1.5, |l| l.exponent), play))
 }
@@ -134,7 +129,7 @@ fn with_radial<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(
     scene: &BearingScene,
     law: L,
     play: f64,
-) -> Result<AnyBearing<T>> {
+) -> Result<AnyBearing<T>, BuildError> {
     let radial = Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
     let alone = scene.axial.is_none() && scene.housing_displacement.is_empty();
     match uneven::<T, M>(scene) {
@@ -145,7 +140,7 @@ fn with_radial<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(
     }
 }
 
-fn with_axial<T: Scalar, M: Math<T>>(scene: &BearingScene, radial: Kind<T>) -> Result<AnyBearing<T>> {
+fn with_axial<T: Scalar, M: Math<T>>(scene: &BearingScene, radial: Kind<T>) -> Result<AnyBearing<T>, BuildError> {
     let axial = match scene.axial {
         None => None,
         Some(axial) => {
@@ -162,7 +157,10 @@ fn with_axial<T: Scalar, M: Math<T>>(scene: &BearingScene, radial: Kind<T>) -> R
     Ok(facing(scene, Shared(Arc::new(Lumped { radial, axial, housing: housing(scene) }))))
 }
 
-fn axial_kind<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(scene: &BearingScene, law: L) -> Result<Kind<T>> {
+fn axial_kind<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(
+    scene: &BearingScene,
+    law: L,
+) -> Result<Kind<T>, BuildError> {
     let (play, radius) = scene.axial.map_or((0.0, 0.0), |a| (a.play, a.radius));
     let axial = Axial::<T, M, L, _>::try_new(places(scene), law, play, radius).map_err(|e| named(scene, e))?;
     Ok(Box::new(axial))

@@ -1,8 +1,7 @@
 //! How a bearing turns at one instant, where it settles under a load, and its preload.
 
-use super::{AnyBearing, Shared, geometry};
+use super::{AnyBearing, BuildError, Shared, geometry};
 use crate::scene::{Bearing as BearingScene, Facing, Preload, Scene};
-use anyhow::{Result, bail};
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
@@ -43,7 +42,7 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
 ///
 /// # Errors
 /// As [`kinematics`](super::kinematics).
-pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<BearingKinematicState<f64>> {
+pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<BearingKinematicState<f64>, BuildError> {
     let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
     let inner = scene.shaft.speed.revolutions(time);
     let outer = outer_speed * time / std::f64::consts::TAU;
@@ -75,7 +74,7 @@ pub fn preload_offset(
     scene: &Scene,
     bearing: &BearingScene,
     built: &AnyBearing<f64>,
-) -> Result<Option<Displacement<f64>>> {
+) -> Result<Option<Displacement<f64>>, BuildError> {
     let Some(preload) = bearing.preload else { return Ok(None) };
     let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
     match preload {
@@ -85,11 +84,11 @@ pub fn preload_offset(
             let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
             let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], &at)?;
             if rest.residual > 1e-6 {
-                bail!(
-                    "{}: bearing {}: preload: found {force} N, which the bearing does not carry along its axis, allowed: a force that it can carry",
-                    scene.path.display(),
-                    bearing.name
-                );
+                return Err(BuildError::Preload {
+                    file: scene.path.clone(),
+                    bearing: bearing.name.clone(),
+                    found: force,
+                });
             }
             Ok(Some(rest.displacement()))
         }
@@ -104,7 +103,7 @@ pub fn loaded(
     bearing: &AnyBearing<f64>,
     load: [f64; 5],
     at: &BearingKinematicState<f64>,
-) -> Result<Equilibrium<f64, 5>> {
+) -> Result<Equilibrium<f64, 5>, BuildError> {
     let params = RotorParams {
         // Only the way of the fall depends on these.
         mass: 1.0,
@@ -116,8 +115,8 @@ pub fn loaded(
         load,
     };
     let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
-    let seat = BearingAtStation { bearing: bearing.clone(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) };
-    let machine = RotorBearingSystem { rotor, bearings: [seat] };
+    let mounted = BearingAtStation { bearing: bearing.clone(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) };
+    let machine = RotorBearingSystem { rotor, bearings: [mounted] };
     // From where the bearing just carries thrust Newton's method needs a few steps; where that does not lead to rest, the
     // damped fall from zero displacement does.
     let start = thrust_start(bearing, load, at);

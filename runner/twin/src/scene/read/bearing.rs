@@ -91,7 +91,7 @@ pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
 
 /// What a bearing is computed with, which decides the keys that it needs and refuses.
 #[derive(Clone, Copy, PartialEq)]
-enum Needs {
+enum RequiredInput {
     /// The closed form of the angular model, and whatever else needs a free contact angle.
     ContactAngle,
     /// The law of the lumped model.
@@ -105,9 +105,9 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
     let wants = "a name, such as \"DE\"";
     let model = model(table)?;
     let linear = linear(table, model)?;
-    let needs = needs(model, linear.as_ref());
-    let (elements, geometry, law) = (elements(table)?, geometry(table, needs)?, law(table, needs)?);
-    check_law(table, needs, geometry.as_ref(), law.as_ref())?;
+    let required = required_input(model, linear.as_ref());
+    let (elements, geometry, law) = (elements(table)?, geometry(table, required)?, law(table, required)?);
+    check_law(table, required, geometry.as_ref(), law.as_ref())?;
     check_two_spring(table, elements, linear.as_ref())?;
     check_fit_on_pitch_circle(table, elements, geometry.as_ref())?;
     check_dynamic(table, model, geometry.as_ref())?;
@@ -156,14 +156,14 @@ fn elements(table: &Table<'_>) -> Read<usize> {
     usize::try_from(number).map_err(|_| node.refuse(wants))
 }
 
-fn needs(model: Model, linear: Option<&Linear>) -> Needs {
+fn required_input(model: Model, linear: Option<&Linear>) -> RequiredInput {
     match (model, linear) {
         (Model::Angular | Model::QuasiStatic | Model::Tabulated, _)
         | (_, Some(Linear::Of(Model::Angular | Model::QuasiStatic | Model::Tabulated) | Linear::TwoSpring { .. })) => {
-            Needs::ContactAngle
+            RequiredInput::ContactAngle
         }
-        (Model::Lumped | Model::Dynamic, _) | (_, Some(Linear::Of(Model::Lumped))) => Needs::Law,
-        (Model::Linear, _) => Needs::Nothing,
+        (Model::Lumped | Model::Dynamic, _) | (_, Some(Linear::Of(Model::Lumped))) => RequiredInput::Law,
+        (Model::Linear, _) => RequiredInput::Nothing,
     }
 }
 
@@ -246,8 +246,8 @@ fn check_two_spring(table: &Table<'_>, elements: usize, linear: Option<&Linear>)
     Err(table.required("elements", wants)?.refuse(wants))
 }
 
-fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
-    if needs != Needs::ContactAngle && !GEOMETRY.iter().any(|key| table.has(key)) {
+fn geometry(table: &Table<'_>, required: RequiredInput) -> Read<Option<Geometry>> {
+    if required != RequiredInput::ContactAngle && !GEOMETRY.iter().any(|key| table.has(key)) {
         return Ok(None);
     }
     check_complete(table)?;
@@ -261,7 +261,7 @@ fn geometry(table: &Table<'_>, needs: Needs) -> Read<Option<Geometry>> {
         pitch_diameter,
         inner_conformity,
         outer_conformity,
-        fit: fit(table, needs, groove_centres)?,
+        fit: fit(table, required, groove_centres)?,
         youngs_modulus: table.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?.unwrap_or(YOUNGS_MODULUS),
         poissons_ratio: table
             .read("poissons_ratio", |n| n.number("0 or more and below 0.5", |x| (0.0..0.5).contains(&x)))?
@@ -298,12 +298,14 @@ fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
 }
 
 /// `groove_centres` is the distance A of the groove centres at first contact.
-fn fit(table: &Table<'_>, needs: Needs, groove_centres: f64) -> Read<Fit> {
+fn fit(table: &Table<'_>, required: RequiredInput, groove_centres: f64) -> Read<Fit> {
     let choice = "exactly one of contact_angle (such as \"40 deg\") \
                   and diametral_clearance (such as \"10 um\")";
     match (table.optional("contact_angle"), table.optional("diametral_clearance")) {
         (Some(angle), None) => contact_angle(&angle).map(Fit::ContactAngle),
-        (None, Some(clearance)) => diametral_clearance(&clearance, needs, groove_centres).map(Fit::DiametralClearance),
+        (None, Some(clearance)) => {
+            diametral_clearance(&clearance, required, groove_centres).map(Fit::DiametralClearance)
+        }
         (Some(_), Some(clearance)) => Err(clearance.fail("both contact_angle and diametral_clearance", choice)),
         (None, None) => Err(table.fail("neither contact_angle nor diametral_clearance", choice)),
     }
@@ -318,9 +320,9 @@ fn contact_angle(node: &Node<'_>) -> Read<f64> {
 
 /// The clearance s gives the free contact angle by `cos(alpha_0) = 1 - s/(2 A)`; s below A keeps it below 60 degrees,
 /// and a negative one, an interference, leaves none.
-fn diametral_clearance(node: &Node<'_>, needs: Needs, groove_centres: f64) -> Read<f64> {
+fn diametral_clearance(node: &Node<'_>, required: RequiredInput, groove_centres: f64) -> Read<f64> {
     let most = format!("{} um", micrometres(groove_centres));
-    let (least, range) = if needs == Needs::ContactAngle {
+    let (least, range) = if required == RequiredInput::ContactAngle {
         let range = format!("from 0 to below {most} (an interference only with model = \"lumped\")");
         (0.0, range)
     } else {
@@ -335,8 +337,8 @@ fn micrometres(metres: f64) -> f64 {
     (metres * 1e7).round() / 10.0
 }
 
-fn law(table: &Table<'_>, needs: Needs) -> Read<Option<Law>> {
-    if needs != Needs::Law {
+fn law(table: &Table<'_>, required: RequiredInput) -> Read<Option<Law>> {
+    if required != RequiredInput::Law {
         let why = "only with model = \"lumped\" (or linearise = \"lumped\"); remove it";
         return refuse(table, &LUMPED, why).map(|()| None);
     }
@@ -359,8 +361,8 @@ fn exponent(table: &Table<'_>) -> Read<f64> {
 }
 
 /// The lumped model takes stiffness and play from the law, and from geometry what the law does not give.
-fn check_law(table: &Table<'_>, needs: Needs, geometry: Option<&Geometry>, law: Option<&Law>) -> Read<()> {
-    if needs != Needs::Law {
+fn check_law(table: &Table<'_>, required: RequiredInput, geometry: Option<&Geometry>, law: Option<&Law>) -> Read<()> {
+    if required != RequiredInput::Law {
         return Ok(());
     }
     if law.and_then(|l| l.stiffness).is_none() {
@@ -438,7 +440,7 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Optio
     if given.is_some() || has_geometry || model == Model::Linear {
         return Ok(given);
     }
-    let wants = format!("{range}; without geometry it must be given (0 for elements that stand still)");
+    let wants = format!("{range}; without geometry it must be given (0 for elements at rest)");
     Err(table.missing("cage_ratio", &wants))
 }
 
@@ -447,7 +449,8 @@ fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
     if !on_system {
         return table.quantity("station", Dimension::Length);
     }
-    let why = "not on a [system], whose matrices hold the supports and whose coordinates say the place; remove it";
+    let why =
+        "not on a [system], whose matrices contain the supports and whose coordinates define the position; remove it";
     refuse(table, &["station", "support"], why)?;
     table.required("coordinates", COORDINATES)?;
     Ok(0.0)
@@ -471,7 +474,7 @@ fn support(node: &Node<'_>) -> Read<Support> {
     let stiffness =
         [table.positive("stiffness_x", Dimension::Stiffness)?, table.positive("stiffness_y", Dimension::Stiffness)?];
     let most = (stiffness[0] * stiffness[1]).sqrt();
-    let range = format!("below {most} N/m in size, or the support gives way in some direction by itself");
+    let range = format!("below {most} N/m in size, or the support is unstable in some direction");
     let cross = table.read("stiffness_xy", |n| n.within(Dimension::Stiffness, &range, |k| k.abs() < most))?;
     Ok(Support {
         mass: table.positive("mass", Dimension::Mass)?,

@@ -66,7 +66,7 @@ fn lumped_bearing_out_of_range() {
         (play, "radial_play = 0\nexponent = 0.9", &["found 0.9, allowed: 1 to 3"]),
         (play, "radial_play = 0\nexponent = 3.1", &["1 to 3"]),
         (play, "radial_play = 0\nexponent = 1.111\nstiffness_matrix = 3", &["only with model = \"linear\""]),
-        ("cage_ratio = 0.4", "", &["bearing[0].cage_ratio", "without geometry it must be given (0 for elements that stand still)"]),
+        ("cage_ratio = 0.4", "", &["bearing[0].cage_ratio", "without geometry it must be given (0 for elements at rest)"]),
         (play, "radial_play = 0\naxial = { stiffness = 1 }", &["bearing[0].axial.play: found no such key in the table bearing[0].axial"]),
         (play, "radial_play = 0\naxial = { stiffness = 1, play = 0, radius = -1 }", &["axial.radius", "of 0 or more"]),
         (play, "radial_play = 0\naxial = { stiffness = -1, play = 0, radius = 1 }", &["axial.stiffness"]),

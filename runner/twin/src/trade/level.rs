@@ -1,4 +1,4 @@
-//! What can be asked of a scene's bearings: the rungs with their options, each as an edit of the scene's own text.
+//! What can be asked of a scene's bearings: the levels with their options, each as an edit of the scene's own text.
 //!
 //! A candidate is the scene as a user would have written it, read and checked like any other: what the reader or the
 //! kernel refuses is not possible here, and its words say why.
@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, value};
 
-/// One rung with its options.
+/// One level with its options.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FidelityLevel {
     /// In words.
@@ -50,57 +50,57 @@ impl FidelityLevel {
         self.model
     }
 
-    /// Every rung for a scene, cheapest first; the last one is the dearest.
+    /// Every level for a scene, cheapest first; the last one is the dearest.
     #[must_use]
     pub fn all(scene: &Scene) -> Vec<Self> {
         let named = named(scene);
-        let mut rungs = vec![Self::new("linear", Model::Linear)];
+        let mut levels = vec![Self::new("linear", Model::Linear)];
         if scene.bearings.iter().all(given_as_springs) {
-            return rungs;
+            return levels;
         }
-        rungs.push(Self::new("lumped", Model::Lumped));
-        rungs.push(Self::new("angular", Model::Angular));
+        levels.push(Self::new("lumped", Model::Lumped));
+        levels.push(Self::new("angular", Model::Angular));
         let span =
             if matches!(scene.shaft.speed, crate::scene::Speed::Constant(_)) { ABOUT_ONE_SPEED } else { OVER_SPEEDS };
         for [approach, angle] in TABLES {
-            let mut rung = Self::new(&format!("tabulated {approach} x {angle}"), Model::Tabulated);
-            rung.effects.clone_from(&named);
-            rung.intervals = Some([approach, angle, span]);
-            rungs.push(rung);
+            let mut level = Self::new(&format!("tabulated {approach} x {angle}"), Model::Tabulated);
+            level.effects.clone_from(&named);
+            level.intervals = Some([approach, angle, span]);
+            levels.push(level);
         }
         for kept in 0..=named.len() {
             let effects = named.get(..kept).unwrap_or_default().to_vec();
             let name = if effects.is_empty() { "no effects".to_owned() } else { effects.join(", ") };
             let base = Self { effects, ..Self::new(&format!("quasi-static, {name}"), Model::QuasiStatic) };
             if kept == named.len() {
-                rungs.extend(STEPS.map(|steps| Self {
+                levels.extend(STEPS.map(|steps| Self {
                     name: format!("{}, {steps} steps", base.name),
                     steps: Some(steps),
                     ..base.clone()
                 }));
             }
-            rungs.push(base);
+            levels.push(base);
         }
         if scene.bearings.iter().any(|b| b.model == Model::Dynamic) {
-            rungs.push(Self::new("dynamic", Model::Dynamic));
+            levels.push(Self::new("dynamic", Model::Dynamic));
         }
-        rungs
+        levels
     }
 
-    /// The dearest rung of all, solved until nothing moves any more.
+    /// The dearest level of all, solved until nothing moves any more.
     #[must_use]
     pub fn converged(&self) -> Self {
         let steps = (self.model == Model::QuasiStatic).then_some(CONVERGED);
         Self { steps, ..self.clone() }
     }
 
-    /// Whether this rung differs from the kernel's own number of steps.
+    /// Whether this level differs from the kernel's own number of steps.
     #[must_use]
     pub fn has_own_steps(&self) -> bool {
         self.steps.is_some()
     }
 
-    /// The scene's text with this rung in the place of its bearings' models. Bearings given by a stiffness matrix keep it.
+    /// The scene's text with this level in the place of its bearings' models. Bearings given by a stiffness matrix keep it.
     ///
     /// # Errors
     /// A text that is no TOML.
@@ -158,7 +158,7 @@ impl FidelityLevel {
         }
     }
 
-    /// The scene with this rung.
+    /// The scene with this level.
     ///
     /// # Errors
     /// What the reader refuses.

@@ -1,10 +1,11 @@
 //! A bearing in its place on the rotor.
 
 use super::warm::{ColdAndFew, WARM_STEPS, Warm};
+pub use crate::scene::build::Balls;
 use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
 use anyhow::Result;
-use ballrace::rotor::{ComponentAngles, MovingBallsParams, ShaftMotion};
+use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{BearingKinematicState, Displacement, Exact};
 use std::sync::Arc;
 
@@ -33,19 +34,8 @@ pub struct MountedBearing {
     solved: Option<ColdAndFew>,
 }
 
-/// What the `dynamic` model needs besides.
-#[derive(Clone)]
-pub struct Balls {
-    /// As the kernel takes them.
-    pub params: MovingBallsParams,
-    /// N s/m on each ball's radial motion.
-    pub damping: f64,
-    /// Where they stand with the cage at angle 0.
-    pub places: Vec<ballrace::bearing::ElementPosition<f64>>,
-}
-
 impl MountedBearing {
-    /// The seat of one bearing of a scene.
+    /// The mounted of one bearing of a scene.
     ///
     /// # Errors
     /// What the scene does not say for the model, or the kernel refuses.
@@ -60,7 +50,7 @@ impl MountedBearing {
         if !moving {
             kinematics.cage_ratio = 0.0;
         }
-        let (seated, offset) = seated(scene, bearing, model)?;
+        let (loaded, offset) = loaded(scene, bearing, model)?;
         Ok(Self {
             name: bearing.name.clone(),
             station: bearing.station,
@@ -68,7 +58,7 @@ impl MountedBearing {
             first_azimuth: bearing.first_element_azimuth,
             kinematics,
             offset,
-            bearing: seated,
+            bearing: loaded,
             description: describe(bearing),
             solved: (bearing.model == Model::QuasiStatic).then(|| solved(bearing)).transpose()?,
             balls: (model == Model::Dynamic).then(|| build::moving_balls(scene, bearing)).transpose()?,
@@ -109,7 +99,7 @@ fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
 }
 
 /// The bearing with its preload: displaced as given, or until it answers with the force given.
-fn seated(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
+fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
     let plain = build::bearing::<f64, Exact>(scene, bearing, model)?;
     match build::preload_offset(scene, bearing, &plain)? {
         Some(offset) => Ok((build::preloaded(plain, offset), offset)),

@@ -1,0 +1,40 @@
+//! `ballrace man`: manual pages in roff.
+
+use super::Cli;
+use anyhow::{Result, bail};
+use ballrace_twin::error::UsageError;
+use clap::CommandFactory;
+use std::io::Write;
+
+/// Arguments of `man`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Subcommand to describe [default: the program].
+    #[arg(value_name = "COMMAND")]
+    pub subcommand: Option<String>,
+}
+
+/// Prints a manual page to standard output.
+///
+/// # Errors
+/// Returns an error if there is no such subcommand or standard output cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let mut program = Cli::command();
+    program.build();
+    let page = match &args.subcommand {
+        None => program,
+        Some(name) => {
+            let names: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
+            let names = names.join(", ");
+            let Some(found) = program.find_subcommand(name) else {
+                bail!(UsageError(format!("man: found {name:?}, allowed: {names}")));
+            };
+            found.clone()
+        }
+    };
+    let mut roff = Vec::new();
+    clap_mangen::Man::new(page).render(&mut roff)?;
+    let mut out = std::io::stdout().lock();
+    out.write_all(&roff)?;
+    Ok(out.flush()?)
+}
