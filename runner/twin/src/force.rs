@@ -86,7 +86,8 @@ fn forces_in<T: Scalar, M: Math<T>>(
 fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
     if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
         let plant = Plant::try_new(scene)?;
-        let mounted = plant.bearings.iter().find(|s| s.name == bearing.name).context("a mounted bearing of the scene")?;
+        let mounted =
+            plant.bearings.iter().find(|s| s.name == bearing.name).context("a mounted bearing of the scene")?;
         return Ok(build::spring_of(&mounted.bearing));
     }
     build::bearing::<T, M>(scene, bearing, model).with_context(|| scene.path.display().to_string())

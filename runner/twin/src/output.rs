@@ -150,8 +150,7 @@ impl AtomicFile {
     /// A full disk, a place that became unwritable.
     pub fn finish(self) -> Result<(), OutputError> {
         let Self { writer, path, permissions } = self;
-        let Place::Beside(temporary) = writer.into_inner().map_err(|e| e.into_error()).map_err(failed(&path))?
-        else {
+        let Place::Beside(temporary) = writer.into_inner().map_err(|e| e.into_error()).map_err(failed(&path))? else {
             return Ok(());
         };
         let Temporary { file, listed } = temporary;

@@ -157,7 +157,11 @@ fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<Stri
 ///
 /// # Errors
 /// What the scene does not say for this model, or the kernel refuses.
-pub fn bearing<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<T>, BuildError> {
+pub fn bearing<T: Scalar, M: Math<T>>(
+    scene: &Scene,
+    of: &BearingScene,
+    model: Model,
+) -> Result<AnyBearing<T>, BuildError> {
     match model {
         Model::Linear => linear(of),
         // What moving balls come to where their mass does not matter.
@@ -276,9 +280,7 @@ fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> 
             "a bearing taken alone",
             "in a scene with a [rotor], at whose equilibrium it is linearised",
         )),
-        None => {
-            Err(invalid(scene, "model linear", "no stiffness", "stiffness_matrix, two_spring or linearise"))
-        }
+        None => Err(invalid(scene, "model linear", "no stiffness", "stiffness_matrix, two_spring or linearise")),
     }
 }
 

@@ -117,8 +117,8 @@ fn content(path: &Path) -> Result<DMatrix<f64>, MatrixProblem> {
 }
 
 fn market(text: &str) -> Result<DMatrix<f64>, MatrixProblem> {
-    let entries = load_coo_from_matrix_market_str::<f64>(text)
-        .map_err(|e| MatrixProblem::Market(one_line(&e.to_string())))?;
+    let entries =
+        load_coo_from_matrix_market_str::<f64>(text).map_err(|e| MatrixProblem::Market(one_line(&e.to_string())))?;
     let (rows, columns) = (entries.nrows(), entries.ncols());
     if rows.max(columns) > MOST {
         return Err(MatrixProblem::TooLarge { rows, columns });

@@ -218,7 +218,10 @@ pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene)
     if made.friction { looked_up::<T, M, 4>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
 }
 
-fn looked_up<T: Scalar, M: Math<T>, const F: usize>(of: &BearingScene, made: &MadeTable) -> Result<AnyBearing<T>, BuildError> {
+fn looked_up<T: Scalar, M: Math<T>, const F: usize>(
+    of: &BearingScene,
+    made: &MadeTable,
+) -> Result<AnyBearing<T>, BuildError> {
     let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);

@@ -125,7 +125,11 @@ pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64), BuildError> {
     Ok((stiffness, law.map_or(1.5, |l| l.exponent), play))
 }
 
-fn with_radial<T: Scalar, M: Math<T>, L: Law<T, M>>(scene: &BearingScene, law: L, play: f64) -> Result<AnyBearing<T>, BuildError> {
+fn with_radial<T: Scalar, M: Math<T>, L: Law<T, M>>(
+    scene: &BearingScene,
+    law: L,
+    play: f64,
+) -> Result<AnyBearing<T>, BuildError> {
     let radial = Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
     let alone = scene.axial.is_none() && scene.housing_displacement.is_empty();
     match uneven::<T, M>(scene) {
