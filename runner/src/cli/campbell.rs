@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::campbell::{AtSpeed, Whirl, campbell};
 use ballrace_twin::effect_significance;
-use ballrace_twin::error::{UsageError, usage_error};
+use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
@@ -36,7 +36,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         keep_apart(&[("--report", path)], &[&args.scene])?;
     }
     let speeds = speeds(&args.speeds)?;
-    let all = campbell(&scene, &speeds).map_err(|e| usage_error(&e))?;
+    let all = campbell(&scene, &speeds).map_err(UsageError::new)?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::campbell::html(&scene.name, &all)?)?;
     }

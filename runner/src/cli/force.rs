@@ -96,7 +96,7 @@ fn significance(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -
     // The displacements include the preload.
     let of = Bearing { model, preload: None, ..bearing.clone() };
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..row.at };
-    effect_significance::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)
+    Ok(effect_significance::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)?)
 }
 
 #[derive(Serialize)]

@@ -18,6 +18,7 @@ pub mod watch;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::effect_significance::{self, EffectSignificance};
 use ballrace_twin::error::UsageError;
+use ballrace_twin::plant::PlantError;
 use ballrace_twin::printable::{self, Printable};
 use ballrace_twin::recording::error::RecordingError;
 use ballrace_twin::recording::rotation::RotationError;
@@ -235,6 +236,7 @@ fn is_usage_error(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause.is::<SceneError>()
             || cause.is::<UsageError>()
+            || cause.downcast_ref::<PlantError>().is_some_and(PlantError::is_usage_error)
             || cause.downcast_ref::<RecordingError>().is_some_and(RecordingError::is_scene_fault)
     })
 }

@@ -4,7 +4,7 @@ use super::{Format, keep_apart, print_effects};
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::error::{UsageError, usage_error};
+use ballrace_twin::error::UsageError;
 use ballrace_twin::motion::{self, MOST_SAMPLES, ResponseSample, Span};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
@@ -70,7 +70,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         bail!(UsageError(format!("{options}: found {total} samples, allowed: 1 to {MOST_SAMPLES:e}")));
     }
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
-    let plant = Plant::try_new(&scene).map_err(|e| usage_error(&e))?;
+    let plant = Plant::try_new(&scene).map_err(UsageError::new)?;
     let span = Span { rate, settle: settle as u64, samples: samples as u64 };
     let summary = simulate(&scene, &plant, span, &args.output)?;
     print(&summary, &plant.notes, format, error)

@@ -1,8 +1,7 @@
 //! Natural frequencies, damping and whirl of a scene's rotor over the shaft's speed, linearised at rest at each speed.
 
-use crate::plant::{Plant, eigenvalues, resolution};
+use crate::plant::{Plant, PlantError, Result, eigenvalues, resolution};
 use crate::scene::{Scene, Speed};
-use anyhow::{Context, Result};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -68,7 +67,7 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
 /// What the kernel refuses; eigenvalues that cannot be computed.
 pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     let (scales, n) = (plant.scales()?, plant.layout.order);
-    let inverse = scales.mass.try_inverse().context("found a mass matrix without an inverse")?;
+    let inverse = scales.mass.try_inverse().ok_or(PlantError::SingularMass)?;
     let stiffness = &inverse * &plant.stiffness;
     let damping = &inverse * (scales.damping * f64::from(u8::from(damped)) + scales.gyroscopic * speed);
     let mut system = DMatrix::<f64>::zeros(2 * n, 2 * n);

@@ -7,10 +7,9 @@
 //! x_t^2 (1/l_i + 1/l_o)/2)^1.5`, solved together with `x_t Q' (1/l_i + 1/l_o) = F_t`. What the inner ring feels of it
 //! is told without solving the balls' equilibrium.
 
-use crate::plant::Plant;
+use crate::plant::{Plant, Result};
 use crate::scene::build;
 use crate::scene::{Bearing as BearingScene, Effects, Facing, Fit, Model, Preload, Scene};
-use anyhow::Result;
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};

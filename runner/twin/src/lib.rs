@@ -1,8 +1,106 @@
-//! Scenes of rotating machines, recordings of their shafts, and the digital twin that joins the two.
+//! Scenes of rotating machines, recordings of their shafts, and the digital twin that compares the two.
 //!
-//! Data flows one way: scene and recording -> displacement at each bearing -> force -> twin -> residual -> outcome. The
-//! crate has no terminal, no HTML and no command line: `ballrace-report` renders its outcomes, `ballrace-runner` is the
-//! program.
+//! # Example
+//!
+//! The scene below is a rotor on two bearings; the recording is CSV text in memory, of a shaft that whirls by 2 um.
+//!
+//! ```
+//! use ballrace_twin::recording::Reader;
+//! use ballrace_twin::replay::{Options, replay};
+//! use ballrace_twin::scene::read::read_str;
+//! use std::path::Path;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scene = r#"
+//!     [shaft]
+//!     speed = "3000 rpm"
+//!     [rotor]
+//!     mass = "6 kg"
+//!     diametral_inertia = 0.030
+//!     polar_inertia = 0.006
+//!     damping = [400, 400, 400, 0.4, 0.4]
+//!     [[bearing]]
+//!     name = "DE"
+//!     station = "-100 mm"
+//!     model = "lumped"
+//!     elements = 9
+//!     stiffness = 1e10
+//!     radial_play = "5 um"
+//!     cage_ratio = 0.4
+//!     axial = { stiffness = 1e9, exponent = 1.5, play = "0 um", radius = "20 mm" }
+//!     [[bearing]]
+//!     name = "NDE"
+//!     station = "100 mm"
+//!     model = "lumped"
+//!     elements = 9
+//!     stiffness = 1e10
+//!     radial_play = "5 um"
+//!     cage_ratio = 0.4
+//!     axial = { stiffness = 1e9, exponent = 1.5, play = "0 um", radius = "20 mm" }
+//!     [recording]
+//!     file = "in memory"
+//!     rate = "12.8 kHz"
+//!     probes = [
+//!       { column = "DE_X", unit = "um", station = "-120 mm", angle = "0 deg" },
+//!       { column = "DE_Y", unit = "um", station = "-120 mm", angle = "90 deg" },
+//!       { column = "NDE_X", unit = "um", station = "120 mm", angle = "0 deg" },
+//!       { column = "NDE_Y", unit = "um", station = "120 mm", angle = "90 deg" },
+//!     ]
+//!     speed = { column = "speed", unit = "rpm" }
+//! "#;
+//! let scene = read_str(scene, Path::new("scene.toml"))?;
+//!
+//! let mut recording = String::from("DE_X,DE_Y,NDE_X,NDE_Y,speed\n");
+//! for sample in 0..6400 {
+//!     let (sin, cos) = (f64::from(sample) / 256.0 * std::f64::consts::TAU).sin_cos();
+//!     let (x, y) = (2.0 * cos, -7.0 + 2.0 * sin);
+//!     recording += &format!("{x:.4},{y:.4},{x:.4},{y:.4},3000\n");
+//! }
+//! let source = std::io::Cursor::new(recording.into_bytes());
+//! let columns = scene.recording.as_ref().ok_or("no recording")?;
+//! let reader = Reader::from_reader(Box::new(source), Path::new("in memory"), None, columns)?;
+//!
+//! let outcome = replay(&scene, reader, "in memory", &Options::default())?;
+//! println!("{}", outcome.verdict);
+//! for probe in &outcome.probes {
+//!     println!("{}: 1X {:.2} um peak, residual {:.2} um rms", probe.name, probe.measured.one_x_um, probe.residual_rms_um);
+//! }
+//! assert_eq!(outcome.record.samples, 6400);
+//! assert!((outcome.probes[0].measured.one_x_um - 2.0).abs() < 0.01);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Layers
+//!
+//! Each layer uses those above it only.
+//!
+//! | layer | modules | content |
+//! | --- | --- | --- |
+//! | input | [`scene`], [`recording`] | a scene file with units, checked; recordings in several formats, row by row, with counted flaws |
+//! | model | [`scene::build`], [`handle`], [`simd`], [`plant`] | bearings of the kernel from a scene; rotor and bearings as equations of motion, with their equilibrium |
+//! | estimation | [`observer`] | displacement and unmodelled force from noisy probes |
+//! | evaluation | [`replay`], [`vibration`] | measured against computed motion, forces, indicators, limits, diagnosis: an `Outcome` |
+//! | studies | [`equilibrium`], [`campbell`], [`motion`], [`sweep`], [`force`], [`effect_significance`] | one question about a scene each |
+//! | inverse problems | [`fit`], [`trade`], [`bake`] | parameters from a recording; the cheapest adequate model; constants for firmware |
+//! | output | [`output`], [`parquet_table`], [`printable`] | complete or absent files, tables, safe text |
+//!
+//! Data flows one way: scene and recording, displacement at each bearing, force, twin, residual, outcome.
+//!
+//! # Errors
+//!
+//! Input errors are typed and name file, line, key, found and expected value as fields: [`scene::read::SceneError`],
+//! [`scene::matrix::MatrixError`], [`scene::build::BuildError`], [`plant::PlantError`],
+//! [`recording::error::RecordingError`], [`output::OutputError`]. [`error::UsageError`] marks an error of the command or the
+//! scene, as opposed to work that could not be done.
+//!
+//! # Non-goals
+//!
+//! - No terminal, no HTML, no command line: `ballrace-report` renders outcomes, `ballrace-runner` is the program.
+//! - No bearing physics: forces, stiffness and integrators are those of the `no_std` kernel `ballrace`.
+//! - No acquisition hardware: samples arrive as files, bytes or rows.
+//! - No finite elements: a rotor is rigid, or given by its matrices.
+//! - No life or maintenance decision: the outcome reports findings with their evidence.
 #![forbid(unsafe_code)]
 
 pub mod bake;

@@ -1,6 +1,6 @@
 //! The time response of a scene's rotor from its rest position, sample by sample.
 
-use crate::error::usage_error;
+use crate::error::UsageError;
 use crate::plant::{Plant, Twin};
 use crate::recording::Row;
 use crate::recording::rotation::Tracker;
@@ -60,7 +60,7 @@ pub fn run(
     mut tell: impl FnMut(&ResponseSample<'_>) -> Result<()>,
 ) -> Result<(u64, Box<dyn Twin>)> {
     let period = 1.0 / span.rate;
-    let mut twin = plant.start(period, 0.0).map_err(|e| usage_error(&e))?;
+    let mut twin = plant.start(period, 0.0).map_err(UsageError::new)?;
     start(twin.as_mut());
     let mut held = 0;
     // The scene's speed profile as a recording without columns would follow it.

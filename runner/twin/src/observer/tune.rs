@@ -126,7 +126,7 @@ pub fn watch(
     let revolutions = sample.revolution as f64 + sample.angle.revolutions();
     let parts = plant.bearings.iter().map(|seat: &MountedBearing| seat.kinematics.parts_at(revolutions)).collect();
     let task = RunningObserverOf { rows, gains, start, shaft: sample.angle, parts, period };
-    plant.with_rigid(period, task)
+    Ok(plant.with_rigid(period, task)?)
 }
 
 /// Rms of a probe's noise: what the scene gives, or what third differences show where that is clearly more.

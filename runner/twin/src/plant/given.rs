@@ -1,8 +1,8 @@
 //! A system given by its matrices.
 
 use super::Scales;
+use super::error::{PlantError, Result};
 use crate::scene::{Coordinates, Scene, System, matrix};
-use anyhow::{Result, bail};
 use ballrace::rotor::SystemMatrices;
 use nalgebra::DMatrix;
 use std::path::PathBuf;
@@ -33,10 +33,7 @@ impl Given {
                 return Ok(matrix);
             }
             let (rows, columns) = matrix.shape();
-            bail!(
-                "{}: found {rows} x {columns}, allowed: {n} x {n}, square and as large as the mass matrix",
-                path.display()
-            )
+            Err(PlantError::MatrixSize { file: path.clone(), rows, columns, expected: n })
         };
         let optional = |path: &Option<PathBuf>| match path {
             Some(path) => square(path, matrix::read(path)?),
@@ -47,23 +44,22 @@ impl Given {
             Some(path) => {
                 let load = matrix::read(path)?;
                 if load.len() != n {
-                    bail!("{}: found {} numbers, allowed: {n}, one a coordinate", path.display(), load.len());
+                    return Err(PlantError::LoadLength { file: path.clone(), found: load.len(), expected: n });
                 }
                 load.iter().copied().collect()
             }
         };
         for unbalance in &system.unbalance {
             if let Some(most) = unbalance.at.iter().find(|at| **at >= n) {
-                bail!("{}: system.unbalance: found coordinate {}, allowed: 1 to {n}", scene.path.display(), most + 1);
+                return Err(PlantError::UnbalanceCoordinate { file: scene.path.clone(), found: most + 1, most: n });
             }
         }
         let extended = |bearing: &crate::scene::Bearing| {
-            let fault = |found: i64| {
-                anyhow::anyhow!(
-                    "{}: bearing {}: coordinates: found {found}, allowed: -{n} to {n}",
-                    scene.path.display(),
-                    bearing.name
-                )
+            let fault = |found: i64| PlantError::BearingCoordinate {
+                file: scene.path.clone(),
+                bearing: bearing.name.clone(),
+                found,
+                most: n,
             };
             let mut rows: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; n]);
             let mut add = |coordinates: &Coordinates, side: f64| -> Result<()> {

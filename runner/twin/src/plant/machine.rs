@@ -1,9 +1,10 @@
 //! The kernel's machine of as many coordinates and bearings as a scene has: both are constants of its type.
 
+use super::error::{PlantError, Result};
 use super::system::{OnHeap, RIGID};
 use super::{MountedBearing, Plant, Step};
 use crate::scene::build::{self, AnyBearing, Shared};
-use anyhow::{Context, Result, bail};
+use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::{Bearing, ElementPosition, Reaction};
 use ballrace::rotor::{
     AttachedBearing, Attachment, BearingAtStation, ForceElement, HasSpeedRatios, LinearSystem, MovingBalls, RigidRotor,
@@ -131,7 +132,7 @@ impl Plant {
             (..=32, _) => self.general::<R, 32>(hold, task),
             (..=64, _) => self.general::<R, 64>(hold, task),
             (..=LARGEST, _) => self.general::<R, LARGEST>(hold, task),
-            (order, _) => bail!("found a system of {order} coordinates, allowed: up to {LARGEST}"),
+            (found, _) => Err(PlantError::Coordinates { found, most: LARGEST }),
         }
     }
 
@@ -150,14 +151,15 @@ impl Plant {
     }
 
     fn rotor_on_bearings<const N: usize>(&self, hold: Hold) -> Result<RigidSystem<N>> {
-        let Some(rotor) = &self.rotor else { bail!("found no rotor") };
+        let Some(rotor) = &self.rotor else { return Err(PlantError::NoSystem) };
         let mut params = build::rotor_params(rotor);
         for (i, row) in params.damping.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 *entry += self.damping[(i, j)];
             }
         }
-        let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(rotor)).context("[rotor]")?;
+        let rotor =
+            RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(rotor)).map_err(rejected("[rotor]"))?;
         let bearings = std::array::from_fn(|i| match self.bearings.get(i) {
             Some(mounted) => BearingAtStation {
                 bearing: hold(mounted),
@@ -172,7 +174,8 @@ impl Plant {
     #[inline(never)]
     fn general<R, const D: usize>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         let matrices = self.layout.matrices::<D>(self.rotor.as_ref(), &self.bearings, &self.damping)?;
-        let rotor = LinearSystem::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).context("[system]")?;
+        let rotor =
+            LinearSystem::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).map_err(PlantError::System)?;
         let fitted = |i: usize| match self.bearings.get(i) {
             Some(mounted) => self.fitted(i, mounted, hold),
             None => Ok(Fitted::Bearing(AttachedBearing {
@@ -183,7 +186,7 @@ impl Plant {
         };
         let all = (0..MOST_BEARINGS).map(fitted).collect::<Result<Vec<_>>>()?;
         let Ok(bearings) = <[Fitted<D>; MOST_BEARINGS]>::try_from(all) else {
-            bail!("found another count of bearings")
+            return Err(PlantError::NoSystem);
         };
         Ok(task.run::<_, _, D, MOST_BEARINGS>(RotorBearingSystem { rotor, bearings }))
     }
@@ -196,12 +199,17 @@ impl Plant {
             (Some(balls), Some(first)) => {
                 let places = (balls.places.clone(), first);
                 let moving = MovingBalls::try_new(&balls.params, (attachment, speed_ratios), places)
-                    .with_context(|| format!("bearing {}", mounted.name))?;
+                    .map_err(rejected(&format!("bearing {}", mounted.name)))?;
                 Fitted::Balls(Box::new(moving))
             }
             _ => Fitted::Bearing(AttachedBearing { bearing: hold(mounted), attachment, speed_ratios }),
         })
     }
+}
+
+/// Names the part of the scene in an error of the kernel.
+pub(super) fn rejected(part: &str) -> impl FnOnce(InvalidParameter) -> PlantError {
+    move |source| PlantError::Parameter { part: part.to_owned(), source }
 }
 
 fn nothing() -> AnyBearing<f64> {

@@ -1,6 +1,7 @@
 //! The plant: the scene's rotor on the scene's bearings, where it rests, and how fast it can move.
 
 mod eigen;
+mod error;
 mod given;
 mod machine;
 mod mounted;
@@ -19,14 +20,13 @@ pub use run_in::RunIn;
 pub use system::{Layout, Scales, only_rigid};
 pub use twin::{Step, Twin, first_five};
 
-use crate::error::UsageError;
 use crate::scene::build;
 use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
-use anyhow::{Context, Result, bail};
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Equilibrium, RotorBearingSystem, SecondOrderSystem, ShaftMotion, equilibrium};
 use ballrace::{BearingKinematicState, Displacement, Phase};
+pub use error::{PlantError, Result};
 use machine::SystemTask;
 use nalgebra::{Complex, DMatrix};
 use twin::{StartTask, array};
@@ -69,13 +69,10 @@ impl Plant {
     /// No rotor, too many bearings, what the kernel refuses, a rotor that nothing holds.
     pub fn try_new(scene: &Scene) -> Result<Self> {
         if scene.rotor.is_none() && scene.system.is_none() {
-            bail!(
-                "{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compute",
-                scene.path.display()
-            );
+            return Err(PlantError::NoRotor { file: scene.path.clone() });
         }
         if scene.bearings.len() > MOST_BEARINGS {
-            bail!("{}: bearing: found {}, allowed: up to {MOST_BEARINGS}", scene.path.display(), scene.bearings.len());
+            return Err(PlantError::Bearings { file: scene.path.clone(), found: scene.bearings.len() });
         }
         let mounted = scene
             .bearings
@@ -166,7 +163,7 @@ impl Plant {
 
     /// Eigenvalues of M^-1 K, (rad/s)^2.
     fn frequency_squares(&self) -> Result<Vec<Complex<f64>>> {
-        let inverse = self.scales()?.mass.try_inverse().context("mass matrix: found a singular one")?;
+        let inverse = self.scales()?.mass.try_inverse().ok_or(PlantError::SingularMass)?;
         Ok(eigenvalues(&(inverse * &self.stiffness))?)
     }
 
@@ -279,9 +276,7 @@ impl Plant {
             (0..self.layout.order).map(|i| self.stiffness[(i, i)] / mass[(i, i)]).sum()
         };
         if !square.is_finite() {
-            bail!(
-                "found a natural frequency beyond the range of numbers: {square} (rad/s)^2, expected masses, inertias and stiffnesses within it"
-            );
+            return Err(PlantError::Frequency { found: square });
         }
         Ok(square.max(0.0).sqrt())
     }
@@ -320,11 +315,7 @@ impl Plant {
         let step = self.integration.step.unwrap_or_else(|| self.own_step());
         let steps = (sample_period / step * (1.0 - 1e-9)).ceil().max(1.0);
         if steps > f64::from(MOST_SUBSTEPS) {
-            let longer = if self.integration.step.is_some() { " or a longer [integration] step" } else { "" };
-            bail!(UsageError(format!(
-                "too many integration steps per sample: {steps:.0} of {step:.3e} s, expected at most {MOST_SUBSTEPS}: a sampling rate of {:.3e} Hz or more{longer}",
-                1.0 / (step * f64::from(MOST_SUBSTEPS))
-            )));
+            return Err(PlantError::Substeps { found: steps, step, is_given: self.integration.step.is_some() });
         }
         Ok(steps as u32)
     }

@@ -1,10 +1,10 @@
 //! A bearing in its place on the rotor.
 
+use super::error::Result;
 use super::warm::{ColdAndFew, WARM_STEPS, Warm};
 pub use crate::scene::build::Balls;
 use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
-use anyhow::Result;
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{BearingKinematicState, Displacement, Exact};
 use std::sync::Arc;

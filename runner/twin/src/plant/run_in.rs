@@ -1,7 +1,7 @@
 //! The run-in of a twin: it starts at rest and settles at a steady speed before the sample at which it is needed.
 
+use super::error::Result;
 use super::{Plant, Twin};
-use anyhow::Result;
 use ballrace::Phase;
 use ballrace::rotor::ShaftMotion;
 use std::f64::consts::TAU;

@@ -1,9 +1,10 @@
 //! Which coordinates a scene's system has, and its matrices.
 
+use super::error::{PlantError, Result};
+use super::machine::rejected;
 use super::twin::array;
 use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
-use anyhow::{Context, Result, bail};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
 use nalgebra::{DMatrix, SMatrix};
 use std::sync::Arc;
@@ -95,7 +96,7 @@ impl Layout {
         extra: &DMatrix<f64>,
     ) -> Result<SystemMatrices<D, OnHeap<D>>> {
         if self.order > D {
-            bail!("found a system of {} coordinates, allowed: up to {D}", self.order);
+            return Err(PlantError::Coordinates { found: self.order, most: D });
         }
         let scales = self.scales(rotor, mounted, extra)?;
         Ok(SystemMatrices {
@@ -116,7 +117,7 @@ impl Layout {
         let mut scales = match (&self.given, rotor) {
             (Some(given), _) => given.scales(),
             (None, Some(rotor)) => self.rigid_rotor_in_supports(rotor)?,
-            (None, None) => bail!("found neither a rotor nor a system"),
+            (None, None) => return Err(PlantError::NoSystem),
         };
         for (mounted, first) in mounted.iter().zip(&self.balls) {
             let (Some(balls), Some(first)) = (&mounted.balls, *first) else { continue };
@@ -135,7 +136,7 @@ impl Layout {
         let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
         let params: RotorParams = build::rotor_params(rotor);
         let all: SystemMatrices<MOST> =
-            supported_rotor(&params, &build::unbalances(rotor), &supports).context("[rotor]")?;
+            supported(&params, &build::unbalances(rotor), &supports).map_err(rejected("[rotor]"))?;
         let part = |from: &SMatrix<f64, MOST, MOST>, idle: f64| {
             let entry = |i, j| from.get((i, j)).map_or(if i == j { idle } else { 0.0 }, |&x: &f64| x);
             DMatrix::from_fn(self.order, self.order, entry)
@@ -187,18 +188,15 @@ pub struct Scales {
 /// Such a scene.
 pub fn only_rigid(scene: &Scene, command: &str) -> Result<()> {
     if scene.system.is_some() {
-        bail!(
-            "{}: [system]: found matrices, allowed with {command}: a [rotor] of five coordinates; simulate takes them",
-            scene.path.display()
-        );
+        return Err(PlantError::SystemNotRigid { file: scene.path.clone(), command: command.to_owned() });
     }
     let more = |b: &&BearingScene| b.support.is_some() || b.model == crate::scene::Model::Dynamic;
     match scene.bearings.iter().find(more) {
-        Some(b) => bail!(
-            "{}: bearing {}: found a support or model = \"dynamic\", allowed with {command}: a rotor of five coordinates; simulate takes them",
-            scene.path.display(),
-            b.name
-        ),
+        Some(b) => Err(PlantError::BearingNotRigid {
+            file: scene.path.clone(),
+            bearing: b.name.clone(),
+            command: command.to_owned(),
+        }),
         None => Ok(()),
     }
 }

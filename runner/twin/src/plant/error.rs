@@ -1,0 +1,167 @@
+//! Errors of assembling a rotor on its bearings.
+
+use super::eigen::EigenvalueError;
+use super::{MOST_BEARINGS, MOST_SUBSTEPS};
+use crate::scene::build::BuildError;
+use crate::scene::matrix::MatrixError;
+use ballrace::bearing::geometry::InvalidParameter;
+use ballrace::rotor::InvalidMatrix;
+use std::path::PathBuf;
+
+/// Result of assembling or evaluating a plant.
+pub type Result<T, E = PlantError> = std::result::Result<T, E>;
+
+/// Error returned when the equations of motion of a scene cannot be assembled or solved.
+#[derive(Debug, thiserror::Error)]
+pub enum PlantError {
+    /// The scene has neither rotor nor system.
+    #[error("{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compute", file.display())]
+    NoRotor {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The scene has too many bearings.
+    #[error("{}: bearing: found {found}, allowed: up to {MOST_BEARINGS}", file.display())]
+    Bearings {
+        /// Scene file.
+        file: PathBuf,
+        /// Number of bearings.
+        found: usize,
+    },
+    /// A bearing cannot be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The kernel rejects a parameter of the rotor, the system or a bearing.
+    #[error("{part}")]
+    Parameter {
+        /// Table of the scene, or the bearing.
+        part: String,
+        /// The kernel's error.
+        source: InvalidParameter,
+    },
+    /// The kernel rejects a matrix of the system.
+    #[error("[system]")]
+    System(#[source] InvalidMatrix),
+    /// A matrix file is invalid.
+    #[error(transparent)]
+    Matrix(#[from] MatrixError),
+    /// A matrix has another size than the mass matrix.
+    #[error(
+        "{}: found {rows} x {columns}, allowed: {expected} x {expected}, square and as large as the mass matrix",
+        file.display()
+    )]
+    MatrixSize {
+        /// Matrix file.
+        file: PathBuf,
+        /// Number of rows.
+        rows: usize,
+        /// Number of columns.
+        columns: usize,
+        /// Number of coordinates.
+        expected: usize,
+    },
+    /// A load vector has another length than the mass matrix.
+    #[error("{}: found {found} numbers, allowed: {expected}, one a coordinate", file.display())]
+    LoadLength {
+        /// File of the load.
+        file: PathBuf,
+        /// Count of numbers.
+        found: usize,
+        /// Number of coordinates.
+        expected: usize,
+    },
+    /// An unbalance acts on a coordinate that does not exist.
+    #[error("{}: system.unbalance: found coordinate {found}, allowed: 1 to {most}", file.display())]
+    UnbalanceCoordinate {
+        /// Scene file.
+        file: PathBuf,
+        /// Coordinate, from 1.
+        found: usize,
+        /// Number of coordinates.
+        most: usize,
+    },
+    /// A bearing is attached to a coordinate that does not exist.
+    #[error("{}: bearing {bearing}: coordinates: found {found}, allowed: -{most} to {most}", file.display())]
+    BearingCoordinate {
+        /// Scene file.
+        file: PathBuf,
+        /// Name of the bearing.
+        bearing: String,
+        /// Coordinate with sign, from 1.
+        found: i64,
+        /// Number of coordinates.
+        most: usize,
+    },
+    /// The system has too many coordinates.
+    #[error("found a system of {found} coordinates, allowed: up to {most}")]
+    Coordinates {
+        /// Number of coordinates.
+        found: usize,
+        /// Largest number of coordinates.
+        most: usize,
+    },
+    /// The plant has neither rotor nor system.
+    #[error("found neither a rotor nor a system")]
+    NoSystem,
+    /// The command needs a rigid rotor, the scene has a system of matrices.
+    #[error(
+        "{}: [system]: found matrices, allowed with {command}: a [rotor] of five coordinates; simulate takes them",
+        file.display()
+    )]
+    SystemNotRigid {
+        /// Scene file.
+        file: PathBuf,
+        /// Name of the command.
+        command: String,
+    },
+    /// The command needs a rigid rotor, a bearing adds coordinates.
+    #[error(
+        "{}: bearing {bearing}: found a support or model = \"dynamic\", allowed with {command}: a rotor of five \
+         coordinates; simulate takes them", file.display()
+    )]
+    BearingNotRigid {
+        /// Scene file.
+        file: PathBuf,
+        /// Name of the bearing.
+        bearing: String,
+        /// Name of the command.
+        command: String,
+    },
+    /// The mass matrix has no inverse.
+    #[error("mass matrix: found a singular one")]
+    SingularMass,
+    /// Eigenvalues cannot be computed.
+    #[error(transparent)]
+    Eigenvalues(#[from] EigenvalueError),
+    /// A natural frequency exceeds the range of numbers.
+    #[error(
+        "found a natural frequency beyond the range of numbers: {found} (rad/s)^2, expected masses, inertias and \
+         stiffnesses within it"
+    )]
+    Frequency {
+        /// Square of the frequency, (rad/s)^2.
+        found: f64,
+    },
+    /// A sample period takes too many integration steps.
+    #[error(
+        "too many integration steps per sample: {found:.0} of {step:.3e} s, expected at most {MOST_SUBSTEPS}: a sampling \
+         rate of {:.3e} Hz or more{}", 1.0 / (step * f64::from(MOST_SUBSTEPS)),
+        if *is_given { " or a longer [integration] step" } else { "" }
+    )]
+    Substeps {
+        /// Number of steps.
+        found: f64,
+        /// Step, s.
+        step: f64,
+        /// Whether the scene gives the step.
+        is_given: bool,
+    },
+}
+
+impl PlantError {
+    /// Whether command line or scene are wrong, whatever the command does with the plant.
+    #[must_use]
+    pub const fn is_usage_error(&self) -> bool {
+        matches!(self, Self::Substeps { .. })
+    }
+}
