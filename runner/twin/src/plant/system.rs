@@ -136,7 +136,7 @@ impl Layout {
         let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
         let params: RotorParams = build::rotor_params(rotor);
         let all: SystemMatrices<MOST> =
-            supported(&params, &build::unbalances(rotor), &supports).map_err(rejected("[rotor]"))?;
+            supported_rotor(&params, &build::unbalances(rotor), &supports).map_err(rejected("[rotor]"))?;
         let part = |from: &SMatrix<f64, MOST, MOST>, idle: f64| {
             let entry = |i, j| from.get((i, j)).map_or(if i == j { idle } else { 0.0 }, |&x: &f64| x);
             DMatrix::from_fn(self.order, self.order, entry)
