@@ -6,18 +6,22 @@
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod baseline;
 pub mod campbell;
 pub mod effect_significance;
 pub mod equilibrium;
 pub mod error;
 pub mod fit;
 pub mod force;
+pub mod least_squares;
 pub mod motion;
 pub mod observer;
+pub mod outcome;
 pub mod output;
 pub mod parquet_table;
 pub mod plant;
 pub mod printable;
+pub mod probes;
 pub mod recording;
 pub mod replay;
 pub mod scene;

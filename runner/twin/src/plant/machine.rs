@@ -158,7 +158,7 @@ impl Plant {
         }
         let rotor = RigidRotor::<f64, Exact>::try_new(&params, &build::unbalances(rotor)).context("[rotor]")?;
         let bearings = std::array::from_fn(|i| match self.seats.get(i) {
-            Some(seat) => Mounted { bearing: hold(seat), station: seat.station, gear: seat.kinematics.gear() },
+            Some(seat) => Mounted { bearing: hold(seat), station: seat.station, gear: seat.kinematics.speed_ratios() },
             None => Mounted { bearing: nothing(), station: 0.0, gear: SpeedRatios::new(0.0) },
         });
         Ok(RotorBearingSystem { rotor, bearings })
@@ -184,7 +184,7 @@ impl Plant {
     }
 
     fn fitted<const D: usize>(&self, i: usize, seat: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
-        let (attachment, gear) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.gear());
+        let (attachment, gear) = (self.layout.attachment::<D>(i, seat.station), seat.kinematics.speed_ratios());
         let first = self.layout.balls.get(i).copied().flatten();
         Ok(match (&seat.balls, first) {
             (Some(balls), Some(first)) => {

@@ -5,7 +5,7 @@ use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
 use anyhow::Result;
 use ballrace::rotor::{ComponentAngles, MovingBallsParams, ShaftMotion};
-use ballrace::{BearingKinematicState, Displacement, Exact};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
@@ -17,9 +17,9 @@ pub struct MountedBearing {
     pub station: f64,
     /// Rolling elements.
     pub elements: usize,
-    /// Azimuth of element 1 with the cage at angle 0, rad.
-    pub first_azimuth: f64,
-    /// How the elements go round.
+    /// Azimuth of each element with the cage at angle 0.
+    pub element_azimuths: Vec<Phase>,
+    /// Speeds of its parts and orders.
     pub kinematics: Kinematics,
     /// Displacement by preload, before anything moves.
     pub offset: Displacement<f64>,
@@ -65,7 +65,7 @@ impl MountedBearing {
             name: bearing.name.clone(),
             station: bearing.station,
             elements: bearing.elements,
-            first_azimuth: bearing.first_element_azimuth,
+            element_azimuths: (0..bearing.elements).map(|j| build::element_azimuth(bearing, j)).collect(),
             kinematics,
             offset,
             bearing: seated,
@@ -78,7 +78,12 @@ impl MountedBearing {
     /// What the bearing sees with its parts at `parts` and the shaft as `drive` says.
     #[must_use]
     pub fn rotation(&self, parts: ComponentAngles, drive: &ShaftMotion<f64>) -> BearingKinematicState<f64> {
-        self.kinematics.gear().rotation(parts, drive)
+        self.kinematics.speed_ratios().rotation(parts, drive)
+    }
+
+    /// Returns the azimuth of each element with the cage at `cage`.
+    pub fn azimuths(&self, cage: Phase) -> impl Iterator<Item = Phase> {
+        self.element_azimuths.iter().map(move |azimuth| cage.plus(*azimuth))
     }
 
     /// Puts another bearing in the place of the scene's.
