@@ -333,3 +333,58 @@ fn noise_band(
 fn force_at(bearing: &MountedBearing, displacement: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 5] {
     bearing.bearing.reaction(&displacement.at_station(bearing.station), at).wrench.to_array()
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::read::read_str;
+    use std::f64::consts::TAU;
+    use std::path::Path;
+
+    /// A bearing with three elements, of which the second is at 90 degrees and not at 120, plus `more`.
+    fn bearing(more: &str) -> MountedBearing {
+        let text = format!(
+            "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\nelements = 3\n\
+             facing = \"both\"\nstiffness = 1e10\nradial_play = 0\ncage_ratio = 0.4\nelement_azimuths = [\"0 deg\", \"90 deg\", \"200 deg\"]\n\
+             axial = {{ stiffness = 1e9, exponent = 1.5, play = 0, radius = 0.02 }}\n{more}\n"
+        );
+        let scene = read_str(&text, Path::new("scene.toml")).unwrap();
+        MountedBearing::new(&scene, &scene.bearings[0]).unwrap()
+    }
+
+    /// Returns the azimuth of the element with the largest load when the ring moves along `direction`, the cage being at
+    /// `cage`, all in degrees: in the snapshot, and as the bins of the report.
+    fn loaded_azimuths(bearing: &MountedBearing, direction: f64, cage: f64) -> [f64; 2] {
+        let (v, u) = direction.to_radians().sin_cos();
+        let displacement = Displacement { u: 1e-5 * u, v: 1e-5 * v, ..Displacement::default() };
+        let at = BearingKinematicState::from(Phase::from_radians(cage.to_radians()));
+        let loads = element_loads(bearing, &displacement, &at);
+        let (azimuth, _) = loads.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        let mut forces = BearingForces::new(bearing.elements);
+        forces.add_element_loads(bearing, &displacement, &at, 0);
+        let load = |bin: &usize| forces.around[*bin][0].mean();
+        let bin = (0..AZIMUTH_BINS).max_by(|a, b| load(a).total_cmp(&load(b))).unwrap();
+        [azimuth.rem_euclid(TAU).to_degrees(), (bin as f64 + 0.5) * 360.0 / AZIMUTH_BINS as f64]
+    }
+
+    /// The element that lies in the direction of the displacement carries the load, and the load is shown at its azimuth.
+    #[test]
+    fn loads_are_shown_at_the_azimuths_of_the_scene() {
+        for (cage, direction) in [(0.0, 90.0), (5.0, 95.0), (0.0, 200.0), (30.0, 230.0)] {
+            let [azimuth, bin] = loaded_azimuths(&bearing(""), direction, cage);
+            assert!((azimuth - direction).abs() < 1e-9, "{azimuth} deg instead of {direction} deg");
+            assert!((bin - direction).abs() <= 5.0, "{bin} deg instead of {direction} deg");
+        }
+    }
+
+    /// A cage run-out displaces the elements, `-offset/radius sin(azimuth - angle)`.
+    #[test]
+    fn loads_are_shown_at_azimuths_with_cage_runout() {
+        let runout = "cage_runout = { offset = \"2 mm\", angle = \"0 deg\", radius = \"20 mm\" }";
+        let expected = 90.0 - 0.1_f64.to_degrees();
+        let [azimuth, bin] = loaded_azimuths(&bearing(runout), expected, 0.0);
+        assert!((azimuth - expected).abs() < 1e-9, "{azimuth} deg instead of {expected} deg");
+        assert!((bin - expected).abs() <= 5.0, "{bin} deg instead of {expected} deg");
+    }
+}
