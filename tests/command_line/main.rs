@@ -22,6 +22,7 @@ mod frames_source;
 mod full_disk;
 mod hostile_text;
 mod kills;
+mod kinematics;
 mod limits;
 mod live;
 mod live_sources;

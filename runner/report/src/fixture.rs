@@ -75,11 +75,11 @@ fn probe(name: &str, station: f64, angle: Option<f64>, size: f64) -> ProbeOutcom
         nrmse_percent: 1.62,
         nrmse_normaliser: "the peak-to-peak value of the measured signal".to_owned(),
         noise_um: Some(0.03),
-        baselines: Baselines {
-            mean: Baseline::new(0.71 * size, 0.034 * size),
-            persistence: Baseline::new(0.045 * size, 0.034 * size),
-            one_x: Baseline::new(0.098, 0.034 * size),
-            linear: Baseline::new(0.1834, 0.034 * size),
+        baselines: SimplePredictors {
+            mean: SimplePredictor::new(0.71 * size, 0.034 * size),
+            persistence: SimplePredictor::new(0.045 * size, 0.034 * size),
+            one_x: SimplePredictor::new(0.098, 0.034 * size),
+            linear: SimplePredictor::new(0.1834, 0.034 * size),
         },
         list: Some(TabularList {
             direct_um_pp: 2.3 * size,
@@ -164,7 +164,7 @@ pub(crate) fn run_up() -> Outcome {
     }
     let limit = |indicator, max| LimitLine { indicator, probe: "DE_X".to_owned(), max };
     pictures.limits = vec![limit("peak-to-peak", 9.0), limit("1X", 4.0), limit("kurtosis", 3.0)];
-    outcome.events = vec![ballrace_twin::replay::limits::Event {
+    outcome.events = vec![Event {
         indicator: "peak-to-peak",
         probe: "DE_X".to_owned(),
         bearing: None,

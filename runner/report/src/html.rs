@@ -5,8 +5,8 @@ use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use anyhow::{Context, Result};
 use ballrace_twin::replay::outcome::{
-    Baseline, BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, Standing, TabularList,
-    Timing,
+    BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, SimplePredictor, Standing,
+    TabularList, Timing,
 };
 use minijinja::{Environment, Value, context};
 
@@ -165,7 +165,8 @@ fn baseline_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
         let rms = simple(probe).map(|b| b.residual_rms_um);
         let digits = decimals(rms.into_iter().chain([probe.residual_rms_um]));
         let shown = |value: f64| typeset(&fixed(value, digits));
-        let cell = |b: Baseline| context! { text => shown(b.residual_rms_um), better => b.twin_is == Standing::Worse };
+        let cell =
+            |b: SimplePredictor| context! { text => shown(b.residual_rms_um), better => b.twin_is == Standing::Worse };
         context! {
             name => probe.name.as_str(),
             twin => shown(probe.residual_rms_um),

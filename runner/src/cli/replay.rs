@@ -68,7 +68,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
         bar.set_position(read);
     };
     let options = Options {
-        watched: false,
+        live: false,
         viewed: false,
         error,
         forces: args.forces.as_deref(),
@@ -91,7 +91,7 @@ fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Resu
         forces: args.forces.as_deref(),
         source: args.force_source,
         baseline: args.baseline.as_deref(),
-        watched: true,
+        live: true,
         viewed: false,
         progress: None,
     };

@@ -2,7 +2,7 @@
 
 use super::{MEASURED, TWIN, empty, panel};
 use crate::live::view::View;
-use ballrace_twin::replay::pictures::Plane;
+use ballrace_twin::probes::Plane;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Style};

@@ -363,7 +363,7 @@ impl Monitor<'_, '_> {
 
     /// Hands events and seconds to the outputs, and writes them.
     fn tell(&mut self) -> Result<()> {
-        let news = self.replay.news();
+        let news = self.replay.take_update();
         let is_new = !news.events.is_empty() || !news.seconds.is_empty();
         for event in news.events {
             self.event(&EventRecord::limit(event))?;
@@ -494,7 +494,7 @@ impl Monitor<'_, '_> {
             (_, _, false) => "starting",
             _ => "running",
         };
-        let glance = self.replay.glance();
+        let glance = self.replay.snapshot();
         let pacing = self.pace.finish(String::new());
         show(self.options, |view| {
             view.state = state;

@@ -104,6 +104,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod baseline;
 pub mod campbell;
 pub mod effect_significance;
 pub mod equilibrium;
@@ -111,12 +112,15 @@ pub mod error;
 pub mod fit;
 pub mod force;
 pub mod handle;
+pub mod least_squares;
 pub mod motion;
 pub mod observer;
+pub mod outcome;
 pub mod output;
 pub mod parquet_table;
 pub mod plant;
 pub mod printable;
+pub mod probes;
 pub mod recording;
 pub mod replay;
 pub mod scene;

@@ -69,9 +69,9 @@ pub fn run(
         let time = i as f64 * period;
         shaft.push(Row { index: i, time, ..Row::default() })?;
         let Some(sample) = shaft.pop() else { break };
-        let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        let drive = sample.shaft_motion();
         if i >= span.settle {
-            let turned = sample.revolution as f64 + sample.angle.revolutions();
+            let turned = sample.total_revolutions();
             tell(&ResponseSample { time, turned, drive, twin: twin.as_ref(), plant })?;
         }
         held += u64::from(twin.step(&drive).is_held());

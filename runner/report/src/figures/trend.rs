@@ -5,7 +5,7 @@ use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, RESIDUAL, Stroke
 use super::line::{Point, decimated};
 use super::{Context, Figure, Picture, PointBudget};
 use anyhow::Result;
-use ballrace_twin::replay::limits::Event;
+use ballrace_twin::outcome::Event;
 use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine, Pictures, ProbeOutcome};
 
 const WIDTH: f64 = 620.0;

@@ -3,7 +3,7 @@
 use super::super::feed::Note;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::error::UsageError;
-use ballrace_twin::replay::limits::Event;
+use ballrace_twin::outcome::Event;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions, TryLockError};

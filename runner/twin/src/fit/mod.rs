@@ -4,21 +4,19 @@
 //! units of their noise, is made least over the scene's unknowns and that state. Intervals come from the slopes there
 //! and from what is left, widened where that is not white.
 
-pub mod least_squares;
 pub mod parameters;
 mod written;
 
 use crate::error::UsageError;
+use crate::least_squares::{self, Bounds, Limits, Solution};
 use crate::observer::{noise, observed_rows};
 use crate::plant::{Plant, only_rigid};
+use crate::probes::reading;
 use crate::recording::Reader;
 use crate::recording::Sample;
 use crate::recording::rotation::Tracker;
-use crate::replay::pose::reading;
 use crate::scene::{RotationSource, Scene};
 use anyhow::{Result, bail};
-use ballrace::rotor::ShaftMotion;
-use least_squares::{Bounds, Limits, Solution};
 use nalgebra::DMatrix;
 use parameters::{Group, Parameter, Place, parameters, with};
 use serde::Serialize;
@@ -175,7 +173,7 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let rows = observed_rows(&recording.probes);
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
     let total = turns_of(first);
-    let drive = ShaftMotion { angle: first.angle, speed: first.speed, acceleration: first.acceleration };
+    let drive = first.shaft_motion();
     let twin = plant.run_in(of.period, total, &drive)?;
     let start = [twin.pose().to_array(), twin.rate().to_array()].concat();
     let given: Vec<f64> = unknown.iter().map(Parameter::believed).collect();
@@ -234,7 +232,7 @@ fn heard<'s>(solution: &'s Solution, probes: usize, of: &Material) -> &'s [f64] 
 }
 
 fn turns_of(sample: &Sample) -> f64 {
-    sample.revolution as f64 + sample.angle.revolutions()
+    sample.total_revolutions()
 }
 
 #[derive(Clone, Copy)]
@@ -347,7 +345,7 @@ impl Model<'_> {
                 left.push(if off.is_finite() { off.clamp(-1e6, 1e6) } else { 0.0 });
             }
             let steps = self.of.samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
-            let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+            let drive = sample.shaft_motion();
             for k in 0..steps {
                 twin.step(&drive.after(k as f64 * self.of.period));
             }

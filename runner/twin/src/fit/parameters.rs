@@ -1,6 +1,6 @@
 //! What of a scene can be fitted, where it stands, and how far it may plausibly be off.
 
-use super::least_squares::Bounds;
+use crate::least_squares::Bounds;
 use crate::plant::Plant;
 use crate::scene::{Fit, Linear, Model, Preload, Scene, Unbalance};
 use std::f64::consts::TAU;

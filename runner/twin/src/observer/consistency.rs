@@ -1,10 +1,10 @@
-//! Whether an observer still describes the machine: the gate of one sample and the test over a window of samples.
+//! Consistency of an observer with the machine: the gate of one sample and the test over a window of samples.
 //!
 //! With a true model and true noise the normalised innovation squared is chi-square distributed with `p` degrees of freedom,
 //! `p` the number of probes (Bar-Shalom, Li, Kirubarajan 2001, sections 5.4.2 and 5.4.3). Three bounds follow from it:
 //!
 //! - A sample above the quantile at `1 - 1e-9` corrects nothing ([`gate`]).
-//! - [`REJECTED_IN_A_ROW`] such samples one after the other are no outliers: the observer restarts at the measured
+//! - [`REJECTED_IN_A_ROW`] consecutive samples of this kind are no outliers: the observer restarts at the measured
 //!   displacement.
 //! - The mean over a window of some [`WINDOW`] samples stays below [`LARGEST_RATIO`] times `p`. At that bound the error of
 //!   the model in the innovations has three times the variance of the noise, so the displacement that the probes show is
@@ -13,7 +13,7 @@
 
 /// Largest probability that the gate rejects a sample of a true model.
 const FALSE_ALARM: f64 = 1e-9;
-/// Rejected samples one after the other that restart the observer.
+/// Number of consecutive rejected samples that restarts the observer.
 const REJECTED_IN_A_ROW: u32 = 8;
 /// Time constant of the mean of the normalised innovation squared, samples.
 const WINDOW: f64 = 128.0;
@@ -24,7 +24,7 @@ const SETTLED_RATIO: f64 = 2.0;
 /// Samples after a restart in which the gate is open and the observer is not trusted.
 const SETTLING: u32 = 256;
 
-/// Returns the largest normalised innovation squared that corrects an observer of so many probes: the chi-square quantile at
+/// Returns the largest normalised innovation squared that corrects an observer of `probes` probes: the chi-square quantile at
 /// `1 - 1e-9`, for an odd number of degrees of freedom that of the next even one.
 ///
 /// Solves `exp(-y) sum_{k < n} y^k/k! = 1e-9` for `y = x/2` with `2 n` degrees of freedom (Abramowitz, Stegun 26.4.5).
@@ -42,18 +42,18 @@ pub fn gate(probes: usize) -> f64 {
     2.0 * y
 }
 
-/// Result of the test at one sample.
+/// Result of the consistency test at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The observer describes the machine.
+    /// The observer is consistent with the machine.
     Trusted,
-    /// It does not: forces come from the displacement.
+    /// The observer is not consistent: forces come from the displacement.
     Distrusted,
     /// As [`Distrusted`](Self::Distrusted), and the observer has to restart.
     Restart,
 }
 
-/// Test of one observer over time.
+/// Consistency test of one observer over time.
 #[derive(Debug, Clone)]
 pub struct Consistency {
     probes: f64,
@@ -66,20 +66,21 @@ pub struct Consistency {
 }
 
 impl Consistency {
-    /// For an observer of so many probes.
+    /// Creates the test of an observer with `probes` probes.
     #[must_use]
     pub fn new(probes: usize) -> Self {
         let degrees = probes.max(1) as f64;
         Self { probes: degrees, gate: gate(probes), mean: degrees, rejected: 0, settling: 0, trusted: true }
     }
 
-    /// The same right after a restart: the gate is open and the observer is not trusted until it has settled.
+    /// Creates the test of an observer that has just restarted: the gate is open and the observer is not trusted until it has
+    /// settled.
     #[must_use]
     pub fn restarted(probes: usize) -> Self {
         Self { settling: SETTLING, trusted: false, ..Self::new(probes) }
     }
 
-    /// Returns a normalised innovation squared for statistics, at most the gate: what is beyond is an outlier of any size.
+    /// Returns a normalised innovation squared for statistics, at most the gate: beyond the gate its size means nothing.
     #[must_use]
     pub fn bounded(&self, nis: f64) -> f64 {
         if nis <= self.gate { nis } else { self.gate }
@@ -91,13 +92,13 @@ impl Consistency {
         if self.settling > 0 { f64::INFINITY } else { self.gate }
     }
 
-    /// Takes in one sample with a reading of every probe: its normalised innovation squared, and whether the estimate is a
-    /// displacement that the bearings allow.
-    pub fn sample(&mut self, nis: f64, possible: bool) -> Verdict {
+    /// Tests one sample with a reading of every probe: `nis` is its normalised innovation squared, `is_possible` is false where
+    /// the bearings do not allow the estimated displacement.
+    pub fn test(&mut self, nis: f64, is_possible: bool) -> Verdict {
         self.mean += (self.bounded(nis) - self.mean) / WINDOW;
         self.rejected = if nis <= self.gate || self.settling > 0 { 0 } else { self.rejected + 1 };
         self.settling = self.settling.saturating_sub(1);
-        if !possible || self.rejected >= REJECTED_IN_A_ROW {
+        if !is_possible || self.rejected >= REJECTED_IN_A_ROW {
             (self.rejected, self.settling, self.trusted) = (0, SETTLING, false);
             return Verdict::Restart;
         }
@@ -115,7 +116,7 @@ impl Consistency {
         self.mean / self.probes
     }
 
-    /// Forces come from the observer.
+    /// Returns true where forces come from the observer.
     #[must_use]
     pub const fn is_trusted(&self) -> bool {
         self.trusted
@@ -141,19 +142,19 @@ mod tests {
     #[test]
     fn one_outlier_changes_nothing() {
         let mut test = Consistency::new(5);
-        assert!((0..1000).all(|_| test.sample(5.0, true) == Verdict::Trusted));
-        assert_eq!(test.sample(1e300, true), Verdict::Trusted);
-        assert_eq!(test.sample(f64::NAN, true), Verdict::Trusted);
-        assert!((0..1000).all(|_| test.sample(5.0, true) == Verdict::Trusted));
+        assert!((0..1000).all(|_| test.test(5.0, true) == Verdict::Trusted));
+        assert_eq!(test.test(1e300, true), Verdict::Trusted);
+        assert_eq!(test.test(f64::NAN, true), Verdict::Trusted);
+        assert!((0..1000).all(|_| test.test(5.0, true) == Verdict::Trusted));
     }
 
     #[test]
     fn repeated_rejection_restarts_and_is_trusted_again_after_settling() {
         let mut test = Consistency::new(5);
-        let verdicts: Vec<Verdict> = (0..8).map(|_| test.sample(1e6, true)).collect();
+        let verdicts: Vec<Verdict> = (0..8).map(|_| test.test(1e6, true)).collect();
         assert_eq!(verdicts.last(), Some(&Verdict::Restart));
         assert!(test.gate().is_infinite());
-        let settled = (1..2000).find(|_| test.sample(5.0, true) == Verdict::Trusted);
+        let settled = (1..2000).find(|_| test.test(5.0, true) == Verdict::Trusted);
         assert!(settled.is_some_and(|n| n >= SETTLING), "{settled:?}");
         assert!(test.gate().is_finite());
     }
@@ -161,8 +162,8 @@ mod tests {
     #[test]
     fn a_steady_excess_is_distrusted_without_a_restart() {
         let mut test = Consistency::new(5);
-        assert!((0..2000).all(|_| test.sample(30.0, true) != Verdict::Restart));
+        assert!((0..2000).all(|_| test.test(30.0, true) != Verdict::Restart));
         assert!(!test.is_trusted());
-        assert_eq!(test.sample(5.0, false), Verdict::Restart);
+        assert_eq!(test.test(5.0, false), Verdict::Restart);
     }
 }

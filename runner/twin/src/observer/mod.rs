@@ -1,17 +1,20 @@
-//! The observer of a replay: the kernel's, with gains made here, started where the first turns say.
+//! The observer of a replay: the kernel's steady-state Kalman filter, its gains, its identification from the first
+//! revolutions, and its operation from sample to sample.
 
 mod consistency;
 mod model;
 mod riccati;
+mod running;
 mod start;
 mod tune;
 
 pub use consistency::{Consistency, Verdict, gate};
 pub use model::{Uncertainty, memory, weight};
-pub use tune::{Cancelled, IdentificationData, TunedObserver, noise, tuned, watch};
+pub use running::{Correction, RunningObserver};
+pub use tune::{Cancelled, IdentificationData, TunedObserver, estimator, identify, noise};
 
-use crate::plant::{Plant, RigidSystem, RigidTask, Step, Twin};
-use crate::replay::pose::row;
+use crate::plant::{Plant, RigidSystem, RigidTask, Step};
+use crate::probes::row;
 use crate::scene::build::AnyBearing;
 use crate::scene::{Probe, Speed};
 use anyhow::Result;
@@ -19,55 +22,55 @@ use ballrace::rotor::{BearingAtStation, ComponentAngles, RigidRotor, RotorState,
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
 use ballrace::{Displacement, Exact, Phase, Status};
 
-/// Most probes of an observer.
+/// Largest number of probes of an observer.
 pub const MOST_PROBES: usize = 16;
 const D: usize = 5;
-/// Speeds for which there are gains where the speed is to change.
+/// Number of speeds with gains, for a shaft speed that changes.
 const SPEEDS: usize = 5;
 
-/// One gain as the kernel takes it.
+/// Gains at one speed, in the form of the kernel.
 pub type Gain = SpeedGain<f64, MOST_PROBES>;
 
 /// Gains of a scene's observer.
 #[derive(Clone)]
 pub struct Gains {
-    /// Evenly over the speeds.
+    /// Gains at evenly spaced speeds.
     pub all: Vec<Gain>,
-    /// Speed of the first (rad/s), gains per rad/s.
+    /// Speed of the first gains (rad/s), and number of gains per rad/s.
     pub speeds: [f64; 2],
-    /// Logarithm of the determinant of the innovations' covariance.
+    /// Logarithm of the determinant of the innovation covariance.
     log_determinant: f64,
 }
 
-/// Where an observer starts.
+/// State at which an observer starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Start {
+pub struct InitialState {
     /// Coordinates.
     pub q: [f64; D],
     /// Their rates.
     pub rate: [f64; D],
-    /// The unknown load.
+    /// The unknown load, N and N m.
     pub load: [f64; D],
-    /// The unknown load that turns with the shaft.
+    /// The unknown load that rotates with the shaft, N and N m.
     pub turning: [f64; D],
 }
 
-impl Start {
-    /// Where a twin is.
+impl InitialState {
+    /// Creates a state without unknown loads.
     #[must_use]
-    pub fn of(twin: &dyn Twin) -> Self {
-        Self { q: twin.pose().to_array(), rate: twin.rate().to_array(), load: [0.0; D], turning: [0.0; D] }
+    pub fn new(position: &Displacement<f64>, rate: &Displacement<f64>) -> Self {
+        Self { q: position.to_array(), rate: rate.to_array(), load: [0.0; D], turning: [0.0; D] }
     }
 }
 
-/// Reading of each probe per unit of each coordinate.
+/// Returns the reading of each probe per unit of each coordinate.
 #[must_use]
 pub fn observed_rows(probes: &[Probe]) -> Vec<[f64; D]> {
     probes.iter().map(row).collect()
 }
 
 impl Gains {
-    /// That never correct.
+    /// Returns gains of zero: the observer predicts and never corrects.
     #[must_use]
     pub fn none() -> Self {
         let zero = [[0.0; D]; MOST_PROBES];
@@ -81,10 +84,10 @@ impl Gains {
         Self { all: vec![gain], speeds: [0.0; 2], log_determinant: 0.0 }
     }
 
-    /// For probes with these rows and noises (m).
+    /// Computes the gains for probes with these rows.
     ///
     /// # Errors
-    /// Where there is no steady filter.
+    /// A system whose filter has no steady state.
     pub fn try_new(plant: &Plant, rows: &[[f64; D]], speed: Speed, period: f64, of: &Uncertainty) -> Result<Self> {
         let (from, to) = match speed {
             Speed::Ramp { from, to, .. } => (from, to),
@@ -116,51 +119,52 @@ impl Gains {
     }
 }
 
-/// An observer under way, whatever the count of bearings.
-pub trait Watch {
-    /// One sample further; the shaft moved as `drive` said at the last one. Returns the normalised innovation squared.
-    fn sample(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status);
+/// A Kalman filter in operation, for any number of bearings.
+pub trait StateEstimator {
+    /// Advances by one sample period with the shaft moving as `drive`, the motion at its start, and corrects with the readings
+    /// at its end. Returns the normalised innovation squared and the status flags.
+    fn step(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status);
     /// Sets the validation gate; infinity disables it.
     fn set_gate(&mut self, gate: f64);
-    /// Restarts the observer at this displacement and rate, with no unknown load.
-    fn restart(&mut self, pose: &Displacement<f64>, rate: &Displacement<f64>);
-    /// Where the rotor is.
-    fn pose(&self) -> Displacement<f64>;
-    /// The unknown load.
+    /// Restarts at a displacement and its rate, without unknown loads.
+    fn restart(&mut self, position: &Displacement<f64>, rate: &Displacement<f64>);
+    /// Returns the estimated displacement of the rotor.
+    fn position(&self) -> Displacement<f64>;
+    /// Returns the estimated unknown load.
     fn load(&self) -> [f64; D];
-    /// The one that turns with the shaft.
+    /// Returns the estimated unknown load that rotates with the shaft.
     fn turning(&self) -> [f64; D];
 }
 
-/// Starts an observer.
-pub struct RunningObserverOf<'a> {
-    /// What each probe reads.
+/// Task that starts an estimator.
+pub struct EstimatorTask<'a> {
+    /// Reading of each probe per unit of each coordinate.
     pub rows: &'a [[f64; D]],
-    /// How it corrects.
+    /// Gains of the correction.
     pub gains: &'a Gains,
-    /// The first state.
-    pub start: Start,
-    /// The shaft there.
+    /// Initial state.
+    pub start: InitialState,
+    /// Initial shaft angle.
     pub shaft: Phase,
-    /// The bearings' parts there.
+    /// Initial angles of the bearings' parts.
     pub parts: Vec<ComponentAngles>,
-    /// From sample to sample, s.
+    /// Sample period, s.
     pub period: f64,
 }
 
-type Of<const N: usize> =
+type KernelObserver<const N: usize> =
     Observer<f64, RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, Step, Vec<Gain>, N, MOST_PROBES>;
 
-struct Running<const N: usize> {
-    observer: Of<N>,
+struct Estimator<const N: usize> {
+    observer: KernelObserver<N>,
     state: ObserverState<f64, N>,
     readings: [f64; MOST_PROBES],
-    /// Those that are not idle.
+    /// Number of probes in use.
     probes: usize,
 }
 
-impl RigidTask<Box<dyn Watch>> for RunningObserverOf<'_> {
-    fn run<const N: usize>(self, machine: RigidSystem<N>, step: Step, substeps: u32) -> Box<dyn Watch> {
+impl RigidTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
+    fn run<const N: usize>(self, machine: RigidSystem<N>, step: Step, substeps: u32) -> Box<dyn StateEstimator> {
         let mut probes = [[0.0; D]; MOST_PROBES];
         for (to, row) in probes.iter_mut().zip(self.rows) {
             *to = *row;
@@ -179,7 +183,7 @@ impl RigidTask<Box<dyn Watch>> for RunningObserverOf<'_> {
             load_retention: memory(self.period),
             gate: f64::INFINITY,
         };
-        Box::new(Running {
+        Box::new(Estimator {
             observer,
             state: ObserverState { motion, load: self.start.load, rotating_load: self.start.turning },
             readings: [0.0; MOST_PROBES],
@@ -188,8 +192,8 @@ impl RigidTask<Box<dyn Watch>> for RunningObserverOf<'_> {
     }
 }
 
-impl<const N: usize> Watch for Running<N> {
-    fn sample(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status) {
+impl<const N: usize> StateEstimator for Estimator<N> {
+    fn step(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status) {
         for (to, &reading) in self.readings.iter_mut().zip(readings).take(self.probes) {
             *to = reading;
         }
@@ -199,13 +203,13 @@ impl<const N: usize> Watch for Running<N> {
     fn set_gate(&mut self, gate: f64) {
         self.observer.gate = gate;
     }
-    fn restart(&mut self, pose: &Displacement<f64>, rate: &Displacement<f64>) {
-        self.state.motion.q = pose.to_array();
+    fn restart(&mut self, position: &Displacement<f64>, rate: &Displacement<f64>) {
+        self.state.motion.q = position.to_array();
         self.state.motion.velocity = rate.to_array();
         self.state.load = [0.0; D];
         self.state.rotating_load = [0.0; D];
     }
-    fn pose(&self) -> Displacement<f64> {
+    fn position(&self) -> Displacement<f64> {
         self.state.motion.displacement()
     }
     fn load(&self) -> [f64; D] {

@@ -1,4 +1,4 @@
-//! The rotor on its bearings as a linear system with an unknown load, sampled: what the gains are made from.
+//! The rotor on its bearings as a sampled linear system with an unknown load, from which the gains are computed.
 
 use super::riccati::{Sampled, Steady};
 use crate::plant::Plant;
@@ -11,34 +11,34 @@ const D: usize = 5;
 /// q, q', d, r of the kernel's observer.
 const STATES: usize = 4 * D;
 
-/// What the filter is told of noise and of the unknown.
+/// Measurement noise and process noise of the filter.
 pub struct Uncertainty<'a> {
-    /// Of each probe, rms, m.
+    /// Rms noise of each probe, m.
     pub noise: &'a [f64],
-    /// How far the unknown force wanders, N per root second; moments by the bearings' distance as much.
-    pub wander: f64,
-    /// The same of the unknown force that turns with the shaft.
-    pub turning_wander: f64,
+    /// Process noise of the unknown force, N per root second; that of the moment is multiplied by [`lever`].
+    pub process_noise: f64,
+    /// Process noise of the unknown force that rotates with the shaft, N per root second.
+    pub turning_process_noise: f64,
 }
 
 impl<'a> Uncertainty<'a> {
-    /// Of a rotor of this weight, N: its unbalance changes slowly.
+    /// Returns the uncertainty of a rotor with this weight (N), whose unbalance changes slowly.
     #[must_use]
-    pub fn new(noise: &'a [f64], wander: f64, weight: f64) -> Self {
-        Self { noise, wander, turning_wander: 1e-3 * weight }
+    pub fn new(noise: &'a [f64], process_noise: f64, weight: f64) -> Self {
+        Self { noise, process_noise, turning_process_noise: 1e-3 * weight }
     }
 }
 
-/// Time in which an unknown load that nothing is heard of is forgotten, s.
+/// Time constant with which an unknown load decays without corrections, s.
 const MEMORY: f64 = 10.0;
 
-/// What is left of it after `period` (s).
+/// Returns the factor by which an unknown load decays over `period` (s).
 #[must_use]
 pub fn memory(period: f64) -> f64 {
     (-period / MEMORY).exp()
 }
 
-/// Units in which all states are of like size: um, um at the bearings, their rates, N.
+/// Returns units in which all states are of similar size: um, um at the bearings, their rates, N.
 fn scales(plant: &Plant) -> [f64; STATES] {
     let lever = lever(plant);
     std::array::from_fn(|i| {
@@ -51,23 +51,23 @@ fn scales(plant: &Plant) -> [f64; STATES] {
     })
 }
 
-/// Rms distance of the bearings from the centre of mass, m.
+/// Returns the rms distance of the bearings from the centre of mass, m.
 pub fn lever(plant: &Plant) -> f64 {
     let squares: f64 = plant.bearings.iter().map(|s| s.station * s.station).sum();
     let lever = (squares / plant.bearings.len().max(1) as f64).sqrt();
     if lever > 0.0 { lever } else { 0.05 }
 }
 
-/// Of the rotor, N: what unknown forces are measured by.
+/// Returns the weight of the rotor, N, the scale of unknown forces.
 #[must_use]
 pub fn weight(plant: &Plant) -> f64 {
     plant.rotor().map_or(1.0, |r| r.mass) * 9.80665
 }
 
-/// The steady filter at `speed` (rad/s), in SI units.
+/// Computes the steady filter at `speed` (rad/s), in SI units.
 ///
 /// # Errors
-/// What makes no filter: see [`Sampled::steady`].
+/// As [`Sampled::steady`].
 pub fn steady(plant: &Plant, rows: &[[f64; D]], speed: f64, period: f64, of: &Uncertainty) -> Result<Steady> {
     let scale = scales(plant);
     let (transition, disturbance) = sampled(plant, speed, period, of, &scale)?;
@@ -82,7 +82,7 @@ pub fn steady(plant: &Plant, rows: &[[f64; D]], speed: f64, period: f64, of: &Un
     Ok(found)
 }
 
-/// `A` and `Q` over one period, by the exponential of the continuous system (Van Loan 1978).
+/// Computes `A` and `Q` over one period by the matrix exponential of the continuous system (Van Loan 1978).
 fn sampled(
     plant: &Plant,
     speed: f64,
@@ -92,14 +92,14 @@ fn sampled(
 ) -> Result<(DMatrix<f64>, DMatrix<f64>)> {
     let system = plant.scales()?;
     let inverse = system.mass.try_inverse().context("found a mass matrix without an inverse")?;
-    let by_place = -&inverse * &plant.stiffness;
+    let by_position = -&inverse * &plant.stiffness;
     let by_rate = -&inverse * (system.damping + system.gyroscopic * speed);
     let mut f = DMatrix::<f64>::zeros(STATES, STATES);
     for i in 0..D {
         f[(i, D + i)] = 1.0;
         f[(2 * D + i, 2 * D + i)] = -1.0 / MEMORY;
         for j in 0..D {
-            f[(D + i, j)] = by_place[(i, j)];
+            f[(D + i, j)] = by_position[(i, j)];
             f[(D + i, D + j)] = by_rate[(i, j)];
             f[(D + i, 2 * D + j)] = inverse[(i, j)];
             f[(D + i, 3 * D + j)] = inverse[(i, j)];
@@ -119,13 +119,13 @@ fn sampled(
     both.view_mut((0, 0), (n, n)).copy_from(&(-&f * period));
     both.view_mut((n, n), (n, n)).copy_from(&(f.transpose() * period));
     for i in 2 * D..n {
-        // Moments wander by the lever times as much, which is their unit. Nothing turns along the shaft.
-        let wander = match i {
-            _ if i < 3 * D => of.wander,
+        // The unit of moments contains the lever. The rotating load has no axial component.
+        let process_noise = match i {
+            _ if i < 3 * D => of.process_noise,
             _ if i == 3 * D + 2 => 0.0,
-            _ => of.turning_wander,
+            _ => of.turning_process_noise,
         };
-        both[(i, n + i)] = wander * wander * period;
+        both[(i, n + i)] = process_noise * process_noise * period;
     }
     let e = both.exp();
     let transition = e.view((n, n), (n, n)).transpose();

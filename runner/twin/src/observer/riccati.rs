@@ -1,9 +1,9 @@
-//! The steady Kalman filter of a linear system, by the structure-preserving doubling algorithm.
+//! Steady-state Kalman filter of a linear system, by the structure-preserving doubling algorithm.
 
 use anyhow::{Result, bail};
 use nalgebra::DMatrix;
 
-/// Doublings: each squares what is left of the start, 40 of them more than any memory that a scene can ask for.
+/// Largest number of doublings. Each squares the remaining influence of the initial state.
 const DOUBLINGS: usize = 60;
 const CONVERGED: f64 = 1e-13;
 
@@ -19,13 +19,13 @@ pub struct Sampled {
     pub noise: DMatrix<f64>,
 }
 
-/// Its steady filter.
+/// Steady-state filter.
 pub struct Steady {
-    /// `L`: what one unit of innovation adds to the state.
+    /// `L`: change of the state per unit of innovation.
     pub gain: DMatrix<f64>,
     /// `W` with `W^T W = S^-1`, lower triangle.
     pub whitening: DMatrix<f64>,
-    /// `P`: of the prediction, before the sample is heard.
+    /// `P`: covariance of the prediction, before the correction.
     #[cfg(test)]
     pub covariance: DMatrix<f64>,
 }
@@ -85,7 +85,7 @@ fn symmetrise(m: &mut DMatrix<f64>) {
 mod tests {
     use super::*;
 
-    /// A random walk heard in noise: `P = (q + sqrt(q^2 + 4 q r))/2`.
+    /// A random walk measured in noise: `P = (q + sqrt(q^2 + 4 q r))/2`.
     #[test]
     fn a_random_walk() {
         let one = |x: f64| DMatrix::from_element(1, 1, x);
@@ -98,7 +98,7 @@ mod tests {
         assert!((steady.whitening[(0, 0)].powi(2) * (p + r) - 1.0).abs() < 1e-12);
     }
 
-    /// What the doubling finds satisfies the equation that it solves, and the filter forgets its start.
+    /// The result of the doubling satisfies the Riccati equation, and the filter is stable.
     #[test]
     fn the_equation_holds() {
         let a = DMatrix::from_row_slice(3, 3, &[0.99, 0.1, 0.0, -0.2, 0.97, 0.05, 0.0, 0.0, 0.9999]);
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_probe_sees_is_refused_where_it_grows() {
+    fn an_unobservable_growing_state_is_rejected() {
         let one = |x: f64| DMatrix::from_element(1, 1, x);
         let open = Sampled { transition: one(1.0), probes: one(0.0), disturbance: one(1.0), noise: one(1.0) };
         assert!(open.steady().is_err());

@@ -1,28 +1,27 @@
-//! How much the unknown moves: the wander under which the first turns are the most likely.
+//! Identification of the observer: the process noise of the unknown force under which the first revolutions are most likely.
 
 use super::model::{self, Uncertainty};
-use super::{D, Gains, MOST_PROBES, RunningObserverOf, Start, Watch, start};
+use super::{D, EstimatorTask, Gains, InitialState, MOST_PROBES, StateEstimator, start};
 use crate::plant::{MountedBearing, Plant};
 use crate::recording::Sample;
 use crate::scene::Speed;
 use anyhow::{Result, bail};
-use ballrace::rotor::ShaftMotion;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What the first turns are.
+/// Data from which an observer is identified.
 pub struct IdentificationData<'a> {
-    /// In order.
+    /// Samples of the first revolutions, in order.
     pub samples: &'a [Sample],
     /// Reading of each probe per unit of each coordinate.
     pub rows: &'a [[f64; D]],
-    /// Rms of each probe as the scene gives it, m.
+    /// Rms noise of each probe where the scene gives it, m.
     pub given_noise: &'a [Option<f64>],
-    /// From sample to sample, s.
+    /// Sample period, s.
     pub period: f64,
-    /// Of the shaft.
+    /// Speed of the shaft.
     pub speed: Speed,
-    /// How far the unknown force wanders where the scene says so, N per root second.
-    pub wander: Option<f64>,
+    /// Process noise of the unknown force where the scene gives it, N per root second.
+    pub process_noise: Option<f64>,
     /// Set to end the search with [`Cancelled`].
     pub cancelled: &'a AtomicBool,
 }
@@ -33,105 +32,115 @@ pub struct IdentificationData<'a> {
 pub struct Cancelled;
 
 impl IdentificationData<'_> {
-    /// # Errors
-    /// [`Cancelled`].
-    pub(super) fn go_on(&self) -> Result<(), Cancelled> {
+    /// Returns an error where the search is cancelled.
+    pub(super) fn check_cancelled(&self) -> Result<(), Cancelled> {
         if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
     }
 }
 
-/// An observer's making.
+/// Result of the identification.
 #[derive(Clone)]
 pub struct TunedObserver {
-    /// The gains.
+    /// Gains of the filter.
     pub gains: Gains,
-    /// The state at the first sample.
-    pub start: Start,
-    /// Of the unknown force, N per root second.
-    pub wander: f64,
-    /// Rms of each probe that was reckoned with, m.
+    /// State at the first sample.
+    pub start: InitialState,
+    /// Process noise of the unknown force, N per root second.
+    pub process_noise: f64,
+    /// Rms noise of each probe, m.
     pub noise: Vec<f64>,
 }
 
-/// Samples over which the likelihood is taken.
+/// Number of samples in the likelihood.
 const SAMPLES: usize = 4096;
-/// Wanders tried, over the rotor's weight per root second.
-const WANDERS: std::ops::RangeInclusive<i32> = -6..=8;
+/// Exponents of the process noises tried: powers of [`STRIDE`] times the weight of the rotor per root second.
+const PROCESS_NOISES: std::ops::RangeInclusive<i32> = -6..=8;
 const STRIDE: f64 = 3.162_277_660_168_379_5;
-/// Third differences have to show this many times the noise given before they are believed instead.
-const LOUDER: f64 = 1.2;
-/// Noise that no probe is below, m: a tenth of the last digit of the finest.
+/// Noise by third differences over the given noise from which the former is used.
+const LARGER_NOISE: f64 = 1.2;
+/// Lower bound of the noise of a probe, m: a tenth of the resolution of the finest.
 const LEAST_NOISE: f64 = 1e-10;
 
-/// Makes the observer of `plant`; `linear` is the same on springs, `guess` where the twin is at the first sample.
+/// Identifies the observer of `plant`; `linear` is the same plant on linear springs, `guess` the state of the twin at the first
+/// sample.
 ///
-/// None where the probes do not determine a steady filter: a coordinate that neither a probe nor a bearing holds.
+/// Returns none where no steady filter exists because neither a probe nor a bearing determines some coordinate.
 ///
 /// # Errors
-/// More probes than an observer takes, what the kernel refuses.
-pub fn tuned(plant: &Plant, linear: &Plant, heard: &IdentificationData, guess: Start) -> Result<Option<TunedObserver>> {
-    if heard.rows.len() > MOST_PROBES {
-        bail!("recording.probes: found {}, allowed: up to {MOST_PROBES}", heard.rows.len());
+/// More probes than an observer takes, a plant that the kernel rejects, a cancelled search.
+pub fn identify(
+    plant: &Plant,
+    linear: &Plant,
+    data: &IdentificationData,
+    guess: InitialState,
+) -> Result<Option<TunedObserver>> {
+    if data.rows.len() > MOST_PROBES {
+        bail!("recording.probes: found {}, allowed: up to {MOST_PROBES}", data.rows.len());
     }
     let noise: Vec<f64> =
-        (0..heard.rows.len()).map(|p| noise(heard.samples, p, heard.given_noise.get(p).copied().flatten())).collect();
-    let start = start::start(plant, heard, &noise, guess)?;
+        (0..data.rows.len()).map(|p| noise(data.samples, p, data.given_noise.get(p).copied().flatten())).collect();
+    let start = start::start(plant, data, &noise, guess)?;
     let weight = model::weight(plant);
     let mut best: Option<(f64, f64, Gains)> = None;
-    let ladder = WANDERS.map(|i| weight * STRIDE.powi(i));
-    let wanders = heard.wander.map_or_else(|| ladder.collect(), |given| vec![given]);
-    for wander in wanders {
-        heard.go_on()?;
-        let of = Uncertainty::new(&noise, wander, weight);
-        let Ok(gains) = Gains::try_new(linear, heard.rows, heard.speed, heard.period, &of) else { continue };
-        let unlikely = unlikely(plant, heard, &gains, start)?;
-        if best.as_ref().is_none_or(|(least, ..)| unlikely < *least) {
-            best = Some((unlikely, wander, gains));
+    let powers = PROCESS_NOISES.map(|i| weight * STRIDE.powi(i));
+    let process_noises = data.process_noise.map_or_else(|| powers.collect(), |given| vec![given]);
+    for process_noise in process_noises {
+        data.check_cancelled()?;
+        let of = Uncertainty::new(&noise, process_noise, weight);
+        let Ok(gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { continue };
+        let cost = negative_log_likelihood(plant, data, &gains, start)?;
+        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+            best = Some((cost, process_noise, gains));
         }
     }
-    Ok(best.map(|(_, wander, gains)| TunedObserver { gains, start, wander, noise }))
+    Ok(best.map(|(_, process_noise, gains)| TunedObserver { gains, start, process_noise, noise }))
 }
 
-/// Twice the negative logarithm of the likelihood of the innovations, but for a constant.
-fn unlikely(plant: &Plant, heard: &IdentificationData, gains: &Gains, start: Start) -> Result<f64> {
-    let Some((first, rest)) = heard.samples.split_first() else { return Ok(0.0) };
-    let mut watch = watch(plant, heard.rows, gains, start, first, heard.period)?;
+/// Returns twice the negative logarithm of the likelihood of the innovations, up to a constant.
+fn negative_log_likelihood(
+    plant: &Plant,
+    data: &IdentificationData,
+    gains: &Gains,
+    start: InitialState,
+) -> Result<f64> {
+    let Some((first, rest)) = data.samples.split_first() else { return Ok(0.0) };
+    let mut estimator = estimator(plant, data.rows, gains, start, first, data.period)?;
     let mut sum = 0.0;
     let mut last = first;
     for sample in rest.iter().take(SAMPLES) {
         let steps = sample.row.index - last.row.index;
-        let drive = ShaftMotion { angle: last.angle, speed: last.speed, acceleration: last.acceleration };
+        let drive = last.shaft_motion();
         for k in 0..steps {
             let missing = [f64::NAN; MOST_PROBES];
             let readings = if k + 1 == steps { sample.row.probes.as_slice() } else { &missing };
-            sum += watch.sample(&drive.after(k as f64 * heard.period), readings).0 + gains.log_determinant;
+            sum += estimator.step(&drive.after(k as f64 * data.period), readings).0 + gains.log_determinant;
         }
         last = sample;
     }
     Ok(if sum.is_finite() { sum } else { f64::INFINITY })
 }
 
-/// An observer at `sample`.
+/// Starts an estimator at `sample`.
 ///
 /// # Errors
-/// What the kernel refuses.
-pub fn watch(
+/// A plant that the kernel rejects.
+pub fn estimator(
     plant: &Plant,
     rows: &[[f64; D]],
     gains: &Gains,
-    start: Start,
+    start: InitialState,
     sample: &Sample,
     period: f64,
-) -> Result<Box<dyn Watch>> {
-    let revolutions = sample.revolution as f64 + sample.angle.revolutions();
+) -> Result<Box<dyn StateEstimator>> {
+    let revolutions = sample.total_revolutions();
     let parts = plant.bearings.iter().map(|seat: &MountedBearing| seat.kinematics.parts_at(revolutions)).collect();
-    let task = RunningObserverOf { rows, gains, start, shaft: sample.angle, parts, period };
+    let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period };
     Ok(plant.with_rigid(period, task)?)
 }
 
-/// Rms of a probe's noise: what the scene gives, or what third differences show where that is clearly more.
+/// Returns the rms noise of a probe: the given one, or that of the third differences where it is clearly larger.
 ///
-/// White noise leaves 20 times its variance in them; of motion that is slow against the sampling they keep almost nothing.
+/// Third differences of white noise have 20 times its variance; they suppress motion that is slow against the sample rate.
 #[must_use]
 pub fn noise(samples: &[Sample], probe: usize, given: Option<f64>) -> f64 {
     let readings: Vec<f64> = samples.iter().filter_map(|s| s.row.probes.get(probe).copied()).collect();
@@ -139,7 +148,7 @@ pub fn noise(samples: &[Sample], probe: usize, given: Option<f64>) -> f64 {
     let (sum, count) = thirds.fold((0.0, 0.0), |(sum, count), d| (sum + d * d, count + 1.0));
     let shown = if count > 0.0 { (sum / count / 20.0_f64).sqrt() } else { 0.0 };
     let given = given.unwrap_or(0.0);
-    // What is a little more than given is the motion itself.
-    let noise = if shown > LOUDER * given { shown } else { given };
+    // A small excess over the given noise is motion.
+    let noise = if shown > LARGER_NOISE * given { shown } else { given };
     noise.max(LEAST_NOISE)
 }

@@ -6,7 +6,7 @@ pub use crate::scene::build::Balls;
 use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
-use ballrace::{BearingKinematicState, Displacement, Exact};
+use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
@@ -18,9 +18,9 @@ pub struct MountedBearing {
     pub station: f64,
     /// Rolling elements.
     pub elements: usize,
-    /// Azimuth of element 1 with the cage at angle 0, rad.
-    pub first_azimuth: f64,
-    /// How the elements go round.
+    /// Azimuth of each element with the cage at angle 0.
+    pub element_azimuths: Vec<Phase>,
+    /// Speeds of its parts and orders.
     pub kinematics: Kinematics,
     /// Displacement by preload, before anything moves.
     pub offset: Displacement<f64>,
@@ -55,7 +55,7 @@ impl MountedBearing {
             name: bearing.name.clone(),
             station: bearing.station,
             elements: bearing.elements,
-            first_azimuth: bearing.first_element_azimuth,
+            element_azimuths: (0..bearing.elements).map(|j| build::element_azimuth(bearing, j)).collect(),
             kinematics,
             offset,
             bearing: loaded,
@@ -69,6 +69,11 @@ impl MountedBearing {
     #[must_use]
     pub fn rotation(&self, parts: ComponentAngles, drive: &ShaftMotion<f64>) -> BearingKinematicState<f64> {
         self.kinematics.speed_ratios().kinematic_state(parts, drive)
+    }
+
+    /// Returns the azimuth of each element with the cage at `cage`.
+    pub fn azimuths(&self, cage: Phase) -> impl Iterator<Item = Phase> {
+        self.element_azimuths.iter().map(move |azimuth| cage.wrapping_add(*azimuth))
     }
 
     /// Puts another bearing in the place of the scene's.

@@ -24,6 +24,7 @@ mod wav;
 pub use reader::Reader;
 
 use ballrace::Phase;
+use ballrace::rotor::ShaftMotion;
 use status::SampleStatus;
 
 /// One sample as read from the file, before the shaft's angle is known.
@@ -57,4 +58,18 @@ pub struct Sample {
     pub acceleration: f64,
     /// Flags of reading and angle.
     pub status: SampleStatus,
+}
+
+impl Sample {
+    /// Returns angle, speed and acceleration of the shaft.
+    #[must_use]
+    pub const fn shaft_motion(&self) -> ShaftMotion<f64> {
+        ShaftMotion { angle: self.angle, speed: self.speed, acceleration: self.acceleration }
+    }
+
+    /// Returns the revolutions of the shaft since the keyphasor first passed.
+    #[must_use]
+    pub fn total_revolutions(&self) -> f64 {
+        self.revolution as f64 + self.angle.revolutions()
+    }
 }

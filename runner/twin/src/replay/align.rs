@@ -1,38 +1,66 @@
-//! The lag between keyphasor and motion, removed where the keyphasor cannot tell it.
+//! Alignment stage: removes the lag between keyphasor and motion.
 //!
-//! A keyphasor sampled as 0 and 1 places the shaft to one sample at best; where the turns are whole numbers of samples,
-//! averaging over pulses gains nothing. The first turns of the motion itself tell the rest: `measured - twin` against
-//! the twin's rate gives the lag by least squares. It is bounded by half a sample, so it never hides a real phase error.
+//! A keyphasor sampled as 0 and 1 gives the shaft angle to one sample at best. Where a revolution is a whole number of samples,
+//! averaging over pulses gains nothing. The first revolutions of the motion give the remainder: a least-squares fit of
+//! `measured - twin` against the rate of the twin. The lag is limited to half a sample, so it never hides a real phase error.
 
-use super::pose::reading;
 use crate::plant::Twin;
+use crate::probes::reading;
 use crate::recording::Sample;
 use ballrace::Displacement;
 use ballrace::phase::PhaseDelta;
-use ballrace::rotor::ShaftMotion;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Turns of the recording that the lag is taken from.
+/// Revolutions of the recording from which the lag is computed.
 pub const TURNS: f64 = 8.0;
-/// Most samples of it.
+/// Largest number of samples from which the lag is computed.
 pub const MOST_SAMPLES: usize = 1 << 16;
-/// A lag this many standard errors from 0 is removed; a smaller one is left.
+/// Smallest lag that is removed, in standard errors.
 const SIGNIFICANCE: f64 = 5.0;
 
-/// The sample with its shaft further by `lag` (s).
+/// Alignment of samples with a known lag.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct AlignmentStage {
+    /// Lag, s.
+    lag: f64,
+}
+
+impl AlignmentStage {
+    pub(super) const fn new(lag: f64) -> Self {
+        Self { lag }
+    }
+
+    /// Returns the sample with the lag removed from its shaft angle.
+    pub(super) fn align(&self, sample: Sample) -> Sample {
+        shifted(sample, self.lag)
+    }
+
+    /// Returns the lag as a note of the report; none where there is no lag.
+    pub(super) fn note(&self, rate: f64) -> Option<String> {
+        (self.lag != 0.0).then(|| {
+            format!(
+                "Lag removed: {:.1} us ({:.2} samples), within the keyphasor's resolution; found from the first turns.",
+                self.lag * 1e6,
+                self.lag * rate
+            )
+        })
+    }
+}
+
+/// Returns the sample with its shaft angle advanced by `lag` (s).
 #[must_use]
 pub fn shifted(mut sample: Sample, lag: f64) -> Sample {
     let arc = PhaseDelta::from_radians(sample.speed * lag);
-    // Whole turns change where the shift carries the angle over the mark.
+    // The revolution count changes where the shift crosses the mark.
     let turns = sample.angle.revolutions() + arc.radians::<f64>() / std::f64::consts::TAU;
     sample.angle = sample.angle.advanced(arc);
     sample.revolution += turns.floor() as i64;
     sample
 }
 
-/// Lag in seconds (positive: the machine is ahead of its keyphasor) from the first samples.
+/// Returns the lag in seconds from the first samples; positive where the machine is ahead of its keyphasor.
 ///
-/// `twin` stands at the first sample; `rows` are the probes' rows. Samples after `cancelled` is set are not used.
+/// `twin` is at the first sample. Samples after `cancelled` is set are not used.
 pub fn lag(samples: &[Sample], twin: &mut dyn Twin, rows: &[[f64; 5]], period: f64, cancelled: &AtomicBool) -> f64 {
     let mut sums = Sums::default();
     for (i, sample) in samples.iter().enumerate() {
@@ -42,7 +70,7 @@ pub fn lag(samples: &[Sample], twin: &mut dyn Twin, rows: &[[f64; 5]], period: f
         let (pose, rate) = (twin.pose(), twin.rate());
         sums.add(sample, rows, &pose, &rate);
         let steps = samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
-        let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
+        let drive = sample.shaft_motion();
         for k in 0..steps {
             twin.step(&drive.after(k as f64 * period));
         }

@@ -1,8 +1,8 @@
 //! Full spectra one after the other, as the shaft goes on: a waterfall over time, a cascade over speed. Flat memory.
 
 use super::history::{History, Join};
-use super::outcome::{Cascade, Slice};
-use super::pictures::Plane;
+use crate::outcome::{Cascade, Slice};
+use crate::probes::Plane;
 use crate::recording::Sample;
 use crate::scene::{Direction, Probe, Speed};
 use rustfft::num_complex::Complex;

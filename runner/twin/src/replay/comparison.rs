@@ -1,42 +1,60 @@
-//! Measured against twin, probe by probe, as the samples go by.
+//! Comparison stage: the readings against those of the twin and of simpler predictors, probe by probe.
 
-use super::lines::{Demodulator, Line};
-use super::outcome::{BallPassLine, Baseline, Baselines, Motion, ProbeOutcome};
+use super::lines::{Angles, Demodulator, followed, followed_orders, outer_line};
 use super::spectrum::Welch;
 use super::statistics::Sums;
+use crate::baseline::{Baseline, BaselineProbe};
+use crate::outcome::{BallPassLine, Motion, ProbeOutcome, SimplePredictor, SimplePredictors};
 use crate::plant::MountedBearing;
+use crate::probes::{Plane, reading};
 use crate::scene::{Direction, Probe};
 use ballrace::math::Math;
-use ballrace::{Exact, Phase};
+use ballrace::{Displacement, Exact};
 
 const UM: f64 = 1e6;
 
-/// Harmonics of the outer ball-pass line that are followed.
-pub const OUTER_HARMONICS: i32 = 5;
-/// Harmonics of the inner ball-pass line that are followed.
-pub const INNER_HARMONICS: i32 = 3;
-
-/// What one sample says at every probe, m.
-pub struct SampleReadings<'a> {
-    /// Readings, NaN where missing.
-    pub measured: &'a [f64],
-    /// The twin's.
-    pub twin: &'a [f64],
-    /// Those of the twin on linear springs.
-    pub linear: &'a [f64],
-    /// X and Y of each plane, measured then twin, as the spectra take them.
-    pub planes: &'a [f64],
+/// Readings of one sample at every probe, m.
+#[derive(Default)]
+pub struct SampleReadings {
+    /// Measured, NaN where missing.
+    pub measured: Vec<f64>,
+    /// At the position of the twin.
+    pub twin: Vec<f64>,
+    /// At the position of the twin on linear springs.
+    pub linear: Vec<f64>,
+    /// X and Y of each plane, measured, then those of the twin, in the order of the spectra.
+    planes: Vec<f64>,
 }
 
-/// Where the shaft and the cages are.
-#[derive(Clone, Copy)]
-pub struct Angles<'a> {
-    /// Shaft.
-    pub shaft: Phase,
-    /// Cage of each bearing.
-    pub cages: &'a [Phase],
-    /// Revolutions since the last sample.
-    pub arc: f64,
+impl SampleReadings {
+    /// Computes the readings of a sample. `measured` is absent where the sample is not judged.
+    pub fn evaluate(
+        &mut self,
+        measured: Option<&[f64]>,
+        [twin, linear]: [&Displacement<f64>; 2],
+        rows: &[[f64; 5]],
+        planes: &[Plane],
+    ) {
+        self.measured.clear();
+        match measured {
+            Some(measured) => self.measured.extend_from_slice(measured),
+            None => self.measured.resize(rows.len(), f64::NAN),
+        }
+        for (readings, position) in [(&mut self.twin, twin), (&mut self.linear, linear)] {
+            readings.clear();
+            readings.extend(rows.iter().map(|row| reading(row, position)));
+        }
+        self.planes.clear();
+        for values in [&self.measured, &self.twin] {
+            self.planes.extend(planes.iter().flat_map(|p| <[f64; 2]>::from(p.xy(values))));
+        }
+    }
+
+    /// True where every probe has a reading.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        !self.measured.iter().any(|y| y.is_nan())
+    }
 }
 
 #[derive(Default, Clone)]
@@ -44,79 +62,55 @@ struct OneProbe {
     measured: Sums,
     twin: Sums,
     residual: Sums,
-    /// Difference to the sample before.
+    /// Difference from the previous sample.
     persistence: Sums,
     linear: Sums,
     last: Option<f64>,
 }
 
-/// Sums of all probes.
+/// Sums over the recording, of all probes.
 pub struct Comparison {
     probes: Vec<OneProbe>,
-    /// Lines of measured, twin and residual of each probe.
+    /// Order tracking of measured, twin and residual of each probe.
     pub lines: Demodulator,
-    /// Spectra of the same, then of the planes.
+    /// Spectra of the same signals, then of the planes.
     pub spectra: Welch,
-    /// Samples in which every probe had a reading.
+    /// Number of samples with a reading of every probe.
     pub compared: u64,
     signals: Vec<f64>,
 }
 
-/// Lines that are followed: 1X, 2X, then of each bearing the outer and inner ball pass and harmonics.
-#[must_use]
-pub fn followed(seats: &[MountedBearing]) -> Vec<Line> {
-    let mut lines = vec![Line::shaft(1), Line::shaft(2)];
-    for (i, seat) in seats.iter().enumerate() {
-        let n = seat.elements as i32;
-        lines.extend((1..=OUTER_HARMONICS).map(|k| Line { shaft: 0, cage: Some((i, k * n)) }));
-        lines.extend((1..=INNER_HARMONICS).map(|k| Line { shaft: k * n, cage: Some((i, -k * n)) }));
-    }
-    lines
-}
-
-/// Index in [`followed`] of harmonic `k` (1 is the line itself) of a bearing's outer ball pass.
-#[must_use]
-pub fn outer_line(bearing: usize, k: i32) -> usize {
-    2 + bearing * (OUTER_HARMONICS + INNER_HARMONICS) as usize + (k - 1) as usize
-}
-
-/// The same of the inner ball pass.
-#[must_use]
-pub fn inner_line(bearing: usize, k: i32) -> usize {
-    outer_line(bearing, OUTER_HARMONICS + k)
-}
-
 impl Comparison {
-    /// For probes, seats and planes.
+    /// Creates the comparison of `probes` probes in `planes` planes.
     #[must_use]
-    pub fn new(probes: usize, seats: &[MountedBearing], planes: usize) -> Self {
+    pub fn new(probes: usize, bearings: &[MountedBearing], planes: usize) -> Self {
         let first_plane = 3 * probes;
         let pairs = (0..2 * planes).map(|i| (first_plane + 2 * i, first_plane + 2 * i + 1)).collect();
         Self {
             probes: vec![OneProbe::default(); probes],
-            lines: Demodulator::new(followed(seats), 3 * probes),
+            lines: Demodulator::new(followed(bearings), 3 * probes),
             spectra: Welch::new(first_plane + 4 * planes, pairs),
             compared: 0,
             signals: Vec::with_capacity(3 * probes),
         }
     }
 
-    /// One sample; true where it ended a block of the followed lines.
-    pub fn add(&mut self, seen: &SampleReadings, angles: Angles) -> bool {
+    /// Adds a sample; returns true where it ends a block of the followed lines.
+    pub fn add(&mut self, readings: &SampleReadings, angles: Angles) -> bool {
         let basis: (f64, f64) = Exact::sin_cos(angles.shaft);
         for (i, probe) in self.probes.iter_mut().enumerate() {
-            probe.add(seen.measured[i], seen.twin[i], seen.linear[i], basis);
+            probe.add(readings.measured[i], readings.twin[i], readings.linear[i], basis);
         }
-        if seen.measured.iter().any(|y| y.is_nan()) {
+        if !readings.is_complete() {
             self.spectra.interrupt();
             return false;
         }
         self.compared += 1;
         self.signals.clear();
-        self.signals.extend_from_slice(seen.measured);
-        self.signals.extend_from_slice(seen.twin);
-        self.signals.extend(seen.measured.iter().zip(seen.twin).map(|(y, x)| y - x));
-        self.spectra.add(self.signals.iter().chain(seen.planes).copied());
+        self.signals.extend_from_slice(&readings.measured);
+        self.signals.extend_from_slice(&readings.twin);
+        self.signals.extend(readings.measured.iter().zip(&readings.twin).map(|(y, x)| y - x));
+        self.spectra.add(self.signals.iter().chain(&readings.planes).copied());
         self.lines.add(&self.signals, angles)
     }
 
@@ -126,47 +120,68 @@ impl Comparison {
         self.spectra.finish();
     }
 
-    /// Root mean square of the residual of a probe about its mean, m.
+    /// Returns the root mean square of the residual of a probe about its mean, m.
     #[must_use]
     pub fn residual_rms_about_mean(&self, probe: usize) -> f64 {
         self.probes[probe].residual.rms_about_mean()
     }
 
-    /// Amplitude of a followed line in a probe's motion, m.
+    /// Returns the amplitude of a followed line in a probe's motion, m.
     #[must_use]
     pub fn motion_line(&self, line: usize, probe: usize) -> f64 {
         self.lines.amplitude(line, probe)
     }
 
-    /// Amplitude of a followed line in a probe's residual over the last block, m.
+    /// Returns the amplitude of a followed line in a probe's residual over the last block, m.
     #[must_use]
     pub fn block_line(&self, line: usize, probe: usize) -> f64 {
         let signal = 2 * self.probes.len() + probe;
         self.lines.block(line).get(signal).map_or(0.0, |[c, s]| c.hypot(*s))
     }
 
-    /// Amplitude of a followed line in a probe's residual, m.
+    /// Returns the amplitude of a followed line in a probe's residual, m.
     #[must_use]
     pub fn residual_line(&self, line: usize, probe: usize) -> f64 {
         self.lines.amplitude(line, 2 * self.probes.len() + probe)
     }
 
-    /// The figures of every probe.
+    /// Returns the amplitudes of cosine and sine of each probe's 1X over the last block.
     #[must_use]
-    pub fn outcomes(&self, probes: &[Probe], seats: &[MountedBearing], mean_speed_hz: f64) -> Vec<ProbeOutcome> {
+    pub fn one_x(&self) -> &[[f64; 2]] {
+        self.lines.block(0)
+    }
+
+    /// Returns the recording as a baseline for later ones.
+    #[must_use]
+    pub fn baseline(&self, scene: &str, recording: &str, probes: &[Probe], bearings: &[MountedBearing]) -> Baseline {
+        let orders = followed_orders(bearings);
+        let lines = orders.len();
+        let probe = |(i, probe): (usize, &Probe)| BaselineProbe {
+            name: probe.column.clone(),
+            residual_rms_um: self.residual_rms_about_mean(i) * UM,
+            lines_um: (0..lines).map(|line| self.residual_line(line, i) * UM).collect(),
+            motion_lines_um: (0..lines).map(|line| self.motion_line(line, i) * UM).collect(),
+        };
+        let probes = probes.iter().enumerate().map(probe).collect();
+        Baseline::of_probes(scene, recording, orders, probes)
+    }
+
+    /// Returns the outcome of every probe.
+    #[must_use]
+    pub fn outcomes(&self, probes: &[Probe], bearings: &[MountedBearing], mean_speed_hz: f64) -> Vec<ProbeOutcome> {
         probes
             .iter()
             .enumerate()
             .map(|(i, probe)| ProbeOutcome {
-                ball_pass: self.ball_pass(i, seats, mean_speed_hz),
+                ball_pass: self.ball_pass(i, bearings, mean_speed_hz),
                 ..self.probes[i].outcome(probe)
             })
             .collect()
     }
 
-    fn ball_pass(&self, probe: usize, seats: &[MountedBearing], mean_speed_hz: f64) -> Vec<BallPassLine> {
+    fn ball_pass(&self, probe: usize, bearings: &[MountedBearing], mean_speed_hz: f64) -> Vec<BallPassLine> {
         let n = self.probes.len();
-        let moving = seats.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0);
+        let moving = bearings.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0);
         moving
             .map(|(i, seat)| {
                 let amplitude = |signal: usize| self.lines.amplitude(outer_line(i, 1), signal) * UM;
@@ -202,8 +217,8 @@ impl OneProbe {
         let (_, one_x_left) = self.measured.one_x();
         let residual = self.residual.rms() * UM;
         let spread = self.measured.rms_about_mean() * UM;
-        let against = |rms: f64| Baseline::new(rms, residual);
-        let baselines = Baselines {
+        let against = |rms: f64| SimplePredictor::new(rms, residual);
+        let baselines = SimplePredictors {
             mean: against(spread),
             persistence: against(self.persistence.rms() * UM),
             one_x: against(one_x_left * UM),

@@ -1,9 +1,10 @@
 //! What the residual says: lines that the twin cannot explain, and the verdict in one sentence.
 
-use super::baseline::Baseline;
-use super::comparison::{Comparison, INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
-use super::locate::Locator;
-use super::outcome::{Finding, FindingKind, ProbeOutcome, Standing};
+use super::attribution::LineAttribution;
+use super::comparison::Comparison;
+use super::lines::{INNER_HARMONICS, OUTER_HARMONICS, inner_line, outer_line};
+use crate::baseline::Baseline;
+use crate::outcome::{Finding, FindingKind, ProbeOutcome, Standing};
 use crate::plant::MountedBearing;
 use crate::scene::{Direction, Probe};
 
@@ -33,7 +34,7 @@ pub struct Evidence<'a> {
     /// The sums.
     pub comparison: &'a Comparison,
     /// Which of two bearings a line comes from.
-    pub locator: Option<&'a Locator>,
+    pub attribution: Option<&'a LineAttribution>,
     /// What the machine left when it was in good order, when that is known.
     pub baseline: Option<&'a Baseline>,
     /// Mean shaft speed, Hz.
@@ -173,7 +174,7 @@ fn origin(evidence: &Evidence, family: &Family) -> Origin {
     if same == [own] {
         return Origin::Here;
     }
-    match evidence.locator.and_then(|l| l.unexplained(family.lines.iter().map(|l| l.0))) {
+    match evidence.attribution.and_then(|l| l.unexplained(family.lines.iter().map(|l| l.0))) {
         Some(force) if force[own] > CLEARLY * force[1 - own] => Origin::Here,
         Some(force) if force[1 - own] > CLEARLY * force[own] => Origin::Elsewhere,
         _ if same.first() == Some(&own) => Origin::OneOf(same),

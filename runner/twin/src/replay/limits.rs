@@ -3,10 +3,10 @@
 //! Figures are of blocks of 16 turns, so that each starts anew. An event begins with the block that crosses a limit and
 //! lasts until a block falls below it by the hysteresis; what lasts shorter than the limit's duration is no event.
 
-use super::baseline::Baseline;
-use super::comparison::{followed, inner_line, outer_line};
-use super::outcome::LimitLine;
+use super::lines::{followed, inner_line, outer_line};
+use crate::baseline::Baseline;
 use crate::error::UsageError;
+use crate::outcome::{Event, LimitLine};
 use crate::plant::MountedBearing;
 use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};
 use anyhow::{Result, bail};
@@ -15,33 +15,6 @@ use ballrace::twin::{BlockStatistics, Statistics};
 use serde::{Deserialize, Serialize};
 
 const UM: f64 = 1e6;
-
-/// A limit that was crossed.
-#[derive(Debug, Clone, Serialize)]
-pub struct Event {
-    /// The indicator, as the scene names it.
-    pub indicator: &'static str,
-    /// The probe's column.
-    pub probe: String,
-    /// Of a race's line.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bearing: Option<String>,
-    /// Start of the first block beyond the limit, s.
-    pub start_s: f64,
-    /// End of the last one; none where it was still beyond at the end of the recording.
-    pub end_s: Option<f64>,
-    /// The worst value and the end of its block.
-    pub worst: f64,
-    /// s
-    pub worst_s: f64,
-    /// The limit.
-    pub limit: f64,
-    /// Of `worst` and `limit`: um, or nothing.
-    pub unit: &'static str,
-    /// For the maintenance engineer; empty where a line of the event log has it already.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub sentence: String,
-}
 
 /// State of the limits at the end of their last blocks, from which another process can go on.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -330,7 +303,7 @@ impl LimitMonitor {
     }
 
     /// Crossings that have lasted long enough to be events (without an end), and events that ended, since the last call.
-    pub fn news(&mut self) -> Vec<Event> {
+    pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.news)
     }
 
@@ -483,7 +456,7 @@ mod tests {
                 guards.close_readings(index, time, |_, _| 0.0);
             }
         }
-        guards.news()
+        guards.take_events()
     }
 
     /// Stopped at any sample and restored from its state at that moment, the limits report what they would have reported.

@@ -1,72 +1,141 @@
-//! Amplitude of lines that turn with the shaft or a cage: demodulation by the turn counters.
+//! Order tracking: amplitudes of lines whose phase follows the shaft, a cage and an outer ring.
 //!
-//! The phase of each line comes from a counter, not from time, so a run-up smears nothing. Blocks of
-//! [`BLOCK_TURNS`] turns under a Hann window over the angle keep neighbouring orders apart and let a real cage slip a
-//! little between blocks; amplitudes are averaged over blocks by their squares.
+//! The phase of each line comes from the counted angles, not from time, so a run-up smears nothing. Blocks of
+//! [`BLOCK_TURNS`] revolutions under a Hann window over the shaft angle separate neighbouring orders and allow a cage to slip
+//! a little between blocks. Amplitudes are averaged over blocks by their squares.
 
-use super::comparison::Angles;
+use crate::plant::MountedBearing;
 use ballrace::math::Math;
+use ballrace::rotor::ComponentAngles;
 use ballrace::{Exact, Phase};
 use std::f64::consts::TAU;
 
-/// Turns of one block. Lines 3/16 of an order apart are told apart.
+/// Revolutions of one block: lines 3/16 of an order apart are resolved.
 pub const BLOCK_TURNS: f64 = 16.0;
+/// Harmonics of the outer ball-pass line that are followed.
+pub const OUTER_HARMONICS: i32 = 5;
+/// Harmonics of the inner ball-pass line that are followed.
+pub const INNER_HARMONICS: i32 = 3;
 
-/// What a line's phase follows: whole multiples of the shaft's and of a cage's angle.
+/// Angles of the shaft and of the parts of the bearings at one sample.
+#[derive(Clone, Copy)]
+pub struct Angles<'a> {
+    /// Shaft.
+    pub shaft: Phase,
+    /// Parts of each bearing.
+    pub parts: &'a [ComponentAngles],
+    /// Revolutions of the shaft since the last sample.
+    pub revolutions: f64,
+}
+
+/// Phase of a line: whole multiples of the angles of the shaft and of one bearing's cage and outer ring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line {
-    /// Multiple of the shaft's angle.
-    pub shaft: i32,
-    /// Bearing whose cage counts, and the multiple of its angle.
-    pub cage: Option<(usize, i32)>,
+    shaft: i32,
+    bearing: Option<BearingMultiples>,
+}
+
+/// Multiples of the angles of one bearing's parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct BearingMultiples {
+    index: usize,
+    cage: i32,
+    outer: i32,
 }
 
 impl Line {
-    /// `n` times the shaft.
+    /// Returns the `n`th harmonic of the shaft.
     #[must_use]
     pub const fn shaft(n: i32) -> Self {
-        Self { shaft: n, cage: None }
+        Self { shaft: n, bearing: None }
     }
 
-    /// Order per turn of the shaft.
+    /// Returns the `k`th harmonic of the outer ball pass of a bearing, `k N (cage - outer ring)`.
+    const fn outer_race(index: usize, elements: i32, k: i32) -> Self {
+        Self { shaft: 0, bearing: Some(BearingMultiples { index, cage: k * elements, outer: -k * elements }) }
+    }
+
+    /// Returns the `k`th harmonic of the inner ball pass of a bearing, `k N (shaft - cage)`.
+    const fn inner_race(index: usize, elements: i32, k: i32) -> Self {
+        Self { shaft: k * elements, bearing: Some(BearingMultiples { index, cage: -k * elements, outer: 0 }) }
+    }
+
+    /// Returns the order per revolution of the shaft; negative where the phase runs against the shaft.
     #[must_use]
-    pub fn order(&self, cage_ratios: &[f64]) -> f64 {
-        let cage = self.cage.map_or(0.0, |(i, n)| f64::from(n) * cage_ratios.get(i).copied().unwrap_or(0.0));
-        f64::from(self.shaft) + cage
+    pub fn order(&self, bearings: &[MountedBearing]) -> f64 {
+        let of = |m: BearingMultiples| {
+            let ratios =
+                bearings.get(m.index).map_or((0.0, 0.0), |b| (b.kinematics.cage_ratio, b.kinematics.outer_ratio));
+            f64::from(m.cage) * ratios.0 + f64::from(m.outer) * ratios.1
+        };
+        f64::from(self.shaft) + self.bearing.map_or(0.0, of)
     }
 
-    fn phase(&self, shaft: Phase, cages: &[Phase]) -> Phase {
+    fn phase(&self, angles: &Angles) -> Phase {
         let times = |angle: Phase, n: i32| angle.wrapping_mul(i64::from(n) as u64);
-        let cage = self.cage.map_or(Phase::ZERO, |(i, n)| times(cages.get(i).copied().unwrap_or_default(), n));
-        times(shaft, self.shaft).wrapping_add(cage)
+        let bearing = self.bearing.map_or(Phase::ZERO, |m| {
+            let parts = angles.parts.get(m.index).copied().unwrap_or_default();
+            times(parts.cage, m.cage).wrapping_add(times(parts.outer, m.outer))
+        });
+        times(angles.shaft, self.shaft).wrapping_add(bearing)
     }
 }
 
-/// Demodulates several signals at several lines.
+/// Returns the followed lines: 1X, 2X, then for each bearing the harmonics of the outer and of the inner ball pass.
+#[must_use]
+pub fn followed(bearings: &[MountedBearing]) -> Vec<Line> {
+    let mut lines = vec![Line::shaft(1), Line::shaft(2)];
+    for (i, bearing) in bearings.iter().enumerate() {
+        let n = bearing.elements as i32;
+        lines.extend((1..=OUTER_HARMONICS).map(|k| Line::outer_race(i, n, k)));
+        lines.extend((1..=INNER_HARMONICS).map(|k| Line::inner_race(i, n, k)));
+    }
+    lines
+}
+
+/// Returns the orders of the followed lines.
+#[must_use]
+pub fn followed_orders(bearings: &[MountedBearing]) -> Vec<f64> {
+    followed(bearings).iter().map(|line| line.order(bearings)).collect()
+}
+
+/// Returns the index in [`followed`] of harmonic `k` (1 is the fundamental) of a bearing's outer ball pass.
+#[must_use]
+pub fn outer_line(bearing: usize, k: i32) -> usize {
+    2 + bearing * (OUTER_HARMONICS + INNER_HARMONICS) as usize + (k - 1) as usize
+}
+
+/// Returns the index in [`followed`] of harmonic `k` of a bearing's inner ball pass.
+#[must_use]
+pub fn inner_line(bearing: usize, k: i32) -> usize {
+    outer_line(bearing, OUTER_HARMONICS + k)
+}
+
+/// Demodulator of several signals at several lines.
 #[derive(Debug, Clone)]
 pub struct Demodulator {
     lines: Vec<Line>,
     signals: usize,
-    /// Sums of the running block with cosine and with sine, line-major.
+    /// Sums over the current block with cosine and with sine, line-major.
     cosines: Vec<f64>,
     sines: Vec<f64>,
-    /// This sample's signals about their means, under the window.
+    /// Signals of the current sample about their means, times the window.
     windowed: Vec<f64>,
     /// Amplitudes of cosine and sine in the last finished block.
     last: Vec<[f64; 2]>,
     weight: f64,
-    /// Turns gone in the running block.
+    /// Revolutions in the current block.
     turns: f64,
     /// Squared amplitudes summed over finished blocks, times their weight.
     power: Vec<f64>,
     blocks: f64,
-    /// Subtracted before demodulation so that a large mean does not leak: the mean of what came before.
+    /// Running means, subtracted before demodulation so that a large mean does not leak.
     means: Vec<f64>,
-    seen: f64,
+    samples: f64,
 }
 
 impl Demodulator {
-    /// For `signals` signals.
+    /// Creates a demodulator of `signals` signals.
     #[must_use]
     pub fn new(lines: Vec<Line>, signals: usize) -> Self {
         let cells = lines.len() * signals;
@@ -82,17 +151,17 @@ impl Demodulator {
             power: vec![0.0; cells],
             blocks: 0.0,
             means: vec![0.0; signals],
-            seen: 0.0,
+            samples: 0.0,
         }
     }
 
-    /// One sample of all signals; true when it finished a block.
+    /// Adds one sample of all signals; returns true where it ends a block.
     pub fn add(&mut self, values: &[f64], angles: Angles) -> bool {
-        self.seen += 1.0;
+        self.samples += 1.0;
         let window = 0.5 * (1.0 - (TAU * self.turns / BLOCK_TURNS).cos());
         self.weight += window;
         // A slow average: fixed within rounding over a block, whatever the recording's length.
-        let rate = 1.0 / self.seen.min(20_000.0);
+        let rate = 1.0 / self.samples.min(20_000.0);
         for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.windowed) {
             *mean += (value - *mean) * rate;
             *to = window * (value - *mean);
@@ -100,13 +169,13 @@ impl Demodulator {
         let width = self.signals.max(1);
         let cells = self.cosines.chunks_exact_mut(width).zip(self.sines.chunks_exact_mut(width));
         for (line, (cosines, sines)) in self.lines.iter().zip(cells) {
-            let (sin, cos): (f64, f64) = Exact::sin_cos(line.phase(angles.shaft, angles.cages));
+            let (sin, cos): (f64, f64) = Exact::sin_cos(line.phase(&angles));
             for ((c, s), y) in cosines.iter_mut().zip(sines).zip(&self.windowed) {
                 *c += y * cos;
                 *s += y * sin;
             }
         }
-        self.turns += angles.arc.abs();
+        self.turns += angles.revolutions.abs();
         let full = self.turns >= BLOCK_TURNS;
         if full {
             self.close();
@@ -129,27 +198,27 @@ impl Demodulator {
         self.weight = 0.0;
     }
 
-    /// Ends the recording: a part block counts only where there is no whole one.
+    /// Ends the recording: an incomplete block counts only where there is no complete one.
     pub fn finish(&mut self) {
         if self.blocks == 0.0 {
             self.close();
         }
     }
 
-    /// Amplitudes of cosine and sine of line `line` in every signal of the last finished block.
+    /// Returns the amplitudes of cosine and sine of a line in every signal of the last finished block.
     #[must_use]
     pub fn block(&self, line: usize) -> &[[f64; 2]] {
         self.last.get(line * self.signals..(line + 1) * self.signals).unwrap_or_default()
     }
 
-    /// Amplitude (zero to peak) of line `line` in signal `signal`.
+    /// Returns the amplitude (zero to peak) of a line in a signal.
     #[must_use]
     pub fn amplitude(&self, line: usize, signal: usize) -> f64 {
         let power = self.power.get(line * self.signals + signal).copied().unwrap_or(0.0);
         if self.blocks > 0.0 { (power / self.blocks).sqrt() } else { 0.0 }
     }
 
-    /// The lines in order.
+    /// Returns the lines in order.
     #[must_use]
     pub fn lines(&self) -> &[Line] {
         &self.lines

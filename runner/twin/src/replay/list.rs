@@ -1,8 +1,9 @@
 //! The tabular list: what a vibration engineer asks of each probe and plane first, from the blocks of turns.
 
-use super::outcome::{Block, BlockFigures, Clearance, Pictures, PlaneOutcome, ProbeOutcome, TabularList};
-use super::pictures::{Plane, filtered};
+use super::pictures::filtered;
 use super::trend::merged;
+use crate::outcome::{Block, BlockFigures, Clearance, Pictures, PlaneOutcome, ProbeOutcome, TabularList};
+use crate::probes::Plane;
 use crate::scene::{Bearing, Fit, Scene};
 
 const MM: f64 = 1e3;
@@ -37,7 +38,7 @@ fn row(figures: &[&BlockFigures], speed_changes: bool) -> TabularList {
 #[must_use]
 pub fn planes(planes: &[Plane], pictures: &Pictures, sense: f64) -> Vec<PlaneOutcome> {
     let Some(all) = merged(&pictures.blocks) else { return vec![] };
-    let of = |(i, (plane, orbit)): (usize, (&Plane, &super::outcome::Orbit))| {
+    let of = |(i, (plane, orbit)): (usize, (&Plane, &crate::outcome::Orbit))| {
         let [(xc, yc), (xs, ys)] = filtered(plane, &all).measured;
         // The orbit as a forward and a reverse circle.
         let forward = 0.5 * (xc + ys).hypot(yc - xs);

@@ -1,89 +1,39 @@
-//! Collects the data of the pictures: the first turns, and what the sums hold at the end. Bounded memory.
+//! Data of the report's figures: the first revolutions, and the sums at the end. Bounded memory.
 
 use super::cascade::Spectra;
 use super::comparison::Comparison;
-use super::forces::{AZIMUTH_BINS, BearingSums, Evaluated};
-use super::outcome::{
+use super::force::{AZIMUTH_BINS, BearingForces, EvaluatedForce};
+use super::trend::Trend;
+use crate::outcome::{
     Block, ElementLoads, FilteredOrbit, ForceTrace, FullSpectrum, HalfSpectrum, MarkedLine, Orbit, Pictures, Trace,
 };
-use super::trend::Trend;
 use crate::plant::MountedBearing;
+use crate::probes::Plane;
 use crate::recording::Sample;
 use crate::scene::{Direction, Probe, Speed};
 use ballrace::Phase;
 use std::f64::consts::TAU;
 
 const UM: f64 = 1e6;
-/// Turns that traces and orbits show.
+/// Revolutions shown in traces and orbits.
 const TURNS: f64 = 4.0;
-/// Turns over which element 1 is followed: about three turns of a cage.
+/// Revolutions over which element 1 is followed: about three of a cage.
 const CAGE_TURNS: f64 = 8.0;
-/// Most samples in a trace.
+/// Largest number of samples in a trace.
 const MOST: usize = 20_000;
 
-/// Two radial probes of one plane that are not parallel, and the way from their readings to X and Y.
-#[derive(Debug, Clone)]
-pub struct Plane {
-    /// Indices of the two probes.
-    pub probes: [usize; 2],
-    /// Along Z, m.
-    pub station: f64,
-    inverse: [[f64; 2]; 2],
-}
-
-/// Planes of the radial probes: the first two probes of each station that are not parallel.
-#[must_use]
-pub fn planes(probes: &[Probe]) -> Vec<Plane> {
-    let radial: Vec<(usize, f64, f64)> = probes
-        .iter()
-        .enumerate()
-        .filter_map(|(i, p)| match p.direction {
-            Direction::Radial(angle) => Some((i, p.station, angle)),
-            Direction::Axial => None,
-        })
-        .collect();
-    let mut planes: Vec<Plane> = Vec::new();
-    for (n, &(i, station, a)) in radial.iter().enumerate() {
-        if planes.iter().any(|p| (p.station - station).abs() < 1e-9) {
-            continue;
-        }
-        let partner = radial[n + 1..].iter().find(|(_, z, b)| (z - station).abs() < 1e-9 && (b - a).sin().abs() > 0.1);
-        if let Some(&(k, _, b)) = partner {
-            let det = (b - a).sin();
-            let inverse = [[b.sin() / det, -a.sin() / det], [-b.cos() / det, a.cos() / det]];
-            planes.push(Plane { probes: [i, k], station, inverse });
-        }
-    }
-    planes
-}
-
-impl Plane {
-    /// X and Y from all readings.
-    #[must_use]
-    pub fn xy(&self, readings: &[f64]) -> (f64, f64) {
-        self.place(readings[self.probes[0]], readings[self.probes[1]])
-    }
-
-    /// X and Y from the plane's own two readings.
-    #[must_use]
-    pub fn place(&self, a: f64, b: f64) -> (f64, f64) {
-        let row = |r: [f64; 2]| r[0] * a + r[1] * b;
-        (row(self.inverse[0]), row(self.inverse[1]))
-    }
-}
-
-/// Gathers while the samples go by.
-pub struct Collector {
+/// Collects the data of the figures.
+pub struct FigureCollector {
     pictures: Pictures,
     planes: Vec<Plane>,
     trend: Trend,
     cascade: Spectra,
-    gone: f64,
+    revolutions: f64,
     samples: usize,
 }
 
-impl Collector {
-    /// For the probes and bearings of a replay at a sampling rate and the scene's speed.
+impl FigureCollector {
+    /// Creates the collector for the probes and bearings of a replay at a sample rate and the scene's speed.
     #[must_use]
     pub fn new(probes: &[Probe], planes: Vec<Plane>, seats: &[MountedBearing], rate: f64, speed: Speed) -> Self {
         let traces = probes.iter().map(|p| Trace { name: p.column.clone(), ..Trace::default() }).collect();
@@ -94,15 +44,15 @@ impl Collector {
         let pictures = Pictures { traces, orbits, forces, element_loads, ..Pictures::default() };
         let trend = Trend::new(probes.len(), planes.clone());
         let cascade = Spectra::new(probes, &planes, rate, speed);
-        Self { pictures, planes, trend, cascade, gone: 0.0, samples: 0 }
+        Self { pictures, planes, trend, cascade, revolutions: 0.0, samples: 0 }
     }
 
-    /// One sample: readings, the twin's, the shaft's way since the last one (revolutions).
-    pub fn add(&mut self, sample: &Sample, twin: &[f64], arc: f64) {
-        self.trend.add(sample, twin, arc);
+    /// Adds a sample with the twin's readings and the revolutions since the last sample.
+    pub fn add(&mut self, sample: &Sample, twin: &[f64], revolutions: f64) {
+        self.trend.add(sample, twin, revolutions);
         self.cascade.add(sample);
-        let passed = self.samples > 0 && arc.abs() > 0.0 && sample.angle.revolutions() < arc.abs();
-        self.gone += arc.abs();
+        let passed = self.samples > 0 && passes_keyphasor(sample, revolutions);
+        self.revolutions += revolutions.abs();
         self.samples += 1;
         if !self.open(TURNS) {
             return;
@@ -125,13 +75,13 @@ impl Collector {
         }
     }
 
-    /// One bearing's force in the same sample, and the load on its element 1.
+    /// Adds the force of a bearing in the same sample, and the load on its element 1.
     pub fn add_force(
         &mut self,
         bearing: usize,
         time: f64,
-        force: &Evaluated,
-        seat: &MountedBearing,
+        force: &EvaluatedForce,
+        mounted: &MountedBearing,
         cage: Phase,
         first_load: f64,
     ) {
@@ -151,19 +101,19 @@ impl Collector {
         if self.open(CAGE_TURNS)
             && let Some(loads) = self.pictures.element_loads.get_mut(bearing)
         {
-            let azimuth = cage.wrapping_add(Phase::from_radians(seat.first_azimuth)).radians();
+            let azimuth = mounted.azimuths(cage).next().unwrap_or_default().radians();
             loads.first_element.push((azimuth, first_load));
         }
     }
 
-    /// The force traces still take samples in.
+    /// Returns true while the force traces take samples in.
     #[must_use]
     pub fn shows_forces(&self) -> bool {
         self.open(TURNS)
     }
 
     fn open(&self, turns: f64) -> bool {
-        self.gone <= turns && self.samples <= MOST
+        self.revolutions <= turns && self.samples <= MOST
     }
 
     /// The pictures' data.
@@ -171,7 +121,7 @@ impl Collector {
     pub fn finish(
         mut self,
         comparison: &Comparison,
-        sums: &[BearingSums],
+        sums: &[BearingForces],
         seats: &[MountedBearing],
         rate: f64,
         speed_hz: f64,
@@ -214,18 +164,24 @@ impl Collector {
     }
 }
 
-/// 1X of a block in X and Y.
+/// Returns true where the keyphasor mark passed within the last `revolutions` before the sample.
+#[must_use]
+pub fn passes_keyphasor(sample: &Sample, revolutions: f64) -> bool {
+    revolutions != 0.0 && sample.angle.revolutions() < revolutions.abs()
+}
+
+/// Returns the 1X motion of a block in X and Y.
 #[must_use]
 pub fn filtered(plane: &Plane, block: &Block) -> FilteredOrbit {
     let part = |i: usize, twin: bool| {
-        let of = |p: &super::outcome::BlockFigures| if twin { p.twin_one_x_um[i] } else { p.one_x_um[i] };
+        let of = |p: &crate::outcome::BlockFigures| if twin { p.twin_one_x_um[i] } else { p.one_x_um[i] };
         plane.xy(&block.probes.iter().map(of).collect::<Vec<_>>())
     };
     let parts = |twin: bool| [part(0, twin), part(1, twin)];
     FilteredOrbit { speed_rpm: block.speed_rpm, measured: parts(false), twin: parts(true) }
 }
 
-fn around(loads: &mut ElementLoads, sums: &BearingSums) {
+fn around(loads: &mut ElementLoads, sums: &BearingForces) {
     let width = TAU / AZIMUTH_BINS as f64;
     for (i, [measured, twin]) in sums.around.iter().enumerate() {
         loads.azimuth.push((i as f64 + 0.5) * width);

@@ -1,8 +1,8 @@
 //! Whether a recording can be one of the scene's machine, and whether enough of it was measured for a verdict.
 
-use super::forces::BearingSums;
-use super::outcome::ProbeOutcome;
+use super::force::BearingForces;
 use super::range::ReadingRange;
+use crate::outcome::ProbeOutcome;
 use crate::plant::MountedBearing;
 use crate::recording::status::SampleStatus;
 use crate::scene::{RotationSource, Speed};
@@ -103,7 +103,7 @@ pub struct Evidence<'a> {
     /// Figures of the probes.
     pub probes: &'a [ProbeOutcome],
     /// The bearings with the sums of their forces.
-    pub bearings: &'a [BearingSums],
+    pub bearings: &'a [BearingForces],
     /// The same bearings.
     pub seats: &'a [MountedBearing],
 }
@@ -141,7 +141,7 @@ fn size(of: &Evidence) -> Option<String> {
             largest * UM
         ));
     }
-    let total = |m: &super::outcome::Motion| m.mean_um.hypot(m.rms_um);
+    let total = |m: &crate::outcome::Motion| m.mean_um.hypot(m.rms_um);
     let small = |p: &&ProbeOutcome| total(&p.measured) < TOO_SMALL * total(&p.twin);
     let radial = || of.probes.iter().filter(|p| p.angle_deg.is_some());
     let first = radial().next()?;
@@ -155,7 +155,7 @@ fn size(of: &Evidence) -> Option<String> {
     })
 }
 
-fn unloaded((sums, seat): (&BearingSums, &MountedBearing)) -> Option<String> {
+fn unloaded((sums, seat): (&BearingForces, &MountedBearing)) -> Option<String> {
     let [measured, twin] = sums.unloaded_shares();
     (measured > MOST_UNLOADED && twin < 0.5 * measured).then(|| {
         format!(

@@ -5,10 +5,11 @@
 //! `LARGEST_FORCE` times the loads on the rotor. A rigid shaft between two bearings cannot be farther from zero than
 //! their limits allow at the probe's station. `MARGIN` leaves room for zero errors and damaged races.
 
+use super::notices::Notices;
 use crate::plant::{MountedBearing, PRESSURE_LIMIT, Plant};
-use crate::recording::Row;
 use crate::recording::flaws::{Flaw, FlawLedger, Position};
 use crate::recording::status::SampleStatus;
+use crate::recording::{Row, Sample};
 use crate::scene::{Direction, Probe, Scene, build};
 use anyhow::Result;
 use ballrace::bearing::Bearing as _;
@@ -95,6 +96,23 @@ impl ReadingRange {
             }
         }
         SampleStatus::READING_OUT_OF_RANGE.when(any)
+    }
+
+    /// Checks the readings of a sample, sets its status flags and reports what is out of range.
+    pub(super) fn check_sample(&mut self, sample: &mut Sample, notices: &mut Notices) {
+        let status = self.check(&mut sample.row);
+        if status != SampleStatus::default() {
+            let count = self.count();
+            notices.add("reading-out-of-range", sample.row.time, || {
+                format!("A reading is farther from zero than the bearings allow; {count} so far. It is left out.")
+            });
+        }
+        if sample.status.has(SampleStatus::ANGLE_NOT_MEASURED) {
+            notices.add("angle-not-measured", sample.row.time, || {
+                "The shaft speed is out of range; the speed before it is held.".to_owned()
+            });
+        }
+        sample.status = sample.status.and(status);
     }
 
     /// Copies readings, NaN in the place of those out of range.

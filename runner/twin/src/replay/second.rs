@@ -1,7 +1,7 @@
-//! The indicators of every second, for those who watch while a recording runs.
+//! Indicators of every second, for live operation.
 
-use super::forces::Evaluated;
-use super::outcome::phase_lag_deg;
+use super::force::EvaluatedForce;
+use crate::outcome::phase_lag_deg;
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
 use ballrace::Exact;
@@ -14,16 +14,16 @@ const UM: f64 = 1e6;
 /// Indicators of one second.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Second {
-    /// Where it ended, in the recording's time.
+    /// End of the second in the recording's time.
     pub time_s: f64,
-    /// Number of the first sample after it.
+    /// Index of the first sample after it.
     #[serde(skip)]
     pub next_index: u64,
-    /// Samples in it with a reading of every probe.
+    /// Number of samples with a reading of every probe.
     pub samples: u64,
     /// Mean speed.
     pub speed_rpm: f64,
-    /// Mean of the observer's normalised innovation squared over the count of probes: 1 where model and noise are true.
+    /// Mean of the observer's normalised innovation squared over the number of probes; 1 where model and noise are true.
     pub innovation: f64,
     /// Status flags of all its samples.
     pub status: u16,
@@ -36,34 +36,34 @@ pub struct Second {
 /// One probe over one second.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct ProbeSecond {
-    /// The probe.
+    /// Column of the probe.
     pub name: String,
     /// Mean position.
     pub mean_um: f64,
-    /// Greatest less least reading.
+    /// Largest minus smallest reading.
     pub peak_to_peak_um: f64,
-    /// About the mean.
+    /// Rms about the mean.
     pub rms_um: f64,
-    /// Greatest distance from the mean over the rms.
+    /// Largest deviation from the mean over the rms.
     pub crest_factor: f64,
-    /// 3 of noise, 1.5 of a sine.
+    /// Kurtosis: 3 for noise, 1.5 for a sine.
     pub kurtosis: f64,
-    /// Of what the twin leaves, rms about its mean.
+    /// Rms of the residual about its mean.
     pub residual_rms_um: f64,
-    /// 1X amplitude, zero to peak, over the last whole 16 turns.
+    /// 1X amplitude, zero to peak, over the last complete block of 16 revolutions.
     pub one_x_um: f64,
-    /// Its phase lag behind the keyphasor mark.
+    /// Phase lag of 1X behind the keyphasor mark.
     pub one_x_phase_lag_deg: f64,
 }
 
 /// One bearing over one second.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct BearingSecond {
-    /// The bearing.
+    /// Name of the bearing.
     pub name: String,
     /// Mean force on the inner ring at the observer's position: FX, FY, FZ.
     pub force_n: [f64; 3],
-    /// Its largest radial part.
+    /// Largest radial force.
     pub largest_radial_n: f64,
 }
 
@@ -74,8 +74,8 @@ struct Force {
     largest: f64,
 }
 
-/// Gathers a second.
-pub struct Seconds {
+/// Accumulates the indicators of the current second.
+pub struct SecondIndicators {
     names: Vec<String>,
     bearings: Vec<String>,
     measured: Vec<Statistics<f64>>,
@@ -88,8 +88,8 @@ pub struct Seconds {
     number: Option<i64>,
 }
 
-impl Seconds {
-    /// For probes and bearings of these names.
+impl SecondIndicators {
+    /// Creates the indicators for probes and bearings of these names.
     #[must_use]
     pub fn new(probes: Vec<String>, bearings: Vec<String>) -> Self {
         let blocks = || vec![Statistics::new(u32::MAX); probes.len()];
@@ -125,19 +125,19 @@ impl Seconds {
         done
     }
 
-    /// What the observer says of its innovation.
+    /// Adds a normalised innovation squared of the observer.
     pub fn add_innovation(&mut self, nis: f64) {
         self.innovation.0 += nis;
         self.innovation.1 += 1.0;
     }
 
-    /// Status flags of a sample.
+    /// Adds the status flags of a sample.
     pub fn add_status(&mut self, status: SampleStatus) {
         self.status = self.status.and(status);
     }
 
-    /// A bearing's force.
-    pub fn add_force(&mut self, bearing: usize, force: &Evaluated) {
+    /// Adds the force of a bearing.
+    pub fn add_force(&mut self, bearing: usize, force: &EvaluatedForce) {
         let Some(sum) = self.forces.get_mut(bearing) else { return };
         let [x, y, z, ..] = force.estimated;
         sum.count += 1.0;

@@ -1,70 +1,72 @@
-//! A replay row by row, whoever brings the rows.
+//! A replay driven row by row: a file reader or a live source delivers the rows.
 
-use super::limits::{Event, LimitState};
+use super::Options;
+use super::conclusion::RecordingFacts;
+use super::limits::LimitState;
 use super::notices::Notice;
-use super::outcome::Outcome;
-use super::recent::Snapshot;
+use super::pipeline::Pipeline;
 use super::second::Second;
-use super::startup::Startup;
-use super::{Options, Run, angle_source};
+use super::snapshot::Snapshot;
 use crate::error::{UsageError, usage_error};
+use crate::outcome::{Event, Outcome};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
 use crate::scene::{Recording, RotationSource, Scene};
 use anyhow::{Result, bail};
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-/// Seconds for which a machine that is watched may keep its keyphasor's pulse back before it counts as standing still.
-const WATCHED_WAIT: f64 = 10.0;
-/// A replay under way: rows go in, the outcome comes at the end.
+/// Time without a keyphasor pulse after which a shaft counts as standing still in live operation, s.
+const LONGEST_PULSE_WAIT: f64 = 10.0;
+
+/// A replay in progress: rows go in, the outcome comes at the end.
 pub struct Replay<'a> {
     scene: &'a Scene,
     rotation: &'a RotationSource,
     tracker: Tracker,
-    run: Run<'a>,
-    pub(super) rows: u64,
-    /// Of the times before the shaft stood still.
+    pipeline: Pipeline<'a>,
+    rows: u64,
+    /// Flaws of the shaft angle before its last interruption.
     flaws: Vec<FlawSummary>,
-    ended: bool,
+    has_ended: bool,
 }
 
-/// What came up since it was last asked for.
+/// Results since the last call of [`Replay::take_update`].
 #[derive(Default)]
 pub struct Update {
-    /// Seconds that ended and that the twin has passed through.
+    /// Seconds that ended and that the twin has passed.
     pub seconds: Vec<Second>,
-    /// Seconds that ended while the twin was started, without its figures.
+    /// Seconds that ended while the twin was starting, without its indicators.
     pub preliminary: Vec<Second>,
     /// Limits crossed (without an end) and crossings that ended.
     pub events: Vec<Event>,
-    /// Rejected readings, restarts and what else a monitor reports at once.
+    /// Rejected readings, restarts and other notices.
     pub notices: Vec<Notice>,
 }
 
 impl<'a> Replay<'a> {
-    /// For samples that come in at `rate`, Hz.
+    /// Creates a replay of samples at `rate`, Hz.
     ///
     /// # Errors
     /// A scene without rotor or recording, probes that do not determine the motion.
     pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
         let Some(recording) = &scene.recording else { bail!(UsageError("found no [recording]".to_owned())) };
-        let tracker = tracker(scene, recording, rate, options.watched);
+        let tracker = tracker(scene, recording, rate, options.live);
         let rate = rate / f64::from(recording.average);
-        let run = Run::try_new(scene, &recording.probes, rate, options).map_err(|e| usage_error(&e))?;
-        Ok(Self { scene, rotation: &recording.rotation, tracker, run, rows: 0, flaws: vec![], ended: false })
+        let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(|e| usage_error(&e))?;
+        let rotation = &recording.rotation;
+        Ok(Self { scene, rotation, tracker, pipeline, rows: 0, flaws: vec![], has_ended: false })
     }
 
-    /// A row to read into.
+    /// Returns an empty row to read into.
     #[must_use]
     pub fn blank(&mut self) -> Row {
         self.tracker.blank()
     }
 
-    /// Takes in the next row: evaluates limits and indicators of readings and queues the samples for the twin.
+    /// Adds the next row: evaluates limits and indicators of readings and queues the samples for the twin.
     ///
-    /// Where the shaft stands still, its samples are set aside; angle, twin and observer start anew with the next revolutions.
+    /// Samples of a shaft that stands still have no angle; angle, twin and observer restart with the next revolutions.
     ///
     /// # Errors
     /// A search that cannot be started.
@@ -75,121 +77,122 @@ impl<'a> Replay<'a> {
         self.drain()?;
         if let Err(error) = pushed {
             let sentence = || format!("{error}; the twin waits until it turns.");
-            self.run.notices.add("shaft-not-turning", time, sentence);
-            self.set_aside(error);
-            self.begin_anew();
+            self.pipeline.notices.add("shaft-not-turning", time, sentence);
+            self.push_without_angle(error);
+            self.restart();
         }
         Ok(())
     }
 
-    /// Sets the samples aside that wait for a shaft angle.
-    fn set_aside(&mut self, reason: RotationError) {
+    /// Adds the samples that wait for a shaft angle as samples without one.
+    fn push_without_angle(&mut self, reason: RotationError) {
         while let Some(mut row) = self.tracker.abandon() {
-            self.run.set_aside(&mut row);
+            self.pipeline.push_without_angle(&mut row);
             self.tracker.recycle(row);
         }
-        self.run.standstill.explain(reason);
+        self.pipeline.standstill.explain(reason);
     }
 
     fn drain(&mut self) -> Result<()> {
         while let Some(sample) = self.tracker.pop() {
-            self.run.take(sample)?;
+            self.pipeline.push(sample)?;
         }
         Ok(())
     }
 
-    /// Passes samples to the twin until `deadline`, or all that wait; without a deadline it waits for the twin's start.
+    /// Processes the samples that wait for the twin until `deadline`; without a deadline it waits for the start of the twin and
+    /// processes all of them.
     ///
     /// # Errors
-    /// A machine that cannot be started, an output that cannot be written.
+    /// A twin that cannot be started, an output that cannot be written.
     pub fn work(&mut self, deadline: Option<Instant>) -> Result<()> {
         let tracker = &mut self.tracker;
-        self.run.work(deadline, |row| tracker.recycle(row))
+        self.pipeline.work(deadline, |row| tracker.recycle(row))
     }
 
-    /// The twin has started.
+    /// Returns true once the twin has started.
     #[must_use]
-    pub fn has_started(&self) -> bool {
-        matches!(self.run.startup, Startup::Done) && self.run.has_begun()
+    pub const fn has_started(&self) -> bool {
+        self.pipeline.startup.is_done() && self.pipeline.twin.has_run()
     }
 
-    /// The start of the twin is searched for, or it is run in.
+    /// Returns true during the search for the observer and the run-in of the twin.
     #[must_use]
     pub const fn is_searching(&self) -> bool {
-        self.run.is_starting()
+        self.pipeline.startup.is_starting()
     }
 
-    /// No sample waits for the twin.
+    /// Returns true where no sample waits for the twin.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.run.is_idle()
+        self.waiting() == 0 && !self.is_searching()
     }
 
-    /// Number of samples that wait for the twin.
+    /// Returns the number of samples that wait for the twin.
     #[must_use]
     pub fn waiting(&self) -> usize {
-        self.run.queue.len()
+        self.pipeline.startup.waiting()
     }
 
-    /// Ends the search for the observer and the run-in of the twin: it starts without an observer, at rest.
+    /// Cancels the search for the observer and the run-in of the twin: it starts without an observer, at rest.
     pub fn cancel_search(&self) {
-        self.run.cancelled.store(true, Ordering::Relaxed);
+        self.pipeline.startup.cancel();
     }
 
-    /// No row follows: the samples that wait for the shaft angle are evaluated and queued.
+    /// Ends the recording: the samples that wait for the shaft angle are evaluated and queued.
     ///
     /// # Errors
     /// A search that cannot be started.
     pub fn end(&mut self) -> Result<()> {
-        if std::mem::replace(&mut self.ended, true) {
+        if std::mem::replace(&mut self.has_ended, true) {
             return Ok(());
         }
         let finished = self.tracker.finish();
         self.drain()?;
         if let Err(error) = finished {
-            self.set_aside(error);
+            self.push_without_angle(error);
         }
-        self.run.end()
+        self.pipeline.end()
     }
 
-    /// Angle, twin and observer start anew.
-    fn begin_anew(&mut self) {
+    /// Restarts angle, twin and observer.
+    fn restart(&mut self) {
         if let Some(recording) = &self.scene.recording {
-            let rate = self.run.rate * f64::from(recording.average);
+            let rate = self.pipeline.rate * f64::from(recording.average);
             self.flaws.extend(self.tracker.flaws().summary());
-            self.tracker = tracker(self.scene, recording, rate, self.run.watched);
+            self.tracker = tracker(self.scene, recording, rate, self.pipeline.live);
         }
-        self.run.restart();
+        self.pipeline.restart();
     }
 
-    /// What there is to see now; nothing unless someone looks on.
+    /// Returns the present state for a live display; empty without [`Options::viewed`].
     #[must_use]
-    pub fn glance(&self) -> Snapshot {
-        self.run.glance().unwrap_or_default()
+    pub fn snapshot(&self) -> Snapshot {
+        self.pipeline.snapshot().unwrap_or_default()
     }
 
-    /// What came up since the last call.
-    pub fn news(&mut self) -> Update {
+    /// Returns the results since the last call.
+    pub fn take_update(&mut self) -> Update {
         Update {
-            seconds: std::mem::take(&mut self.run.ended_seconds),
-            preliminary: self.run.readings.ended(),
-            events: self.run.guards.news(),
-            notices: self.run.notices.take(),
+            seconds: self.pipeline.take_ended_seconds(),
+            preliminary: self.pipeline.readings.take_ended(),
+            events: self.pipeline.limits.take_events(),
+            notices: self.pipeline.notices.take(),
         }
     }
 
-    /// Goes on with limits in a state of an earlier process.
+    /// Continues with the limits in the state of an earlier process.
     pub fn restore_limits(&mut self, state: &LimitState) {
-        self.run.guards.restore(state);
+        self.pipeline.limits.restore(state);
     }
 
-    /// The limits' state after the events that [`Replay::news`] gave.
+    /// Returns the state of the limits after the events that [`Replay::take_update`] returned.
     #[must_use]
     pub fn limit_state(&self) -> Option<LimitState> {
-        self.run.guards.state()
+        self.pipeline.limits.state()
     }
 
-    /// The end of the recording, its flaws as the reader found them.
+    /// Ends the recording and returns the outcome. `flaws` are those that the reader found.
     ///
     /// # Errors
     /// Nothing to compare, an output that cannot be written.
@@ -199,12 +202,29 @@ impl<'a> Replay<'a> {
         flaws.append(&mut self.flaws);
         flaws.extend(self.tracker.flaws().summary());
         let angle_source = angle_source(self.rotation, &self.tracker);
-        self.run.finish(self.scene, name, self.rows, angle_source, flaws)
+        let facts = RecordingFacts { name, rows: self.rows, angle_source, flaws };
+        self.pipeline.conclude(self.scene, facts)
+    }
+
+    /// Returns the number of rows so far.
+    #[must_use]
+    pub const fn rows(&self) -> u64 {
+        self.rows
     }
 }
 
-/// Of a machine that is watched, memory is bounded while it stands still.
-fn tracker(scene: &Scene, recording: &Recording, rate: f64, watched: bool) -> Tracker {
+/// Returns a tracker of the shaft angle. In live operation its memory is bounded while the shaft stands still.
+fn tracker(scene: &Scene, recording: &Recording, rate: f64, live: bool) -> Tracker {
     let tracker = Tracker::of(recording, rate, scene.shaft.speed);
-    if watched { tracker.waiting_at_most((WATCHED_WAIT * rate) as usize) } else { tracker }
+    if live { tracker.waiting_at_most((LONGEST_PULSE_WAIT * rate) as usize) } else { tracker }
+}
+
+fn angle_source(rotation: &RotationSource, tracker: &Tracker) -> String {
+    match rotation {
+        RotationSource::Keyphasor { column, pulses_per_turn } => {
+            format!("keyphasor in column {column}, {} pulses, {pulses_per_turn} per revolution", tracker.pulses())
+        }
+        RotationSource::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
+        RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
+    }
 }

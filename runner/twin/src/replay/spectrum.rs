@@ -1,6 +1,6 @@
 //! Averaged amplitude spectra of a stream: Welch's method with a Hann window and half overlap.
 
-use super::outcome::SpectraSettings;
+use crate::outcome::SpectraSettings;
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;

@@ -2,11 +2,11 @@
 //!
 //! Nothing is computed from them. Where a recording has no other samples, their statistics are the report.
 
-use super::outcome::{
-    Baseline, Baselines, BearingOutcome, ForceFigures, Motion, Observation, Outcome, ProbeOutcome, Record, TabularList,
-    Timing,
-};
 use super::statistics::Running;
+use crate::outcome::{
+    BearingOutcome, ForceFigures, Motion, Observation, Outcome, ProbeOutcome, Record, SimplePredictor,
+    SimplePredictors, TabularList, Timing,
+};
 use crate::recording::Row;
 use crate::recording::rotation::RotationError;
 use crate::scene::{Direction, Probe};
@@ -103,7 +103,7 @@ impl Standstill {
             one_x_phase_lag_deg: f64::NAN,
         };
         let measured = self.probes.get(i).and_then(Signal::motion).unwrap_or(none);
-        let absent = Baseline { residual_rms_um: f64::NAN, ..Baseline::default() };
+        let absent = SimplePredictor { residual_rms_um: f64::NAN, ..SimplePredictor::default() };
         ProbeOutcome {
             name: probe.column.clone(),
             station_mm: probe.station * 1e3,
@@ -118,7 +118,7 @@ impl Standstill {
             residual_rms_um: f64::NAN,
             nrmse_percent: f64::NAN,
             noise_um: probe.noise.map(|n| n * UM),
-            baselines: Baselines { mean: absent, persistence: absent, one_x: absent, linear: absent },
+            baselines: SimplePredictors { mean: absent, persistence: absent, one_x: absent, linear: absent },
             list: Some(TabularList {
                 direct_um_pp: measured.peak_to_peak_um,
                 greatest_um_pp: measured.peak_to_peak_um,

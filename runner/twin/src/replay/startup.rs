@@ -1,31 +1,216 @@
-//! Start of the twin: the keyphasor's lag and the observer, found from the first turns.
+//! Start of the replay: a queue of samples, the search for lag and observer in the first revolutions, and the run-in of
+//! the twin.
 //!
-//! The search takes seconds. On a machine that is watched it runs on its own thread; limits and indicators of readings do
-//! not depend on it.
+//! The search takes seconds. In live operation it runs on its own thread; limits and indicators of readings do not depend on
+//! it.
 
-use super::{align, drive, total_turns};
-use crate::observer::{Cancelled, IdentificationData, Start, TunedObserver, tuned};
+use super::align::{self, AlignmentStage};
+use super::range::ReadingRange;
+use crate::observer::{Cancelled, IdentificationData, InitialState, TunedObserver, identify};
 use crate::plant::{Plant, RunIn, Twin};
 use crate::recording::Sample;
 use crate::scene::Speed;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// How far the start has come.
-pub(super) enum Startup {
-    /// The first turns are collected.
-    Collecting,
+/// Samples that wait for the twin, and the state of its start.
+pub(super) struct Startup {
+    state: State,
+    queue: VecDeque<Queued>,
+    /// The scene's plant, and the same on linear springs.
+    plants: [Arc<Plant>; 2],
+    /// Sample period, s.
+    period: f64,
+    /// Run-in that is not finished.
+    run_in: Option<RunInPair>,
+    /// Twins that have settled for the next sample.
+    settled: Option<[Box<dyn Twin>; 2]>,
+    /// Set to end the search without an observer and the run-in at rest.
+    cancelled: Arc<AtomicBool>,
+    live: bool,
+}
+
+enum State {
+    /// The first revolutions are collected for the search.
+    Collecting(Box<Search>),
     /// The search runs on its own thread.
-    Searching(JoinHandle<Result<Started>>),
+    Searching(JoinHandle<Result<SearchResult>>),
     /// The twin follows the samples.
     Done,
 }
 
+/// Item of the queue.
+pub(super) enum Queued {
+    /// A sample for the twin.
+    Sample(Sample),
+    /// The shaft angle is interrupted: the twin restarts with the next sample.
+    Restart,
+}
+
+/// Progress of the run-in before the next sample.
+pub(super) enum RunInProgress {
+    /// The next sample can be processed.
+    Ready,
+    /// The run-in was cancelled: the twin starts at rest.
+    Cancelled,
+    /// The deadline has passed before the twin settled.
+    Unfinished,
+}
+
+impl Startup {
+    pub(super) fn new(search: Search, live: bool) -> Self {
+        Self {
+            plants: [search.plant.clone(), search.linear.clone()],
+            period: search.period,
+            cancelled: search.cancelled.clone(),
+            state: State::Collecting(Box::new(search)),
+            queue: VecDeque::new(),
+            run_in: None,
+            settled: None,
+            live,
+        }
+    }
+
+    /// Queues a sample and starts the search as soon as there are enough; returns the result of a search that is finished.
+    pub(super) fn push(&mut self, sample: Sample, range: &ReadingRange) -> Result<Option<SearchResult>> {
+        let is_enough = match (&self.state, self.queue.front()) {
+            (State::Collecting(_), Some(Queued::Sample(first))) => is_enough(first, &sample),
+            _ => false,
+        };
+        self.queue.push_back(Queued::Sample(sample));
+        if is_enough { self.begin_search(range) } else { Ok(None) }
+    }
+
+    /// Ends the recording: the search starts with the samples so far.
+    pub(super) fn end(&mut self, range: &ReadingRange) -> Result<Option<SearchResult>> {
+        let is_waiting = matches!(self.state, State::Collecting(_)) && !self.queue.is_empty();
+        if is_waiting { self.begin_search(range) } else { Ok(None) }
+    }
+
+    /// Searches in the queued samples: on its own thread in live operation, else at once.
+    fn begin_search(&mut self, range: &ReadingRange) -> Result<Option<SearchResult>> {
+        let sample = |queued: &Queued| match queued {
+            Queued::Sample(sample) => {
+                let mut copy = sample.clone();
+                range.within(&sample.row.probes, &mut copy.row.probes);
+                Some(copy)
+            }
+            Queued::Restart => None,
+        };
+        let samples: Vec<Sample> = self.queue.iter().take(align::MOST_SAMPLES).map_while(sample).collect();
+        match std::mem::replace(&mut self.state, State::Done) {
+            State::Collecting(search) if self.live => {
+                self.state = State::Searching(search.spawn(samples)?);
+                Ok(None)
+            }
+            State::Collecting(search) => search.run(&samples).map(Some),
+            other => {
+                self.state = other;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Returns the result of a search on its own thread: once it is finished, without a deadline after waiting for it.
+    pub(super) fn poll(&mut self, deadline: Option<Instant>) -> Result<Option<SearchResult>> {
+        match std::mem::replace(&mut self.state, State::Done) {
+            State::Searching(search) if deadline.is_none() || search.is_finished() => joined(search).map(Some),
+            other => {
+                self.state = other;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Returns the index of the sample at the front of the queue, where it is a sample.
+    pub(super) fn next_index(&self) -> Option<u64> {
+        match self.queue.front() {
+            Some(Queued::Sample(next)) => Some(next.row.index),
+            _ => None,
+        }
+    }
+
+    /// Runs twins in for the sample at the front of the queue, until `deadline`.
+    pub(super) fn advance_run_in(
+        &mut self,
+        alignment: &AlignmentStage,
+        deadline: Option<Instant>,
+    ) -> Result<RunInProgress> {
+        let Some(Queued::Sample(next)) = self.queue.front() else { return Ok(RunInProgress::Ready) };
+        if self.settled.is_some() {
+            return Ok(RunInProgress::Ready);
+        }
+        let mut run_in = match self.run_in.take() {
+            Some(run_in) => run_in,
+            None => RunInPair::try_new(self.plants.clone(), self.period, &alignment.align(next.clone()))?,
+        };
+        if self.is_cancelled() {
+            self.settled = Some(run_in.at_rest()?);
+            return Ok(RunInProgress::Cancelled);
+        }
+        if !run_in.advance(deadline) {
+            self.run_in = Some(run_in);
+            return Ok(RunInProgress::Unfinished);
+        }
+        self.settled = Some(run_in.settled());
+        Ok(RunInProgress::Ready)
+    }
+
+    /// Returns the twins that have settled.
+    pub(super) fn take_settled(&mut self) -> Result<[Box<dyn Twin>; 2]> {
+        self.settled.take().context("the twin is not run in")
+    }
+
+    /// Removes the item at the front of the queue.
+    pub(super) fn pop(&mut self) -> Option<Queued> {
+        self.queue.pop_front()
+    }
+
+    /// Restarts the twin with the next sample.
+    pub(super) fn restart(&mut self) {
+        match self.state {
+            State::Collecting(_) => self.queue.clear(),
+            State::Searching(_) | State::Done => self.queue.push_back(Queued::Restart),
+        }
+    }
+
+    /// Number of items that wait for the twin.
+    pub(super) fn waiting(&self) -> usize {
+        self.queue.len()
+    }
+
+    /// Returns true where the search is finished.
+    pub(super) const fn is_done(&self) -> bool {
+        matches!(self.state, State::Done)
+    }
+
+    /// Returns true while the twin is run in.
+    pub(super) const fn is_running_in(&self) -> bool {
+        self.run_in.is_some()
+    }
+
+    /// Returns true during the search and the run-in.
+    pub(super) const fn is_starting(&self) -> bool {
+        matches!(self.state, State::Searching(_)) || self.is_running_in()
+    }
+
+    /// Cancels the search and the run-in.
+    pub(super) fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns true where search and run-in are cancelled.
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
 /// Result of the search.
-pub(super) struct Started {
+pub(super) struct SearchResult {
     /// Lag of the keyphasor behind the motion, s.
     pub(super) lag: f64,
     /// The observer; none where the search was cancelled or where there is no steady filter.
@@ -48,9 +233,9 @@ pub(super) struct Search {
     pub(super) cancelled: Arc<AtomicBool>,
 }
 
-/// Returns true where `first` to `last` are enough for the search.
-pub(super) fn is_enough(first: &Sample, last: &Sample) -> bool {
-    let turns = total_turns(last) - total_turns(first);
+/// Returns true where the samples from `first` to `last` are enough for the search.
+fn is_enough(first: &Sample, last: &Sample) -> bool {
+    let turns = last.total_revolutions() - first.total_revolutions();
     turns.abs() >= align::TURNS || last.row.index - first.row.index + 1 >= align::MOST_SAMPLES as u64
 }
 
@@ -59,11 +244,11 @@ impl Search {
     ///
     /// # Errors
     /// A machine that cannot be started, probes that no observer takes.
-    pub(super) fn run(&self, samples: &[Sample]) -> Result<Started> {
+    fn run(&self, samples: &[Sample]) -> Result<SearchResult> {
         let mut lag = 0.0;
         match self.find(samples, &mut lag) {
-            Err(error) if error.is::<Cancelled>() => Ok(Started { lag, tuned: None }),
-            tuned => Ok(Started { lag, tuned: tuned? }),
+            Err(error) if error.is::<Cancelled>() => Ok(SearchResult { lag, tuned: None }),
+            tuned => Ok(SearchResult { lag, tuned: tuned? }),
         }
     }
 
@@ -87,21 +272,21 @@ impl Search {
     fn tune(&self, samples: &[Sample]) -> Result<Option<TunedObserver>> {
         let Some(first) = samples.first() else { return Ok(None) };
         let twin = self.run_in(first)?;
-        let heard = IdentificationData {
+        let data = IdentificationData {
             samples,
             rows: &self.rows,
             given_noise: &self.noise,
             period: self.period,
             speed: self.speed,
-            wander: self.process_noise,
+            process_noise: self.process_noise,
             cancelled: &self.cancelled,
         };
-        tuned(&self.plant, &self.linear, &heard, Start::of(twin.as_ref()))
+        identify(&self.plant, &self.linear, &data, InitialState::new(&twin.pose(), &twin.rate()))
     }
 
     /// Runs the twin in up to a sample.
     fn run_in(&self, first: &Sample) -> Result<Box<dyn Twin>> {
-        let mut run_in = RunIn::try_new(&self.plant, self.period, total_turns(first), &drive(first))?;
+        let mut run_in = RunIn::try_new(&self.plant, self.period, first.total_revolutions(), &first.shaft_motion())?;
         while run_in.advance() {
             self.check_cancelled()?;
         }
@@ -116,7 +301,7 @@ impl Search {
     ///
     /// # Errors
     /// No thread can be started.
-    pub(super) fn spawn(self, samples: Vec<Sample>) -> Result<JoinHandle<Result<Started>>> {
+    fn spawn(self, samples: Vec<Sample>) -> Result<JoinHandle<Result<SearchResult>>> {
         let thread = std::thread::Builder::new().name("start".to_owned());
         Ok(thread.spawn(move || self.run(&samples))?)
     }
@@ -126,12 +311,12 @@ impl Search {
 ///
 /// # Errors
 /// Those of the search.
-pub(super) fn joined(search: JoinHandle<Result<Started>>) -> Result<Started> {
+fn joined(search: JoinHandle<Result<SearchResult>>) -> Result<SearchResult> {
     search.join().unwrap_or_else(|_| bail!("the search for the twin's start panicked"))
 }
 
-/// Twins that are run in up to a sample, some steps at a time: a monitor does not wait for them.
-pub(super) struct Beginning {
+/// Two twins that are run in up to a sample, some steps at a time, so that a monitor does not wait for them.
+struct RunInPair {
     plants: [Arc<Plant>; 2],
     /// On the scene's bearings and on linear springs.
     twins: [RunIn; 2],
@@ -140,19 +325,19 @@ pub(super) struct Beginning {
     revolutions: f64,
 }
 
-impl Beginning {
+impl RunInPair {
     /// Starts twins on both plants for a sample.
     ///
     /// # Errors
     /// A machine that cannot be started.
-    pub(super) fn try_new(plants: [Arc<Plant>; 2], period: f64, sample: &Sample) -> Result<Self> {
-        let (revolutions, drive) = (total_turns(sample), drive(sample));
+    fn try_new(plants: [Arc<Plant>; 2], period: f64, sample: &Sample) -> Result<Self> {
+        let (revolutions, drive) = (sample.total_revolutions(), sample.shaft_motion());
         let [plant, linear] = plants.each_ref().map(|plant| RunIn::try_new(plant, period, revolutions, &drive));
         Ok(Self { twins: [plant?, linear?], plants, period, revolutions })
     }
 
     /// Advances the twins until they have settled or `deadline` has passed; returns true where they have settled.
-    pub(super) fn advance(&mut self, deadline: Option<Instant>) -> bool {
+    fn advance(&mut self, deadline: Option<Instant>) -> bool {
         loop {
             let [twin, linear] = &mut self.twins;
             if !(twin.advance() || linear.advance()) {
@@ -165,7 +350,7 @@ impl Beginning {
     }
 
     /// Returns the settled twins.
-    pub(super) fn settled(self) -> [Box<dyn Twin>; 2] {
+    fn settled(self) -> [Box<dyn Twin>; 2] {
         self.twins.map(RunIn::into_twin)
     }
 
@@ -173,7 +358,7 @@ impl Beginning {
     ///
     /// # Errors
     /// A machine that cannot be started.
-    pub(super) fn at_rest(self) -> Result<[Box<dyn Twin>; 2]> {
+    fn at_rest(self) -> Result<[Box<dyn Twin>; 2]> {
         let [twin, linear] = self.plants.map(|plant| plant.start(self.period, self.revolutions));
         Ok([twin?, linear?])
     }

@@ -1,6 +1,6 @@
 //! Sums over a whole recording, one pass, flat memory: mean, extremes, RMS, the 1X vector.
 
-use super::outcome::{Motion, phase_lag_deg};
+use crate::outcome::{Motion, phase_lag_deg};
 use nalgebra::{Matrix3, Vector3};
 
 const UM: f64 = 1e6;
@@ -34,12 +34,6 @@ impl Sums {
         self.square += y * y;
         self.signal += basis * y;
         self.basis += basis * basis.transpose();
-    }
-
-    /// Number of samples.
-    #[must_use]
-    pub fn count(&self) -> f64 {
-        self.n
     }
 
     /// Mean, m.
@@ -81,12 +75,6 @@ impl Sums {
             one_x_um: cos.hypot(sin) * UM,
             one_x_phase_lag_deg: phase_lag_deg(cos, sin),
         }
-    }
-
-    /// Smallest and largest.
-    #[must_use]
-    pub fn extremes(&self) -> (f64, f64) {
-        (self.min, self.max)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the samples of a replay take.
 
-use super::outcome::{Quantiles, Timing};
+use crate::outcome::{Quantiles, Timing};
 use hdrhistogram::Histogram;
 use std::time::{Duration, Instant};
 

@@ -4,8 +4,8 @@
 //! 0.5X, 1X and 2X lie on one another's zeros: none leaks into another, also while the speed changes.
 
 use super::history::{History, Join};
-use super::outcome::{Block, BlockFigures};
-use super::pictures::Plane;
+use crate::outcome::{Block, BlockFigures};
+use crate::probes::Plane;
 use crate::recording::Sample;
 use std::f64::consts::TAU;
 
@@ -126,7 +126,7 @@ impl Trend {
         let (column_a, column_b, mean_a, mean_b) =
             (self.columns.get(a)?, self.columns.get(b)?, means.get(a)?, means.get(b)?);
         let square = |(a, b): (&f64, &f64)| {
-            let (x, y) = plane.place(a - mean_a, b - mean_b);
+            let (x, y) = plane.xy_from(a - mean_a, b - mean_b);
             x * x + y * y
         };
         Some(column_a.iter().zip(column_b).map(square).fold(0.0, f64::max).sqrt() * UM)

@@ -2,116 +2,29 @@
 
 mod balls;
 mod error;
+mod kinematics;
 mod lumped;
 mod preload;
 
 pub use balls::{MadeTable, PRESSURE_LIMIT, Solved, inertia_params, quasi_static, solved_in, table};
 pub use error::BuildError;
+use kinematics::outer_ratio;
+pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rotation_at};
 pub use lumped::{Exponent, law};
-pub use preload::{loaded, preload_offset, preloaded, rotation_at};
+pub use preload::{loaded, preload_offset, preloaded};
 
-use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Speed, Surface};
+use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Surface};
 pub use crate::handle::{AnyBearing, Shared};
 use crate::simd::shared;
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
-use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
 use ballrace::bearing::{Bearing as _, ElementPosition, Mirrored};
 use ballrace::contact::hertz::{Material, Race};
-use ballrace::rotor::{ComponentAngles, MovingBallsParams, RotorParams, SpeedRatios, Support, Unbalance};
+use ballrace::rotor::{MovingBallsParams, RotorParams, Support, Unbalance};
 use ballrace::{Displacement, Math, Phase, Scalar, Stiffness, Wrench};
 use std::sync::Arc;
-
-/// How the elements of a bearing go round.
-#[derive(Debug, Clone, Copy)]
-pub struct Kinematics {
-    /// Cage speed over shaft speed; 0 where nothing moves.
-    pub cage_ratio: f64,
-    /// Orders per turn of the shaft.
-    pub orders: Orders,
-    /// Whether the ball-spin order is known (it needs the geometry).
-    pub spin_known: bool,
-    /// Outer ring's speed over shaft speed.
-    pub outer_ratio: f64,
-}
-
-impl Kinematics {
-    /// How the kernel's rotor follows the shaft; balls and outer ring only where they turn.
-    #[must_use]
-    pub fn speed_ratios(&self) -> SpeedRatios<f64> {
-        let speed_ratios = SpeedRatios::new(self.cage_ratio);
-        let speed_ratios = if self.spin_known { speed_ratios.with_ball(self.ball_ratio()) } else { speed_ratios };
-        if self.outer_ratio == 0.0 { speed_ratios } else { speed_ratios.with_outer(self.outer_ratio) }
-    }
-
-    /// Spin of the balls over shaft speed: against the shaft where the inner ring is the faster.
-    #[must_use]
-    pub fn ball_ratio(&self) -> f64 {
-        -self.orders.ball_spin * (1.0 - self.outer_ratio).signum()
-    }
-
-    /// Angles of the parts with the shaft at `revolutions` from its angle 0.
-    #[must_use]
-    pub fn parts_at(&self, revolutions: f64) -> ComponentAngles {
-        let turned = |ratio: f64| Phase::from_revolutions(ratio * revolutions);
-        ComponentAngles {
-            cage: turned(self.cage_ratio),
-            ball: turned(self.ball_ratio()),
-            outer: turned(self.outer_ratio),
-        }
-    }
-}
-
-/// Cage ratio and orders of a bearing: from the scene's `cage_ratio`, or by pure rolling at the free contact angle, that of
-/// the unloaded bearing.
-///
-/// # Errors
-/// An outer ring that turns under a shaft whose speed changes: the ratio is then no constant.
-pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics, BuildError> {
-    kinematics_of(scene, bearing, geometry(bearing)?)
-}
-
-/// The same with another `geometry` than the bearing's own, such as one with the contact angle under load.
-///
-/// # Errors
-/// As [`kinematics`].
-pub fn kinematics_of(
-    scene: &Scene,
-    bearing: &BearingScene,
-    geometry: Option<BallBearingGeometry>,
-) -> Result<Kinematics, BuildError> {
-    let n = bearing.elements as f64;
-    let by_geometry = geometry.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter));
-    let spin = by_geometry.map(|o| o.ball_spin);
-    let rolling = by_geometry.map(|o| o.cage).unwrap_or(0.0);
-    let outer = outer_ratio(scene)?;
-    // Harris: w_c = [w_i (1 - gamma) + w_o (1 + gamma)]/2, here over w_i.
-    let cage_ratio = bearing.cage_ratio.unwrap_or(rolling + outer * (1.0 - rolling) * f64::from(rolling > 0.0));
-    if cage_ratio.abs() >= 1.0 {
-        return Err(BuildError::CageRatio {
-            file: scene.path.clone(),
-            bearing: bearing.name.clone(),
-            found: cage_ratio,
-        });
-    }
-    let orders = Orders {
-        cage: cage_ratio,
-        outer_race: n * (cage_ratio - outer).abs(),
-        inner_race: n * (1.0 - cage_ratio),
-        ball_spin: spin.unwrap_or(0.0) * (1.0 - outer).abs(),
-    };
-    Ok(Kinematics { cage_ratio, orders, spin_known: spin.is_some(), outer_ratio: outer })
-}
-
-fn outer_ratio(scene: &Scene) -> Result<f64, BuildError> {
-    match (scene.shaft.outer_speed, scene.shaft.speed) {
-        (0.0, _) => Ok(0.0),
-        (outer, Speed::Constant(shaft)) if shaft != 0.0 => Ok(outer / shaft),
-        _ => Err(BuildError::OuterSpeed { file: scene.path.clone(), found: scene.shaft.outer_speed }),
-    }
-}
 
 /// The kernel's geometry, where the scene gives one.
 ///
@@ -179,18 +92,10 @@ pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<ElementPosition<T>> {
     (0..scene.elements).map(|j| place(scene, j)).map(mirror).collect()
 }
 
-/// Where element `j` (0 is the first) stands with the cage at angle 0: as the scene says, else evenly spaced; carried
-/// aside by a cage whose centre is not the one it turns about (`docs/src/models.md#cage-run-out`). In the cage's frame that offset stands still.
+/// Position of element `j` (0 is the first) with the cage at angle 0.
 #[must_use]
 pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> ElementPosition<T> {
-    let even = || {
-        ElementPosition::<f64>::evenly_spaced(Phase::from_radians(scene.first_element_azimuth), j, scene.elements)
-            .azimuth()
-    };
-    let azimuth =
-        scene.element_azimuths.get(j).map_or_else(even, |&a| Phase::from_radians(scene.first_element_azimuth + a));
-    let aside = scene.cage_runout.map_or(0.0, |r| -r.offset / r.radius * (azimuth.radians() - r.angle).sin());
-    ElementPosition::from_azimuth(azimuth.wrapping_add(Phase::from_radians(aside)))
+    ElementPosition::from_azimuth(element_azimuth(scene, j))
 }
 
 /// Turned about X by pi where the bearing faces -Z. Behind the pointer already, so that no kind is compiled twice.

@@ -2,12 +2,11 @@
 
 use crate::motion::{self, Span};
 use crate::plant::Plant;
+use crate::probes::PoseSolver;
 use crate::recording::Reader;
 use crate::recording::rotation::Tracker;
-use crate::replay::pose::PoseSolver;
 use crate::scene::{Recording, Scene};
 use anyhow::{Context, Result, bail};
-use ballrace::rotor::ShaftMotion;
 use ballrace::{BearingKinematicState, Displacement};
 use std::f64::consts::TAU;
 
@@ -91,8 +90,8 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
     let mut take = |tracker: &mut Tracker| {
         while let Some(sample) = tracker.pop() {
             let pose = solver.pose(&sample.row.probes, rest.w);
-            let drive = ShaftMotion { angle: sample.angle, speed: sample.speed, acceleration: sample.acceleration };
-            let turned = sample.revolution as f64 + sample.angle.revolutions();
+            let drive = sample.shaft_motion();
+            let turned = sample.total_revolutions();
             if pose.is_finite() {
                 for (poses, mounted) in all.iter_mut().zip(&plant.bearings) {
                     let at = mounted.rotation(mounted.kinematics.parts_at(turned), &drive);

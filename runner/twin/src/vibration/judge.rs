@@ -2,8 +2,8 @@
 
 use super::envelope::{Envelope, Line, envelopes};
 use super::picture;
-use crate::replay::baseline::{Baseline, BaselineSensor};
-use crate::replay::outcome::{EnvelopeSpectrum, Finding, FindingKind};
+use crate::baseline::{Baseline, BaselineSensor};
+use crate::outcome::{EnvelopeSpectrum, Finding, FindingKind};
 use crate::scene::Sensor;
 use ballrace::bearing::kinematics::Orders;
 

@@ -7,17 +7,17 @@ mod picture;
 #[cfg(test)]
 mod tests;
 
+use crate::baseline::Baseline;
+use crate::outcome::{BearingOrders, BearingOutcome, Outcome, Pictures, Record, Timing};
 use crate::recording::Reader;
 use crate::recording::Row;
-use crate::replay::Options;
-use crate::replay::baseline::Baseline;
-use crate::replay::outcome::{BearingOrders, BearingOutcome, Outcome, Pictures, Record};
 use crate::scene::{RotationSource, Scene, Sensor, Speed, build};
 use anyhow::{Result, bail};
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
 use judge::{Judge, Suspect};
 use std::f64::consts::TAU;
+use std::path::Path;
 use std::time::Instant;
 
 /// Turns that a verdict needs.
@@ -37,7 +37,13 @@ struct IdentificationData {
 ///
 /// # Errors
 /// A speed that is not constant, a recording that is too short or cannot be read.
-pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) -> Result<Outcome> {
+pub fn replay(
+    scene: &Scene,
+    mut reader: Reader,
+    name: &str,
+    baseline: Option<&Path>,
+    progress: Option<&(dyn Fn(u64, Option<u64>) + Sync)>,
+) -> Result<Outcome> {
     let Some(recording) = &scene.recording else { bail!("found no recording") };
     let (Speed::Constant(speed), RotationSource::Scene) = (scene.shaft.speed, &recording.rotation) else {
         bail!(crate::error::UsageError(format!(
@@ -82,7 +88,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) 
         }
         rows += 1;
         if rows % PROGRESS_ROWS == 0
-            && let Some(progress) = options.progress
+            && let Some(progress) = progress
         {
             let (read, total) = reader.progress();
             progress(read, total);
@@ -94,7 +100,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) 
         bail!("{name}: found {turns:.1} turns of the shaft, allowed: {LEAST_TURNS} or more");
     }
     let suspects = suspects(scene)?;
-    let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
+    let baseline = baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
     let judge = Judge { suspects: &suspects, turn_hz, rate, baseline: baseline.as_ref() };
     let (findings, learned, envelopes) = judge.all(heard.iter().map(|h| (&h.sensor, h.signal.as_slice())));
     let verdict = findings.first().map_or_else(
@@ -122,7 +128,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, name: &str, options: &Options) 
     if !whole {
         notes.push(format!("Only the first {MOST_SAMPLES} samples were looked at."));
     }
-    let mut timing = crate::replay::outcome::Timing { samples: rows, ..Default::default() };
+    let mut timing = Timing { samples: rows, ..Timing::default() };
     timing.wall_s = begun.elapsed().as_secs_f64();
     timing.times_real_time = record.duration_s / timing.wall_s.max(1e-9);
     timing.sample_period_ns = (1e9 / rate) as u64;

@@ -2,7 +2,7 @@
 
 use super::envelope::Envelope;
 use super::judge::{Judge, Suspect};
-use crate::replay::outcome::{EnvelopeSpectrum, MarkedLine};
+use crate::outcome::{EnvelopeSpectrum, MarkedLine};
 use crate::scene::Sensor;
 
 /// Of one sensor, among the `bands` of which `found` is the one that the strongest finding rests on.

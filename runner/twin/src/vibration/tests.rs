@@ -1,7 +1,7 @@
 //! Blows of known origin in noise, and what is no blow.
 
 use super::judge::{Judge, Suspect};
-use crate::replay::outcome::{EnvelopeSpectrum, FindingKind};
+use crate::outcome::{EnvelopeSpectrum, FindingKind};
 use crate::scene::Sensor;
 use ballrace::bearing::kinematics::{Orders, orders};
 use std::f64::consts::TAU;

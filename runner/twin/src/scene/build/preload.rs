@@ -1,13 +1,12 @@
-//! How a bearing turns at one instant, where it settles under a load, and its preload.
+//! Static equilibrium of one bearing under a load, and its preload.
 
-use super::{AnyBearing, BuildError, Shared, geometry};
+use super::{AnyBearing, BuildError, Shared, rotation_at};
 use crate::scene::{Bearing as BearingScene, Facing, Preload, Scene};
-use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
     BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
 };
-use ballrace::{BearingKinematicState, Displacement, Phase, Scalar, Stiffness};
+use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 use std::sync::Arc;
 
 /// A bearing that stands displaced by its preload before anything moves.
@@ -36,34 +35,6 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.bearing.element_loads(&self.with(u), at, loads);
     }
-}
-
-/// What a bearing sees at `time` of the scene, from angle 0 at time 0.
-///
-/// # Errors
-/// As [`kinematics`](super::kinematics).
-pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<BearingKinematicState<f64>, BuildError> {
-    let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
-    let inner = scene.shaft.speed.revolutions(time);
-    let outer = outer_speed * time / std::f64::consts::TAU;
-    let (cage_ratio, spin) = match geometry(bearing)? {
-        Some(g) => {
-            let orders = orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter);
-            (bearing.cage_ratio.unwrap_or(orders.cage), orders.ball_spin)
-        }
-        None => (bearing.cage_ratio.unwrap_or(0.0), 0.0),
-    };
-    // The outer ring takes the cage along as far as the inner one does not; a cage ratio that is given is for a
-    // resting outer ring.
-    let carried = if cage_ratio > 0.0 { 1.0 - cage_ratio } else { 0.0 };
-    Ok(BearingKinematicState {
-        cage: Phase::from_revolutions(cage_ratio * inner + carried * outer),
-        inner: Phase::from_revolutions(inner),
-        outer: Phase::from_revolutions(outer),
-        ball: Phase::from_revolutions(-spin * (inner - outer)),
-        inner_speed,
-        outer_speed,
-    })
 }
 
 /// Displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.

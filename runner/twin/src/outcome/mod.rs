@@ -6,7 +6,7 @@ mod timing;
 
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
-use super::baseline;
+use crate::baseline;
 use crate::recording::flaws::FlawSummary;
 use serde::Serialize;
 
@@ -42,7 +42,7 @@ pub struct Outcome {
     /// What is wrong with the machine; empty when nothing is.
     pub findings: Vec<Finding>,
     /// Limits of the scene that were crossed; empty when none was.
-    pub events: Vec<super::limits::Event>,
+    pub events: Vec<Event>,
     /// What is wrong with the recording; empty when nothing is.
     pub flaws: Vec<FlawSummary>,
     /// What the user should know besides: things assumed, things that could not be done.
@@ -165,14 +165,14 @@ pub enum Standing {
 
 /// One simpler predictor of the same signal.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
-pub struct Baseline {
+pub struct SimplePredictor {
     /// What it leaves.
     pub residual_rms_um: f64,
     /// The twin against it.
     pub twin_is: Standing,
 }
 
-impl Baseline {
+impl SimplePredictor {
     /// From what it and what the twin leaves.
     #[must_use]
     pub fn new(residual_rms_um: f64, twin_rms_um: f64) -> Self {
@@ -190,21 +190,21 @@ impl Baseline {
 
 /// What the twin has to beat.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
-pub struct Baselines {
+pub struct SimplePredictors {
     /// The signal's own mean.
-    pub mean: Baseline,
+    pub mean: SimplePredictor,
     /// The sample before.
-    pub persistence: Baseline,
+    pub persistence: SimplePredictor,
     /// Mean and 1X fitted to the recording.
-    pub one_x: Baseline,
+    pub one_x: SimplePredictor,
     /// The same rotor on linear springs.
-    pub linear: Baseline,
+    pub linear: SimplePredictor,
 }
 
-impl Baselines {
+impl SimplePredictors {
     /// In the order of the tables.
     #[must_use]
-    pub const fn all(&self) -> [Baseline; 4] {
+    pub const fn all(&self) -> [SimplePredictor; 4] {
         [self.mean, self.persistence, self.one_x, self.linear]
     }
 
@@ -243,7 +243,7 @@ pub struct ProbeOutcome {
     /// Probe noise, rms, when the scene gives it.
     pub noise_um: Option<f64>,
     /// What the twin has to beat.
-    pub baselines: Baselines,
+    pub baselines: SimplePredictors,
     /// What a vibration engineer asks first; none where no block of turns was whole.
     pub list: Option<TabularList>,
 }
@@ -376,6 +376,33 @@ pub struct BearingOrders {
     pub inner_race: f64,
     /// Ball spin, when the geometry is known.
     pub ball_spin: Option<f64>,
+}
+
+/// A limit that was crossed.
+#[derive(Debug, Clone, Serialize)]
+pub struct Event {
+    /// The indicator, as the scene names it.
+    pub indicator: &'static str,
+    /// The probe's column.
+    pub probe: String,
+    /// Of a race's line.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<String>,
+    /// Start of the first block beyond the limit, s.
+    pub start_s: f64,
+    /// End of the last one; none where it was still beyond at the end of the recording.
+    pub end_s: Option<f64>,
+    /// The worst value and the end of its block.
+    pub worst: f64,
+    /// s
+    pub worst_s: f64,
+    /// The limit.
+    pub limit: f64,
+    /// Of `worst` and `limit`: um, or nothing.
+    pub unit: &'static str,
+    /// For the maintenance engineer; empty where a line of the event log has it already.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub sentence: String,
 }
 
 /// Kind of fault.

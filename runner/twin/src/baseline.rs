@@ -1,8 +1,6 @@
 //! What a machine in good order leaves of its residual: remembered by `--learn`, judged against by `--baseline`.
 
-use super::comparison::{Comparison, followed};
 use crate::error::UsageError;
-use crate::plant::MountedBearing;
 use crate::scene::{Probe, Sensor};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
@@ -57,32 +55,18 @@ pub struct BaselineProbe {
 }
 
 impl Baseline {
-    /// From a finished comparison.
-    #[must_use]
-    pub fn learn(
-        scene: &str,
-        recording: &str,
-        comparison: &Comparison,
-        probes: &[Probe],
-        seats: &[MountedBearing],
-    ) -> Self {
-        let orders = orders(seats);
-        let probe = |(i, probe): (usize, &Probe)| BaselineProbe {
-            name: probe.column.clone(),
-            residual_rms_um: comparison.residual_rms_about_mean(i) * UM,
-            lines_um: (0..orders.len()).map(|line| comparison.residual_line(line, i) * UM).collect(),
-            motion_lines_um: (0..orders.len()).map(|line| comparison.motion_line(line, i) * UM).collect(),
-        };
-        let probes = probes.iter().enumerate().map(probe).collect();
-        let (scene, recording) = (scene.to_owned(), recording.to_owned());
-        Self { ballrace_baseline: FORM, scene, recording, orders, probes, sensors: vec![] }
-    }
-
     /// Of a recording of vibration.
     #[must_use]
     pub fn of_sensors(scene: &str, recording: &str, sensors: Vec<BaselineSensor>) -> Self {
         let (scene, recording) = (scene.to_owned(), recording.to_owned());
         Self { ballrace_baseline: FORM, scene, recording, sensors, ..Self::default() }
+    }
+
+    /// Returns the baseline of a recording of displacement.
+    #[must_use]
+    pub fn of_probes(scene: &str, recording: &str, orders: Vec<f64>, probes: Vec<BaselineProbe>) -> Self {
+        let (scene, recording) = (scene.to_owned(), recording.to_owned());
+        Self { ballrace_baseline: FORM, scene, recording, orders, probes, sensors: vec![] }
     }
 
     /// From a file, for a scene with these sensors.
@@ -121,16 +105,15 @@ impl Baseline {
         )))
     }
 
-    /// From a file, for a scene with these probes and bearings.
+    /// Reads the baseline of a scene with these probes, whose followed lines have these orders.
     ///
     /// # Errors
     /// A file that cannot be read, is no baseline, or was learned with other probes or bearings.
-    pub fn read(path: &Path, probes: &[Probe], seats: &[MountedBearing]) -> Result<Self> {
+    pub fn read(path: &Path, probes: &[Probe], orders: &[f64]) -> Result<Self> {
         let found = Self::parse(path)?;
         let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));
-        let wanted = orders(seats);
         let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-6 * b.abs().max(1.0);
-        let same_lines = found.orders.len() == wanted.len() && found.orders.iter().zip(&wanted).all(close);
+        let same_lines = found.orders.len() == orders.len() && found.orders.iter().zip(orders).all(close);
         let whole = found.probes.iter().all(|p| p.lines_um.len() == found.orders.len());
         if same_probes && same_lines && whole { Ok(found) } else { Err(found.of_others(path)) }
     }
@@ -152,9 +135,4 @@ impl Baseline {
     pub fn residual(&self, probe: usize) -> f64 {
         self.probes.get(probe).map_or(0.0, |p| p.residual_rms_um) / UM
     }
-}
-
-fn orders(seats: &[MountedBearing]) -> Vec<f64> {
-    let ratios: Vec<f64> = seats.iter().map(|s| s.kinematics.cage_ratio).collect();
-    followed(seats).iter().map(|line| line.order(&ratios)).collect()
 }

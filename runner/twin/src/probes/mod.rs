@@ -1,15 +1,19 @@
-//! From probes to the shaft's pose, by least squares.
+//! Displacement probes: their readings of the shaft's position, and the position from their readings.
 //!
-//! A radial probe at station `z` looking along the angle `a` reads `(u + z thv) cos a + (v - z thu) sin a`, an axial
-//! one reads `w`. Two planes of two directions determine `u, v, thu, thv`; without an axial probe `w` is the twin's.
+//! A radial probe at station `z` looking along the angle `a` reads `(u + z thv) cos a + (v - z thu) sin a`, an axial probe
+//! reads `w`. Two planes with two directions each determine `u, v, thu, thv` by least squares.
 
-use super::outcome::Observation;
+mod plane;
+
+pub use plane::{Plane, planes};
+
+use crate::outcome::Observation;
 use crate::scene::{Direction, Probe};
 use anyhow::{Result, bail};
 use ballrace::Displacement;
 use nalgebra::{DMatrix, DVector};
 
-/// What one probe reads per unit of each coordinate of the pose.
+/// Returns the change of a probe's reading per unit of each coordinate of the position.
 #[must_use]
 pub fn row(probe: &Probe) -> [f64; 5] {
     match probe.direction {
@@ -21,30 +25,30 @@ pub fn row(probe: &Probe) -> [f64; 5] {
     }
 }
 
-/// What a probe would read if the shaft's centre of mass stood at `q`, m.
+/// Returns the reading of a probe with the shaft's centre of mass at `q`, m.
 #[must_use]
 pub fn reading(row: &[f64; 5], q: &Displacement<f64>) -> f64 {
     row.iter().zip(q.to_array()).map(|(a, x)| a * x).sum()
 }
 
-/// The least-squares solution of every sample, prepared once: pose = matrix * readings.
+/// Least-squares solution for the position, `q = matrix * readings`, with the matrix computed once.
 pub struct PoseSolver {
     inverse: Vec<[f64; 5]>,
-    axial_seen: bool,
-    /// How good the probes' places are.
+    has_axial_probe: bool,
+    /// Conditioning of the least-squares problem.
     pub observation: Observation,
 }
 
 impl PoseSolver {
-    /// From the probes and the stations of the bearings (m), whose poses matter.
+    /// Creates the solver for these probes. `bearings` are the stations (m) at which the noise gain is evaluated.
     ///
     /// # Errors
-    /// Probes that leave a coordinate open: says which and what to add.
+    /// Probes that do not determine a radial or tilt coordinate.
     pub fn try_new(probes: &[Probe], bearings: &[f64]) -> Result<Self> {
         let rows: Vec<[f64; 5]> = probes.iter().map(row).collect();
-        let axial_seen = probes.iter().any(|p| p.direction == Direction::Axial);
+        let has_axial_probe = probes.iter().any(|p| p.direction == Direction::Axial);
         let span = length_scale(probes);
-        let active: Vec<usize> = (0..5).filter(|&i| i != 2 || axial_seen).collect();
+        let active: Vec<usize> = (0..5).filter(|&i| i != 2 || has_axial_probe).collect();
         // Tilts times the probes' distance: all unknowns are then lengths and the condition number means something.
         let scale = |i: usize| if i < 3 { 1.0 } else { span };
         let matrix = DMatrix::from_fn(rows.len(), active.len(), |i, j| rows[i][active[j]] / scale(active[j]));
@@ -68,12 +72,12 @@ impl PoseSolver {
         let observation = Observation {
             condition_number: largest / smallest,
             noise_gain: noise_gain(&inverse, bearings),
-            supplied_by_twin: if axial_seen { vec![] } else { vec!["w".to_owned()] },
+            supplied_by_twin: if has_axial_probe { vec![] } else { vec!["w".to_owned()] },
         };
-        Ok(Self { inverse, axial_seen, observation })
+        Ok(Self { inverse, has_axial_probe, observation })
     }
 
-    /// Pose from readings (m); `w` where no probe sees it.
+    /// Returns the position from readings (m), with the axial coordinate `w` where there is no axial probe.
     #[must_use]
     pub fn pose(&self, readings: &[f64], w: f64) -> Displacement<f64> {
         let mut q = [0.0; 5];
@@ -82,13 +86,13 @@ impl PoseSolver {
                 *entry += a * reading;
             }
         }
-        if !self.axial_seen {
+        if !self.has_axial_probe {
             q[2] = w;
         }
         Displacement::from_array(q)
     }
 
-    /// Change of the pose per metre of one probe's reading.
+    /// Returns the change of the position per metre of one probe's reading.
     #[must_use]
     pub fn column(&self, probe: usize) -> Displacement<f64> {
         Displacement::from_array(self.inverse.get(probe).copied().unwrap_or_default())

@@ -1,10 +1,10 @@
-//! The last samples, for those who look on.
+//! The last samples and the present state, for a live display.
 
-use super::outcome::MarkedLine;
-use super::pictures::Plane;
+use crate::outcome::MarkedLine;
+use crate::probes::Plane;
 use std::collections::VecDeque;
 
-/// Samples that are kept: a spectrum's length.
+/// Number of samples kept: the length of a spectrum.
 pub const KEPT: usize = 4096;
 
 /// One sample of all probes, m.
@@ -14,38 +14,38 @@ pub struct SnapshotSample {
     pub measured: Vec<f64>,
     /// The twin's.
     pub twin: Vec<f64>,
-    /// The keyphasor passed since the sample before.
+    /// True where the keyphasor passed since the previous sample.
     pub passed: bool,
 }
 
-/// What there is to see at one moment.
+/// State of a replay at one moment.
 #[derive(Debug, Clone, Default)]
 pub struct Snapshot {
-    /// In the recording's time.
+    /// Time of the last sample in the recording's time.
     pub time_s: f64,
-    /// Now.
+    /// Present shaft speed.
     pub speed_rpm: f64,
-    /// Samples a second of what follows.
+    /// Samples per second.
     pub rate_hz: f64,
     /// The last samples, oldest first; readings are those of the probes in the scene's order.
     pub samples: Vec<SnapshotSample>,
-    /// Planes of the probes, with what they are called.
+    /// Planes of the probes, each with its name.
     pub planes: Vec<(String, Plane)>,
-    /// Of each bearing: its name, and azimuth (rad) and load (N) of every element where the observer sees the shaft.
+    /// Name of each bearing, with azimuth (rad) and load (N) of every element at the estimated displacement.
     pub loads: Vec<(String, Vec<(f64, f64)>)>,
     /// Lines to mark in a spectrum.
     pub lines: Vec<MarkedLine>,
 }
 
-/// The last [`KEPT`] of them.
+/// The last [`KEPT`] samples.
 #[derive(Default)]
-pub struct Recent {
+pub struct RecentSamples {
     /// Oldest first.
     pub samples: VecDeque<SnapshotSample>,
 }
 
-impl Recent {
-    /// One more; the oldest goes, its memory is used again.
+impl RecentSamples {
+    /// Adds a sample; the oldest is removed and its memory used again.
     pub fn add(&mut self, measured: &[f64], twin: &[f64], passed: bool) {
         let mut sample = if self.samples.len() < KEPT { None } else { self.samples.pop_front() }.unwrap_or_default();
         for (to, from) in [(&mut sample.measured, measured), (&mut sample.twin, twin)] {

@@ -1,0 +1,78 @@
+//! An observer in operation: its step from sample to sample, the consistency test, and the restart.
+
+use super::{Consistency, MOST_PROBES, StateEstimator, Verdict};
+use ballrace::rotor::ShaftMotion;
+use ballrace::{Displacement, Status};
+
+/// An observer that follows the samples of a recording.
+pub struct RunningObserver {
+    estimator: Box<dyn StateEstimator>,
+    consistency: Consistency,
+}
+
+/// Result of a correction by a sample with a reading of every probe.
+#[derive(Debug, Clone, Copy)]
+pub struct Correction {
+    /// Normalised innovation squared, at most the gate.
+    pub nis: f64,
+    /// Flags of the correction.
+    pub status: Status,
+    /// Result of the consistency test.
+    pub verdict: Verdict,
+    /// Mean normalised innovation squared over its expected value, where the observer lost trust at this sample.
+    pub lost_trust: Option<f64>,
+}
+
+impl RunningObserver {
+    /// Creates a running observer from its estimator and the initial state of the consistency test.
+    #[must_use]
+    pub const fn new(estimator: Box<dyn StateEstimator>, consistency: Consistency) -> Self {
+        Self { estimator, consistency }
+    }
+
+    /// Advances over the sample periods `motion` (the shaft at the start of each) and corrects with the readings at the end
+    /// of the last period. Readings are NaN where missing.
+    ///
+    /// `is_possible` tests the estimate; `restart_state` returns displacement and rate for a restart. Returns the flags of all
+    /// periods, and the correction where every probe has a reading.
+    pub fn step(
+        &mut self,
+        motion: impl Iterator<Item = ShaftMotion<f64>>,
+        readings: &[f64],
+        is_possible: impl Fn(&Displacement<f64>) -> bool,
+        restart_state: impl FnOnce() -> (Displacement<f64>, Displacement<f64>),
+    ) -> (Status, Option<Correction>) {
+        let missing = [f64::NAN; MOST_PROBES];
+        let mut motion = motion.peekable();
+        let (mut all, mut last) = (Status::OK, None);
+        while let Some(now) = motion.next() {
+            let is_last = motion.peek().is_none();
+            self.estimator.set_gate(self.consistency.gate());
+            let (nis, status) = self.estimator.step(&now, if is_last { readings } else { &missing });
+            all = all.union(status);
+            last = is_last.then_some((nis, status));
+        }
+        let Some((nis, status)) = last.filter(|_| !readings.iter().any(|y| y.is_nan())) else { return (all, None) };
+        let is_possible = !status.contains(Status::INPUT_NOT_FINITE) && is_possible(&self.estimator.position());
+        let was_trusted = self.consistency.is_trusted();
+        let verdict = self.consistency.test(nis, is_possible);
+        if verdict == Verdict::Restart {
+            let (position, rate) = restart_state();
+            self.estimator.restart(&position, &rate);
+        }
+        let lost_trust = (was_trusted && verdict != Verdict::Trusted).then(|| self.consistency.ratio());
+        (all, Some(Correction { nis: self.consistency.bounded(nis), status, verdict, lost_trust }))
+    }
+
+    /// Returns the estimated displacement of the rotor; none where the observer is not trusted.
+    #[must_use]
+    pub fn position(&self) -> Option<Displacement<f64>> {
+        self.consistency.is_trusted().then(|| self.estimator.position())
+    }
+
+    /// Returns the estimated unknown load; none where the observer is not trusted.
+    #[must_use]
+    pub fn load(&self) -> Option<[f64; 5]> {
+        self.consistency.is_trusted().then(|| self.estimator.load())
+    }
+}

@@ -1,0 +1,54 @@
+//! Planes of two radial probes: readings to X and Y.
+
+use crate::scene::{Direction, Probe};
+
+/// Two radial probes at one station that are not parallel, with the matrix from their readings to X and Y.
+#[derive(Debug, Clone)]
+pub struct Plane {
+    /// Indices of the two probes.
+    pub probes: [usize; 2],
+    /// Along Z, m.
+    pub station: f64,
+    inverse: [[f64; 2]; 2],
+}
+
+/// Returns the planes of the radial probes: at each station the first two probes that are not parallel.
+#[must_use]
+pub fn planes(probes: &[Probe]) -> Vec<Plane> {
+    let radial: Vec<(usize, f64, f64)> = probes
+        .iter()
+        .enumerate()
+        .filter_map(|(i, p)| match p.direction {
+            Direction::Radial(angle) => Some((i, p.station, angle)),
+            Direction::Axial => None,
+        })
+        .collect();
+    let mut planes: Vec<Plane> = Vec::new();
+    for (n, &(i, station, a)) in radial.iter().enumerate() {
+        if planes.iter().any(|p| (p.station - station).abs() < 1e-9) {
+            continue;
+        }
+        let partner = radial[n + 1..].iter().find(|(_, z, b)| (z - station).abs() < 1e-9 && (b - a).sin().abs() > 0.1);
+        if let Some(&(k, _, b)) = partner {
+            let det = (b - a).sin();
+            let inverse = [[b.sin() / det, -a.sin() / det], [-b.cos() / det, a.cos() / det]];
+            planes.push(Plane { probes: [i, k], station, inverse });
+        }
+    }
+    planes
+}
+
+impl Plane {
+    /// Returns X and Y from the readings of all probes.
+    #[must_use]
+    pub fn xy(&self, readings: &[f64]) -> (f64, f64) {
+        self.xy_from(readings[self.probes[0]], readings[self.probes[1]])
+    }
+
+    /// Returns X and Y from the readings of the two probes of the plane.
+    #[must_use]
+    pub fn xy_from(&self, a: f64, b: f64) -> (f64, f64) {
+        let row = |r: [f64; 2]| r[0] * a + r[1] * b;
+        (row(self.inverse[0]), row(self.inverse[1]))
+    }
+}

@@ -1,0 +1,201 @@
+//! Conclusion of a replay: the outcome from the sums of the stages.
+
+use super::pipeline::Pipeline;
+use super::standstill::Measured;
+use super::statistics::Running;
+use super::{findings, list, observe, plausibility};
+use crate::outcome::{Outcome, Record};
+use crate::recording::flaws::FlawSummary;
+use crate::scene::{RotationSource, Scene};
+use anyhow::{Result, bail};
+use std::f64::consts::TAU;
+
+/// Time, revolutions and speed of the processed samples.
+#[derive(Default)]
+pub(super) struct Totals {
+    speed: Running,
+    /// Time of the first sample, s.
+    first_time: f64,
+    /// Time of the last sample, s.
+    pub(super) last_time: f64,
+    revolutions: f64,
+}
+
+impl Totals {
+    pub(super) fn add(&mut self, time: f64, speed: f64, revolutions: f64) {
+        if self.speed.count() == 0.0 {
+            self.first_time = time;
+        }
+        self.last_time = time;
+        self.revolutions += revolutions;
+        self.speed.add(speed);
+    }
+
+    fn record(&self) -> Record {
+        let rpm = |w: f64| w * 60.0 / TAU;
+        let (slow, fast) = self.speed.extremes();
+        Record {
+            duration_s: self.last_time - self.first_time,
+            turns: self.revolutions,
+            mean_speed_rpm: rpm(self.speed.mean()),
+            min_speed_rpm: rpm(slow),
+            max_speed_rpm: rpm(fast),
+            ..Record::default()
+        }
+    }
+}
+
+/// Facts of a recording that the pipeline does not have.
+pub(super) struct RecordingFacts<'a> {
+    pub(super) name: &'a str,
+    /// Number of rows that the reader delivered.
+    pub(super) rows: u64,
+    /// Source of the shaft angle.
+    pub(super) angle_source: String,
+    pub(super) flaws: Vec<FlawSummary>,
+}
+
+impl Pipeline<'_> {
+    /// Returns the outcome.
+    ///
+    /// # Errors
+    /// A recording without a sample, an output that cannot be written.
+    pub(super) fn conclude(mut self, scene: &Scene, mut facts: RecordingFacts) -> Result<Outcome> {
+        facts.flaws.extend(self.range.flaws().summary());
+        if let Some(file) = self.forces_file.take() {
+            file.finish()?;
+        }
+        if self.totals.speed.count() == 0.0 {
+            return self.conclude_at_standstill(scene, facts);
+        }
+        self.comparison.finish();
+        let bearings = self.plant.bearings.as_slice();
+        let mean_speed = self.totals.speed.mean();
+        let speed_hz = mean_speed.abs() / TAU;
+        let mut probes = self.comparison.outcomes(self.probes, bearings, speed_hz);
+        let implausible = plausibility::implausible(&plausibility::Evidence {
+            counts: &self.counts,
+            rotation: scene.recording.as_ref().map_or(&RotationSource::Scene, |r| &r.rotation),
+            scene_speed: scene.shaft.speed,
+            mean_speed,
+            range: &self.range,
+            probes: &probes,
+            bearings: self.force.bearings(),
+            seats: bearings,
+        });
+        let not_judged = self.counts.not_judged(self.comparison.compared);
+        let is_judged = implausible.is_empty() && not_judged.is_empty();
+        let evidence = findings::Evidence {
+            probes: self.probes,
+            seats: bearings,
+            comparison: &self.comparison,
+            attribution: self.attribution.as_ref(),
+            baseline: self.baseline.as_ref(),
+            speed_hz,
+            rate: self.rate,
+        };
+        let findings = if is_judged { findings::findings(&evidence) } else { vec![] };
+        let observer = self.observer.outcome();
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.extend(self.closing_notes());
+        notes.extend(observer.as_ref().map(observe::sentence));
+        let limits = self.limits.lines();
+        let events = self.limits.finish();
+        notes.extend(events.iter().map(|event| event.sentence.clone()));
+        let learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
+        let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
+        pictures.clearances = list::clearances(scene, &self.planes);
+        pictures.limits = limits;
+        let record = Record {
+            samples: facts.rows,
+            compared: self.comparison.compared,
+            rate_hz: self.rate,
+            angle_source: facts.angle_source,
+            load: scene.rotor.as_ref().map_or([0.0; 5], |rotor| rotor.load),
+            spectra: self.comparison.spectra.settings(self.rate),
+            ..self.totals.record()
+        };
+        list::fill(&mut probes, &pictures.blocks, record.speed_changes());
+        Ok(Outcome {
+            scene: scene.name.clone(),
+            recording: facts.name.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            verdict: findings::verdict(&findings, &probes, &implausible, &not_judged, self.counts.out_of_range()),
+            implausible,
+            not_judged,
+            record,
+            planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
+            observation: self.location.observation().clone(),
+            probes,
+            bearings: self.force.outcomes(bearings),
+            timing: self.timing.finish(),
+            observer,
+            findings,
+            events,
+            flaws: facts.flaws,
+            notes,
+            learned,
+            pictures,
+        })
+    }
+
+    /// Returns the outcome of a recording in which no sample has a shaft angle.
+    fn conclude_at_standstill(self, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
+        if self.standstill.samples() == 0 {
+            bail!("{}: no sample, expected at least one revolution of the shaft", facts.name);
+        }
+        let outcome = self.standstill.outcome(Measured {
+            probes: self.probes,
+            bearings: self.force.outcomes(&self.plant.bearings),
+            observation: self.location.observation().clone(),
+            rows: facts.rows,
+            rate: self.rate,
+            angle_source: facts.angle_source,
+            load: scene.rotor.as_ref().map_or([0.0; 5], |rotor| rotor.load),
+            timing: self.timing.finish(),
+        });
+        let events = self.limits.finish();
+        let (implausible, not_judged) = (&outcome.implausible, &outcome.not_judged);
+        let mut notes = outcome.notes;
+        notes.extend(self.notes);
+        notes.extend(events.iter().map(|event| event.sentence.clone()));
+        Ok(Outcome {
+            scene: scene.name.clone(),
+            recording: facts.name.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            verdict: findings::verdict(&[], &[], implausible, not_judged, 0),
+            events,
+            flaws: facts.flaws,
+            notes,
+            ..outcome
+        })
+    }
+
+    /// Returns notes on the assumptions and restrictions of the outcome.
+    fn closing_notes(&self) -> Vec<String> {
+        let mut notes: Vec<String> = self.standstill.note().into_iter().collect();
+        let speed = &self.totals.speed;
+        let (slow, fast) = speed.extremes();
+        if (fast - slow).abs() > 0.05 * speed.mean().abs() {
+            notes.push(
+                "The speed changes by more than 5 %: spectra in Hz smear; 1X and ball-pass figures follow the shaft and do not.".to_owned(),
+            );
+        }
+        notes.extend(self.alignment.note(self.rate));
+        if !self.location.observation().supplied_by_twin.is_empty() {
+            notes.push("No axial probe: the axial position behind the measured forces is the twin's.".to_owned());
+        }
+        if self.probes.iter().any(|p| p.noise.is_none()) {
+            notes.push(
+                "Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band."
+                    .to_owned(),
+            );
+        }
+        notes.extend(self.twin.notes());
+        if self.comparison.compared == 0 {
+            notes
+                .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
+        }
+        notes
+    }
+}

@@ -1,0 +1,390 @@
+//! Force stage: the forces of the bearings at the measured displacement, at the observer's and at the twin's.
+
+use super::statistics::Running;
+use crate::outcome::{BearingOrders, BearingOutcome, ForceFigures};
+use crate::plant::MountedBearing;
+use crate::probes::PoseSolver;
+use crate::recording::status::SampleStatus;
+use crate::scene::Probe;
+use ballrace::bearing::{Bearing, LastValidWrench};
+use ballrace::rotor::{ComponentAngles, ShaftMotion};
+use ballrace::{BearingKinematicState, Displacement, Phase, Status};
+
+/// Number of azimuth bins around the ring for element loads.
+pub const AZIMUTH_BINS: usize = 72;
+/// Largest rate of samples with evaluated forces in live operation, Hz; a quarter of them enters the figures.
+pub const LIVE_FORCE_RATE: f64 = 3200.0;
+/// Decimation factor of the noise-band computation after the first revolutions, which the figures show.
+const NOISE_BAND_DECIMATION: u64 = 8;
+
+/// Forces of one bearing at one sample: FX, FY, FZ (N), MX, MY (N m) on the inner ring.
+#[derive(Clone, Copy, Default)]
+pub struct EvaluatedForce {
+    /// At the measured displacement.
+    pub measured: [f64; 5],
+    /// At the displacement of the twin.
+    pub twin: [f64; 5],
+    /// At the displacement of the observer; `measured` where the observer is not trusted.
+    pub estimated: [f64; 5],
+    /// Standard deviation of `measured` due to probe noise; NaN where unknown.
+    pub sigma: [f64; 5],
+    /// Status flags of `measured`.
+    pub status: Status,
+}
+
+/// Displacements of the rotor's centre of mass at one sample.
+#[derive(Clone, Copy)]
+pub(super) struct Displacements {
+    /// From the probes; NaN where a reading is missing.
+    pub(super) measured: Displacement<f64>,
+    /// Of the twin.
+    pub(super) twin: Displacement<f64>,
+    /// Of the observer; none where it is not trusted.
+    pub(super) observer: Option<Displacement<f64>>,
+}
+
+/// Evaluates the forces of a replay and accumulates them.
+pub(super) struct ForceStage {
+    bearings: Vec<BearingForces>,
+    /// Forces of the current sample; empty where the sample is skipped.
+    evaluated: Vec<EvaluatedForce>,
+    /// Decimation factor of the forces at the measured displacement.
+    force_decimation: u64,
+    /// Decimation factor of all forces and their sums, a multiple of `force_decimation`.
+    report_decimation: u64,
+}
+
+impl ForceStage {
+    /// Creates the stage. `decimated` limits the work in live operation.
+    pub(super) fn new(bearings: &[MountedBearing], rate: f64, decimated: bool) -> Self {
+        let force_decimation = if decimated { (rate / LIVE_FORCE_RATE).ceil() as u64 } else { 1 };
+        Self {
+            bearings: bearings.iter().map(|b| BearingForces::new(b.elements)).collect(),
+            evaluated: Vec::new(),
+            force_decimation,
+            report_decimation: force_decimation * if decimated { 4 } else { 1 },
+        }
+    }
+
+    /// Evaluates the forces of the sample `index`; returns the status flags of all bearings.
+    pub(super) fn evaluate(
+        &mut self,
+        index: u64,
+        bearings: &[MountedBearing],
+        parts: &[ComponentAngles],
+        shaft: &ShaftMotion<f64>,
+        displacements: &Displacements,
+    ) -> SampleStatus {
+        self.evaluated.clear();
+        let mut status = SampleStatus::default();
+        if !index.is_multiple_of(self.force_decimation) {
+            return status;
+        }
+        let with_all = self.is_reported(index);
+        for ((bearing, forces), &parts) in bearings.iter().zip(&mut self.bearings).zip(parts) {
+            let force = forces.evaluate(bearing, displacements, with_all, &bearing.rotation(parts, shaft));
+            status = status.and(force.status.into());
+            self.evaluated.push(force);
+        }
+        status
+    }
+
+    /// Returns true where all forces of the sample `index` are evaluated and enter the sums.
+    pub(super) const fn is_reported(&self, index: u64) -> bool {
+        index.is_multiple_of(self.report_decimation)
+    }
+
+    /// Returns true where the noise band of the sample `index` is due after the first revolutions.
+    pub(super) const fn is_noise_band_due(index: u64) -> bool {
+        index.is_multiple_of(NOISE_BAND_DECIMATION)
+    }
+
+    /// Forces of the current sample; empty where the sample is skipped.
+    pub(super) fn evaluated(&self) -> &[EvaluatedForce] {
+        &self.evaluated
+    }
+
+    /// Returns true where a bearing repeats its last valid force.
+    pub(super) fn is_held(&self) -> bool {
+        self.evaluated.iter().any(|force| force.status.is_held())
+    }
+
+    /// Adds the forces of bearing `i` to its sums, with the noise band where `noise` gives one; returns the forces and the load
+    /// on element 1.
+    pub(super) fn accumulate(
+        &mut self,
+        i: usize,
+        bearing: &MountedBearing,
+        displacements: &Displacements,
+        at: &BearingKinematicState<f64>,
+        noise: Option<(&PoseSolver, &[Probe])>,
+    ) -> Option<(&EvaluatedForce, f64)> {
+        let (force, forces) = (self.evaluated.get_mut(i)?, self.bearings.get_mut(i)?);
+        if let Some((solver, probes)) = noise
+            && !force.status.is_held()
+            && let Some(sigma) = noise_band(bearing, solver, probes, &displacements.measured, at)
+        {
+            force.sigma = sigma;
+        }
+        let first_load = forces.add(bearing, force, displacements, at);
+        Some((force, first_load))
+    }
+
+    /// Sums of every bearing.
+    pub(super) fn bearings(&self) -> &[BearingForces] {
+        &self.bearings
+    }
+
+    /// Returns the outcome of every bearing.
+    pub(super) fn outcomes(&self, bearings: &[MountedBearing]) -> Vec<BearingOutcome> {
+        self.bearings.iter().zip(bearings).map(|(forces, bearing)| forces.outcome(bearing)).collect()
+    }
+}
+
+/// Forces of one bearing over the recording.
+pub struct BearingForces {
+    held: LastValidWrench<f64>,
+    measured: [Running; 5],
+    twin: [Running; 5],
+    estimated: [Running; 5],
+    sigma: [Running; 5],
+    contact_lost: u64,
+    /// Number of samples with a force at the measured displacement.
+    evaluated: u64,
+    /// Number of samples in which the bearing carries no load in the twin.
+    twin_contact_lost: u64,
+    held_samples: u64,
+    largest: f64,
+    loads: Vec<f64>,
+    /// Load by azimuth, at the measured displacement and in the twin.
+    pub around: Vec<[Running; 2]>,
+}
+
+impl BearingForces {
+    fn new(elements: usize) -> Self {
+        Self {
+            held: LastValidWrench::new(),
+            measured: Default::default(),
+            twin: Default::default(),
+            estimated: Default::default(),
+            sigma: Default::default(),
+            contact_lost: 0,
+            evaluated: 0,
+            twin_contact_lost: 0,
+            held_samples: 0,
+            largest: 0.0,
+            loads: vec![0.0; elements],
+            around: vec![Default::default(); AZIMUTH_BINS],
+        }
+    }
+
+    /// Evaluates the forces of a sample: those at the measured displacement, and with `with_all` the others too (else 0). Where a
+    /// reading is missing, the last valid force is repeated; where the observer is not trusted, the measured force replaces its
+    /// force.
+    fn evaluate(
+        &mut self,
+        bearing: &MountedBearing,
+        displacements: &Displacements,
+        with_all: bool,
+        at: &BearingKinematicState<f64>,
+    ) -> EvaluatedForce {
+        let displacement = displacements.measured.at_station(bearing.station);
+        let (wrench, status) = bearing.bearing.sample(&mut self.held, &displacement, at);
+        let measured = wrench.to_array();
+        let (twin, estimated) = if with_all {
+            let estimated = displacements.observer.map_or(measured, |q| force_at(bearing, &q, at));
+            (force_at(bearing, &displacements.twin, at), estimated)
+        } else {
+            ([0.0; 5], [0.0; 5])
+        };
+        EvaluatedForce { measured, twin, estimated, sigma: [f64::NAN; 5], status }
+    }
+
+    /// Adds a sample to the sums; returns the load on element 1.
+    fn add(
+        &mut self,
+        bearing: &MountedBearing,
+        sample: &EvaluatedForce,
+        displacements: &Displacements,
+        at: &BearingKinematicState<f64>,
+    ) -> f64 {
+        self.contact_lost += u64::from(sample.status.contains(Status::CONTACT_LOST));
+        self.evaluated += u64::from(!sample.status.is_held());
+        self.twin_contact_lost += u64::from(sample.twin == [0.0; 5]);
+        self.held_samples += u64::from(sample.status.is_held());
+        for i in 0..5 {
+            self.twin[i].add(sample.twin[i]);
+            self.estimated[i].add(sample.estimated[i]);
+            if !sample.status.is_held() {
+                self.measured[i].add(sample.measured[i]);
+                if sample.sigma[i].is_finite() {
+                    self.sigma[i].add(sample.sigma[i]);
+                }
+            }
+        }
+        let twin_first = self.add_element_loads(bearing, &displacements.twin, at, 1);
+        if sample.status.is_held() {
+            twin_first
+        } else {
+            self.add_element_loads(bearing, &displacements.measured, at, 0)
+        }
+    }
+
+    /// Returns the shares of samples in which no element carries load, at the measured displacement and in the twin.
+    #[must_use]
+    pub fn unloaded_shares(&self) -> [f64; 2] {
+        let twin = self.twin.first().map_or(0.0, Running::count);
+        [self.contact_lost as f64 / self.evaluated.max(1) as f64, self.twin_contact_lost as f64 / twin.max(1.0)]
+    }
+
+    /// Adds the element loads at a displacement, the measured one (`which` 0) or the twin's (1); returns that on element 1.
+    fn add_element_loads(
+        &mut self,
+        bearing: &MountedBearing,
+        displacement: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+        which: usize,
+    ) -> f64 {
+        self.loads.fill(0.0);
+        bearing.bearing.element_loads(&displacement.at_station(bearing.station), at, &mut self.loads);
+        for (&load, azimuth) in self.loads.iter().zip(bearing.azimuths(at.cage)) {
+            let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
+            self.around[bin][which].add(load);
+            if which == 0 {
+                self.largest = self.largest.max(load);
+            }
+        }
+        self.loads.first().copied().unwrap_or(0.0)
+    }
+
+    /// Returns the outcome of the bearing.
+    fn outcome(&self, bearing: &MountedBearing) -> BearingOutcome {
+        let figures = |running: &Running, sigma: Option<&Running>| ForceFigures {
+            mean: running.mean(),
+            min: running.extremes().0,
+            max: running.extremes().1,
+            noise_sigma: sigma.map(Running::rms).filter(|s| *s > 0.0),
+        };
+        let orders = bearing.kinematics.orders;
+        BearingOutcome {
+            name: bearing.name.clone(),
+            model: bearing.description.clone(),
+            station_mm: bearing.station * 1e3,
+            orders: BearingOrders {
+                cage: orders.cage,
+                outer_race: orders.outer_race,
+                inner_race: orders.inner_race,
+                ball_spin: bearing.kinematics.spin_known.then_some(orders.ball_spin),
+            },
+            force_measured: std::array::from_fn(|i| figures(&self.measured[i], Some(&self.sigma[i]))),
+            force_estimated: std::array::from_fn(|i| figures(&self.estimated[i], None)),
+            force_twin: std::array::from_fn(|i| figures(&self.twin[i], None)),
+            largest_element_load_n: self.largest,
+            contact_lost_samples: self.contact_lost,
+            held_samples: self.held_samples,
+        }
+    }
+}
+
+/// Returns azimuth (rad) and load (N) of every element.
+#[must_use]
+pub fn element_loads(
+    bearing: &MountedBearing,
+    displacement: &Displacement<f64>,
+    at: &BearingKinematicState<f64>,
+) -> Vec<(f64, f64)> {
+    let mut loads = vec![0.0; bearing.elements];
+    bearing.bearing.element_loads(&displacement.at_station(bearing.station), at, &mut loads);
+    bearing.azimuths(at.cage).map(Phase::radians).zip(loads).collect()
+}
+
+/// Returns the standard deviation of the force due to independent probe noise; none where the noise of a probe is not given.
+///
+/// Each reading is moved by one standard deviation either way, and the larger change counts, so that the band also holds at the
+/// edge of contact, where the tangent is zero on one side.
+fn noise_band(
+    bearing: &MountedBearing,
+    solver: &PoseSolver,
+    probes: &[Probe],
+    displacement: &Displacement<f64>,
+    at: &BearingKinematicState<f64>,
+) -> Option<[f64; 5]> {
+    let here = force_at(bearing, displacement, at);
+    let mut variance = [0.0; 5];
+    for (i, probe) in probes.iter().enumerate() {
+        let noise = probe.noise?;
+        let column = solver.column(i).to_array();
+        let moved = |sign: f64| {
+            let mut q = displacement.to_array();
+            for (x, c) in q.iter_mut().zip(column) {
+                *x += sign * noise * c;
+            }
+            force_at(bearing, &Displacement::from_array(q), at)
+        };
+        let (up, down) = (moved(1.0), moved(-1.0));
+        for (k, sum) in variance.iter_mut().enumerate() {
+            let change = (up[k] - here[k]).abs().max((down[k] - here[k]).abs());
+            *sum += change * change;
+        }
+    }
+    Some(variance.map(f64::sqrt))
+}
+
+fn force_at(bearing: &MountedBearing, displacement: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 5] {
+    bearing.bearing.reaction(&displacement.at_station(bearing.station), at).wrench.to_array()
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::read::read_str;
+    use std::f64::consts::TAU;
+    use std::path::Path;
+
+    /// A bearing with three elements, of which the second is at 90 degrees and not at 120, plus `more`.
+    fn bearing(more: &str) -> MountedBearing {
+        let text = format!(
+            "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\nelements = 3\n\
+             facing = \"both\"\nstiffness = 1e10\nradial_play = 0\ncage_ratio = 0.4\nelement_azimuths = [\"0 deg\", \"90 deg\", \"200 deg\"]\n\
+             axial = {{ stiffness = 1e9, exponent = 1.5, play = 0, radius = 0.02 }}\n{more}\n"
+        );
+        let scene = read_str(&text, Path::new("scene.toml")).unwrap();
+        MountedBearing::new(&scene, &scene.bearings[0]).unwrap()
+    }
+
+    /// Returns the azimuth of the element with the largest load when the ring moves along `direction`, the cage being at
+    /// `cage`, all in degrees: in the snapshot, and as the bins of the report.
+    fn loaded_azimuths(bearing: &MountedBearing, direction: f64, cage: f64) -> [f64; 2] {
+        let (v, u) = direction.to_radians().sin_cos();
+        let displacement = Displacement { u: 1e-5 * u, v: 1e-5 * v, ..Displacement::default() };
+        let at = BearingKinematicState::from(Phase::from_radians(cage.to_radians()));
+        let loads = element_loads(bearing, &displacement, &at);
+        let (azimuth, _) = loads.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        let mut forces = BearingForces::new(bearing.elements);
+        forces.add_element_loads(bearing, &displacement, &at, 0);
+        let load = |bin: &usize| forces.around[*bin][0].mean();
+        let bin = (0..AZIMUTH_BINS).max_by(|a, b| load(a).total_cmp(&load(b))).unwrap();
+        [azimuth.rem_euclid(TAU).to_degrees(), (bin as f64 + 0.5) * 360.0 / AZIMUTH_BINS as f64]
+    }
+
+    /// The element that lies in the direction of the displacement carries the load, and the load is shown at its azimuth.
+    #[test]
+    fn loads_are_shown_at_the_azimuths_of_the_scene() {
+        for (cage, direction) in [(0.0, 90.0), (5.0, 95.0), (0.0, 200.0), (30.0, 230.0)] {
+            let [azimuth, bin] = loaded_azimuths(&bearing(""), direction, cage);
+            assert!((azimuth - direction).abs() < 1e-9, "{azimuth} deg instead of {direction} deg");
+            assert!((bin - direction).abs() <= 5.0, "{bin} deg instead of {direction} deg");
+        }
+    }
+
+    /// A cage run-out displaces the elements, `-offset/radius sin(azimuth - angle)`.
+    #[test]
+    fn loads_are_shown_at_azimuths_with_cage_runout() {
+        let runout = "cage_runout = { offset = \"2 mm\", angle = \"0 deg\", radius = \"20 mm\" }";
+        let expected = 90.0 - 0.1_f64.to_degrees();
+        let [azimuth, bin] = loaded_azimuths(&bearing(runout), expected, 0.0);
+        assert!((azimuth - expected).abs() < 1e-9, "{azimuth} deg instead of {expected} deg");
+        assert!((bin - expected).abs() <= 5.0, "{bin} deg instead of {expected} deg");
+    }
+}

@@ -1,0 +1,193 @@
+//! Observer stage: the Kalman filter follows the readings, and its innovations are summed.
+
+use super::notices::Notices;
+use super::range::ReadingRange;
+use super::statistics::Running;
+use super::twin::{SampleInterval, TwinMotion, TwinStart};
+use crate::observer::{Consistency, InitialState, RunningObserver, TunedObserver, Verdict, estimator, gate};
+use crate::outcome::ObserverOutcome;
+use crate::plant::Plant;
+use crate::probes::reading;
+use crate::recording::Sample;
+use crate::recording::status::SampleStatus;
+use anyhow::Result;
+use ballrace::{Displacement, Status};
+
+/// Two-sided 99 % quantile of the normal distribution.
+const QUANTILE_99: f64 = 2.576;
+const UM: f64 = 1e6;
+
+/// Observer of a replay, where it has one.
+pub(super) struct ObserverStage {
+    /// Reading of each probe per unit of each coordinate.
+    rows: Vec<[f64; 5]>,
+    tuned: Option<TunedObserver>,
+    running: Option<RunningObserver>,
+    innovations: Innovations,
+}
+
+/// Result of the observer at one sample.
+pub(super) struct ObserverSample {
+    pub(super) status: SampleStatus,
+    /// Normalised innovation squared; none where a reading is missing.
+    pub(super) nis: Option<f64>,
+    /// Displacement of the rotor; none where the observer is not trusted.
+    pub(super) position: Option<Displacement<f64>>,
+}
+
+impl ObserverStage {
+    pub(super) fn new(rows: Vec<[f64; 5]>) -> Self {
+        Self { rows, tuned: None, running: None, innovations: Innovations::default() }
+    }
+
+    /// Sets the observer that the search found.
+    pub(super) fn set_tuned(&mut self, tuned: Option<TunedObserver>) {
+        self.tuned = tuned;
+    }
+
+    /// Starts the observer at `sample`: at the identified state at first, later at the state of the twin.
+    pub(super) fn start(
+        &mut self,
+        plant: &Plant,
+        twin: &TwinMotion,
+        start: TwinStart,
+        sample: &Sample,
+        period: f64,
+    ) -> Result<()> {
+        let Some(tuned) = &self.tuned else { return Ok(()) };
+        let probes = self.rows.len();
+        let (state, consistency) = match start {
+            TwinStart::First => (tuned.start, Consistency::new(probes)),
+            TwinStart::Restart => (InitialState::new(&twin.position, &twin.rate), Consistency::restarted(probes)),
+        };
+        let estimator = estimator(plant, &self.rows, &tuned.gains, state, sample, period)?;
+        self.running = Some(RunningObserver::new(estimator, consistency));
+        Ok(())
+    }
+
+    /// Advances the observer over `interval` to `sample`. `readings` are NaN where missing; `displacement` returns the
+    /// measured displacement for a restart.
+    pub(super) fn advance(
+        &mut self,
+        (sample, interval): (&Sample, &SampleInterval),
+        readings: &[f64],
+        twin: &TwinMotion,
+        range: &ReadingRange,
+        displacement: impl FnOnce() -> Displacement<f64>,
+        notices: &mut Notices,
+    ) -> ObserverSample {
+        let untrusted = SampleStatus::FROM_DISPLACEMENT;
+        let Some(running) = &mut self.running else {
+            return ObserverSample { status: untrusted, nis: None, position: None };
+        };
+        let rows = &self.rows;
+        let is_possible = |q: &Displacement<f64>| range.allows(rows.iter().map(|row| reading(row, q)), q.w);
+        let restart_state = || (displacement(), twin.rate);
+        let (flags, correction) = running.step(interval.motion(), readings, is_possible, restart_state);
+        let mut status = SampleStatus::from(flags);
+        if let Some(correction) = correction {
+            self.innovations.add(correction.nis, correction.status, correction.verdict);
+            status = status.and(SampleStatus::RESTARTED.when(correction.verdict == Verdict::Restart));
+            if let Some(ratio) = correction.lost_trust {
+                let restarts = self.innovations.restarts;
+                notices.add("observer-not-consistent", sample.row.time, || {
+                    format!("The observer does not describe the motion: normalised innovation squared {ratio:.1} times what is expected, {restarts} restarts so far. Forces come from the displacement.")
+                });
+            }
+        }
+        if let Some(load) = running.load() {
+            self.innovations.add_load(load);
+        }
+        let position = running.position();
+        status = status.and(untrusted.when(position.is_none()));
+        ObserverSample { status, nis: correction.map(|c| c.nis), position }
+    }
+
+    /// Returns the estimated displacement of the rotor; none where the observer is not trusted.
+    pub(super) fn position(&self) -> Option<Displacement<f64>> {
+        self.running.as_ref().and_then(RunningObserver::position)
+    }
+
+    /// Returns the outcome; none without an observer or without a sample in which every probe had a reading.
+    pub(super) fn outcome(&self) -> Option<ObserverOutcome> {
+        self.tuned.as_ref().and_then(|tuned| self.innovations.outcome(tuned))
+    }
+}
+
+/// Sums over the samples in which every probe had a reading.
+#[derive(Default)]
+struct Innovations {
+    squares: Running,
+    load: [Running; 5],
+    rejected: u64,
+    restarts: u64,
+    distrusted: u64,
+}
+
+impl Innovations {
+    fn add(&mut self, nis: f64, status: Status, verdict: Verdict) {
+        self.rejected += u64::from(status.contains(Status::INNOVATION_REJECTED));
+        self.restarts += u64::from(verdict == Verdict::Restart);
+        self.distrusted += u64::from(verdict != Verdict::Trusted);
+        self.squares.add(nis);
+    }
+
+    fn add_load(&mut self, load: [f64; 5]) {
+        for (running, entry) in self.load.iter_mut().zip(load) {
+            running.add(entry);
+        }
+    }
+
+    /// Returns the outcome. Over `n` samples the mean of the squares, chi-square distributed with `p` degrees of freedom, has
+    /// the variance `2 p/n`.
+    fn outcome(&self, tuned: &TunedObserver) -> Option<ObserverOutcome> {
+        if self.squares.count() == 0.0 {
+            return None;
+        }
+        let expected = tuned.noise.len() as f64;
+        let band = QUANTILE_99 * (2.0 * expected / self.squares.count().max(1.0)).sqrt();
+        let (mean, bounds) = (self.squares.mean(), [expected - band, expected + band]);
+        let rms_about_mean = |r: &Running| (r.rms().powi(2) - r.mean().powi(2)).max(0.0).sqrt();
+        Some(ObserverOutcome {
+            nis_mean: mean,
+            nis_expected: expected,
+            nis_bounds: bounds,
+            consistent: (bounds[0]..=bounds[1]).contains(&mean) && self.distrusted == 0,
+            gate: gate(tuned.noise.len()),
+            rejected_samples: self.rejected,
+            restarts: self.restarts,
+            distrusted_samples: self.distrusted,
+            wander_n_per_root_s: tuned.process_noise,
+            noise_um: tuned.noise.iter().map(|n| n * UM).collect(),
+            unknown_load_mean: self.load.each_ref().map(Running::mean),
+            unknown_load_rms: self.load.each_ref().map(rms_about_mean),
+        })
+    }
+}
+
+/// Returns the outcome of the observer as a sentence.
+pub(super) fn sentence(observer: &ObserverOutcome) -> String {
+    let judged = if observer.consistent {
+        "consistent with model and noise"
+    } else if observer.nis_mean < observer.nis_expected {
+        "smaller than model and noise predict: the noise is less than assumed"
+    } else {
+        "larger than model and noise predict: there is motion that neither explains"
+    };
+    let [x, y, z, ..] = observer.unknown_load_rms;
+    let distrusted = match (observer.rejected_samples, observer.restarts, observer.distrusted_samples) {
+        (0, 0, 0) => String::new(),
+        (rejected, restarts, samples) => format!(
+            " Samples beyond the gate of {:.0}: {rejected}, which corrected nothing; restarts of the observer: {restarts}; samples in which the force comes from the displacement instead: {samples}.",
+            observer.gate
+        ),
+    };
+    format!(
+        "Observer: the innovations are {judged} (mean normalised square {:.2}, expected {:.0}, 99 % range {:.2} to {:.2}); the unknown force on the rotor is {:.2} N rms about its mean.{distrusted} --forces writes the estimated forces.",
+        observer.nis_mean,
+        observer.nis_expected,
+        observer.nis_bounds[0],
+        observer.nis_bounds[1],
+        (x * x + y * y + z * z).sqrt()
+    )
+}

@@ -1,0 +1,380 @@
+//! The stages of a replay in the order in which a sample passes through them.
+
+use super::Options;
+use super::align::AlignmentStage;
+use super::attribution::LineAttribution;
+use super::comparison::{Comparison, SampleReadings};
+use super::conclusion::Totals;
+use super::force::{Displacements, ForceStage, element_loads};
+use super::forces_file::ForcesFile;
+use super::limits::LimitMonitor;
+use super::lines::{Angles, followed_orders};
+use super::locate::LocationStage;
+use super::notices::Notices;
+use super::observe::ObserverStage;
+use super::pictures::{FigureCollector, marked_lines, passes_keyphasor};
+use super::plausibility::Counts;
+use super::range::ReadingRange;
+use super::readings::ReadingsStage;
+use super::second::{Second, SecondIndicators};
+use super::snapshot::{RecentSamples, Snapshot};
+use super::standstill::Standstill;
+use super::startup::{Queued, RunInProgress, Search, SearchResult, Startup};
+use super::timing::Ledger;
+use super::twin::TwinStage;
+use crate::baseline::Baseline;
+use crate::effect_significance;
+use crate::plant::{Plant, only_rigid};
+use crate::probes::{self, Plane, PoseSolver};
+use crate::recording::status::SampleStatus;
+use crate::recording::{Row, Sample};
+use crate::scene::{Probe, Scene, Speed};
+use anyhow::{Context, Result};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// The stages of a replay.
+pub(super) struct Pipeline<'a> {
+    pub(super) plant: Arc<Plant>,
+    pub(super) probes: &'a [Probe],
+    pub(super) planes: Vec<Plane>,
+    /// Reading of each probe per unit of each coordinate.
+    rows: Vec<[f64; 5]>,
+    /// Shaft speed of the scene.
+    scene_speed: Speed,
+    /// Samples per second.
+    pub(super) rate: f64,
+    pub(super) live: bool,
+
+    pub(super) range: ReadingRange,
+    pub(super) readings: ReadingsStage,
+    pub(super) startup: Startup,
+    pub(super) alignment: AlignmentStage,
+    pub(super) twin: TwinStage,
+    pub(super) location: LocationStage,
+    pub(super) observer: ObserverStage,
+    pub(super) force: ForceStage,
+    pub(super) comparison: Comparison,
+    pub(super) attribution: Option<LineAttribution>,
+    pub(super) figures: FigureCollector,
+    pub(super) limits: LimitMonitor,
+    pub(super) seconds: Option<SecondIndicators>,
+    recent: Option<RecentSamples>,
+    pub(super) forces_file: Option<ForcesFile>,
+
+    pub(super) baseline: Option<Baseline>,
+    pub(super) standstill: Standstill,
+    pub(super) counts: Counts,
+    pub(super) totals: Totals,
+    pub(super) timing: Ledger,
+    pub(super) notices: Notices,
+    pub(super) notes: Vec<String>,
+    ended_seconds: Vec<Second>,
+    /// Readings of the current sample, reused.
+    sample_readings: SampleReadings,
+}
+
+/// A sample with the results of the stages up to the force.
+struct ProcessedSample<'a> {
+    sample: &'a Sample,
+    status: SampleStatus,
+    /// Revolutions since the last sample.
+    revolutions: f64,
+    displacements: Displacements,
+}
+
+impl<'a> Pipeline<'a> {
+    pub(super) fn try_new(scene: &Scene, probes: &'a [Probe], rate: f64, options: &Options) -> Result<Self> {
+        only_rigid(scene, "replay")?;
+        let plant = Plant::try_new(scene)?;
+        let mut notes = plant.notes.clone();
+        notes.extend(effect_significance::describe(
+            &effect_significance::at_rest(scene, &plant)?,
+            options.error.unwrap_or(effect_significance::GOOD_ENOUGH),
+        ));
+        let linear = Arc::new(plant.linearised(&vec![true; plant.bearings.len()])?);
+        let plant = Arc::new(plant);
+        let bearings = plant.bearings.as_slice();
+        let rows: Vec<[f64; 5]> = probes.iter().map(probes::row).collect();
+        let search = Search {
+            plant: plant.clone(),
+            linear,
+            rows: rows.clone(),
+            noise: probes.iter().map(|p| p.noise).collect(),
+            period: 1.0 / rate,
+            speed: scene.shaft.speed,
+            process_noise: scene.observer.process_noise,
+            cancelled: Arc::new(AtomicBool::new(false)),
+        };
+        let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
+        let stations: Vec<f64> = bearings.iter().map(|b| b.station).collect();
+        let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
+        let planes = probes::planes(probes);
+        let baseline =
+            options.baseline.map(|path| Baseline::read(path, probes, &followed_orders(bearings))).transpose()?;
+        let limits = LimitMonitor::try_new(&scene.limits, probes, bearings, baseline.as_ref())?;
+        let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
+        let seconds = options
+            .live
+            .then(|| SecondIndicators::new(names.clone(), bearings.iter().map(|b| b.name.clone()).collect()));
+        Ok(Self {
+            range: ReadingRange::try_new(scene, &plant, probes)?,
+            readings: ReadingsStage::new(names, options.live),
+            startup: Startup::new(search, options.live),
+            alignment: AlignmentStage::default(),
+            twin: TwinStage::new(plant.clone(), rate),
+            location: LocationStage::new(solver),
+            observer: ObserverStage::new(rows.clone()),
+            force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
+            comparison: Comparison::new(probes.len(), bearings, planes.len()),
+            attribution: LineAttribution::new(&plant),
+            figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),
+            limits,
+            seconds,
+            recent: options.viewed.then(RecentSamples::default),
+            forces_file,
+            baseline,
+            standstill: Standstill::default(),
+            counts: Counts::default(),
+            totals: Totals::default(),
+            timing: Ledger::try_new(1.0 / rate)?,
+            notices: Notices::default(),
+            notes,
+            ended_seconds: Vec::new(),
+            sample_readings: SampleReadings::default(),
+            scene_speed: scene.shaft.speed,
+            probes,
+            planes,
+            rows,
+            rate,
+            live: options.live,
+            plant,
+        })
+    }
+
+    /// Checks a sample, evaluates its readings, and queues it for the twin.
+    pub(super) fn push(&mut self, mut sample: Sample) -> Result<()> {
+        self.range.check_sample(&mut sample, &mut self.notices);
+        self.readings.add(&sample, &mut self.limits);
+        if let Some(found) = self.startup.push(sample, &self.range)? {
+            self.start(found);
+        }
+        Ok(())
+    }
+
+    /// Adds a sample that has no shaft angle.
+    pub(super) fn push_without_angle(&mut self, row: &mut Row) {
+        self.range.check(row);
+        self.standstill.add(row);
+        if !self.live {
+            // A monitored shaft may stand still for hours; in a file, the keyphasor may as well be dead.
+            self.counts.add_without_angle();
+        }
+    }
+
+    /// Restarts the twin with the next sample, because the shaft angle is interrupted.
+    pub(super) fn restart(&mut self) {
+        self.readings.restart();
+        self.startup.restart();
+    }
+
+    /// Ends the recording: the start is searched in the samples so far.
+    pub(super) fn end(&mut self) -> Result<()> {
+        if let Some(found) = self.startup.end(&self.range)? {
+            self.start(found);
+        }
+        Ok(())
+    }
+
+    /// Processes queued samples until `deadline`, or all of them; `recycle` takes back their rows.
+    pub(super) fn work(&mut self, deadline: Option<Instant>, mut recycle: impl FnMut(Row)) -> Result<()> {
+        if let Some(found) = self.startup.poll(deadline)? {
+            self.start(found);
+        }
+        if !self.startup.is_done() {
+            return Ok(());
+        }
+        while self.is_run_in(deadline)?
+            && let Some(queued) = self.startup.pop()
+        {
+            match queued {
+                Queued::Restart => self.twin.stop(),
+                Queued::Sample(sample) => {
+                    let sample = self.alignment.align(sample);
+                    self.process(&sample)?;
+                    recycle(sample.row);
+                }
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return Ok(());
+            }
+        }
+        if !self.startup.is_running_in() {
+            self.readings.stop_seconds();
+        }
+        Ok(())
+    }
+
+    /// Applies the result of the search.
+    fn start(&mut self, found: SearchResult) {
+        if found.tuned.is_none() {
+            let note = if self.startup.is_cancelled() {
+                "Stopped before the observer was found: forces at the observer's position are those at the twin's."
+            } else {
+                "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter (an axial probe or an axial stiffness is missing). Forces come from the displacement that the probes show."
+            };
+            self.notes.push(note.to_owned());
+        }
+        self.alignment = AlignmentStage::new(found.lag);
+        self.observer.set_tuned(found.tuned);
+    }
+
+    /// Runs the twin in where the next sample starts it; returns true where that sample can be processed.
+    fn is_run_in(&mut self, deadline: Option<Instant>) -> Result<bool> {
+        if !self.startup.next_index().is_some_and(|index| self.twin.starts_at(index)) {
+            return Ok(true);
+        }
+        let progress = self.startup.advance_run_in(&self.alignment, deadline)?;
+        if matches!(progress, RunInProgress::Cancelled) {
+            self.notes.push(
+                "Stopped before the twin was run in: its motion begins at rest, so residuals hold its transient."
+                    .to_owned(),
+            );
+        }
+        Ok(!matches!(progress, RunInProgress::Unfinished))
+    }
+
+    /// Passes an aligned sample through the stages.
+    fn process(&mut self, sample: &Sample) -> Result<()> {
+        let (index, time) = (sample.row.index, sample.row.time);
+        let interval = self.twin.interval(sample, || self.startup.take_settled())?;
+        if let Some(start) = interval.start {
+            self.observer.start(&self.plant, &self.twin.motion(), start, sample, 1.0 / self.rate)?;
+        }
+        self.timing.sample(time);
+        let begun = Instant::now();
+        self.location.set_sample(&self.range, sample);
+        let twin = self.twin.advance(sample, &interval);
+        let measured = || self.location.displacement(twin.position.w);
+        let observed = self.observer.advance(
+            (sample, &interval),
+            self.location.readings(),
+            &twin,
+            &self.range,
+            measured,
+            &mut self.notices,
+        );
+        let displacements = Displacements { measured: measured(), twin: twin.position, observer: observed.position };
+        let shaft = sample.shaft_motion();
+        let force = self.force.evaluate(index, &self.plant.bearings, self.twin.parts(), &shaft, &displacements);
+        self.timing.worked(begun);
+        let linear = self.twin.advance_linear(&interval);
+        let is_restart = interval.start == Some(super::twin::TwinStart::Restart);
+        let status = sample
+            .status
+            .and(SampleStatus::RESTARTED.when(is_restart))
+            .and(SampleStatus::TWIN_HELD.when(self.twin.is_held()))
+            .and(observed.status)
+            .and(force);
+        self.counts.add(status, sample.speed, self.scene_speed);
+        if let (Some(seconds), Some(nis)) = (&mut self.seconds, observed.nis) {
+            seconds.add_innovation(nis);
+        }
+        // An extrapolated angle is not judged, except in live operation, where limits stay in force.
+        let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
+        let readings = is_judged.then_some(sample.row.probes.as_slice());
+        self.sample_readings.evaluate(readings, [&twin.position, &linear], &self.rows, &self.planes);
+        let processed = ProcessedSample { sample, status, revolutions: interval.revolutions, displacements };
+        self.compare(&processed);
+        self.record(&processed)?;
+        if self.twin.stop_if_stuck(time) {
+            self.notes.push(format!("The twin's motion overflowed; it started anew after line {}.", sample.row.line));
+            self.notices
+                .add("twin-restarted", time, || "The motion of the twin overflowed; it started anew.".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Compares a sample with the twin, and evaluates indicators and limits.
+    fn compare(&mut self, processed: &ProcessedSample) {
+        let ProcessedSample { sample, revolutions, .. } = *processed;
+        let readings = &self.sample_readings;
+        let (index, time) = (sample.row.index, sample.row.time);
+        let angles = Angles { shaft: sample.angle, parts: self.twin.parts(), revolutions };
+        if readings.is_complete() {
+            self.limits.add_residuals(index, time, &readings.measured, &readings.twin);
+        }
+        if let Some(seconds) = &mut self.seconds {
+            seconds.add_status(processed.status);
+            if readings.is_complete() {
+                self.ended_seconds.extend(seconds.add(sample, &readings.twin, self.comparison.one_x()));
+            }
+        }
+        // After a restart of the process, blocks begin where those of the limits continue.
+        if self.limits.are_residuals_due(index) && self.comparison.add(readings, angles) {
+            let comparison = &self.comparison;
+            self.limits.close_residuals(index, time, |line, probe| comparison.block_line(line, probe));
+        }
+        let forces = &self.force;
+        if let Some(attribution) = self.attribution.as_mut().filter(|_| !forces.is_held()) {
+            let displacement = &processed.displacements.measured;
+            attribution.add(&self.plant, displacement, forces.evaluated(), angles, sample.speed);
+        }
+        self.figures.add(sample, &readings.twin, revolutions);
+        if let Some(recent) = &mut self.recent {
+            recent.add(&readings.measured, &readings.twin, passes_keyphasor(sample, revolutions));
+        }
+    }
+
+    /// Adds the forces of a sample to sums, figures and file.
+    fn record(&mut self, processed: &ProcessedSample) -> Result<()> {
+        let ProcessedSample { sample, displacements, .. } = processed;
+        let (index, time) = (sample.row.index, sample.row.time);
+        if self.force.is_reported(index) {
+            let shaft = sample.shaft_motion();
+            let with_noise = ForceStage::is_noise_band_due(index) || self.figures.shows_forces();
+            for (i, (bearing, &parts)) in self.plant.bearings.iter().zip(self.twin.parts()).enumerate() {
+                let at = bearing.rotation(parts, &shaft);
+                let noise = with_noise.then_some((self.location.solver(), self.probes));
+                let Some((force, first_load)) = self.force.accumulate(i, bearing, displacements, &at, noise) else {
+                    continue;
+                };
+                self.figures.add_force(i, time, force, bearing, parts.cage, first_load);
+                if let Some(seconds) = &mut self.seconds {
+                    seconds.add_force(i, force);
+                }
+            }
+        }
+        if let Some(file) = &mut self.forces_file {
+            file.add(time, self.force.evaluated(), processed.status)?;
+        }
+        self.totals.add(time, sample.speed, processed.revolutions);
+        Ok(())
+    }
+
+    /// Returns the seconds that ended since the last call.
+    pub(super) fn take_ended_seconds(&mut self) -> Vec<Second> {
+        std::mem::take(&mut self.ended_seconds)
+    }
+
+    /// Returns the present state for a live display; none where no display is in use or the twin does not run.
+    pub(super) fn snapshot(&self) -> Option<Snapshot> {
+        let (recent, shaft) = (self.recent.as_ref()?, self.twin.shaft()?);
+        let position = self.observer.position().unwrap_or_else(|| self.twin.motion().position);
+        let loads = self.plant.bearings.iter().zip(self.twin.parts()).map(|(bearing, &parts)| {
+            (bearing.name.clone(), element_loads(bearing, &position, &bearing.rotation(parts, &shaft)))
+        });
+        let name = |plane: &Plane| plane.probes.map(|i| self.probes[i].column.as_str()).join(" / ");
+        Some(Snapshot {
+            time_s: self.totals.last_time,
+            speed_rpm: shaft.speed * 60.0 / TAU,
+            rate_hz: self.rate,
+            samples: recent.samples.iter().cloned().collect(),
+            planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
+            loads: loads.collect(),
+            lines: marked_lines(&self.plant.bearings, shaft.speed.abs() / TAU),
+        })
+    }
+}

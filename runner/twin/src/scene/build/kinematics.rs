@@ -1,0 +1,156 @@
+//! Kinematics of a mounted bearing: speeds of cage, balls and outer ring, orders, and azimuths of the elements.
+
+use super::{BuildError, geometry};
+use crate::scene::{Bearing as BearingScene, Scene, Speed};
+use ballrace::bearing::ElementPosition;
+use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::bearing::kinematics::{Orders, orders};
+use ballrace::rotor::{ComponentAngles, SpeedRatios};
+use ballrace::{BearingKinematicState, Phase};
+use std::f64::consts::TAU;
+
+/// Speeds of the parts of a bearing over the shaft speed, and its orders.
+#[derive(Debug, Clone, Copy)]
+pub struct Kinematics {
+    /// Cage speed over shaft speed; 0 where nothing moves.
+    pub cage_ratio: f64,
+    /// Orders per turn of the shaft.
+    pub orders: Orders,
+    /// True where the ball-spin order is known, which needs the geometry.
+    pub spin_known: bool,
+    /// Outer ring's speed over shaft speed.
+    pub outer_ratio: f64,
+}
+
+impl Kinematics {
+    /// Returns the ratios with which the kernel's rotor advances the parts; those of balls and outer ring only where they
+    /// turn.
+    #[must_use]
+    pub fn speed_ratios(&self) -> SpeedRatios<f64> {
+        let ratios = SpeedRatios::new(self.cage_ratio);
+        let ratios = if self.spin_known { ratios.with_ball(self.ball_ratio()) } else { ratios };
+        if self.outer_ratio == 0.0 { ratios } else { ratios.with_outer(self.outer_ratio) }
+    }
+
+    /// Returns the spin of the balls over the shaft speed: negative where the inner ring is the faster.
+    #[must_use]
+    pub fn ball_ratio(&self) -> f64 {
+        -self.orders.ball_spin * (1.0 - self.outer_ratio).signum()
+    }
+
+    /// Returns the angles of the parts with the shaft at `revolutions` from its angle 0.
+    #[must_use]
+    pub fn parts_at(&self, revolutions: f64) -> ComponentAngles {
+        let turned = |ratio: f64| Phase::from_revolutions(ratio * revolutions);
+        ComponentAngles {
+            cage: turned(self.cage_ratio),
+            ball: turned(self.ball_ratio()),
+            outer: turned(self.outer_ratio),
+        }
+    }
+}
+
+/// Cage speed as a weighted sum of the ring speeds, `w_c = inner w_i + outer w_o`.
+///
+/// Pure rolling gives `inner = (1 - gamma)/2` and `outer = (1 + gamma)/2` (Harris, Rolling Bearing Analysis). `cage_ratio` of
+/// the scene is the cage speed over the shaft speed as it stands, whether or not the outer ring turns: `outer` is then 0.
+struct CageSpeed {
+    inner: f64,
+    outer: f64,
+}
+
+impl CageSpeed {
+    fn new(bearing: &BearingScene, rolling: Option<&Orders>) -> Self {
+        match (bearing.cage_ratio, rolling) {
+            (Some(given), _) => Self { inner: given, outer: 0.0 },
+            (None, Some(rolling)) => Self { inner: rolling.cage, outer: 1.0 - rolling.cage },
+            (None, None) => Self { inner: 0.0, outer: 0.0 },
+        }
+    }
+}
+
+/// Returns the orders of pure rolling with the outer ring at rest.
+fn rolling(bearing: &BearingScene, geometry: Option<BallBearingGeometry>) -> Option<Orders> {
+    geometry.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter))
+}
+
+/// Returns the kinematics of a bearing: with the scene's `cage_ratio`, or by pure rolling at the free contact angle.
+///
+/// # Errors
+/// An outer ring that turns under a shaft whose speed changes, because no ratio is then constant; a cage that is not slower
+/// than the shaft.
+pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics, BuildError> {
+    kinematics_of(scene, bearing, geometry(bearing)?)
+}
+
+/// Returns the kinematics with another `geometry` than the bearing's own, such as one with the contact angle under load.
+///
+/// # Errors
+/// As [`kinematics`].
+pub fn kinematics_of(
+    scene: &Scene,
+    bearing: &BearingScene,
+    geometry: Option<BallBearingGeometry>,
+) -> Result<Kinematics, BuildError> {
+    let n = bearing.elements as f64;
+    let rolling = rolling(bearing, geometry);
+    let spin = rolling.map(|o| o.ball_spin);
+    let outer = outer_ratio(scene)?;
+    let cage = CageSpeed::new(bearing, rolling.as_ref());
+    let cage_ratio = cage.inner + outer * cage.outer;
+    if cage_ratio.abs() >= 1.0 {
+        return Err(BuildError::CageRatio {
+            file: scene.path.clone(),
+            bearing: bearing.name.clone(),
+            found: cage_ratio,
+        });
+    }
+    let orders = Orders {
+        cage: cage_ratio,
+        outer_race: n * (cage_ratio - outer).abs(),
+        inner_race: n * (1.0 - cage_ratio),
+        ball_spin: spin.unwrap_or(0.0) * (1.0 - outer).abs(),
+    };
+    Ok(Kinematics { cage_ratio, orders, spin_known: spin.is_some(), outer_ratio: outer })
+}
+
+pub(super) fn outer_ratio(scene: &Scene) -> Result<f64, BuildError> {
+    match (scene.shaft.outer_speed, scene.shaft.speed) {
+        (0.0, _) => Ok(0.0),
+        (outer, Speed::Constant(shaft)) if shaft != 0.0 => Ok(outer / shaft),
+        _ => Err(BuildError::OuterSpeed { file: scene.path.clone(), found: scene.shaft.outer_speed }),
+    }
+}
+
+/// Returns angles and speeds of a bearing's parts at `time` (s) of the scene, with all angles 0 at time 0. The shaft speed may
+/// change while the outer ring turns.
+///
+/// # Errors
+/// A geometry that the kernel rejects.
+pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<BearingKinematicState<f64>, BuildError> {
+    let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
+    let inner = scene.shaft.speed.revolutions(time);
+    let outer = outer_speed * time / TAU;
+    let rolling = rolling(bearing, geometry(bearing)?);
+    let cage = CageSpeed::new(bearing, rolling.as_ref());
+    let spin = rolling.map_or(0.0, |o| o.ball_spin);
+    Ok(BearingKinematicState {
+        cage: Phase::from_revolutions(cage.inner * inner + cage.outer * outer),
+        inner: Phase::from_revolutions(inner),
+        outer: Phase::from_revolutions(outer),
+        ball: Phase::from_revolutions(-spin * (inner - outer)),
+        inner_speed,
+        outer_speed,
+    })
+}
+
+/// Returns the azimuth of element `j` (0 is the first) with the cage at angle 0: from the scene's `element_azimuths`, else
+/// evenly spaced, displaced by the cage run-out (`docs/src/models.md#cage-run-out`), which is constant in the cage frame.
+#[must_use]
+pub fn element_azimuth(bearing: &BearingScene, j: usize) -> Phase {
+    let first = bearing.first_element_azimuth;
+    let even = || ElementPosition::<f64>::evenly_spaced(Phase::from_radians(first), j, bearing.elements).azimuth();
+    let azimuth = bearing.element_azimuths.get(j).map_or_else(even, |&a| Phase::from_radians(first + a));
+    let runout = bearing.cage_runout.map_or(0.0, |r| -r.offset / r.radius * (azimuth.radians() - r.angle).sin());
+    azimuth.wrapping_add(Phase::from_radians(runout))
+}
