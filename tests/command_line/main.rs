@@ -20,6 +20,7 @@ mod formats;
 mod frames_source;
 mod full_disk;
 mod hostile_text;
+mod kernel_documents;
 mod kills;
 mod limits;
 mod live;
