@@ -33,7 +33,8 @@ fn the_kernel_overview_has_the_instruction_counts_of_the_chapter() {
     for row in rows {
         let row_cells = cells(row);
         let stated = row_cells[3];
-        current = current.replace(row, &row.replace(&format!("| {stated} |"), &format!("| {} |", figure(&chapter, row_cells[0]))));
+        current = current
+            .replace(row, &row.replace(&format!("| {stated} |"), &format!("| {} |", figure(&chapter, row_cells[0]))));
     }
     if std::env::var_os("BALLRACE_WRITE").is_some() {
         fs::write(path, current).unwrap();

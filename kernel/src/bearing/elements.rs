@@ -91,6 +91,24 @@ pub trait CageFrame<T: Scalar> {
     }
 }
 
+#[inline(always)]
+fn reaction_and_stiffness<T: Scalar, E: Elements<Scalar = T>>(
+    elements: &E,
+    u: &Displacement<T>,
+    at: &BearingKinematicState<T>,
+    turn: CageRotation<T>,
+) -> (Reaction<T>, Stiffness<T>) {
+    let ring = elements.ring();
+    let rim = ring.at_rim(u);
+    let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
+    for position in ring.positions.all() {
+        let (contact, k) = elements.contact_and_stiffness(Motion::of(&position, &rim, at, elements.surface()));
+        sum.add(&position, &contact);
+        stiffness.add(&position, &k);
+    }
+    (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
+}
+
 impl<E: Elements> CageFrame<E::Scalar> for E {
     #[inline(always)]
     fn cage_rotation(cage: Phase) -> CageRotation<E::Scalar> {
@@ -113,15 +131,7 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
         at: &BearingKinematicState<E::Scalar>,
         turn: CageRotation<E::Scalar>,
     ) -> (Reaction<E::Scalar>, Stiffness<E::Scalar>) {
-        let ring = self.ring();
-        let rim = ring.at_rim(u);
-        let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
-        for position in ring.positions.all() {
-            let (contact, k) = self.contact_and_stiffness(Motion::of(&position, &rim, at, self.surface()));
-            sum.add(&position, &contact);
-            stiffness.add(&position, &k);
-        }
-        (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
+        reaction_and_stiffness(self, u, at, turn)
     }
 
     #[inline]
