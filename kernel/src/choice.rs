@@ -1,19 +1,19 @@
-//! Which of two, at the same instructions either way.
+//! Constant-time selection between two values.
 
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 
-/// Made once, for many numbers.
+/// A selection that applies to many numbers.
 #[derive(Clone, Copy)]
 pub struct Choice {
-    /// All ones for the first, 0 for the second.
+    /// All ones for the first value, 0 for the second.
     mask: u32,
 }
 
 impl Choice {
     #[inline(always)]
     pub fn new(first: bool) -> Self {
-        // Hidden from the optimiser, which makes a conditional store, and so a branch, of a mask that it knows.
+        // `black_box` hides the mask: the optimiser turns a known mask into a conditional store, a branch.
         Self { mask: core::hint::black_box(u32::from(first).wrapping_neg()) }
     }
 

@@ -1,12 +1,12 @@
-//! Displacement, wrench and stiffness of a ring: the 5-vectors, their mirror, and the first paper's axes.
+//! Displacement, wrench and stiffness of a ring, and their transformations.
 //!
-//! Fixed frame X, Y radial, Z along the shaft, right-handed.
+//! Fixed frame: X, Y radial, Z along the shaft, right-handed.
 
 use crate::scalar::Scalar;
 use core::ops::Add;
 use nalgebra::SMatrix;
 
-/// Displacement of a ring, or of the inner ring against the outer: m, m, m, rad, rad.
+/// Displacement of a ring, or of the inner ring relative to the outer ring.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Displacement<T> {
@@ -22,7 +22,7 @@ pub struct Displacement<T> {
     pub thv: T,
 }
 
-/// Force and moment on the inner ring: N, N, N, N m, N m.
+/// Force and moment on the inner ring.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Wrench<T> {
@@ -38,42 +38,43 @@ pub struct Wrench<T> {
     pub my: T,
 }
 
-/// Tangent stiffness -d(wrench)/d(displacement), rows `FX, FY, FZ, MX, MY`, columns `u, v, w, thu, thv`.
+/// Tangent stiffness `-d(wrench)/d(displacement)`: rows `FX, FY, FZ, MX, MY`, columns `u, v, w, thu, thv`.
 pub type Stiffness<T> = SMatrix<T, 5, 5>;
 
 impl<T: Scalar> Displacement<T> {
-    /// The five entries in order.
+    /// Returns the five entries in order.
     pub fn to_array(self) -> [T; 5] {
         [self.u, self.v, self.w, self.thu, self.thv]
     }
 
-    /// From the five entries in order.
+    /// Creates the vector from its five entries in order.
     pub fn from_array([u, v, w, thu, thv]: [T; 5]) -> Self {
         Self { u, v, w, thu, thv }
     }
 
-    /// From the first paper's `q = [u v w phi psi theta]`, X axial and Y, Z radial (Hajzman, eq. 2);
-    /// the torsion `phi` does nothing to a bearing.
+    /// Converts the vector `q = [u v w phi psi theta]` of Hajzman, eq. 2, with X axial and Y, Z radial. The torsion `phi`
+    /// has no effect on a bearing.
     pub fn from_hajzman([u, v, w, _phi, psi, theta]: [T; 6]) -> Self {
         Self { u: v, v: w, w: u, thu: psi, thv: theta }
     }
 
-    /// Seen from the frame turned by pi about X, in which a bearing facing -Z looks as one facing +Z.
+    /// Returns the displacement in the frame rotated by pi about X, in which a bearing that faces -Z is one that faces +Z.
     pub fn mirrored(self) -> Self {
         Self { u: self.u, v: -self.v, w: -self.w, thu: self.thu, thv: -self.thv }
     }
 
-    /// No entry is NaN or infinite.
+    /// Returns true if no entry is NaN or infinite.
     pub fn is_finite(self) -> bool {
         all_finite(self.to_array())
     }
 
-    /// `a` if `first`, else `b`, entry by entry, the same instructions either way.
+    /// Returns `a` if `first`, else `b`, with the same instructions in both cases.
     pub fn select(first: bool, a: Self, b: Self) -> Self {
         Self::from_array(select(first, a.to_array(), b.to_array()))
     }
 
-    /// Of the point at `station` along Z of a rigid body whose point at 0 has this displacement.
+    /// Returns the displacement of the point at `station` (m, along Z) of a rigid body whose point at 0 has this
+    /// displacement.
     pub fn at_station(self, station: T) -> Self {
         Self { u: self.u + station * self.thv, v: self.v - station * self.thu, ..self }
     }
@@ -102,44 +103,44 @@ impl<T> From<Displacement<T>> for [T; 5] {
 }
 
 impl<T: Scalar> Wrench<T> {
-    /// The five entries in order.
+    /// Returns the five entries in order.
     pub fn to_array(self) -> [T; 5] {
         [self.fx, self.fy, self.fz, self.mx, self.my]
     }
 
-    /// From the five entries in order.
+    /// Creates the vector from its five entries in order.
     pub fn from_array([fx, fy, fz, mx, my]: [T; 5]) -> Self {
         Self { fx, fy, fz, mx, my }
     }
 
-    /// As the first paper's six entries of `f_B` in its axes, X axial and Y, Z radial (Hajzman, eq. 5 and 6):
-    /// `[F_x F_y F_z 0 M_y M_z]`. The sign is already that of `f_B`: the force on the shaft.
+    /// Returns the six entries `[F_x F_y F_z 0 M_y M_z]` of `f_B` in the axes of Hajzman, eq. 5 and 6: X axial, Y and Z
+    /// radial. `f_B` is the force on the shaft, as here.
     pub fn to_hajzman(self) -> [T; 6] {
         [self.fz, self.fx, self.fy, T::ZERO, self.mx, self.my]
     }
 
-    /// Back from the frame of [`Displacement::mirrored`].
+    /// Returns the wrench in the frame of [`Displacement::mirrored`].
     pub fn mirrored(self) -> Self {
         Self { fx: self.fx, fy: -self.fy, fz: -self.fz, mx: self.mx, my: -self.my }
     }
 
-    /// No entry is NaN or infinite.
+    /// Returns true if no entry is NaN or infinite.
     pub fn is_finite(self) -> bool {
         all_finite(self.to_array())
     }
 
-    /// `a` if `first`, else `b`, entry by entry, the same instructions either way.
+    /// Returns `a` if `first`, else `b`, with the same instructions in both cases.
     pub fn select(first: bool, a: Self, b: Self) -> Self {
         Self::from_array(select(first, a.to_array(), b.to_array()))
     }
 
-    /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
+    /// Returns the equivalent wrench at the point 0 of a rigid body, for a wrench that acts at `station` (m, along Z).
     pub fn from_station(self, station: T) -> Self {
         Self { mx: self.mx - station * self.fy, my: self.my + station * self.fx, ..self }
     }
 }
 
-/// `D K D` with `D = diag(1, -1, -1, 1, -1)`: a stiffness seen from the mirrored frame.
+/// Returns `D K D` with `D = diag(1, -1, -1, 1, -1)`: the stiffness in the frame of [`Displacement::mirrored`].
 pub fn mirrored_stiffness<T: Scalar>(k: &Stiffness<T>) -> Stiffness<T> {
     const FLIPPED: [bool; 5] = [false, true, true, false, true];
     Stiffness::from_fn(|i, j| {
@@ -148,7 +149,7 @@ pub fn mirrored_stiffness<T: Scalar>(k: &Stiffness<T>) -> Stiffness<T> {
     })
 }
 
-/// `S^T K S` with `S` of [`Displacement::at_station`]: a stiffness moved to the point 0 of the rigid body.
+/// Returns `S^T K S` with `S` of [`Displacement::at_station`]: the stiffness at the point 0 of a rigid body.
 pub fn stiffness_from_station<T: Scalar>(k: &Stiffness<T>, station: T) -> Stiffness<T> {
     let mut moved = *k;
     for i in 0..5 {
@@ -171,6 +172,6 @@ fn select<T: Scalar>(first: bool, mut a: [T; 5], b: [T; 5]) -> [T; 5] {
 }
 
 fn all_finite<T: Scalar>(entries: [T; 5]) -> bool {
-    // Every entry is looked at, whatever the ones before it: the count of instructions may not depend on them.
+    // Tests every entry: the number of instructions does not depend on the data.
     entries.into_iter().fold(true, |ok, x| ok & x.is_finite())
 }

@@ -1,13 +1,13 @@
-//! How far the parts of a bearing have turned, and how fast its rings turn.
+//! Angles and speeds of the components of a bearing.
 
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 
-/// Angles and speeds of a bearing's parts at one instant.
+/// Angles and speeds of the components of a bearing at one instant.
 ///
-/// Every rung needs the cage's angle, which says where the elements stand; waviness and local damage also need the
-/// angles of the surfaces they sit on, inertia and film the speeds. From a [`Phase`] it is a bearing at rest with its cage
-/// at that angle.
+/// All models with rolling elements use the cage angle, which determines the azimuths of the elements. Surface deviations
+/// also use the angles of the rings and balls; inertia and film use the speeds. A [`Phase`] converts to the state of a
+/// bearing without rotation and with its cage at that angle.
 ///
 /// ```
 /// use ballrace::{BearingKinematicState, Phase};
@@ -20,17 +20,17 @@ use crate::scalar::Scalar;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BearingKinematicState<T> {
-    /// Cage, and so the elements' positions.
+    /// Angle of the cage.
     pub cage: Phase,
-    /// Inner ring.
+    /// Angle of the inner ring.
     pub inner: Phase,
-    /// Outer ring.
+    /// Angle of the outer ring.
     pub outer: Phase,
-    /// Balls about their own axes: 0 where their angle 0 touches the inner race.
+    /// Angle of the balls about their own axes: 0 where their angle 0 is at the inner race.
     pub ball: Phase,
-    /// w_i, inner ring about +Z, rad/s.
+    /// w_i, speed of the inner ring about +Z, rad/s.
     pub inner_speed: T,
-    /// w_o, outer ring about +Z, rad/s.
+    /// w_o, speed of the outer ring about +Z, rad/s.
     pub outer_speed: T,
 }
 
@@ -42,7 +42,7 @@ impl<T: Scalar> From<Phase> for BearingKinematicState<T> {
 }
 
 impl<T: Scalar> BearingKinematicState<T> {
-    /// Seen from the frame turned by pi about X, in which everything turns the other way.
+    /// Returns the state in the frame rotated by pi about X, in which all rotations reverse.
     #[must_use]
     #[inline(always)]
     pub fn reversed(self) -> Self {

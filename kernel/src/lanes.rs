@@ -1,19 +1,20 @@
-//! `K` numbers side by side: the arithmetic of several elements at once, each lane as if it were alone.
+//! Arithmetic on `K` elements side by side, lane by lane.
 //!
-//! One ball's equilibrium is a long chain of dependent operations; on a desktop processor several of them side by side
-//! keep its units busy. With one lane it is the plain number.
+//! The equilibrium of one ball is a long chain of dependent operations; several balls side by side use the parallel units
+//! of a desktop processor. With one lane the operations are those of a plain number.
 //!
-//! The loops count by hand: a `for` over zipped arrays says the same in twenty times the code, of which the compiler then
-//! has a few hundred thousand copies to take apart in every program that holds all kinds of ball.
+//! The loops use counters: a `for` over zipped arrays compiles to twenty times the code before optimisation, in every
+//! program that holds all kinds of ball.
 
 use crate::math::Math;
 use crate::scalar::{LatticeIndex, Scalar};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+/// `K` numbers side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes<T, const K: usize>(pub [T; K]);
 
-/// Whole numbers side by side.
+/// `K` table indices side by side, as integers and as floats.
 #[derive(Debug, Clone, Copy)]
 pub struct LatticeIndices<T, const K: usize> {
     counts: [u32; K],
@@ -26,7 +27,7 @@ impl<T: Scalar, const K: usize> LatticeIndices<T, K> {
         LatticeIndex { count: self.counts[i], number: self.numbers.0[i] }
     }
 
-    /// `self * length + column` as indices, `self` being rows.
+    /// Returns the indices `self * length + columns`, with rows in `self`.
     #[inline(always)]
     pub fn entries(&self, length: LatticeIndex<T>, columns: &Self) -> [usize; K] {
         let mut entries = [0; K];
@@ -39,7 +40,7 @@ impl<T: Scalar, const K: usize> LatticeIndices<T, K> {
     }
 }
 
-/// Which lanes.
+/// A truth value per lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Mask<const K: usize>(pub [bool; K]);
 
@@ -48,7 +49,7 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     pub fn splat(x: T) -> Self {
         Self([x; K])
     }
-    /// One number of each.
+    /// Collects one number of each item.
     #[inline(always)]
     pub fn gather<S>(each: &[S; K], number: impl Fn(&S) -> T) -> Self {
         let mut lanes = Self([T::ZERO; K]);
@@ -125,12 +126,12 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
     pub fn or_sign(self, other: Self) -> Self {
         self.zip_with(other, T::or_sign)
     }
-    /// A number whose sign bit is set where any lane's is.
+    /// Returns a number whose sign bit is set where that of any lane is.
     #[inline(always)]
     pub fn any_sign(self) -> T {
         self.0.into_iter().fold(T::ZERO, T::or_sign)
     }
-    /// The whole part of each, 0 to `most`.
+    /// Returns the integer part of each lane, clamped to `0..=most`.
     #[inline(always)]
     pub fn clamped_floor(self, most: LatticeIndex<T>) -> LatticeIndices<T, K> {
         let mut wholes = LatticeIndices { counts: [0; K], numbers: self };
@@ -211,7 +212,7 @@ impl<T: Scalar, const K: usize> Neg for Lanes<T, K> {
     }
 }
 
-/// Two components in a ball's contact plane: radial outward and axial.
+/// A vector in the contact plane of a ball: radial (outward) and axial component.
 #[derive(Debug, Clone, Copy)]
 pub struct Plane<L> {
     pub r: L,
@@ -235,7 +236,7 @@ impl<T: Scalar, const K: usize> Plane<Lanes<T, K>> {
     pub fn minus(self, other: Self) -> Self {
         Self { r: self.r - other.r, z: self.z - other.z }
     }
-    /// Turned by a quarter: from a contact's direction to its tangent.
+    /// Returns the vector rotated by a quarter: from the direction of a contact to its tangent.
     #[inline(always)]
     pub fn tangent(self) -> Self {
         Self { r: -self.z, z: self.r }

@@ -1,4 +1,4 @@
-//! Precision as a type parameter: `f32` or `f64`, and nothing else.
+//! Precision as a type parameter: `f32` or `f64`.
 
 use core::fmt::Debug;
 use core::ops::Neg;
@@ -11,6 +11,8 @@ mod sealed {
 }
 
 /// A floating-point number of the hot path. Sealed: `f32` and `f64`.
+///
+/// Selection and sign operations work on the bits, so that their cost does not depend on the data.
 pub trait Scalar:
     sealed::Sealed
     + Copy
@@ -28,51 +30,51 @@ pub trait Scalar:
 {
     /// 0
     const ZERO: Self;
-    /// -0, which added to any number leaves it as it is
+    /// -0: adding it to any number returns that number, including -0.
     const NEGATIVE_ZERO: Self;
     /// 1
     const ONE: Self;
     /// 1/2
     const HALF: Self;
-    /// Unbalanced force over largest load below which a ball counts as in equilibrium.
+    /// Largest ratio of unbalanced force to load of an element in equilibrium.
     const EQUILIBRIUM_TOLERANCE: Self;
 
-    /// The nearest number of this precision. Set-up time on targets whose `f64` is soft.
+    /// Rounds to the nearest number of this precision. For set-up: `f64` is emulated on some targets.
     fn from_f64(x: f64) -> Self;
-    /// A count (rounded).
+    /// Converts an integer, rounded.
     fn from_u32(count: u32) -> Self;
-    /// As `f64`, exactly.
+    /// Converts to `f64`, exactly.
     fn to_f64(self) -> f64;
-    /// Magnitude: clears the sign bit.
+    /// Returns the magnitude; clears the sign bit.
     fn abs(self) -> Self;
-    /// Negated where `sign` has its sign bit set.
+    /// Returns the number with its sign inverted where `sign` has its sign bit set.
     fn xor_sign(self, sign: Self) -> Self;
-    /// A number whose sign bit is set where either's is; the rest of it means nothing.
+    /// Returns a number whose sign bit is set where that of `self` or `other` is. Its magnitude is undefined.
     fn or_sign(self, other: Self) -> Self;
-    /// The sign bit.
+    /// Returns the sign bit.
     fn is_sign_negative(self) -> bool;
-    /// Neither NaN nor infinite.
+    /// Returns true if the number is neither NaN nor infinite.
     fn is_finite(self) -> bool;
-    /// +0 or -0, seen in the bits: a comparison of floats invites a branch.
+    /// Returns true for +0 and -0. Tests the bits: the compiler turns a comparison of floats into a branch.
     fn is_zero(self) -> bool;
-    /// `a` where `mask` is all ones, `b` where it is 0.
+    /// Returns `a` where `mask` is all ones, `b` where it is 0.
     fn select_by_mask(mask: u32, a: Self, b: Self) -> Self;
-    /// `a` if `first`, else `b`, by masks: the same instructions either way.
+    /// Returns `a` if `first`, else `b`, with the same instructions in both cases.
     #[inline(always)]
     fn select(first: bool, a: Self, b: Self) -> Self {
         Self::select_by_mask(u32::from(first).wrapping_neg(), a, b)
     }
-    /// The smaller of two, `other` where either is NaN; no branch.
+    /// Returns the smaller number, `other` if one of them is NaN. No branch.
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
-        // A desktop processor has an instruction for it, which the compiler finds in this form only.
+        // x86-64 has an instruction for this; the compiler recognises it in this form only.
         if cfg!(target_arch = "x86_64") {
             if self < other { self } else { other }
         } else {
             Self::select(self < other, self, other)
         }
     }
-    /// The larger of two, `other` where either is NaN; no branch.
+    /// Returns the larger number, `other` if one of them is NaN. No branch.
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         if cfg!(target_arch = "x86_64") {
@@ -81,54 +83,54 @@ pub trait Scalar:
             Self::select(self > other, self, other)
         }
     }
-    /// Radians of an arc given in counts of 2^-64 turn; `f32` looks at the upper 32 bits only.
+    /// Converts counts of 2^-64 revolution to radians; `f32` uses the upper 32 bits only.
     fn radians_from_counts(counts: i64) -> Self;
-    /// Counts of 2^-64 turn of an arc in radians, saturating at half a turn; NaN gives 0.
+    /// Converts radians to counts of 2^-64 revolution, saturated at half a revolution; NaN gives 0.
     fn to_phase_counts(self) -> i64;
 
-    /// The whole part of `self`, 0 to `most`; NaN gives 0. A whole number may count to the one below.
+    /// Returns the integer part, clamped to `0..=most`; NaN gives 0. An exact integer may give the one below.
     fn clamped_floor(self, most: LatticeIndex<Self>) -> LatticeIndex<Self>;
-    /// `row * length + column` as index.
+    /// Returns the index `row * length + column`.
     fn row_major_index(row: LatticeIndex<Self>, length: LatticeIndex<Self>, column: LatticeIndex<Self>) -> usize;
-    /// `x^(2/3)` to 0.2 %, `x >= 0`: a first guess of a Hertz deflection.
+    /// Returns `x^(2/3)` within 0.2 % for `x >= 0`: an initial value for a Hertz deflection.
     fn approximate_two_thirds_power(self) -> Self;
 
-    /// `x + |x|`: twice the positive part, without a branch or a library call.
+    /// Returns `x + |x|`, twice the positive part, without a branch or a library call.
     #[inline(always)]
     fn twice_positive_part(self) -> Self {
         self + self.abs()
     }
-    /// `x - |x|`: twice the negative part.
+    /// Returns `x - |x|`, twice the negative part.
     #[inline(always)]
     fn twice_negative_part(self) -> Self {
         self - self.abs()
     }
 }
 
-/// A whole number, both ways: what is not asked for costs nothing.
+/// An index of a table in both representations, integer and float. The compiler removes the one that is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LatticeIndex<T> {
-    /// To count with.
+    /// As an integer.
     pub count: u32,
-    /// To compute with.
+    /// As a float.
     pub number: T,
 }
 
 impl<T: Scalar> LatticeIndex<T> {
-    /// Of a count.
+    /// Creates an index.
     #[inline(always)]
     pub fn new(count: u32) -> Self {
         Self { count, number: T::from_u32(count) }
     }
 }
 
-/// Where 1 is the last bit there is, an addition rounds to whole numbers, in every lane of a desktop processor.
+/// 2^52: numbers of this size have a resolution of 1, so adding it rounds to an integer, in every lane of a SIMD register.
 const LAST_BIT_IS_ONE: f64 = (1_u64 << 52) as f64;
 
-/// Two thirds of the exponent by the bits, then a Newton step on `y^3 = x^2`.
+/// Computes two thirds of the exponent from the bits, then one Newton step on `y^3 = x^2`.
 #[inline]
 fn approximate_two_thirds_power(x: f32) -> f32 {
-    /// A third of the bits of 1, and less so that the error is the same to both sides.
+    /// A third of the bits of 1, reduced so that the errors of both signs are equal.
     const OFFSET: u32 = 0x3f80_0000 / 3 - 0x0004_0000;
     let y = f32::from_bits(x.to_bits() / 3 * 2 + OFFSET);
     let ratio = x / y;
@@ -269,7 +271,7 @@ impl Scalar for f64 {
     }
     #[inline]
     fn row_major_index(row: LatticeIndex<Self>, length: LatticeIndex<Self>, column: LatticeIndex<Self>) -> usize {
-        // In floats, in every lane of a desktop processor.
+        // Float arithmetic fits every lane of a SIMD register.
         let sum = row.number * length.number + column.number + LAST_BIT_IS_ONE;
         sum.to_bits() as u32 as usize
     }

@@ -21,6 +21,7 @@ mod formats;
 mod frames_source;
 mod full_disk;
 mod hostile_text;
+mod kernel_documents;
 mod kills;
 mod kinematics;
 mod limits;

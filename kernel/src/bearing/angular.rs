@@ -1,8 +1,9 @@
-//! Rung `angular`: a ball bearing whose contact angle follows the displacement, in closed form (`docs/src/models.md#angular-contact-bearing`).
+//! Model `angular`: a ball bearing whose contact angles follow the displacement, in closed form
+//! (`docs/src/models.md#angular-contact-bearing`).
 //!
-//! The groove centres stand `(A_r, A_z)` apart in each ball's plane; the deflection is the lengthening of that
-//! vector, `delta = |(A_r, A_z)| - A`, the load `Q = K_n delta^(3/2)` acts along it. Both races in series,
-//! no inertia, no film: what a ball in quasi-static equilibrium does at rest.
+//! The groove centres have the distance vector `(A_r, A_z)` in the plane of each ball; the deflection is `delta = |(A_r,
+//! A_z)| - A`, and the load `Q = K_n delta^(3/2)` acts along that vector. Both contacts are in series, without inertia and
+//! film: the quasi-static equilibrium of a ball without rotation.
 
 use super::bearing_in_cage;
 use super::element_position::ElementLayout;
@@ -15,49 +16,50 @@ use crate::math::Math;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
-/// Where the rings stand at zero displacement.
+/// Relative position of the rings at zero displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DisplacementDatum {
-    /// Just touching the balls at the contact angle: groove centres A apart, axially `A sin(alpha_0)`.
+    /// The rings just touch the balls at the contact angle: groove centres A apart, axially `A sin(alpha_0)`.
     Touching,
-    /// Concentric and centred axially, groove centres `A cos(alpha_0)` apart radially: a deep groove bearing.
+    /// The rings are concentric and centred axially: groove centres `A cos(alpha_0)` apart radially. For deep-groove
+    /// bearings.
     Centred,
 }
 
-/// Variable-contact-angle bearing. Cost per ball: two square roots, two divisions.
+/// A ball bearing with variable contact angle. Cost per ball: two square roots, two divisions.
 #[derive(Debug, Clone, Copy)]
 pub struct Angular<T, M, P, S = Smooth> {
     ring: Ring<T, P>,
     law: PointContactLaw<T>,
-    /// A
+    /// A, m.
     distance: T,
-    /// A^2
+    /// A^2, m^2.
     distance_squared: T,
-    /// (A_r, A_z) at zero displacement
+    /// (A_r, A_z) at zero displacement, m.
     unloaded: (T, T),
-    /// A_r^2 + A_z^2 - A^2 there, exactly 0 for `Touching`
+    /// A_r^2 + A_z^2 - A^2 at zero displacement; exactly 0 for `Touching`.
     excess: T,
     surface: S,
     math: PhantomData<M>,
 }
 
-/// What a variable-contact-angle bearing is besides its balls' positions: numbers made ready for [`Angular::from_constants`].
+/// Precomputed constants of an [`Angular`] bearing, without the element positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AngularConstants<T> {
-    /// Of both contacts in series, N/m^1.5.
+    /// K_n, stiffness of both contacts in series, N/m^1.5.
     pub stiffness: T,
-    /// A, and its square.
+    /// A (m) and A^2 (m^2).
     pub distance: [T; 2],
     /// A_r and A_z at zero displacement, m.
     pub unloaded: [T; 2],
-    /// A_r^2 + A_z^2 - A^2 there, m^2.
+    /// A_r^2 + A_z^2 - A^2 at zero displacement, m^2.
     pub excess: T,
-    /// R_i, m.
+    /// R_i, lever arm, m.
     pub arm: T,
 }
 
 impl AngularConstants<f64> {
-    /// From geometry; stiffness by Hertz at the free contact angle, lever arm R_i. Set-up time.
+    /// Computes the constants: Hertz stiffness at the free contact angle, lever arm R_i. For set-up.
     ///
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
@@ -78,7 +80,7 @@ impl AngularConstants<f64> {
         })
     }
 
-    /// In another precision.
+    /// Returns the constants in another precision.
     #[must_use]
     pub fn rounded<T: Scalar>(&self) -> AngularConstants<T> {
         AngularConstants {
@@ -91,7 +93,7 @@ impl AngularConstants<f64> {
     }
 }
 
-/// The groove centres of one ball's plane: how far apart along and across, and by how much too far.
+/// Distance of the groove centres in the plane of one ball, and the deflection.
 #[derive(Clone, Copy)]
 struct Grooves<T> {
     radial: T,
@@ -113,7 +115,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
         Ok(Self::from_constants(positions, AngularConstants::try_new(geometry, datum)?.rounded()))
     }
 
-    /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
+    /// Creates the bearing from precomputed constants without checks.
     pub fn from_constants(positions: P, seat: AngularConstants<T>) -> Self {
         let law = PointContactLaw { stiffness: seat.stiffness };
         let [distance, distance_squared] = seat.distance;
@@ -134,7 +136,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
         }
     }
 
-    /// The same bearing with waviness or damage.
+    /// Returns the bearing with surface deviations.
     pub fn with_surface<S: Surface<T>>(self, surface: S) -> Angular<T, M, P, S> {
         Angular {
             ring: self.ring,
@@ -150,9 +152,10 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
 }
 
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P, S> {
-    /// `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`, the numerator from the displacements: the difference of
-    /// two nearly equal lengths would lose three digits of a micrometre in f32, and all of it with an approximate
-    /// square root.
+    /// Computes `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`, with the numerator from the displacements.
+    ///
+    /// The difference of two nearly equal lengths would lose three digits of a micrometre in `f32`, and all digits with an
+    /// approximate square root.
     #[inline(always)]
     fn grooves<const K: usize>(&self, at: [Motion<T>; K]) -> [Grooves<T>; K] {
         let at = at.map(Motion::with_waviness);
@@ -174,7 +177,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P,
 }
 
 impl<T: Scalar> Grooves<T> {
-    /// The contact whose load is `load` along the line of centres.
+    /// Returns the contact with `load` along the line of groove centres.
     #[inline(always)]
     fn contact(&self, load: T) -> Contact<T> {
         let by_length = load / self.length;
@@ -206,7 +209,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements for Ang
         core::array::from_fn(|j| grooves[j].contact(loads[j]))
     }
 
-    /// `k e e^T + (Q/l)(1 - e e^T)` with `k = dQ/d(delta)`: stretching and turning of the contact line.
+    /// Stiffness `k e e^T + (Q/l)(1 - e e^T)` with `k = dQ/d(delta)`: elongation and rotation of the contact line.
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
         let [g] = self.grooves([at]);

@@ -1,10 +1,10 @@
-//! Where the elements stand in the cage: any positions, or opposite pairs.
+//! Positions of the elements in the cage: any positions, or opposed pairs.
 
 use crate::lanes::Lanes;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 
-/// One element's position in the cage's frame: where it is when the cage is at angle 0, ready for the hot path.
+/// Position of one element in the cage frame: its azimuth with the cage at angle 0, with cosine and sine.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ElementPosition<T> {
     pub(crate) cos: T,
@@ -12,58 +12,59 @@ pub struct ElementPosition<T> {
     pub(crate) azimuth: Phase,
 }
 
-/// The positions of `N` elements; the count is a constant of the type.
+/// Positions of `N` elements.
 ///
-/// The bearings take any `AsRef<[ElementPosition<T>]>`: an array here, a heap slice where the count is only overlap at run time.
+/// The models take any `AsRef<[ElementPosition<T>]>`: this array, or a slice on the heap where the count is known only at
+/// run time.
 pub type ElementPositions<T, const N: usize> = [ElementPosition<T>; N];
 
-/// The positions of `H` elements and of those opposite to them, `2 H` in all.
+/// Positions of `2 H` elements in opposed pairs: element `j + H` is opposite to element `j`.
 ///
-/// What opposite elements have in common is computed once: their directions differ by the sign, and where there is
-/// no preload at most one of the two is loaded. Element `j` and `j + H` stand opposite.
+/// A pair shares its computation: the directions differ by the sign, and without preload at most one of the two elements is
+/// loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpposedPairs<T, const H: usize>(ElementPositions<T, H>);
 
 impl<T: Scalar> ElementPosition<T> {
-    /// At an azimuth. Tables by `libm` in `f64`, rounded once. Set-up time.
+    /// Creates a position from its azimuth. For set-up: cosine and sine by `libm` in `f64`, rounded once.
     #[must_use]
     pub fn from_azimuth(azimuth: Phase) -> Self {
         let p = azimuth.radians();
         Self { cos: T::from_f64(libm::cos(p)), sin: T::from_f64(libm::sin(p)), azimuth }
     }
 
-    /// From numbers made ready elsewhere: cosine and sine of the azimuth. No arithmetic, so that firmware with constants
-    /// in flash links none of what [`ElementPosition::from_azimuth`] needs.
+    /// Creates a position from precomputed constants: cosine and sine of the azimuth, and the azimuth. No arithmetic:
+    /// firmware with constants in flash links no trigonometry.
     #[must_use]
     pub const fn from_constants(cos: T, sin: T, azimuth: Phase) -> Self {
         Self { cos, sin, azimuth }
     }
 
-    /// Number `j` of `count` evenly spaced ones, number 0 at `first`.
+    /// Creates position `j` of `count` evenly spaced ones; position 0 is at `first`.
     #[must_use]
     pub fn evenly_spaced(first: Phase, j: usize, count: usize) -> Self {
         Self::from_azimuth(first.wrapping_add(Phase((((j as u128) << 64) / (count.max(1) as u128)) as u64)))
     }
 
-    /// Seen from the frame turned by pi about X.
+    /// Returns the position in the frame rotated by pi about X.
     #[must_use]
     pub fn mirrored(self) -> Self {
         Self { cos: self.cos, sin: -self.sin, azimuth: self.azimuth.reversed() }
     }
 
-    /// Cosine and sine of the azimuth.
+    /// Returns cosine and sine of the azimuth.
     #[must_use]
     pub fn direction(&self) -> (T, T) {
         (self.cos, self.sin)
     }
 
-    /// Azimuth with the cage at angle 0.
+    /// Returns the azimuth with the cage at angle 0.
     #[must_use]
     pub fn azimuth(&self) -> Phase {
         self.azimuth
     }
 
-    /// The position on the other side of the shaft.
+    /// Returns the position on the opposite side of the shaft.
     #[must_use]
     #[inline(always)]
     pub fn opposite(self) -> Self {
@@ -71,54 +72,55 @@ impl<T: Scalar> ElementPosition<T> {
     }
 }
 
-/// `N` evenly spaced positions, the first at `first`.
+/// Returns `N` evenly spaced positions, the first at `first`.
 #[must_use]
 pub fn evenly_spaced<T: Scalar, const N: usize>(first: Phase) -> ElementPositions<T, N> {
     core::array::from_fn(|j| ElementPosition::evenly_spaced(first, j, N))
 }
 
-/// `2 H` evenly spaced positions, the first at `first`.
+/// Returns `2 H` evenly spaced positions in opposed pairs, the first at `first`.
 #[must_use]
 pub fn evenly_spaced_pairs<T: Scalar, const H: usize>(first: Phase) -> OpposedPairs<T, H> {
     OpposedPairs(core::array::from_fn(|j| ElementPosition::evenly_spaced(first, j, 2 * H)))
 }
 
 impl<T: Scalar, const H: usize> OpposedPairs<T, H> {
-    /// From the positions of one element of each pair.
+    /// Creates the pairs from one position of each.
     #[must_use]
     pub const fn new(half: ElementPositions<T, H>) -> Self {
         Self(half)
     }
 
-    /// Seen from the frame turned by pi about X.
+    /// Returns the positions in the frame rotated by pi about X.
     #[must_use]
     pub fn mirrored(self) -> Self {
         Self(self.0.map(ElementPosition::mirrored))
     }
 }
 
-/// How the elements stand; implemented for slices, arrays and vectors of positions, and for [`OpposedPairs`].
+/// Layout of the elements: implemented for slices, arrays and vectors of positions, and for [`OpposedPairs`].
 pub trait ElementLayout<T: Scalar>: Send + Sync {
-    /// Whether each entry of the stored stands for itself and the element opposite to it.
+    /// True if each stored position represents a pair of opposed elements.
     const IS_PAIRED: bool;
 
-    /// What the hot path goes through.
+    /// Returns the stored positions: all elements, or one of each pair.
     fn stored(&self) -> &[ElementPosition<T>];
 
-    /// The `index`-th `BLOCK_SIZE` elements side by side; nothing where there are no more, or fewer than that in all.
+    /// Returns block `index` of `BLOCK_SIZE` stored positions, or `None` past the end or with fewer positions than a block.
+    ///
+    /// The last block overlaps the one before where the count is no multiple of the block size.
     #[inline(always)]
     fn block(&self, index: usize) -> Option<ElementBlock<T, BLOCK_SIZE>> {
         let (stored, begin) = (self.stored(), index * BLOCK_SIZE);
         if begin >= stored.len() {
             return None;
         }
-        // The last reach back where they would not be all.
         let first = begin.min(stored.len().wrapping_sub(BLOCK_SIZE));
         let positions = stored.get(first..)?.first_chunk()?;
         Some(ElementBlock { first, overlap: begin - first, ..ElementBlock::of(positions) })
     }
 
-    /// Every element in order.
+    /// Returns all positions in order.
     #[inline(always)]
     fn all(&self) -> impl Iterator<Item = ElementPosition<T>> {
         let opposite = if Self::IS_PAIRED { self.stored() } else { &[] };
@@ -142,17 +144,17 @@ impl<T: Scalar, const H: usize> ElementLayout<T> for OpposedPairs<T, H> {
     }
 }
 
-/// Elements side by side: cosines, sines and azimuths of their positions.
+/// Positions of `K` elements side by side.
 #[derive(Debug, Clone, Copy)]
-// What wide registers read lies within cache lines.
+// SIMD loads stay within cache lines.
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 pub struct ElementBlock<T, const K: usize> {
     pub(super) cos: Lanes<T, K>,
     pub(super) sin: Lanes<T, K>,
     pub(super) azimuths: [Phase; K],
-    /// The first's number in the stored.
+    /// Index of the first of them.
     pub(super) first: usize,
-    /// How many of them were among the ones before.
+    /// Number of them that the block before also contains.
     pub(super) overlap: usize,
 }
 
@@ -165,8 +167,7 @@ impl<T: Scalar, const K: usize> ElementBlock<T, K> {
     }
 }
 
-/// Places that are kept side by side too, as a desktop processor reads them: the same answers, sooner from
-/// [`super::tabulated`].
+/// Positions that are also stored in SIMD blocks: same results, faster with [`super::tabulated`] on a desktop processor.
 ///
 /// ```
 /// use ballrace::Phase;
@@ -183,7 +184,7 @@ pub struct BlockedPositions<P, G> {
 }
 
 impl<P, G> BlockedPositions<P, G> {
-    /// Of these positions. Set-up time.
+    /// Creates the blocks. For set-up.
     pub fn new<T: Scalar>(positions: P) -> Self
     where
         P: ElementLayout<T>,
@@ -210,22 +211,24 @@ where
     }
 }
 
-/// Elements that are computed side by side: on the desktop as many as keep its units busy, on a microcontroller one.
+/// Number of elements that are evaluated side by side: four on 64-bit processors to use their parallel units, one on a
+/// microcontroller.
 pub const BLOCK_SIZE: usize = if cfg!(target_pointer_width = "64") { 4 } else { 1 };
 
-/// Up to `K` positions, the last repeated where there are fewer.
+/// Up to `K` positions, padded with the last one.
 pub(super) struct PaddedGroup<T, const K: usize> {
     pub positions: [ElementPosition<T>; K],
     count: usize,
 }
 
 impl<T, const K: usize> PaddedGroup<T, K> {
-    /// Without the repetitions.
+    /// Returns the positions without padding.
     pub fn without_padding(&self) -> &[ElementPosition<T>] {
         self.positions.get(..self.count).unwrap_or_default()
     }
 }
 
+/// Returns the positions in groups of `K`.
 pub(super) fn padded_groups<T: Scalar, const K: usize>(
     positions: &impl ElementLayout<T>,
 ) -> impl Iterator<Item = PaddedGroup<T, K>> {

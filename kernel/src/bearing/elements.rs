@@ -1,4 +1,4 @@
-//! What the rungs with rolling elements have in common: one element's law in, the bearing's answer out.
+//! Common evaluation of all models with independent elements.
 
 use super::Reaction;
 use super::element_position::ElementLayout;
@@ -58,19 +58,19 @@ pub trait Elements {
     }
 }
 
-/// A bearing as seen from the frame that turns with its cage, in which its elements stand still.
+/// A bearing in the frame that rotates with its cage, in which the elements are fixed.
 ///
-/// For those who have the displacement in that frame, or evaluate often at one cage angle: the sine and cosine and the
-/// rotation of displacement and wrench are what [`super::Bearing`] adds.
+/// Use it where the displacement is known in that frame, or for many evaluations at one cage angle: [`super::Bearing`] adds
+/// the sine and cosine of the cage angle and two rotations.
 pub trait CageFrame<T: Scalar> {
-    /// Sine and cosine of the cage's angle.
+    /// Returns sine and cosine of the cage angle.
     fn cage_rotation(cage: Phase) -> CageRotation<T>;
 
-    /// As [`super::Bearing::reaction`] with displacement and wrench in the cage's frame; `at` only says where damage
-    /// on a race is met.
+    /// Computes [`super::Bearing::reaction`] with displacement and wrench in the cage frame. Only surface deviations use
+    /// `at`.
     fn reaction_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
 
-    /// The same with the tangent, which is turned into the fixed frame by `turn`.
+    /// Computes the reaction in the cage frame and the tangent stiffness in the fixed frame, rotated by `turn`.
     fn reaction_and_stiffness_in_cage_frame(
         &self,
         u: &Displacement<T>,
@@ -78,17 +78,35 @@ pub trait CageFrame<T: Scalar> {
         turn: CageRotation<T>,
     ) -> (Reaction<T>, Stiffness<T>);
 
-    /// As [`super::Bearing::element_loads`] with the displacement in the cage's frame.
+    /// Computes [`super::Bearing::element_loads`] with the displacement in the cage frame.
     fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
 
-    /// [`super::Bearing::reaction`] as part of whoever calls it: a caller that is compiled for a processor with wider
-    /// registers than the rest of its program takes the bearing with it.
+    /// Computes [`super::Bearing::reaction`], always inlined: a caller compiled for wider SIMD registers than the rest of
+    /// the program compiles the bearing with it.
     #[inline(always)]
     fn reaction_inlined(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let turn = Self::cage_rotation(at.cage);
         let local = self.reaction_in_cage_frame(&to_cage_frame(u, turn), at);
         Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
     }
+}
+
+#[inline(always)]
+fn reaction_and_stiffness<T: Scalar, E: Elements<Scalar = T>>(
+    elements: &E,
+    u: &Displacement<T>,
+    at: &BearingKinematicState<T>,
+    turn: CageRotation<T>,
+) -> (Reaction<T>, Stiffness<T>) {
+    let ring = elements.ring();
+    let rim = ring.at_rim(u);
+    let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
+    for position in ring.positions.all() {
+        let (contact, k) = elements.contact_and_stiffness(Motion::of(&position, &rim, at, elements.surface()));
+        sum.add(&position, &contact);
+        stiffness.add(&position, &k);
+    }
+    (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
 }
 
 impl<E: Elements> CageFrame<E::Scalar> for E {
@@ -113,15 +131,7 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
         at: &BearingKinematicState<E::Scalar>,
         turn: CageRotation<E::Scalar>,
     ) -> (Reaction<E::Scalar>, Stiffness<E::Scalar>) {
-        let ring = self.ring();
-        let rim = ring.at_rim(u);
-        let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
-        for position in ring.positions.all() {
-            let (contact, k) = self.contact_and_stiffness(Motion::of(&position, &rim, at, self.surface()));
-            sum.add(&position, &contact);
-            stiffness.add(&position, &k);
-        }
-        (sum.finish(ring.arm, ring.scale), stiffness.finish(ring.arm, ring.scale, turn))
+        reaction_and_stiffness(self, u, at, turn)
     }
 
     #[inline]

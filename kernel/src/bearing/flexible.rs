@@ -1,4 +1,4 @@
-//! A flexible outer ring: Hajzman's `e^T q_S`, the housing displaced point by point.
+//! Flexible outer ring: displacement of the housing at each element (`e^T q_S` of Hajzman).
 
 use super::Reaction;
 use super::element_position::ElementLayout;
@@ -10,16 +10,16 @@ use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// The outer ring or housing at one element's contact point, along X, Y, Z.
+/// The outer ring or housing at the contact point of one element, along X, Y, Z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct HousingPoint<T> {
     /// Displacement, m.
     pub displacement: [T; 3],
-    /// Force of the element on the housing, N: an evaluation adds to it.
+    /// Force of the element on the housing, N; evaluations add to it.
     pub reaction: [T; 3],
 }
 
-/// A bearing whose outer ring is displaced point by point (Hajzman's `e^T q_S` term).
+/// A bearing whose outer ring is displaced point by point (`e^T q_S` of Hajzman).
 ///
 /// ```
 /// use ballrace::bearing::evenly_spaced;
@@ -30,7 +30,7 @@ pub struct HousingPoint<T> {
 ///
 /// let positions = evenly_spaced::<f64, 8>(Phase::ZERO);
 /// let bearing = Radial::<f64, Exact, _, _>::try_new(positions, PointContactLaw { stiffness: 8e9 }, 0.0)?;
-/// // The housing gives way at the ball that is pressed: half the deflection, and the reaction is the housing's.
+/// // The housing moves with the loaded ball: half the deflection; the reaction acts on the housing.
 /// let mut housing = [HousingPoint::default(); 8];
 /// housing[0].displacement = [1e-6, 0.0, 0.0];
 /// let u = Displacement { u: 2e-6, ..Displacement::default() };
@@ -40,8 +40,10 @@ pub struct HousingPoint<T> {
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
 pub trait FlexibleRing<T: Scalar> {
-    /// Force on the inner ring when the housing point of element `j` is displaced as `housing[j]` says, and the
-    /// reaction on that point (action = reaction). Elements past the end of `housing` stand on a rigid ring.
+    /// Computes the force on the inner ring with the displacements of `housing`, and adds the reaction to each housing
+    /// point.
+    ///
+    /// Point `j` belongs to element `j`; elements beyond `housing` are on a rigid ring.
     fn reaction_flexible(
         &self,
         u: &Displacement<T>,
@@ -49,7 +51,7 @@ pub trait FlexibleRing<T: Scalar> {
         housing: &mut [HousingPoint<T>],
     ) -> Reaction<T>;
 
-    /// The same with the tangent `-d(wrench)/du` while the housing stands still.
+    /// Computes the force and its tangent `-d(wrench)/du` at constant housing displacement.
     fn reaction_and_stiffness_flexible(
         &self,
         u: &Displacement<T>,
@@ -59,23 +61,23 @@ pub trait FlexibleRing<T: Scalar> {
 }
 
 impl<T: Scalar> HousingPoint<T> {
-    /// Radial (towards `direction`) and axial displacement.
+    /// Returns the radial displacement (towards `direction`) and the axial one.
     #[inline(always)]
     fn along(&self, (cos, sin): (T, T)) -> (T, T) {
         let [x, y, z] = self.displacement;
         (x * cos + y * sin, z)
     }
 
-    /// Takes the force of a contact, N: that on the inner ring points the other way.
+    /// Adds the force of a contact, N; that on the inner ring is opposite.
     #[inline(always)]
-    fn push(&mut self, (cos, sin): (T, T), contact: &Contact<T>, scale: T) {
+    fn add_reaction(&mut self, (cos, sin): (T, T), contact: &Contact<T>, scale: T) {
         let [x, y, z] = self.reaction;
         let radial = scale * contact.radial;
         self.reaction = [x + radial * cos, y + radial * sin, z + scale * contact.axial];
     }
 }
 
-/// Goes through all elements, each with its motion over that of its housing point; `contact` gives the contact at it.
+/// Evaluates `contact` for every element at its motion relative to its housing point.
 fn each_element<T: Scalar, E: Elements<Scalar = T>>(
     elements: &E,
     u: &Displacement<T>,
@@ -89,12 +91,12 @@ fn each_element<T: Scalar, E: Elements<Scalar = T>>(
     for position in ring.positions.all() {
         let mut rigid = HousingPoint::default();
         let point = points.next().unwrap_or(&mut rigid);
-        // The element's direction in the fixed frame, in which the housing point is given.
+        // Housing points are given in the fixed frame.
         let direction = (cos * position.cos - sin * position.sin, cos * position.sin + sin * position.cos);
         let (radial, axial) = point.along(direction);
         let motion = Motion::of(&position, &rim, at, elements.surface());
         let motion = Motion { radial: motion.radial - radial, axial: motion.axial - axial, ..motion };
-        point.push(direction, &contact(&position, motion), ring.scale);
+        point.add_reaction(direction, &contact(&position, motion), ring.scale);
     }
 }
 

@@ -1,35 +1,35 @@
-//! Ball, races and material of a bearing: what an engineer writes, checked once.
+//! Geometry and material of a ball bearing, with validation.
 
 use crate::contact::hertz::{Material, PointContact, Race, effective_modulus, in_series};
 use core::fmt;
 
-/// A ball bearing's shape and material, SI units.
+/// Geometry and material of a ball bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallBearingGeometry {
-    /// D, m.
+    /// D, ball diameter, m.
     pub ball_diameter: f64,
-    /// d_m, m.
+    /// d_m, pitch diameter, m.
     pub pitch_diameter: f64,
-    /// f_i = groove radius / D.
+    /// f_i, inner groove radius divided by D.
     pub inner_conformity: f64,
-    /// f_o.
+    /// f_o, outer groove radius divided by D.
     pub outer_conformity: f64,
     /// alpha_0, free contact angle, rad.
     pub contact_angle: f64,
-    /// Of the balls.
+    /// Material of the balls.
     pub ball: Material,
-    /// Of both races.
+    /// Material of both races.
     pub race: Material,
 }
 
-/// Why a geometry, a bearing or a rotor cannot be built: which quantity, and what is allowed.
+/// Error returned when a parameter of a geometry, a bearing or a rotor is outside its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InvalidParameter {
-    /// The quantity's name.
+    /// Name of the parameter.
     pub name: &'static str,
-    /// What was found.
+    /// Value found.
     pub found: f64,
-    /// What is allowed, in words.
+    /// Allowed range, in words.
     pub allowed: &'static str,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for InvalidParameter {
 
 impl core::error::Error for InvalidParameter {}
 
-/// `found` passes `condition`, or it is the error.
+/// Returns an error unless `condition` holds and `found` is finite.
 pub(crate) fn check(
     condition: bool,
     name: &'static str,
@@ -51,14 +51,14 @@ pub(crate) fn check(
     if condition && found.is_finite() { Ok(()) } else { Err(InvalidParameter { name, found, allowed }) }
 }
 
-/// Steel for rolling bearings: 206 GPa, 0.3.
+/// Bearing steel: 206 GPa, 0.3.
 pub const BEARING_STEEL: Material = Material { youngs_modulus: 206e9, poissons_ratio: 0.3 };
 
 impl BallBearingGeometry {
-    /// Checks every entry.
+    /// Validates all parameters.
     ///
     /// # Errors
-    /// The first quantity out of its range.
+    /// The first parameter outside its range.
     pub fn checked(self) -> Result<Self, InvalidParameter> {
         let Self { ball_diameter, pitch_diameter, inner_conformity, outer_conformity, contact_angle, .. } = self;
         check(ball_diameter > 0.0, "ball_diameter", ball_diameter, "above 0 m")?;
@@ -76,7 +76,7 @@ impl BallBearingGeometry {
         Ok(self)
     }
 
-    /// Free contact angle of an unloaded bearing with diametral clearance `s`: `cos(alpha_0) = 1 - s/(2A)`.
+    /// Returns the geometry with the free contact angle of a diametral clearance `s` (m): `cos(alpha_0) = 1 - s/(2A)`.
     ///
     /// # Errors
     /// A clearance below 0 or above A (60 degrees).
@@ -88,33 +88,33 @@ impl BallBearingGeometry {
         Ok(self)
     }
 
-    /// A = r_i + r_o - D, distance of the groove centres, m.
+    /// Returns A = r_i + r_o - D, the distance of the groove centres, m.
     #[must_use]
     pub fn groove_distance(&self) -> f64 {
         (self.inner_conformity + self.outer_conformity - 1.0) * self.ball_diameter
     }
 
-    /// R_i, radius of the circle of inner groove centres, m: the lever arm of both deflection and moment.
+    /// Returns R_i, the radius of the circle of inner groove centres, m: the lever arm of deflection and moment.
     #[must_use]
     pub fn inner_groove_radius(&self) -> f64 {
         let offset = (self.inner_conformity - 0.5) * self.ball_diameter;
         0.5 * self.pitch_diameter + offset * libm::cos(self.contact_angle)
     }
 
-    /// R_o, radius of the circle of outer groove centres, m.
+    /// Returns R_o, the radius of the circle of outer groove centres, m.
     #[must_use]
     pub fn outer_groove_radius(&self) -> f64 {
         let offset = (self.outer_conformity - 0.5) * self.ball_diameter;
         0.5 * self.pitch_diameter - offset * libm::cos(self.contact_angle)
     }
 
-    /// gamma = D cos(alpha_0) / d_m.
+    /// Returns gamma = D cos(alpha_0) / d_m.
     #[must_use]
     pub fn gamma(&self) -> f64 {
         self.ball_diameter * libm::cos(self.contact_angle) / self.pitch_diameter
     }
 
-    /// Hertz contact on `race` at the free contact angle.
+    /// Returns the Hertz contact on `race` at the free contact angle.
     #[must_use]
     pub fn contact(&self, race: Race) -> PointContact {
         let conformity = match race {
@@ -125,7 +125,7 @@ impl BallBearingGeometry {
         PointContact::ball_on_race(race, self.ball_diameter, conformity, self.gamma(), modulus)
     }
 
-    /// K_n, both races in series, N/m^1.5.
+    /// Returns K_n, the stiffness of both contacts in series, N/m^1.5.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         in_series(self.contact(Race::Inner).stiffness, self.contact(Race::Outer).stiffness)

@@ -1,19 +1,19 @@
-//! Speeds and orders of pure rolling, per turn of the inner ring with the outer one at rest (`docs/src/models.md#orders`; Harris).
+//! Orders of a bearing under pure rolling (`docs/src/models.md#orders`; Harris).
 
-/// The orders of one bearing: multiples of the shaft's rotational frequency.
+/// Orders of one bearing: multiples of the rotational frequency of the inner ring, with the outer ring fixed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orders {
     /// Cage: `(1 - gamma)/2`.
     pub cage: f64,
-    /// Outer race's ball-pass order: `N` times the cage's.
+    /// Ball-pass order of the outer race: `N cage`.
     pub outer_race: f64,
-    /// Inner race's ball-pass order: `N (1 - cage)`.
+    /// Ball-pass order of the inner race: `N (1 - cage)`.
     pub inner_race: f64,
-    /// Ball spin: `(1 - gamma^2)/(2 gamma')` with `gamma' = D/d_m`; a ball's defect strikes twice a spin.
+    /// Ball spin order: `(1 - gamma^2)/(2 gamma')` with `gamma' = D/d_m`; a defect on a ball has twice this order.
     pub ball_spin: f64,
 }
 
-/// Orders from geometry: `gamma = D cos(alpha)/d_m`, `gamma_prime = D/d_m`.
+/// Computes the orders from `gamma = D cos(alpha)/d_m` and `gamma_prime = D/d_m`.
 #[must_use]
 pub fn orders(elements: usize, gamma: f64, gamma_prime: f64) -> Orders {
     let n = elements as f64;

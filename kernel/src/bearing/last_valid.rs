@@ -1,11 +1,11 @@
-//! Holding the last good value: what a stream of samples needs against bad ones.
+//! The last valid wrench of a stream of samples.
 
 use super::Reaction;
 use crate::frame::Wrench;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// The last good wrench and how many samples were answered with it.
+/// The last valid wrench, and the number of samples answered with it.
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
@@ -28,13 +28,13 @@ pub struct LastValidWrench<T> {
 }
 
 impl<T: Scalar> LastValidWrench<T> {
-    /// Nothing seen yet: a bad first sample is answered with zero.
+    /// Creates the state before the first sample; an invalid first sample gives the zero wrench.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Samples answered with an older value so far (saturating).
+    /// Returns the number of samples answered with an earlier wrench (saturating).
     #[must_use]
     pub fn held_count(&self) -> u32 {
         self.held_count
@@ -43,7 +43,7 @@ impl<T: Scalar> LastValidWrench<T> {
     pub(super) fn update(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
         let fresh = evaluate();
         let result_ok = fresh.wrench.is_finite();
-        // No branch here: a bad sample costs what a good one costs.
+        // No branch: an invalid sample costs as much as a valid one.
         let status = Status::INPUT_NOT_FINITE
             .when(!input_ok)
             .union(Status::RESULT_NOT_FINITE.when(input_ok & !result_ok))

@@ -1,4 +1,4 @@
-//! Rung `linear`: a constant 5 x 5 stiffness, no clearance, no moving elements.
+//! Model `linear`: a constant 5 x 5 stiffness without clearance.
 
 use super::geometry::{InvalidParameter, check};
 use super::{Bearing, Reaction};
@@ -7,7 +7,7 @@ use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// `f = f_0 - K (u - u_0)`: springs about a reference state. Cost: 25 multiplications and additions.
+/// Springs about a reference state: `f = f_0 - K (u - u_0)`. Cost: 25 multiplications and additions.
 ///
 /// ```
 /// use ballrace::bearing::Bearing;
@@ -26,12 +26,12 @@ pub struct Linear<T: Scalar> {
 }
 
 impl<T: Scalar> Linear<T> {
-    /// Springs that push nowhere at zero displacement: `f = -K u`.
+    /// Creates springs without force at zero displacement: `f = -K u`.
     pub fn new(stiffness: Stiffness<T>) -> Self {
         Self::about(stiffness, Displacement::default(), Wrench::default())
     }
 
-    /// The tangent of another rung at `reference`, where that gave `force` ("linear by linearising").
+    /// Creates the linearisation of another model at `reference`, with its `force` there.
     pub fn about(stiffness: Stiffness<T>, reference: Displacement<T>, force: Wrench<T>) -> Self {
         Self { stiffness, reference, force }
     }
@@ -46,7 +46,7 @@ impl<T: Scalar> Bearing<T> for Linear<T> {
                 *entry -= k * x;
             }
         }
-        // Springs never lose contact: the load is a mark, not a sum.
+        // A linear bearing is always in contact: any load above 0 reports that.
         Reaction { wrench: Wrench::from_array(f), load: T::ONE, status: Status::OK }
     }
 
@@ -61,21 +61,21 @@ impl<T: Scalar> Bearing<T> for Linear<T> {
     fn element_loads(&self, _u: &Displacement<T>, _at: &BearingKinematicState<T>, _loads: &mut [T]) {}
 }
 
-/// Two springs of a radial bearing: along the static load and across it, N/m.
+/// Stiffnesses of a radial bearing along and across the static load, N/m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoSpring {
-    /// In the direction of the static load.
+    /// Along the static load.
     pub along: f64,
-    /// Across it.
+    /// Across the static load.
     pub across: f64,
 }
 
-/// `k = 13e6 N^(2/3) d^(1/3) F^(1/3) cos^(5/3)(alpha)` along the static load, SI units.
+/// Computes `k = 13e6 N^(2/3) d^(1/3) F^(1/3) cos^(5/3)(alpha)` along the static load of a ball bearing, SI units.
 ///
 /// Source: Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines (2010), as implemented in ROSS.
 ///
 /// # Errors
-/// The ratio across/along is tabulated for 8, 12 and 16 elements; outside 8 to 16 there is none.
+/// Element counts outside 8 to 16: the ratio across/along is tabulated for 8, 12 and 16.
 pub fn two_spring_ball(
     elements: usize,
     ball_diameter: f64,
@@ -90,7 +90,8 @@ pub fn two_spring_ball(
     two_spring(n, along, [0.46, 0.64, 0.73])
 }
 
-/// `k = 1.0e9 N^0.9 l^0.8 F^0.1 cos^1.9(alpha)` along the static load; source and errors as [`two_spring_ball`].
+/// Computes `k = 1.0e9 N^0.9 l^0.8 F^0.1 cos^1.9(alpha)` along the static load of a roller bearing; source as
+/// [`two_spring_ball`].
 ///
 /// # Errors
 /// Element counts outside 8 to 16.
@@ -109,7 +110,7 @@ pub fn two_spring_roller(
     two_spring(n, along, [0.49, 0.66, 0.74])
 }
 
-/// The parabola through the three tabulated ratios, refused where it would be an extrapolation.
+/// Interpolates the three tabulated ratios by a parabola; returns an error outside their range.
 fn two_spring(n: f64, along: f64, [r8, r12, r16]: [f64; 3]) -> Result<TwoSpring, InvalidParameter> {
     check((8.0..=16.0).contains(&n), "elements", n, "8 to 16, where the two-spring formula has its ratios")?;
     check(along > 0.0, "static_load", along, "above 0 N")?;
@@ -119,7 +120,7 @@ fn two_spring(n: f64, along: f64, [r8, r12, r16]: [f64; 3]) -> Result<TwoSpring,
 }
 
 impl TwoSpring {
-    /// As a 5 x 5 stiffness, the static load along the azimuth `direction`, rad.
+    /// Returns the 5 x 5 stiffness with the static load at the azimuth `direction`, rad.
     #[must_use]
     pub fn stiffness<T: Scalar>(&self, direction: f64) -> Stiffness<T> {
         let (s, c) = (libm::sin(direction), libm::cos(direction));

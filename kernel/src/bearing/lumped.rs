@@ -1,9 +1,9 @@
-//! Rung `lumped`: Hajzman's separate radial and axial elements between a rigid inner ring and a rigid or
-//! flexible outer one.
+//! Model `lumped`: separate radial and axial elements between a rigid inner ring and a rigid or flexible outer ring
+//! (Hajzman).
 //!
-//! `F = K Delta^n` for `Delta > 0`, radial `Delta = t^T q - e^T q_S - gamma`, axial alike, with the play
-//! `gamma` (negative: preload) and the housing displacement `q_S` of each element's contact point
-//! (Hajzman, eq. 1 to 5). The exponent and the backend are types; the values are here.
+//! `F = K Delta^n` for `Delta > 0`, radial `Delta = t^T q - e^T q_S - gamma`, axial likewise, with the play `gamma`
+//! (negative: preload) and the displacement `q_S` of the housing at the contact point of each element (Hajzman, eq. 1 to
+//! 5). Exponent and math backend are types.
 
 use super::element_position::{ElementLayout, ElementPosition};
 use super::elements::{CageFrame, Elements};
@@ -19,10 +19,9 @@ use crate::phase::Phase;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
-/// Radial elements only: a radial ball or roller bearing.
+/// Radial elements: a radial ball or roller bearing.
 ///
-/// With [`super::OpposedPairs`] two opposite elements share one power: of the two at most one is loaded, as there is no
-/// preload.
+/// With [`super::OpposedPairs`] two opposed elements share one power: without preload at most one of them is loaded.
 ///
 /// ```
 /// use ballrace::bearing::{Bearing, evenly_spaced_pairs};
@@ -47,7 +46,7 @@ pub struct Radial<T, M, L, P, S = Smooth> {
     math: PhantomData<M>,
 }
 
-/// Axial elements only: a thrust bearing, pushed when the inner ring moves towards +Z.
+/// Axial elements: a thrust bearing, loaded when the inner ring moves towards +Z.
 ///
 /// ```
 /// use ballrace::bearing::{Bearing, evenly_spaced};
@@ -69,56 +68,57 @@ pub struct Axial<T, M, L, P> {
     math: PhantomData<M>,
 }
 
-/// Both kinds of element side by side: a combined bearing, or any two bearings on one seat and one cage.
+/// Radial and axial elements in parallel: a combined bearing, or any two bearings at one station with one cage.
 #[derive(Debug, Clone, Copy)]
 pub struct Combined<A, B>(pub A, pub B);
 
 impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Radial<T, M, L, P> {
-    /// From the elements' positions, the law and the radial play (m; half the diametral clearance).
+    /// Creates the bearing from element positions, law and radial play (m, half the diametral clearance; negative is
+    /// preload).
     ///
     /// # Errors
-    /// A play that is not finite; one below 0 (preload) where the positions are pairs.
+    /// A play that is not finite; a negative play with opposed pairs.
     pub fn try_new(positions: P, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
         check(true, "radial_play", radial_play, "a finite length")?;
         check(!P::IS_PAIRED || radial_play >= 0.0, "radial_play", radial_play, "0 m or more with opposite pairs")?;
         Ok(Self::from_constants(positions, law, T::from_f64(radial_play)))
     }
 
-    /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
+    /// Creates the bearing from precomputed constants without checks.
     pub fn from_constants(positions: P, law: L, radial_play: T) -> Self {
         let ring = Ring { positions, arm: T::ZERO, scale: law.scale() };
         Self { ring, law, play: radial_play, surface: Smooth, math: PhantomData }
     }
 
-    /// The same bearing with waviness or damage; only what is radial counts.
+    /// Returns the bearing with surface deviations; only radial ones have an effect.
     pub fn with_surface<S: Surface<T>>(self, surface: S) -> Radial<T, M, L, P, S> {
         Radial { ring: self.ring, law: self.law, play: self.play, surface, math: PhantomData }
     }
 }
 
 impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Axial<T, M, L, P> {
-    /// From the elements' positions, the law, the axial play (m) and the radius at which they act (m).
+    /// Creates the bearing from element positions, law, axial play (m) and the radius at which the elements act (m).
     ///
     /// # Errors
-    /// A play or radius that is not finite, a radius below 0.
+    /// A play or radius that is not finite; a negative radius.
     pub fn try_new(positions: P, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
         check(true, "axial play", axial_play, "a finite length")?;
         check(radius >= 0.0, "axial radius", radius, "0 m or more")?;
         Ok(Self::from_constants(positions, law, T::from_f64(axial_play), T::from_f64(radius)))
     }
 
-    /// From numbers made ready elsewhere: no check, and no arithmetic beyond the law's own constant.
+    /// Creates the bearing from precomputed constants without checks.
     pub fn from_constants(positions: P, law: L, axial_play: T, radius: T) -> Self {
         let ring = Ring { positions, arm: radius, scale: law.scale() };
         Self { ring, law, play: axial_play, math: PhantomData }
     }
 }
 
-/// Elements of which the radial rung takes the powers together: the powers of four wait for no other.
+/// Number of elements evaluated per iteration; four independent powers hide the latency of the square root.
 const BLOCK_SIZE: usize = 4;
 
 impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>> Radial<T, M, L, P, S> {
-    /// Radial displacement at which the element touches.
+    /// Returns the radial displacement at which the element makes contact.
     #[inline(always)]
     fn gap(&self, azimuth: Phase, at: &BearingKinematicState<T>) -> T {
         self.gap_of(self.surface.deviation(azimuth, at))
@@ -129,7 +129,7 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: 
         self.play - (shape.radial + shape.inner + shape.outer)
     }
 
-    /// Twice the deflection at one entry of the table; with pairs, less that of the opposite element.
+    /// Returns twice the deflection of a stored element; of a pair, less that of the opposite element.
     #[inline(always)]
     fn signed(&self, position: &ElementPosition<T>, u: &Displacement<T>, at: &BearingKinematicState<T>) -> T {
         let radial = radial(position, u);
@@ -256,7 +256,7 @@ impl<T: Scalar, A: CageFrame<T>, B: CageFrame<T>> CageFrame<T> for Combined<A, B
         let (b, kb) = self.1.reaction_and_stiffness_in_cage_frame(u, at, turn);
         (a + b, ka + kb)
     }
-    /// The loads of the first kind only: one entry an element, as the radial ones show the load zone.
+    /// Writes the loads of the first bearing only: one entry per element.
     #[inline(always)]
     fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.0.element_loads_in_cage_frame(u, at, loads);

@@ -1,4 +1,5 @@
-//! One bearing, one file a rung of the ladder, cheapest first: [`linear`], [`lumped`], [`angular`].
+//! Bearing models, one module per model in the order of their cost: [`linear`], [`lumped`], [`angular`], [`tabulated`],
+//! [`quasi_static`].
 
 pub mod angular;
 pub mod batch;
@@ -33,20 +34,20 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 use core::ops::Add;
 
-/// What a bearing answers to a displacement.
+/// Force of a bearing at one displacement.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reaction<T> {
     /// Force and moment on the inner ring.
     pub wrench: Wrench<T>,
-    /// Sum of the element loads, N: 0 where contact is lost.
+    /// Sum of the element loads, N; 0 without contact.
     pub load: T,
-    /// What the evaluation has to say of itself.
+    /// Status flags of the evaluation.
     pub status: Status,
 }
 
 impl<T: Scalar> Reaction<T> {
-    /// The same load taken at the point 0 of a rigid body when it acts at `station` along Z.
+    /// Returns the equivalent reaction at the point 0 of a rigid body, for one that acts at `station` along Z.
     pub(crate) fn moved_from(self, station: T) -> Self {
         Self { wrench: self.wrench.from_station(station), ..self }
     }
@@ -65,22 +66,25 @@ impl<T: Scalar> Add for Reaction<T> {
     }
 }
 
-/// A bearing: force on the inner ring from the inner ring's displacement relative to the outer ring.
+/// A bearing model: force on the inner ring from its displacement relative to the outer ring.
 ///
-/// All methods are pure and of fixed cost; inputs are taken as finite ([`Bearing::sample`] checks them).
+/// All methods are pure and take a constant number of instructions. Displacements and speeds must be finite, except in
+/// [`Bearing::sample`].
 pub trait Bearing<T: Scalar>: Send + Sync {
-    /// Force on the inner ring with the bearing turned as `at` says.
+    /// Computes the force on the inner ring.
     fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
 
-    /// Force and its tangent `-d(wrench)/du`.
+    /// Computes the force and its tangent stiffness `-d(wrench)/du`.
     fn reaction_and_stiffness(&self, u: &Displacement<T>, at: &BearingKinematicState<T>)
     -> (Reaction<T>, Stiffness<T>);
 
-    /// Load on each element, N, into `loads` as far as both go. A bearing without elements writes nothing.
+    /// Writes the load on each element, N, as many as `loads` takes. A bearing without elements writes nothing.
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
 
-    /// One sample of a stream: as [`Bearing::reaction`], but NaN, infinite and overflowing samples are
-    /// flagged, counted, and answered with the last good wrench.
+    /// Computes the force for one sample of a stream.
+    ///
+    /// As [`Bearing::reaction`], but samples that are NaN, infinite or overflow are flagged, counted and answered with the
+    /// last valid wrench.
     fn sample(
         &self,
         last_valid: &mut LastValidWrench<T>,
@@ -107,7 +111,9 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for &B {
     }
 }
 
-/// Implements [`Bearing`] for a type that is [`CageFrame`]: into the cage's frame, through the elements, and out of it.
+/// Implements [`Bearing`] for a type that implements [`CageFrame`]: rotation to the cage frame, evaluation, rotation back.
+///
+/// A blanket implementation would overlap with that for references.
 macro_rules! bearing_in_cage {
     ($kind:ty, $($generics:tt)*) => {
         impl<$($generics)*> $crate::Bearing<T> for $kind {
@@ -133,10 +139,9 @@ macro_rules! bearing_in_cage {
 }
 use bearing_in_cage;
 
-/// A bearing that carries thrust towards -Z: the same kernel turned by pi about X.
+/// A bearing that carries thrust towards -Z: the model in the frame rotated by pi about X.
 ///
-/// The bearing inside is built from positions that are [`ElementPosition::mirrored`] (and mirrored surfaces) so that its
-/// elements stand where they should.
+/// The inner bearing takes positions by [`ElementPosition::mirrored`] and features by [`surface::Feature::mirrored`].
 #[derive(Debug, Clone, Copy)]
 pub struct Mirrored<B>(pub B);
 

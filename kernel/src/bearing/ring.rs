@@ -1,10 +1,10 @@
-//! From the ring's displacement to the elements and back: the transformation `T_j`, sums of forces and stiffnesses.
+//! Transformation `T_j` between the displacement of the ring and that of its elements; sums of forces and stiffnesses.
 //!
-//! The elements stand still in the cage's frame, so the displacement is rotated into that frame and the
-//! wrench back out of it: one sine and cosine a bearing instead of one an element, and fixed tables.
+//! The elements are fixed in the cage frame. The displacement is rotated into that frame and the wrench back: one sine and
+//! cosine per bearing instead of one per element, and constant directions.
 //!
-//! With `p` the azimuth and `R` the lever arm, an element's radial and axial displacement are
-//! `u cos p + v sin p` and `w + R (thu sin p - thv cos p)` (de Mul 1989, relabelled to this project's axes).
+//! With the azimuth `p` and the lever arm `R`, the radial and axial displacement of an element are `u cos p + v sin p` and
+//! `w + R (thu sin p - thv cos p)` (de Mul 1989, in the axes of this crate).
 
 use super::Reaction;
 use super::element_position::{ElementBlock, ElementLayout, ElementPosition};
@@ -15,7 +15,7 @@ use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// The elements' positions, the lever arm, and what all contacts are multiplied with to give newtons.
+/// Positions of the elements, lever arm, and the scale factor from contact results to newtons.
 #[derive(Debug, Clone, Copy)]
 pub struct Ring<T, P> {
     pub(super) positions: P,
@@ -23,7 +23,7 @@ pub struct Ring<T, P> {
     pub(super) scale: T,
 }
 
-/// Displacement of the ring at one element, and what the surfaces do there.
+/// Displacement of the ring at one element, and the surface deviations there.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion<T> {
     pub(super) radial: T,
@@ -31,18 +31,17 @@ pub struct Motion<T> {
     pub(super) deviation: ElementDeviation<T>,
 }
 
-/// Force of the ring on one element's contact plane: radial outward and axial, and the load behind it; with `Lanes` those of
-/// several elements side by side.
+/// Force of the ring on one element in its contact plane, and the load of the contact. With `Lanes`: of several elements.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {
     pub(super) radial: T,
     pub(super) axial: T,
-    /// What acts at the lever arm: the axial force, and a couple over the arm where there is one.
+    /// Force that acts at the lever arm: the axial force, and a couple divided by the arm where there is one.
     pub(super) tilting: T,
     pub(super) load: T,
 }
 
-/// Stiffness of one element in its contact plane, symmetric.
+/// Symmetric stiffness of one element in its contact plane.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactStiffness<T> {
     pub(super) radial: T,
@@ -51,7 +50,7 @@ pub struct ContactStiffness<T> {
 }
 
 impl<T: Scalar, P: ElementLayout<T>> Ring<T, P> {
-    /// The displacement with its tilt as axial displacement at the radius of the lever arm.
+    /// Returns the displacement with tilts multiplied by the lever arm.
     #[inline(always)]
     pub(super) fn at_rim(&self, u: &Displacement<T>) -> Displacement<T> {
         Displacement { thu: self.arm * u.thu, thv: self.arm * u.thv, ..*u }
@@ -80,13 +79,13 @@ impl<T: Scalar> Motion<T> {
         Self { radial: radial(position, rim), axial: axial_by_tilt(position, rim) + rim.w, deviation }
     }
 
-    /// The groove centres' displacement with that of their waviness.
+    /// Adds the waviness of the grooves to the displacement.
     #[inline(always)]
     pub(super) fn with_waviness(self) -> Self {
         Self { radial: self.radial + self.deviation.radial, axial: self.axial + self.deviation.axial, ..self }
     }
 
-    /// Of an element and of the one opposite to it.
+    /// Returns the motions of an element and of the opposite one.
     #[inline(always)]
     pub(super) fn of_pair<S: Surface<T>>(
         position: &ElementPosition<T>,
@@ -104,7 +103,7 @@ impl<T: Scalar> Motion<T> {
 }
 
 impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
-    /// Of elements side by side, with the waviness of their grooves.
+    /// Returns the motions of a block of elements, with the waviness of their grooves.
     #[inline(always)]
     pub(super) fn of_block<S: Surface<T>>(
         &ElementBlock { cos, sin, azimuths, .. }: &ElementBlock<T, K>,
@@ -126,10 +125,10 @@ impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
     }
 }
 
-/// Sine and cosine of the cage's angle: the way into its frame and out of it.
+/// Sine and cosine of the cage angle.
 pub type CageRotation<T> = (T, T);
 
-/// The vector pairs `(u, v)` and `(thu, thv)` turned by minus the cage's angle.
+/// Rotates a displacement into the cage frame.
 #[inline(always)]
 pub(super) fn to_cage_frame<T: Scalar>(u: &Displacement<T>, (sin, cos): CageRotation<T>) -> Displacement<T> {
     Displacement {
@@ -141,7 +140,7 @@ pub(super) fn to_cage_frame<T: Scalar>(u: &Displacement<T>, (sin, cos): CageRota
     }
 }
 
-/// The same pairs of a wrench turned by the cage's angle.
+/// Rotates a wrench from the cage frame into the fixed frame.
 #[inline(always)]
 pub(super) fn from_cage_frame<T: Scalar>(f: &Wrench<T>, (sin, cos): CageRotation<T>) -> Wrench<T> {
     Wrench {
@@ -153,7 +152,7 @@ pub(super) fn from_cage_frame<T: Scalar>(f: &Wrench<T>, (sin, cos): CageRotation
     }
 }
 
-/// Sums of the forces of the elements on the ring, in the cage's frame.
+/// Sum of the forces of the elements on the ring, in the cage frame.
 #[derive(Debug, Clone, Copy)]
 pub struct WrenchSum<T> {
     x: T,
@@ -167,12 +166,13 @@ pub struct WrenchSum<T> {
 impl<T: Scalar> WrenchSum<T> {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        // Adding to -0 is free: it leaves every number as it is, 0 does not (it would make 0 of -0).
+        // -0 is the neutral element of addition: -0 + x = x for all x, which lets the compiler remove the addition; +0
+        // would change -0.
         let nothing = T::NEGATIVE_ZERO;
         Self { x: nothing, y: nothing, z: nothing, z_sin: nothing, z_cos: nothing, load: nothing }
     }
 
-    /// Adds `T_j^T` times the contact's force.
+    /// Adds `T_j^T` times the force of a contact.
     #[inline(always)]
     pub(super) fn add(&mut self, position: &ElementPosition<T>, contact: &Contact<T>) {
         self.add_along(position, contact.radial, contact.tilting);
@@ -180,7 +180,7 @@ impl<T: Scalar> WrenchSum<T> {
         self.load += contact.load;
     }
 
-    /// Adds the elements at `positions` from number `from` on, whose contacts are side by side, one after the other.
+    /// Adds the contacts of a block in order, from index `from` on.
     #[inline(always)]
     pub(super) fn add_each<const K: usize>(
         &mut self,
@@ -200,7 +200,7 @@ impl<T: Scalar> WrenchSum<T> {
         }
     }
 
-    /// The forces of an element and of the one opposite to it.
+    /// Adds the forces of an element and of the opposite one.
     #[inline(always)]
     pub(super) fn add_pair(&mut self, position: &ElementPosition<T>, [here, there]: &[Contact<T>; 2]) {
         self.add_along(position, here.radial - there.radial, here.tilting - there.tilting);
@@ -216,7 +216,7 @@ impl<T: Scalar> WrenchSum<T> {
         self.z_sin += tilting * position.sin;
     }
 
-    /// Times `scale`, with the moments by the lever arm: the force on the ring is against that on the elements.
+    /// Returns the force on the ring: the negative sum, times `scale`.
     #[inline(always)]
     pub(super) fn finish(&self, arm: T, scale: T) -> Reaction<T> {
         let tilt = scale * arm;
@@ -231,7 +231,7 @@ impl<T: Scalar> WrenchSum<T> {
     }
 }
 
-/// The same where no element has an axial force.
+/// Sum of radial forces, for elements without axial force.
 #[derive(Debug, Clone, Copy)]
 pub struct RadialSum<T> {
     x: T,
@@ -245,7 +245,7 @@ impl<T: Scalar> RadialSum<T> {
         Self { x: T::NEGATIVE_ZERO, y: T::NEGATIVE_ZERO, load: T::NEGATIVE_ZERO }
     }
 
-    /// A force outward at `position`; below 0 it is that of the opposite element.
+    /// Adds a radial force at `position`; a negative one is that of the opposite element.
     #[inline(always)]
     pub(super) fn add(&mut self, position: &ElementPosition<T>, radial: T) {
         self.x += radial * position.cos;
@@ -260,13 +260,13 @@ impl<T: Scalar> RadialSum<T> {
     }
 }
 
-/// Sum of `T_j^T K_j T_j` in the cage's frame, as the moments of the three contact stiffnesses over the ring.
+/// Sum of `T_j^T K_j T_j` in the cage frame, as second moments of the three contact stiffnesses over the ring.
 #[derive(Debug, Clone, Copy)]
 pub struct StiffnessSum<T> {
     radial: SecondMoment<T>,
     cross: SecondMoment<T>,
     axial: SecondMoment<T>,
-    /// Sums of cross and axial stiffness times the direction, and of the axial stiffness.
+    /// First moments of cross and axial stiffness, and the sum of the axial stiffness.
     cross_first: [T; 2],
     axial_first: [T; 2],
     axial_sum: T,
@@ -293,7 +293,7 @@ impl<T: Scalar> SecondMoment<T> {
         self.ss += k_sin * position.sin;
     }
 
-    /// Seen from the fixed frame: `R S R^T`, times `scale`.
+    /// Returns the moment in the fixed frame, `R S R^T`, times `scale`.
     #[inline(always)]
     fn rotated(&self, (sin, cos): CageRotation<T>, scale: T) -> Self {
         let (a, b) = (cos * self.cc - sin * self.cs, cos * self.cs - sin * self.ss);
@@ -338,10 +338,10 @@ impl<T: Scalar> StiffnessSum<T> {
         self.axial_sum += k.axial;
     }
 
-    /// The stiffness in the fixed frame, times `scale`.
+    /// Returns the stiffness in the fixed frame, times `scale`.
     ///
-    /// With `e = (cos p, sin p)`, `t = R (sin p, -cos p)`: the blocks are `k_r e e^T`, `k_c e`, `k_c e t^T`, `k_a`,
-    /// `k_a t`, `k_a t t^T`.
+    /// With `e = (cos p, sin p)`, `t = R (sin p, -cos p)`, the blocks are `k_r e e^T`, `k_c e`, `k_c e t^T`, `k_a`, `k_a
+    /// t`, `k_a t t^T`.
     #[inline(always)]
     pub(super) fn finish(&self, arm: T, scale: T, cage: CageRotation<T>) -> Stiffness<T> {
         let tilt = scale * arm;
@@ -362,7 +362,7 @@ impl<T: Scalar> StiffnessSum<T> {
     }
 }
 
-/// Slopes of one element's force along its radial and axial displacement; not symmetric in general.
+/// Derivatives of the force of one element by its radial and axial displacement; not symmetric in general.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactTangent<T> {
     pub(super) radial: [T; 2],
@@ -370,14 +370,14 @@ pub struct ContactTangent<T> {
     pub(super) tilting: [T; 2],
 }
 
-/// Sum of `T_j^T K_j T_j` for elements whose stiffness is not symmetric and whose couple has its own slopes.
+/// Sum of `T_j^T K_j T_j` for elements with an asymmetric stiffness and a friction couple.
 #[derive(Debug, Clone, Copy)]
 pub struct TangentSum<T> {
     radial_radial: SecondMoment<T>,
     radial_axial: SecondMoment<T>,
     tilting_radial: SecondMoment<T>,
     tilting_axial: SecondMoment<T>,
-    /// Sums of the slopes times the direction.
+    /// First moments of the derivatives.
     radial_axial_first: [T; 2],
     axial_radial_first: [T; 2],
     axial_axial_first: [T; 2],
@@ -422,7 +422,7 @@ impl<T: Scalar> TangentSum<T> {
         self.axial_sum += zz;
     }
 
-    /// The stiffness in the fixed frame, with `e`, `t` as in [`StiffnessSum::finish`].
+    /// Returns the stiffness in the fixed frame, with `e`, `t` as in [`StiffnessSum::finish`].
     #[inline(always)]
     pub(super) fn finish(&self, arm: T, cage: CageRotation<T>) -> Stiffness<T> {
         let one = T::ONE;

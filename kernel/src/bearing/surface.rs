@@ -1,4 +1,5 @@
-//! What races and balls are besides round: waviness and local damage, each turning with its own surface (`docs/src/models.md#waviness-and-damage`).
+//! Deviations of raceways and balls from their ideal shape: waviness and local damage, each rotating with its surface
+//! (`docs/src/models.md#waviness-and-damage`).
 
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
@@ -6,51 +7,51 @@ use crate::phase::Phase;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
-/// What the surfaces do to one ball, m: the inner groove centre displaced against the outer one, and what each contact is
-/// pressed the more.
+/// Effect of the surface deviations on one ball, m: displacement of the inner groove centre relative to the outer one, and
+/// additional approach of each contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementDeviation<T> {
-    /// `p_i - p_o`
+    /// `p_i - p_o`, radial displacement of the groove centres.
     pub radial: T,
-    /// `q_i - q_o`
+    /// `q_i - q_o`, axial displacement of the groove centres.
     pub axial: T,
-    /// `w_i` less the depth of damage met at the inner contact.
+    /// `w_i` less the depth of damage at the inner contact.
     pub inner: T,
-    /// `w_o` less the depth of damage met at the outer contact.
+    /// `w_o` less the depth of damage at the outer contact.
     pub outer: T,
 }
 
-/// The surfaces of a bearing as its balls meet them.
+/// The surface deviations of a bearing.
 pub trait Surface<T: Scalar>: Send + Sync {
-    /// At the ball that stands at `azimuth` of the fixed frame.
+    /// Returns the deviations at the ball at `azimuth` in the fixed frame.
     fn deviation(&self, azimuth: Phase, kinematics: &BearingKinematicState<T>) -> ElementDeviation<T>;
 }
 
-/// Round surfaces without damage; cost no instruction.
+/// Ideal surfaces; cost no instruction.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Smooth;
 
 impl<T: Scalar> Surface<T> for Smooth {
     #[inline(always)]
     fn deviation(&self, _azimuth: Phase, _kinematics: &BearingKinematicState<T>) -> ElementDeviation<T> {
-        // Adding -0 is free: it leaves every number as it is.
+        // -0 is the neutral element of addition.
         let nothing = T::NEGATIVE_ZERO;
         ElementDeviation { radial: nothing, axial: nothing, inner: nothing, outer: nothing }
     }
 }
 
-/// Which surface a feature is on.
+/// The surface that carries a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BearingComponent {
-    /// Groove of the inner ring.
+    /// Raceway of the inner ring.
     Inner,
-    /// Groove of the outer ring.
+    /// Raceway of the outer ring.
     Outer,
-    /// The balls: waviness is the same on all, damage is on the one whose position in the cage is given.
+    /// Balls: waviness is the same on all; damage is on the ball at this position in the cage.
     Ball(Phase),
 }
 
-/// Along what a groove's waviness moves its centre.
+/// Direction in which waviness displaces the groove centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     /// Outward.
@@ -59,28 +60,28 @@ pub enum Direction {
     Axial,
 }
 
-/// One order of waviness: `amplitude cos(order psi + phase)`, `psi` the azimuth less the surface's own angle; on a ball
-/// its spin angle, opposite at the two contacts.
+/// One order of waviness: `amplitude cos(order psi + phase)`, with `psi` the azimuth relative to the angle of the surface;
+/// on a ball, `psi` is its spin angle, opposite at the two contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wave<T> {
-    /// Whose.
+    /// Surface.
     pub component: BearingComponent,
-    /// Ignored on balls.
+    /// Direction; ignored on balls.
     pub direction: Direction,
     /// Waves around the surface.
     pub order: u32,
-    /// m.
+    /// Amplitude, m.
     pub amplitude: T,
-    /// Of the wave, a whole turn being one wave.
+    /// Phase of the wave; one revolution is one wave.
     pub phase: Phase,
 }
 
-/// Section of a spall along the race.
+/// Section of a spall along the rolling direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpallShape {
     /// `depth sin(pi s)`, `s` from 0 to 1 over the width.
     HalfSine,
-    /// `depth` all along.
+    /// `depth` over the whole width.
     Rectangular,
 }
 
@@ -107,7 +108,7 @@ impl<T> Spall<T> {
 }
 
 impl<T: Scalar> Spall<T> {
-    /// Depth at `angle` of the surface, m.
+    /// Returns the depth at `angle` of the surface, m.
     pub fn depth_at(&self, angle: Phase) -> T {
         let away: T = angle.since(self.centre).radians();
         let s = away / self.half_width;
@@ -120,7 +121,7 @@ impl<T: Scalar> Spall<T> {
     }
 }
 
-/// One thing on a surface.
+/// A feature on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Feature<T> {
     /// An order of waviness.
@@ -129,7 +130,7 @@ pub enum Feature<T> {
     Spall(Spall<T>),
 }
 
-/// Surfaces with any number of features: an array, a slice or a vector of them.
+/// Surfaces with any number of features, in an array, a slice or a vector.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceDeviation<M, A> {
     features: A,
@@ -137,14 +138,14 @@ pub struct SurfaceDeviation<M, A> {
 }
 
 impl<M, A> SurfaceDeviation<M, A> {
-    /// From the features.
+    /// Creates surfaces with these features.
     pub const fn new(features: A) -> Self {
         Self { features, math: PhantomData }
     }
 }
 
 impl BearingComponent {
-    /// Seen from the frame turned by pi about X.
+    /// Returns the component in the frame rotated by pi about X.
     #[must_use]
     fn mirrored(self) -> Self {
         match self {
@@ -155,7 +156,7 @@ impl BearingComponent {
 }
 
 impl<T: Scalar> Feature<T> {
-    /// Seen from the frame turned by pi about X, for a bearing that faces -Z.
+    /// Returns the feature in the frame rotated by pi about X, for a bearing that faces -Z.
     #[must_use]
     pub fn mirrored(self) -> Self {
         match self {
@@ -171,7 +172,7 @@ impl<T: Scalar> Feature<T> {
     }
 }
 
-/// The angle on a ring's surface of what stands at `azimuth`.
+/// Returns the angle on the surface of a ring at `azimuth`.
 #[inline(always)]
 fn on_ring(azimuth: Phase, ring: Phase) -> Phase {
     azimuth.wrapping_add(ring.reversed())
@@ -233,7 +234,7 @@ impl<T: Scalar, M: Math<T>, A: AsRef<[Feature<T>]> + Send + Sync> Surface<T> for
     }
 }
 
-/// `cos(pi s / 2)` on -1..1 by its Taylor series (remainder 4e-16 at the end, where it counts least).
+/// Returns `cos(pi s / 2)` for -1 to 1 by its Taylor series (remainder 4e-16 at the ends).
 fn cos_half_pi<T: Scalar>(s: T) -> T {
     const TERMS: [f64; 10] = {
         let x2 = core::f64::consts::FRAC_PI_2 * core::f64::consts::FRAC_PI_2;

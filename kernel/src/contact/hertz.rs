@@ -1,7 +1,7 @@
-//! Hertz point contact of a ball in a groove, by exact elliptic integrals.
+//! Hertz point contact of a ball in a groove, by complete elliptic integrals.
 //!
-//! Set-up time, always in `f64`: every target derives the same constants, rounded once to its precision.
-//! Cost: about 400 floating-point operations and 20 square roots a contact.
+//! For set-up, always in `f64`: every target computes the same constants, rounded once to its precision. Cost: about 400
+//! floating-point operations and 20 square roots per contact.
 
 use libm::{exp, log, sqrt};
 
@@ -14,14 +14,14 @@ pub struct Material {
     pub poissons_ratio: f64,
 }
 
-/// Effective modulus `E' = 2 / ((1 - nu1^2)/E1 + (1 - nu2^2)/E2)`, Pa (Harris, Rolling Bearing Analysis).
+/// Returns the effective modulus `E' = 2 / ((1 - nu1^2)/E1 + (1 - nu2^2)/E2)`, Pa (Harris, Rolling Bearing Analysis).
 #[must_use]
 pub fn effective_modulus(a: Material, b: Material) -> f64 {
     let compliance = |m: Material| (1.0 - m.poissons_ratio * m.poissons_ratio) / m.youngs_modulus;
     2.0 / (compliance(a) + compliance(b))
 }
 
-/// Which race a ball touches.
+/// Race of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Race {
     /// Convex along the rolling direction.
@@ -30,7 +30,7 @@ pub enum Race {
     Outer,
 }
 
-/// One Hertz point contact, ready for any load.
+/// A Hertz point contact.
 ///
 /// ```
 /// use ballrace::bearing::geometry::BEARING_STEEL;
@@ -46,11 +46,11 @@ pub enum Race {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointContact {
-    /// kappa = a/b, 1 or more.
+    /// kappa = a/b, ratio of the semi-axes, 1 or more.
     pub ellipticity: f64,
     /// `1/R`: sum of the four principal curvatures, 1/m.
     pub curvature_sum: f64,
-    /// `F(rho)`: their normalised difference, 0 to 1.
+    /// `F(rho)`: normalised difference of the curvatures, 0 to 1.
     pub curvature_difference: f64,
     /// Complete elliptic integral of the first kind, xi = K(m), m = 1 - 1/kappa^2.
     pub first_kind: f64,
@@ -63,23 +63,23 @@ pub struct PointContact {
 }
 
 impl PointContact {
-    /// Ball of diameter `d` in a groove of radius `conformity * d` on `race`.
+    /// Creates the contact of a ball of diameter `d` in a groove of radius `conformity * d` on `race`.
     ///
-    /// `gamma = d cos(alpha) / pitch_diameter`. The caller has checked the shape (see
-    /// [`crate::bearing::geometry`]): `d > 0`, `0.5 < conformity`, `0 <= gamma < 1`.
-    /// Source: Harris, Rolling Bearing Analysis, ch. 6; Hamrock and Brewe for the first guess.
+    /// `gamma = d cos(alpha) / pitch_diameter`. Valid for `d > 0`, `0.5 < conformity`, `0 <= gamma < 1` (see
+    /// [`crate::bearing::geometry`]). Source: Harris, Rolling Bearing Analysis, ch. 6; Hamrock and Brewe for the initial
+    /// value.
     #[must_use]
     pub fn ball_on_race(race: Race, d: f64, conformity: f64, gamma: f64, modulus: f64) -> Self {
         let rolling = match race {
             Race::Inner => (2.0 + 2.0 * gamma / (1.0 - gamma)) / d,
             Race::Outer => (2.0 - 2.0 * gamma / (1.0 + gamma)) / d,
         };
-        // (2 f - 1)/f instead of 2 - 1/f: the near-cancellation is then exact.
+        // (2 f - 1)/f instead of 2 - 1/f avoids cancellation.
         let transverse = (2.0 * conformity - 1.0) / conformity / d;
         Self::from_curvatures(rolling, transverse, modulus)
     }
 
-    /// From the relative curvatures along and across the rolling direction, 1/m, `along >= across > 0`.
+    /// Creates the contact from the relative curvatures along and across the rolling direction, 1/m, `along >= across > 0`.
     #[must_use]
     pub fn from_curvatures(along: f64, across: f64, modulus: f64) -> Self {
         let ratio = along / across;
@@ -97,7 +97,7 @@ impl PointContact {
         }
     }
 
-    /// Contact ellipse under the load `q` (N): semi-axes across and along the rolling direction, m, and the
+    /// Returns the contact ellipse under the load `q` (N): semi-axes across and along the rolling direction, m, and the
     /// peak pressure `3 q / (2 pi a b)`, Pa.
     #[must_use]
     pub fn ellipse(&self, q: f64) -> (f64, f64, f64) {
@@ -110,7 +110,7 @@ impl PointContact {
     }
 }
 
-/// Two contacts in series under one load: `K_n = (K_i^(-2/3) + K_o^(-2/3))^(-3/2)`, N/m^1.5.
+/// Returns the stiffness of two contacts in series: `K_n = (K_i^(-2/3) + K_o^(-2/3))^(-3/2)`, N/m^1.5.
 #[must_use]
 pub fn in_series(inner: f64, outer: f64) -> f64 {
     let compliance = |k: f64| {
@@ -121,9 +121,9 @@ pub fn in_series(inner: f64, outer: f64) -> f64 {
     1.0 / (sum * sqrt(sum))
 }
 
-/// Complete elliptic integrals K(m) and E(m) at `m = 1 - 1/kappa^2` by the arithmetic-geometric mean.
+/// Computes the complete elliptic integrals K(m) and E(m) at `m = 1 - 1/kappa^2` by the arithmetic-geometric mean.
 ///
-/// Converges quadratically; 7 rounds reach the rounding of `f64` for every kappa up to 1e6.
+/// The convergence is quadratic; 7 iterations reach the rounding of `f64` for kappa up to 1e6.
 fn elliptic_integrals(kappa: f64) -> (f64, f64) {
     let (mut a, mut g) = (1.0, 1.0 / kappa);
     let mut weight = 0.5;
@@ -138,11 +138,11 @@ fn elliptic_integrals(kappa: f64) -> (f64, f64) {
     (first, first * (1.0 - sum))
 }
 
-/// Ellipticity for the ratio of curvatures `R_y/R_x >= 1`.
+/// Returns the ellipticity for the ratio of curvatures `R_y/R_x >= 1`.
 ///
-/// The curvature difference `F = ((k^2+1) eps - 2 xi)/((k^2-1) eps)` is the same statement as
-/// `R_y/R_x = (k^2 eps - xi)/(xi - eps)`, which is smooth in logarithms: Newton from the fit of Brewe and
-/// Hamrock (3.4 % off at most) is at the rounding after four steps.
+/// The equation `F = ((k^2+1) eps - 2 xi)/((k^2-1) eps)` is equivalent to `R_y/R_x = (k^2 eps - xi)/(xi - eps)`, which is
+/// smooth in logarithms. Newton's method from the fit of Brewe and Hamrock (error below 3.4 %) reaches the rounding after
+/// four steps.
 fn ellipticity(ratio: f64) -> f64 {
     let target = log(ratio);
     if target < 1e-9 {
@@ -160,7 +160,7 @@ fn ellipticity(ratio: f64) -> f64 {
         let (top, bottom) = (n * eps - xi, xi - eps);
         let slope = (2.0 * n * eps + n * deps - dxi) / top - (dxi - deps) / bottom;
         x -= (log(top / bottom) - target) / slope;
-        // Below kappa = 1 the roles of the axes swap; the root is never there.
+        // Below kappa = 1 the axes swap; there is no root.
         x = if x > 1e-12 { x } else { 1e-12 };
     }
     exp(x)

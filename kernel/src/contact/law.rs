@@ -1,22 +1,22 @@
-//! Load from deflection, `F = K Delta^n` for `Delta > 0` (Hajzman, eq. 1, with `C = K^(-1/n)`).
+//! Load-deflection laws `F = K Delta^n` for `Delta > 0` (Hajzman, eq. 1, with `C = K^(-1/n)`).
 
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// A load-deflection law, as a shape common to all elements and a scale that is applied to their sum.
+/// A load-deflection law: an unscaled load per element, and a scale factor for their sum.
 ///
-/// The shape is taken of twice the deflection, since `x + |x|` is twice the positive part in two instructions.
+/// The argument is twice the deflection, because `x + |x|`, twice the positive part, takes two instructions.
 pub trait LoadDeflectionLaw<T: Scalar, M: Math<T>>: Copy + Send + Sync + 'static {
-    /// `sign(x) |x|^n` for each `x`, twice a deflection; 0 at 0.
+    /// Returns `sign(x) |x|^n` for each `x`, twice a deflection; 0 at 0.
     fn unscaled_load<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K];
 
-    /// The shape of `x`, 0 or more, and its derivative by the deflection, both to be multiplied by the scale.
+    /// Returns the unscaled load for `x >= 0` and its derivative by the deflection.
     fn unscaled_load_and_slope(&self, twice_deflection: T) -> (T, T);
 
-    /// What makes newtons of the shape: `K / 2^n`.
+    /// Returns the factor from unscaled loads to newtons: `K / 2^n`.
     fn scale(&self) -> T;
 
-    /// Load at one deflection (m, 0 or more), N.
+    /// Returns the load at a deflection (m, 0 or more), N.
     #[inline(always)]
     fn load(&self, deflection: T) -> T {
         let [unscaled] = self.unscaled_load([deflection + deflection]);
@@ -74,7 +74,7 @@ impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for LineContactLaw<T> {
     #[inline(always)]
     fn unscaled_load_and_slope(&self, twice_deflection: T) -> (T, T) {
         let root = M::ninth_root(twice_deflection);
-        // The ninth root of 0 is a small number, not 0: unloaded elements must add no stiffness.
+        // The ninth root of 0 is a small number instead of 0; unloaded elements must add no stiffness.
         let slope = if twice_deflection > T::ZERO { T::from_f64(20.0 / 9.0) * root } else { T::ZERO };
         (root * twice_deflection, slope)
     }
@@ -98,7 +98,7 @@ impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for PowerLaw<T> {
     }
     #[inline(always)]
     fn scale(&self) -> T {
-        // The shape halves its argument itself: 2^n would need a power.
+        // `unscaled_load` halves its argument: 2^n would need a power.
         self.stiffness
     }
 }

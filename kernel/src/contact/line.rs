@@ -1,7 +1,7 @@
 //! Line contact of a roller between two races.
 
-/// Stiffness of a steel roller of effective length `length` (m) between both races:
-/// `Q = 35948 L^(8/9) delta^(10/9)` in N and mm, here N/m^(10/9).
+/// Returns the stiffness of a steel roller of effective length `length` (m) between both races, N/m^(10/9): `Q = 35948
+/// L^(8/9) delta^(10/9)` in N and mm.
 ///
 /// Source: ISO/TS 16281 (lamina method), after Palmgren, Grundlagen der Waelzlagertechnik.
 #[must_use]

@@ -1,4 +1,4 @@
-//! One contact between a rolling element and its races: stiffness from geometry, load from deflection.
+//! Contact of a rolling element with its races: stiffness from geometry, load from deflection.
 
 pub mod hertz;
 pub mod law;

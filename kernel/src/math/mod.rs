@@ -1,7 +1,7 @@
-//! The math backend as a zero-sized type: [`Exact`] and [`Fast`].
+//! Math backends as zero-sized types: [`Exact`] and [`Fast`].
 //!
-//! Sine and cosine come from the turn counter by the same polynomials in both: they are cheaper than a
-//! library call and exact to the precision.
+//! Both compute sine and cosine from the wrapping angle with the same polynomials, which are cheaper than a library call
+//! and accurate to the precision.
 
 mod ninth_root;
 mod power;
@@ -12,35 +12,35 @@ use crate::phase::Phase;
 use crate::scalar::Scalar;
 use core::ops::{Add, Mul};
 
-/// The functions of the hot path, chosen at compile time.
+/// The functions of the hot path, selected at compile time.
 pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
-    /// Square root of `x >= 0`.
+    /// Returns the square root for `x >= 0`.
     fn sqrt(x: T) -> T;
-    /// Square root of each.
+    /// Returns the square root of each number.
     #[inline(always)]
     fn sqrt_each<const K: usize>(x: [T; K]) -> [T; K] {
         x.map(Self::sqrt)
     }
-    /// `x sqrt|x|` of each: the signed power 3/2.
+    /// Returns `x sqrt|x|`, the signed power 3/2, of each number.
     #[inline(always)]
     fn three_halves<const K: usize>(x: [T; K]) -> [T; K] {
         x.map(|x| x * Self::sqrt(x.abs()))
     }
-    /// `x^n` for `x >= 0`, `n >= 1`.
+    /// Returns `x^n` for `x >= 0`, `n >= 1`.
     fn powf(x: T, n: T) -> T;
-    /// `x^(1/9)` for `x >= 0`, for the line contact's `x^(10/9)`.
+    /// Returns `x^(1/9)` for `x >= 0`, for the power 10/9 of a line contact.
     fn ninth_root(x: T) -> T;
-    /// Sine and cosine of a turn counter, in that order.
+    /// Returns the sine and the cosine of an angle.
     fn sin_cos(angle: Phase) -> (T, T);
 }
 
-/// Correctly rounded square root (the target's own where it has one).
+/// Backend with correctly rounded square roots, in hardware where the target has it.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Exact;
 
-/// `micromath`: a square root good to 0.18 %, without dividing or iterating.
+/// Backend with the square root of `micromath`, accurate to 0.18 %, without division or iteration.
 ///
-/// In `f64` it still computes in `f32`: it is meant for targets without a unit for either.
+/// It computes in `f32` also for `f64`: it is meant for targets without an FPU.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Fast;
 
@@ -93,8 +93,8 @@ impl Math<f64> for Exact {
 impl Math<f32> for Fast {
     #[inline]
     fn sqrt(x: f32) -> f32 {
-        // micromath's estimate of 1/sqrt(x) is 3.4 % off; one Newton step without a division makes it 0.18 %.
-        // Its subtraction overflows below 0: of NaN with a sign, where builds with assertions would stop.
+        // The estimate of 1/sqrt(x) has an error of 3.4 %; one Newton step without division reduces it to 0.18 %. The
+        // magnitude prevents an overflow of the estimate for NaN with a sign bit, which would stop debug builds.
         let inverse = <f32 as micromath::F32Ext>::invsqrt(Scalar::abs(x));
         x * inverse * (1.5 - 0.5 * x * inverse * inverse)
     }
@@ -132,7 +132,7 @@ impl Math<f64> for Fast {
     }
 }
 
-/// Horner's scheme, the constant term first in `coefficients`.
+/// Evaluates a polynomial by the scheme of Horner, coefficients in ascending order.
 #[inline(always)]
 fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {
     let mut rising = coefficients.into_iter().rev();
@@ -140,7 +140,7 @@ fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {
     rising.fold(highest, |sum, c| sum * x + c)
 }
 
-/// The same of eight coefficients by pairs and pairs of pairs: three steps one after the other instead of seven.
+/// Evaluates a polynomial of eight coefficients by pairs: three dependent steps instead of seven.
 #[inline(always)]
 fn polynomial_by_pairs<X>(x: X, [c0, c1, c2, c3, c4, c5, c6, c7]: [X; 8]) -> X
 where

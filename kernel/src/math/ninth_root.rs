@@ -1,9 +1,9 @@
 //! `x^(1/9)` without a logarithm: the exponent by division, the mantissa by a polynomial.
 //!
 //! With `x = 2^(9 q + r) m`, `1 <= m < 2`: `x^(1/9) = 2^q * 2^(r/9) * m^(1/9)`. The polynomial of degree 6 is
-//! the minimax one in relative error (1.1e-7). Subnormal numbers count as 0.
+//! minimax in relative error (1.1e-7). Subnormal numbers count as 0.
 
-/// `2^(r/9)`, padded to 16 entries so that a masked index cannot leave it.
+/// `2^(r/9)`, padded to 16 entries so that a masked index is always valid.
 const POWERS_F32: [f32; 16] = {
     let mut table = [1.0; 16];
     let mut r = 0;
@@ -66,7 +66,7 @@ pub fn ninth_root_f64(x: f64) -> f64 {
     let mantissa = MANTISSA.into_iter().rev().fold(0.0, |sum, c| sum * m + c);
     let scale = f64::from_bits((q + (1023 - 114)) << 52);
     let y = mantissa * scale * POWERS_F64[(r & 15) as usize];
-    // The polynomial leaves 1.1e-7; one Newton step squares that (times 4), the second reaches the rounding.
+    // The polynomial has an error of 1.1e-7; a Newton step squares it (times 4), the second reaches the rounding.
     let step = |y: f64| {
         let y2 = y * y;
         let y4 = y2 * y2;

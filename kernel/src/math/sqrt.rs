@@ -1,10 +1,9 @@
-//! The one module that may be unsafe: it reaches the square root of the target.
+//! Square roots by the instruction of the target. The only module with unsafe code.
 //!
-//! Every path is correctly rounded (IEEE 754), so the choice never changes a result.
+//! Every path is correctly rounded (IEEE 754), so the results are the same on all targets.
 //!
-//! Stable Rust takes no floating-point operands in assembly for Arm. A single root goes through core registers; two
-//! share the moves there and back; four are a call by the standard's calling convention, which passes floating-point
-//! arguments and results in the FPU's registers.
+//! Stable Rust accepts no floating-point operands in assembly for Arm. A single root uses core registers; two share the
+//! moves; four are a call by the standard calling convention, which passes floats in the registers of the FPU.
 #![allow(unsafe_code)]
 
 /// Square root, correctly rounded.
@@ -55,7 +54,7 @@ pub fn three_halves_f32<const K: usize>(x: [f32; K]) -> [f32; K] {
 mod fpu {
     use core::arch::{asm, naked_asm};
 
-    /// `group` on as many groups of `G` as there are, `single` on what is left.
+    /// Applies `group` to all full groups of `G` numbers and `single` to the rest.
     #[inline(always)]
     pub fn in_groups<const K: usize, const G: usize>(
         mut x: [f32; K],
@@ -75,7 +74,8 @@ mod fpu {
     #[inline(always)]
     pub fn sqrt(x: f32) -> f32 {
         let root: u32;
-        // SAFETY: instructions that the target has; no memory, only the registers named. So in all blocks below.
+        // SAFETY: the target has these instructions; they access no memory and only the named registers. This holds for all
+        // blocks below.
         unsafe {
             asm!(
                 "vmov s0, {x}",
@@ -169,7 +169,7 @@ mod fpu {
     #[unsafe(naked)]
     extern "C" fn three_halves_by_call(a: f32, b: f32, c: f32, d: f32) -> Four {
         naked_asm!(
-            // Assembly outside a function is not told of the target's FPU.
+            // Assembly outside a function has no FPU by default.
             ".fpu fpv4-sp-d16",
             "vabs.f32 s4, s0",
             "vabs.f32 s5, s1",

@@ -1,21 +1,21 @@
-//! Sine and cosine of a turn counter: exact range reduction by shifting, then a polynomial.
+//! Sine and cosine of a wrapping angle: exact range reduction by shifts, then a polynomial.
 //!
-//! `f32`: the minimax polynomial of degree 9 on a quarter turn (relative 5e-9 before rounding, 2e-7 absolute after it;
-//! exact at the four quarters). `f64`: the Taylor series to degree 17 and 18 (remainder below 1e-19).
+//! `f32`: minimax polynomial of degree 9 on a quarter revolution (relative error 5e-9 before rounding, absolute 2e-7 after;
+//! exact at the four quarters). `f64`: Taylor series to degrees 17 and 18 (remainder below 1e-19).
 
 use super::{polynomial, polynomial_by_pairs};
 use crate::lanes::Lanes;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 
-/// The quarter turn nearest to the angle (0 to 3) and what is left, -1/8 to 1/8 turn, in counts.
+/// Returns the nearest quarter revolution (0 to 3) and the remainder, -1/8 to 1/8 revolution, in counts.
 #[inline]
 fn reduce(angle: Phase) -> (u64, i64) {
     let quarter = angle.0.wrapping_add(1 << 61) >> 62;
     (quarter, angle.0.wrapping_sub(quarter << 62) as i64)
 }
 
-/// Turns (sin, cos) of the remainder by the whole quarters.
+/// Rotates (sin, cos) of the remainder by the quarters.
 #[inline]
 fn unreduce<T: Scalar>(quarter: u64, sin: T, cos: T) -> (T, T) {
     let (s, c) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };
@@ -24,8 +24,9 @@ fn unreduce<T: Scalar>(quarter: u64, sin: T, cos: T) -> (T, T) {
     (s, c)
 }
 
-/// Both are a sine of at most a quarter turn: `cos(a) = sin(1/4 - |a|)`, `sin(a) = cos(a - 1/4)`, in turns.
-// By hand: the inliner's mind changes with the program around it, and four instructions with it.
+/// Computes both as a sine of at most a quarter revolution: `cos(a) = sin(1/4 - |a|)`, `sin(a) = cos(a - 1/4)`, in
+/// revolutions.
+// Always inlined: otherwise the decision of the compiler, and the count of instructions, changes with the calling program.
 #[inline(always)]
 pub fn sin_cos_f32(angle: Phase) -> (f32, f32) {
     const QUARTER: i32 = 1 << 30;
@@ -44,8 +45,8 @@ pub fn sin_cos_f64(angle: Phase) -> (f64, f64) {
     let (quarter, rest) = reduce(angle);
     let x = f64::radians_from_counts(rest);
     let xx = x * x;
-    // What is left of both series after the first terms, side by side: of the cosine's with the other sign, so that the two
-    // are the same operations.
+    // Both series without their first terms, side by side. The cosine has the opposite sign, so that the operations are the
+    // same.
     let Lanes(rest) = polynomial_by_pairs(
         Lanes::splat(xx),
         [
@@ -59,7 +60,7 @@ pub fn sin_cos_f64(angle: Phase) -> (f64, f64) {
             Lanes([1.0 / 355_687_428_096_000.0, 1.0 / 6_402_373_705_728_000.0]),
         ],
     );
-    // Where there are registers of two numbers: seen as one thing in memory, the compiler takes both at once.
+    // `black_box` makes the compiler load both values at once where registers hold two numbers.
     let [sines, cosines] = if cfg!(target_pointer_width = "64") { core::hint::black_box(rest) } else { rest };
     let sin = x + x * xx * sines;
     let cos = 1.0 - 0.5 * xx - xx * xx * cosines;

@@ -1,4 +1,4 @@
-//! Where the rotor rests: the static equilibrium of its constant load and its bearings.
+//! Static equilibrium of a rotor under its constant load on its bearings.
 
 use super::vector::{add, all_finite, along};
 use super::{ForceElement, RotorBearingSystem, SecondOrderSystem, solve};
@@ -7,40 +7,41 @@ use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 
-/// The position found, and how well.
+/// Result of [`equilibrium`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Equilibrium<T: Scalar, const D: usize> {
-    /// The coordinates: of a rigid rotor, the displacement of its centre of mass.
+    /// Coordinates: for a rigid rotor, the displacement of its centre of mass.
     pub q: [T; D],
-    /// Tangent stiffness of the system and its bearings there.
+    /// Tangent stiffness of rotor and bearings at `q`.
     pub stiffness: SMatrix<T, D, D>,
-    /// Largest unbalanced entry (moments over the radius of gyration) over the load and what the elements carry; 0 is
-    /// perfect.
+    /// Largest unbalanced entry (moments divided by the radius of gyration) relative to the load and the element loads; 0
+    /// is exact.
     pub residual: T,
 }
 
 impl<T: Scalar> Equilibrium<T, 5> {
-    /// Displacement of a rigid rotor's centre of mass.
+    /// Returns the displacement of the centre of mass of a rigid rotor.
     pub fn displacement(&self) -> Displacement<T> {
         Displacement::from_array(self.q)
     }
 }
 
-/// Iterations at most; the usual are 10 to 40. Set-up, not the hot path: it ends when nothing is left to balance.
+/// Largest number of iterations; 10 to 40 are usual.
 const ITERATIONS: usize = 150;
-/// Iterations after which the drag fades whatever the residual does: a rotor on springs so soft that it rests far away.
+/// Iterations after which the drag decreases independently of the residual, for rotors on soft springs with a distant
+/// equilibrium.
 const PATIENCE: usize = 40;
-/// By how much it does, an iteration.
+/// Factor of this decrease per iteration.
 const FADING: f64 = 0.8;
-/// How far a free rotor may go in the first iteration, m: the order of bearing clearances.
+/// Largest first step of a free rotor, m: the order of bearing clearances.
 const FIRST_STEP: f64 = 2e-5;
 
-/// Static equilibrium with the bearings turned as `at` says, from `start`.
+/// Computes the static equilibrium with the bearings in the kinematic states `at`, from `start`.
 ///
-/// Newton's method on `D q' = r(q)` taken implicitly with a step that grows as the residual falls: far off it is
-/// a damped fall towards contact, where clearance leaves Newton's matrix singular; close by it is Newton's method. The
-/// drag `D` is in proportion to the masses.
-/// A rotor that nothing holds in some direction keeps a residual: check it.
+/// Implicit pseudo-transient continuation: Newton's method on `D q' = r(q)` with a step that grows as the residual
+/// decreases. Far from equilibrium it is a damped motion towards contact, where clearance makes the matrix of Newton's
+/// method singular; near it, it is Newton's method. The drag `D` is proportional to the masses. A rotor without stiffness
+/// in some direction keeps a residual, which the caller must check.
 pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
     system: &RotorBearingSystem<R, C, N>,
     at: &[BearingKinematicState<T>; N],
@@ -50,7 +51,7 @@ pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>,
     let mut shares = masses(&system.rotor);
     let heaviest = shares.iter().fold(T::ZERO, |most, &m| m.larger(most));
     shares = shares.map(|m| m / heaviest);
-    // A force on a small share counts as the force on the whole mass that moves it as much.
+    // Weights by mass make forces that cause the same motion equal.
     let size = |r: &[T; D]| {
         r.iter().zip(&shares).fold(T::ZERO, |most, (&x, &share)| {
             let weight = T::ONE / T::from_f64(libm::sqrt(share.to_f64()));
@@ -80,7 +81,7 @@ pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>,
             drag *= T::from_f64(FADING);
         }
         for (i, &share) in shares.iter().enumerate() {
-            // A trace of drag stays so that a direction that nothing holds stays where it is.
+            // A minimum of drag fixes the rotor in directions without stiffness.
             stiffness[(i, i)] += drag * (relative + T::from_f64(1e-12)) * share;
         }
         let next = along(&q, T::ONE, &solve(stiffness, residual));
@@ -91,7 +92,7 @@ pub fn equilibrium<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>,
     result
 }
 
-/// Diagonal of the mass matrix. A function of its own, as the next: the stack holds the whole matrix only while it runs.
+/// Returns the diagonal of the mass matrix. Never inlined: the stack holds the matrix only during the call.
 #[inline(never)]
 fn masses<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R) -> [T; D] {
     let mass = rotor.effective_matrix([T::ONE, T::ZERO, T::ZERO], T::ZERO);
@@ -102,7 +103,7 @@ fn masses<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R) -> [
     masses
 }
 
-/// Adds the stiffness of the system without its bearings.
+/// Adds the stiffness of the rotor without its bearings. Never inlined, as [`masses`].
 #[inline(never)]
 fn add_stiffness<T: Scalar, R: SecondOrderSystem<T, D>, const D: usize>(rotor: &R, stiffness: &mut SMatrix<T, D, D>) {
     *stiffness += rotor.effective_matrix([T::ZERO, T::ZERO, T::ONE], T::ZERO);

@@ -1,4 +1,4 @@
-//! How bearings push on a system's coordinates.
+//! Forces of bearings on the coordinates of a system.
 
 use super::SpeedRatios;
 use crate::bearing::{Bearing, Reaction};
@@ -8,18 +8,18 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 use nalgebra::SMatrix;
 
-/// Something whose parts follow the shaft.
+/// An element with components that follow the rotation of the shaft.
 pub trait HasSpeedRatios<T> {
-    /// How.
+    /// Returns the speed ratios of the components.
     fn speed_ratios(&self) -> &SpeedRatios<T>;
 }
 
-/// Something that pushes on the coordinates of a system: `f_B(q, t)` of Hajzman's eq. (6), or a share of it.
+/// A nonlinear force on the coordinates of a system: a part of `f_B(q, t)` of Hajzman, eq. 6.
 pub trait ForceElement<T: Scalar, const D: usize>: HasSpeedRatios<T> {
-    /// Adds its forces on the coordinates at `q` to `f`; gives the sum of its loads and what it has to say.
+    /// Adds the force at `q` to `f`; returns the sum of the element loads and the status.
     fn add_force(&self, q: &[T; D], at: &BearingKinematicState<T>, f: &mut [T; D]) -> (T, Status);
 
-    /// The same, and adds the tangent `-df/dq` to `k`.
+    /// Adds the force to `f` and the tangent `-df/dq` to `k`; returns the sum of the element loads and the status.
     fn add_force_and_stiffness(
         &self,
         q: &[T; D],
@@ -29,14 +29,14 @@ pub trait ForceElement<T: Scalar, const D: usize>: HasSpeedRatios<T> {
     ) -> (T, Status);
 }
 
-/// A bearing on a rigid rotor whose outer ring stands still.
+/// A bearing on a rigid rotor, with its outer ring fixed.
 #[derive(Debug, Clone, Copy)]
 pub struct BearingAtStation<T, B> {
-    /// What it answers to a displacement.
+    /// Bearing model.
     pub bearing: B,
-    /// Along Z from the centre of mass, m.
+    /// Station along Z from the centre of mass, m.
     pub station: T,
-    /// How its parts follow the shaft.
+    /// Speed ratios of the bearing components.
     pub speed_ratios: SpeedRatios<T>,
 }
 
@@ -95,21 +95,22 @@ impl<T: Scalar, B: Bearing<T>> ForceElement<T, 5> for BearingAtStation<T, B> {
     }
 }
 
-/// Which combination of a system's coordinates is the displacement of a bearing's inner ring against its outer ring:
-/// `u = T q`. The rows of `T` are Hajzman's extended vectors gathered in the order of [`Displacement`]; the forces on
-/// the coordinates are `T^T f`.
+/// Linear map from the coordinates of a system to the displacement of a bearing, `u = T q`.
+///
+/// The displacement is that of the inner ring relative to the outer ring. The rows of `T` are the extended vectors of
+/// Hajzman in the order of [`Displacement`]; the forces on the coordinates are `T^T f`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Attachment<T: Scalar, const D: usize>(pub(super) SMatrix<T, 5, D>);
 
 impl<T: Scalar, const D: usize> Attachment<T, D> {
-    /// From the five extended vectors.
+    /// Creates the map from the five extended vectors.
     #[must_use]
     pub fn new(extended: &[[f64; D]; 5]) -> Self {
         Self(SMatrix::from_fn(|i, j| T::from_f64(extended.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0))))
     }
 
-    /// On a rigid rotor that is the system's first five coordinates, at `station` along Z from its centre of mass; with
-    /// the outer ring on the coordinates `housing` and the next one (along X and Y) where there is one.
+    /// Creates the map for a rigid rotor in the first five coordinates, at `station` (m, along Z from its centre of mass).
+    /// With `housing`, the outer ring moves along X and Y with that coordinate and the next one.
     #[must_use]
     pub fn on_rigid_rotor(station: f64, housing: Option<usize>) -> Self {
         let one = |hit: bool| f64::from(u8::from(hit));
@@ -124,7 +125,7 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
         }))
     }
 
-    /// `T q`. Cost: `5 D` multiplications.
+    /// Returns `T q`. Cost: `5 D` multiplications.
     #[must_use]
     pub fn displacement(&self, q: &[T; D]) -> Displacement<T> {
         let mut u = [T::ZERO; 5];
@@ -136,7 +137,7 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
         Displacement::from_array(u)
     }
 
-    /// `f += T^T wrench`.
+    /// Computes `f += T^T wrench`.
     pub(super) fn spread(&self, wrench: &[T; 5], f: &mut [T; D]) {
         for (entry, column) in f.iter_mut().zip(self.0.column_iter()) {
             for (&w, &t) in wrench.iter().zip(column.iter()) {
@@ -145,7 +146,7 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
         }
     }
 
-    /// `k += T^T stiffness T`. Cost: `5 D (5 + D)` multiplications.
+    /// Computes `k += T^T stiffness T`. Cost: `5 D (5 + D)` multiplications.
     pub(super) fn spread_stiffness(&self, stiffness: &Stiffness<T>, k: &mut SMatrix<T, D, D>) {
         for (mut column, extended) in k.column_iter_mut().zip(self.0.column_iter()) {
             let mut wrench = [T::ZERO; 5];
@@ -166,11 +167,11 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
 /// A bearing on any coordinates of a system.
 #[derive(Debug, Clone, Copy)]
 pub struct AttachedBearing<T: Scalar, B, const D: usize> {
-    /// What it answers to a displacement.
+    /// Bearing model.
     pub bearing: B,
-    /// Where.
+    /// Map from the coordinates to the displacement of the bearing.
     pub attachment: Attachment<T, D>,
-    /// How its parts follow the shaft.
+    /// Speed ratios of the bearing components.
     pub speed_ratios: SpeedRatios<T>,
 }
 

@@ -1,4 +1,4 @@
-//! Any linear system from its matrices: a reduced finite-element rotor, a rotor with its supports.
+//! Linear systems from matrices: a reduced finite-element rotor, a rotor with its supports.
 
 use super::{SecondOrderSystem, ShaftMotion};
 use crate::math::Math;
@@ -8,29 +8,29 @@ use core::fmt;
 use core::marker::PhantomData;
 use nalgebra::SMatrix;
 
-/// What an engineer says of a linear system of `D` coordinates, SI units. Coordinates that nothing uses take
-/// [`SystemMatrices::unit_mass`]'s entries: a mass of 1 and nothing else.
+/// Matrices of a linear system of `D` coordinates, SI units. Unused coordinates have the entries of
+/// [`SystemMatrices::unit_mass`].
 ///
-/// `A` stores one matrix: in place, or behind a pointer such as `Box` where `D` is so large that four matrices in one
-/// value would overflow a stack (128 KiB each for 128 coordinates).
+/// `A` stores one matrix: in place, or behind a pointer such as `Box` for a `D` so large that four matrices in one value
+/// would overflow a stack (128 KiB each for 128 coordinates).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SystemMatrices<const D: usize, A = SMatrix<f64, D, D>> {
     /// M, symmetric and positive definite.
     pub mass: A,
     /// B, symmetric.
     pub damping: A,
-    /// G, skew-symmetric, to be multiplied by the shaft speed.
+    /// G, skew-symmetric; multiplied by the shaft speed.
     pub gyroscopic: A,
     /// K, symmetric.
     pub stiffness: A,
-    /// Weight and constant load on each coordinate.
+    /// Weight and constant load on each coordinate, N or N m.
     pub load: [f64; D],
     /// Unbalance on each coordinate: `w^2 (c cos(theta) + s sin(theta))` for `[c, s]`, kg m.
     pub unbalance: [[f64; 2]; D],
 }
 
 impl<const D: usize> SystemMatrices<D> {
-    /// A mass of 1 on each coordinate and nothing else.
+    /// Returns matrices with a mass of 1 on each coordinate and 0 elsewhere.
     #[must_use]
     pub fn unit_mass() -> Self {
         let none = SMatrix::from_element(0.0);
@@ -46,8 +46,8 @@ impl<const D: usize> SystemMatrices<D> {
 }
 
 impl<const D: usize, A> SystemMatrices<D, A> {
-    /// Adds an unbalance of `moment` kg m at `angle` from the keyphasor mark, in a plane that moves along X with the
-    /// coordinate `x` and along Y with the coordinate `y`. Coordinates beyond the system are left out.
+    /// Adds an unbalance `moment` (kg m) at `angle` (rad) from the keyphasor mark, in a plane that moves along X with the
+    /// coordinate `x` and along Y with the coordinate `y`. Ignores coordinates beyond the system.
     #[must_use]
     pub fn with_unbalance(mut self, (x, y): (usize, usize), moment: f64, angle: f64) -> Self {
         let (c, s) = (moment * libm::cos(angle), moment * libm::sin(angle));
@@ -61,20 +61,20 @@ impl<const D: usize, A> SystemMatrices<D, A> {
     }
 }
 
-/// An entry that does not fit its matrix. Rows and columns count from 1.
+/// Error returned for a matrix without the required symmetry or definiteness. Rows and columns count from 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InvalidMatrix {
-    /// `M`, `B`, `G` or `K`.
+    /// Name of the matrix: `M`, `B`, `G` or `K`.
     pub matrix: &'static str,
     /// Row of the entry.
     pub row: usize,
     /// Column of the entry.
     pub column: usize,
-    /// What was found there.
+    /// Value of the entry.
     pub found: f64,
-    /// What was found at the mirrored position.
+    /// Value of the mirrored entry.
     pub mirrored: f64,
-    /// What is allowed, in words.
+    /// Requirement, in words.
     pub allowed: &'static str,
 }
 
@@ -90,12 +90,12 @@ impl fmt::Display for InvalidMatrix {
 
 impl core::error::Error for InvalidMatrix {}
 
-/// Two mirrored entries may differ by this part of the larger.
+/// Largest relative difference of two mirrored entries.
 const SAME: f64 = 1e-6;
-/// Entries below this part of the matrix's largest are rounding.
+/// Entries below this share of the largest are rounding errors.
 const NOTHING: f64 = 1e-14;
 
-/// `sign` 1 asks for symmetry, -1 for skew-symmetry.
+/// Checks symmetry (`sign` 1) or skew-symmetry (`sign` -1).
 fn check_mirror<const D: usize>(
     matrix: &'static str,
     entries: &SMatrix<f64, D, D>,
@@ -117,7 +117,7 @@ fn check_mirror<const D: usize>(
     Ok(())
 }
 
-/// A linear system of any fixed order, ready for the hot path. Cost of its forces: three products of matrix and vector.
+/// A linear system of any fixed order. Cost of its forces: three products of matrix and vector.
 ///
 /// `A` stores one matrix, as in [`SystemMatrices`].
 #[derive(Debug, Clone, Copy)]
@@ -133,19 +133,19 @@ pub struct LinearSystem<T: Scalar, M, const D: usize, A = SMatrix<T, D, D>> {
 }
 
 impl<T: Scalar, M: Math<T>, const D: usize> LinearSystem<T, M, D> {
-    /// From matrices.
+    /// Creates the system from its matrices.
     ///
     /// # Errors
-    /// The first entry that breaks a matrix's symmetry or is not finite; a mass matrix that is not positive definite.
+    /// The first entry that violates a symmetry or is not finite; a mass matrix that is not positive definite.
     pub fn try_new(matrices: &SystemMatrices<D>) -> Result<Self, InvalidMatrix> {
         Self::try_with_storage(matrices)
     }
 }
 
 impl<T: Scalar, M: Math<T>, const D: usize, A: From<SMatrix<T, D, D>>> LinearSystem<T, M, D, A> {
-    /// From matrices, each of them stored in an `A` such as `Box<SMatrix<T, D, D>>`.
+    /// Creates the system from its matrices, each stored in an `A` such as `Box<SMatrix<T, D, D>>`.
     ///
-    /// Cost: the stack holds up to four matrices at a time.
+    /// Cost: up to four matrices on the stack at a time.
     ///
     /// # Errors
     /// As [`LinearSystem::try_new`].
@@ -172,14 +172,13 @@ impl<T: Scalar, M: Math<T>, const D: usize, A: From<SMatrix<T, D, D>>> LinearSys
     }
 }
 
-/// Rounds a matrix to `T` and stores it. A function of its own, so that the stack of its caller does not hold the copies of
-/// all matrices at once.
+/// Rounds a matrix to `T` and stores it. Never inlined: the stack of the caller then does not hold all copies at once.
 #[inline(never)]
 fn stored<T: Scalar, A: From<SMatrix<T, D, D>>, const D: usize>(matrix: &SMatrix<f64, D, D>) -> A {
     matrix.map(|x| T::from_f64(x)).into()
 }
 
-/// Of a symmetric matrix, by elimination in the given order: its pivots are positive where the matrix is definite.
+/// Inverts a symmetric matrix by elimination in the given order: the pivots of a definite matrix are positive.
 #[inline(never)]
 fn inverse<T: Scalar, A: From<SMatrix<T, D, D>>, const D: usize>(
     mass: &SMatrix<f64, D, D>,
@@ -209,7 +208,7 @@ fn inverse<T: Scalar, A: From<SMatrix<T, D, D>>, const D: usize>(
     Ok(stored(&right))
 }
 
-/// `f += scale A x`.
+/// Computes `f += scale A x`.
 fn add_product<T: Scalar, const D: usize>(f: &mut [T; D], scale: T, a: &SMatrix<T, D, D>, x: &[T; D]) {
     for (&x, column) in x.iter().zip(a.column_iter()) {
         let x = scale * x;
@@ -229,7 +228,7 @@ impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> SecondO
     fn excitation(&self, shaft: &ShaftMotion<T>) -> [T; D] {
         let (sin, cos) = M::sin_cos(shaft.angle);
         let (w2, a) = (shaft.speed * shaft.speed, shaft.acceleration);
-        // A change of speed pushes against the way: m e a (e_r turned back by a quarter).
+        // An angular acceleration a adds the tangential force m e a, opposite to the rotation.
         let (by_cos, by_sin) = (w2 * cos + a * sin, w2 * sin - a * cos);
         let mut f = self.constant;
         for (entry, &[c, s]) in f.iter_mut().zip(&self.unbalance) {
@@ -259,7 +258,7 @@ impl<T: Scalar, M: Math<T>, const D: usize, A: Borrow<SMatrix<T, D, D>>> SecondO
     }
 
     fn effective_matrix(&self, [m, c, k]: [T; 3], speed: T) -> SMatrix<T, D, D> {
-        // Entry by entry in one matrix: sums of whole matrices would put each of them on the stack.
+        // Entry by entry: sums of whole matrices would put each of them on the stack.
         let turning = c * speed;
         let mut sum = self.mass.borrow() * m;
         sum.zip_apply(self.damping.borrow(), |sum, b| *sum += b * c);

@@ -1,10 +1,11 @@
-//! Rotors on bearings, and the integrators that move them.
+//! Rotors on bearings, and integrators.
 //!
-//! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6). A [`SecondOrderSystem`] is the linear side and what excites
-//! it: [`RigidRotor`], five coordinates `q = [u v w thu thv]` of the centre of mass, at the least cost; [`LinearSystem`], any
-//! coordinates from matrices, among them the rigid rotor on flexible [`supported`] bearings and a reduced finite-element
-//! rotor. A [`ForceElement`] is what pushes on the coordinates: a bearing [`BearingAtStation`] on a rigid rotor or [`AttachedBearing`] to any
-//! coordinates, and [`MovingBalls`], whose balls are coordinates themselves.
+//! `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t)` (Hajzman, eq. 6). A [`SecondOrderSystem`] is the linear part with its
+//! excitation: [`RigidRotor`], five coordinates `q = [u v w thu thv]` of the centre of mass, at the lowest cost;
+//! [`LinearSystem`], any coordinates from matrices, among them the rigid rotor on flexible supports ([`supported_rotor`])
+//! and a reduced finite-element rotor. A [`ForceElement`] is a nonlinear force on the coordinates: a bearing on a rigid
+//! rotor ([`BearingAtStation`]) or on any coordinates ([`AttachedBearing`]), and [`MovingBalls`], whose balls are
+//! coordinates.
 
 mod equilibrium;
 mod force_element;
@@ -43,7 +44,7 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 use nalgebra::SMatrix;
 
-/// A rotor and its `N` bearings: the parameters of the hot path.
+/// A rotor with its `N` bearings: the parameters of the hot path.
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
@@ -64,7 +65,7 @@ use nalgebra::SMatrix;
 /// let at = |station| BearingAtStation { bearing: springs, station, speed_ratios: SpeedRatios::new(0.4) };
 /// let system = RotorBearingSystem { rotor, bearings: [at(-0.1), at(0.1)] };
 ///
-/// // 1 kg on 2e6 N/m: let go at 1 um, it is at -1 um half a period later.
+/// // 1 kg on 2e6 N/m, released at 1 um, is at -1 um half a period later.
 /// let start = Displacement { u: 1e-6, ..Displacement::default() };
 /// let mut state = RotorState::stationary(start, Phase::ZERO, [Phase::ZERO; 2]);
 /// let half_period = std::f64::consts::PI / 2e6_f64.sqrt();
@@ -78,31 +79,32 @@ use nalgebra::SMatrix;
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct RotorBearingSystem<R, C, const N: usize> {
-    /// The rotor and what acts on it: a [`SecondOrderSystem`].
+    /// Rotor and its excitation: a [`SecondOrderSystem`].
     pub rotor: R,
-    /// Its bearings: each a [`ForceElement`].
+    /// Bearings: each a [`ForceElement`].
     pub bearings: [C; N],
 }
 
-/// What changes from step to step.
+/// State of a rotor-bearing system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RotorState<T, const D: usize, const N: usize> {
-    /// The coordinates: of a rigid rotor, the displacement of its centre of mass.
+    /// Coordinates: for a rigid rotor, the displacement of its centre of mass.
     pub q: [T; D],
-    /// Their rate, per second.
+    /// Velocities of the coordinates, per second.
     pub velocity: [T; D],
-    /// Their second derivative, carried by Newmark from step to step.
+    /// Accelerations of the coordinates; [`Newmark`] uses them in the next step.
     pub acceleration: [T; D],
-    /// Angles of each bearing's parts at shaft angle `shaft`.
+    /// Angles of the bearing components at the shaft angle `shaft_angle`.
     pub component_angles: [ComponentAngles; N],
-    /// Shaft angle up to which the parts have been turned.
+    /// Shaft angle of `component_angles`.
     pub shaft_angle: Phase,
-    /// Steps answered with the state held (saturating).
+    /// Number of steps without a valid result (saturating).
     pub held_steps: u32,
 }
 
 impl<T: Scalar, const D: usize, const N: usize> RotorState<T, D, N> {
-    /// At rest at `q`, with the shaft and the bearings' parts (or only their cages) at these angles.
+    /// Creates a state without velocity at `q`, with these angles of the shaft and of the bearing components (or of the
+    /// cages only).
     pub fn stationary(
         q: impl Into<[T; D]>,
         shaft_angle: Phase,
@@ -125,17 +127,18 @@ impl<T: Scalar, const D: usize, const N: usize> RotorState<T, D, N> {
 }
 
 impl<T: Scalar, const N: usize> RotorState<T, 5, N> {
-    /// Displacement of a rigid rotor's centre of mass.
+    /// Returns the displacement of the centre of mass of a rigid rotor.
     pub fn displacement(&self) -> Displacement<T> {
         Displacement::from_array(self.q)
     }
 }
 
-/// One way to step a [`RotorBearingSystem`] forward by a fixed time.
+/// An integrator with a fixed time step.
 pub trait Integrator<T: Scalar> {
-    /// From the state at the start of the step, whose shaft moves as `shaft` says, to its end.
+    /// Advances the state by one step, with the shaft motion at its start.
     ///
-    /// A shaft or result that is not finite leaves motion as it was, flagged and counted.
+    /// A shaft motion or result that is not finite leaves coordinates and velocities unchanged; the step is flagged and
+    /// counted.
     fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
         system: &RotorBearingSystem<R, C, N>,
@@ -144,20 +147,20 @@ pub trait Integrator<T: Scalar> {
     ) -> Status;
 }
 
-/// What all bearings of a system answer.
+/// Force of all bearings on the coordinates of a system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GeneralizedForce<T, const D: usize> {
     /// Forces on the coordinates.
     pub force: [T; D],
-    /// Sum of the element loads, N: 0 where contact is lost.
+    /// Sum of the element loads, N; 0 without contact.
     pub load: T,
-    /// What the evaluation has to say of itself.
+    /// Status flags of the evaluation.
     pub status: Status,
 }
 
-// The loops over the bearings count by hand: the compiler takes these apart, those of iterators over two arrays it does not.
+// Loops with counters: the compiler unrolls these, but not iterators over two arrays.
 impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
-    /// What each bearing sees at `shaft` with its parts at `parts`.
+    /// Returns the kinematic state of each bearing at `shaft` with the component angles `parts`.
     #[inline(always)]
     pub fn kinematic_states<T: Scalar>(
         &self,
@@ -176,7 +179,7 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
         states
     }
 
-    /// Forces of all bearings on the coordinates, sum of loads, status.
+    /// Computes the force of all bearings on the coordinates.
     #[inline(always)]
     pub fn bearing_forces<T: Scalar, const D: usize>(
         &self,
@@ -197,7 +200,7 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
         sum
     }
 
-    /// As [`RotorBearingSystem::bearing_forces`], with the tangent stiffness `-df/dq`.
+    /// Computes [`RotorBearingSystem::bearing_forces`] with the tangent stiffness `-df/dq`.
     pub fn bearing_forces_and_stiffness<T: Scalar, const D: usize>(
         &self,
         q: &[T; D],
@@ -210,7 +213,7 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
         (self.bearing_forces_adding_stiffness(q, at, &mut stiffness), stiffness)
     }
 
-    /// As [`RotorBearingSystem::bearing_forces`], and adds the tangent stiffness `-df/dq` to `stiffness`.
+    /// Computes [`RotorBearingSystem::bearing_forces`] and adds the tangent stiffness `-df/dq` to `stiffness`.
     pub fn bearing_forces_adding_stiffness<T: Scalar, const D: usize>(
         &self,
         q: &[T; D],
@@ -229,7 +232,7 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
         sum
     }
 
-    /// The bearings' parts after the shaft has gone `delta` further.
+    /// Returns the component angles after a rotation `delta` of the shaft.
     #[inline(always)]
     fn advance_components<T: Scalar>(&self, parts: &[ComponentAngles; N], delta: PhaseDelta) -> [ComponentAngles; N]
     where
@@ -245,8 +248,8 @@ impl<R, C, const N: usize> RotorBearingSystem<R, C, N> {
     }
 }
 
-/// Common end of a step: keeps `next` if it is good, else holds the motion; says which. `load` and `status` are what the
-/// bearings answered at the end of the step, or close to it.
+/// Completes a step: takes `next` if it is finite, else keeps the motion; returns the status. `load` and `status` are those
+/// of the bearings at or near the end of the step.
 #[inline(always)]
 fn accept<T: Scalar, const D: usize, const N: usize>(
     state: &mut RotorState<T, D, N>,
@@ -262,7 +265,7 @@ fn accept<T: Scalar, const D: usize, const N: usize>(
         .union(status);
     let good = !status.is_held();
     if cfg!(target_pointer_width = "64") {
-        // A desktop processor foresees the branch, and is at the next step while it still looks at the numbers of this one.
+        // The processor predicts this branch and continues with the next step before the check is complete.
         if good {
             *state = *next;
         } else {
@@ -270,7 +273,7 @@ fn accept<T: Scalar, const D: usize, const N: usize>(
         }
         return status;
     }
-    // No branch here: a held step costs what a good one costs.
+    // No branch: an invalid step costs as much as a valid one.
     let choice = Choice::new(good);
     vector::replace_if(choice, &next.q, &mut state.q);
     vector::replace_if(choice, &next.velocity, &mut state.velocity);

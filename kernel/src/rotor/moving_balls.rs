@@ -1,4 +1,4 @@
-//! Rung `dynamic`: each ball a mass of its own that moves along its radius between the two races.
+//! Model `dynamic`: each ball is a mass that moves radially between the two races.
 
 use super::force_element::Attachment;
 use super::{ForceElement, HasSpeedRatios, SpeedRatios};
@@ -12,32 +12,33 @@ use crate::status::Status;
 use core::marker::PhantomData;
 use nalgebra::SMatrix;
 
-/// What an engineer says of a radial bearing whose balls move, SI units.
+/// Parameters of a radial bearing with moving balls, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovingBallsParams {
-    /// K_i and K_o, N/m^1.5.
+    /// K_i and K_o, Hertz stiffness of the contacts, N/m^1.5.
     pub stiffness: [f64; 2],
-    /// d_m/2, m.
+    /// d_m/2, pitch radius, m.
     pub pitch_radius: f64,
-    /// gamma: half the diametral clearance; negative is preload, m.
+    /// gamma, half the diametral clearance, m; negative is preload.
     pub radial_play: f64,
-    /// m_b, kg.
+    /// m_b, mass of a ball, kg.
     pub ball_mass: f64,
-    /// Cage speed over the inner ring's where the outer stands still.
+    /// Cage speed divided by the speed of the inner ring, with the outer ring fixed.
     pub cage_ratio: f64,
-    /// Along X and Y, m/s^2.
+    /// Gravity along X and Y, m/s^2.
     pub gravity: [f64; 2],
 }
 
-/// A radial bearing whose balls are coordinates of the system: `first` and the following are their displacements `x`
-/// outward from the pitch circle, m, each with the mass `m_b` in the system's mass matrix.
+/// A radial bearing whose balls are coordinates of the system.
 ///
-/// With `c` the distance of the ball from the inner ring's centre, the deflections are `d_i = R - g/2 - c` and
-/// `d_o = x - g/2`; the ball is pushed by `K_i d_i^1.5 dc/dx - K_o d_o^1.5 + m_b (R + x) w_c^2` and its weight, the ring by
-/// `K_i d_i^1.5` along the line of centres. Source: Harsha, Sandeep, Prakash (2003), by Lagrange's equations (`docs/src/models.md#balls-with-mass`). As
-/// `m_b` vanishes it becomes the lumped rung with both races in series.
+/// The coordinate `first` and the following ones are the displacements `x` of the balls outward from the pitch circle, m,
+/// each with the mass `m_b` in the mass matrix of the system. With `c` the distance of a ball from the centre of the inner
+/// ring, the deflections are `d_i = R - g/2 - c` and `d_o = x - g/2`. The force on the ball is `K_i d_i^1.5 dc/dx - K_o
+/// d_o^1.5 + m_b (R + x) w_c^2` and its weight; the force on the ring is `K_i d_i^1.5` along the line of centres.
 ///
-/// Motion is in the plane of the bearing: axial and tilting displacement do nothing. Cost: three square roots a ball.
+/// As `m_b` vanishes the model becomes the lumped model with both contacts in series. Axial and tilting displacements have
+/// no effect. Cost: three square roots per ball. Source: Harsha, Sandeep, Prakash (2003), by the equations of Lagrange
+/// (`docs/src/models.md#balls-with-mass`).
 #[derive(Debug, Clone, Copy)]
 pub struct MovingBalls<T: Scalar, M, P, const D: usize> {
     attachment: Attachment<T, D>,
@@ -54,31 +55,31 @@ pub struct MovingBalls<T: Scalar, M, P, const D: usize> {
     math: PhantomData<M>,
 }
 
-/// One ball at one instant, in its own radial and tangential directions.
+/// One ball at one instant, in its radial and tangential directions.
 struct Ball<T> {
-    /// Direction outward in the fixed frame.
+    /// Outward direction in the fixed frame.
     cos: T,
     sin: T,
-    /// Direction from the inner ring's centre to the ball's: radial and tangential.
+    /// Direction from the centre of the inner ring to the ball: radial and tangential.
     line: [T; 2],
     distance: T,
     inner: ContactState<T>,
     outer: ContactState<T>,
-    /// What else pushes it outward.
+    /// Centrifugal force and weight, outward, N.
     inertia: T,
 }
 
-/// Load of a contact and its slope.
+/// Load of a contact and its derivative by the deflection.
 struct ContactState<T> {
     load: T,
     slope: T,
 }
 
 impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> MovingBalls<T, M, P, D> {
-    /// From parameters, with the balls at `positions` being the coordinates from `first` on.
+    /// Creates the bearing; the balls at `positions` are the coordinates from `first` on.
     ///
     /// # Errors
-    /// The first quantity out of its range; balls that are more than the system has coordinates for.
+    /// The first parameter outside its range; more balls than the system has coordinates.
     pub fn try_new(
         params: &MovingBallsParams,
         (attachment, speed_ratios): (Attachment<T, D>, SpeedRatios<T>),
@@ -110,14 +111,14 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
         })
     }
 
-    /// Force on the inner ring.
+    /// Computes the force on the inner ring.
     pub fn reaction(&self, q: &[T; D], at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = Reaction::default();
         self.each(q, at, |_, ball| sum = sum + ball.on_ring());
         sum
     }
 
-    /// Load of each ball on the inner race, N, into `loads` as far as both go.
+    /// Writes the load of each ball on the inner race, N, as many as `loads` takes.
     pub fn element_loads(&self, q: &[T; D], at: &BearingKinematicState<T>, loads: &mut [T]) {
         let mut loads = loads.iter_mut();
         self.each(q, at, |_, ball| {
@@ -133,7 +134,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
         ContactState { load: deflection * root, slope: T::from_f64(1.5) * root }
     }
 
-    /// Tells `ball` of every ball and its coordinate.
+    /// Calls `visit` with every ball and its coordinate.
     fn each(&self, q: &[T; D], at: &BearingKinematicState<T>, mut visit: impl FnMut(usize, Ball<T>)) {
         let ring = self.attachment.displacement(q);
         let (sin, cos) = M::sin_cos(at.cage);
@@ -145,7 +146,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
             let closer = x - radial;
             let out = self.pitch_radius + closer;
             let distance = M::sqrt(out * out + tangential * tangential);
-            // distance - R, not as the difference of two lengths of a pitch radius.
+            // Avoids the cancellation in distance - R.
             let further =
                 (closer * (out + self.pitch_radius) + tangential * tangential) / (distance + self.pitch_radius);
             visit(
@@ -171,7 +172,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Movi
 }
 
 impl<T: Scalar> Ball<T> {
-    /// From the ball's directions into the fixed frame.
+    /// Rotates from the directions of the ball to the fixed frame.
     fn fixed(&self, [r, t]: [T; 2]) -> [T; 2] {
         [self.cos * r - self.sin * t, self.sin * r + self.cos * t]
     }
@@ -215,7 +216,7 @@ impl<T: Scalar, M: Math<T>, P: AsRef<[ElementPosition<T>]>, const D: usize> Forc
         self.each(q, at, |i, ball| {
             ring = ring + ball.on_ring();
             self.add_ball(f, i, &ball);
-            // Second derivative of the contact's energy by the way from the ring's centre to the ball's.
+            // Second derivative of the contact energy by the vector from the centre of the ring to the ball.
             let [n, t] = ball.line;
             let across = ball.inner.load / ball.distance;
             let s = [

@@ -1,5 +1,5 @@
-//! Newmark-beta with beta = 1/4, gamma = 1/2 (the trapezium rule: no numerical damping, any step stable for a
-//! linear system) and a fixed number of Newton steps with the bearings' analytic tangent.
+//! Newmark method with beta = 1/4, gamma = 1/2 (trapezoidal rule: no numerical damping, unconditionally stable for a linear
+//! system) and a fixed number of Newton steps with the analytic tangent of the bearings.
 
 use super::vector::{add, add_scaled};
 use super::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion, accept, solve};
@@ -7,14 +7,15 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 use nalgebra::SMatrix;
 
-/// Fixed step and fixed number of Newton steps. Cost: that many bearing tangents and solutions of `D` equations.
+/// Newmark integrator with a fixed step. Cost: one tangent of each bearing and one solution of `D` equations per Newton
+/// step.
 ///
-/// Source: Newmark (1959); used with Newton's method on rotors by Harsha et al. (2004).
+/// Source: Newmark (1959); with Newton's method on rotors: Harsha et al. (2004).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Newmark<T> {
-    /// Step, s.
+    /// Time step, s.
     pub step: T,
-    /// Newton steps a time step; 3 reach the rounding of f64 on smooth contact at usual steps.
+    /// Newton steps per time step; 3 reach the rounding of `f64` for smooth contact at usual time steps.
     pub newton_steps: u8,
 }
 

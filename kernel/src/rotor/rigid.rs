@@ -1,4 +1,4 @@
-//! The rigid rotor: inertia, gyroscopic coupling, damping, gravity, load, unbalance.
+//! The rigid rotor: inertia, gyroscopic moment, damping, gravity, load, unbalance.
 
 use super::{SecondOrderSystem, ShaftMotion};
 use crate::bearing::geometry::{InvalidParameter, check};
@@ -7,39 +7,41 @@ use crate::math::{Exact, Math};
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
-/// One unbalance: a mass times its eccentricity, at an angle from the keyphasor mark, in a plane.
+/// An unbalance in one plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unbalance {
-    /// kg m.
+    /// Mass times eccentricity, kg m.
     pub moment: f64,
-    /// rad, in the direction of positive rotation.
+    /// Angle from the keyphasor mark in the direction of positive rotation, rad.
     pub angle: f64,
-    /// Along Z from the centre of mass, m.
+    /// Station of the plane along Z from the centre of mass, m.
     pub station: f64,
 }
 
-/// What an engineer says of a rigid rotor, SI units.
+/// Parameters of a rigid rotor, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RotorParams {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// I_d about X and Y, kg m^2.
+    /// I_d, moment of inertia about X and Y, kg m^2.
     pub diametral_inertia: f64,
-    /// I_p about Z, kg m^2.
+    /// I_p, moment of inertia about Z, kg m^2.
     pub polar_inertia: f64,
-    /// B, symmetric: N s/m, N s, N m s.
+    /// B, symmetric damping matrix: N s/m, N s, N m s.
     pub damping: [[f64; 5]; 5],
-    /// Springs on the rotor itself: N/m (three), N m/rad (two).
+    /// Stiffness of springs on the rotor: N/m (three), N m/rad (two).
     pub stiffness: [f64; 5],
-    /// m/s^2.
+    /// Gravity, m/s^2.
     pub gravity: [f64; 3],
     /// Constant force and moment, N and N m.
     pub load: [f64; 5],
 }
 
 impl RotorParams {
+    /// Validates all parameters.
+    ///
     /// # Errors
-    /// The first quantity out of its range.
+    /// The first parameter outside its range.
     pub(super) fn check(&self) -> Result<(), InvalidParameter> {
         let RotorParams { mass, diametral_inertia: diametral, polar_inertia: polar, .. } = *self;
         check(mass > 0.0, "mass", mass, "above 0 kg")?;
@@ -58,7 +60,7 @@ impl RotorParams {
     }
 }
 
-/// A rigid rotor, ready for the hot path.
+/// A rigid rotor.
 #[derive(Debug, Clone, Copy)]
 pub struct RigidRotor<T: Scalar, M = Exact> {
     mass: [T; 5],
@@ -67,17 +69,17 @@ pub struct RigidRotor<T: Scalar, M = Exact> {
     damping: Stiffness<T>,
     stiffness: [T; 5],
     constant: [T; 5],
-    /// Sum of moment (cos, sin) of all unbalances, and of station times that.
+    /// Sums over the unbalances of moment (cos, sin), and of station times that.
     unbalance: [T; 2],
     couple: [T; 2],
     math: PhantomData<M>,
 }
 
 impl<T: Scalar, M: Math<T>> RigidRotor<T, M> {
-    /// From parameters and any number of unbalances, which add up to one force and one couple.
+    /// Creates the rotor from parameters and any number of unbalances, which add up to one force and one couple.
     ///
     /// # Errors
-    /// The first quantity out of its range.
+    /// The first parameter outside its range.
     pub fn try_new(params: &RotorParams, unbalances: &[Unbalance]) -> Result<Self, InvalidParameter> {
         params.check()?;
         let RotorParams { mass, diametral_inertia: diametral, polar_inertia: polar, .. } = *params;
@@ -106,7 +108,7 @@ impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
         self.constant
     }
 
-    /// The constant load and the unbalance, `m e (w^2 e_r - a e_t)` and its couple.
+    /// Constant load and unbalance, `m e (w^2 e_r - a e_t)` with its couple.
     #[inline(always)]
     fn excitation(&self, shaft: &ShaftMotion<T>) -> [T; 5] {
         let turn = M::sin_cos(shaft.angle);
@@ -121,7 +123,7 @@ impl<T: Scalar, M: Math<T>> SecondOrderSystem<T, 5> for RigidRotor<T, M> {
         [x + fx, y + fy, z, mx - cy, my + cx]
     }
 
-    /// Where `G[thu, thv] = I_p = -G[thv, thu]` for a spin about +Z.
+    /// With `G[thu, thv] = I_p = -G[thv, thu]` for a spin about +Z.
     #[inline(always)]
     fn internal_force(&self, q: &[T; 5], rate: &[T; 5], speed: T) -> [T; 5] {
         let mut f = [T::ZERO; 5];

@@ -5,10 +5,11 @@ use super::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrde
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// Fixed step `h`; stable up to `h = 2.8 / w_max`, accurate well below. Cost: four evaluations of every bearing.
+/// Runge-Kutta integrator of order 4 with a fixed step `h`; stable up to `h = 2.8 / w_max`, accurate well below. Cost: four
+/// evaluations of each bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RungeKutta4<T> {
-    /// Step, s.
+    /// Time step, s.
     pub step: T,
 }
 
@@ -22,7 +23,7 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
         let h = self.step;
         let half = T::HALF * h;
         let parts = system.advance_components(&state.component_angles, shaft.angle.since(state.shaft_angle));
-        // Slope of (q, q') at the time `dt` into the step.
+        // Acceleration at the time `dt` into the step.
         let slope = |q: &[T; D], rate: &[T; D], dt: T| {
             let now = shaft.after(dt);
             let turned = system.advance_components(&parts, shaft.delta_after(dt));
@@ -52,7 +53,7 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
     }
 }
 
-/// `x + h/6 (k1 + 2 k2 + 2 k3 + k4)`.
+/// Returns `x + h/6 (k1 + 2 k2 + 2 k3 + k4)`.
 fn weighted<T: Scalar, const D: usize>(x: &[T; D], h: T, [k1, k2, k3, k4]: [&[T; D]; 4]) -> [T; D] {
     let sixth = h * T::from_f64(1.0 / 6.0);
     let third = h * T::from_f64(1.0 / 3.0);

@@ -1,27 +1,27 @@
-//! How the shaft turns during one step.
+//! Motion of the shaft during one step.
 
 use crate::phase::{Phase, PhaseDelta};
 use crate::scalar::Scalar;
 
-/// Shaft angle, speed and angular acceleration at the start of a step; the acceleration holds through it.
+/// Angle, speed and angular acceleration of the shaft at the start of a step; the acceleration is constant during it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftMotion<T> {
     /// Angle of the keyphasor mark.
     pub angle: Phase,
-    /// rad/s, positive about +Z.
+    /// Speed about +Z, rad/s.
     pub speed: T,
-    /// rad/s^2.
+    /// Angular acceleration, rad/s^2.
     pub acceleration: T,
 }
 
 impl<T: Scalar> ShaftMotion<T> {
-    /// Turned in the time `dt`: `w dt + a dt^2/2` (at most half a turn).
+    /// Returns the rotation in the time `dt`, `w dt + a dt^2/2` (at most half a revolution).
     pub fn delta_after(&self, dt: T) -> PhaseDelta {
         PhaseDelta::from_radians(dt * (self.speed + T::HALF * self.acceleration * dt))
     }
 
-    /// The shaft `dt` later.
+    /// Returns the motion after the time `dt`, s.
     #[must_use]
     pub fn after(&self, dt: T) -> Self {
         Self {

@@ -1,16 +1,15 @@
-//! Linear equations of a fixed number, solved without pivoting and without a panic path.
+//! Linear equations of a fixed order, solved without pivoting and without panics.
 
 use crate::scalar::Scalar;
 use core::borrow::{Borrow, BorrowMut};
 use nalgebra::SMatrix;
 
-/// A matrix taken apart into a lower and an upper triangle, so that what takes long is done before the right side is known.
-/// `A` stores it: in place, or behind a pointer.
+/// LU factors of a matrix, for several right sides. `A` stores them: in place, or behind a pointer.
 #[derive(Debug, Clone, Copy)]
 pub struct Factored<A>(A);
 
 impl<A> Factored<A> {
-    /// By elimination in the given order, in place. Cost: `D^3/3` multiplications, `D` divisions.
+    /// Factors a matrix in place, in the given order. Cost: `D^3/3` multiplications, `D` divisions.
     #[must_use]
     #[inline(always)]
     pub fn new<T: Scalar, const D: usize>(mut matrix: A) -> Self
@@ -33,7 +32,7 @@ impl<A> Factored<A> {
         Self(matrix)
     }
 
-    /// `x` of `A x = b`. Cost: `D^2` multiplications.
+    /// Returns `x` of `A x = b`. Cost: `D^2` multiplications.
     #[must_use]
     #[inline(always)]
     pub fn solve<T: Scalar, const D: usize>(&self, mut b: [T; D]) -> [T; D]
@@ -56,12 +55,12 @@ impl<A> Factored<A> {
     }
 }
 
-/// The inverse of a matrix that is asked for many right sides: a product instead of two chains of `D` steps. `A` stores it.
+/// Inverse of a matrix, for many right sides: a product instead of two chains of `D` dependent steps. `A` stores it.
 #[derive(Debug, Clone, Copy)]
 pub struct Inverse<A>(A);
 
 impl<A> Inverse<A> {
-    /// Column by column. Cost: `D^3` multiplications.
+    /// Inverts a factored matrix column by column. Cost: `D^3` multiplications.
     #[must_use]
     #[inline(always)]
     pub fn new<T: Scalar, const D: usize>(factored: &Factored<A>) -> Self
@@ -79,7 +78,7 @@ impl<A> Inverse<A> {
         Self(inverse)
     }
 
-    /// `x` of `A x = b`. Cost: `D^2` multiplications.
+    /// Returns `x` of `A x = b`. Cost: `D^2` multiplications.
     #[must_use]
     #[inline(always)]
     pub fn solve<T: Scalar, const D: usize>(&self, b: [T; D]) -> [T; D]
@@ -96,11 +95,11 @@ impl<A> Inverse<A> {
     }
 }
 
-/// `x` of `A x = b` by elimination in the given order. Cost: `D^3/3` multiplications, `D` divisions.
+/// Returns `x` of `A x = b` by elimination in the given order. Cost: `D^3/3` multiplications, `D` divisions.
 ///
-/// No pivoting: the matrices here have a positive definite symmetric part (mass, damping and a contact tangent
-/// that only pushes, plus a skew gyroscopic part), for which elimination in any order is stable (Golub and
-/// Van Loan, Matrix Computations, 4.2.2). A singular matrix gives entries that are not finite, which the step flags.
+/// No pivoting: the matrices have a positive definite symmetric part (mass, damping, contact stiffness) and a
+/// skew-symmetric gyroscopic part, for which elimination in any order is stable (Golub and Van Loan, Matrix Computations,
+/// 4.2.2). A singular matrix gives entries that are not finite, which the integrator flags.
 pub fn solve<T: Scalar, const D: usize>(a: SMatrix<T, D, D>, b: [T; D]) -> [T; D] {
     Factored::new(a).solve(b)
 }

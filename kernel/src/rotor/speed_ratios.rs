@@ -1,4 +1,4 @@
-//! How a bearing's parts follow the shaft.
+//! Speed ratios of the components of a bearing.
 
 use super::ShaftMotion;
 use crate::choice::Choice;
@@ -6,7 +6,7 @@ use crate::kinematic_state::BearingKinematicState;
 use crate::phase::{Phase, PhaseDelta, SpeedRatio};
 use crate::scalar::Scalar;
 
-/// Speeds of a bearing's parts over the shaft's, which turns the inner ring.
+/// Speeds of the components of a bearing relative to the shaft, which rotates with the inner ring.
 #[derive(Debug, Clone, Copy)]
 pub struct SpeedRatios<T> {
     cage: SpeedRatio,
@@ -14,15 +14,15 @@ pub struct SpeedRatios<T> {
     outer: Option<(SpeedRatio, T)>,
 }
 
-/// Angles of the parts of a bearing that do not turn with the shaft.
+/// Angles of the components of a bearing that do not rotate with the shaft.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ComponentAngles {
-    /// Of the cage.
+    /// Angle of the cage.
     pub cage: Phase,
-    /// Of the balls about their own axes; stays where nobody asks for it.
+    /// Angle of the balls about their own axes; constant without [`SpeedRatios::with_ball`].
     pub ball: Phase,
-    /// Of the outer ring.
+    /// Angle of the outer ring.
     pub outer: Phase,
 }
 
@@ -33,25 +33,25 @@ impl From<Phase> for ComponentAngles {
 }
 
 impl<T: Scalar> SpeedRatios<T> {
-    /// A cage that turns `cage` times as fast as the shaft, the outer ring at rest.
+    /// Creates ratios with the cage at `cage` times the shaft speed and the outer ring fixed.
     #[must_use]
     pub fn new(cage: f64) -> Self {
         Self { cage: SpeedRatio::new(cage), ball: None, outer: None }
     }
 
-    /// Follows the balls' spin too, `ball` times the shaft's speed: for waviness and damage of balls.
+    /// Returns the ratios with the ball spin at `ball` times the shaft speed, for waviness and damage of balls.
     #[must_use]
     pub fn with_ball(self, ball: f64) -> Self {
         Self { ball: Some(SpeedRatio::new(ball)), ..self }
     }
 
-    /// An outer ring that turns `outer` times as fast as the shaft.
+    /// Returns the ratios with the outer ring at `outer` times the shaft speed.
     #[must_use]
     pub fn with_outer(self, outer: f64) -> Self {
         Self { outer: Some((SpeedRatio::new(outer), T::from_f64(outer))), ..self }
     }
 
-    /// The angles after the shaft has gone `arc` further.
+    /// Returns the angles after a rotation `delta` of the shaft.
     #[must_use]
     pub fn advance(&self, angles: ComponentAngles, delta: PhaseDelta) -> ComponentAngles {
         ComponentAngles {
@@ -61,7 +61,7 @@ impl<T: Scalar> SpeedRatios<T> {
         }
     }
 
-    /// What a bearing sees whose parts stand at `angles`.
+    /// Returns the kinematic state of the bearing with its components at `angles`.
     #[must_use]
     pub fn kinematic_state(&self, angles: ComponentAngles, shaft: &ShaftMotion<T>) -> BearingKinematicState<T> {
         BearingKinematicState {

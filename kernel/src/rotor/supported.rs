@@ -1,27 +1,28 @@
-//! The second paper's rotor: rigid, its bearings in supports that give way (`docs/src/models.md#rotor`).
+//! Matrices of a rigid rotor on bearings in flexible supports (`docs/src/models.md#rotor`).
 
 use super::linear_system::SystemMatrices;
 use super::rigid::sum_unbalances;
 use super::{RotorParams, Unbalance};
 use crate::bearing::geometry::{InvalidParameter, check};
 
-/// What holds a bearing's outer ring: a mass on springs along X and Y.
+/// Support of the outer ring of a bearing: a mass on springs along X and Y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// `[[k1, k12], [k12, k2]]`, N/m.
+    /// Stiffness `[[k1, k12], [k12, k2]]`, N/m.
     pub stiffness: [[f64; 2]; 2],
-    /// Likewise, N s/m.
+    /// Damping `[[c1, c12], [c12, c2]]`, N s/m.
     pub damping: [[f64; 2]; 2],
 }
 
-/// The matrices of a rigid rotor, coordinates `u v w thu thv`, followed by `u v` of each support:
-/// `M = diag(m, m, m, I_d, I_d, m_1, m_1, ...)`, `G[thu, thv] = I_p`, nine coordinates for two supports. Coordinates past
-/// those stay idle. Bearings are attached by [`super::Attachment::on_rigid_rotor`].
+/// Returns the matrices of a rigid rotor with the coordinates `u v w thu thv`, followed by `u v` of each support.
+///
+/// `M = diag(m, m, m, I_d, I_d, m_1, m_1, ...)`, `G[thu, thv] = I_p`; two supports need nine coordinates. Further
+/// coordinates have a unit mass only. [`super::Attachment::on_rigid_rotor`] attaches the bearings.
 ///
 /// # Errors
-/// The first quantity out of its range; more supports than there are coordinates for.
+/// The first parameter outside its range; more supports than the system has coordinates.
 pub fn supported_rotor<const D: usize>(
     params: &RotorParams,
     unbalances: &[Unbalance],
@@ -47,7 +48,7 @@ pub fn supported_rotor<const D: usize>(
     all.gyroscopic[(3, 4)] = params.polar_inertia;
     all.gyroscopic[(4, 3)] = -params.polar_inertia;
     let ([fx, fy], [cx, cy]) = sum_unbalances(unbalances)?;
-    // The force turns with the shaft; its couple about X is -station times the force along Y.
+    // The force rotates with the shaft; its couple about X is -station times the force along Y.
     let turning = [[fx, -fy], [fy, fx], [0.0, 0.0], [-cy, -cx], [cx, -cy]];
     for (entry, both) in all.unbalance.iter_mut().zip(turning) {
         *entry = both;

@@ -1,9 +1,9 @@
-//! Vectors of any fixed order, entry by entry.
+//! Vectors of any fixed order.
 
 use crate::choice::Choice;
 use crate::scalar::Scalar;
 
-/// `x + h k`.
+/// Returns `x + h k`.
 #[inline(always)]
 pub fn along<T: Scalar, const D: usize>(x: &[T; D], h: T, k: &[T; D]) -> [T; D] {
     let mut sum = *x;
@@ -11,7 +11,7 @@ pub fn along<T: Scalar, const D: usize>(x: &[T; D], h: T, k: &[T; D]) -> [T; D] 
     sum
 }
 
-/// `x += h k`.
+/// Computes `x += h k`.
 #[inline(always)]
 pub fn add_scaled<T: Scalar, const D: usize>(x: &mut [T; D], h: T, k: &[T; D]) {
     for (entry, &slope) in x.iter_mut().zip(k) {
@@ -19,7 +19,7 @@ pub fn add_scaled<T: Scalar, const D: usize>(x: &mut [T; D], h: T, k: &[T; D]) {
     }
 }
 
-/// `x += y`.
+/// Computes `x += y`.
 #[inline(always)]
 pub fn add<T: Scalar, const D: usize>(x: &mut [T; D], y: &[T; D]) {
     for (entry, &other) in x.iter_mut().zip(y) {
@@ -27,14 +27,14 @@ pub fn add<T: Scalar, const D: usize>(x: &mut [T; D], y: &[T; D]) {
     }
 }
 
-/// No entry is NaN or infinite; every entry is looked at, whatever the ones before it.
+/// Returns true if no entry is NaN or infinite; tests every entry.
 #[inline(always)]
 pub fn all_finite<T: Scalar, const D: usize>(x: &[T; D]) -> bool {
-    // 0 times what is not finite is NaN, which no sum loses and which equals nothing.
+    // 0 times a non-finite number is NaN, which any sum preserves.
     x.iter().fold(T::ZERO, |sum, &entry| sum + T::ZERO * entry).is_zero()
 }
 
-/// `x` becomes `next` if that is the choice, the same instructions either way.
+/// Replaces `x` by `next` if selected, with the same instructions in both cases.
 #[inline(always)]
 pub fn replace_if<T: Scalar, const D: usize>(choice: Choice, next: &[T; D], x: &mut [T; D]) {
     for (entry, &other) in x.iter_mut().zip(next) {

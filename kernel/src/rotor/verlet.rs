@@ -1,4 +1,4 @@
-//! The leapfrog of Verlet and Stormer: symplectic, one evaluation of every bearing a step.
+//! Leapfrog integrator of Verlet and Stormer: symplectic, one evaluation of each bearing per step.
 
 use super::solve::{Factored, Inverse};
 use super::vector::{add, add_scaled, along};
@@ -8,30 +8,29 @@ use crate::status::Status;
 use core::borrow::BorrowMut;
 use nalgebra::SMatrix;
 
-/// Fixed step `h`, order 2, stable up to `h = 2 / w_max`: half a step along the rate, the whole force, half a step along
-/// the new rate.
+/// Leapfrog integrator of order 2 with a fixed step `h`, stable up to `h = 2 / w_max`: half a step along the velocity, the
+/// whole force, half a step along the new velocity.
 ///
-/// Without damping the map is symplectic: energy swings within a bound that falls as `h^2` and does not drift. Damping
-/// and gyroscopic moments, which depend on the rate, enter as the mean of the rates before and after, solved for exactly,
-/// so that the gyroscopic moment does no work and neither limits the step. Cost: one evaluation of every bearing and one
-/// solution of `D` equations.
+/// Without damping the map is symplectic: the energy oscillates within a bound proportional to `h^2` and does not drift.
+/// Damping and gyroscopic moments use the mean of the velocities before and after, solved exactly; the gyroscopic moment
+/// then does no work, and neither limits the step. Cost: one evaluation of each bearing and one solution of `D` equations.
 ///
-/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), I.1 and VI.3; the treatment of the rates is
-/// that of Boris (1970) for charged particles.
+/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), I.1 and VI.3; velocity-dependent forces after
+/// Boris (1970).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verlet<T> {
-    /// Step, s.
+    /// Time step, s.
     pub step: T,
 }
 
 impl<T: Scalar> Verlet<T> {
-    /// Where the shaft is in the middle of a step, with the speed that holds for all of it.
+    /// Returns the shaft motion in the middle of a step; its speed applies to the whole step.
     #[inline(always)]
     fn middle(self, shaft: &ShaftMotion<T>) -> ShaftMotion<T> {
         shaft.after(T::HALF * self.step)
     }
 
-    /// `M + h/2 (B + w G)`.
+    /// Factors `M + h/2 (B + w G)`.
     #[inline(always)]
     fn effective_matrix<R: SecondOrderSystem<T, D>, A, const D: usize>(self, rotor: &R, speed: T) -> Factored<A>
     where
@@ -40,7 +39,7 @@ impl<T: Scalar> Verlet<T> {
         Factored::new(A::from(rotor.effective_matrix([T::ONE, T::HALF * self.step, T::ZERO], speed)))
     }
 
-    /// A step with the equations `M + h/2 (B + w G)` solved as given.
+    /// Performs a step with the solution of `M + h/2 (B + w G)` by `solve`.
     #[inline(always)]
     fn step_with<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         self,
@@ -55,8 +54,8 @@ impl<T: Scalar> Verlet<T> {
         let middle = self.middle(shaft);
         let at = system.kinematic_states(&system.advance_components(&start, shaft.delta_after(half)), &middle);
         let q = along(&state.q, half, &state.velocity);
-        // (M + h/2 (B + w G)) a = f - (B + w G) v: the mean of the rates is v + h/2 a. All that does not wait for the
-        // bearings comes before them: a desktop processor does both at once.
+        // (M + h/2 (B + w G)) a = f - (B + w G) v: the mean of the velocities is v + h/2 a. Terms that do not depend on the
+        // bearings come first: a desktop processor overlaps both.
         let mut force = system.rotor.excitation(&middle);
         add(&mut force, &system.rotor.internal_force(&q, &state.velocity, middle.speed));
         let bearings = system.bearing_forces(&q, &at);
@@ -78,7 +77,7 @@ impl<T: Scalar> Verlet<T> {
 }
 
 impl<T: Scalar> Integrator<T> for Verlet<T> {
-    // Part of its caller, who may be compiled for a processor with wider registers than the rest of the program.
+    // Always inlined: the caller may be compiled for wider SIMD registers than the rest of the program.
     #[inline(always)]
     fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
@@ -97,13 +96,12 @@ impl<T: Scalar> Integrator<T> for Verlet<T> {
     }
 }
 
-/// [`Verlet`] for a shaft whose speed mostly stays: the same steps, to rounding, with the equations of the last one kept for the
-/// next as an inverse, whose product is not a chain of solutions one after the other.
+/// [`Verlet`] for a mostly constant shaft speed: same steps to rounding, with the inverse of the equations reused.
 ///
-/// A step at the speed of the one before costs `D^2` multiplications in place of `D^3/3`; the first of them makes the inverse;
-/// a step at another speed is [`Verlet`]'s to the bit.
+/// A step at the speed of the last one costs `D^2` multiplications instead of `D^3/3`; the first such step computes the
+/// inverse. A step at another speed equals that of [`Verlet`] bit for bit.
 ///
-/// `A` stores one matrix: in place, or behind a pointer such as `Box` where `D` is large.
+/// `A` stores one matrix: in place, or behind a pointer such as `Box` for a large `D`.
 #[derive(Debug, Clone, Copy)]
 pub struct SteadyVerlet<T: Scalar, const D: usize, A = SMatrix<T, D, D>> {
     verlet: Verlet<T>,
@@ -111,13 +109,13 @@ pub struct SteadyVerlet<T: Scalar, const D: usize, A = SMatrix<T, D, D>> {
     effective: Factored<A>,
     speed: T,
     inverse: Option<Inverse<A>>,
-    /// The speed with nothing to make for: infinite where there is no inverse. One comparison, so that a bad shaft costs what a
-    /// good one costs.
+    /// Speed of the inverse; infinite without inverse. One comparison serves both cases, so that invalid input costs as
+    /// much as valid input.
     inverse_speed: T,
 }
 
 impl<T: Scalar, const D: usize> SteadyVerlet<T, D> {
-    /// For this rotor, inverse_speed to start at `speed`, rad/s (from rest where it is not finite).
+    /// Creates the integrator for this rotor, prepared for `speed`, rad/s (for 0 if it is not finite).
     #[must_use]
     pub fn new<R: SecondOrderSystem<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         Self::with_storage(verlet, rotor, speed)
@@ -128,7 +126,7 @@ impl<T: Scalar, const D: usize, A> SteadyVerlet<T, D, A>
 where
     A: BorrowMut<SMatrix<T, D, D>> + From<SMatrix<T, D, D>>,
 {
-    /// As [`SteadyVerlet::new`], each matrix stored in an `A` such as `Box<SMatrix<T, D, D>>`.
+    /// Creates the integrator as [`SteadyVerlet::new`], with each matrix stored in an `A` such as `Box<SMatrix<T, D, D>>`.
     #[must_use]
     pub fn with_storage<R: SecondOrderSystem<T, D>>(verlet: Verlet<T>, rotor: &R, speed: T) -> Self {
         let speed = if speed.is_finite() { speed } else { T::ZERO };
@@ -137,7 +135,7 @@ where
         Self { verlet, effective, speed, inverse, inverse_speed: speed }
     }
 
-    /// One step, as [`Integrator::step`] of machines with the rotor that it was made for.
+    /// Performs a step as [`Integrator::step`], for systems with the rotor of the constructor.
     #[inline(always)]
     pub fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const N: usize>(
         &mut self,
@@ -146,7 +144,7 @@ where
         shaft: &ShaftMotion<T>,
     ) -> Status {
         let speed = self.verlet.middle(shaft).speed;
-        // A speed that is not finite is answered with the state held, whatever the equations: nothing to do for it.
+        // A speed that is not finite holds the state, whatever the equations.
         if (speed != self.inverse_speed) & speed.is_finite() {
             self.factor_for(&system.rotor, speed);
         }
@@ -163,7 +161,8 @@ where
         )
     }
 
-    /// Equations for another speed; an inverse only for one that comes a second time: in a run-up it would be for nothing.
+    /// Factors the equations for another speed. Inverts them only when a speed occurs a second time: an inverse is useless
+    /// during a run-up.
     #[cold]
     #[inline(never)]
     fn factor_for<R: SecondOrderSystem<T, D>>(&mut self, rotor: &R, speed: T) {

@@ -1,13 +1,14 @@
-//! The envelope of a band: how loud it is, moment by moment.
+//! Envelope of a frequency band.
 
 use crate::math::Math;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 
-/// A band's envelope by moving the band down to 0 Hz, `x e^{-i w t}`, and a low-pass of order 4 (Butterworth) on both parts.
+/// Envelope of a frequency band by demodulation: shift of the band to 0 Hz, `x e^{-i w t}`, and a Butterworth low-pass of
+/// order 4 on both parts.
 ///
-/// Feed it to an [`OrderTracker`](super::OrderTracker) for the envelope's lines. The filters forget, so nothing drifts.
-/// Cost a sample: a sine and cosine, four second-order sections, one root.
+/// An [`OrderTracker`](super::OrderTracker) computes the lines of the envelope. The filters are stable recursive filters
+/// without drift. Cost per sample: a sine and cosine, four second-order sections, one square root.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope<T> {
     stride: Phase,
@@ -25,10 +26,11 @@ struct Section<T> {
 }
 
 impl<T: Scalar> Envelope<T> {
-    /// Of the band `centre` plus and minus `half_width` at `rate`, all in Hz; inside of half the rate. Set-up time.
+    /// Creates the envelope of the band `centre` plus and minus `half_width` at the sampling rate `rate`, all in Hz; the
+    /// band must be below half the rate. For set-up.
     #[must_use]
     pub fn new(centre: f64, half_width: f64, rate: f64) -> Self {
-        // Bilinear, with the corner where it was asked for.
+        // Bilinear transformation with frequency prewarping.
         let corner = libm::tan(core::f64::consts::PI * half_width / rate);
         let section = |damping: f64| {
             let a0 = 1.0 + damping * corner + corner * corner;
@@ -38,13 +40,13 @@ impl<T: Scalar> Envelope<T> {
                 a2: T::from_f64((1.0 - damping * corner + corner * corner) / a0),
             }
         };
-        // 2 cos of the poles' angles, pi/8 and 3 pi/8.
+        // 2 cos of the pole angles pi/8 and 3 pi/8.
         let sections = [section(1.847_759_065_022_573_5), section(0.765_366_864_730_179_6)];
         let stride = Phase::from_revolutions(centre / rate);
         Self { stride, angle: Phase::ZERO, sections, state: [[[T::ZERO; 2]; 2]; 2] }
     }
 
-    /// One sample; the envelope there, of a sine in the band its amplitude.
+    /// Adds a sample and returns the envelope: for a sine in the band, its amplitude.
     pub fn add<M: Math<T>>(&mut self, x: T) -> T {
         let (sin, cos) = M::sin_cos(self.angle);
         self.angle = self.angle.wrapping_add(self.stride);

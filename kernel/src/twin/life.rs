@@ -1,16 +1,16 @@
-//! Fatigue: how much of a bearing's life its loads have used.
+//! Fatigue life of a bearing under measured loads.
 
 use super::CompensatedSum;
 use crate::bearing::geometry::{BallBearingGeometry, InvalidParameter, check};
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// What the life of a radial ball bearing depends on, ready for the hot path.
+/// Constants of the fatigue life of a radial ball bearing.
 ///
-/// `Q_ci = C_r/(0.407 Z cos^0.7 a) (1 + t^(10/3))^0.3`, `Q_ce = C_r/(0.389 Z cos^0.7 a) (1 + t^(-10/3))^0.3` with
-/// `t = 1.044 ((1 - g)/(1 + g))^1.72 ((r_i/r_e) (2 r_e - D)/(2 r_i - D))^0.41`; over a block
-/// `Q_ei = (mean Q^3)^(1/3)`, `Q_ee = (mean Q^(10/3))^(3/10)` where the inner ring turns against the load, and
-/// `L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10)` million turns.
+/// `Q_ci = C_r/(0.407 Z cos^0.7 a) (1 + t^(10/3))^0.3`, `Q_ce = C_r/(0.389 Z cos^0.7 a) (1 + t^(-10/3))^0.3` with `t =
+/// 1.044 ((1 - g)/(1 + g))^1.72 ((r_i/r_e) (2 r_e - D)/(2 r_i - D))^0.41`. Over a block `Q_ei = (mean Q^3)^(1/3)`, `Q_ee =
+/// (mean Q^(10/3))^(3/10)` for an inner ring that rotates relative to the load, and `L_10r = ((Q_ci/Q_ei)^(-10/3) +
+/// (Q_ce/Q_ee)^(-10/3))^(-9/10)` million revolutions.
 ///
 /// Source: ISO 16281:2025 (as ISO/TS 16281:2008), ISO 281:2007.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,10 +20,10 @@ pub struct LifeParams {
 }
 
 impl LifeParams {
-    /// From geometry, element count and the catalogue's basic dynamic load rating `C_r`, N. Set-up time.
+    /// Computes the constants from geometry, element count and basic dynamic load rating `C_r`, N. For set-up.
     ///
     /// # Errors
-    /// The first quantity out of its range.
+    /// The first parameter outside its range.
     pub fn try_new(geometry: BallBearingGeometry, elements: usize, rating: f64) -> Result<Self, InvalidParameter> {
         let g = geometry.checked()?;
         check(rating > 0.0, "dynamic_rating", rating, "above 0 N")?;
@@ -37,13 +37,13 @@ impl LifeParams {
     }
 }
 
-/// Loads of a bearing's elements gathered over blocks, and the life that they have used.
+/// Fatigue life consumed by the element loads, block by block.
 ///
-/// Cost a sample: a ninth root and 25 operations for each element. Used life is added without loss: a year of blocks of a
-/// second keeps its digits in `f32`.
+/// Cost per sample: a ninth root and 25 operations for each element. The sum is compensated: a year of one-second blocks is
+/// accurate in `f32`.
 #[derive(Debug, Clone, Copy)]
 pub struct Life<T> {
-    /// Inverse ratings: loads count in them, so that no power overflows.
+    /// Inverse ratings: loads are scaled by them, so that no power overflows.
     inner: T,
     outer: T,
     cubes: CompensatedSum<T>,
@@ -53,7 +53,7 @@ pub struct Life<T> {
 }
 
 impl<T: Scalar> Life<T> {
-    /// With nothing used.
+    /// Creates the state with no life consumed.
     #[must_use]
     pub fn new(params: &LifeParams) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl<T: Scalar> Life<T> {
         }
     }
 
-    /// The elements' loads in one sample, N.
+    /// Adds the element loads of one sample, N.
     pub fn add<M: Math<T>>(&mut self, loads: &[T]) {
         for &load in loads {
             let (q, p) = (self.inner * load, self.outer * load);
@@ -77,14 +77,15 @@ impl<T: Scalar> Life<T> {
         }
     }
 
-    /// Ends a block in which the shaft made `turns` turns: `L_10r` of its loads, million turns (infinite without load).
+    /// Ends a block of `turns` revolutions of the shaft and returns `L_10r` of its loads, million revolutions (infinite
+    /// without load).
     pub fn close<M: Math<T>>(&mut self, turns: T) -> T {
         let count = self.elements.value().larger(T::ONE);
         let (cube, outer) = (self.cubes.value() / count, self.ten_thirds.value() / count);
         // (Q_ei/Q_ci)^(10/3) of the mean cube: its 10/9th power.
         let inner = cube * M::ninth_root(cube);
         let sum = inner + outer;
-        // L = s^(-9/10); the power is for exponents of 1 and more: s^(9/10) = s^(19/10)/s.
+        // L = s^(-9/10), as s^(9/10) = s^(19/10)/s: `powf` takes exponents of 1 and more.
         let some = sum > T::ZERO;
         let sure = T::select(some, sum, T::ONE);
         let per_million = T::select(some, M::powf(sure, T::from_f64(1.9)) / sure, T::ZERO);
@@ -94,7 +95,7 @@ impl<T: Scalar> Life<T> {
         T::ONE / per_million
     }
 
-    /// Share of the life used so far: at 1 a tenth of such bearings has failed.
+    /// Returns the consumed share of the life; at 1, one bearing in ten has failed.
     #[must_use]
     pub fn used(&self) -> T {
         self.used.value()

@@ -1,9 +1,9 @@
-//! What firmware runs every sample beside its system: the state behind the probes and what stands out of it.
+//! State estimation and condition indicators for firmware, sample by sample.
 //!
-//! Probe samples go into an [`Observer`], which gives the rotor's motion, the forces of its bearings and what the model
-//! does not explain. Displacements, forces and residuals go into indicators: [`OrderTracker`] for what turns with the
-//! shaft or a bearing's parts, [`Statistics`], [`Envelope`], [`Life`]. Each works in blocks that start anew: figures are
-//! exact over any length.
+//! An [`Observer`] estimates the motion of the rotor, the forces of its bearings and the unmodelled load from probe
+//! samples. The indicators take displacements, forces and residuals: [`OrderTracker`] for components that rotate with the
+//! shaft, a cage or a ball, [`Statistics`], [`Envelope`], [`Life`]. Each works in independent blocks, so that the results
+//! do not drift.
 
 mod envelope;
 mod life;

@@ -1,4 +1,4 @@
-//! The rotor's state from noisy probes: a steady-gain Kalman filter about the nonlinear bearing forces.
+//! State estimation from noisy probes: a steady-state Kalman filter with the nonlinear bearing forces.
 
 use super::WithUnmodelledForce;
 use crate::math::Math;
@@ -7,51 +7,51 @@ use crate::rotor::{ForceElement, Integrator, RotorBearingSystem, RotorState, Sec
 use crate::scalar::{LatticeIndex, Scalar};
 use crate::status::Status;
 
-/// Coordinates of a rigid rotor, `[u v w thu thv]`.
+/// Number of coordinates of a rigid rotor, `[u v w thu thv]`.
 const D: usize = 5;
 
-/// Gains at one shaft speed: what one unit of each probe's innovation adds to the state.
+/// Kalman gains at one shaft speed: change of the state per unit innovation of each probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpeedGain<T, const P: usize> {
-    /// To the coordinates, per metre.
+    /// Gains of the coordinates, per metre.
     pub position: [[T; D]; P],
-    /// To their rates, 1/s.
+    /// Gains of the velocities, 1/s.
     pub rate: [[T; D]; P],
-    /// To the unknown load, N/m.
+    /// Gains of the unmodelled load, N/m.
     pub load: [[T; D]; P],
-    /// To the unknown load that turns with the shaft, N/m.
+    /// Gains of the rotating unmodelled load, N/m.
     pub rotating_load: [[T; D]; P],
-    /// `W`, a lower triangle with `W^T W = S^-1`, the inverse covariance of the innovations, 1/m.
+    /// `W`, a lower triangular matrix with `W^T W = S^-1`, the inverse covariance of the innovations, 1/m.
     pub whitening: [[T; P]; P],
 }
 
-/// What does not change: system, probes and gains, ready for the hot path.
+/// Parameters of the observer: system, probes and gains.
 ///
-/// The state is `x = [q, q', d, r]`: coordinates, rates, and what the model does not know: a load `d` that stands still
-/// until more is heard, and a load `r` that turns with the shaft as an unbalance and its couple do. The prediction is the
-/// integrator's own step with the nonlinear bearing forces and `d + r`, the correction `x += L (y - C q)` with the steady
-/// Kalman gain `L` of the model linearised at rest. Gains may be given at several speeds, evenly spaced; between them they
-/// are interpolated, outside the nearest ones hold.
+/// The state is `x = [q, q', d, r]`: coordinates, velocities, an unmodelled constant load `d`, and an unmodelled load `r`
+/// that rotates with the shaft, such as an unbalance and its couple. The prediction is a step of the integrator with the
+/// nonlinear bearing forces and `d + r`; the correction is `x += L (y - C q)` with the steady-state Kalman gain `L` of the
+/// model linearised at static equilibrium. Gains may be given at several evenly spaced speeds; between them they are
+/// interpolated, outside the nearest ones apply.
 ///
-/// Source: Kalman 1960; disturbances as states: Johnson 1971. Cost: the integrator's steps, a sine and cosine, and
-/// `P (5 D + P)` multiplications, twice that where there are gains at several speeds.
+/// Source: Kalman 1960; disturbances as states: Johnson 1971. Cost: the steps of the integrator, a sine and cosine, and `P
+/// (5 D + P)` multiplications, twice that with gains at several speeds.
 #[derive(Debug, Clone, Copy)]
 pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
-    /// The rotor on its bearings, as far as it is known.
+    /// Model of the rotor on its bearings.
     pub system: RotorBearingSystem<R, C, N>,
-    /// Moves the system by one step.
+    /// Integrator; its time step must be `step`.
     pub integrator: I,
-    /// Length of that step, s.
+    /// Time step, s.
     pub step: T,
-    /// Steps from sample to sample.
+    /// Time steps per sample.
     pub substeps: u32,
-    /// `C`: what each probe reads per unit of each coordinate.
+    /// `C`: reading of each probe per unit of each coordinate.
     pub probes: [[T; D]; P],
-    /// Gains by speed: anything with a slice of them, at least one.
+    /// Gains by speed: a slice of at least one.
     pub gains: A,
     /// Speed of the first gain, rad/s, and gains per rad/s.
     pub speeds: [T; 2],
-    /// What is left of the unknown load from sample to sample where nothing is heard of it, up to 1.
+    /// Factor of the unmodelled load from sample to sample without correction, at most 1.
     pub load_retention: T,
     /// Validation gate: a sample whose normalised innovation squared is above it corrects nothing.
     ///
@@ -63,32 +63,32 @@ pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
     pub gate: T,
 }
 
-/// What changes from sample to sample.
+/// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObserverState<T, const N: usize> {
-    /// The rotor's motion.
+    /// Motion of the rotor.
     pub motion: RotorState<T, D, N>,
-    /// The unknown load, N and N m on the coordinates.
+    /// Unmodelled constant load on the coordinates, N and N m.
     pub load: [T; D],
-    /// The unknown load that turns with the shaft, as it is now: `FX FY`, 0, `MX MY`.
+    /// Unmodelled rotating load at the present shaft angle: `FX FY`, 0, `MX MY`.
     pub rotating_load: [T; D],
 }
 
-/// What one sample says.
+/// Result of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate<T, const P: usize> {
-    /// Readings less what was expected, m; 0 where a reading is missing.
+    /// Readings less predictions, m; 0 for a missing reading.
     pub innovation: [T; P],
-    /// Normalised innovation squared, `e^T S^-1 e`: of a model and noise that are true, chi-square distributed with as many
-    /// degrees of freedom as there are probes, and so `P` in the mean.
+    /// Normalised innovation squared, `e^T S^-1 e`: with a true model and true noise, chi-square distributed with `P`
+    /// degrees of freedom and the mean `P`.
     pub nis: T,
-    /// [`Status::INPUT_NOT_FINITE`] where a reading is missing, [`Status::INNOVATION_REJECTED`] where `nis` is above the
-    /// gate, and the flags of the system.
+    /// [`Status::INPUT_NOT_FINITE`] if a reading is missing, [`Status::INNOVATION_REJECTED`] if `nis` is above the gate,
+    /// and the flags of the integrator.
     pub status: Status,
 }
 
 impl<T: Scalar, const N: usize> ObserverState<T, N> {
-    /// With nothing known of unknown loads.
+    /// Creates a state without unmodelled loads.
     pub fn new(motion: RotorState<T, D, N>) -> Self {
         Self { motion, load: [T::ZERO; D], rotating_load: [T::ZERO; D] }
     }
@@ -102,10 +102,11 @@ where
     I: Integrator<T>,
     A: AsRef<[SpeedGain<T, P>]>,
 {
-    /// One sample further: the shaft moved as `shaft` said at the last sample, the probes now read `readings` (m).
+    /// Processes one sample: `shaft` is the motion of the shaft at the last sample, `readings` are the present probe
+    /// readings (m).
     ///
-    /// A reading that is not finite corrects nothing; the others do. A sample beyond the gate corrects nothing at all: the
-    /// state is then the prediction. The instructions are the same for every sample.
+    /// A reading that is not finite corrects nothing; the others do. A sample above the gate corrects nothing at all: the
+    /// state is then the prediction. The number of instructions is constant.
     pub fn sample<M: Math<T>>(
         &self,
         state: &mut ObserverState<T, N>,
@@ -139,9 +140,9 @@ where
         let (mut status, mut now) = (Status::OK, *shaft);
         let (sin, cos) = M::sin_cos(Phase::ZERO.advanced(shaft.delta_after(self.step)));
         for _ in 0..self.substeps {
-            // As it is in the middle of the step: half of what it is before and after.
+            // Value in the middle of the step: the mean of before and after.
             let before = state.rotating_load;
-            state.rotating_load = turned(&before, sin, cos);
+            state.rotating_load = rotated(&before, sin, cos);
             let mut load = state.load;
             for (sum, (&a, &b)) in load.iter_mut().zip(before.iter().zip(&state.rotating_load)) {
                 *sum += T::HALF * (a + b);
@@ -159,14 +160,14 @@ where
         status
     }
 
-    /// Interpolates between the gains at `speed`.
+    /// Returns the interpolation weights of the gains at `speed`.
     fn weights(&self, speed: T) -> Weights<T> {
         let gains = self.gains.as_ref();
         let [first, density] = self.speeds;
         let position = (speed - first) * density;
         let below = position.clamped_floor(LatticeIndex::new((gains.len() as u32).saturating_sub(2)));
         let part = (position - below.number).larger(T::ZERO).smaller(T::ONE);
-        // A single gain is all there is: nothing to mix, nothing to pay for.
+        // A single gain needs no interpolation.
         let part = if gains.len() > 1 { part } else { T::ZERO };
         Weights { below: below.count, of_each: [T::ONE - part, part] }
     }
@@ -206,7 +207,7 @@ impl<T: Scalar, const P: usize> SpeedGain<T, P> {
     }
 }
 
-/// The pairs `FX FY` and `MX MY` turned by the angle with this sine and cosine.
-fn turned<T: Scalar>(&[x, y, z, mx, my]: &[T; D], sin: T, cos: T) -> [T; D] {
+/// Rotates the pairs `FX FY` and `MX MY` by the angle with this sine and cosine.
+fn rotated<T: Scalar>(&[x, y, z, mx, my]: &[T; D], sin: T, cos: T) -> [T; D] {
     [cos * x - sin * y, cos * y + sin * x, z, cos * mx - sin * my, cos * my + sin * mx]
 }

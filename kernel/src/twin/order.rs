@@ -1,4 +1,4 @@
-//! Order tracking: amplitude and phase of what turns with the shaft, a cage or a ball.
+//! Order tracking: amplitude and phase of components that rotate with the shaft, a cage or a ball.
 
 use super::CompensatedSum;
 use crate::math::Math;
@@ -6,22 +6,22 @@ use crate::phase::{Phase, SpeedRatio};
 use crate::rotor::ComponentAngles;
 use crate::scalar::Scalar;
 
-/// What a line's phase follows: whole multiples of the angles of the shaft and of a bearing's parts.
+/// Angle of a spectral line as a sum of integer multiples of the angles of the shaft and of bearing components.
 ///
-/// 1X is `shaft: 1`; of a bearing of `N` elements the outer ball pass is `cage: N`, the inner one `shaft: N, cage: -N`, a
-/// spot on a ball strikes at `ball: 2`, and the shaft's side bands of a line are the same with `shaft` one more or less.
+/// Examples for a bearing of `N` elements: 1X is `shaft: 1`; the outer ball pass is `cage: N`; the inner ball pass is
+/// `shaft: N, cage: -N`; a defect on a ball is `ball: 2`. Side bands at shaft speed have `shaft` one more or less.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct OrderLine {
-    /// Of the shaft's angle.
+    /// Multiple of the shaft angle.
     pub shaft: i32,
-    /// Of the cage's.
+    /// Multiple of the cage angle.
     pub cage: i32,
-    /// Of the ball's about its own axis.
+    /// Multiple of the angle of the balls about their own axes.
     pub ball: i32,
 }
 
 impl OrderLine {
-    /// The line's angle.
+    /// Returns the angle of the line.
     #[must_use]
     pub const fn angle(&self, shaft: Phase, parts: &ComponentAngles) -> Phase {
         shaft
@@ -31,20 +31,20 @@ impl OrderLine {
     }
 }
 
-/// Amplitudes of cosine and sine of a line over a block: the signal is `c cos p + s sin p` with the line's angle `p`.
+/// Amplitudes `[c, s]` of a line over a block: the signal is `c cos p + s sin p` with the angle `p` of the line.
 pub type OrderVector<T> = [T; 2];
 
-/// Demodulates one signal at `L` lines over blocks of whole turns of the shaft.
+/// Demodulates one signal at `L` lines over blocks of whole revolutions of the shaft.
 ///
-/// The phase comes from the turn counters, not from time: a run-up smears nothing, and a month of turning loses nothing. A
-/// Hann window over the block's angle keeps lines apart that are more than two blocks' turns from each other; each block
-/// starts anew. Cost a sample: a sine and cosine and 20 operations for each line, and one more for the window.
+/// The phase comes from angles instead of time, so that a run-up does not smear the lines. A Hann window over the angle of
+/// the block separates lines that differ by more than two cycles per block; blocks are independent. Cost per sample: a sine
+/// and cosine and 20 operations per line, and one sine and cosine for the window.
 #[derive(Debug, Clone, Copy)]
 pub struct OrderTracker<T, const L: usize> {
     lines: [OrderLine; L],
     progress_per_revolution: SpeedRatio,
     shaft: Phase,
-    /// Of the block that is progress, as an angle.
+    /// Completed share of the block, as an angle.
     progress: Phase,
     sums: [[CompensatedSum<T>; 2]; L],
     weight: CompensatedSum<T>,
@@ -52,7 +52,7 @@ pub struct OrderTracker<T, const L: usize> {
 }
 
 impl<T: Scalar, const L: usize> OrderTracker<T, L> {
-    /// For blocks of `turns` turns, starting with the shaft at `shaft`. Set-up time.
+    /// Creates a tracker for blocks of `turns` revolutions, starting at the shaft angle `shaft`. For set-up.
     #[must_use]
     pub fn new(lines: [OrderLine; L], turns: u32, shaft: Phase) -> Self {
         let none = [CompensatedSum::new(); 2];
@@ -67,11 +67,11 @@ impl<T: Scalar, const L: usize> OrderTracker<T, L> {
         }
     }
 
-    /// One sample with the shaft and the bearing's parts where they are; true where a block is complete.
+    /// Adds a sample at the angles of shaft and bearing components; returns true at the end of a block.
     pub fn add<M: Math<T>>(&mut self, x: T, shaft: Phase, parts: &ComponentAngles) -> bool {
         let arc = shaft.since(self.shaft);
         let before = self.progress;
-        // Either sense of rotation fills the block.
+        // Both senses of rotation complete the block.
         let advance = self.progress_per_revolution.apply(arc).0.unsigned_abs();
         self.progress = Phase(before.0.wrapping_add(advance));
         self.shaft = shaft;
@@ -103,7 +103,7 @@ impl<T: Scalar, const L: usize> OrderTracker<T, L> {
         self.weight = CompensatedSum::new();
     }
 
-    /// The lines over the last complete block.
+    /// Returns the amplitudes over the last complete block.
     #[must_use]
     pub const fn vectors(&self) -> &[OrderVector<T>; L] {
         &self.vectors

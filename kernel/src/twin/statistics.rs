@@ -4,25 +4,25 @@ use super::CompensatedSum;
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// BlockStatistics of one block.
+/// Statistics of one block.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BlockStatistics<T> {
-    /// The mean: of a plane's two probes, the shaft's centreline.
+    /// Mean.
     pub mean: T,
     /// Root mean square about the mean.
     pub rms: T,
-    /// Greatest less least.
+    /// Greatest less least value.
     pub peak_to_peak: T,
-    /// Greatest distance from the mean over the rms: 1.41 of a sine; 0 where nothing moves.
+    /// Greatest distance from the mean divided by the rms: 1.41 for a sine; 0 for a constant signal.
     pub crest_factor: T,
-    /// Fourth moment over the square of the second: 1.5 of a sine, 3 of normal noise; 0 where nothing moves.
+    /// Fourth moment divided by the squared second: 1.5 for a sine, 3 for normal noise; 0 for a constant signal.
     pub kurtosis: T,
 }
 
-/// Gathers blocks of `length` samples. Each block starts anew, so nothing drifts over any length.
+/// Statistics of blocks of `length` samples. Blocks are independent, so that the results do not drift.
 ///
-/// Powers are taken about the last block's mean and added without loss: a small swing on a large offset keeps its digits.
-/// Cost: 40 additions and multiplications a sample; at the end of a block two roots and a few divisions.
+/// Powers are taken about the mean of the last block and added with compensation: a small oscillation on a large offset
+/// keeps its digits. Cost: 40 additions and multiplications per sample; two square roots and a few divisions per block.
 #[derive(Debug, Clone, Copy)]
 pub struct Statistics<T> {
     length: u32,
@@ -34,14 +34,14 @@ pub struct Statistics<T> {
 }
 
 impl<T: Scalar> Statistics<T> {
-    /// For blocks of `length` samples, 1 or more.
+    /// Creates the state for blocks of `length` samples, 1 or more.
     #[must_use]
     pub fn new(length: u32) -> Self {
         let powers = [CompensatedSum::new(); 4];
         Self { length, count: 0, about: T::ZERO, powers, least: T::ZERO, greatest: T::ZERO }
     }
 
-    /// One sample; the figures where it ended a block.
+    /// Adds a sample; returns the statistics at the end of a block.
     pub fn add<M: Math<T>>(&mut self, x: T) -> Option<BlockStatistics<T>> {
         let first = self.count == 0;
         self.least = T::select(first, x, x.smaller(self.least));
@@ -56,14 +56,14 @@ impl<T: Scalar> Statistics<T> {
         (self.count >= self.length).then(|| self.close::<M>())
     }
 
-    /// Ends the block where it is.
+    /// Ends the block and returns its statistics.
     pub fn close<M: Math<T>>(&mut self) -> BlockStatistics<T> {
         let part = T::ONE / T::from_f64(f64::from(self.count.max(1)));
         let [m1, m2, m3, m4] = self.powers.map(|sum| part * sum.value());
         let mean = self.about + m1;
         let square = m1 * m1;
         let two = T::from_f64(2.0);
-        // Moments about the mean from those about another number.
+        // Shifts the moments to the mean.
         let second = (m2 - square).larger(T::ZERO);
         let fourth =
             m4 - two * two * m1 * m3 + two * T::from_f64(3.0) * square * m2 - T::from_f64(3.0) * square * square;

@@ -1,10 +1,10 @@
-//! Sums that lose nothing over any length.
+//! Compensated summation.
 
 use crate::scalar::Scalar;
 
-/// A sum with what its rounding lost kept beside it: twice the digits of `T`, whatever is added.
+/// A sum with its rounding error stored separately: twice the digits of `T`.
 ///
-/// Source: Knuth, The Art of Computer Programming 2, 4.2.2 (two-sum), as Kahan and Babuska use it. Cost of an addition:
+/// Source: Knuth, The Art of Computer Programming 2, 4.2.2 (two-sum), as used by Kahan and Babuska. Cost of an addition:
 /// ten additions, no branch.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CompensatedSum<T> {
@@ -13,7 +13,7 @@ pub struct CompensatedSum<T> {
 }
 
 impl<T: Scalar> CompensatedSum<T> {
-    /// 0.
+    /// Creates the sum 0.
     #[must_use]
     pub const fn new() -> Self {
         Self { sum: T::ZERO, lost: T::ZERO }
@@ -26,12 +26,12 @@ impl<T: Scalar> CompensatedSum<T> {
         let had = next - x;
         let got = next - had;
         let lost = self.lost + ((self.sum - had) + (x - got));
-        // What was lost is carried over as soon as it counts, so that it stays small and keeps its own digits.
+        // Transfers the error as soon as it counts, so that it stays small and keeps its own digits.
         self.sum = next + lost;
         self.lost = lost - (self.sum - next);
     }
 
-    /// The sum, rounded once.
+    /// Returns the sum, rounded once.
     #[must_use]
     #[inline]
     pub fn value(&self) -> T {

@@ -1,15 +1,15 @@
-//! A rotor under a force that nobody announced.
+//! A rotor under an unmodelled external force.
 
 use crate::rotor::{SecondOrderSystem, ShaftMotion};
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 
-/// A system under one more constant load: `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t) + d`.
+/// A system with an additional constant load: `M q'' + (B + w G) q' + K q = f_E(t) + f_B(q, t) + d`.
 #[derive(Debug, Clone, Copy)]
 pub struct WithUnmodelledForce<'a, R, T, const D: usize> {
-    /// The system as it is known.
+    /// The modelled system.
     pub system: &'a R,
-    /// N and N m on its coordinates.
+    /// Additional load on the coordinates, N and N m.
     pub load: [T; D],
 }
 

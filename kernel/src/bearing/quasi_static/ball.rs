@@ -1,9 +1,9 @@
-//! One ball between its two races: forces on it at a given position, and how they change as it moves.
+//! Forces on one ball between its two races at a given position, and their derivatives.
 //!
-//! The ball's centre is where it sits when both rings just contact it, displaced by `xi`; the inner groove centre is
-//! displaced by `a` against the outer one. Along the two contacts the gaps are
-//! `|L_o n_0 + xi| - L_o` and `|L_i n_0 + a - xi| - L_i`, written as `(2 L n_0.xi + xi^2)/(l + L)` so that a deflection of a
-//! nanometre is not the difference of two lengths of a millimetre.
+//! The centre of the ball is displaced by `xi` from its position where both rings just touch it; the inner groove centre is
+//! displaced by `a` relative to the outer one. The approaches of the two contacts are `|L_o n_0 + xi| - L_o` and `|L_i n_0
+//! + a - xi| - L_i`, computed as `(2 L n_0.xi + xi^2)/(l + L)`: a deflection of a nanometre is then not the difference of
+//! two lengths of a millimetre.
 
 use super::film::{Film, FilmConstants, film_newton_step};
 use super::inertia::{BallInertia, Inertia, InertiaEffects, InertiaLoads, WithSlopes};
@@ -13,78 +13,83 @@ use crate::math::Math;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
-/// Added to a sum of loads that is divided by, N.
+/// Load that is added to a divisor to keep it above 0, N.
 const NO_LOAD: f64 = 1e-12;
 
-/// Constants of all balls of a bearing.
+/// Constants of the balls of a bearing.
 #[derive(Debug, Clone, Copy)]
 pub struct BallConstants<T> {
-    /// K_i, K_o, N/m^1.5.
+    /// K_i, Hertz stiffness of the inner contact, N/m^1.5.
     pub inner_stiffness: T,
+    /// K_o, Hertz stiffness of the outer contact, N/m^1.5.
     pub outer_stiffness: T,
-    /// L_i, L_o: groove radius less ball radius, m.
+    /// L_i, inner groove radius less ball radius, m.
     pub inner_length: T,
+    /// L_o, outer groove radius less ball radius, m.
     pub outer_length: T,
-    /// Direction from the outer to the inner groove centre when the rings just contact the ball.
+    /// Direction from the outer to the inner groove centre with the rings just touching the ball.
     pub axis: Plane<T>,
-    /// D/d_m.
+    /// g = D/d_m.
     pub ratio: T,
-    /// Groove radius over the radius of the circle of groove centres: the lever of the friction couple.
+    /// Lever of the inner friction couple: groove radius divided by the radius of the circle of groove centres.
     pub inner_couple: T,
+    /// Lever of the outer friction couple.
     pub outer_couple: T,
-    /// A.
+    /// A, m.
     pub distance: T,
-    /// K_n, both races in series.
+    /// K_n, stiffness of both contacts in series, N/m^1.5.
     pub series: T,
-    /// Share of the outer contact in the static approach.
+    /// Share of the outer contact in the approach of both rings without rotation.
     pub outer_share: T,
-    /// Largest move of a Newton step, m.
+    /// Largest component of a Newton step, m.
     pub max_step: T,
-    /// Keeps slopes above 0 where a gap is exactly 0, m.
+    /// Length that is added to avoid a division by 0 where a gap is exactly 0, m.
     pub min_length: T,
 }
 
-/// What drives `K` balls: where the inner groove centre is, what the surfaces add to the two gaps, the speeds.
+/// Inputs of `K` balls: groove displacements, surface deviations, speeds.
 #[derive(Clone, Copy)]
 pub struct BallInput<T, const K: usize> {
     pub grooves: Plane<Lanes<T, K>>,
     pub inner_deviation: Lanes<T, K>,
     pub outer_deviation: Lanes<T, K>,
     pub speeds: BearingKinematicState<T>,
-    /// 0 for a ball off the inner race.
+    /// 0 for a ball without contact at the inner race, else 1.
     pub rolling: Lanes<T, K>,
 }
 
-/// One contact of `K` balls.
+/// State of one contact of `K` balls.
 #[derive(Clone, Copy)]
 pub struct ContactState<L> {
-    /// From the inner contact through the ball to the outer contact.
+    /// Direction from the inner contact through the ball to the outer contact.
     pub direction: Plane<L>,
     /// `1/l`.
     pub inverse_length: L,
-    /// Elastic deflection, m; below 0 it is a gap.
+    /// Elastic deflection, m; negative in a gap.
     pub deflection: L,
     /// Q, N.
     pub load: L,
-    /// dQ/d(approach), N/m; that of a deflection of the same size where there is a gap.
+    /// dQ/d(approach), N/m; in a gap, that of a deflection of the same size.
     pub slope: L,
-    /// h, m.
+    /// h, film thickness, m.
     pub film: L,
 }
 
-/// All that acts on `K` balls.
+/// Contacts and inertia loads of `K` balls, and the unbalanced force.
 #[derive(Clone, Copy)]
 pub struct Balance<L> {
     pub outer: ContactState<L>,
     pub inner: ContactState<L>,
     pub inertia: InertiaLoads<L>,
-    /// lambda_o, lambda_i.
+    /// lambda_o, share of the outer contact in the friction.
     pub outer_share: L,
+    /// lambda_i, share of the inner contact in the friction.
     pub inner_share: L,
-    /// d(lambda_o)/dQ_o = -d(lambda_i)/dQ_o, and the same by Q_i with the sign turned.
+    /// d(lambda_o)/dQ_o = -d(lambda_i)/dQ_o, 1/N.
     pub share_by_outer: L,
+    /// d(lambda_i)/dQ_i = -d(lambda_o)/dQ_i, 1/N.
     pub share_by_inner: L,
-    /// What is left over, N.
+    /// Unbalanced force, N.
     pub residual: Plane<L>,
 }
 
@@ -132,7 +137,7 @@ impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
             zz: self.zr * o.rz + self.zz * o.zz,
         }
     }
-    /// The inverse times the determinant.
+    /// Returns the adjugate: the inverse times the determinant.
     #[inline(always)]
     pub fn adjugate(self) -> Self {
         Self { rr: self.zz, rz: -self.rz, zr: -self.zr, zz: self.rr }
@@ -152,7 +157,7 @@ impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
     }
 }
 
-/// The ball's mechanics with the effects that the type parameters name.
+/// Mechanics of a ball with the effects of the type parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Ball<T, M, I, F> {
     pub constants: BallConstants<T>,
@@ -161,24 +166,24 @@ pub struct Ball<T, M, I, F> {
     pub math: PhantomData<M>,
 }
 
-/// Place of `K` balls: centre, and the deflections that the film leaves (only kept where there is one).
+/// Position of `K` balls: centre, and the deflections of the last iteration (used with a film only).
 #[derive(Clone, Copy)]
 pub struct Position<L> {
     pub centre: Plane<L>,
     pub outer_deflection: L,
     pub inner_deflection: L,
-    /// 1 where a gap at the inner contact may be about to close, 0 where it stays open.
+    /// 1 where a gap at the inner contact may close in this step, else 0.
     pub inner_closing: L,
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
-    /// |v|, a min_length where it is nothing: what follows divides by it.
+    /// Returns |v| plus `min_length`: a divisor that is never 0.
     #[inline(always)]
     pub fn length<const K: usize>(&self, v: Plane<Lanes<T, K>>) -> Lanes<T, K> {
         v.dot(v).sqrt::<M>() + Lanes::splat(self.constants.min_length)
     }
 
-    /// Length of `length n_0 + displacement`, its direction, and by how much it is longer than `length`.
+    /// Returns the direction, the inverse length and the elongation of the vector `length n_0 + displacement`.
     #[inline(always)]
     pub fn stretched<const K: usize>(
         &self,
@@ -218,7 +223,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         ContactState { direction, inverse_length, deflection, load, slope, film }
     }
 
-    /// Everything at one position.
+    /// Computes contacts, inertia loads and unbalanced force at one position.
     #[inline(always)]
     pub fn balance<const K: usize>(&self, input: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Balance<Lanes<T, K>> {
         let constants = &self.constants;
@@ -255,7 +260,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             (&films, inner_film, at.inner_deflection),
         );
         if self.inertia.effects().centrifugal {
-            // A ball that the inner ring does not reach, or did not reach before, has nothing there to step into.
+            // Without contact at the inner race in this or the last iteration, a step must not move towards it.
             let zero = Lanes::splat(T::ZERO);
             inner.slope = Lanes::select(inner.deflection.less_than(zero), inner.slope * at.inner_closing, inner.slope);
         }
@@ -284,7 +289,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         Balance { outer, inner, inertia, outer_share, inner_share, share_by_outer, share_by_inner, residual }
     }
 
-    /// Orbital speed with the contacts along `outer` and `inner`; that of outer race control for massless balls.
+    /// Returns the orbital speed with the contacts along `outer` and `inner`; for massless balls that of outer race
+    /// control.
     #[inline(always)]
     pub fn orbital<const K: usize>(
         &self,
@@ -297,7 +303,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         ball.orbital_speed(self.constants.ratio, speeds, outer, inner)
     }
 
-    /// Films under 1 N, outer and inner, at the speeds of rolling.
+    /// Returns the film thicknesses under a load of 1 N, outer and inner, at the rolling speeds.
     #[inline(always)]
     pub fn unit_films<const K: usize>(
         &self,
@@ -313,8 +319,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     }
 }
 
-/// Slopes of what acts on the ball, split by what moves: `outer` along the ball's centre through the outer contact,
-/// `inner` along the inner groove centre less the ball's centre through the inner one.
+/// Derivatives of the force on the ball: `outer` by the displacement of its centre through the outer contact, `inner` by
+/// that of the inner groove centre less the ball centre through the inner contact.
 #[derive(Clone, Copy)]
 pub struct Slopes<L> {
     pub outer: Matrix<L>,
@@ -322,7 +328,7 @@ pub struct Slopes<L> {
 }
 
 impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
-    /// `k e e^T + (Q/l)(1 - e e^T)` of one contact.
+    /// Returns `k e e^T + (Q/l)(1 - e e^T)` of one contact.
     #[inline(always)]
     fn contact_stiffness(contact: &ContactState<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
         let across = contact.load * contact.inverse_length;
@@ -331,13 +337,13 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
             .plus(Matrix::outer(tangent.times(across), tangent))
     }
 
-    /// `S_o` and `S_i`: the stiffness of the contacts alone.
+    /// Returns `S_o` and `S_i`, the stiffness of the contacts without inertia loads.
     #[inline(always)]
     pub fn contact_stiffnesses(&self) -> Slopes<Lanes<T, K>> {
         Slopes { outer: Self::contact_stiffness(&self.outer), inner: Self::contact_stiffness(&self.inner) }
     }
 
-    /// Slopes of the loads along the approach, outer and inner, 0 where there is a gap.
+    /// Returns the derivatives of the loads by the approach, outer and inner; 0 in a gap.
     #[inline(always)]
     pub fn loaded_slopes(&self) -> (Lanes<T, K>, Lanes<T, K>) {
         let zero = Lanes::splat(T::ZERO);
@@ -347,7 +353,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
         (of(&self.outer), of(&self.inner))
     }
 
-    /// As [`Self::contact_stiffnesses`] with nothing where there is a gap.
+    /// Returns [`Self::contact_stiffnesses`] with 0 in a gap.
     #[inline(always)]
     pub fn loaded_stiffnesses(&self) -> Slopes<Lanes<T, K>> {
         let (outer, inner) = self.loaded_slopes();
@@ -357,8 +363,8 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
         }
     }
 
-    /// The same with the inertia loads: minus d(residual)/d(centre) through the outer, d(residual)/d(groove) through the
-    /// inner contact. Their sum is Newton's matrix.
+    /// Returns the derivatives with inertia loads: minus d(residual)/d(centre) through the outer contact,
+    /// d(residual)/d(groove) through the inner one. Their sum is the matrix of Newton's method.
     #[inline(always)]
     pub fn slopes(&self, effects: InertiaEffects) -> Slopes<Lanes<T, K>> {
         let mut slopes = self.contact_stiffnesses();
@@ -392,7 +398,7 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
         slopes
     }
 
-    /// Largest load on the ball.
+    /// Returns the largest load on the ball, N.
     #[inline(always)]
     pub fn largest_load(&self) -> Lanes<T, K> {
         self.outer.load.larger(self.inner.load).larger(self.inertia.centrifugal.value)

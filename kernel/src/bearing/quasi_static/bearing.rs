@@ -1,4 +1,4 @@
-//! The rung as a [`Bearing`], and what only this rung can tell.
+//! [`crate::Bearing`] for the quasi-static model, and methods that only this model has.
 
 use super::QuasiStatic;
 use super::elements::{BallPosition, BallState, RingReactions};
@@ -35,7 +35,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     ) -> (Reaction<T>, Stiffness<T>) {
         self.reaction_and_tangent(&self.rims(u, None), at, turn)
     }
-    /// The loads on the inner race.
+    /// Writes the loads on the inner race.
     #[inline]
     fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         let mut loads = loads.iter_mut();
@@ -55,8 +55,9 @@ bearing_in_cage!(
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>>
     QuasiStatic<T, M, P, I, F, S>
 {
-    /// Forces on both rings, each displaced by its own. Action equals reaction but for the balls' inertia: the forces of a
-    /// ball on the two rings add up to `F_c e_r`.
+    /// Computes the forces on both rings, each with its own displacement.
+    ///
+    /// The forces of a ball on the two rings add up to its centrifugal force `F_c e_r`.
     pub fn ring_reactions(
         &self,
         inner: &Displacement<T>,
@@ -81,7 +82,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         self.both_reactions(&self.rims(inner, Some(outer)), at)
     }
 
-    /// What each ball does, in order; as many as `states` takes.
+    /// Writes the state of each ball in order, as many as `states` takes.
     pub fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
         let mut states = states.iter_mut();
         self.states(&self.rims(&to_cage_frame(u, M::sin_cos(at.cage)), None), at, |state| {
@@ -91,8 +92,11 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         });
     }
 
-    /// As [`crate::Bearing::reaction`] from where the balls were at the last sample, which `balls` remembers: a few steps
-    /// ([`QuasiStatic::with_newton_steps`]) then do what a cold start needs many for. Start with [`QuasiStatic::initial_ball_positions`].
+    /// Computes [`crate::Bearing::reaction`] starting from the ball positions of the last sample in `balls`, and updates
+    /// them.
+    ///
+    /// A few Newton steps ([`QuasiStatic::with_newton_steps`]) then reach the accuracy of a cold start with many. The first
+    /// positions come from [`QuasiStatic::initial_ball_positions`].
     pub fn warm_started_reaction(
         &self,
         u: &Displacement<T>,
@@ -104,7 +108,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
     }
 
-    /// Puts the balls where a cold start finds them.
+    /// Writes the ball positions of a cold start.
     pub fn initial_ball_positions(
         &self,
         u: &Displacement<T>,
@@ -114,7 +118,8 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         self.initial_positions(&self.rims(&to_cage_frame(u, M::sin_cos(at.cage)), None), at, balls);
     }
 
-    /// The tangent with the inertia loads held constant: symmetric, and off by 0.1 to 0.4 % at high speed (`docs/src/models.md#tangent-stiffness`).
+    /// Computes the tangent at constant inertia loads: symmetric, with an error of 0.1 to 0.4 % at high speed
+    /// (`docs/src/models.md#tangent-stiffness`).
     pub fn condensed_stiffness(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Stiffness<T> {
         let turn = M::sin_cos(at.cage);
         self.condensed_in_cage(&self.rims(&to_cage_frame(u, turn), None), at, turn)

@@ -1,4 +1,4 @@
-//! From the rings' displacements to the balls and back.
+//! Evaluation of all balls: from the displacements of the rings to ball states and ring forces.
 
 use super::QuasiStatic;
 use super::ball::{Balance, Ball, BallInput, Position};
@@ -16,48 +16,48 @@ use crate::math::Math;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// Steps that settle a ball for a table, where time does not count.
+/// Newton steps per node of a table, where cost does not matter.
 const TABLE_NEWTON_STEPS: u8 = 60;
-/// Unbalanced force over largest load that a table's error hides.
+/// Ratio of unbalanced force to largest load that is negligible against the error of a table.
 const TABLE_TOLERANCE: f64 = 1e-6;
 
-/// Friction over load beyond which a contact would slide: the upper end of what oil under pressure gives.
+/// Ratio of friction to load above which a contact slips: the upper limit of traction in oil.
 const TRACTION_LIMIT: f64 = 0.1;
 
-/// Where a ball was: the start of its next solution.
+/// Position of a ball: the start of its next solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallPosition<T> {
     centre: [T; 2],
     deflections: [T; 2],
 }
 
-/// What one ball does.
+/// State of one ball.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallState<T> {
-    /// Q_i, N.
+    /// Q_i, load of the inner contact, N.
     pub inner_load: T,
-    /// Q_o, N.
+    /// Q_o, load of the outer contact, N.
     pub outer_load: T,
     /// Cosine and sine of the inner contact angle.
     pub inner_direction: [T; 2],
     /// Cosine and sine of the outer contact angle.
     pub outer_direction: [T; 2],
-    /// h at the inner contact, m; 0 without film or load.
+    /// h, film thickness at the inner contact, m; 0 without film or load.
     pub inner_film: T,
-    /// h at the outer contact, m.
+    /// h, film thickness at the outer contact, m; 0 without film or load.
     pub outer_film: T,
-    /// F_c, N.
+    /// F_c, centrifugal force, N.
     pub centrifugal: T,
-    /// M_g, N m, with the sign of the spin.
+    /// M_g, gyroscopic moment, N m, with the sign of the spin.
     pub gyroscopic_moment: T,
-    /// w_c, rad/s; 0 for massless balls, whose speed nobody asks for.
+    /// w_c, orbital speed, rad/s; 0 for balls without mass.
     pub orbital_speed: T,
-    /// In equilibrium within the precision's tolerance.
+    /// True if the ball is in equilibrium within the tolerance of the precision.
     pub converged: bool,
 }
 
-/// Displacements of the two rings in the cage's frame, tilts at the radius of the groove centres; the outer ring at rest
-/// costs nothing.
+/// Displacements of the two rings in the cage frame, tilts multiplied by the lever arm. A fixed outer ring costs no
+/// instruction.
 #[derive(Clone, Copy)]
 pub(super) struct Rims<T> {
     pub inner: Displacement<T>,
@@ -76,7 +76,7 @@ pub struct RingReactions<T> {
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>>
     QuasiStatic<T, M, P, I, F, S>
 {
-    /// The displacements, in the cage's frame, as what the groove centres go by.
+    /// Returns the ring displacements with tilts multiplied by the lever arm.
     #[inline(always)]
     pub(super) fn rims(&self, inner: &Displacement<T>, outer: Option<&Displacement<T>>) -> Rims<T> {
         let at = |u: &Displacement<T>, arm: T| Displacement { thu: arm * u.thu, thv: arm * u.thv, ..*u };
@@ -109,7 +109,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         }
     }
 
-    /// Solves all balls, group by group, and hands each group's solution to `take`.
+    /// Solves all balls group by group and passes each solution to `each_group`.
     #[inline(always)]
     pub(super) fn solve_each(
         &self,
@@ -124,7 +124,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         }
     }
 
-    /// Where a cold start finds the balls.
+    /// Writes the positions of a cold start.
     pub(super) fn initial_positions(
         &self,
         rims: &Rims<T>,
@@ -135,7 +135,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         self.solve_each(rims, at, |_, solution| scatter(solution, groups.next().unwrap_or_default()));
     }
 
-    /// The same from where the balls were, and where they are now.
+    /// Solves all balls from their last positions and updates these.
     #[inline(always)]
     fn solve_each_from(
         &self,
@@ -155,12 +155,14 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         }
     }
 
-    /// What one ball does with its groove centres `approach` further apart than where they just contact it, along a line at
-    /// the angle whose sine is `sin`: load of the inner contact (N), sine of the turn from that line to the contact, friction
-    /// at the inner contact (N); and whether it is converged. Round surfaces.
+    /// Returns the state of one ball for a table, and whether it converged.
     ///
-    /// Where the inner ring does not reach the ball the load is below 0, as it would go on if the contact could pull: what
-    /// the outer race and the centrifugal force need to move the ball aside by the gap. So it has no kink there.
+    /// The groove centres are `approach` further apart than with the rings just touching the ball, along a line at the
+    /// angle with the sine `sin`. The state is the load of the inner contact (N), the sine of the angle from that line to
+    /// the contact, and the friction at the inner contact (N), on ideal surfaces.
+    ///
+    /// Without contact at the inner race the load is negative: the force that the outer race and the centrifugal force need
+    /// to move the ball aside by the gap. The load then has no kink there.
     pub(in crate::bearing) fn ball_at(&self, approach: T, sin: T, at: &BearingKinematicState<T>) -> ([T; 3], bool) {
         let constants = &self.ball.constants;
         let cos = M::sqrt(T::ONE - sin * sin);
@@ -201,7 +203,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         });
     }
 
-    /// Reaction on the inner ring, in the cage's frame.
+    /// Computes the reaction on the inner ring in the cage frame.
     #[inline(always)]
     pub(super) fn inner_reaction(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         let mut sum = InnerSum::new();
@@ -209,7 +211,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         sum.finish(self.inner_arm)
     }
 
-    /// The same from where the balls were.
+    /// Computes the reaction on the inner ring starting from the last ball positions.
     #[inline(always)]
     pub(super) fn inner_reaction_from(
         &self,
@@ -222,7 +224,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         sum.finish(self.inner_arm)
     }
 
-    /// Reactions on both rings, in the cage's frame.
+    /// Computes the reactions on both rings in the cage frame.
     #[inline(always)]
     pub(super) fn both_reactions(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> RingReactions<T> {
         let (mut inner, mut outer) = (InnerSum::new(), WrenchSum::new());
@@ -234,7 +236,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     }
 }
 
-/// Sum of what acts on the inner ring, and what the solutions have to say of themselves.
+/// Sum of the forces on the inner ring, and the status flags of the solutions.
 pub(super) struct InnerSum<T> {
     forces: WrenchSum<T>,
     status: Status,
@@ -270,8 +272,8 @@ impl<T: Scalar> InnerSum<T> {
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
-    /// Force of the inner ring on the balls, less the sign that the sum turns: `Q_i e_i - lambda_i (M_g/D) t_i`, and the
-    /// friction couple.
+    /// Returns the negative force of the balls on the inner ring, `Q_i e_i - lambda_i (M_g/D) t_i`, with the friction
+    /// couple.
     #[inline(always)]
     fn inner_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
         let contact = &balance.inner;
@@ -285,7 +287,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         Contact { radial: force.r, axial: force.z, tilting, load: contact.load }
     }
 
-    /// The same on the outer ring, which is pushed the other way.
+    /// Returns the negative force of the balls on the outer ring.
     #[inline(always)]
     fn outer_contacts<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
         let contact = &balance.outer;
@@ -301,7 +303,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
 }
 
 impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
-    /// The friction of a contact is more than it can carry.
+    /// Returns true for balls whose friction exceeds the traction limit.
     #[inline(always)]
     fn slips(&self) -> Mask<K> {
         let friction = self.inertia.friction.value.abs();

@@ -1,22 +1,23 @@
-//! Oil film of a point contact: central thickness after Hamrock and Dowson (`docs/src/models.md#oil-film`), and the load that it lets a
-//! contact carry.
+//! Oil film of a point contact: central thickness after Hamrock and Dowson (`docs/src/models.md#oil-film`), and the contact
+//! load with a film.
 //!
-//! `h_c/R_x = 2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 kappa))` with `U = eta_0 u/(E' R_x)`, `G = C E'`,
-//! `W = Q/(E' R_x^2)`: for one contact `h = A u^0.67 Q^-0.067`, `A` known at set-up. Below [`FLOOR`] the film grows no more.
+//! `h_c/R_x = 2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 kappa))` with `U = eta_0 u/(E' R_x)`, `G = C E'`, `W = Q/(E'
+//! R_x^2)`. For one contact `h = A u^0.67 Q^-0.067` with `A` computed at set-up. The thickness is constant for loads below
+//! [`FLOOR`].
 
 use crate::contact::hertz::PointContact;
 use crate::lanes::Lanes;
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// Load under which the film is as thick as at this load, N: the formula has no limit at 0.
+/// Load below which the film thickness is constant, N: the formula has no limit at 0.
 pub const FLOOR: f64 = 1e-3;
 
 const BY_SPEED: f64 = 0.67;
 /// Exponent of the load.
 pub(super) const BY_LOAD: f64 = -0.067;
 
-/// What an engineer says of the oil, SI units.
+/// Parameters of the lubricant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lubricant {
     /// eta_0, dynamic viscosity at the inlet, Pa s.
@@ -25,23 +26,23 @@ pub struct Lubricant {
     pub pressure_viscosity: f64,
 }
 
-/// Whether the contacts have a film, and which.
+/// Film of the contacts, if any.
 pub trait Film<T: Scalar>: Copy + Send + Sync + 'static {
-    /// Returns true where there is a film. A constant of the type costs no instruction.
+    /// Returns true if there is a film. A constant of the type costs no instruction.
     fn is_present(&self) -> bool;
-    /// `A` of the inner and the outer contact and half the pitch diameter.
+    /// Returns the constants of both contacts.
     fn constants(&self) -> FilmConstants<T>;
 }
 
-/// No oil between ball and races.
+/// No oil film.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Dry;
 
-/// Hamrock and Dowson's film on both races.
+/// Film of Hamrock and Dowson on both races.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HamrockDowson<T>(pub(super) FilmConstants<T>);
 
-/// A film or none, chosen at run time: one compiled bearing serves both.
+/// A film or none, selected at run time: one compiled type serves both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelectedFilm<T>(pub(super) Option<FilmConstants<T>>);
 
@@ -56,7 +57,7 @@ impl<T: Scalar> Film<T> for SelectedFilm<T> {
     }
 }
 
-/// Thickness at unit entrainment speed and load, m, of both contacts.
+/// Film thickness at unit entrainment speed and load of both contacts, m, and half the pitch diameter.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FilmConstants<T> {
     pub(super) inner: T,
@@ -64,7 +65,7 @@ pub struct FilmConstants<T> {
     pub(super) orbit_radius: T,
     /// `FLOOR^-0.067`
     pub(super) at_floor: T,
-    /// Deflections under `FLOOR`.
+    /// Deflections under the load `FLOOR`, m.
     pub(super) inner_floor: T,
     pub(super) outer_floor: T,
 }
@@ -91,9 +92,10 @@ impl<T: Scalar> Film<T> for HamrockDowson<T> {
     }
 }
 
-/// Central thickness, m: Hamrock and Dowson's `2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 kappa)) R_x`. Set-up time.
+/// Returns the central film thickness, m: `2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 kappa)) R_x` (Hamrock and
+/// Dowson). For set-up.
 ///
-/// `along` is the radius of curvature along the rolling direction, R_x.
+/// `along` is R_x, the radius of curvature along the rolling direction, m.
 ///
 /// ```
 /// use ballrace::bearing::quasi_static::film::{Lubricant, central_film};
@@ -109,7 +111,7 @@ pub fn central_film(oil: Lubricant, modulus: f64, along: f64, ellipticity: f64, 
         * libm::pow(load.max(FLOOR), BY_LOAD)
 }
 
-/// `A` in `h_c = A u^0.67 Q^-0.067`, SI units: [`central_film`] at unit speed and load.
+/// Returns `A` in `h_c = A u^0.67 Q^-0.067`, SI units: [`central_film`] at unit speed and load.
 pub(super) fn film_constant(oil: Lubricant, modulus: f64, along: f64, ellipticity: f64) -> f64 {
     let speed = libm::pow(oil.viscosity / (modulus * along), BY_SPEED);
     let material = libm::pow(oil.pressure_viscosity * modulus, 0.53);
@@ -117,7 +119,8 @@ pub(super) fn film_constant(oil: Lubricant, modulus: f64, along: f64, ellipticit
     2.69 * along * speed * material * load * (1.0 - 0.61 * libm::exp(-0.73 * ellipticity))
 }
 
-/// Minimum thickness, m: Hamrock and Dowson's `3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 kappa)) R_x`. Set-up time.
+/// Returns the minimum film thickness, m: `3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 kappa)) R_x` (Hamrock and Dowson).
+/// For set-up.
 #[must_use]
 pub fn minimum_film(oil: Lubricant, contact: &PointContact, along: f64, entrainment: f64, load: f64) -> f64 {
     let modulus = contact.effective_modulus;
@@ -129,7 +132,7 @@ pub fn minimum_film(oil: Lubricant, contact: &PointContact, along: f64, entrainm
 }
 
 impl<T: Scalar> FilmConstants<T> {
-    /// From both contacts; `A` in f64, rounded once.
+    /// Creates the constants of both contacts, computed in `f64` and rounded once.
     pub(super) fn new(oil: Lubricant, inner: (&PointContact, f64), outer: (&PointContact, f64), pitch: f64) -> Self {
         let constant = |(c, along): (&PointContact, f64)| {
             T::from_f64(film_constant(oil, c.effective_modulus, along, c.ellipticity))
@@ -144,7 +147,7 @@ impl<T: Scalar> FilmConstants<T> {
         }
     }
 
-    /// Film per `Q^-0.067` on the two races at the speeds `w_c - w_o` and `w_i - w_c`.
+    /// Returns the film thickness per `Q^-0.067` on both races at the speeds `w_c - w_o` and `w_i - w_c`.
     #[inline(always)]
     pub(super) fn at_speed<M: Math<T>, const K: usize>(
         &self,
@@ -157,20 +160,21 @@ impl<T: Scalar> FilmConstants<T> {
     }
 }
 
-/// One contact with a film: what it gives way, and how that changes as it is pressed.
+/// Deflection of a contact with a film.
 #[derive(Clone, Copy)]
 pub struct FilmContact<L> {
-    /// Elastic deflection `approach + h`, m; below 0 where there is no contact.
+    /// Elastic deflection `approach + h`, m; negative without contact.
     pub deflection: L,
     /// d(deflection)/d(approach).
     pub slope: L,
-    /// h, m.
+    /// h, film thickness, m.
     pub film: L,
 }
 
-/// A Newton step on `d - h(Q(d)) = approach` from the deflection `before`; `floor` is the deflection under [`FLOOR`].
+/// Performs a Newton step on `d - h(Q(d)) = approach` from the deflection `before`; `floor` is the deflection under
+/// [`FLOOR`].
 ///
-/// The left side rises and is concave in `d`, so the steps close in from below.
+/// The left side is increasing and concave in `d`, so that the steps converge from below.
 #[inline(always)]
 pub(super) fn film_newton_step<T: Scalar, M: Math<T>, const K: usize>(
     constants: &FilmConstants<T>,
@@ -186,7 +190,7 @@ pub(super) fn film_newton_step<T: Scalar, M: Math<T>, const K: usize>(
     // h ~ d^-0.1005
     let slope = one / (one + Lanes::splat_f64(-1.5 * BY_LOAD) * film / d);
     let after = d + (approach + film - d) * slope;
-    // Where even the thickest film leaves no more than the floor's load, that is the answer.
+    // A film so thick that the load stays below the floor has a closed solution.
     let thickest = unit_film * Lanes::splat(constants.at_floor);
     let light = approach + thickest;
     let is_light = light.less_than(floor);

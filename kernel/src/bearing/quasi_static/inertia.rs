@@ -1,36 +1,36 @@
-//! What the balls' motion adds to their balance: centrifugal force and gyroscopic moment (`docs/src/models.md#ball-kinematics`).
+//! Inertia loads of the balls: centrifugal force and gyroscopic moment (`docs/src/models.md#ball-kinematics`).
 //!
-//! With pure rolling at both contacts the speeds of a ball follow from its two contact angles. Putting the race control
-//! hypotheses into the general formulas leaves, with `C = cos(a_i - a_o)` and `dw = w_i - w_o`,
+//! Under pure rolling at both contacts the speeds of a ball follow from its two contact angles. The race control hypotheses
+//! reduce the general equations, with `C = cos(a_i - a_o)`, `dw = w_i - w_o` and `g = D/d_m`, to
 //!
 //! - orbital speed `w_c = w_o + dw k/(1 + C)`, outer control `k = 1 - g cos a_i`, inner control `k = C - g cos a_o`;
-//! - gyroscopic moment `M_g = I_b w_s w_c sin(beta) = -(I_b/g) dw w_c s/(1 + C)`,
-//!   outer control `s = (1 - g cos a_i) sin a_o`, inner control `s = (1 + g cos a_o) sin a_i`
+//! - gyroscopic moment `M_g = I_b w_s w_c sin(beta) = -(I_b/g) dw w_c s/(1 + C)`, outer control `s = (1 - g cos a_i) sin
+//!   a_o`, inner control `s = (1 + g cos a_o) sin a_i`.
 //!
-//! (`g = D/d_m`): no angle, no tangent, one division. `M_g` keeps the sign of the spin speed; it is below 0 for an inner
-//! ring that turns forward under a positive contact angle.
+//! This takes no angle, no tangent and one division. `M_g` has the sign of the spin speed; it is negative for an inner ring
+//! that rotates forward under a positive contact angle.
 
 use crate::kinematic_state::BearingKinematicState;
 use crate::lanes::{Lanes, Plane};
 use crate::scalar::Scalar;
 
-/// Which race the ball does not spin on (Harris).
+/// Race at which the ball does not spin (Harris).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RaceControl {
-    /// `tan(beta) = sin a_o/(cos a_o + g)`.
+    /// Outer race: `tan(beta) = sin a_o/(cos a_o + g)`.
     Outer,
-    /// `tan(beta) = sin a_i/(cos a_i - g)`.
+    /// Inner race: `tan(beta) = sin a_i/(cos a_i - g)`.
     Inner,
 }
 
-/// How the two contacts share the friction that balances the gyroscopic moment: `lambda_i`, `lambda_o` of sum 2.
+/// Shares `lambda_i`, `lambda_o` (sum 2) of the two contacts in the friction that balances the gyroscopic moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrictionSharing {
     /// 0 and 2.
     Outer,
     /// 1 and 1.
     Equal,
-    /// In proportion to the loads.
+    /// In proportion to the contact loads.
     Proportional,
 }
 
@@ -41,7 +41,7 @@ pub struct InertiaEffects {
     pub centrifugal: bool,
     /// The gyroscopic moment acts.
     pub gyroscopic: bool,
-    /// The outer race controls the spin and carries all friction: less to compute.
+    /// The outer race controls the spin and carries all friction, which needs less computation.
     pub outer_race_control: bool,
 }
 
@@ -52,7 +52,7 @@ impl InertiaEffects {
     pub(super) const GYROSCOPIC: Self = Self { centrifugal: true, gyroscopic: true, outer_race_control: false };
 }
 
-/// A ball's inertia, as much of it as the bearing takes into account.
+/// Inertia of a ball, as far as the model includes it.
 pub trait Inertia<T: Scalar>: Copy + Send + Sync + 'static {
     /// Returns the loads that act. A constant of the type costs no instruction.
     fn effects(&self) -> InertiaEffects;
@@ -60,23 +60,23 @@ pub trait Inertia<T: Scalar>: Copy + Send + Sync + 'static {
     fn constants(&self) -> BallInertia<T>;
 }
 
-/// Massless balls: costs no instruction.
+/// Balls without mass; cost no instruction.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Massless;
 
-/// Centrifugal force alone.
+/// Centrifugal force only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Centrifugal<T>(pub(super) BallInertia<T>);
 
-/// Both under outer race control with all friction at the outer race, the usual choice.
+/// Centrifugal force and gyroscopic moment under outer race control with all friction at the outer race.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OuterControlled<T>(pub(super) BallInertia<T>);
 
-/// Gyroscopic moment, with or without the centrifugal force, under any control and sharing.
+/// Gyroscopic moment, with or without centrifugal force, under any control and sharing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gyroscopic<T>(pub(super) BallInertia<T>);
 
-/// Inertia loads chosen at run time: one compiled bearing serves every choice.
+/// Inertia loads selected at run time: one compiled type serves all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelectedInertia<T> {
     pub(super) effects: InertiaEffects,
@@ -103,13 +103,13 @@ impl<T: Scalar> Inertia<T> for SelectedInertia<T> {
 /// Constants of the inertia loads.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallInertia<T> {
-    /// `m_b d_m/2`: times `w_c^2` it is the centrifugal force.
+    /// `m_b d_m/2`: times `w_c^2` the centrifugal force.
     pub(super) centrifugal: T,
     /// `-I_b/(g D)`: times `dw w_c s/(1 + C)` it is `M_g/D`.
     pub(super) gyroscopic: T,
     /// 1 for outer race control, 0 for inner.
     pub(super) outer_control: T,
-    /// `lambda_i`, `lambda_o` but for what goes by the loads, and the weight of that.
+    /// Load-independent parts of `lambda_i` and `lambda_o`, and the weight of the load-dependent part.
     pub(super) inner_share: T,
     pub(super) outer_share: T,
     pub(super) by_load: T,
@@ -159,23 +159,23 @@ impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
     }
 }
 
-/// What an engineer says of the balls' inertia, SI units.
+/// Parameters of the inertia of the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InertiaParams {
-    /// Of the balls, kg/m^3.
+    /// Density of the balls, kg/m^3.
     pub density: f64,
-    /// Whether the centrifugal force acts.
+    /// Includes the centrifugal force.
     pub centrifugal: bool,
-    /// Whether the gyroscopic moment acts.
+    /// Includes the gyroscopic moment.
     pub gyroscopic: bool,
-    /// Which race controls the spin.
+    /// Race that controls the spin.
     pub race_control: RaceControl,
-    /// Who carries the friction.
+    /// Shares of the contacts in the friction.
     pub friction_sharing: FrictionSharing,
 }
 
 impl InertiaParams {
-    /// Mass of a ball `d` across, kg.
+    /// Returns the mass of a ball of diameter `d` (m), kg.
     #[must_use]
     pub fn ball_mass(&self, d: f64) -> f64 {
         self.density * core::f64::consts::PI * d * d * d / 6.0
@@ -199,18 +199,18 @@ impl InertiaParams {
     }
 }
 
-/// Inertia loads at two contact angles, and their slopes along the outer and the inner angle.
+/// Inertia loads at two contact angles, with their derivatives by both angles.
 #[derive(Clone, Copy)]
 pub(super) struct InertiaLoads<L> {
-    /// w_c, rad/s.
+    /// w_c, orbital speed, rad/s.
     pub orbital: L,
-    /// F_c, N.
+    /// F_c, centrifugal force, N.
     pub centrifugal: WithSlopes<L>,
-    /// `M_g/D`, N.
+    /// `M_g/D`, friction that balances the gyroscopic moment, N.
     pub friction: WithSlopes<L>,
 }
 
-/// A value and its derivatives with respect to `a_o` and `a_i`.
+/// A value with its derivatives by `a_o` and `a_i`.
 #[derive(Clone, Copy)]
 pub(super) struct WithSlopes<L> {
     pub value: L,
@@ -219,7 +219,7 @@ pub(super) struct WithSlopes<L> {
 }
 
 impl<T: Scalar, const K: usize> WithSlopes<Lanes<T, K>> {
-    /// Product rule.
+    /// Multiplies by the product rule.
     #[inline(always)]
     fn times(self, other: Self) -> Self {
         Self {
@@ -239,14 +239,14 @@ impl<T: Scalar, const K: usize> WithSlopes<Lanes<T, K>> {
     }
 }
 
-/// `1/(1 + C)`, kept finite where the contacts point against each other, which no ball between two races does.
+/// Returns `1/(1 + C)`, kept finite for opposed contacts, which no ball between two races has.
 #[inline(always)]
 pub(super) fn inverse_of_one_plus<T: Scalar, const K: usize>(c: Lanes<T, K>) -> Lanes<T, K> {
     Lanes::splat(T::ONE) / (Lanes::splat(T::ONE) + c).larger(Lanes::splat_f64(1e-3))
 }
 
 impl<T: Scalar> BallInertia<T> {
-    /// Orbital speed alone, for the first guess.
+    /// Returns the orbital speed, for the initial value.
     #[inline(always)]
     pub(super) fn orbital_speed<const K: usize>(
         &self,
@@ -263,8 +263,8 @@ impl<T: Scalar> BallInertia<T> {
             + Lanes::splat(speeds.inner_speed - speeds.outer_speed) * k * inverse_of_one_plus(c)
     }
 
-    /// Loads of balls whose contacts point along `outer` and `inner`; `rolling` is 0 for a ball off the inner race, which
-    /// has no gyroscopic moment.
+    /// Computes the loads of balls with contacts along `outer` and `inner`; `rolling` is 0 for a ball without contact at
+    /// the inner race, which has no gyroscopic moment.
     #[inline(always)]
     pub(super) fn loads<const K: usize>(
         &self,

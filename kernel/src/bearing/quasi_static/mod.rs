@@ -1,8 +1,8 @@
-//! Rung `quasi-static`: every ball in equilibrium between two rings, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
+//! Model `quasi-static`: every ball in equilibrium between two rings (`docs/src/models.md#quasi-static-bearing`).
 //!
-//! Two unknowns a ball, the position of its centre in its plane: Hertz contact on both races, and what the type parameters
-//! name: [`inertia`] (centrifugal force, signed gyroscopic moment), [`film`], [`super::surface`]. An effect that is not
-//! named costs no instruction.
+//! Two unknowns per ball, the position of its centre in its plane. Hertz contact on both races; the type parameters select
+//! [`inertia`] (centrifugal force, gyroscopic moment), [`film`] and [`super::surface`]. An effect that is not selected
+//! costs no instruction.
 
 mod ball;
 mod bearing;
@@ -30,12 +30,12 @@ use crate::lanes::Plane;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
-/// Newton steps from a cold start that settle what can be converged: twice as many settle one ball in a hundred more of the wildest states.
+/// Newton steps of a cold start. Twice as many make one more ball in a hundred converge, and only in extreme states.
 pub const DEFAULT_NEWTON_STEPS: u8 = 8;
 
-/// A ball bearing solved ball by ball, with the inertia `I`, the film `F` and the surfaces `S`.
+/// A ball bearing with every ball in equilibrium, with the inertia `I`, the film `F` and the surfaces `S`.
 ///
-/// Cost a ball: a first guess, `steps` Newton steps and a last evaluation, whatever the state.
+/// Cost per ball: an initial value, a fixed number of Newton steps and one evaluation, independent of the state.
 ///
 /// ```
 /// use ballrace::bearing::angular::DisplacementDatum;
@@ -45,7 +45,7 @@ pub const DEFAULT_NEWTON_STEPS: u8 = 8;
 /// use ballrace::bearing::{Bearing, evenly_spaced};
 /// use ballrace::{Displacement, Exact, BearingKinematicState, Phase};
 ///
-/// // Harris' 218 bearing, pushed by 0.0330 mm at 6000 rpm: it carries 17.8 kN.
+/// // The 218 bearing of Harris, displaced by 0.0330 mm at 6000 rpm, carries 17.8 kN.
 /// let geometry = BallBearingGeometry {
 ///     ball_diameter: 22.23e-3,
 ///     pitch_diameter: 125.26e-3,
@@ -76,7 +76,7 @@ pub struct QuasiStatic<T, M, P, I = Massless, F = Dry, S = Smooth> {
     /// R_i and R_o, m.
     inner_arm: T,
     outer_arm: T,
-    /// Outward displacement of the inner groove centres at zero displacement.
+    /// Radial displacement of the inner groove centres at zero displacement, m.
     offset: T,
     ball: Ball<T, M, I, F>,
     geometry: BallBearingGeometry,
@@ -84,11 +84,12 @@ pub struct QuasiStatic<T, M, P, I = Massless, F = Dry, S = Smooth> {
     newton_steps: u8,
 }
 
-/// A bearing with one more effect, or why not.
+/// Result of a constructor that adds an effect.
 pub type QuasiStaticResult<T, M, P, I, F, S> = Result<QuasiStatic<T, M, P, I, F, S>, InvalidParameter>;
 
 impl<T: Scalar, M, P> QuasiStatic<T, M, P> {
-    /// Balls without mass and film on round races; stiffness by Hertz at the free contact angle. Set-up time.
+    /// Creates a bearing with balls without mass and film on ideal surfaces; Hertz stiffness at the free contact angle. For
+    /// set-up.
     ///
     /// # Errors
     /// As [`BallBearingGeometry::checked`].
@@ -111,7 +112,7 @@ impl<T: Scalar, M, P> QuasiStatic<T, M, P> {
     }
 }
 
-/// `-A (1 - cos(alpha_0))`, half the clearance, where the rings are centred.
+/// Returns `-A (1 - cos(alpha_0))`, half the clearance, for centred rings.
 fn offset(geometry: &BallBearingGeometry, datum: DisplacementDatum) -> f64 {
     match datum {
         DisplacementDatum::Touching => 0.0,
@@ -149,7 +150,7 @@ fn ball_constants<T: Scalar>(geometry: &BallBearingGeometry, datum: Displacement
     }
 }
 
-/// The contact and its radius of curvature along the rolling direction, R_x.
+/// Returns the contact and its radius of curvature along the rolling direction, R_x.
 fn rolling_contact(geometry: &BallBearingGeometry, race: Race) -> (PointContact, f64) {
     let gamma = geometry.gamma();
     let along = match race {
@@ -159,23 +160,23 @@ fn rolling_contact(geometry: &BallBearingGeometry, race: Race) -> (PointContact,
     (geometry.contact(race), along)
 }
 
-/// Numbers of the bearing that its table needs besides.
+/// Precomputed constants of a [`super::tabulated::Tabulated`] bearing, besides positions and table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableConstants<T> {
-    /// Lever of the friction couple over the arm.
+    /// Lever of the friction couple divided by the lever arm.
     pub couple: T,
     /// A, m.
     pub distance: T,
-    /// Direction of the line of groove centres where the rings just contact the ball: cosine and sine.
+    /// Direction of the line of groove centres with the rings just touching the ball: cosine and sine.
     pub axis: [T; 2],
-    /// Outward displacement of the inner groove centres at zero displacement, m.
+    /// Radial displacement of the inner groove centres at zero displacement, m.
     pub offset: T,
-    /// R_i, m.
+    /// R_i, lever arm, m.
     pub arm: T,
 }
 
 impl TableConstants<f64> {
-    /// The same in another precision, rounded once.
+    /// Returns the constants in another precision, rounded once.
     #[must_use]
     pub fn rounded<T: Scalar>(&self) -> TableConstants<T> {
         TableConstants {
@@ -189,7 +190,7 @@ impl TableConstants<f64> {
 }
 
 impl<M, P, I, F, S> QuasiStatic<f64, M, P, I, F, S> {
-    /// What a table of this bearing needs besides its nodes.
+    /// Returns the constants of a table of this bearing.
     #[must_use]
     pub fn table_constants(&self) -> TableConstants<f64> {
         let constants = &self.ball.constants;
@@ -226,8 +227,8 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         self.with_ball(Ball { constants, inertia, film, math })
     }
 
-    /// The same bearing with the balls' inertia: `m_b (d_m/2) w_c^2` outward and the gyroscopic moment, as far as `params`
-    /// says. Where it is known beforehand that there is no gyroscopic moment, [`QuasiStatic::with_centrifugal`] is cheaper.
+    /// Returns the bearing with the inertia of its balls: `m_b (d_m/2) w_c^2` outward, and the gyroscopic moment, as
+    /// `params` selects. [`QuasiStatic::with_centrifugal`] is cheaper without a gyroscopic moment.
     ///
     /// # Errors
     /// A density below 0 or not finite.
@@ -239,8 +240,9 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(self.with_loads(Gyroscopic(constants)))
     }
 
-    /// The same bearing with centrifugal force and gyroscopic moment under outer race control, all friction at the outer
-    /// race, whatever `params` says of control and sharing: as [`QuasiStatic::with_inertia`] with these, a quarter cheaper.
+    /// Returns the bearing with centrifugal force and gyroscopic moment under outer race control, with all friction at the
+    /// outer race; ignores control and sharing in `params`. Same results as [`QuasiStatic::with_inertia`], a quarter
+    /// cheaper.
     ///
     /// # Errors
     /// A density below 0 or not finite.
@@ -254,7 +256,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(self.with_loads(OuterControlled(constants)))
     }
 
-    /// The same bearing with the balls' centrifugal force alone, whatever `params` says of the gyroscopic moment.
+    /// Returns the bearing with the centrifugal force of its balls; ignores the gyroscopic moment in `params`.
     ///
     /// # Errors
     /// A density below 0 or not finite.
@@ -266,9 +268,9 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(self.with_loads(Centrifugal(constants)))
     }
 
-    /// The same bearing with the inertia loads that `params` names, chosen at run time: a program that serves every choice
-    /// holds one compiled bearing. Gives the bits of the bearing without inertia, of [`QuasiStatic::with_outer_control`]
-    /// or of [`QuasiStatic::with_inertia`], whichever is the cheapest that applies.
+    /// Returns the bearing with the inertia loads of `params`, selected at run time: one compiled type serves all. The
+    /// results equal, bit for bit, those without inertia, of [`QuasiStatic::with_outer_control`] or of
+    /// [`QuasiStatic::with_inertia`], whichever is the cheapest that applies.
     ///
     /// # Errors
     /// A density below 0 or not finite.
@@ -291,7 +293,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(params.constants(self.geometry.ball_diameter, self.geometry.pitch_diameter))
     }
 
-    /// The same bearing with an oil film in both contacts of each ball.
+    /// Returns the bearing with an oil film in both contacts of each ball.
     ///
     /// # Errors
     /// A viscosity or pressure-viscosity coefficient that is not above 0.
@@ -303,8 +305,8 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(self.with_contacts(film))
     }
 
-    /// The same bearing with an oil film or without, chosen at run time: a program that serves both holds one compiled
-    /// bearing. Gives the bits of [`QuasiStatic::with_film`] and of the bearing without film.
+    /// Returns the bearing with or without an oil film, selected at run time: one compiled type serves both. The results
+    /// equal, bit for bit, those of [`QuasiStatic::with_film`] and of the bearing without film.
     ///
     /// # Errors
     /// As [`QuasiStatic::with_film`].
@@ -333,7 +335,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(FilmConstants::new(oil, (&inner, inner_along), (&outer, outer_along), pitch))
     }
 
-    /// The same bearing with waviness or damage.
+    /// Returns the bearing with surface deviations.
     pub fn with_surface<R: Surface<T>>(self, surface: R) -> QuasiStatic<T, M, P, I, F, R> {
         QuasiStatic {
             positions: self.positions,
@@ -347,7 +349,7 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         }
     }
 
-    /// The same bearing with another number of Newton newton_steps: the knob between speed and accuracy.
+    /// Returns the bearing with another number of Newton steps: a trade-off between speed and accuracy.
     #[must_use]
     pub fn with_newton_steps(self, newton_steps: u8) -> Self {
         Self { newton_steps, ..self }

@@ -1,10 +1,10 @@
-//! A ball's equilibrium by a fixed number of safeguarded Newton steps.
+//! Equilibrium of a ball by a fixed number of safeguarded Newton steps.
 //!
-//! With inertia loads that do not change, the ball sits at the minimum of a convex potential, and a contact that opens or
-//! closes is its only edge. Three things keep the steps on the direction there: a gap is given the slope of a deflection of the
-//! same size, so that an open contact does not throw the ball across its groove; a step that overshoots (the force turns
-//! against it almost as strongly as it pushed before) is cut at the secant's zero; where friction and race control leave
-//! Newton's matrix without a sure direction, the stiffness of the contacts alone takes its position.
+//! With constant inertia loads the equilibrium is the minimum of a convex potential with kinks where a contact opens or
+//! closes. Three safeguards make the steps converge. A gap has the slope of a deflection of the same size, so that an open
+//! contact does not displace the ball across its groove. A step that overshoots (the force along it reverses to almost its
+//! original size) is shortened to the zero of the secant. Where friction and race control make the matrix of Newton's
+//! method nearly singular, the stiffness of the contacts replaces it.
 
 use super::ball::{Balance, Ball, BallInput, Matrix, Position};
 use super::film::{BY_LOAD, FLOOR, Film};
@@ -13,19 +13,19 @@ use crate::lanes::{Lanes, Mask, Plane};
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// Cuts of one step at most.
+/// Largest number of reductions of one step.
 const MAX_CUTS: f64 = 3.0;
-/// A step that reverses the force by more than this part of it is cut.
+/// A step is reduced if the force along it reverses by more than this share.
 const REVERSAL: f64 = -0.9;
-/// Newton's matrix is trusted down to this part of the contacts' determinant.
+/// Smallest determinant of the Newton matrix relative to that of the contact stiffness at which it is used.
 const MIN_DETERMINANT_RATIO: f64 = 0.2;
 
-/// `1000^-0.067`: a film's share of what it is under 1 N, for a load of the usual size.
+/// `1000^-0.067`: film thickness at a typical load relative to that under 1 N.
 const FILM_AT_1000_N: f64 = 0.63;
-/// A first guess lets the centrifugal force wedge a ball with at most this many times itself.
+/// Largest ratio of contact load to centrifugal force of a wedged ball in the initial value.
 const MAX_WEDGE_RATIO: f64 = 3.0;
 
-/// What a solution is: where the balls are, what acts on them there, and which are in balance.
+/// Solution for `K` balls: positions, forces, convergence.
 pub struct Solution<T, const K: usize> {
     pub at: Position<Lanes<T, K>>,
     pub balance: Balance<Lanes<T, K>>,
@@ -33,14 +33,14 @@ pub struct Solution<T, const K: usize> {
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
-    /// From a cold start. One copy for all that ask: the callers' own parts are small.
+    /// Solves from a cold start. Never inlined: all callers share one copy.
     #[inline(never)]
     pub fn solve<const K: usize>(&self, input: &mut BallInput<T, K>, steps: u8) -> Solution<T, K> {
         let start = self.initial_guess(input);
         self.iterate(input, &start, steps)
     }
 
-    /// `steps` Newton steps from `start`, then the balance there.
+    /// Performs `steps` Newton steps from `start`, then evaluates the forces.
     #[inline(never)]
     pub fn iterate<const K: usize>(
         &self,
@@ -62,7 +62,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let shorter = (slope / (slope - along)).larger(Lanes::splat_f64(0.1)).smaller(Lanes::splat_f64(0.7));
             let step = self.newton_step(&balance);
             direction = Plane::select(over, direction, step);
-            // Back along the last direction to where the secant says, or on along the new one.
+            // Either back along the last direction to the zero of the secant, or on along the new one.
             let further = Lanes::select(over, fraction * (shorter - one), one);
             fraction = Lanes::select(over, fraction * shorter, one);
             slope = Lanes::select(over, slope, balance.residual.dot(step));
@@ -96,7 +96,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             matrix = Matrix::select(sure, newton, contacts);
             determinant = Lanes::select(sure, full, determinant);
         }
-        // Two open contacts in one line hold nothing across it, and nothing pushes there.
+        // Two open contacts on one line have no stiffness across it, and no force acts there.
         let trace = matrix.trace();
         let determinant = determinant.larger(Lanes::splat_f64(1e-12) * trace * trace);
         let step = matrix.adjugate().times(balance.residual).times(Lanes::splat(T::ONE) / determinant);
@@ -105,7 +105,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         Plane { r: within(step.r), z: within(step.z) }
     }
 
-    /// 1 for the balls at `at` that the inner ring reaches, 0 for those it does not.
+    /// Returns 1 for balls at `at` in contact with the inner ring, else 0.
     #[inline(always)]
     pub fn rolling<const K: usize>(&self, input: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
         let (inner, _, approach) = self.stretched(self.constants.inner_length, input.grooves.minus(at.centre));
@@ -119,10 +119,12 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         Lanes::select(zero.less_than(room), Lanes::splat(T::ONE), zero)
     }
 
-    /// A first guess from two circles: the ball's centre is `L_o` and the outer deflection from the outer groove centre,
-    /// `L_i` and the inner deflection from the inner one. Where the circles do not meet, the rings press the ball between
-    /// them; where they do, the centrifugal force holds it outward, and with both directions known the balance of forces
-    /// gives the loads and so better radii.
+    /// Computes an initial position from two circles.
+    ///
+    /// The centre of the ball has the distance `L_o` plus the outer deflection from the outer groove centre, and `L_i` plus
+    /// the inner deflection from the inner one. If the circles do not intersect, the rings compress the ball between them.
+    /// If they do, the centrifugal force holds it outward; with both directions known, the balance of forces gives the
+    /// loads and so better radii.
     #[inline(always)]
     pub fn initial_guess<const K: usize>(&self, input: &mut BallInput<T, K>) -> Position<Lanes<T, K>> {
         let constants = &self.constants;
@@ -171,12 +173,12 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let inner_length = Lanes::splat(constants.inner_length) - inner_gap;
         let pressed = pressed_by(approach);
         if !self.inertia.effects().centrifugal {
-            // Pressed by both rings alike, or free in the middle of what room it has.
+            // Compressed by both rings alike, or free in the middle of the clearance.
             let share = approach * Lanes::splat(constants.outer_share);
             return self.position(direction.times(outer_length + share), [share, approach - share], one);
         }
 
-        // A ball that the inner ring does not reach sits at the bottom of the outer race.
+        // Without contact at the inner race the ball is at the bottom of the outer race.
         let out = Plane { r: one, z: zero };
         let inverse_outer = Lanes::splat(T::ONE / constants.outer_stiffness);
         let inverse_inner = Lanes::splat(T::ONE / constants.inner_stiffness);
@@ -193,7 +195,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         }
         let outside_inner_reach =
             reach_length.less_than(Lanes::splat(constants.inner_length) - input.inner_deviation - thickest);
-        // Nothing presses it at all, no ring and no motion: free in the middle of what room it has.
+        // No load at all: the ball is free in the middle of the clearance.
         let idle = approach.less_than(zero).and(alone_deflection.less_than(Lanes::splat(constants.min_length)));
         input.rolling = Lanes::select(outside_inner_reach.or(idle), zero, one);
         let free = direction.times(outer_length + approach * Lanes::splat(constants.outer_share));
@@ -224,7 +226,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         self.position(centre, [outer_deflection, inner_deflection], input.rolling)
     }
 
-    /// The position of a centre given from the outer groove centre.
+    /// Returns the position for a centre given relative to the outer groove centre.
     #[inline(always)]
     fn position<const K: usize>(
         &self,
@@ -242,7 +244,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
 }
 
 impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
-    /// The residual is below `tolerance` times the largest load.
+    /// Returns true for balls whose residual is below `tolerance` times the largest load.
     #[inline(always)]
     pub fn is_converged(&self, tolerance: T) -> Mask<K> {
         let allowed = Lanes::splat(tolerance) * self.largest_load() + Lanes::splat_f64(1e-12);

@@ -1,9 +1,10 @@
-//! The bearing's tangent: the balls eliminated, by implicit differentiation or in the condensed form (`docs/src/models.md#tangent-stiffness`).
+//! Tangent stiffness of the bearing: elimination of the balls by implicit differentiation, or in condensed form
+//! (`docs/src/models.md#tangent-stiffness`).
 //!
-//! A ball gives way as the inner groove centre moves: with `J_o`, `J_i` the slopes of the force on it through the two
-//! contacts, `d(centre) = (J_o + J_i)^-1 J_i d(groove)`. What acts on the ring is a function of both contacts' loads and
-//! angles; its slopes follow by the chain rule. Without inertia loads this is `S_i (S_i + S_o)^-1 S_o`, symmetric; with them
-//! race control makes it slightly not so. The film's dependence on speed is left out of it.
+//! The balls follow the inner groove centre: with `J_o`, `J_i` the derivatives of the force on a ball through the two
+//! contacts, `d(centre) = (J_o + J_i)^-1 J_i d(groove)`. The force on the ring is a function of the loads and angles of
+//! both contacts; the chain rule gives its derivatives. Without inertia loads the result is the symmetric `S_i (S_i +
+//! S_o)^-1 S_o`; race control makes it slightly asymmetric. The dependence of the film on the speed is neglected.
 
 use super::QuasiStatic;
 use super::ball::{Balance, Ball, Matrix};
@@ -23,7 +24,7 @@ use crate::scalar::Scalar;
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>>
     QuasiStatic<T, M, P, I, F, S>
 {
-    /// Reaction in the cage's frame, and its tangent in the fixed one.
+    /// Computes the reaction in the cage frame and its tangent in the fixed frame.
     #[inline(always)]
     pub(super) fn reaction_and_tangent(
         &self,
@@ -41,7 +42,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         (sum.finish(self.inner_arm), tangent.finish(self.inner_arm, turn))
     }
 
-    /// The condensed tangent `sum T_j^T S_i (S_i + S_o)^-1 S_o T_j` in the fixed frame: the inertia loads held constant.
+    /// Computes the condensed tangent `sum T_j^T S_i (S_i + S_o)^-1 S_o T_j` in the fixed frame, at constant inertia loads.
     #[inline(always)]
     pub(super) fn condensed_in_cage(
         &self,
@@ -59,7 +60,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     }
 }
 
-/// `a^-1`, or nothing where `a` holds nothing.
+/// Returns `a^-1`, finite also for a singular matrix.
 #[inline(always)]
 fn inverse<T: Scalar, const K: usize>(a: Matrix<Lanes<T, K>>) -> Matrix<Lanes<T, K>> {
     let (determinant, trace) = (a.determinant(), a.trace());
@@ -81,7 +82,8 @@ fn condensed<T: Scalar>(balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactStif
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
-    /// Slopes of the force on the inner groove (radial, axial, tilting) along its radial and axial displacement.
+    /// Computes the derivatives of the force on the inner groove (radial, axial, tilting) by its radial and axial
+    /// displacement.
     fn tangents(&self, balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactTangent<T>; BLOCK_SIZE] {
         let slopes = balance.slopes(self.inertia.effects());
         // d(centre)/d(groove)
@@ -89,7 +91,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let (e_i, t_i) = (balance.inner.direction, balance.inner.direction.tangent());
         let (e_o, t_o) = (balance.outer.direction, balance.outer.direction.tangent());
         let loaded = balance.loaded_slopes();
-        // Slopes of loads and angles along the ball's centre (outer) and along groove less centre (inner).
+        // Derivatives of loads and angles by the displacement of the ball centre (outer) and by groove less centre (inner).
         let load_i = e_i.times(loaded.1);
         let angle_i = t_i.times(balance.inner.inverse_length);
         let load_o = e_o.times(loaded.0);
@@ -102,7 +104,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let (mut couple_inner, mut couple_outer) = (nothing, nothing);
         if self.inertia.effects().gyroscopic {
             let g = balance.inertia.friction;
-            // Slopes of the friction lambda_i M_g/D.
+            // Derivatives of the friction lambda_i M_g/D.
             let friction_inner =
                 load_i.times(g.value * balance.share_by_inner).plus(angle_i.times(g.inner * balance.inner_share));
             let friction_outer =
@@ -126,7 +128,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     }
 }
 
-/// Slopes of a force and of its couple, ball by ball.
+/// Returns the derivatives of a force and of its couple, ball by ball.
 #[inline(always)]
 pub fn contact_tangents<T: Scalar, const K: usize>(
     force: Matrix<Lanes<T, K>>,

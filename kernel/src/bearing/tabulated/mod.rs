@@ -1,8 +1,8 @@
-//! Rung `tabulated`: the quasi-static physics at a small fixed cost.
+//! Model `tabulated`: the quasi-static model at a small constant cost.
 //!
-//! What one ball does depends on where its groove centres are (two numbers), on speed and on the film. All of it is
-//! sampled once ([`fill_table()`], or constants made ready elsewhere) and interpolated in fixed time. Waviness moves the groove
-//! centres, what damage and waviness add to a contact shortens the approach.
+//! The force of one ball depends on the positions of its groove centres (two numbers), the speed and the film.
+//! [`fill_table`] samples it once, or `ballrace bake` writes it as constants; the hot path interpolates. Waviness moves the
+//! groove centres; damage and waviness of a contact reduce the approach.
 
 pub mod sampling;
 mod table;
@@ -26,84 +26,84 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 use core::marker::PhantomData;
 
-/// A ball bearing whose balls are looked up. Cost a ball: three square roots, one division, 9 nodes of two or three numbers (18
-/// where the table is of several speeds).
+/// A ball bearing with interpolated ball forces. Cost per ball: three square roots, one division, 9 nodes of two or three
+/// numbers (18 for a table of several speeds).
 ///
-/// Outside of what the table was made for the nearest answer is given, and [`Status::OUT_OF_TABLE`] with it.
+/// Outside the domain of the table the result is that at its boundary, with [`Status::OUT_OF_TABLE`].
 #[derive(Debug, Clone, Copy)]
 pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
     positions: P,
     constants: TableConstants<T>,
     table: Table<T, A, F>,
-    /// Of the outer ring over the inner, or the other way where the inner ring stands.
+    /// True if the table is over the speed of the outer ring, false for the inner ring.
     by_outer: bool,
     surface: S,
     math: PhantomData<M>,
 }
 
-/// Most balls that go through a stage together: each ball is a long chain of dependent operations, and a desktop processor
-/// works at several only where they are near in the code.
+/// Largest number of balls evaluated together, stage by stage: each ball is a chain of dependent operations, which a
+/// desktop processor overlaps only if they are close together in the code.
 const MAX_STAGED: usize = 4 * BLOCK_SIZE;
 
-/// What is the same for all balls of one evaluation.
+/// Values common to all balls of one evaluation.
 struct Evaluation<'a, T, const F: usize> {
     speed: AtSpeed<T>,
     rows: Rows<'a, T, F>,
-    /// The displacement with its tilt as axial displacement at the radius of the lever arm.
+    /// Displacement with tilts multiplied by the lever arm.
     rim: Displacement<T>,
     at: &'a BearingKinematicState<T>,
-    /// From the outer to the inner groove centres where the rings just touch the balls, m.
+    /// Vector from the outer to the inner groove centres with the rings just touching the balls, m.
     rest: Plane<T>,
 }
 
-/// Where balls are, as the table asks for it.
+/// Coordinates of balls in the table.
 #[derive(Clone, Copy)]
 struct TableQuery<L> {
-    /// Along the line of groove centres, and its inverse length.
+    /// Direction of the line of groove centres, and its inverse length.
     line: Plane<L>,
     inverse_length: L,
     /// Signed square root of the approach.
     root: L,
 }
 
-/// What the table says of balls.
+/// Interpolated contacts of balls.
 #[derive(Clone, Copy)]
 struct BallContacts<L> {
-    /// 0 in a gap, N.
+    /// Load, N; 0 in a gap.
     load: L,
-    /// Along the contact; cosine and sine of the turn from the line to it.
+    /// Direction of the contact; cosine and sine of the angle from the line of groove centres to it.
     contact: Plane<L>,
     turn: Plane<L>,
     friction: L,
 }
 
-/// Balls looked up side by side.
+/// Query and interpolated contacts of balls.
 struct Lookup<L, T> {
     query: TableQuery<L>,
     contacts_of_balls: BallContacts<L>,
-    /// The sign bit is set outside of the table.
+    /// The sign bit is set outside the domain of the table.
     inside: T,
 }
 
-/// `BLOCK_SIZE` of the balls that are staged together; what wide registers write comes first, within cache lines.
+/// One block of the balls that are evaluated together; SIMD stores come first, within cache lines.
 #[repr(C)]
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 struct StagedBlock<'a, T> {
     line: Plane<Lanes<T, BLOCK_SIZE>>,
     root: Lanes<T, BLOCK_SIZE>,
     positions: &'a [ElementPosition<T>; BLOCK_SIZE],
-    /// How many of them were in the part before.
+    /// Number of them that the block before also contains.
     overlap: usize,
 }
 
-/// What a stage has to say of each part.
+/// Result of a stage for each block.
 type Staged<X> = [Option<X>; MAX_STAGED / BLOCK_SIZE];
 
-/// Written within cache lines, as [`CellPositions`].
+/// A value aligned to cache lines, as [`CellPositions`].
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 struct Aligned<X>(X);
 
-/// Nothing yet. One by one, so that nothing but the marks is written.
+/// Returns stages without results. Element by element, so that only the discriminants are written.
 #[inline(always)]
 const fn empty_stages<X>() -> Staged<X> {
     [None, None, None, None]
@@ -112,12 +112,13 @@ const fn empty_stages<X>() -> Staged<X> {
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
     Tabulated<T, M, P, A, F>
 {
-    /// From numbers made ready: no arithmetic. `by_outer` where the table's speed is the outer ring's.
+    /// Creates the bearing from precomputed constants, without arithmetic. `by_outer` is true if the table is over the
+    /// speed of the outer ring.
     pub const fn new(positions: P, constants: TableConstants<T>, table: Table<T, A, F>, by_outer: bool) -> Self {
         Self { positions, constants, table, by_outer, surface: Smooth, math: PhantomData }
     }
 
-    /// The same bearing with waviness or damage.
+    /// Returns the bearing with surface deviations.
     pub fn with_surface<S: Surface<T>>(self, surface: S) -> Tabulated<T, M, P, A, F, S> {
         let Self { positions, constants, table, by_outer, math, .. } = self;
         Tabulated { positions, constants, table, by_outer, surface, math }
@@ -127,12 +128,12 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, S: Surface<T>, const F: usize>
     Tabulated<T, M, P, A, F, S>
 {
-    /// The table, for those who write it out.
+    /// Returns the table.
     pub fn table(&self) -> &Table<T, A, F> {
         &self.table
     }
 
-    /// What the bearing needs besides.
+    /// Returns the constants besides positions and table.
     pub fn constants(&self) -> &TableConstants<T> {
         &self.constants
     }
@@ -163,7 +164,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         let rest = Plane { r: all(evaluation.rest.r), z: all(evaluation.rest.z) };
         let apart = rest.plus(a);
         let length = apart.dot(apart).sqrt::<M>();
-        // One division for both the direction and the approach.
+        // One division serves direction and approach.
         let both = length + all(constants.distance);
         let inverse = all(T::ONE) / (length * both);
         let inverse_length = inverse * both;
@@ -199,7 +200,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         Contact { radial: force.r, axial: force.z, tilting, load: balls.load }
     }
 
-    /// Balls looked up, and what tells by its sign bits whether they are inside the table.
+    /// Interpolates balls; the sign bit of `inside` is set outside the table.
     #[inline(always)]
     fn lookup<const K: usize>(
         &self,
@@ -213,7 +214,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         Lookup { query, contacts_of_balls: Self::contacts_of_balls(query.line, &fields), inside }
     }
 
-    /// Adds one ball after the other. Gives what tells by its sign bit whether they are inside the table.
+    /// Adds balls one by one. The sign bit of the result is set outside the table.
     #[inline(always)]
     fn add(
         &self,
@@ -231,7 +232,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         inside
     }
 
-    /// Adds the balls from the `begin`-th `BLOCK_SIZE` on, up to `MAX_STAGED` of them together, stage by stage.
+    /// Adds the balls of the blocks from `begin` on, up to `MAX_STAGED` together, stage by stage.
     #[inline(always)]
     fn add_staged(&self, evaluation: &Evaluation<'_, T, F>, begin: usize, sum: &mut WrenchSum<T>) -> T {
         let (mut parts, mut cells, mut contacts) = (empty_stages(), empty_stages(), empty_stages());
@@ -250,7 +251,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
             inside = inside.or_sign(self.table.inside(*root, line.z));
         }
         let mut inside = inside.any_sign();
-        // Asked once: what is in the loop is asked for every ball.
+        // The test is outside the loop over the balls.
         let missing = if self.table.is_of_one_speed() {
             self.interpolate_contacts::<1>(evaluation, &parts, &cells, &mut contacts)
         } else {
@@ -264,8 +265,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         inside
     }
 
-    /// The contacts of balls at their cells in a table of one speed, or mixed from two. Gives what tells by its sign bit whether
-    /// nodes are missing.
+    /// Interpolates contacts in a table of `SPEEDS` speeds. The sign bit of the result is set where nodes are missing.
     #[inline(always)]
     fn interpolate_contacts<const SPEEDS: usize>(
         &self,
@@ -285,7 +285,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         inside
     }
 
-    /// Slopes of the contacts' forces along the radial and axial displacement of the groove centres.
+    /// Returns the derivatives of the contact forces by the radial and axial displacement of the groove centres.
     #[inline(always)]
     fn tangents<const K: usize>(
         &self,
@@ -295,20 +295,20 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         let all = Lanes::<T, K>::splat;
         let Lookup { query, contacts_of_balls, .. } = lookup;
         let [by_sine, by_root] = self.table.slopes(&evaluation.speed, &evaluation.rows, query.line.z, query.root);
-        // d(root)/d(approach) = 1/(2 |root|); where the root is 0 so is what it multiplies.
+        // d(root)/d(approach) = 1/(2 |root|); at the root 0 its factor is 0 too.
         let per_approach = all(T::HALF) / (query.root.abs() + Lanes::splat_f64(1e-9));
         let per_across = query.line.r * query.inverse_length;
         let across = query.line.tangent();
         let zero = all(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
-        // Displacement along the line is approach, across it the angle's sine grows by cos/l.
+        // Displacement along the line changes the approach, across it the sine of the angle by cos/l.
         let slope = |k: usize| match (by_root.get(k), by_sine.get(k)) {
             (Some(&root), Some(&sine)) => query.line.times(root * per_approach).plus(across.times(sine * per_across)),
             _ => nothing,
         };
         let gap = contacts_of_balls.load.less_than(Lanes::splat_f64(f64::MIN_POSITIVE));
         let load = Plane::select(gap, nothing, slope(0).times(Lanes::splat_f64(2.0)));
-        // The contact turns with the line and by d(asin w) = dw/sqrt(1 - w^2).
+        // The contact rotates with the line and by d(asin w) = dw/sqrt(1 - w^2).
         let turning = across.times(query.inverse_length).plus(slope(1).times(all(T::ONE) / contacts_of_balls.turn.r));
         let (e, t) = (contacts_of_balls.contact, contacts_of_balls.contact.tangent());
         // p = Q e - tau t: dp = e dQ + (Q t + tau e) da - t dtau

@@ -1,4 +1,4 @@
-//! Sampling a quasi-static ball into a table. Set-up time, on the desktop.
+//! Sampling of the quasi-static model into a table. For set-up on the desktop.
 
 use super::table::{Axis, Grid, Node};
 use crate::bearing::element_position::ElementLayout;
@@ -9,22 +9,22 @@ use crate::bearing::quasi_static::inertia::Inertia;
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Exact;
 
-/// What a table is made for: the ball's states that it must know, and how finely.
+/// Domain and resolution of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableDomain {
-    /// Least and greatest approach of the rings along the line of groove centres, m; below 0 they leave the ball room.
+    /// Least and greatest approach of the rings along the line of groove centres, m; negative with clearance.
     pub approach: [f64; 2],
     /// Least and greatest angle of that line, rad.
     pub angle: [f64; 2],
-    /// Least and greatest speed, rad/s: of the inner ring, or of the outer where the inner stands.
+    /// Least and greatest speed, rad/s: of the inner ring, or of the outer ring if the inner ring is fixed.
     pub speed: [f64; 2],
-    /// Speed of the inner and the outer ring over that speed: 1 and 0 for a speed_ratios inner ring.
+    /// Speeds of inner and outer ring divided by that speed: 1 and 0 for a rotating inner ring.
     pub speed_ratios: [f64; 2],
-    /// Intervals along approach, angle and speed; none along the speed where it is one, or does not matter.
+    /// Intervals along approach, angle and speed; 0 along the speed for a single speed.
     pub intervals: [usize; 3],
 }
 
-/// Nodes beyond the declared range to either side, so that the ends do not matter.
+/// Nodes beyond the domain on both sides, so that the boundary conditions of the splines do not matter.
 const MARGIN: usize = 4;
 
 fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
@@ -39,10 +39,10 @@ fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
 }
 
 impl TableDomain {
-    /// The table's shape.
+    /// Returns the grid of the table.
     ///
     /// # Errors
-    /// A range that is empty or turned round, too few intervals.
+    /// A range that is empty or reversed, too few intervals.
     pub fn grid(&self) -> Result<Grid<f64>, InvalidParameter> {
         let [low, high] = self.approach;
         check(low < high, "approach", low, "below the greatest approach")?;
@@ -68,19 +68,19 @@ impl TableDomain {
 }
 
 impl Grid<f64> {
-    /// Nodes in all.
+    /// Returns the number of nodes.
     #[must_use]
     pub fn len(&self) -> usize {
         self.approach.count * self.angle.count * self.speed.count
     }
 
-    /// A grid always has nodes.
+    /// Returns false: a grid always has nodes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The same in another precision.
+    /// Returns the grid in another precision.
     #[must_use]
     pub fn rounded<T: crate::Scalar>(&self) -> Grid<T> {
         let axis = |a: &Axis<f64>| Axis {
@@ -97,9 +97,9 @@ fn coordinate(axis: &Axis<f64>, i: usize) -> f64 {
     axis.origin + i as f64 / axis.density
 }
 
-/// Fills `nodes` (as many as the grid has; what is beyond is left alone) from the bearing's balls.
+/// Fills `nodes` (as many as the grid has; further ones stay unchanged) from the balls of the bearing.
 ///
-/// Returns how many nodes within the range did not settle.
+/// Returns the number of nodes within the domain that did not converge.
 pub fn fill_table<P, I, L, S, const F: usize>(
     bearing: &QuasiStatic<f64, Exact, P, I, L, S>,
     domain: &TableDomain,
@@ -115,7 +115,7 @@ where
     let mut open = 0;
     let rows = nodes.chunks_mut(grid.approach.count).enumerate().take(grid.angle.count * grid.speed.count);
     for (r, row) in rows {
-        // What a ball does is the same whichever way it turns.
+        // The force of a ball does not depend on the sense of rotation.
         let speed = coordinate(&grid.speed, r / grid.angle.count).abs();
         let sin = coordinate(&grid.angle, r % grid.angle.count).clamp(-0.999, 0.999);
         let at = BearingKinematicState {
@@ -138,7 +138,7 @@ where
     open
 }
 
-/// From values at the nodes to coefficients of the splines that go through them, along approach and angle.
+/// Converts values at the nodes to the coefficients of interpolating splines along approach and angle.
 fn prefilter<const F: usize>(grid: &Grid<f64>, nodes: &mut [Node<f64, F>]) {
     let (nx, na, nv) = (grid.approach.count, grid.angle.count, grid.speed.count);
     for row in 0..na * nv {
@@ -151,10 +151,10 @@ fn prefilter<const F: usize>(grid: &Grid<f64>, nodes: &mut [Node<f64, F>]) {
     }
 }
 
-/// Solves `(c[k-1] + 6 c[k] + c[k+1])/8 = f[k]` in place along one line of nodes: one recursion up, one down.
+/// Solves `(c[k-1] + 6 c[k] + c[k+1])/8 = f[k]` in place along one line of nodes by two recursions.
 ///
-/// The ends are taken as constant beyond; the margin keeps what that does away from the declared range. Source: Unser,
-/// Splines: a perfect fit for signal and image processing (1999).
+/// Values beyond the ends are taken as constant; the margin keeps the effect outside the domain. Source: Unser, Splines: a
+/// perfect fit for signal and image processing (1999).
 fn interpolation_coefficients<const F: usize>(nodes: &mut [Node<f64, F>], start: usize, stride: usize, count: usize) {
     /// sqrt(8) - 3
     const POLE: f64 = -0.171_572_875_253_809_9;

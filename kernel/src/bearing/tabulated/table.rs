@@ -1,46 +1,46 @@
-//! What one ball does to the inner ring, as a table over where its groove centres are and how fast the rings turn.
+//! Table of the force of one ball over the positions of its groove centres and the speed.
 //!
-//! Smooth quantities are stored, not the force: the load of the inner contact (below 0 where there is a gap), the sine of
-//! the angle from the line of groove centres to the contact, and the friction. They are interpolated by quadratic
-//! B-splines along the approach and the contact angle, linearly along the speed: continuous with their slopes where
-//! contact begins and ends. Approach is stored over its signed square root, because a ball that the centrifugal force
-//! wedges between both races moves sideways by the root of what the rings leave it, and because over it the load of Hertz is
-//! a cubic, smooth also where contact begins.
+//! The table stores smooth quantities instead of the force: the load of the inner contact (negative in a gap), the sine of
+//! the angle from the line of groove centres to the contact, and the friction. Interpolation uses quadratic B-splines along
+//! approach and contact angle and is linear along the speed; results and their derivatives are continuous where contact
+//! begins and ends. The coordinate of the approach is its signed square root: a ball wedged between both races by the
+//! centrifugal force moves sideways by the root of the clearance, and the Hertz load is a cubic of the root, smooth also at
+//! the begin of contact.
 
 use crate::lanes::{Lanes, LatticeIndices};
 use crate::scalar::{LatticeIndex, Scalar};
 
-/// One entry of the table: half the load (N; twice a positive part needs no branch), sine of the turn, and with `F = 3` the
-/// friction, which is 0 at the inner contact where there is no gyroscopic moment or the outer race carries it all. With
-/// `F = 4` the last number is 0 and means nothing: processors with registers of four numbers take a node in one.
+/// One node: half the load (N; twice the positive part needs no branch), the sine of the angle to the contact, and with `F
+/// = 3` the friction at the inner contact (0 without gyroscopic moment, or if the outer race carries all of it). With `F =
+/// 4` the last number is unused: SIMD registers of four numbers load such a node at once.
 pub type Node<T, const F: usize> = [T; F];
 
-/// One coordinate: how many nodes, and where `x` lies among them.
+/// One coordinate of a grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis<T> {
-    /// Nodes.
+    /// Number of nodes.
     pub count: usize,
     /// Coordinate of node 0.
     pub origin: T,
     /// Nodes per unit.
     pub density: T,
-    /// Least and greatest declared coordinate.
+    /// Least and greatest coordinate of the domain.
     pub range: [T; 2],
 }
 
-/// The table's shape; the nodes are stored apart, the approach running fastest, then the angle, then the speed.
+/// Grid of a table. The nodes are stored separately: the approach varies fastest, then the angle, then the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid<T> {
     /// Signed square root of the approach, sqrt(m).
     pub approach: Axis<T>,
     /// Sine of the angle of the line of groove centres.
     pub angle: Axis<T>,
-    /// rad/s.
+    /// Speed, rad/s.
     pub speed: Axis<T>,
 }
 
 impl<T: Scalar> Axis<T> {
-    /// Not below 0 within the range.
+    /// Returns a number that is not negative within the range.
     #[inline(always)]
     fn inside<const K: usize>(&self, x: Lanes<T, K>) -> Lanes<T, K> {
         let [low, high] = self.range;
@@ -52,7 +52,7 @@ impl<T: Scalar> Axis<T> {
         (x - Lanes::splat(self.origin)) * Lanes::splat(self.density)
     }
 
-    /// The first of the three nodes around each `x`, and how far it lies from half before to half after the middle one.
+    /// Returns the first of the three nodes around each `x`, and the distance from the lower boundary of the middle cell.
     #[inline(always)]
     fn around<const K: usize>(&self, x: Lanes<T, K>, last: LatticeIndex<T>) -> (LatticeIndices<T, K>, Lanes<T, K>) {
         let coordinate = self.coordinate(x) - Lanes::splat(T::HALF);
@@ -60,13 +60,13 @@ impl<T: Scalar> Axis<T> {
         (first, coordinate - first.numbers)
     }
 
-    /// The last of the nodes that are the first of three.
+    /// Returns the last node that is the first of three.
     #[inline(always)]
     fn last(&self) -> LatticeIndex<T> {
         LatticeIndex::new(self.count.wrapping_sub(3) as u32)
     }
 
-    /// The first of the two nodes around `x` and their weights; of a single node all of it.
+    /// Returns the first of the two nodes around `x` and their weights.
     #[inline(always)]
     fn linear(&self, x: T) -> (u32, [T; 2]) {
         let Lanes([coordinate]) = self.coordinate(Lanes([x]));
@@ -76,7 +76,7 @@ impl<T: Scalar> Axis<T> {
     }
 }
 
-/// What the three nodes around each of `K` balls count along one axis.
+/// Weights of the three nodes around each of `K` balls along one axis.
 #[derive(Debug, Clone, Copy)]
 struct Weights<T, const K: usize> {
     before: Lanes<T, K>,
@@ -85,7 +85,7 @@ struct Weights<T, const K: usize> {
 }
 
 impl<T: Scalar, const K: usize> Weights<T, K> {
-    /// In a quadratic B-spline, of balls that lie `after` from half before to half after the middle node.
+    /// Returns the weights of a quadratic B-spline at the distance `after` from the lower boundary of the middle cell.
     #[inline(always)]
     fn quadratic(after: Lanes<T, K>) -> Self {
         let [half, one] = [T::HALF, T::ONE].map(Lanes::splat);
@@ -94,7 +94,7 @@ impl<T: Scalar, const K: usize> Weights<T, K> {
         Self { before, middle: one - before - after, after }
     }
 
-    /// Slopes of these weights.
+    /// Returns the derivatives of these weights.
     #[inline(always)]
     fn slopes(after: Lanes<T, K>, density: T) -> Self {
         let density = Lanes::splat(density);
@@ -108,9 +108,9 @@ impl<T: Scalar, const K: usize> Weights<T, K> {
     }
 }
 
-/// Places of `K` balls in the table: the first of the nine nodes around each, and what these count.
+/// Cells of `K` balls in the table: the first of the nine nodes around each, and their weights.
 #[derive(Debug, Clone, Copy)]
-// What a wide register writes across two cache lines, and more so across two pages, takes many times as long.
+// SIMD stores across two cache lines, and more so across two pages, take many times as long.
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 pub struct CellPositions<T, const K: usize> {
     by_angle: Weights<T, K>,
@@ -118,8 +118,8 @@ pub struct CellPositions<T, const K: usize> {
     first: [usize; K],
 }
 
-/// The nodes from the first, second and third row of the angle on, as many of each: where there is one of the last there is
-/// one of all.
+/// The nodes from the first, second and third row of the angle on, in slices of equal length: one bounds check serves all
+/// three.
 #[derive(Clone, Copy)]
 pub struct Rows<'a, T, const F: usize> {
     before: &'a [Node<T, F>],
@@ -130,24 +130,24 @@ pub struct Rows<'a, T, const F: usize> {
     last_approach: LatticeIndex<T>,
 }
 
-/// A grid and its nodes.
+/// A grid with its nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Table<T, A, const F: usize> {
     grid: Grid<T>,
     nodes: A,
 }
 
-/// Speed of a call, the same for all balls.
+/// Speed of one evaluation, common to all balls.
 #[derive(Clone, Copy)]
 pub struct AtSpeed<T> {
-    /// First node of the layer below.
+    /// First node of the lower layer.
     first: u32,
     weights: [T; 2],
     inside: T,
 }
 
 impl<T: Scalar> AtSpeed<T> {
-    /// Its sign bit is set outside of the declared speeds.
+    /// Returns a number whose sign bit is set outside the domain of speeds.
     #[inline(always)]
     pub(super) fn inside(&self) -> T {
         self.inside
@@ -155,19 +155,19 @@ impl<T: Scalar> AtSpeed<T> {
 }
 
 impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
-    /// From a grid and as many nodes as it has.
+    /// Creates the table from a grid and its nodes.
     ///
-    /// Fewer nodes are no error of the hot path: what is missing reads as 0 and is flagged as outside.
+    /// Missing nodes read as 0 and are flagged as outside the domain.
     pub const fn new(grid: Grid<T>, nodes: A) -> Self {
         Self { grid, nodes }
     }
 
-    /// Shape of the table.
+    /// Returns the grid.
     pub fn grid(&self) -> &Grid<T> {
         &self.grid
     }
 
-    /// The nodes, ready for interpolation.
+    /// Returns the spline coefficients.
     pub fn nodes(&self) -> &[Node<T, F>] {
         self.nodes.as_ref()
     }
@@ -180,20 +180,20 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         AtSpeed { first: layer.wrapping_mul(self.layer()), weights, inside }
     }
 
-    /// Nodes of one speed.
+    /// Returns the number of nodes per speed.
     #[inline(always)]
     fn layer(&self) -> u32 {
         (self.grid.approach.count as u32).wrapping_mul(self.grid.angle.count as u32)
     }
 
-    /// The sign bit is set where signed roots `x` of the approach or sines `sin` of the angle are outside of the declared
-    /// ranges; the speed has its own ([`AtSpeed::inside`]).
+    /// Returns a number whose sign bit is set where signed roots `x` of the approach or sines `sin` of the angle are
+    /// outside the domain; [`AtSpeed::inside`] tests the speed.
     #[inline(always)]
     pub(super) fn inside<const K: usize>(&self, x: Lanes<T, K>, sin: Lanes<T, K>) -> Lanes<T, K> {
         self.grid.approach.inside(x).or_sign(self.grid.angle.inside(sin))
     }
 
-    /// Where balls are in the table, from sines of the angle and signed roots `x` of the approach.
+    /// Returns the cells of balls from sines of the angle and signed roots `x` of the approach.
     #[inline(always)]
     pub(super) fn cells<const K: usize>(
         &self,
@@ -210,10 +210,10 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         }
     }
 
-    /// The nodes as balls are looked up in them.
+    /// Returns the nodes by rows.
     #[inline(always)]
     pub(super) fn rows<'a>(&'a self) -> Rows<'a, T, F> {
-        // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
+        // Indices of 32 bits cannot overflow on 64 bits: one comparison per ball suffices.
         let (angle, approach) = (&self.grid.angle, &self.grid.approach);
         let length = LatticeIndex::new(approach.count as u32);
         let row = length.count as usize;
@@ -225,14 +225,14 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         Rows { before, middle, after, length, last_angle: angle.last(), last_approach: approach.last() }
     }
 
-    /// Whether it is of one speed.
+    /// Returns true for a table of one speed.
     #[inline(always)]
     pub(super) fn is_of_one_speed(&self) -> bool {
         self.grid.speed.count == 1
     }
 
-    /// The quantities at `cells` of a table of one speed, mixed from two, or (0) as the table is, and the sign bit set where
-    /// nodes are missing; 0 of balls before `overlap`.
+    /// Interpolates the quantities at `cells` in a table of `SPEEDS` speeds, or (0) of any number; the sign bit of the
+    /// second result is set where nodes are missing. Balls before `overlap` give 0.
     #[inline(always)]
     pub(super) fn fields<const SPEEDS: usize, const K: usize>(
         &self,
@@ -255,7 +255,7 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         (transposed(&nodes), missing)
     }
 
-    /// Slopes of the quantities along sines `sin` of the angle and signed roots `x` of the approach.
+    /// Returns the derivatives of the quantities by the sine of the angle and the signed root of the approach.
     #[inline(always)]
     pub(super) fn slopes<const K: usize>(
         &self,
@@ -274,8 +274,8 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         [self.fields::<0, K>(at, rows, &across, 0).0, self.fields::<0, K>(at, rows, &along, 0).0]
     }
 
-    /// Weighted sum of the nodes around ball `i` in each of the two layers about the speed, or in the one; nothing where they
-    /// end before.
+    /// Returns the weighted sum of the nodes around ball `i`, of both speed layers where there are two, or `None` past the
+    /// end.
     #[inline(always)]
     fn value<const SPEEDS: usize, const K: usize>(
         &self,
@@ -296,20 +296,20 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
 }
 
 impl<T: Scalar, const F: usize> Rows<'_, T, F> {
-    /// Weighted sum of the nine nodes of one speed from `first` on; nothing where the table ends before them.
+    /// Returns the weighted sum of the nine nodes of one speed from `first` on, or `None` past the end.
     #[inline(always)]
     fn weighted_sum<const K: usize>(&self, first: u32, cells: &CellPositions<T, K>, i: usize) -> Option<Node<T, F>> {
-        // From 32 bits, so that on 64 nothing overflows and one comparison a ball is enough.
+        // Indices of 32 bits cannot overflow on 64 bits: one comparison per ball suffices.
         let first = first as usize;
         let three = first..first.wrapping_add(3);
-        // Read here, where the compiler knows `i`: the closure may become a function of its own.
+        // Read outside the closure, which the compiler may not inline.
         let [by_angle, by_approach] = [cells.by_angle.of(i), cells.by_approach.of(i)];
         let along = |nodes: &[Node<T, F>]| Some(combined(by_approach, *nodes.get(three.clone())?.first_chunk()?));
         Some(combined(by_angle, [along(self.before)?, along(self.middle)?, along(self.after)?]))
     }
 }
 
-/// Quantity by quantity instead of ball by ball.
+/// Returns the values by quantity instead of by ball.
 #[inline(always)]
 pub(super) fn transposed<T: Scalar, const F: usize, const K: usize>(balls: &[Node<T, F>; K]) -> [Lanes<T, K>; F] {
     let mut fields = [Lanes::splat(T::ZERO); F];
@@ -321,7 +321,7 @@ pub(super) fn transposed<T: Scalar, const F: usize, const K: usize>(balls: &[Nod
     fields
 }
 
-/// Sum of nodes times weights.
+/// Returns the sum of nodes times weights.
 #[inline(always)]
 fn combined<T: Scalar, const F: usize, const W: usize>(weights: [T; W], nodes: [Node<T, F>; W]) -> Node<T, F> {
     let mut sum = [T::NEGATIVE_ZERO; F];

@@ -67,7 +67,7 @@ fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
 fn law(stiffness: f64, exponent: f64) -> (&'static str, String) {
     let stiffness = stiffness as f32;
     match build::Exponent::of(exponent) {
-        build::Exponent::Point => ("PointContactLaw<f32>", format!("Point {{ stiffness: {stiffness:?} }}")),
+        build::Exponent::Point => ("PointContactLaw<f32>", format!("PointContactLaw {{ stiffness: {stiffness:?} }}")),
         build::Exponent::Line => ("LineContactLaw<f32>", format!("LineContactLaw {{ stiffness: {stiffness:?} }}")),
         build::Exponent::Other => {
             ("PowerLaw<f32>", format!("PowerLaw {{ stiffness: {stiffness:?}, exponent: {:?} }}", exponent as f32))
