@@ -49,7 +49,7 @@ const FAREWELL: Duration = Duration::from_millis(500);
 /// Longest time for which the twin works at once.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// What was asked of a monitor.
+/// Options of a monitor.
 pub struct Options<'a> {
     /// Where samples come from.
     pub source: Address,
@@ -59,7 +59,7 @@ pub struct Options<'a> {
     pub duration: Option<f64>,
     /// Where its state is kept.
     pub state: Option<&'a Path>,
-    /// Whom it tells.
+    /// Outputs.
     pub outputs: &'a out::RequestedOutputs,
     /// Ask for real-time scheduling and locked memory.
     pub realtime: bool,
@@ -67,7 +67,7 @@ pub struct Options<'a> {
     pub core: Option<usize>,
     /// Who looks on.
     pub view: Option<Shared>,
-    /// What holds for any replay.
+    /// Options of the replay.
     pub replay: replay::Options<'a>,
 }
 
@@ -193,7 +193,7 @@ fn first_rate(
     }
 }
 
-/// What the reader found; none where it waits for standard input for ever.
+/// Result of the reader; `None` while it waits for standard input.
 fn flaws(end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Result<Option<Vec<FlawSummary>>> {
     let since = Instant::now();
     while !end.is_finished() && since.elapsed() < FAREWELL {

@@ -1,4 +1,4 @@
-//! What the system lets a program have that must not be late.
+//! Real-time scheduling, locked memory and processor affinity.
 
 /// Priority among the real-time threads: above the ordinary, below the kernel's own.
 #[cfg(target_os = "linux")]
@@ -55,7 +55,7 @@ fn only_on(core: usize) -> String {
     }
 }
 
-/// Elsewhere there is nothing to ask for, which is said where it was wanted.
+/// Reports that other systems have no real-time scheduling.
 #[cfg(not(target_os = "linux"))]
 #[must_use]
 pub fn ask(realtime: bool, core: Option<usize>) -> String {

@@ -25,18 +25,18 @@ pub struct EffectSignificance {
     pub bearing: String,
     /// `centrifugal`, `gyroscopic`, `film`, `contact-angle` or `moving-balls`.
     pub effect: &'static str,
-    /// What the force changes by when the effect is left out, over the force.
+    /// Change of force without the effect, over the force.
     pub change: f64,
     /// Whether the scene's model has it.
     pub modelled: bool,
-    /// What it comes from, in words.
+    /// Cause of the change.
     pub because: String,
     /// Point of a sweep at which the change is largest, such as `shaft.speed = 6000 rpm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<String>,
 }
 
-/// An error of force that is warned of where nobody says what is good enough.
+/// Default of the acceptable error of force.
 pub const GOOD_ENOUGH: f64 = 0.01;
 /// Rest positions over a ball pitch.
 const PITCH_SAMPLES: u32 = 16;
@@ -47,10 +47,10 @@ const FILM_ROUNDS: usize = 8;
 /// Secants at most.
 const SECANTS: usize = 12;
 
-/// Of every bearing where the rotor rests at its nominal speed.
+/// Returns the significance of each effect on every bearing at the rotor's equilibrium at nominal speed.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<EffectSignificance>> {
     let mut all = Vec::new();
     for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
@@ -60,10 +60,10 @@ pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<EffectSignificance>> 
     Ok(all)
 }
 
-/// Of every bearing: where the rotor rests, or, without a rotor, under the preload.
+/// Returns the significance of each effect on every bearing: at the rotor's equilibrium, or without a rotor under the preload.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn of_scene(scene: &Scene) -> Result<Vec<EffectSignificance>> {
     if scene.rotor.is_some() || scene.system.is_some() {
         return at_rest(scene, &Plant::try_new(scene)?);
@@ -77,10 +77,10 @@ pub fn of_scene(scene: &Scene) -> Result<Vec<EffectSignificance>> {
     Ok(all)
 }
 
-/// Of one bearing whose rings stand `u` apart besides its preload; none where nothing is loaded.
+/// Returns the significance of each effect on one bearing displaced by `u` besides its preload; empty without load.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn of_bearing(
     scene: &Scene,
     of: &BearingScene,
@@ -165,7 +165,7 @@ pub fn of_bearing(
         ),
         entry("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
     ];
-    // What is no number cannot be told.
+    // A NaN has no meaningful value.
     Ok(inertial.into_iter().chain(film).chain(geometric).filter(|entry| entry.change.is_finite()).collect())
 }
 
@@ -234,7 +234,7 @@ struct Ball {
     /// rad, and where the line of groove centres pointed before anything moved.
     angle: f64,
     free_angle: f64,
-    /// Of both contacts together, m.
+    /// Approach of both contacts together, m.
     approach: f64,
     /// Distances of the ball's centre from the groove centres, m.
     lengths: [f64; 2],
@@ -247,7 +247,7 @@ struct Ball {
 struct Balls(Vec<Ball>);
 
 impl Balls {
-    /// Where the rings' groove centres stand `u` apart: the closed form of balls without inertia.
+    /// Computes the balls for the ring displacement `u` by the closed form without inertia.
     fn new(of: &BearingScene, g: &BallBearingGeometry, at: &BearingKinematicState<f64>, u: &Displacement<f64>) -> Self {
         let constants = [g.contact(Race::Inner).stiffness, g.contact(Race::Outer).stiffness, g.stiffness()];
         let (free_angle, rest) = match of.facing {
@@ -304,7 +304,7 @@ impl Balls {
         }
     }
 
-    /// What changes when all contact angles are held at `fixed`, over the force.
+    /// Returns the change of force with all contact angles fixed at `fixed`, over the force.
     fn held_angle(&self, fixed: f64, force: f64) -> f64 {
         size(self.sum(|ball| {
             let off = ball.angle - fixed;
@@ -369,7 +369,7 @@ impl Ball {
     }
 }
 
-/// What the balls' motion does.
+/// Inertia forces of the balls.
 struct Inertia {
     mass: f64,
     diameter: f64,

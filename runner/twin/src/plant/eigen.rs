@@ -37,7 +37,7 @@ pub enum EigenvalueError {
     NotConverged {
         /// Rows of the matrix.
         order: usize,
-        /// Of all attempts together.
+        /// Counters of all attempts together.
         iterations: usize,
     },
 }
@@ -124,7 +124,7 @@ mod tests {
             for (i, square) in squares.iter().enumerate() {
                 let expected = square.sqrt();
                 let error = (found[squares.len() + i] - Complex::new(0.0, expected)).norm();
-                // Against the largest eigenvalue, as the doc comment says.
+                // Relative to the largest eigenvalue, as documented.
                 let largest = squares.last().unwrap().sqrt();
                 assert!(error < 1e-12 * largest, "{decades}: {} {expected}", found[squares.len() + i]);
             }

@@ -37,7 +37,7 @@ pub const SPEED_MARGIN: f64 = 3.0;
 /// No rolling bearing turns faster, rad/s: 1e6 rpm.
 const FASTEST: f64 = 1.05e5;
 
-/// Why the shaft's angle cannot be told.
+/// Error returned when the shaft angle cannot be determined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RotationError {
     /// No pulse at all.
@@ -120,7 +120,7 @@ enum Source {
     Scene(SceneSpeed),
 }
 
-/// What the shaft does at a sample.
+/// Motion of the shaft at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Motion {
     total: Total,

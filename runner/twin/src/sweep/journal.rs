@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// First line of a journal.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Head {
-    /// Of scene, axes and what is measured.
+    /// Identity of scene, axes and options.
     sweep: String,
 }
 
@@ -20,11 +20,11 @@ struct Head {
 pub struct Journal {
     file: File,
     path: PathBuf,
-    /// What it holds already, by the chain's number.
+    /// Stored chains by their number.
     pub done: BTreeMap<usize, Chain>,
 }
 
-/// What a journal holds.
+/// Content of a journal.
 ///
 /// # Errors
 /// A file that cannot be read, that is none, or that belongs to another sweep.

@@ -32,7 +32,7 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// Of a sample.
+    /// Data of a sample.
     pub(super) const fn sample(index: u64) -> Self {
         Self { index, fraction: 0.0 }
     }

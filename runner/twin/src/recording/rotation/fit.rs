@@ -36,7 +36,7 @@ pub(super) struct Fit {
     at_pulse: f64,
     slope: f64,
     bend: f64,
-    /// Of the residuals, in samples; 0 when there are none.
+    /// Correlation length of the residuals, in samples; 0 without residuals.
     scatter: f64,
 }
 

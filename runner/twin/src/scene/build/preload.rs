@@ -1,4 +1,4 @@
-//! How a bearing turns at one instant, where it settles under a load, and its preload.
+//! Kinematic state of a bearing at one instant, equilibrium under a load, preload.
 
 use super::{AnyBearing, BuildError, Shared, geometry};
 use crate::scene::{Bearing as BearingScene, Facing, Preload, Scene};
@@ -10,7 +10,7 @@ use ballrace::rotor::{
 use ballrace::{BearingKinematicState, Displacement, Phase, Scalar, Stiffness};
 use std::sync::Arc;
 
-/// A bearing that stands displaced by its preload before anything moves.
+/// A bearing displaced by its preload.
 struct Preloaded<T> {
     bearing: AnyBearing<T>,
     offset: Displacement<T>,
@@ -38,7 +38,7 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
     }
 }
 
-/// What a bearing sees at `time` of the scene, from angle 0 at time 0.
+/// Returns the kinematic state of a bearing at `time` of the scene, from angle 0 at time 0.
 ///
 /// # Errors
 /// As [`kinematics`](super::kinematics).
@@ -95,7 +95,7 @@ pub fn preload_offset(
     }
 }
 
-/// Where the inner ring settles under `load` (N, N m), the outer ring held.
+/// Returns the equilibrium of the inner ring under `load` (N, N m) with a fixed outer ring.
 ///
 /// # Errors
 /// None that a finite load can cause.

@@ -89,14 +89,14 @@ pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
     node.table(&KEYS)
 }
 
-/// What a bearing is computed with, which decides the keys that it needs and refuses.
+/// Input of a bearing's model, which determines required and rejected keys.
 #[derive(Clone, Copy, PartialEq)]
 enum RequiredInput {
     /// The closed form of the angular model, and whatever else needs a free contact angle.
     ContactAngle,
     /// The law of the lumped model.
     Law,
-    /// Nothing: geometry, where it is given, only tells the speeds of balls and cage.
+    /// None: a given geometry only defines the speeds of balls and cage.
     Nothing,
 }
 
