@@ -1,7 +1,7 @@
 //! The monitor: samples from a source, in real time, through kernel and twin.
 //!
-//! A thread reads the source into a ring; the loop wakes at absolute times, takes what is due, and tells seconds and events
-//! to whom they were promised.
+//! A thread reads the source into a ring buffer; the loop wakes at absolute times, processes the samples that are due, and
+//! passes indicators and events to the outputs.
 //!
 //! With a state, the order of writing makes every second and every limit event appear once, whenever the process is killed:
 //! first the indicators, then the state with the positions of indicators and limits and with the new event lines, then
@@ -99,7 +99,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         Ok(())
     });
     let Some(rate) = rate? else { bail!("{}: stopped before a sample came", options.source) };
-    let scheduling = realtime::ask(options.realtime, options.core);
+    let scheduling = realtime::request(options.realtime, options.core);
     let mut replay = Replay::try_new(scene, rate, &options.replay)?;
     let average = u64::from(recording.average);
     if let Some(limits) = &before.limits {

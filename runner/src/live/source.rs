@@ -1,6 +1,6 @@
 //! The reader's thread: rows from a file, from standard input or from a socket into the ring.
 //!
-//! What can wait (a file, a pipe, a TCP connection) waits while the ring is full. Datagrams cannot; what finds no room is
+//! Files, pipes and TCP connections block while the ring buffer is full. Datagrams cannot; those without room are
 //! dropped and counted. A TCP source that goes away may come back, and it or another one goes on. A connection that does not
 //! begin as a source does, or that has another sampling rate, is refused.
 

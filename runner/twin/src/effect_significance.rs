@@ -1,14 +1,14 @@
-//! What a scene needs: each effect's change of the bearing's force, predicted from the static load of every ball
-//! (`docs/src/models.md#effect-significance`), and whether the scene's model has it.
+//! Effect significance: predicted change of the bearing's force by each effect, from the static load of every ball
+//! (`docs/src/models.md#effect-significance`), and whether the scene's model contains the effect.
 //!
-//! A ball that a small force `F` pushes from its place between the races, its groove centres held, moves by
-//! `K x = F` with `K = (k_i + k_o) e e^T + Q (1/l_i + 1/l_o) t t^T`: along the contact by the stiffness of both contacts,
-//! across it by the pull of the load itself. Across, the way is long and stretches the contacts: `Q' = K_n (delta +
-//! x_t^2 (1/l_i + 1/l_o)/2)^1.5`, solved together with `x_t Q' (1/l_i + 1/l_o) = F_t`. What the inner ring feels of it
-//! is told without solving the balls' equilibrium.
+//! With fixed groove centres a small force `F` displaces a ball by `x` with `K x = F` and
+//! `K = (k_i + k_o) e e^T + Q (1/l_i + 1/l_o) t t^T`: along the contact normal `e` the stiffness of both contacts resists,
+//! across it, along `t`, the load itself. The displacement across is large and stretches the contacts: `Q' = K_n (delta +
+//! x_t^2 (1/l_i + 1/l_o)/2)^1.5`, solved together with `x_t Q' (1/l_i + 1/l_o) = F_t`. The change of force on the inner
+//! ring follows without the equilibrium of the balls.
 
 use crate::plant::{Plant, Result};
-use crate::scene::build;
+use crate::scene::build::{self, point_contact_approach, point_contact_load};
 use crate::scene::{Bearing as BearingScene, Effects, Facing, Fit, Model, Preload, Scene};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -265,8 +265,8 @@ impl Balls {
             let axial = rest * free_angle.sin() + u.w + arm * (u.thu * sin - u.thv * cos);
             let apart = radial.hypot(axial);
             let approach = apart - g.groove_distance();
-            let load = constants[2] * approach.max(0.0).powf(1.5);
-            let part = |k: f64| (load / k).powf(2.0 / 3.0);
+            let load = point_contact_load(constants[2], approach);
+            let part = |k: f64| point_contact_approach(k, load);
             Ball {
                 azimuth,
                 load,
@@ -310,8 +310,7 @@ impl Balls {
             let off = ball.angle - fixed;
             let (sin, cos) = off.sin_cos();
             // Only what lies along the held line presses the contacts.
-            let approach = (ball.approach - ball.apart * (1.0 - cos)).max(0.0);
-            let held = ball.constants[2] * approach.powf(1.5);
+            let held = point_contact_load(ball.constants[2], ball.approach - ball.apart * (1.0 - cos));
             let (fixed_sin, fixed_cos) = fixed.sin_cos();
             let along = held - ball.load * cos;
             let across = -ball.load * sin;
@@ -331,7 +330,7 @@ impl Ball {
         let [inner, outer] = [self.constants[0], self.constants[1]].map(|k| k.powf(2.0 / 3.0));
         let pull = self.lengths.iter().map(|l| 1.0 / l).sum::<f64>();
         // x Q'(x) pull = F_t, whose left side grows with x.
-        let load = |x: f64| self.constants[2] * (self.approach + 0.5 * x * x * pull).max(0.0).powf(1.5);
+        let load = |x: f64| point_contact_load(self.constants[2], self.approach + 0.5 * x * x * pull);
         let (mut low, mut high) = (0.0, self.apart);
         for _ in 0..ROUNDS {
             let middle = 0.5 * (low + high);
@@ -362,7 +361,7 @@ impl Ball {
 
     /// Change by films, which press the contacts the more, and are the thinner for it.
     fn film(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>) -> [f64; 2] {
-        let pressed = |load: f64| self.constants[2] * (self.approach + self.films(g, oil, at, load)).max(0.0).powf(1.5);
+        let pressed = |load: f64| point_contact_load(self.constants[2], self.approach + self.films(g, oil, at, load));
         let more = (0..FILM_ROUNDS).fold(self.load, |load, _| pressed(load)) - self.load;
         let (sin, cos) = self.angle.sin_cos();
         [more * cos, more * sin]
@@ -446,8 +445,8 @@ pub fn largest(all: impl IntoIterator<Item = EffectSignificance>) -> Vec<EffectS
     largest
 }
 
-/// What a command says of a scene: which effects are kept, which are left out and what that is predicted to change, and
-/// a warning where that is more than `error`.
+/// Returns lines that list, for each bearing, modelled and neglected effects with their predicted change of force, and a
+/// warning for each neglected effect above `error`.
 #[must_use]
 pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
     let mut names: Vec<&str> = effects.iter().map(|entry| entry.bearing.as_str()).collect();

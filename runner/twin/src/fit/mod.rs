@@ -439,8 +439,8 @@ impl Model<'_> {
     }
 }
 
-/// Of the unknowns, in units of what is plausible: the inverse of what the recording says, by its slopes, over what is left
-/// of the noise's variance and the residual's memory, and of what was believed before.
+/// Returns the covariance of the unknowns in units of their priors: the inverse of the information of the recording, from
+/// the slopes over the variance of the correlated residuals, and of the prior.
 fn covariance(solution: &Solution, model: &Model) -> DMatrix<f64> {
     let normal = solution.jacobian.transpose() * &solution.jacobian;
     let n = solution.jacobian.ncols();

@@ -79,7 +79,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, Eigenvalu
     ATTEMPTS.into_iter().find_map(attempt).ok_or(failed)
 }
 
-/// Returns the size below which an eigenvalue of `all` cannot be told from a double 0: the square root of the error.
+/// Returns the size below which an eigenvalue of `all` is indistinguishable from a double 0: the square root of the error.
 #[must_use]
 pub fn resolution(all: &[Complex<f64>]) -> f64 {
     1e-7 * all.iter().map(|value| value.norm()).fold(0.0, f64::max)

@@ -234,7 +234,7 @@ impl Plant {
         Displacement { u: u.u - outer(0), v: u.v - outer(1), ..u }
     }
 
-    /// What stands for the motion as a whole: that of a rigid rotor's centre of mass, of a given system that of its first
+    /// Motion that represents the whole: that of a rigid rotor's centre of mass; of a given system that of its first
     /// bearing.
     #[must_use]
     pub fn pose(&self, coordinates: &[f64]) -> Displacement<f64> {

@@ -5,7 +5,10 @@ mod error;
 mod lumped;
 mod preload;
 
-pub use balls::{MadeTable, PRESSURE_LIMIT, Solved, inertia_params, quasi_static, solved_in, table};
+pub use balls::{
+    MadeTable, PRESSURE_LIMIT, Solved, inertia_params, point_contact_approach, point_contact_load, quasi_static,
+    solved_in, table,
+};
 pub use error::BuildError;
 pub use lumped::{Exponent, law};
 pub use preload::{loaded, preload_offset, preloaded, rotation_at};

@@ -1,7 +1,7 @@
 //! A scene: the machine as an engineer writes it (TOML with units) and the kernel's parameters made from it.
 //!
 //! [`read`] turns text into the plain SI numbers of this file and refuses what it does not understand;
-//! `build` turns those into kernel types. Nothing else in the runner knows both.
+//! `build` turns those into kernel types. No other module depends on both.
 
 pub mod bounded;
 pub mod build;

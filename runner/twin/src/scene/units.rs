@@ -228,7 +228,7 @@ pub fn length_column(unit: &str) -> Result<f64, Mismatch> {
 }
 
 /// Radians per second in one unit of a recording's column, `rpm` or `rad/s`. `Hz` is refused: turns or radians per
-/// second differ by 2 pi, and nothing in the name says which is meant.
+/// second differ by 2 pi, and the name does not distinguish them.
 pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }

@@ -1,7 +1,7 @@
 //! Fidelity levels of a scene's bearings with their options, each as an edit of the scene's text.
 //!
 //! A candidate is the scene as a user would have written it, read and checked like any other: what the reader or the
-//! kernel refuses is not possible here, and its words say why.
+//! kernel rejects does not apply to the scene; the error states the reason.
 
 use crate::scene::read::read_str;
 use crate::scene::{Bearing, Effects, Linear, Model, Scene};

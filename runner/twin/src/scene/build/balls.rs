@@ -170,6 +170,18 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable, BuildError> 
     Ok(MadeTable { by_outer, grid, nodes, constants, friction })
 }
 
+/// Returns the load of a Hertzian point contact, N: `Q = K delta^1.5`, 0 without contact.
+#[must_use]
+pub fn point_contact_load(stiffness: f64, approach: f64) -> f64 {
+    stiffness * approach.max(0.0).powf(1.5)
+}
+
+/// Returns the approach of a Hertzian point contact under `load`, m: `delta = (Q / K)^(2/3)`.
+#[must_use]
+pub fn point_contact_approach(stiffness: f64, load: f64) -> f64 {
+    (load / stiffness).powf(2.0 / 3.0)
+}
+
 /// Permissible static contact pressure of ball bearings, Pa (ISO 76); the default upper limit of a table.
 pub const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Contact angles to either side of the free one, rad.
@@ -187,7 +199,7 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
     let contact = geometry.contact(Race::Inner);
     let (_, _, pressure) = contact.ellipse(1.0);
     let load = (PRESSURE_LIMIT / pressure).powi(3);
-    let most = (load / geometry.stiffness()).powf(2.0 / 3.0);
+    let most = point_contact_approach(geometry.stiffness(), load);
     let free = if of.facing == Facing::Both { [0.0, geometry.contact_angle] } else { [geometry.contact_angle; 2] };
     let widest = if of.facing == Facing::Both { free[1] + TABLE_ANGLES } else { TABLE_ANGLES };
     let angles = [(free[0] - widest).max(-1.3), (free[1] + TABLE_ANGLES).min(1.3)];

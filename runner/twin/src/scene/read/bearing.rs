@@ -444,7 +444,7 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Optio
     Err(table.missing("cage_ratio", &wants))
 }
 
-/// Along a rigid rotor; on a system the coordinates say where the bearing is.
+/// Reads the station along a rigid rotor; on a system the coordinates define the position.
 fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
     if !on_system {
         return table.quantity("station", Dimension::Length);
