@@ -170,16 +170,16 @@ fn the_observer_is_baked() {
          let gear = SpeedRatios::new(bearing_de::CAGE_RATIO);\n\
          let bearings = [Mounted {{ bearing: bearing_de::bearing(), station: bearing_de::STATION, gear }}, Mounted {{ bearing: bearing_nde::bearing(), station: bearing_nde::STATION, gear }}];\n\
          let step = PERIOD / SUBSTEPS as f32;\n\
-         let observer = Observer {{ machine: Machine {{ rotor, bearings }}, integrator: RungeKutta4 {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, memory: MEMORY, gate: GATE }};\n\
+         let observer = Observer {{ machine: RotorBearingSystem {{ rotor, bearings }}, integrator: RungeKutta4 {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, memory: MEMORY, gate: GATE }};\n\
          let first = READINGS[0]; let _ = first;\n\
          let start = Displacement {{ u: 0.5 * (first[0] + first[2]), v: 0.5 * (first[1] + first[3]), w: first[4], thu: 0.0, thv: 0.0 }};\n\
          let mut state = ObserverState::new(RotorState::at_rest(start, Phase::ZERO, [Phase::ZERO; 2]));\n\
          let mut nis = 0.0;\n\
          for (i, readings) in READINGS.iter().enumerate().skip(1) {{\n\
-         let drive = Drive {{ angle: Phase::from_revolutions((i - 1) as f64 / 256.0), speed: 314.159_27, acceleration: 0.0 }};\n\
+         let drive = ShaftMotion {{ angle: Phase::from_revolutions((i - 1) as f64 / 256.0), speed: 314.159_27, acceleration: 0.0 }};\n\
          let estimate = observer.sample::<Exact>(&mut state, &drive, readings);\n\
          if i > 768 {{ nis += estimate.nis / 255.0; }} }}\n\
-         let at = observer.machine.bearings[0].gear.rotation(state.motion.parts[0], &Drive {{ angle: state.motion.shaft, speed: 314.159_27, acceleration: 0.0 }});\n\
+         let at = observer.machine.bearings[0].gear.rotation(state.motion.parts[0], &ShaftMotion {{ angle: state.motion.shaft, speed: 314.159_27, acceleration: 0.0 }});\n\
          let f = observer.machine.bearings[0].bearing.reaction(&state.motion.displacement().at_station(bearing_de::STATION), &at).wrench.to_array();\n\
          println!(\"{{}},{{}},{{}},{{nis}}\", f[0], f[1], f[2]);\n\
          }}\n"
