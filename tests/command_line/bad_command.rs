@@ -79,7 +79,7 @@ fn model_that_the_scene_does_not_allow() {
 fn replay_without_what_it_needs() {
     let (bare, _) = DEMO_SCENE.split_once("[recording]").unwrap();
     let replay = ["replay", "scene.toml", "--forces", "forces.csv"];
-    desk_with(bare).refused(&replay, 2, &["scene.toml: [recording]: found none, allowed: the table that says which"]);
+    desk_with(bare).refused(&replay, 2, &["scene.toml: [recording]: found none, allowed: the table that defines"]);
     let with_recording = [&replay[..], &["--recording", "healthy.csv"]].concat();
     desk_with(bare).refused(&with_recording, 2, &["scene.toml: [recording]: found none"]);
     let loose = without_rotor();

@@ -113,17 +113,14 @@ fn unknown_key_at_the_top() {
 
 #[test]
 fn missing_key() {
-    refused(
-        scene(&[("mass = \"6 kg\"\n", "")]),
-        &["scene.toml:8: rotor.mass: found no such key in the table rotor, which needs it, allowed: a mass above 0"],
-    );
+    refused(scene(&[("mass = \"6 kg\"\n", "")]), &["scene.toml:8: rotor.mass: missing key, expected a mass above 0"]);
 }
 
 #[test]
 fn missing_table() {
     refused(
         scene(&[("[shaft]\nspeed = \"3000 rpm\"\n", "")]),
-        &["scene.toml:1: shaft: found no such key at the top of the file, which needs it, allowed: a table [shaft]"],
+        &["scene.toml:1: shaft: missing key, expected a table [shaft]"],
     );
 }
 
@@ -200,7 +197,7 @@ fn effects_where_no_model_has_them() {
 #[test]
 fn film_without_oil() {
     let text = scene(&[("model = \"angular\"", "model = \"quasi-static\"\neffects = [\"film\"]")]);
-    refused(text, &["bearing[0].lubricant: found no such key", "viscosity = \"0.04 Pa s\""]);
+    refused(text, &["bearing[0].lubricant: missing key", "viscosity = \"0.04 Pa s\""]);
 }
 
 #[test]

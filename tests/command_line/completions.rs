@@ -60,7 +60,7 @@ fn text_of(roff: &str) -> String {
         .map(|line| line.strip_prefix('.').map_or(line, |request| request.split_once(' ').map_or("", |r| r.1)));
     let text = lines.collect::<Vec<_>>().join(" ");
     let text = ["\\fB", "\\fI", "\\fR"].iter().fold(text, |text, font| text.replace(font, ""));
-    text.replace("\\-", "-").replace("\\(aq", "'").replace("\\&", "").split_whitespace().collect::<Vec<_>>().join(" ")
+    text.replace("\\-", "-").replace("\\*(Aq", "'").replace("\\&", "").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn equilibrium_states_the_angle_of_the_orders_and_that_under_load() {
     let text = desk.done(&args).out;
     let (free_order, loaded_order) = (order(free), order(0.0));
     for part in [
-        format!("free contact angle {:.2} deg: the cage and the orders use it", free.to_degrees()),
+        format!("free contact angle {:.2} deg, used for cage speed and orders", free.to_degrees()),
         format!("outer race {free_order:.3}"),
         "mean angle under load 0.00 deg".to_owned(),
         format!("outer race {loaded_order:.3}"),
@@ -41,6 +41,6 @@ fn a_cage_ratio_of_the_scene_is_stated() {
     desk.put("scene.toml", format!("{RADIAL}cage_ratio = 0.39\n"));
     let args = ["equilibrium", "scene.toml", "--load", "0,-500,0,0,0"];
     let text = desk.done(&args).out;
-    assert!(text.contains("cage_ratio 0.39 of the scene: the cage and the orders use it"), "{text}");
+    assert!(text.contains("cage_ratio 0.39 of the scene, used for cage speed and orders"), "{text}");
     assert!(text.contains("outer race 3.120"), "{text}");
 }

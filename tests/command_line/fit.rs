@@ -60,7 +60,7 @@ fn the_rigs_facts_are_found() {
     }
     // A start that dies out in a tenth of the recording says little of the radial damping, and the report says so.
     let notes = found["notes"].to_string();
-    assert!(notes.contains("damping along X and Y is not told"), "{notes}");
+    assert!(notes.contains("damping along X and Y is not identifiable"), "{notes}");
     let outcome = desk.replay("wrong-fitted.toml", &[]);
     for i in 0..5 {
         // The recording begins with a transient, which a replay does not know: see tests/recordings/README.md.

@@ -161,3 +161,26 @@ pub(super) fn sections(outcome: &Outcome) -> Result<Vec<Section>> {
     let all = REGISTRY.iter().map(section).collect::<Result<Vec<_>>>()?;
     Ok(all.into_iter().filter(|section| !section.pictures.is_empty()).collect())
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_figure_has_a_heading_of_its_own_and_draws_data() {
+        let headings: BTreeSet<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
+        assert_eq!(headings.len(), REGISTRY.len());
+        let sections = sections(&fixture::run_up()).unwrap();
+        let drawn: Vec<&str> = sections.iter().map(|section| section.heading).collect();
+        let registered: Vec<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
+        assert_eq!(drawn, registered, "in the order of the registry");
+    }
+
+    #[test]
+    fn a_figure_without_data_has_no_section() {
+        assert!(sections(&Outcome::default()).unwrap().is_empty());
+    }
+}

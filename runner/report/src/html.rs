@@ -12,7 +12,7 @@ use minijinja::{Environment, Value, context};
 
 const NAME: &str = "report.html";
 const TEMPLATE: &str = include_str!("report.html");
-/// Facts that the page's title says already.
+/// Facts that the title of the page contains.
 const IN_TITLE: [&str; 2] = ["Machine", "Recording"];
 /// Components of a force with their units.
 const COMPONENTS: [(&str, &str); 5] = [("FX", "N"), ("FY", "N"), ("FZ", "N"), ("MX", "N m"), ("MY", "N m")];
@@ -270,7 +270,7 @@ fn galleries(sections: &[Section]) -> Vec<Value> {
     sections.iter().map(gallery).collect()
 }
 
-/// The note of all pictures, when they have the same: it is said once, under the heading.
+/// Returns the note of all pictures where they share it; it is printed once, under the heading.
 fn shared_note(pictures: &[Picture]) -> &str {
     let first = pictures.first().map_or("", |picture| picture.note.as_str());
     if pictures.iter().all(|picture| picture.note == first) { first } else { "" }

@@ -1,6 +1,6 @@
 //! Numbers as people read them: few digits, the same number of decimals down a column, no NaN.
 
-/// What stands where there is no number.
+/// Text of a missing number.
 pub(super) const NONE: &str = "-";
 
 /// Decimals that show a column's largest figure with four digits or so, and much smaller ones still with some.
@@ -26,7 +26,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
         return format!("{value:.2e}");
     }
     let text = format!("{value:.decimals$}");
-    // "-0.00" says a sign that the digits do not show.
+    // "-0.00" has a sign without a significant digit.
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
         _ => text,

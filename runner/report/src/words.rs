@@ -1,4 +1,4 @@
-//! What the page and the terminal say in the same words.
+//! Texts shared by the HTML page and the terminal.
 
 use super::number::{alone, count, counted, fixed};
 use ballrace_twin::replay::findings;
@@ -23,10 +23,10 @@ pub(super) fn kind(kind: FindingKind) -> &'static str {
     }
 }
 
-/// What to do about a limit that was crossed.
+/// Recommended action after a limit was crossed.
 pub(super) const EVENT_ACTION: &str =
     "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
-/// What to do where nothing was found.
+/// Returns the recommended action where there is no finding.
 pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
         return "remove the cause that the verdict states, then measure again.";
@@ -40,11 +40,11 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// What every figure of the page is in.
+/// Units of all numbers on the page.
 pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column says; phase in \
                                 degrees of lag, 0 to 360; frequency in Hz and orders (X)";
 
-/// What to do about a finding, in one sentence.
+/// Returns the recommended action for a kind of finding.
 pub(super) const fn action(kind: FindingKind) -> &'static str {
     match kind {
         FindingKind::OuterRace | FindingKind::InnerRace | FindingKind::Element => {
@@ -60,7 +60,7 @@ pub(super) const fn action(kind: FindingKind) -> &'static str {
     }
 }
 
-/// How far a finding stands out, in a word; it is a level, not a rate of damage.
+/// Returns the severity of a finding as a word; it is a level, not a rate of damage.
 pub(super) fn severity(finding: &Finding) -> &'static str {
     match finding.level_db {
         db if db >= 30.0 => "strong",
@@ -69,7 +69,7 @@ pub(super) fn severity(finding: &Finding) -> &'static str {
     }
 }
 
-/// What a reader wants to know before the figures: name and value.
+/// Returns the facts that precede the figures: name and value.
 pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let record = &outcome.record;
     let mut facts = vec![
@@ -193,7 +193,7 @@ fn condition(observation: &Observation) -> String {
     format!("{number} ({verdict})")
 }
 
-/// What the NRMSE is normalised by: one sentence for all probes, or one for each kind.
+/// Describes the normaliser of the NRMSE: one sentence for all probes, or one for each kind.
 pub(super) fn normaliser(probes: &[ProbeOutcome]) -> String {
     let mut kinds: Vec<&str> =
         probes.iter().map(|probe| probe.nrmse_normaliser.as_str()).filter(|kind| !kind.is_empty()).collect();
@@ -210,7 +210,7 @@ pub(super) fn normaliser(probes: &[ProbeOutcome]) -> String {
     }
 }
 
-/// Contact lost and readings held at one bearing, where there is something to say.
+/// Returns remarks about lost contact and held forces of one bearing.
 pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
     let mut remarks = Vec::new();
     if contact_lost > 0 {

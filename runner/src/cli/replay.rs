@@ -48,7 +48,7 @@ pub struct Args {
 /// Runs the command; returns what the exit code reports.
 ///
 /// # Errors
-/// What is wrong with scene, recording or outputs.
+/// Returns an error if scene, recording or outputs are invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
     let scene = live::scene(args.scene.as_deref())?;
     if args.paced {

@@ -34,7 +34,7 @@ pub struct Args {
 /// Runs the command; returns what the exit code reports.
 ///
 /// # Errors
-/// What is wrong with scene, source or outputs; a standard output that is no terminal.
+/// Returns an error if scene, source or outputs are invalid, or standard output is no terminal.
 pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
     if !std::io::stdout().is_terminal() {
         bail!(UsageError(

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// Interval at which the terminal is checked.
 const INTERVAL: Duration = Duration::from_millis(250);
 
-/// What came from the terminal.
+/// Input from the terminal.
 pub(super) enum Input {
     /// A key was pressed.
     Key(KeyEvent),

@@ -32,7 +32,7 @@ const TWIN: Color = Color::Yellow;
 const ALARM: Color = Color::Red;
 const QUIET: Color = Color::DarkGray;
 
-/// What the keys chose.
+/// Settings chosen by keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Choice {
     probe: usize,
@@ -52,7 +52,7 @@ enum Panel {
     Events,
 }
 
-/// What does not change while it runs.
+/// Data that are constant during a run.
 struct Machine<'a> {
     name: &'a str,
     source: &'a str,

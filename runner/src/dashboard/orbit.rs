@@ -62,7 +62,7 @@ impl Curves {
 fn one(frame: &mut Frame, area: Rect, name: &str, curves: &Curves) {
     let size = format!(" {:.2} um pp ", curves.reach / 0.55);
     let block = panel(format!(" {name} ")).title_bottom(Line::from(size).right_aligned());
-    // A dot of a braille cell is about as high as wide: two across, four down.
+    // A braille cell has two columns and four rows of about square dots.
     let (across, down) =
         (2.0 * f64::from(area.width.saturating_sub(2).max(1)), 4.0 * f64::from(area.height.saturating_sub(2).max(1)));
     let least = across.min(down);

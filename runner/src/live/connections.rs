@@ -18,7 +18,7 @@ const BEGINNING: Duration = Duration::from_secs(2);
 const WAITING: usize = 16;
 /// Longest first line, bytes.
 const LONGEST_LINE: usize = 1 << 16;
-/// Silence after which the system asks whether the other side is there, and the interval of further requests.
+/// Idle time before TCP keep-alive probes, and their interval.
 const KEEPALIVE: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(5));
 
 /// First bytes of a source.
@@ -51,7 +51,7 @@ impl Beginning {
                 };
                 let line = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
                 if line.trim().is_empty() {
-                    // Blank lines may stand before the header.
+                    // Blank lines may precede the header.
                     return Some(Ok(()));
                 }
                 let missing = names.iter().find(|name| !has_name(&line, name.trim()));

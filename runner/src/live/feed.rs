@@ -16,7 +16,7 @@ const BURST: u32 = 10;
 /// Interval at which further events of the same kind are passed on.
 const INTERVAL: Duration = Duration::from_secs(10);
 
-/// What a reader sends.
+/// Message of a reader.
 pub enum Item {
     /// A sample.
     Row(Row),
@@ -33,7 +33,7 @@ pub struct Note {
     pub sentence: String,
 }
 
-/// What a reader counts; all of it may be read at any time.
+/// Counters of a reader; other threads may read them at any time.
 #[derive(Debug)]
 pub struct Counts {
     /// Rows handed on.
@@ -149,7 +149,7 @@ pub fn count(counter: &AtomicU64, by: u64) {
     counter.fetch_add(by, Ordering::Relaxed);
 }
 
-/// Whether the loop wants no more.
+/// Whether the loop has ended.
 pub struct Stopped(Arc<AtomicBool>);
 
 impl Stopped {
@@ -164,7 +164,7 @@ impl Stopped {
 pub struct Sender {
     ring: Producer<Item>,
     spare: Consumer<Row>,
-    /// Of this feed.
+    /// Counters of this feed.
     pub counts: Arc<Counts>,
     stop: Arc<AtomicBool>,
     notes: Notes,
@@ -174,7 +174,7 @@ pub struct Sender {
 pub struct Receiver {
     ring: Consumer<Item>,
     spare: Producer<Row>,
-    /// Of this feed.
+    /// Counters of this feed.
     pub counts: Arc<Counts>,
     stop: Arc<AtomicBool>,
     limiter: Arc<Mutex<EventLimiter>>,
@@ -202,7 +202,7 @@ impl Sender {
         self.spare.pop().unwrap_or_default()
     }
 
-    /// The loop wants no more.
+    /// The loop has ended.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.ring.is_abandoned()

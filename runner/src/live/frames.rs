@@ -162,7 +162,7 @@ pub struct Layout {
 const CHECKSUM: usize = 4;
 
 impl Layout {
-    /// Of a scene's recording; `checked` frames end with their CRC-32.
+    /// Creates the decoder of a scene's recording; `checked` frames end with their CRC-32.
     #[must_use]
     pub fn new(recording: &Recording, checked: bool) -> Self {
         let rotation = match &recording.rotation {

@@ -1,7 +1,7 @@
 //! The monitor: samples from a source, in real time, through kernel and twin.
 //!
-//! A thread reads the source into a ring; the loop wakes at absolute times, takes what is due, and tells seconds and events
-//! to whom they were promised.
+//! A thread reads the source into a ring buffer; the loop wakes at absolute times, processes the samples that are due, and
+//! passes indicators and events to the outputs.
 //!
 //! With a state, the order of writing makes every second and every limit event appear once, whenever the process is killed:
 //! first the indicators, then the state with the positions of indicators and limits and with the new event lines, then
@@ -49,7 +49,7 @@ const FAREWELL: Duration = Duration::from_millis(500);
 /// Longest time for which the twin works at once.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// What was asked of a monitor.
+/// Options of a monitor.
 pub struct Options<'a> {
     /// Where samples come from.
     pub source: Address,
@@ -59,7 +59,7 @@ pub struct Options<'a> {
     pub duration: Option<f64>,
     /// Where its state is kept.
     pub state: Option<&'a Path>,
-    /// Whom it tells.
+    /// Outputs.
     pub outputs: &'a out::RequestedOutputs,
     /// Ask for real-time scheduling and locked memory.
     pub realtime: bool,
@@ -67,7 +67,7 @@ pub struct Options<'a> {
     pub core: Option<usize>,
     /// Who looks on.
     pub view: Option<Shared>,
-    /// What holds for any replay.
+    /// Options of the replay.
     pub replay: replay::Options<'a>,
 }
 
@@ -99,7 +99,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         Ok(())
     });
     let Some(rate) = rate? else { bail!("{}: stopped before a sample came", options.source) };
-    let scheduling = realtime::ask(options.realtime, options.core);
+    let scheduling = realtime::request(options.realtime, options.core);
     let mut replay = Replay::try_new(scene, rate, &options.replay)?;
     let average = u64::from(recording.average);
     if let Some(limits) = &before.limits {
@@ -193,7 +193,7 @@ fn first_rate(
     }
 }
 
-/// What the reader found; none where it waits for standard input for ever.
+/// Result of the reader; `None` while it waits for standard input.
 fn flaws(end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Result<Option<Vec<FlawSummary>>> {
     let since = Instant::now();
     while !end.is_finished() && since.elapsed() < FAREWELL {

@@ -57,7 +57,7 @@ impl Pace {
         BLOCK * self.number
     }
 
-    /// A block's work is done that began at `begun`; `caught_up` says that nothing waits any more.
+    /// Records the end of a block that began at `begun`; `caught_up` reports that no sample waits.
     ///
     /// Until the twin has started and has caught up, nothing is held against it.
     pub fn done(&mut self, begun: Instant, caught_up: bool) {

@@ -1,21 +1,21 @@
-//! What the system lets a program have that must not be late.
+//! Real-time scheduling, locked memory and processor affinity.
 
 /// Priority among the real-time threads: above the ordinary, below the kernel's own.
 #[cfg(target_os = "linux")]
 const PRIORITY: u8 = 50;
 
-/// Asks for first-in-first-out scheduling of this thread, for memory that stays in memory, and for one processor; says what
-/// was given.
+/// Requests first-in-first-out scheduling of this thread, locked memory and one processor, and reports which of them were
+/// granted.
 #[cfg(target_os = "linux")]
 #[must_use]
-pub fn ask(realtime: bool, core: Option<usize>) -> String {
-    let mut said = Vec::new();
+pub fn request(realtime: bool, core: Option<usize>) -> String {
+    let mut results = Vec::new();
     if realtime {
-        said.push(first_in_first_out());
-        said.push(locked_memory());
+        results.push(first_in_first_out());
+        results.push(locked_memory());
     }
-    said.extend(core.map(only_on));
-    if said.is_empty() { "ordinary scheduling".to_owned() } else { said.join("; ") }
+    results.extend(core.map(only_on));
+    if results.is_empty() { "ordinary scheduling".to_owned() } else { results.join("; ") }
 }
 
 #[cfg(target_os = "linux")]
@@ -55,10 +55,10 @@ fn only_on(core: usize) -> String {
     }
 }
 
-/// Elsewhere there is nothing to ask for, which is said where it was wanted.
+/// Reports that other systems have no real-time scheduling.
 #[cfg(not(target_os = "linux"))]
 #[must_use]
-pub fn ask(realtime: bool, core: Option<usize>) -> String {
+pub fn request(realtime: bool, core: Option<usize>) -> String {
     if realtime || core.is_some() {
         "ordinary scheduling: real-time scheduling, locked memory and processor affinity are available on Linux only"
             .to_owned()

@@ -1,6 +1,6 @@
 //! The reader's thread: rows from a file, from standard input or from a socket into the ring.
 //!
-//! What can wait (a file, a pipe, a TCP connection) waits while the ring is full. Datagrams cannot; what finds no room is
+//! Files, pipes and TCP connections block while the ring buffer is full. Datagrams cannot; those without room are
 //! dropped and counted. A TCP source that goes away may come back, and it or another one goes on. A connection that does not
 //! begin as a source does, or that has another sampling rate, is refused.
 
@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 
 /// How often a reader that waits for its source looks whether it is to end.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// The system is asked for this much room for datagrams.
+/// Requested size of the system's datagram buffer.
 const MOST_WAITING: usize = 4 << 20;
 /// How far the sampling rates of two connections may lie apart.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -51,7 +51,7 @@ pub struct Resume {
     pub sequence: Option<u32>,
 }
 
-/// What a reader tells at its start and at its end.
+/// Messages of a reader at its start and at its end.
 pub struct Reading {
     /// Sampling rate, Hz, as soon as it is known.
     pub rate: mpsc::Receiver<Result<f64>>,
@@ -152,7 +152,7 @@ impl Feeder {
             _ => self.stream(Box::new(std::io::stdin()), "standard input"),
         };
         match (done, &self.tell) {
-            // Nothing came yet: whoever waits for the rate is told why.
+            // No sample yet: the caller that waits for the rate receives the error.
             (Err(error), Some(tell)) => {
                 let _ = tell.send(Err(error));
             }
@@ -216,7 +216,7 @@ impl Feeder {
     /// Rows of text, those before the number `done` left out.
     fn rows(&mut self, mut reader: Reader, done: u64, name: &str) -> Result<()> {
         self.establish_rate(reader.rate(), name)?;
-        // Another connection goes on where the one before it ended, whatever its own clock says.
+        // A new connection continues where the one before it ended, whatever its own clock.
         let rate = self.rate.unwrap_or_else(|| reader.rate());
         let (first, begin) = (self.next, self.next_time.unwrap_or(self.next as f64 / rate));
         let mut row = self.sender.blank();
@@ -426,7 +426,7 @@ impl Feeder {
 
     fn datagrams(&mut self, socket: UdpSocket) -> Result<()> {
         socket.set_read_timeout(Some(PATIENCE))?;
-        // What the system gives is enough where it gives less.
+        // A smaller buffer than requested is acceptable.
         let _ = SockRef::from(&socket).set_recv_buffer_size(MOST_WAITING);
         if self.encoding == Encoding::Csv {
             return self.lines(socket);

@@ -1,4 +1,4 @@
-//! What a monitor shows of itself while it runs.
+//! Data of the live view.
 
 use super::out::EventRecord;
 use ballrace_twin::replay::Snapshot;
@@ -31,7 +31,7 @@ pub struct View {
     pub misses: u64,
     /// Percentage of one processor that is idle, where the system reports it.
     pub idle_percent: Option<f64>,
-    /// What came and what did not.
+    /// Counts of samples received and lost.
     pub source: SourceFigures,
 }
 

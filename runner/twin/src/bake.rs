@@ -42,7 +42,7 @@ pub struct Baked {
     pub module: String,
     /// Nodes of the table.
     pub nodes: usize,
-    /// Of flash that the table takes.
+    /// Flash memory of the table, bytes.
     pub bytes: usize,
 }
 

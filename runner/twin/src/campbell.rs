@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// One speed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AtSpeed {
-    /// Of the shaft.
+    /// Shaft speed.
     pub speed_rpm: f64,
     /// Lowest frequency first; directions that nothing holds have none.
     pub modes: Vec<Mode>,
@@ -64,7 +64,7 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
 /// Modes of `M q'' + (B + w G) q' + K q = 0`, with or without `B`, lowest frequency first.
 ///
 /// # Errors
-/// What the kernel refuses; eigenvalues that cannot be computed.
+/// Returns an error if the kernel rejects a parameter or eigenvalues cannot be computed.
 pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     let (scales, n) = (plant.scales()?, plant.layout.order);
     let inverse = scales.mass.try_inverse().ok_or(PlantError::SingularMass)?;

@@ -1,14 +1,14 @@
-//! What a scene needs: each effect's change of the bearing's force, predicted from the static load of every ball
-//! (`docs/src/models.md#effect-significance`), and whether the scene's model has it.
+//! Effect significance: predicted change of the bearing's force by each effect, from the static load of every ball
+//! (`docs/src/models.md#effect-significance`), and whether the scene's model contains the effect.
 //!
-//! A ball that a small force `F` pushes from its place between the races, its groove centres held, moves by
-//! `K x = F` with `K = (k_i + k_o) e e^T + Q (1/l_i + 1/l_o) t t^T`: along the contact by the stiffness of both contacts,
-//! across it by the pull of the load itself. Across, the way is long and stretches the contacts: `Q' = K_n (delta +
-//! x_t^2 (1/l_i + 1/l_o)/2)^1.5`, solved together with `x_t Q' (1/l_i + 1/l_o) = F_t`. What the inner ring feels of it
-//! is told without solving the balls' equilibrium.
+//! With fixed groove centres a small force `F` displaces a ball by `x` with `K x = F` and
+//! `K = (k_i + k_o) e e^T + Q (1/l_i + 1/l_o) t t^T`: along the contact normal `e` the stiffness of both contacts resists,
+//! across it, along `t`, the load itself. The displacement across is large and stretches the contacts: `Q' = K_n (delta +
+//! x_t^2 (1/l_i + 1/l_o)/2)^1.5`, solved together with `x_t Q' (1/l_i + 1/l_o) = F_t`. The change of force on the inner
+//! ring follows without the equilibrium of the balls.
 
 use crate::plant::{Plant, Result};
-use crate::scene::build;
+use crate::scene::build::{self, point_contact_approach, point_contact_load};
 use crate::scene::{Bearing as BearingScene, Effects, Facing, Fit, Model, Preload, Scene};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -25,18 +25,18 @@ pub struct EffectSignificance {
     pub bearing: String,
     /// `centrifugal`, `gyroscopic`, `film`, `contact-angle` or `moving-balls`.
     pub effect: &'static str,
-    /// What the force changes by when the effect is left out, over the force.
+    /// Change of force without the effect, over the force.
     pub change: f64,
     /// Whether the scene's model has it.
     pub modelled: bool,
-    /// What it comes from, in words.
+    /// Cause of the change.
     pub because: String,
     /// Point of a sweep at which the change is largest, such as `shaft.speed = 6000 rpm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<String>,
 }
 
-/// An error of force that is warned of where nobody says what is good enough.
+/// Default of the acceptable error of force.
 pub const GOOD_ENOUGH: f64 = 0.01;
 /// Rest positions over a ball pitch.
 const PITCH_SAMPLES: u32 = 16;
@@ -47,10 +47,10 @@ const FILM_ROUNDS: usize = 8;
 /// Secants at most.
 const SECANTS: usize = 12;
 
-/// Of every bearing where the rotor rests at its nominal speed.
+/// Returns the significance of each effect on every bearing at the rotor's equilibrium at nominal speed.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<EffectSignificance>> {
     let mut all = Vec::new();
     for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
@@ -60,10 +60,10 @@ pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<EffectSignificance>> 
     Ok(all)
 }
 
-/// Of every bearing: where the rotor rests, or, without a rotor, under the preload.
+/// Returns the significance of each effect on every bearing: at the rotor's equilibrium, or without a rotor under the preload.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn of_scene(scene: &Scene) -> Result<Vec<EffectSignificance>> {
     if scene.rotor.is_some() || scene.system.is_some() {
         return at_rest(scene, &Plant::try_new(scene)?);
@@ -77,10 +77,10 @@ pub fn of_scene(scene: &Scene) -> Result<Vec<EffectSignificance>> {
     Ok(all)
 }
 
-/// Of one bearing whose rings stand `u` apart besides its preload; none where nothing is loaded.
+/// Returns the significance of each effect on one bearing displaced by `u` besides its preload; empty without load.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn of_bearing(
     scene: &Scene,
     of: &BearingScene,
@@ -165,7 +165,7 @@ pub fn of_bearing(
         ),
         entry("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
     ];
-    // What is no number cannot be told.
+    // A NaN has no meaningful value.
     Ok(inertial.into_iter().chain(film).chain(geometric).filter(|entry| entry.change.is_finite()).collect())
 }
 
@@ -234,7 +234,7 @@ struct Ball {
     /// rad, and where the line of groove centres pointed before anything moved.
     angle: f64,
     free_angle: f64,
-    /// Of both contacts together, m.
+    /// Approach of both contacts together, m.
     approach: f64,
     /// Distances of the ball's centre from the groove centres, m.
     lengths: [f64; 2],
@@ -247,7 +247,7 @@ struct Ball {
 struct Balls(Vec<Ball>);
 
 impl Balls {
-    /// Where the rings' groove centres stand `u` apart: the closed form of balls without inertia.
+    /// Computes the balls for the ring displacement `u` by the closed form without inertia.
     fn new(of: &BearingScene, g: &BallBearingGeometry, at: &BearingKinematicState<f64>, u: &Displacement<f64>) -> Self {
         let constants = [g.contact(Race::Inner).stiffness, g.contact(Race::Outer).stiffness, g.stiffness()];
         let (free_angle, rest) = match of.facing {
@@ -265,8 +265,8 @@ impl Balls {
             let axial = rest * free_angle.sin() + u.w + arm * (u.thu * sin - u.thv * cos);
             let apart = radial.hypot(axial);
             let approach = apart - g.groove_distance();
-            let load = constants[2] * approach.max(0.0).powf(1.5);
-            let part = |k: f64| (load / k).powf(2.0 / 3.0);
+            let load = point_contact_load(constants[2], approach);
+            let part = |k: f64| point_contact_approach(k, load);
             Ball {
                 azimuth,
                 load,
@@ -304,14 +304,13 @@ impl Balls {
         }
     }
 
-    /// What changes when all contact angles are held at `fixed`, over the force.
+    /// Returns the change of force with all contact angles fixed at `fixed`, over the force.
     fn held_angle(&self, fixed: f64, force: f64) -> f64 {
         size(self.sum(|ball| {
             let off = ball.angle - fixed;
             let (sin, cos) = off.sin_cos();
             // Only what lies along the held line presses the contacts.
-            let approach = (ball.approach - ball.apart * (1.0 - cos)).max(0.0);
-            let held = ball.constants[2] * approach.powf(1.5);
+            let held = point_contact_load(ball.constants[2], ball.approach - ball.apart * (1.0 - cos));
             let (fixed_sin, fixed_cos) = fixed.sin_cos();
             let along = held - ball.load * cos;
             let across = -ball.load * sin;
@@ -331,7 +330,7 @@ impl Ball {
         let [inner, outer] = [self.constants[0], self.constants[1]].map(|k| k.powf(2.0 / 3.0));
         let pull = self.lengths.iter().map(|l| 1.0 / l).sum::<f64>();
         // x Q'(x) pull = F_t, whose left side grows with x.
-        let load = |x: f64| self.constants[2] * (self.approach + 0.5 * x * x * pull).max(0.0).powf(1.5);
+        let load = |x: f64| point_contact_load(self.constants[2], self.approach + 0.5 * x * x * pull);
         let (mut low, mut high) = (0.0, self.apart);
         for _ in 0..ROUNDS {
             let middle = 0.5 * (low + high);
@@ -362,14 +361,14 @@ impl Ball {
 
     /// Change by films, which press the contacts the more, and are the thinner for it.
     fn film(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>) -> [f64; 2] {
-        let pressed = |load: f64| self.constants[2] * (self.approach + self.films(g, oil, at, load)).max(0.0).powf(1.5);
+        let pressed = |load: f64| point_contact_load(self.constants[2], self.approach + self.films(g, oil, at, load));
         let more = (0..FILM_ROUNDS).fold(self.load, |load, _| pressed(load)) - self.load;
         let (sin, cos) = self.angle.sin_cos();
         [more * cos, more * sin]
     }
 }
 
-/// What the balls' motion does.
+/// Inertia forces of the balls.
 struct Inertia {
     mass: f64,
     diameter: f64,
@@ -446,8 +445,8 @@ pub fn largest(all: impl IntoIterator<Item = EffectSignificance>) -> Vec<EffectS
     largest
 }
 
-/// What a command says of a scene: which effects are kept, which are left out and what that is predicted to change, and
-/// a warning where that is more than `error`.
+/// Returns lines that list, for each bearing, modelled and neglected effects with their predicted change of force, and a
+/// warning for each neglected effect above `error`.
 #[must_use]
 pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
     let mut names: Vec<&str> = effects.iter().map(|entry| entry.bearing.as_str()).collect();

@@ -1,4 +1,4 @@
-//! Where a bearing or a rotor settles, and what each element then carries.
+//! Static equilibrium of a bearing or a rotor, with the load on each element.
 
 use crate::campbell::modes;
 use crate::effect_significance::{self, EffectSignificance};
@@ -16,22 +16,22 @@ use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use serde::Serialize;
 use std::time::Instant;
 
-/// All that `equilibrium` says, SI units.
+/// Result of `equilibrium`, SI units.
 #[derive(Debug, Clone, Serialize)]
 pub struct Settled {
     /// The scene's name.
     pub scene: String,
-    /// Of the shaft, rad/s.
+    /// Shaft speed, rad/s.
     pub speed: f64,
-    /// Of the inner ring against the outer where one bearing stands alone, of the centre of mass on a rotor.
+    /// Displacement: of the inner ring against the outer ring of a single bearing, of the centre of mass on a rotor.
     pub displacement: [f64; 5],
-    /// Of the bearings on the inner ring or the rotor, N and N m.
+    /// Force of the bearings on the inner ring or the rotor, N and N m.
     pub force: [f64; 5],
     /// Tangent, at the same point.
     pub stiffness: [[f64; 5]; 5],
     /// Elements of all bearings.
     pub elements: Vec<Element>,
-    /// Of the rotor at this speed, undamped; empty without a rotor.
+    /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
     pub natural_frequencies_hz: Vec<f64>,
     /// Each bearing by itself.
     pub bearings: Vec<BearingSettled>,
@@ -39,9 +39,9 @@ pub struct Settled {
     pub residual: f64,
     /// Time of the solution, s.
     pub solving_seconds: f64,
-    /// What changes when an effect is switched off.
+    /// Changes when one effect is switched off.
     pub effects: Vec<EffectShare>,
-    /// What each effect is predicted to change, also those that the scene leaves out.
+    /// Predicted change by each effect, also by neglected ones.
     #[serde(rename = "needs")]
     pub significance: Vec<EffectSignificance>,
 }
@@ -111,7 +111,7 @@ pub struct Element {
     pub inner_film: f64,
     /// Central film, m.
     pub outer_film: f64,
-    /// Least film over roughness (lambda), the smaller of both contacts; where the scene says the roughness.
+    /// Smaller film-to-roughness ratio (lambda) of both contacts; where the scene defines the roughness.
     pub film_ratio: Option<f64>,
     /// Centrifugal force, N.
     pub centrifugal: f64,
@@ -135,7 +135,7 @@ pub struct EffectShare {
 /// Settles the scene's rotor, or one of its bearings under a load (N, N m) on the inner ring.
 ///
 /// # Errors
-/// Nothing to settle under, or what the scene does not say.
+/// Returns an error if there is no load or the scene lacks a value.
 pub fn settle(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
     let alone = (scene.rotor.is_none() && scene.system.is_none()) || bearing.is_some() || load.is_some();
     let settle = |scene: &Scene| if alone { settle_bearing(scene, bearing, load) } else { settle_rotor(scene) };
@@ -341,7 +341,7 @@ fn model_with_elements(of: &BearingScene) -> Model {
     }
 }
 
-/// What each element of a bearing does with its rings `u` apart.
+/// Returns load, angle, pressure and film of each element for the ring displacement `u`.
 fn elements(
     of: &BearingScene,
     bearing: &AnyBearing<f64>,
@@ -407,7 +407,7 @@ fn film_ratio(
     let oil = Oil { viscosity: lubricant.viscosity, pressure_viscosity: lubricant.pressure_viscosity };
     let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
     let half = 0.5 * g.pitch_diameter;
-    // A massless ball has no speed of its own to tell: that of the ideal cage.
+    // A massless ball has the speed of the ideal cage.
     let ideal = at.outer_speed + 0.5 * (at.inner_speed - at.outer_speed) * (1.0 - gamma);
     let orbital = if s.centrifugal > 0.0 { s.orbital_speed } else { ideal };
     let near = (at.inner_speed - orbital).abs() * half * (1.0 - ratio * s.inner_direction[0]);

@@ -14,7 +14,7 @@ pub type Bounds = [f64; 2];
 /// Where a search may go.
 #[derive(Debug, Clone)]
 pub struct Limits {
-    /// Of each unknown.
+    /// Values of the unknowns.
     pub bounds: Vec<Bounds>,
     /// Longest step of an unknown, in units of its scale.
     pub longest_step: f64,
@@ -35,7 +35,7 @@ pub type Residuals<'a> = &'a (dyn Fn(&[f64]) -> Result<Vec<f64>> + Sync);
 pub struct Solution {
     /// In units of their scale.
     pub x: Vec<f64>,
-    /// What is left.
+    /// Residuals.
     pub residuals: DVector<f64>,
     /// Its slopes there.
     pub jacobian: DMatrix<f64>,

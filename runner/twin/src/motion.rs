@@ -19,7 +19,7 @@ pub struct Span {
     pub rate: f64,
     /// Samples that are left out at the start.
     pub settle: u64,
-    /// Samples that are told.
+    /// Number of samples returned.
     pub samples: u64,
 }
 
@@ -47,11 +47,11 @@ impl ResponseSample<'_> {
     }
 }
 
-/// Runs the scene's rotor from rest, or from where `start` puts it, and tells each sample after the settling ones.
+/// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `tell`.
 /// Returns how many steps overflowed and were held, and the twin at the end.
 ///
 /// # Errors
-/// What the kernel refuses, and what `tell` gives.
+/// Returns an error if the kernel rejects a parameter, and the error of `tell`.
 pub fn run(
     scene: &Scene,
     plant: &Plant,

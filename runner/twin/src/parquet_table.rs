@@ -11,11 +11,11 @@ use std::sync::Arc;
 
 /// One column.
 pub enum Column {
-    /// Of numbers.
+    /// Column of numbers.
     Number(String, Vec<Option<f64>>),
-    /// Of whole numbers.
+    /// Column of whole numbers.
     Count(String, Vec<Option<i64>>),
-    /// Of text.
+    /// Column of text.
     Word(String, Vec<String>),
 }
 
@@ -66,7 +66,7 @@ impl Column {
 /// Writes a table called `name`.
 ///
 /// # Errors
-/// What the writer gives.
+/// Returns the writer's error.
 pub fn write(out: impl Write + Send, name: &str, columns: &[Column]) -> Result<()> {
     let fields = columns.iter().map(Column::field).collect::<Result<Vec<_>>>()?;
     let schema = Arc::new(Type::group_type_builder(name).with_fields(fields).build()?);

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 
 /// Longest name in a message, in characters.
 const NAME: usize = 60;
-/// Longest message, in characters: thirty column names and what is said about them.
+/// Longest message, in characters: thirty column names and a sentence.
 const MESSAGE: usize = 4000;
 
 /// Returns a name or cell for a message: escaped, at most 60 characters long.

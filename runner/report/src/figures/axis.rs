@@ -1,6 +1,6 @@
 //! Scales of the pictures: ranges, linear and logarithmic, and their ticks.
 
-/// Beyond this a picture says nothing, and differences would overflow.
+/// Largest value drawn; differences of larger ones would overflow.
 const LARGEST: f64 = 1e12;
 
 /// Smallest and largest finite value; none when there is no finite value at all.
@@ -149,7 +149,7 @@ fn decade_label(value: f64) -> String {
     }
 }
 
-/// A minus sign as wide as a plus.
+/// Replaces hyphens by minus signs.
 pub(super) fn signed(text: &str) -> String {
     text.replace('-', "\u{2212}")
 }

@@ -28,7 +28,7 @@ impl Figure for BodePlots {
     }
 }
 
-/// Of one probe.
+/// Draws the Bode plot of one probe.
 pub(super) fn bode(name: &str, one_x: &OneX) -> Result<Picture> {
     let curves = [(&one_x.raw, RAW), (&one_x.compensated, COMPENSATED), (&one_x.twin, OF_TWIN)];
     let x = Axis::exact(extent(one_x.speed_rpm.iter().copied()), 9, "Speed, rpm");

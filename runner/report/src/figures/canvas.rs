@@ -7,7 +7,7 @@ use plotters::prelude::{Color, DrawingBackend, FontTransform, IntoFont, RGBColor
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::f64::consts::FRAC_PI_2;
 
-/// The backend knows whole pixels only: it draws this much larger, and the page scales it down.
+/// Scale of the drawing: the backend has whole pixels only, and the page scales it down.
 const FINE: f64 = 4.0;
 /// plotters divides by this on its way to the SVG's font size.
 const PLOTTERS_FONT: f64 = 1.24;

@@ -10,7 +10,7 @@ use ballrace_twin::replay::outcome::{Cascade, MarkedLine, Slice};
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 330.0;
-/// Of the highest peak.
+/// Height of the highest peak.
 const PEAK: f64 = 56.0;
 /// Points of one spectrum at most.
 const POINTS: usize = 170;
@@ -69,7 +69,7 @@ pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool)
     })
 }
 
-/// What of a cascade is shown, and how.
+/// Part of a cascade that is drawn.
 struct View<'a> {
     cascade: &'a Cascade,
     over_speed: bool,
@@ -90,7 +90,7 @@ impl<'a> View<'a> {
         let mut slices: Vec<&Slice> = cascade.slices.iter().filter(finite).collect();
         slices.sort_by(|a, b| along(a).total_cmp(&along(b)));
         let (low, last) = extent(slices.iter().map(|slice| along(slice))).unwrap_or((0.0, 1.0));
-        // The last spectrum stands inside the frame.
+        // The last spectrum fits inside the frame.
         let high = last + (last - low).max(1e-3 * last.abs()).max(1e-6) * PEAK / (HEIGHT - PEAK);
         let at_top = |line: &MarkedLine| if over_speed { line.order * high / 60.0 } else { line.hz };
         let lines = lines.iter().map(|line| MarkedLine { hz: at_top(line), ..line.clone() }).collect::<Vec<_>>();

@@ -48,7 +48,7 @@ fn positions(outcome: &Outcome, orbit: &Orbit) -> Vec<(Point, f64)> {
     outcome.pictures.blocks.iter().filter_map(mean).collect()
 }
 
-/// Of one plane; each point has its speed.
+/// Draws the shaft centreline in one plane; each point has its speed.
 pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<&Clearance>) -> Result<Picture> {
     let points: Vec<Point> = way.iter().map(|(point, _)| *point).collect();
     let radius = clearance.map(|c| c.radius_um).filter(|radius| *radius > 0.0 && *radius < 1e6);

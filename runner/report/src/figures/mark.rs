@@ -31,7 +31,7 @@ pub(super) fn marks(lines: &[MarkedLine], highest: f64) -> Vec<Mark> {
     groups.map(|group| Mark { hz: group[0].hz, name: name(group), row: 0 }).collect()
 }
 
-/// One name for lines at one place: what they share is said once. The order is never cut off.
+/// Returns one label for lines at one frequency; a common part appears once. The order is never truncated.
 fn name(group: &[&MarkedLine]) -> String {
     let parts: Vec<Option<(&str, &str)>> = group.iter().map(|line| line.label.rsplit_once(' ')).collect();
     let kind = parts.first().copied().flatten().map(|part| part.1);

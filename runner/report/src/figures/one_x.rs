@@ -2,7 +2,7 @@
 
 use ballrace_twin::replay::outcome::Block;
 
-/// Share of the blocks that tell the slow roll, and the most of them.
+/// Share of the blocks that determine the slow roll, and their largest number.
 const SLOW_SHARE: usize = 16;
 const MOST_SLOW: usize = 8;
 /// Below this share of the largest amplitude a phase is noise.
@@ -13,13 +13,13 @@ type Vector = [f64; 2];
 
 /// The 1X vectors of one probe, block by block.
 pub(super) struct OneX {
-    /// Of each block.
+    /// Speed of each block.
     pub(super) speed_rpm: Vec<f64>,
     /// As measured.
     pub(super) raw: Vec<Vector>,
     /// Less the slow roll.
     pub(super) compensated: Vec<Vector>,
-    /// Of the twin, which has no runout.
+    /// 1X vectors of the twin, which has no runout.
     pub(super) twin: Vec<Vector>,
     /// Mean vector of the slowest blocks.
     pub(super) slow_roll: Vector,
@@ -30,7 +30,7 @@ pub(super) struct OneX {
 }
 
 impl OneX {
-    /// Of probe `i`.
+    /// Collects the 1X vectors of probe `i`.
     pub(super) fn new(blocks: &[Block], i: usize) -> Self {
         let figures = || blocks.iter().filter_map(|block| block.probes.get(i).map(|probe| (block.speed_rpm, probe)));
         let raw: Vec<Vector> = figures().map(|(_, probe)| probe.one_x_um).collect();
@@ -51,7 +51,7 @@ impl OneX {
         }
     }
 
-    /// What was taken off, and where it comes from.
+    /// Describes the slow roll that was subtracted, and its source.
     pub(super) fn words(&self) -> String {
         let (slow, fast) = self.slow_rpm;
         let from = match self.slow_blocks {

@@ -21,7 +21,7 @@ const TURNS: usize = 8;
 /// Share of a turn that stays blank before the bright dot.
 const BLANK: f64 = 0.035;
 
-/// What the reader must know.
+/// Returns the explanation below the figure.
 const NOTE: &str = "Equal scales. X to the right, Y up, Z towards the reader. Blank, then bright: motion runs from the \
                     gap to the keyphasor dot (twin: ring).";
 
@@ -112,7 +112,7 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<
         dots(canvas, &frame, orbit, &marks)?;
         frame.say_if_empty(canvas, &[&orbit.measured, &orbit.twin])
     })?;
-    // Where 1X is drawn beside it, that one says it: it is free of noise.
+    // The 1X orbit beside it, which is free of noise, states the sense of precession.
     let filtered = orbit.one_x.is_some();
     let run = orbit.measured.get(..shown).unwrap_or(&orbit.measured);
     let sense = if filtered { "" } else { precession(run, forward) };

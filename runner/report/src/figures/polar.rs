@@ -18,7 +18,7 @@ const RAW: Stroke = Stroke(RESIDUAL, 1.6);
 
 /// Where a lag is drawn.
 struct Dial {
-    /// Of the probe, rad from +X towards +Y.
+    /// Angle of the probe, rad from +X towards +Y.
     probe: f64,
     /// Sense of rotation.
     forward: f64,
@@ -63,7 +63,7 @@ impl Figure for PolarPlots {
     }
 }
 
-/// Of one probe at an angle (rad); `forward` is the sense of rotation, +1 from +X towards +Y.
+/// Draws the polar plot of one probe at an angle (rad); `forward` is the sense of rotation, +1 from +X towards +Y.
 pub(super) fn polar(name: &str, angle: f64, forward: f64, one_x: &OneX) -> Result<Picture> {
     let all = one_x.raw.iter().chain(&one_x.compensated).map(amplitude).filter(|size| size.is_finite());
     let radial = Axis::from_zero(Some(all.fold(0.0, f64::max)), 4, "");

@@ -93,7 +93,7 @@ pub(super) fn rings(canvas: &mut Canvas, radial: &Axis) -> Result<()> {
     Ok(())
 }
 
-/// What the circles stand for, over the curves.
+/// Draws the values of the circles, over the curves.
 fn ring_labels(canvas: &mut Canvas, loads: &ElementLoads, radial: &Axis) -> Result<()> {
     let free = unloaded(loads);
     for (value, label) in radial.ticks.iter().filter(|tick| tick.0 > 0.0) {

@@ -123,7 +123,7 @@ impl Curves {
         Axis::decades((0.5 * floor).max(high / DYNAMIC_RANGE), 1.6 * high, "Amplitude, um peak")
     }
 
-    /// The twin wide and below, so that it shows on both sides of a peak that the machine has too.
+    /// Stroke of the twin: thicker and below, so that it is visible beside a peak of the machine.
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) -> Result<()> {
         let curves = [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE), (&self.residual, RESIDUAL_FINE)];
         for (points, stroke) in curves {

@@ -13,7 +13,7 @@ const WIDTH: f64 = 760.0;
 const MOST_LINES: usize = 60;
 /// Sections of one point that the bifurcation diagram shows.
 const SECTIONS: usize = 48;
-/// Of the curves in turn; the second is for the way back.
+/// Strokes of the curves in turn; the second of each is for decreasing values.
 const COLOURS: [RGBColor; 6] = [
     MEASURED,
     TWIN,
@@ -25,7 +25,7 @@ const COLOURS: [RGBColor; 6] = [
 
 /// Rows that belong together, in the order of the first axis.
 pub(crate) struct Curve<'a> {
-    /// What they have in common.
+    /// Label of the curve.
     pub(crate) name: String,
     /// `rest`, `up` or `down`.
     pub(crate) way: String,

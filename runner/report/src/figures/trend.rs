@@ -23,7 +23,7 @@ const INDICATORS: [Indicator; 4] = [
     ("kurtosis", "Kurtosis", |f| f.kurtosis),
 ];
 
-/// What there is to draw of one probe.
+/// Data of one probe's trend.
 pub(super) struct Trend<'a> {
     /// The probe, and its index.
     pub(super) name: &'a str,

@@ -11,7 +11,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Something that is told.
+/// Record of an event.
 #[derive(Debug, Clone, Serialize)]
 pub struct EventRecord {
     /// On the clock, RFC 3339 in UTC.
@@ -28,7 +28,7 @@ pub struct EventRecord {
 }
 
 impl EventRecord {
-    /// Of a limit.
+    /// Event of a limit.
     #[must_use]
     pub fn limit(mut event: Event) -> Self {
         let kind = if event.end_s.is_some() { "limit-ended" } else { "limit-crossed" };
@@ -38,7 +38,7 @@ impl EventRecord {
         Self { at: now(), time_s, kind, sentence, limit: Some(event) }
     }
 
-    /// Of a source.
+    /// Event of a source.
     #[must_use]
     pub fn note(note: Note, time_s: f64) -> Self {
         Self { at: now(), time_s, kind: note.kind, sentence: note.sentence, limit: None }

@@ -1,4 +1,4 @@
-//! What a monitor tells others: each way off unless asked for.
+//! Outputs of a monitor; each is off by default.
 
 mod events;
 mod health;
@@ -20,7 +20,7 @@ use indicators::{HOUR, Indicators};
 use prometheus::Prometheus;
 use std::path::PathBuf;
 
-/// Which of them were asked for.
+/// Requested outputs.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct RequestedOutputs {
     /// Append events as JSON lines.
@@ -59,7 +59,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// Binds what was asked for.
+    /// Binds the requested ports.
     ///
     /// # Errors
     /// A port that is taken, an address that is none.
@@ -86,7 +86,7 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Opens the files that were asked for. `state` is that of the monitor, as it was before the start.
+    /// Opens the requested files. `state` is the monitor's state before the start.
     ///
     /// # Errors
     /// A file that cannot be written or belongs to another monitor.
@@ -137,7 +137,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Shows a second where it is asked for; the last one counts.
+    /// Publishes the indicators of a second; the last one is served.
     pub fn show(&self, second: &Second, counts: &Counts, misses: u64) {
         if let Some(prometheus) = &self.network.prometheus {
             prometheus.show(second, counts, misses, &self.figures());

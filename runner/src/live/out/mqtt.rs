@@ -1,4 +1,4 @@
-//! Indicators and events to an MQTT broker. A broker that is away is tried again; what was told meanwhile is lost to it.
+//! Indicators and events to an MQTT broker. The client reconnects; messages in between are lost.
 
 use anyhow::{Context, Result, bail};
 use rumqttc::{Client, MqttOptions, QoS};

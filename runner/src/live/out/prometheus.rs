@@ -141,7 +141,7 @@ impl Metric<'_> {
     }
 }
 
-/// A label's value as the format wants it.
+/// Escapes a label's value as the format requires.
 fn escaped(text: &str) -> String {
     text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
 }

@@ -32,7 +32,7 @@ fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     } else {
         build::bearing::<f64, Exact>(scene, of, Model::Linear)?
     };
-    // A spring's tangent and its force at zero displacement say all.
+    // A spring is defined by its tangent and its force at zero displacement.
     let (reaction, k) = spring.reaction_and_stiffness(&Displacement::default(), &Phase::ZERO.into());
     let [fx, fy, fz, mx, my] = reaction.wrench.to_array().map(|f| f as f32);
     writeln!(out, "    use ballrace::bearing::linear::Linear;")?;
@@ -113,7 +113,7 @@ fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     function(out, of, &kind, &format!("Angular::from_constants(POSITIONS, CONSTANTS){with}"))
 }
 
-/// What waviness and damage add to type and value.
+/// Returns the type and the constructor call that waviness and damage add.
 fn surface(of: &Bearing) -> (String, &'static str) {
     let features = of.waviness.len() + of.defect.len();
     if features == 0 {

@@ -1,4 +1,4 @@
-//! What a recording says of its machine: the scene's numbers under which the twin follows it best.
+//! Maximum-likelihood estimates of the scene's parameters from a recording.
 //!
 //! The twin is run over the recording from an unknown first state; the sum of squares of what it leaves at the probes, in
 //! units of their noise, is made least over the scene's unknowns and that state. Intervals come from the slopes there
@@ -26,7 +26,7 @@ pub use written::written;
 
 /// Unknowns of the first state, each counted in this, m, rad, m/s, rad/s.
 const STATE: [f64; 10] = [50e-6, 50e-6, 50e-6, 5e-4, 5e-4, 0.05, 0.05, 0.05, 0.5, 0.5];
-/// A parameter is told by a recording that leaves less than this of how far it may plausibly be off.
+/// A parameter is identifiable where its posterior uncertainty is below this part of the prior one.
 const TOLD: f64 = 0.3;
 /// Where a search ends that only leads to the neighbourhood, and where the last one does.
 const NEAR: f64 = 1e-3;
@@ -59,11 +59,11 @@ pub struct Fitted {
     pub chi_square_per_reading: f64,
     /// Whether chi-squared per reading is at most [`LARGEST_CHI_SQUARE`]. Where it is not, no interval is given.
     pub consistent: bool,
-    /// What the twin leaves at each probe, rms, before and after, um.
+    /// Residual at each probe before and after the fit, um rms.
     pub residuals: Vec<Residual>,
     /// The numbers found.
     pub parameters: Vec<Estimate>,
-    /// What could not be told, and why.
+    /// Parameters that are not identifiable, with the reason.
     pub notes: Vec<String>,
     /// The values to write, SI.
     #[serde(skip)]
@@ -72,7 +72,7 @@ pub struct Fitted {
     one_plane: bool,
 }
 
-/// What is left at one probe.
+/// Residual at one probe.
 #[derive(Debug, Clone, Serialize)]
 pub struct Residual {
     /// Its column.
@@ -90,7 +90,7 @@ pub struct Residual {
 pub struct Estimate {
     /// As the scene names it.
     pub name: String,
-    /// Of all the numbers here.
+    /// Sums over all numbers.
     pub unit: &'static str,
     /// The scene's value.
     pub given: f64,
@@ -105,7 +105,7 @@ pub struct Estimate {
     pub identified: bool,
 }
 
-/// What is fitted to.
+/// Data of the fit.
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
     /// The scene.
@@ -185,7 +185,7 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let open = covariance(&everything, &model);
     let identified: Vec<usize> =
         (0..everything.x.len()).filter(|&i| i >= unknown.len() || model.identified(&open, i)).collect();
-    // What is not told goes back to the scene's value, and the rest is sought with it there.
+    // Parameters that are not identifiable return to the scene's value; the others are fitted again.
     let mut at = everything.x.clone();
     (0..at.len()).filter(|i| !identified.contains(i)).for_each(|i| at[i] = model.believed[i]);
     let free: Vec<Tied> = identified.iter().map(|&i| vec![i]).collect();
@@ -226,7 +226,7 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     })
 }
 
-/// What is left at the probes, without what was believed.
+/// Residuals at the probes, without the priors.
 fn heard<'s>(solution: &'s Solution, probes: usize, of: &Material) -> &'s [f64] {
     solution.residuals.as_slice().get(..probes * of.samples.len()).unwrap_or_default()
 }
@@ -241,7 +241,7 @@ struct Model<'a> {
     rows: &'a [[f64; 5]],
     sigma: &'a [f64],
     unknown: &'a [Parameter],
-    /// Every unknown before the recording is heard, each within 1 either way.
+    /// Prior mean of every unknown, each with a standard deviation of 1.
     believed: &'a [f64],
 }
 
@@ -281,7 +281,7 @@ impl Model<'_> {
         free
     }
 
-    /// Seeks the unknowns `free`. As long as the twin is far off, what is believed weighs as much as it leaves.
+    /// Fits the unknowns `free`. While residuals are large, the prior has the same weight as the residuals.
     fn stage(
         &self,
         start: &[f64],
@@ -323,7 +323,7 @@ impl Model<'_> {
         each.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], [a, b]| [low.max(a), high.min(b)])
     }
 
-    /// What the twin leaves, sample by sample and probe by probe, in units of the probes' noise; 0 where nothing was read.
+    /// Residuals by sample and probe, in units of the probes' noise; 0 for a missing reading.
     fn residuals(&self, x: &[f64]) -> Result<Vec<f64>> {
         let (values, state) = (self.values(x), x.get(self.unknown.len()..).unwrap_or_default());
         let scene = with(self.of.scene, self.unknown, &values);
@@ -353,7 +353,7 @@ impl Model<'_> {
         Ok(left)
     }
 
-    /// Values with their intervals, and what is not told.
+    /// Returns values with their intervals, and the parameters that are not identifiable.
     fn judged(&self, solution: &Solution, covariance: &DMatrix<f64>) -> Fitted {
         let scene = self.of.scene;
         let n = self.unknown.len();
@@ -437,21 +437,21 @@ impl Model<'_> {
     }
 }
 
-/// Of the unknowns, in units of what is plausible: the inverse of what the recording says, by its slopes, over what is left
-/// of the noise's variance and the residual's memory, and of what was believed before.
+/// Returns the covariance of the unknowns in units of their priors: the inverse of the information of the recording, from
+/// the slopes over the variance of the correlated residuals, and of the prior.
 fn covariance(solution: &Solution, model: &Model) -> DMatrix<f64> {
     let normal = solution.jacobian.transpose() * &solution.jacobian;
     let n = solution.jacobian.ncols();
     let heard = heard(solution, model.rows.len(), model.of);
     let variance = heard.iter().map(|r| r * r).sum::<f64>() / heard.len().max(1) as f64;
-    // Fewer samples speak than there are; what was believed before does not grow less certain by that.
+    // Correlated samples carry less information; the prior keeps its weight.
     let share = 1.0 / (variance.max(1.0) * memory(heard, model.rows.len()));
     let believed = DMatrix::identity(n, n);
     let inverse = ((normal - &believed) * share + believed).try_inverse();
     inverse.unwrap_or_else(|| DMatrix::identity(n, n))
 }
 
-/// The covariance `of` the unknowns `told` among all, the others with their variances from `open`.
+/// Returns the covariance `of` the identifiable unknowns among all; the others have their variances from `open`.
 fn expanded(of: &DMatrix<f64>, open: &DMatrix<f64>, identified: &[usize]) -> DMatrix<f64> {
     let mut all = DMatrix::from_diagonal(&open.diagonal());
     for (a, &i) in identified.iter().enumerate() {
@@ -462,7 +462,7 @@ fn expanded(of: &DMatrix<f64>, open: &DMatrix<f64>, identified: &[usize]) -> DMa
     all
 }
 
-/// Samples that say as much as one where each resembles the one before: `1 + 2 sum rho_k`, at least 1.
+/// Returns the number of correlated samples that carry the information of one independent sample: `1 + 2 sum rho_k`, at least 1.
 fn memory(left: &[f64], probes: usize) -> f64 {
     let mut worst = 1.0_f64;
     for p in 0..probes {
@@ -570,7 +570,7 @@ mod tests {
         };
         let white: Vec<f64> = (0..4000).map(|_| noise()).collect();
         assert!(memory(&white, 1) < 1.2);
-        // Of a first-order process with rho the sum is (1 + rho)/(1 - rho).
+        // For a first-order process with correlation rho the sum is (1 + rho)/(1 - rho).
         let mut last = 0.0;
         let slow: Vec<f64> = white
             .iter()

@@ -1,11 +1,11 @@
-//! What of a scene can be fitted, where it stands, and how far it may plausibly be off.
+//! Parameters of a scene that can be fitted, with their start values and prior uncertainties.
 
 use crate::least_squares::Bounds;
 use crate::plant::Plant;
 use crate::scene::{Fit, Linear, Model, Preload, Scene, Unbalance};
 use std::f64::consts::TAU;
 
-/// Groups of parameters that a user asks for.
+/// Groups of parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Group {
@@ -66,7 +66,7 @@ const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const LARGEST_CLEARANCE: f64 = 0.999;
 
 impl Parameter {
-    /// The unknown of the scene's value: what is believed before the recording is heard, within 1 either way.
+    /// Unknown at the scene's value: mean of the prior, whose standard deviation is 1.
     #[must_use]
     pub fn believed(&self) -> f64 {
         if self.spread().is_some() { 0.0 } else { self.given / self.scale }
@@ -85,7 +85,7 @@ impl Parameter {
         if self.spread().is_some() { OPEN } else { self.bounds.map(|bound| bound / self.scale) }
     }
 
-    /// What cannot fall below 0 is sought by its logarithm: how much of that is plausible.
+    /// A positive parameter is fitted by its logarithm; this is the prior standard deviation of that.
     const fn spread(&self) -> Option<f64> {
         match self.place {
             Place::Damping(_) => Some(1.0),
@@ -96,7 +96,7 @@ impl Parameter {
     }
 }
 
-/// The unknowns of the groups asked for.
+/// Returns the unknowns of the requested groups.
 #[must_use]
 pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Parameter> {
     let mut all = Vec::new();

@@ -6,7 +6,7 @@ use crate::scene::{Preload, Scene, Unbalance};
 use anyhow::{Context, Result};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, TableLike, Value, value};
 
-/// `text`, the scene's file, with the numbers found in it; what was not told stays as it is.
+/// Returns `text`, the scene's file, with the fitted numbers; parameters that are not identifiable keep their value.
 ///
 /// # Errors
 /// A text that is no scene.

@@ -37,7 +37,7 @@ pub enum EigenvalueError {
     NotConverged {
         /// Rows of the matrix.
         order: usize,
-        /// Of all attempts together.
+        /// Counters of all attempts together.
         iterations: usize,
     },
 }
@@ -79,7 +79,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, Eigenvalu
     ATTEMPTS.into_iter().find_map(attempt).ok_or(failed)
 }
 
-/// Returns the size below which an eigenvalue of `all` cannot be told from a double 0: the square root of the error.
+/// Returns the size below which an eigenvalue of `all` is indistinguishable from a double 0: the square root of the error.
 #[must_use]
 pub fn resolution(all: &[Complex<f64>]) -> f64 {
     1e-7 * all.iter().map(|value| value.norm()).fold(0.0, f64::max)
@@ -124,7 +124,7 @@ mod tests {
             for (i, square) in squares.iter().enumerate() {
                 let expected = square.sqrt();
                 let error = (found[squares.len() + i] - Complex::new(0.0, expected)).norm();
-                // Against the largest eigenvalue, as the doc comment says.
+                // Relative to the largest eigenvalue, as documented.
                 let largest = squares.last().unwrap().sqrt();
                 assert!(error < 1e-12 * largest, "{decades}: {} {expected}", found[squares.len() + i]);
             }

@@ -16,7 +16,7 @@ pub struct Given {
     stiffness: DMatrix<f64>,
     load: Vec<f64>,
     system: System,
-    /// Of each bearing: its five extended vectors.
+    /// Five extended vectors of each bearing.
     pub extended: Vec<[Vec<f64>; 5]>,
 }
 

@@ -19,7 +19,7 @@ pub const MOST_BEARINGS: usize = 8;
 /// Most coordinates of a system.
 pub const LARGEST: usize = 128;
 
-/// A coupling that can also say what its bearing does alone.
+/// A force element that also returns the reaction of its bearing.
 pub trait Fit<const D: usize>: ForceElement<f64, D> {
     /// Force on the inner ring.
     fn reaction(&self, q: &[f64; D], at: &BearingKinematicState<f64>) -> Reaction<f64>;

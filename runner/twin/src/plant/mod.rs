@@ -58,7 +58,7 @@ pub struct Plant {
     damping: DMatrix<f64>,
     /// Speed at which the rotor rests, rad/s.
     speed: f64,
-    /// What the user should know of the making.
+    /// Remarks for the user.
     pub notes: Vec<String>,
 }
 
@@ -214,7 +214,7 @@ impl Plant {
         self.with_machine(MountedBearing::cold, RestTask { start, at })
     }
 
-    /// What a bearing sees at the speed of rest with its cage at `cage`.
+    /// Returns the kinematic state of a bearing at the nominal speed with the cage angle `cage`.
     #[must_use]
     pub fn resting(&self, mounted: &MountedBearing, cage: Phase) -> BearingKinematicState<f64> {
         mounted.rotation(cage.into(), &ShaftMotion { angle: Phase::ZERO, speed: self.speed, acceleration: 0.0 })
@@ -234,7 +234,7 @@ impl Plant {
         Displacement { u: u.u - outer(0), v: u.v - outer(1), ..u }
     }
 
-    /// What stands for the motion as a whole: that of a rigid rotor's centre of mass, of a given system that of its first
+    /// Motion that represents the whole: that of a rigid rotor's centre of mass; of a given system that of its first
     /// bearing.
     #[must_use]
     pub fn pose(&self, coordinates: &[f64]) -> Displacement<f64> {
@@ -256,7 +256,7 @@ impl Plant {
     /// The system's matrices without its bearings.
     ///
     /// # Errors
-    /// What the kernel refuses.
+    /// Returns an error if the kernel rejects a parameter.
     pub fn scales(&self) -> Result<Scales> {
         self.layout.scales(self.rotor.as_ref(), &self.bearings, &self.damping)
     }
@@ -300,7 +300,7 @@ impl Plant {
         plant
     }
 
-    /// The step that the integrator needs where the scene does not say, s.
+    /// Default step of the integrator, s.
     #[must_use]
     fn own_step(&self) -> f64 {
         // The trace overestimates the highest frequency, which leaves room for contact that stiffens under load.
@@ -333,7 +333,7 @@ impl Plant {
     /// A twin at the given revolutions of the shaft, already run in at that speed from rest.
     ///
     /// # Errors
-    /// What the kernel refuses.
+    /// Returns an error if the kernel rejects a parameter.
     pub fn run_in(&self, sample_period: f64, revolutions: f64, drive: &ShaftMotion<f64>) -> Result<Box<dyn Twin>> {
         let mut run_in = RunIn::try_new(self, sample_period, revolutions, drive)?;
         while run_in.advance() {}
@@ -343,7 +343,7 @@ impl Plant {
     /// A twin at rest with the shaft at the given revolutions.
     ///
     /// # Errors
-    /// What the kernel refuses.
+    /// Returns an error if the kernel rejects a parameter.
     pub fn start(&self, sample_period: f64, revolutions: f64) -> Result<Box<dyn Twin>> {
         let substeps = self.substeps(sample_period)?;
         let task = StartTask {
@@ -384,7 +384,7 @@ fn at_one_speed(scene: &Scene, bearing: &Bearing) -> Bearing {
     bearing
 }
 
-/// Where the coordinates settle.
+/// Returns the equilibrium of the coordinates.
 struct Rest {
     coordinates: Vec<f64>,
     stiffness: DMatrix<f64>,

@@ -38,7 +38,7 @@ impl MountedBearing {
     /// The mounted of one bearing of a scene.
     ///
     /// # Errors
-    /// What the scene does not say for the model, or the kernel refuses.
+    /// Returns an error if the scene lacks a value of the model or the kernel rejects one.
     pub fn new(scene: &Scene, bearing: &BearingScene) -> Result<Self> {
         let model = match (bearing.model, &bearing.linear) {
             // Made from the other model first, replaced once the rotor's rest is known.
@@ -65,7 +65,7 @@ impl MountedBearing {
         })
     }
 
-    /// What the bearing sees with its parts at `parts` and the shaft as `drive` says.
+    /// Returns the kinematic state of the bearing for component angles `parts` and shaft motion `drive`.
     #[must_use]
     pub fn rotation(&self, parts: ComponentAngles, drive: &ShaftMotion<f64>) -> BearingKinematicState<f64> {
         self.kinematics.speed_ratios().kinematic_state(parts, drive)

@@ -88,7 +88,7 @@ impl Layout {
     /// Coordinates beyond the system's are idle: a mass of 1 and nothing else.
     ///
     /// # Errors
-    /// What the kernel refuses; a system of more coordinates.
+    /// Returns an error if the kernel rejects a parameter or the system has more coordinates.
     pub fn matrices<const D: usize>(
         &self,
         rotor: Option<&Rotor>,

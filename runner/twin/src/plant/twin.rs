@@ -12,13 +12,13 @@ use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 
 /// One twin, whatever its coordinates and bearings.
 pub trait Twin {
-    /// One sample period further, the shaft moving as `drive` says.
+    /// Advances by one sample period with the shaft motion `drive`.
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status;
     /// The coordinates now.
     fn coordinates(&self) -> &[f64];
     /// Their rates.
     fn rates(&self) -> &[f64];
-    /// Force of bearing `i` on its inner ring now, turned as `at` says.
+    /// Returns the force of bearing `i` on its inner ring in the kinematic state `at`.
     fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64>;
     /// Puts coordinates and rates, as many as given, in the place of the present ones.
     fn place(&mut self, coordinates: &[f64], rates: &[f64]);

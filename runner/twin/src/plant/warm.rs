@@ -18,7 +18,7 @@ pub struct ColdAndFew {
     pub few: Arc<dyn Solved<f64>>,
 }
 
-/// Remembers where its balls were: for one twin, whose samples follow each other. What it answers differs from a cold
+/// Starts each solution from the last one: for one twin with consecutive samples. Its result differs from that of a cold
 /// start by less than a settled ball's residual; where the last sample does not lead to balance it starts cold.
 pub struct Warm {
     solved: ColdAndFew,

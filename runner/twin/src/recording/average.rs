@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 /// Averages groups of samples whose numbers share their quotient by the group's size.
 ///
-/// The mean stands at the middle of its group in time and angle. A group with a missing sample or reading has no reading.
+/// The mean is assigned to the middle of its group in time and angle. A group with a missing sample or reading has no reading.
 pub(super) struct Average {
     size: u64,
     /// s, of the samples that come in

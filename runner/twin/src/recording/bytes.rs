@@ -2,7 +2,7 @@
 
 use std::io;
 
-/// What is left of some bytes.
+/// Remaining bytes of a buffer.
 #[derive(Clone, Copy)]
 pub(super) struct Bytes<'a> {
     pub(super) rest: &'a [u8],

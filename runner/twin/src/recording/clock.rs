@@ -45,7 +45,7 @@ pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), 
         return Ok(());
     }
     let by_scene = matches!(recording.clock, Clock::Rate(_));
-    // Of a rate from time stamps the last digits are rounding.
+    // The last digits of a rate from time stamps are rounding.
     let rate = format!("{rate:.8e}").parse().unwrap_or(rate);
     Err(ImplausibleRate { rate, speed_rpm: 60.0 * turns_per_second, least, by_scene })
 }
@@ -83,7 +83,7 @@ pub enum ClockFault {
         /// s
         step: f64,
     },
-    /// Printed with too few decimals to tell samples apart.
+    /// Printed with too few decimals to distinguish samples.
     Coarse {
         /// Stamps that repeat the one before.
         repeated: usize,
@@ -188,7 +188,7 @@ impl Grid {
         self.at = match missing {
             _ if stamp.is_nan() => due,
             0 => due + FOLLOW * (stamp - due),
-            // Over a gap the grid has nothing to add to what the stamp says.
+            // Over a gap the time stamp alone counts.
             _ => stamp,
         };
         if !stamp.is_nan() {

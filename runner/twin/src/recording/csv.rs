@@ -16,7 +16,7 @@ use super::table::{ALLOWED, Cells, Table};
 /// Bytes read from the file at once.
 const BUFFER: usize = 1 << 16;
 
-/// What a cell may hold, for someone who writes 0,125.
+/// Values allowed in a cell, with a hint about the decimal comma.
 const ALLOWED_POINT: &str = "a number with a decimal point, or NaN or nothing where the reading is missing";
 
 /// A CSV file, row by row.

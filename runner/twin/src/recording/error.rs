@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Longest list of columns that a message carries.
 const COLUMNS_SHOWN: usize = 30;
 
-/// What stops the reading of a recording; flaws that do not stop it go to the ledger.
+/// Error that stops the reading of a recording; other flaws are counted in the ledger.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// The file is not there or may not be read.
@@ -15,7 +15,7 @@ pub enum RecordingError {
     Open {
         /// The recording.
         file: PathBuf,
-        /// What the system says. Not a `source`: the sentence has it already.
+        /// The system's error. Not a `source`: the message contains it.
         cause: io::Error,
     },
     /// The path is a folder's.
@@ -29,12 +29,12 @@ pub enum RecordingError {
     Format {
         /// The recording.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Returns an error if it is invalid.
         found: String,
-        /// What is read.
+        /// Data read.
         allowed: &'static str,
     },
-    /// The file says another unit than the scene.
+    /// The units of file and scene differ.
     #[error("{file}, column {column}: found the unit `{found}`; allowed: the scene's, `{allowed}`, or no unit", column = name(.column), found = name(.found))]
     Unit {
         /// The recording.
@@ -46,7 +46,7 @@ pub enum RecordingError {
         /// The scene's.
         allowed: String,
     },
-    /// The file says another sampling rate than the scene.
+    /// The sampling rates of file and scene differ.
     #[error("{file}: found a sampling rate of {found} Hz; allowed: the scene's, {allowed} Hz, within 0.1 %")]
     Rate {
         /// The recording.
@@ -63,7 +63,7 @@ pub enum RecordingError {
         file: PathBuf,
         /// Last line that was whole.
         line: u64,
-        /// What the system says. Not a `source`: the sentence has it already.
+        /// The system's error. Not a `source`: the message contains it.
         cause: io::Error,
     },
     /// Not a byte, or only blank lines.
@@ -133,7 +133,7 @@ pub enum RecordingError {
         column: String,
         /// The cell's text, shortened.
         found: String,
-        /// What may stand there.
+        /// Values allowed.
         allowed: &'static str,
     },
     /// More cells than names.
@@ -157,13 +157,13 @@ pub enum RecordingError {
         file: PathBuf,
         /// The column of time stamps.
         column: String,
-        /// What is wrong with them.
+        /// Returns an error if they are invalid.
         found: String,
     },
 }
 
 impl RecordingError {
-    /// The scene asks for what the file does not have, or says otherwise: the scene is to be put right, not the file.
+    /// Whether scene and file disagree, so that the scene is to be corrected.
     #[must_use]
     pub const fn is_scene_fault(&self) -> bool {
         matches!(self, Self::AbsentColumn { .. } | Self::Unit { .. } | Self::Rate { .. })

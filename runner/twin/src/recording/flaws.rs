@@ -1,4 +1,4 @@
-//! What is wrong with a recording without stopping its reading: counted, placed, put in words.
+//! Flaws of a recording that do not stop its reading: counts, positions, messages.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! What the tests of every binary format share: a file from bytes, read, cut short at every length, and damaged.
+//! Helpers of the tests of all binary formats: a file from bytes, read, truncated at every length, and damaged.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ pub(super) fn read_file(path: &Path, recording: &Recording) -> Result<(Vec<Row>,
     Ok((rows, reader.flaws().summary()))
 }
 
-/// The file `r.bin`, so that its content alone tells what it is.
+/// The file `r.bin`, so that only its content identifies its format.
 pub(super) struct Trial {
     folder: TempDir,
 }
@@ -66,7 +66,7 @@ pub(super) fn values(bytes: &[u8], columns: &[&str]) -> Vec<Vec<f64>> {
     rows.into_iter().map(|row| row.probes).collect()
 }
 
-/// What is said of a file, without its path.
+/// Message about a file, without its path.
 pub(super) fn error(bytes: &[u8], recording: &Recording) -> String {
     let said = Trial::new().read(bytes, recording).unwrap_err().to_string();
     assert!(!said.contains('\n'), "one sentence: {said}");
@@ -114,7 +114,7 @@ pub(super) fn damaged(bytes: &[u8], columns: &[&str]) {
     assert!(most < MOST_MEMORY, "{most} bytes");
 }
 
-/// Most memory that the process has held, where the system tells.
+/// Peak memory of the process, where the system reports it.
 fn most_memory() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

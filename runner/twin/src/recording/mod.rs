@@ -45,7 +45,7 @@ pub struct Row {
 /// One sample that the replay works on.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sample {
-    /// What the file says.
+    /// Value in the file.
     pub row: Row,
     /// Shaft angle: 0 where the keyphasor first passes.
     pub angle: Phase,

@@ -23,7 +23,7 @@ pub(super) struct Number {
     pub(super) offset: f64,
 }
 
-/// What the bits of a number mean.
+/// Representation of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Signed,
@@ -114,12 +114,12 @@ impl Lane {
     }
 }
 
-/// What a format's own reader finds in a file.
+/// Content of a file, as the reader of its format finds it.
 pub(super) struct Layout {
     pub(super) lanes: Vec<Lane>,
     /// The file breaks off within a row.
     pub(super) torn: bool,
-    /// What the format allows.
+    /// Values that the format allows.
     pub(super) allowed: &'static str,
 }
 
@@ -173,7 +173,7 @@ impl Numbers {
         Ok(Column { runs, run: 0, repeat: 0, at: 0, block: Vec::new(), next: 0 })
     }
 
-    /// The rate of the lanes that say one, which has to be the same of all.
+    /// Rate of the channels, which must be the same for all that define one.
     fn common_rate(&self, lanes: &[&Lane]) -> Result<Option<f64>, RecordingError> {
         let mut rates = lanes.iter().filter_map(|lane| Some((&lane.name, lane.rate?)));
         let Some((name, rate)) = rates.next() else { return Ok(None) };
@@ -189,7 +189,7 @@ impl Table for Numbers {
         &self.names
     }
 
-    /// What has a group is also called by its own name.
+    /// A channel in a group is also found by its own name.
     fn is_called(&self, place: usize, name: &str) -> bool {
         let own = self.names.get(place).map(String::as_str);
         own == Some(name) || own.and_then(|own| own.split_once('/')).is_some_and(|(_, channel)| channel == name)
@@ -220,7 +220,7 @@ impl Table for Numbers {
         self.row += 1;
         (cells.line, cells.whole) = (self.row, self.names.len());
         if self.row > self.rows {
-            // What is left of a row that was being written.
+            // The incomplete row at the end of a file that is still being written.
             cells.whole = 0;
             cells.values.resize(self.selected.len(), f64::NAN);
             return Ok(core::mem::take(&mut self.layout.torn));

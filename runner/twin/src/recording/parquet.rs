@@ -127,7 +127,7 @@ fn refusal(root: &Type) -> Option<String> {
     if !matches!(physical, Physical::BOOLEAN | Physical::INT32 | Physical::INT64 | Physical::FLOAT | Physical::DOUBLE) {
         return Some(format!("is of type {physical}"));
     }
-    // Whole numbers that stand for something else than themselves.
+    // Whole numbers with a special meaning.
     match (about.logical_type_ref(), about.converted_type()) {
         (None | Some(LogicalType::Integer(_) | LogicalType::Unknown), kind) => match kind {
             ConvertedType::DECIMAL

@@ -14,7 +14,7 @@ const CLIPPED_SAMPLES: u64 = 32;
 /// ... and that many times as many as at the reading next to it. A sine in coarse steps has 1.4 times as many.
 const CLIPPED_RATIO: u64 = 8;
 
-/// What to think of a reading.
+/// Classification of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
     /// Nothing is wrong with it.

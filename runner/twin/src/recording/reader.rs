@@ -24,7 +24,7 @@ const RATE_TOLERANCE: f64 = 1e-3;
 
 /// A recording, row by row, whatever its format.
 ///
-/// What is wrong with single readings, rows and time stamps is entered into [`flaws`](Self::flaws):
+/// Flaws of single readings, rows and time stamps are counted in [`flaws`](Self::flaws):
 ///
 /// - NaN or nothing in a cell is a missing reading.
 /// - In a row that is cut short the last cell that is there counts as cut off too: it may be a part of a number.
@@ -73,7 +73,7 @@ enum Timing {
 }
 
 impl Reader {
-    /// Opens a file, whose format its content tells or else its name, and reads as far as is needed to know its columns
+    /// Opens a file, detects its format from its content, then from its extension, and reads until it has determined the columns
     /// and its sampling rate.
     ///
     /// # Errors
@@ -154,7 +154,7 @@ impl Reader {
         (self.table.bytes_read(), self.size)
     }
 
-    /// What was wrong so far; clipped probes are known at the end only.
+    /// Returns the flaws so far; clipped probes are detected at the end.
     #[must_use]
     pub const fn flaws(&self) -> &FlawLedger {
         &self.ledger
@@ -193,7 +193,7 @@ impl Reader {
         Ok(())
     }
 
-    /// A rate that the file says has to be the scene's.
+    /// Checks that a rate in the file is the scene's.
     fn check_rate(&self, recording: &Recording) -> Result<(), RecordingError> {
         let (Some(found), Clock::Rate(allowed)) = (self.table.rate(), &recording.clock) else { return Ok(()) };
         if (found / allowed - 1.0).abs() <= RATE_TOLERANCE {
@@ -309,7 +309,7 @@ impl Reader {
         self.ledger.record(flaw, column, Position::from(row), 1);
     }
 
-    /// Enters what the row lacks and takes away what a stuck probe says.
+    /// Counts missing readings of a row and removes those of a stuck probe.
     fn inspect(&mut self, row: &mut Row, whole: usize) {
         let at = Position::from(&*row);
         let ledger = &mut self.ledger;
@@ -381,7 +381,7 @@ impl Wanted {
         self.columns().map(|column| column.place).collect()
     }
 
-    /// A unit that the file says has to be the scene's.
+    /// Checks that a unit in the file is the scene's.
     fn check_units(&self, table: &dyn Table, recording: &Recording, file: &Path) -> Result<(), RecordingError> {
         let check = |column: &Column, meant: &str| match table.unit(column.place) {
             Some(said) if units::contradict(said, meant) => Err(RecordingError::Unit {
@@ -402,7 +402,7 @@ impl Wanted {
             check(column, meant)?;
         }
         for (place, (column, probe)) in self.probes.iter().zip(&recording.probes).enumerate() {
-            // Sensors come as probes without another unit; their own stands beside them.
+            // Sensors are passed as probes without a unit; their own unit is stored separately.
             let meant = match recording.sensors.get(place) {
                 Some(sensor) => Some(sensor.unit.as_str()),
                 None => units::length_name(probe.metres_per_unit),

@@ -37,7 +37,7 @@ pub const SPEED_MARGIN: f64 = 3.0;
 /// No rolling bearing turns faster, rad/s: 1e6 rpm.
 const FASTEST: f64 = 1.05e5;
 
-/// Why the shaft's angle cannot be told.
+/// Error returned when the shaft angle cannot be determined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RotationError {
     /// No pulse at all.
@@ -120,7 +120,7 @@ enum Source {
     Scene(SceneSpeed),
 }
 
-/// What the shaft does at a sample.
+/// Motion of the shaft at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Motion {
     total: Total,
@@ -157,7 +157,7 @@ impl Output {
 }
 
 impl Tracker {
-    /// For a recording sampled at `rate`, Hz. A keyphasor cannot tell which way the shaft turns: that is taken
+    /// For a recording sampled at `rate`, Hz. A keyphasor does not measure the sense of rotation, which is taken
     /// from the sign of the scene's `speed`.
     #[must_use]
     pub fn new(rotation: &RotationSource, rate: f64, speed: Speed) -> Self {
@@ -171,7 +171,7 @@ impl Tracker {
         Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }
     }
 
-    /// The same for the rotation of `recording`, its samples averaged as it says.
+    /// The same for the rotation of `recording`, with its averaging.
     #[must_use]
     pub fn of(recording: &Recording, rate: f64, speed: Speed) -> Self {
         let average = Average::new(recording.average, rate);

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::error::RecordingError;
 use super::{mat, npy, parquet, tdms, wav};
 
-/// What a cell that is used may hold.
+/// Values allowed in a used cell.
 pub(super) const ALLOWED: &str = "a number, or NaN or nothing where the reading is missing";
 
 /// Columns of a file and its rows, one after another.
@@ -20,12 +20,12 @@ pub(super) trait Table: Send {
         self.columns().get(place).is_some_and(|own| own == name)
     }
 
-    /// Unit that the file says for a column, as it writes it.
+    /// Unit of a column in the file, as written there.
     fn unit(&self, _place: usize) -> Option<&str> {
         None
     }
 
-    /// Sampling rate that the file says for the columns selected, Hz.
+    /// Sampling rate of the selected columns in the file, Hz.
     fn rate(&self) -> Option<f64> {
         None
     }
@@ -35,7 +35,7 @@ pub(super) trait Table: Send {
         None
     }
 
-    /// The columns whose values [`next`](Self::next) gives from now on, and their order; asked for once.
+    /// Selects the columns whose values [`next`](Self::next) returns, in order; called once.
     fn select(&mut self, places: &[usize]) -> Result<(), RecordingError>;
 
     /// Reads the next row; false at the end.
@@ -50,7 +50,7 @@ pub(super) trait Table: Send {
 pub(super) struct Cells {
     /// Line of the file; in a file without lines the number of the row, from 1.
     pub(super) line: u64,
-    /// Of the columns selected; NaN where there is none.
+    /// Values of the columns selected; NaN where one is missing.
     pub(super) values: Vec<f64>,
     /// How many cells of the file's whole row are there, from its first column on.
     pub(super) whole: usize,
@@ -77,7 +77,7 @@ const FORMATS: [Format; 6] = [
     Format { ending: "tdms", begins: b"TDSm", goes_on: (5, b"\0\0\0"), open: tdms::open },
 ];
 
-/// Which binary format a file has, by its content or else by its name; it stands at its beginning afterwards.
+/// Detects the binary format of a file from its content, then from its extension; rewinds the file.
 pub(super) fn binary(file: &mut File, path: &Path) -> io::Result<Option<Open>> {
     let mut begin = Vec::new();
     file.by_ref().take(32).read_to_end(&mut begin)?;

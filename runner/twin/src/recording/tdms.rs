@@ -23,7 +23,7 @@ use scale::Scales;
 
 const ALLOWED: &str = "a TDMS file of numbers, or of DAQmx raw data with linear scales";
 
-/// Bytes before what a segment says of its objects.
+/// Bytes before the metadata of a segment.
 const LEAD_IN: u64 = 28;
 /// Longest description of the objects of a segment.
 const LONGEST: u64 = 1 << 26;
@@ -78,10 +78,10 @@ fn read(file: &mut File) -> io::Result<Layout> {
     Ok(Layout { lanes, torn, allowed: ALLOWED })
 }
 
-/// What the lead-in of a segment says.
+/// Lead-in of a segment.
 struct LeadIn {
     contents: u32,
-    /// Where what it says of its objects begins, and its numbers, and the next segment.
+    /// Offsets of its metadata, its numbers and the next segment.
     head: u64,
     numbers: u64,
     end: u64,
@@ -164,7 +164,7 @@ struct Object {
     scales: Scales,
 }
 
-/// What an object has in each chunk.
+/// Data of an object in each chunk.
 #[derive(Clone, Copy)]
 struct Index {
     kind: u32,
@@ -177,7 +177,7 @@ struct Index {
 #[derive(Clone, Copy)]
 struct Raw {
     offset: u64,
-    /// Of a row.
+    /// Data of a row.
     width: u64,
     /// Number by which scales know the count.
     scale: u32,

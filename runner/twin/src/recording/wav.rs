@@ -18,7 +18,7 @@ const ALLOWED: &str = "a WAV file of PCM with 8, 16, 24 or 32 bits or float with
 /// Format tags.
 const PCM: u16 = 1;
 const FLOAT: u16 = 3;
-/// The tag proper stands further on.
+/// The tag follows later.
 const EXTENSIBLE: u16 = 0xfffe;
 
 /// The chunk `fmt `.

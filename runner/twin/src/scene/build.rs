@@ -6,7 +6,10 @@ mod kinematics;
 mod lumped;
 mod preload;
 
-pub use balls::{MadeTable, PRESSURE_LIMIT, Solved, inertia_params, quasi_static, solved_in, table};
+pub use balls::{
+    MadeTable, PRESSURE_LIMIT, Solved, inertia_params, point_contact_approach, point_contact_load, quasi_static,
+    solved_in, table,
+};
 pub use error::BuildError;
 use kinematics::outer_ratio;
 pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rotation_at};
@@ -29,7 +32,7 @@ use std::sync::Arc;
 /// The kernel's geometry, where the scene gives one.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn geometry(bearing: &BearingScene) -> Result<Option<BallBearingGeometry>, BuildError> {
     let Some(g) = bearing.geometry else { return Ok(None) };
     let steel = Material { youngs_modulus: g.youngs_modulus, poissons_ratio: g.poissons_ratio };
@@ -65,11 +68,11 @@ fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<Stri
     }
 }
 
-/// The rung `model` of one bearing. A linear rung that is made from another one needs the rotor's equilibrium
+/// Builds the model `model` of one bearing. A linear model derived from another one requires the rotor's equilibrium
 /// (see [`crate::plant`]) and is refused here.
 ///
 /// # Errors
-/// What the scene does not say for this model, or the kernel refuses.
+/// Returns an error if the scene lacks a value of this model or the kernel rejects one.
 pub fn bearing<T: Scalar, M: Math<T>>(
     scene: &Scene,
     of: &BearingScene,
@@ -77,7 +80,7 @@ pub fn bearing<T: Scalar, M: Math<T>>(
 ) -> Result<AnyBearing<T>, BuildError> {
     match model {
         Model::Linear => linear(of),
-        // What moving balls come to where their mass does not matter.
+        // The quasi-static limit of moving balls.
         Model::Lumped | Model::Dynamic => lumped::lumped::<T, M>(of),
         Model::Angular => angular::<T, M>(of),
         Model::QuasiStatic => Ok(Shared(quasi_static::<T, M>(of)?)),
@@ -85,7 +88,7 @@ pub fn bearing<T: Scalar, M: Math<T>>(
     }
 }
 
-/// Where the elements stand; mirrored where the bearing faces -Z.
+/// Builds the angular model.
 #[must_use]
 pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<ElementPosition<T>> {
     let mirror = |p: ElementPosition<T>| if scene.facing == Facing::MinusZ { p.mirrored() } else { p };
@@ -151,7 +154,7 @@ fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>,
     })
 }
 
-/// The geometry of a model with a contact angle, and where its rings stand at zero displacement.
+/// Returns the geometry of a model with a contact angle, and its displacement datum.
 fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeometry, DisplacementDatum), BuildError> {
     let Some(geometry) = geometry(scene)? else {
         let keys = "with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance";
@@ -207,7 +210,7 @@ pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -
     Shared(Arc::new(LinearBearing::about(k, Displacement::from_array(u), Wrench::from_array(f))))
 }
 
-/// A spring bearing in another precision: its tangent and its force at zero displacement say all.
+/// Returns a spring bearing in another precision, from its tangent and its force at zero displacement.
 pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
     let zero = Displacement::default();
     let (reaction, k) = spring.reaction_and_stiffness(&zero, &Phase::ZERO.into());

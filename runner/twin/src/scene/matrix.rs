@@ -1,4 +1,4 @@
-//! Matrices of a linear system from files: Matrix Market or NPY, told apart by their content.
+//! Matrices of a linear system from files: Matrix Market or NPY, detected by content.
 
 use nalgebra::DMatrix;
 use nalgebra_sparse::io::load_coo_from_matrix_market_str;

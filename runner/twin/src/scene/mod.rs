@@ -1,7 +1,7 @@
 //! A scene: the machine as an engineer writes it (TOML with units) and the kernel's parameters made from it.
 //!
 //! [`read`] turns text into the plain SI numbers of this file and refuses what it does not understand;
-//! `build` turns those into kernel types. Nothing else in the runner knows both.
+//! `build` turns those into kernel types. No other module depends on both.
 
 pub mod bounded;
 pub mod build;
@@ -54,7 +54,7 @@ pub struct Limit {
     pub duration: f64,
 }
 
-/// What a limit allows.
+/// Condition of a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Allowed {
     /// m, or a number
@@ -108,10 +108,10 @@ impl Indicator {
     }
 }
 
-/// `[observer]`: what the observer is told of the unknown.
+/// `[observer]`: parameters of the observer.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Observer {
-    /// `wander`, N per root second, above 0: how far an unknown force wanders; from the first turns when absent
+    /// `wander`, N per root second, above 0: process noise of the unmodelled force; estimated from the first turns when absent
     pub process_noise: Option<f64>,
 }
 
@@ -305,7 +305,7 @@ pub struct Bearing {
     pub station: f64,
     /// Thrust direction it carries.
     pub facing: Facing,
-    /// Rung of the ladder.
+    /// Bearing model.
     pub model: Model,
     /// Rolling elements, 3 to 64.
     pub elements: usize,
@@ -321,19 +321,19 @@ pub struct Bearing {
     pub axial: Option<Axial>,
     /// `housing_displacement = [[x, y, z], ...]`: displacement of the outer ring at each element, m; empty when rigid.
     pub housing_displacement: Vec<[f64; 3]>,
-    /// What the linear model is made from; only with `model = "linear"`.
+    /// Source of the linear model; only with `model = "linear"`.
     pub linear: Option<Linear>,
     /// Local damage of races and balls.
     pub defect: Vec<Defect>,
     /// Waviness of races and balls.
     pub waviness: Vec<Wave>,
-    /// What the quasi-static and tabulated models take into account.
+    /// Effects in the quasi-static and tabulated models.
     pub effects: Effects,
     /// `lubricant`, whether or not its film is one of the effects.
     pub lubricant: Option<Lubricant>,
     /// How the bearing is preloaded.
     pub preload: Option<Preload>,
-    /// What the table of the tabulated model is made for, as far as the scene says.
+    /// Range of the tabulated model, as far as the scene defines it.
     pub table: Option<TableRange>,
     /// `coordinates`: of the inner ring, on a `[system]`
     pub coordinates: Option<Coordinates>,
@@ -508,7 +508,7 @@ pub struct Geometry {
     pub youngs_modulus: f64,
     /// 0 or more, below 0.5
     pub poissons_ratio: f64,
-    /// Of the balls, kg/m^3, above 0
+    /// Density of the balls, kg/m^3, above 0
     pub density: f64,
 }
 
@@ -620,9 +620,9 @@ pub struct Recording {
     pub average: u32,
     /// At least one, unless there are sensors.
     pub probes: Vec<Probe>,
-    /// Of vibration; none where there are probes.
+    /// Vibration sensors; empty where there are probes.
     pub sensors: Vec<Sensor>,
-    /// What tells the shaft's angle.
+    /// Source of the shaft angle.
     pub rotation: RotationSource,
 }
 
@@ -644,9 +644,9 @@ pub struct Probe {
     pub metres_per_unit: f64,
     /// m along Z from the rotor's centre of mass (0 for an axial probe when not given)
     pub station: f64,
-    /// What it looks along.
+    /// Measured direction.
     pub direction: Direction,
-    /// `noise`: rms, m, when the user knows it
+    /// `noise`: rms, m, where given
     pub noise: Option<f64>,
     /// `offset`, m: what the probe reads with the shaft in the middle; taken off every reading
     pub offset: f64,
@@ -659,7 +659,7 @@ pub struct Sensor {
     pub column: String,
     /// `unit`, for the reader: levels are ratios.
     pub unit: String,
-    /// `bearing`: the only one that it hears, when the user knows.
+    /// `bearing`: the only bearing that it measures, where given.
     pub bearing: Option<String>,
 }
 
@@ -704,6 +704,6 @@ pub enum RotationSource {
         /// rad/s for one unit of the column
         radians_per_second: f64,
     },
-    /// Neither: the scene's `[shaft] speed` is believed, from angle 0.
+    /// Neither: the scene's `[shaft] speed` applies, from angle 0.
     Scene,
 }

@@ -28,7 +28,7 @@ const LARGEST_FILE: u64 = 4 << 20;
 /// Standard gravity along -Y, the default of `gravity`.
 const GRAVITY: [f64; 3] = [0.0, -9.806_65, 0.0];
 
-/// What a `speed` may be.
+/// Values allowed for `speed`.
 const SPEEDS: &str = "a speed of rotation, such as \"3000 rpm\", or { from, to, over }, \
                       or { mean, fluctuation, frequency }";
 

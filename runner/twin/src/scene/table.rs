@@ -1,4 +1,4 @@
-//! Reading a TOML document by hand, so that every error knows its file, line and key.
+//! Reader of TOML documents whose errors contain file, line and key.
 //!
 //! [`Node`] is one value with its place; [`Table`] is a table whose keys have been checked against the allowed ones.
 
@@ -22,9 +22,9 @@ pub struct SceneError {
     pub line: Option<usize>,
     /// Path of the key, such as `bearing[0].ball_diameter`; empty where it is not about a key.
     pub key: String,
-    /// What was found; a whole sentence where `allowed` is empty.
+    /// Value found; empty for a missing key, a complete message where `allowed` is empty.
     pub found: String,
-    /// What is allowed there, with an example or a range.
+    /// Values allowed, with an example or a range.
     pub allowed: String,
 }
 
@@ -48,7 +48,9 @@ impl SceneError {
         if !self.key.is_empty() {
             text.push_str(&format!(": {}", self.key));
         }
-        if self.allowed.is_empty() {
+        if self.found.is_empty() {
+            text.push_str(&format!(": missing key, expected {}", self.allowed));
+        } else if self.allowed.is_empty() {
             text.push_str(&format!(": {}", self.found));
         } else {
             text.push_str(&format!(": found {}, allowed: {}", self.found, self.allowed));
@@ -135,7 +137,7 @@ impl<'a> Node<'a> {
     pub fn shown(&self) -> String {
         match self.content {
             Content::Tables(_) => "a list of tables".to_owned(),
-            // A `[header]` or a dotted key says nothing that its path does not.
+            // A `[header]` or a dotted key repeats its path.
             Content::Table(_) if !self.raw().starts_with('{') => "a table".to_owned(),
             Content::Value(_) | Content::Table(_) => on_one_line(self.raw()),
         }
@@ -311,20 +313,14 @@ impl<'a> Table<'a> {
         Node::of_item(self.source, self.path_of(key), self.key_span(key), item)
     }
 
-    /// The value of a key that must be there; `wants` says what it should be.
+    /// Returns the value of a required key; `wants` describes the values allowed.
     pub fn required(&self, key: &str, wants: &str) -> Read<Node<'a>> {
         self.optional(key).ok_or_else(|| self.missing(key, wants))
     }
 
     /// The error of a key that is not there.
     pub fn missing(&self, key: &str, wants: &str) -> SceneError {
-        let place = if self.path.is_empty() {
-            "at the top of the file".to_owned()
-        } else {
-            format!("in the table {}", self.path)
-        };
-        let found = format!("no such key {place}, which requires it");
-        self.source.error(self.span.start, &self.path_of(key), found, wants)
+        self.source.error(self.span.start, &self.path_of(key), "", wants)
     }
 
     /// An error about the table as a whole.

@@ -30,7 +30,7 @@ const POWER_TOLERANCE: f64 = 1e-9;
 /// Longest piece of the user's text that an error repeats, in characters.
 const LONGEST_QUOTE: usize = 60;
 
-/// What a number of the scene measures.
+/// Physical dimension of a number in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Dimension {
     /// m
@@ -80,7 +80,7 @@ pub enum Dimension {
     ),
 }
 
-/// What is known of one [`Dimension`].
+/// Properties of one [`Dimension`].
 struct Row {
     words: &'static str,
     example: &'static str,
@@ -94,9 +94,9 @@ struct Row {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, allowed: {allowed}")]
 pub struct Mismatch {
-    /// What the text says.
+    /// Unit found in the text.
     pub found: String,
-    /// What would be right, with an example.
+    /// Values allowed, with an example.
     pub allowed: String,
 }
 
@@ -168,7 +168,7 @@ impl Dimension {
         }
     }
 
-    /// What to write, with an example; `range` such as `above 0`, or empty.
+    /// Describes the values allowed, with an example; `range` such as `above 0`, or empty.
     pub fn allowed(self, range: &str) -> String {
         let row = self.row();
         let range = if range.is_empty() { String::new() } else { format!(" {range}") };
@@ -203,7 +203,7 @@ impl Dimension {
     }
 }
 
-/// The SI value of `"<number> <unit>"` where the scene wants `dimension`.
+/// Returns the SI value of `"<number> <unit>"` of the dimension `dimension`.
 pub fn parse(text: &str, dimension: Dimension) -> Result<f64, Mismatch> {
     let mismatch = |why: &str| Mismatch { found: format!("{}{why}", quote(text)), allowed: dimension.allowed("") };
     let (number, unit) =
@@ -228,7 +228,7 @@ pub fn length_column(unit: &str) -> Result<f64, Mismatch> {
 }
 
 /// Radians per second in one unit of a recording's column, `rpm` or `rad/s`. `Hz` is refused: turns or radians per
-/// second differ by 2 pi, and nothing in the name says which is meant.
+/// second differ by 2 pi, and the name does not distinguish them.
 pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }

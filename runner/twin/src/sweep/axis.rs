@@ -22,7 +22,7 @@ impl Axis {
     /// From `KEY=FROM..TO:COUNT`, `KEY=FROM..TO:STEP` with the unit of the ends, or `KEY=A,B,C`.
     ///
     /// # Errors
-    /// What cannot be understood, with what is allowed.
+    /// Returns an error with the allowed forms if the text is invalid.
     pub fn parse(text: &str) -> Result<Self> {
         let fault = |why: String| UsageError(format!("--over: found {text:?}, {why}"));
         let allowed = "allowed: KEY=FROM..TO:COUNT (such as shaft.speed=500rpm..10000rpm:200), a step with its unit in place of the count, or KEY=A,B,C";

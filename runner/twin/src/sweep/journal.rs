@@ -1,4 +1,4 @@
-//! What a sweep has found so far, on disk line by line: it goes on from there after a stop, and shards are put together
+//! Results of a sweep on disk, line by line: a stopped sweep continues from them, and shards are merged
 //! from there.
 
 use super::Chain;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// First line of a journal.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Head {
-    /// Of scene, axes and what is measured.
+    /// Identity of scene, axes and options.
     sweep: String,
 }
 
@@ -20,11 +20,11 @@ struct Head {
 pub struct Journal {
     file: File,
     path: PathBuf,
-    /// What it holds already, by the chain's number.
+    /// Stored chains by their number.
     pub done: BTreeMap<usize, Chain>,
 }
 
-/// What a journal holds.
+/// Content of a journal.
 ///
 /// # Errors
 /// A file that cannot be read, that is none, or that belongs to another sweep.
@@ -81,7 +81,7 @@ impl Journal {
     /// A file that cannot be written.
     pub fn add(&mut self, chain: Chain) -> Result<()> {
         let line = serde_json::to_string(&chain)? + "\n";
-        // As a reader will have it: what is told does not depend on whether the sweep was stopped in between. What
+        // As a reader parses it, so that results do not depend on whether the sweep was stopped in between. What
         // cannot be read again, such as a figure that is no number, is never written.
         let chain: Chain =
             serde_json::from_str(line.trim_end()).context("found a result that is no finite number in a point")?;

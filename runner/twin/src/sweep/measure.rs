@@ -1,4 +1,4 @@
-//! One point of a sweep: the scene's rotor run until it has settled, and what its motion is then.
+//! One point of a sweep: the steady-state motion of the scene's rotor and its measures.
 
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::UsageError;
@@ -21,7 +21,7 @@ const SPECTRUM: (usize, f64) = (160, 4.0);
 /// Distance at which the neighbour of a Lyapunov exponent is held, over the motion's size.
 const NEIGHBOUR: f64 = 1e-7;
 
-/// What is asked of every point.
+/// Options of every point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measure {
     /// s left out at the start; from the damping where absent.
@@ -34,10 +34,10 @@ pub struct Measure {
     pub lyapunov: bool,
 }
 
-/// What the motion is at one point.
+/// Measures of the motion at one point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// Of the shaft, rpm.
+    /// Shaft speed, rpm.
     pub speed_rpm: f64,
     /// Steps that overflowed.
     pub held: u64,
@@ -96,7 +96,7 @@ fn frequencies(scene: &Scene, plant: &Plant, by_shaft: bool) -> (f64, f64) {
 /// Runs one point, from rest or from `start`.
 ///
 /// # Errors
-/// A shaft that stands still; what the kernel refuses.
+/// Returns an error if the shaft is at standstill or the kernel rejects a parameter.
 pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<(Figures, State)> {
     let plant = Plant::try_new(scene)?;
     let (section, pass) = frequencies(scene, &plant, asked.by_shaft);

@@ -46,7 +46,7 @@ pub struct Plan {
     pub axes: Vec<Axis>,
     /// How points follow each other.
     pub follow: Follow,
-    /// What is asked of each.
+    /// Options of every point.
     pub measure: Measure,
 }
 
@@ -68,7 +68,7 @@ pub struct Row {
     pub way: String,
     /// Value of each axis in its unit.
     pub values: Vec<f64>,
-    /// What was found.
+    /// Value found.
     pub figures: Figures,
 }
 
@@ -117,7 +117,7 @@ impl Plan {
         }
     }
 
-    /// What tells this sweep from another one.
+    /// Returns the identity of this sweep, which a journal stores.
     ///
     /// # Errors
     /// None in practice.
@@ -191,7 +191,7 @@ impl Plan {
     /// Returns each effect at the point of `rows` where it matters most, with that point named.
     ///
     /// # Errors
-    /// What the kernel refuses.
+    /// Returns an error if the kernel rejects a parameter.
     pub fn significance(&self, rows: &[&Row]) -> Result<Vec<EffectSignificance>> {
         let mut worst: BTreeMap<(&str, &str), (f64, &Row)> = BTreeMap::new();
         for row in rows {
@@ -220,7 +220,7 @@ impl Plan {
         all.iter().map(|one| one.trim_end()).collect::<Vec<_>>().join(", ")
     }
 
-    /// Computes those of `chains` that the journal does not have, `jobs` at a time; `told` hears of each finished one.
+    /// Computes those of `chains` that the journal lacks, `jobs` in parallel; calls `told` after each.
     ///
     /// # Errors
     /// The first that goes wrong; what was found until then stays in the journal.

@@ -47,7 +47,7 @@ fn cell(column: &Column, i: usize) -> String {
 /// One row a point; an empty cell is what there is not, such as the period of a motion that does not repeat.
 ///
 /// # Errors
-/// What the writer gives.
+/// Returns the writer's error.
 pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> std::io::Result<()> {
     let columns = columns(axes, rows);
     let names: Vec<&str> = columns.iter().map(Column::name).collect();
@@ -62,7 +62,7 @@ pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> std::io::Resul
 /// One row a section: the points of the bifurcation diagram.
 ///
 /// # Errors
-/// What the writer gives.
+/// Returns the writer's error.
 pub fn sections(out: &mut impl Write, rows: &[&Row]) -> std::io::Result<()> {
     writeln!(out, "point,way,section,u_um,v_um")?;
     for row in rows {
@@ -76,7 +76,7 @@ pub fn sections(out: &mut impl Write, rows: &[&Row]) -> std::io::Result<()> {
 /// The table of [`csv()`] as Parquet, uncompressed.
 ///
 /// # Errors
-/// What the writer gives.
+/// Returns the writer's error.
 pub fn parquet(out: impl Write + Send, axes: &[Axis], rows: &[&Row]) -> parquet::errors::Result<()> {
     parquet_table::write(out, "sweep", &columns(axes, rows))
 }

@@ -5,12 +5,12 @@ use crate::error::UsageError;
 use anyhow::{Result, bail};
 use serde::Serialize;
 
-/// What is asked for.
+/// Options.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Goal {
     /// The cheapest with at most this error in 99 of 100 poses, relative to the largest load.
     Error(f64, Target),
-    /// The truest with at most this many cycles for one force of every bearing.
+    /// The most accurate candidate with at most this many cycles for one force of every bearing.
     Deadline {
         /// s
         time: f64,
@@ -39,7 +39,7 @@ pub struct Choice {
     pub precision: &'static str,
     /// Its error in 99 of 100 poses.
     pub error: f64,
-    /// Its cost in the unit asked for.
+    /// Its cost in the requested unit.
     pub cost: f64,
     /// `cycles` or `ns`
     pub unit: &'static str,
@@ -47,7 +47,7 @@ pub struct Choice {
     pub seconds: Option<f64>,
 }
 
-/// Errors below this tell nothing apart.
+/// Errors below this are equal.
 const ROUNDED: f64 = 1e-12;
 
 /// Marks what nothing else beats in both cost and error.
@@ -78,7 +78,7 @@ fn on_front(points: &[Option<(f64, f64)>], i: usize) -> bool {
 /// The candidate that meets the goal best.
 ///
 /// # Errors
-/// None does: says what comes nearest.
+/// Describes the nearest candidate where none meets the goal.
 pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
     let target = match goal {
         Goal::Error(_, target) => *target,

@@ -1,4 +1,4 @@
-//! What a force costs on a Cortex-M4F: the table that the tests of the target measure and hold, and what follows from it
+//! Cost of a force on a Cortex-M4F: the table that the tests of the target measure and check, and its interpolation
 //! for element counts and solver steps between its rows.
 
 use crate::scene::build::Exponent;
@@ -23,7 +23,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of two evaluations.
+    /// Returns the cost of two evaluations.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
@@ -134,7 +134,7 @@ fn at(all: &[Row], what: &str, elements: usize, precision: &str, math: &str) -> 
             Some(near.cost.mixed(far.cost, part))
         }
         [only] => {
-            // What does not grow with the elements is the way into the cage's frame and back.
+            // The part independent of the elements is the transformation to the cage frame and back.
             let fixed =
                 |function| all.iter().find(|r| r.what == "angular" && r.elements == 8 && r.function == function);
             let (all_of_it, inside) = (fixed("force")?.cost, fixed("force, in the cage's frame")?.cost);

@@ -21,7 +21,7 @@ pub struct Arithmetic {
     pub math: &'static str,
 }
 
-/// All four, the truest first.
+/// All four, the most accurate first.
 pub const ARITHMETICS: [Arithmetic; 4] = [
     Arithmetic { precision: "f64", math: "exact" },
     Arithmetic { precision: "f64", math: "fast" },
@@ -32,7 +32,7 @@ pub const ARITHMETICS: [Arithmetic; 4] = [
 /// Relative to the largest load of all bearings over the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
-    /// Of the middle one of all poses.
+    /// Median over all poses.
     pub median: f64,
     /// Exceeded by one pose in a hundred.
     pub most_99: f64,
@@ -45,7 +45,7 @@ const ROUNDS: usize = 7;
 
 /// The bearings of one candidate in one arithmetic.
 pub trait Forces {
-    /// Of bearing `i` at each pose, N and N m.
+    /// Forces of bearing `i` at each pose, N and N m.
     fn wrenches(&self, i: usize, poses: &[Pose]) -> Vec<Wrench<f64>>;
 
     /// One force of every bearing, ns.
@@ -55,7 +55,7 @@ pub trait Forces {
 /// The candidate's bearings as the plant mounted them.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn forces(scene: &Scene, plant: &Plant, arithmetic: Arithmetic) -> Result<Box<dyn Forces>> {
     Ok(match (arithmetic.precision, arithmetic.math) {
         ("f32", "exact") => Box::new(Seated::<f32>::try_new::<Exact>(scene, plant)?),
@@ -127,16 +127,16 @@ impl<T: Scalar> Forces for Seated<T> {
     }
 }
 
-/// What the candidates are held against.
+/// The reference of all candidates.
 pub struct Truth {
     wrenches: Vec<Vec<Wrench<f64>>>,
     largest: f64,
-    /// Of each bearing, m: what makes a force of a moment.
+    /// Lever arm of each bearing, m, by which moments are converted to forces.
     arms: Vec<f64>,
 }
 
 impl Truth {
-    /// From the truest forces there are.
+    /// Creates the reference from the most accurate forces.
     #[must_use]
     pub fn new(scene: &Scene, forces: &dyn Forces, poses: &Poses) -> Self {
         let wrenches: Vec<_> = poses.iter().enumerate().map(|(i, poses)| forces.wrenches(i, poses)).collect();
@@ -161,7 +161,7 @@ impl Truth {
         self.errors_of(&found, &self.wrenches)
     }
 
-    /// How far a candidate is off the same level in the truest arithmetic.
+    /// Returns the errors of a candidate against the same level in the most accurate arithmetic.
     #[must_use]
     pub fn rounding(&self, forces: &dyn Forces, exact: &dyn Forces, poses: &Poses) -> Errors {
         let all = |forces: &dyn Forces| -> Vec<_> {
@@ -176,7 +176,7 @@ impl Truth {
         for ((found, right), &arm) in found.iter().zip(right).zip(&self.arms) {
             errors.extend(found.iter().zip(right).map(|(f, r)| apart(f, r, arm) / largest));
         }
-        // What is no number is as wrong as can be.
+        // A NaN counts as an infinite error.
         errors.iter_mut().filter(|e| e.is_nan()).for_each(|e| *e = f64::INFINITY);
         errors.sort_by(f64::total_cmp);
         let part = |p: f64| errors.get(((errors.len() as f64 - 1.0) * p).round() as usize).copied().unwrap_or(0.0);
@@ -195,7 +195,7 @@ fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
 /// A plant whose bearings compute their forces in single precision.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant> {
     let single = Seated::<f32>::try_new::<Exact>(scene, &plant)?;
     for (mounted, (bearing, offset)) in plant.bearings.iter_mut().zip(single.bearings) {

@@ -1,7 +1,7 @@
-//! What can be asked of a scene's bearings: the levels with their options, each as an edit of the scene's own text.
+//! Fidelity levels of a scene's bearings with their options, each as an edit of the scene's text.
 //!
 //! A candidate is the scene as a user would have written it, read and checked like any other: what the reader or the
-//! kernel refuses is not possible here, and its words say why.
+//! kernel rejects does not apply to the scene; the error states the reason.
 
 use crate::scene::read::read_str;
 use crate::scene::{Bearing, Effects, Linear, Model, Scene};
@@ -15,17 +15,17 @@ pub struct FidelityLevel {
     /// In words.
     pub name: String,
     model: Model,
-    /// Of those that the scene names: those that are kept.
+    /// Effects of the scene that are kept.
     effects: Vec<&'static str>,
     /// Newton steps of a cold start, where not the kernel's own number.
     steps: Option<u8>,
-    /// Of the table.
+    /// Intervals of the table.
     intervals: Option<[i64; 3]>,
 }
 
 /// Keys of a bearing that only models with balls in equilibrium take.
 const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lubricant", "table", "solver_steps"];
-/// Keys of a bearing that only the lumped model takes and its geometry can stand for.
+/// Keys of a bearing that only the lumped model takes and that its geometry can replace.
 const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
 /// Effects in the order in which they can be left out.
 const NESTED: [&str; 3] = ["centrifugal", "gyroscopic", "film"];
@@ -50,7 +50,7 @@ impl FidelityLevel {
         self.model
     }
 
-    /// Every level for a scene, cheapest first; the last one is the dearest.
+    /// Returns every level for a scene, in the order of cost.
     #[must_use]
     pub fn all(scene: &Scene) -> Vec<Self> {
         let named = named(scene);
@@ -87,7 +87,7 @@ impl FidelityLevel {
         levels
     }
 
-    /// The dearest level of all, solved until nothing moves any more.
+    /// The most expensive level, iterated to convergence.
     #[must_use]
     pub fn converged(&self) -> Self {
         let steps = (self.model == Model::QuasiStatic).then_some(CONVERGED);
@@ -161,7 +161,7 @@ impl FidelityLevel {
     /// The scene with this level.
     ///
     /// # Errors
-    /// What the reader refuses.
+    /// Returns an error if the edited scene is invalid.
     pub fn scene(&self, text: &str, path: &Path, scene: &Scene) -> Result<Scene> {
         Ok(read_str(&self.written(text, scene)?, path)?)
     }

@@ -23,7 +23,7 @@ use force::{ARITHMETICS, Truth, forces};
 use response::METHODS;
 use serde::Serialize;
 
-/// All that a trade says.
+/// Result of a comparison of models.
 #[derive(Debug, Clone, Serialize)]
 pub struct Trade {
     /// The scene's name.
@@ -32,7 +32,7 @@ pub struct Trade {
     pub motion: &'static str,
     /// Poses of each bearing at which forces are compared.
     pub poses: usize,
-    /// What the candidates are held against.
+    /// The reference of all candidates.
     pub truth: String,
     /// The largest load of a bearing over the motion, N: what errors of force are relative to.
     pub largest_load: f64,
@@ -40,12 +40,12 @@ pub struct Trade {
     pub candidates: Vec<Candidate>,
     /// Motions.
     pub responses: Vec<Response>,
-    /// What the scene does not allow, and why.
+    /// Models that do not apply to the scene, with the reason.
     pub impossible: Vec<Impossible>,
     /// Which effects the scene needs.
     #[serde(rename = "needs")]
     pub significance: Vec<EffectSignificance>,
-    /// What to take, where a goal was given.
+    /// The recommended candidate, where a goal was given.
     pub choice: Option<Choice>,
 }
 
@@ -111,7 +111,7 @@ struct Allowed {
     plant: Plant,
 }
 
-/// What is told while it works: how far, of how much.
+/// Callback of the progress: steps done, steps in all.
 pub type Progress<'a> = &'a dyn Fn(usize, usize);
 
 /// Runs everything that the scene allows; without `motions` the forces only.

@@ -1,4 +1,4 @@
-//! The scene's own motion: where its bearings stand, sample by sample, measured or computed.
+//! Motion of the scene: poses of its bearings by sample, measured or computed.
 
 use crate::motion::{self, Span};
 use crate::plant::Plant;
@@ -14,9 +14,9 @@ use std::f64::consts::TAU;
 pub const A_TURN: f64 = 128.0;
 /// Turns of a computed motion that are looked at.
 pub const TURNS: f64 = 16.0;
-/// Where a bearing's force is asked for, at most.
+/// Largest number of poses of a bearing.
 const MOST_POSES: usize = 512;
-/// Samples a second where the shaft stands still.
+/// Samples per second at standstill.
 const STILL_RATE: f64 = 10e3;
 
 /// One bearing at one moment.
@@ -24,11 +24,11 @@ const STILL_RATE: f64 = 10e3;
 pub struct Pose {
     /// Displacement by the rotor's motion.
     pub u: Displacement<f64>,
-    /// How the parts stand and turn.
+    /// Angles and speeds of the components.
     pub at: BearingKinematicState<f64>,
 }
 
-/// Of every bearing in the scene's order, some hundred poses of its motion.
+/// Poses of every bearing in the scene's order, some hundred of each.
 pub type Poses = Vec<Vec<Pose>>;
 
 /// How a motion is computed.
@@ -37,7 +37,7 @@ pub fn span(scene: &Scene, plant: &Plant) -> Span {
     let turning = [scene.shaft.speed.at(0.0), scene.shaft.speed.nominal(), scene.shaft.speed.at(f64::MAX)];
     let fastest = turning.into_iter().map(f64::abs).filter(|w| w.is_finite()).fold(0.0, f64::max) / TAU;
     let rate = if fastest > 0.0 { fastest * A_TURN } else { STILL_RATE };
-    // What a change of model starts has then died down to a thousandth.
+    // The transient after a change of model has then decayed to a thousandth.
     let settle = 0.6 * plant.settling_time() * rate;
     let ramp = match scene.shaft.speed {
         crate::scene::Speed::Ramp { over, .. } => over.min(TURNS / fastest.max(1e-9) * 8.0) * rate,
@@ -49,7 +49,7 @@ pub fn span(scene: &Scene, plant: &Plant) -> Span {
 /// Poses of the motion that the plant computes.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
     let span = span(scene, plant);
     let stride = span.samples.div_ceil(MOST_POSES as u64).max(1);
@@ -77,7 +77,7 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
 /// Poses of the scene's recording; samples with a missing reading are left out. What no probe sees is taken from rest.
 ///
 /// # Errors
-/// A recording that cannot be read, probes that do not tell the position.
+/// Returns an error if the recording cannot be read or the probes do not determine the position.
 pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Poses> {
     let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(&recording.file);

@@ -1,4 +1,4 @@
-//! The motion that a candidate computes beside the truest one: levels, integrators and time steps.
+//! Simulated motion of a candidate against the reference: levels, integrators and time steps.
 
 use crate::motion;
 use crate::plant::Plant;
@@ -11,9 +11,9 @@ use std::time::Instant;
 /// How far a computed motion is off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MotionErrors {
-    /// Of the 1X vector over the truth's (at least a hundredth of its peak to peak), the worst direction of all bearings.
+    /// Error of the 1X vector over that of the reference (at least 1 % of its peak to peak), in the worst direction.
     pub one_per_turn: f64,
-    /// Of the vector at the ball pass of the outer race, over the truth's peak to peak.
+    /// Error of the vector at the outer ball-pass frequency, over the peak to peak of the reference.
     pub ball_pass: f64,
     /// Relative.
     pub peak_to_peak: f64,
@@ -42,7 +42,7 @@ pub struct Motion {
 /// Runs a candidate's rotor as long as the truth's: from the truth's span, so that samples fall on each other.
 ///
 /// # Errors
-/// What the kernel refuses.
+/// Returns an error if the kernel rejects a parameter.
 pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
     let mut series = vec![Vec::new(); 2 * plant.bearings.len()];
     let mut turned = Vec::new();
@@ -74,7 +74,7 @@ impl Motion {
     pub fn errors(&self, truth: &Self) -> MotionErrors {
         let sum = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
         let spread = |x: &[f64]| x.iter().fold(f64::MIN, |m, &x| m.max(x)) - x.iter().fold(f64::MAX, |m, &x| m.min(x));
-        // Over the largest of all directions: one in which nothing moves says nothing.
+        // Relative to the largest direction: one without motion has no information.
         let most =
             |size: &dyn Fn(&[f64]) -> f64| truth.series.iter().map(|x| size(x)).fold(f64::MIN_POSITIVE, f64::max);
         let rms = |x: &[f64], about: f64| sum(&x.iter().map(|x| (x - about).powi(2)).collect::<Vec<_>>()).sqrt();

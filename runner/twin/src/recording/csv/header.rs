@@ -12,7 +12,7 @@ const LONGEST: u64 = 1 << 20;
 /// Delimiters, the likeliest first.
 const DELIMITERS: [u8; 4] = *b",;\t|";
 
-/// What the first line tells.
+/// Content of the first line.
 pub(super) struct Header {
     /// Trimmed.
     pub(super) names: Vec<String>,

@@ -1,4 +1,4 @@
-//! The heads of a column's pages, looked through before the library takes memory for what they say.
+//! Checks of page headers before the library allocates memory for their sizes.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};

@@ -20,7 +20,7 @@ const BETWEEN: f64 = 0.35;
 const MOSTLY_HIGH: f64 = 0.55;
 
 /// A pulse that the recording begins in counts only when it is over within so many samples: where a longer one
-/// began cannot be told.
+/// began is unknown.
 const NARROW: u64 = 2;
 
 /// An instant in samples since the recording began. The whole number is apart so that it stays exact in
@@ -32,7 +32,7 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// Of a sample.
+    /// Data of a sample.
     pub(super) const fn sample(index: u64) -> Self {
         Self { index, fraction: 0.0 }
     }

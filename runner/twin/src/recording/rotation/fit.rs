@@ -6,7 +6,7 @@ use super::edges::Instant;
 /// it is a motion that a parabola cannot follow, and fewer pulses are looked at.
 const ROUNDING: f64 = 0.45;
 
-/// Times the mean square of the residuals by which a parabola has to lessen their sum to be believed: three standard
+/// Multiple of the mean square of the residuals by which a parabola must reduce their sum to be accepted: three standard
 /// deviations of its bend. A line is far steadier, above all beyond the first and the last pulse.
 const CLEAR: f64 = 9.0;
 
@@ -36,7 +36,7 @@ pub(super) struct Fit {
     at_pulse: f64,
     slope: f64,
     bend: f64,
-    /// Of the residuals, in samples; 0 when there are none.
+    /// Correlation length of the residuals, in samples; 0 without residuals.
     scatter: f64,
 }
 

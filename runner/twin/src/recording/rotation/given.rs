@@ -1,4 +1,4 @@
-//! Shaft angle from a speed: a column of the recording, or what the scene says.
+//! Shaft angle from a speed: a column of the recording, or the scene's speed.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

@@ -91,7 +91,7 @@ impl Keyphasor {
         }
     }
 
-    /// Pulses seen and believed.
+    /// Accepted pulses.
     pub(super) const fn counted(&self) -> u64 {
         self.counted
     }
@@ -199,7 +199,7 @@ impl Keyphasor {
             return self.add(Pulse { number: 0, at: start, period: 1.0, lost: None }, at);
         };
         if self.pulses.len() == 1 && self.lost.is_some() {
-            // The beat is not known yet, so nothing tells how many pulses were lost: the count begins here.
+            // The pulse period is unknown yet, so lost pulses cannot be counted: the count begins here.
             self.lost = None;
             self.pulses.clear();
             return self.add(Pulse { number: 0, at: start, period: 1.0, lost: None }, at);

@@ -38,7 +38,7 @@ impl Total {
         (self.0 >> 64) as i64
     }
 
-    /// What is beyond those.
+    /// The remainder.
     pub(super) const fn angle(self) -> Phase {
         Phase(self.0 as u64)
     }

@@ -1,4 +1,4 @@
-//! Scales of raw values: what a channel's properties say about the way from a converter's counts to volts or metres.
+//! Scales of raw values: conversion of counts to volts or metres by a channel's properties.
 //!
 //! `NI_Number_Of_Scales` counts them; scale `k` takes the raw values or an earlier scale's for its input, the last one
 //! gives the channel's values.

@@ -1,4 +1,4 @@
-//! The rungs whose balls are in equilibrium: solved ball by ball, and looked up in a table made from that.
+//! Models whose balls are in equilibrium: solved ball by ball, and tabulated from that.
 
 use super::{AnyBearing, BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
@@ -33,9 +33,9 @@ pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
     }
 }
 
-/// A quasi-static bearing with any of its effects, and what it alone can tell.
+/// A quasi-static bearing with any of its effects, and its internal states.
 pub trait Solved<T: Scalar>: Bearing<T> {
-    /// What each ball does, as many as `states` takes.
+    /// Writes the state of each ball, up to the length of `states`.
     fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]);
 
     /// Puts the balls where a cold start finds them.
@@ -113,7 +113,7 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
 /// The quasi-static model of one bearing.
 ///
 /// # Errors
-/// What the scene does not say for this model, or the kernel refuses.
+/// Returns an error if the scene lacks a value of this model or the kernel rejects one.
 pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>, BuildError> {
     solved_in::<T, M>(scene, scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS))
 }
@@ -180,6 +180,18 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable, BuildError> 
     Ok(MadeTable { by_outer, grid, nodes, constants, friction })
 }
 
+/// Returns the load of a Hertzian point contact, N: `Q = K delta^1.5`, 0 without contact.
+#[must_use]
+pub fn point_contact_load(stiffness: f64, approach: f64) -> f64 {
+    stiffness * approach.max(0.0).powf(1.5)
+}
+
+/// Returns the approach of a Hertzian point contact under `load`, m: `delta = (Q / K)^(2/3)`.
+#[must_use]
+pub fn point_contact_approach(stiffness: f64, load: f64) -> f64 {
+    (load / stiffness).powf(2.0 / 3.0)
+}
+
 /// Permissible static contact pressure of ball bearings, Pa (ISO 76); the default upper limit of a table.
 pub const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Contact angles to either side of the free one, rad.
@@ -191,13 +203,13 @@ const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
 /// Intervals along approach and angle, and along the speed about a constant one and over one that changes.
 const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
 
-/// What the table of a bearing is made for: what the scene says, else up to the static limit, about its angle and speed.
+/// Returns the range of a bearing's table: the scene's, else up to the static pressure limit, about free angle and speed.
 fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(TableDomain, bool), BuildError> {
     let given = of.table.unwrap_or_default();
     let contact = geometry.contact(Race::Inner);
     let (_, _, pressure) = contact.ellipse(1.0);
     let load = (PRESSURE_LIMIT / pressure).powi(3);
-    let most = (load / geometry.stiffness()).powf(2.0 / 3.0);
+    let most = point_contact_approach(geometry.stiffness(), load);
     let free = if of.facing == Facing::Both { [0.0, geometry.contact_angle] } else { [geometry.contact_angle; 2] };
     let widest = if of.facing == Facing::Both { free[1] + TABLE_ANGLES } else { TABLE_ANGLES };
     let angles = [(free[0] - widest).max(-1.3), (free[1] + TABLE_ANGLES).min(1.3)];
@@ -227,7 +239,7 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
 
 pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
     let made = table(scene, of)?;
-    // Four numbers a node, the last of them 0: one wide register.
+    // Four numbers per node, the last of them 0: one 256-bit register.
     if made.friction { looked_up::<T, M, 4>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
 }
 

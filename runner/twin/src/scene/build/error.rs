@@ -95,3 +95,44 @@ pub enum BuildError {
         names: String,
     },
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::plant::{Plant, PlantError};
+    use crate::scene::build;
+    use crate::scene::read::read_str;
+    use crate::scene::{Model, Scene};
+    use ballrace::Exact;
+    use std::path::Path;
+
+    fn scene() -> Scene {
+        let text = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"DE\"\nstation = 0\nmodel = \"lumped\"\nelements = 9\n\
+                    stiffness = 1e10\nradial_play = 0\ncage_ratio = 0.4\n";
+        read_str(text, Path::new("pump.toml")).unwrap()
+    }
+
+    #[test]
+    fn a_missing_geometry_names_bearing_key_and_expected_values() {
+        let scene = scene();
+        let error = build::bearing::<f64, Exact>(&scene, &scene.bearings[0], Model::Angular).err().unwrap();
+        let BuildError::Value { bearing, key, found, expected } = &error else { panic!("{error:?}") };
+        assert_eq!((bearing.as_str(), key.as_str(), found.as_str()), ("DE", "model angular", "no geometry"));
+        assert!(expected.contains("pitch_diameter"), "{expected}");
+        assert!(error.to_string().starts_with("bearing DE: model angular: found no geometry, allowed: with ball_"));
+    }
+
+    #[test]
+    fn a_selection_names_the_bearings_of_the_scene() {
+        let scene = scene();
+        let Err(BuildError::Selection { file, found, names }) = build::pick(&scene, Some("NDE")) else { panic!() };
+        assert_eq!((file.as_path(), found.as_deref(), names.as_str()), (Path::new("pump.toml"), Some("NDE"), "DE"));
+    }
+
+    #[test]
+    fn a_plant_without_a_rotor_names_the_scene() {
+        let Err(PlantError::NoRotor { file }) = Plant::try_new(&scene()) else { panic!() };
+        assert_eq!(file, Path::new("pump.toml"));
+    }
+}

@@ -1,4 +1,4 @@
-//! The lumped rung: radial and axial elements with any of the laws, on a housing that may stand displaced.
+//! The lumped model: radial and axial elements with any contact law, on a rigid or displaced housing.
 
 use super::{AnyBearing, BuildError, Shared, facing, geometry, invalid, named, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Fit};
@@ -10,7 +10,7 @@ use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw,
 use ballrace::{BearingKinematicState, Displacement, Math, Scalar, Stiffness};
 use std::sync::Arc;
 
-/// What a scene's exponent says; 3/2 and 10/9 (also as a decimal of four digits or more) have laws without a power.
+/// Contact law of an exponent; 3/2 and 10/9 (also as a decimal of four digits or more) have laws without a power function.
 pub enum Exponent {
     /// 3/2
     Point,
@@ -77,7 +77,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T> {
         self.kinds().map(one).fold(start, |(sum, stiffness), (reaction, k)| (sum + reaction, stiffness + k))
     }
 
-    /// Of the radial elements, which show the load zone; on a displaced housing the size of the reaction on each point.
+    /// Loads of the radial elements, which show the load zone; on a displaced housing the reaction at each point.
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         if self.housing.is_empty() {
             return self.radial.element_loads(u, at, loads);
@@ -106,7 +106,7 @@ pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyB
 /// Stiffness, exponent and radial play: as the scene gives them, else from geometry.
 ///
 /// # Errors
-/// What neither says.
+/// Returns an error if neither the law nor the geometry defines a value.
 pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64), BuildError> {
     let geometry = geometry(scene)?;
     let law = scene.law;

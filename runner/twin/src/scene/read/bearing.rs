@@ -89,14 +89,14 @@ pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
     node.table(&KEYS)
 }
 
-/// What a bearing is computed with, which decides the keys that it needs and refuses.
+/// Input of a bearing's model, which determines required and rejected keys.
 #[derive(Clone, Copy, PartialEq)]
 enum RequiredInput {
     /// The closed form of the angular model, and whatever else needs a free contact angle.
     ContactAngle,
     /// The law of the lumped model.
     Law,
-    /// Nothing: geometry, where it is given, only tells the speeds of balls and cage.
+    /// None: a given geometry only defines the speeds of balls and cage.
     Nothing,
 }
 
@@ -444,7 +444,7 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Optio
     Err(table.missing("cage_ratio", &wants))
 }
 
-/// Along a rigid rotor; on a system the coordinates say where the bearing is.
+/// Reads the station along a rigid rotor; on a system the coordinates define the position.
 fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
     if !on_system {
         return table.quantity("station", Dimension::Length);

@@ -1,4 +1,4 @@
-//! What the quasi-static and tabulated models take into account, and how a bearing is preloaded.
+//! Keys of effects of the quasi-static and tabulated models, and of preload.
 
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
@@ -93,7 +93,7 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
     }
 }
 
-/// `table`, of the tabulated model (and of the quasi-static one, which may be asked for its table).
+/// `table` of the tabulated model (and of the quasi-static one, from which a table can be computed).
 pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableRange>> {
     let Some(node) = table.optional("table") else {
         return Ok(None);

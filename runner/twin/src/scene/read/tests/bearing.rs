@@ -7,7 +7,7 @@ use super::*;
 fn angular_bearing_out_of_range() {
     let angle = "contact_angle = \"15 deg\"";
     assert_refused(LEAST, &[
-        ("name = \"A\"", "", &["bearing[0].name: found no such key"]),
+        ("name = \"A\"", "", &["bearing[0].name: missing key"]),
         ("model = \"angular\"", "", &["bearing[0].model", "\"linear\", \"lumped\", \"angular\", \"quasi-static\", \"tabulated\" or \"dynamic\""]),
         ("model = \"angular\"", "model = \"anguler\"", &["found \"anguler\", allowed: \"linear\" or \"lumped\" or \"angular\""]),
         ("elements = 8", "elements = 2", &["found 2, allowed: a whole number from 3 to 64"]),
@@ -59,15 +59,15 @@ fn angular_bearing_out_of_range() {
 fn lumped_bearing_out_of_range() {
     let play = "radial_play = \"5 um\"";
     assert_refused(LUMPED, &[
-        ("stiffness = 1e10\n", "", &["bearing[0].stiffness: found no such key", "or the geometry"]),
+        ("stiffness = 1e10\n", "", &["bearing[0].stiffness: missing key", "or the geometry"]),
         ("stiffness = 1e10", "stiffness = 0", &["found 0 (a bare number is in N/m^1.5)", "above 0 in N/m^1.5"]),
         ("stiffness = 1e10", "stiffness = \"1e10 N/m\"", &["a stiffness, allowed: a contact stiffness in N/m^1.5"]),
-        (play, "", &["bearing[0].radial_play: found no such key", "half the diametral clearance"]),
+        (play, "", &["bearing[0].radial_play: missing key", "half the diametral clearance"]),
         (play, "radial_play = 0\nexponent = 0.9", &["found 0.9, allowed: 1 to 3"]),
         (play, "radial_play = 0\nexponent = 3.1", &["1 to 3"]),
         (play, "radial_play = 0\nexponent = 1.111\nstiffness_matrix = 3", &["only with model = \"linear\""]),
         ("cage_ratio = 0.4", "", &["bearing[0].cage_ratio", "without geometry it must be given (0 for elements at rest)"]),
-        (play, "radial_play = 0\naxial = { stiffness = 1 }", &["bearing[0].axial.play: found no such key in the table bearing[0].axial"]),
+        (play, "radial_play = 0\naxial = { stiffness = 1 }", &["bearing[0].axial.play: missing key"]),
         (play, "radial_play = 0\naxial = { stiffness = 1, play = 0, radius = -1 }", &["axial.radius", "of 0 or more"]),
         (play, "radial_play = 0\naxial = { stiffness = -1, play = 0, radius = 1 }", &["axial.stiffness"]),
         (play, "radial_play = 0\naxial = { exponent = 4, stiffness = 1, play = 0, radius = 1 }", &["axial.exponent"]),
@@ -90,7 +90,7 @@ fn lumped_bearing_from_geometry() {
     let clearance = with(&lumped, "contact_angle = \"15 deg\"", "diametral_clearance = \"-8 um\"");
     let bearing = read(&clearance).unwrap().bearings.remove(0);
     assert_eq!((bearing.law, bearing.cage_ratio), (None, None));
-    assert!(refusal(&lumped).contains("bearing[0].radial_play: found no such key"));
+    assert!(refusal(&lumped).contains("bearing[0].radial_play: missing key"));
     assert!(read(&format!("{lumped}radial_play = 0\n")).is_ok());
     assert!(read(&format!("{clearance}radial_play = 0\nstiffness = 1e9\n")).is_ok());
     let roller = format!("{clearance}exponent = 1.111\n");
@@ -187,7 +187,7 @@ fn surfaces() {
         ("half_width = 0.1", "half_width = 0", &["above 0 and at most 180 deg"]),
         ("half_width = 0.1", "half_width = 3.2", &["above 0 and at most 180 deg"]),
         ("depth = 1e-6", "depth = 0", &["a length above 0"]),
-        (", shape = \"rectangular\"", "", &["defect[0].shape: found no such key"]),
+        (", shape = \"rectangular\"", "", &["defect[0].shape: missing key"]),
         ("depth = 1e-6", "deep = 1e-6", &["defect[0].deep: found an unknown key"]),
     ]);
     let wave = "waviness = [{ surface = \"inner\", order = 13, amplitude = \"0.1 um\" }]";
@@ -195,7 +195,7 @@ fn surfaces() {
         ("order = 13", "order = 0", &["waviness[0].order: found 0, allowed: a whole number from 1 to 10000"]),
         ("\"inner\"", "\"ball\", direction = \"axial\"", &["waviness[0].direction: found \"axial\", allowed: \"radial\""]),
         ("\"0.1 um\"", "0", &["a length above 0"]),
-        ("order = 13, ", "", &["waviness[0].order: found no such key"]),
+        ("order = 13, ", "", &["waviness[0].order: missing key"]),
     ]);
 }
 
