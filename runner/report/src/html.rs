@@ -6,8 +6,7 @@ use super::words;
 use anyhow::{Context, Result};
 use ballrace_twin::replay::outcome::{
     BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, SimplePredictor, Standing,
-    TabularList,
-    Timing,
+    TabularList, Timing,
 };
 use minijinja::{Environment, Value, context};
 
@@ -166,7 +165,8 @@ fn baseline_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
         let rms = simple(probe).map(|b| b.residual_rms_um);
         let digits = decimals(rms.into_iter().chain([probe.residual_rms_um]));
         let shown = |value: f64| typeset(&fixed(value, digits));
-        let cell = |b: SimplePredictor| context! { text => shown(b.residual_rms_um), better => b.twin_is == Standing::Worse };
+        let cell =
+            |b: SimplePredictor| context! { text => shown(b.residual_rms_um), better => b.twin_is == Standing::Worse };
         context! {
             name => probe.name.as_str(),
             twin => shown(probe.residual_rms_um),

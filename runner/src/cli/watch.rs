@@ -46,8 +46,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
     let view = Shared::default();
     let source = args.live.source(&scene, None, args.scene.is_none());
     let name = source.to_string();
-    let replay =
-        Options { error, baseline: args.baseline.as_deref(), live: true, viewed: true, ..Options::default() };
+    let replay = Options { error, baseline: args.baseline.as_deref(), live: true, viewed: true, ..Options::default() };
     let options = args.live.options(source, Some(view.clone()), replay);
     let (stop, over) = (live::stop_on_signal()?, AtomicBool::new(false));
     let (outcome, shown) = std::thread::scope(|scope| {

@@ -212,11 +212,11 @@ fn empty(frame: &mut Frame, area: Rect, block: Block<'static>, why: &str) {
 mod tests {
     use super::*;
     use crate::live::out::EventRecord;
+    use ballrace_twin::probes::planes;
     use ballrace_twin::replay::Snapshot;
     use ballrace_twin::replay::outcome::MarkedLine;
-    use ballrace_twin::probes::planes;
-    use ballrace_twin::replay::snapshot::SnapshotSample;
     use ballrace_twin::replay::second::{ProbeSecond, Second};
+    use ballrace_twin::replay::snapshot::SnapshotSample;
     use ballrace_twin::scene::read::read_str;
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;

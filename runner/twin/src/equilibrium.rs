@@ -2,8 +2,8 @@
 
 use crate::campbell::modes;
 use crate::effect_significance::{self, Need};
-use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::outcome::BearingOrders;
+use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::scene::build::{self, AnyBearing, Kinematics};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
 use anyhow::{Result, bail};

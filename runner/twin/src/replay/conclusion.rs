@@ -103,8 +103,7 @@ impl Pipeline<'_> {
         let events = self.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         let learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
-        let mut pictures =
-            self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
+        let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         let record = Record {
@@ -194,7 +193,8 @@ impl Pipeline<'_> {
         }
         notes.extend(self.twin.notes());
         if self.comparison.compared == 0 {
-            notes.push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
+            notes
+                .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
         }
         notes
     }

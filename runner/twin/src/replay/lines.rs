@@ -64,7 +64,8 @@ impl Line {
     #[must_use]
     pub fn order(&self, bearings: &[MountedBearing]) -> f64 {
         let of = |m: BearingMultiples| {
-            let ratios = bearings.get(m.index).map_or((0.0, 0.0), |b| (b.kinematics.cage_ratio, b.kinematics.outer_ratio));
+            let ratios =
+                bearings.get(m.index).map_or((0.0, 0.0), |b| (b.kinematics.cage_ratio, b.kinematics.outer_ratio));
             f64::from(m.cage) * ratios.0 + f64::from(m.outer) * ratios.1
         };
         f64::from(self.shaft) + self.bearing.map_or(0.0, of)

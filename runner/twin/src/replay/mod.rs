@@ -17,11 +17,11 @@ mod startup;
 
 // The sample passes through the stages.
 mod align;
-mod twin;
-mod observe;
-mod locate;
-mod force;
 pub mod comparison;
+mod force;
+mod locate;
+mod observe;
+mod twin;
 
 // Indicators.
 mod attribution;

@@ -116,9 +116,9 @@ impl<'a> Pipeline<'a> {
             options.baseline.map(|path| Baseline::read(path, probes, &followed_orders(bearings))).transpose()?;
         let limits = LimitMonitor::try_new(&scene.limits, probes, bearings, baseline.as_ref())?;
         let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
-        let seconds = options.live.then(|| {
-            SecondIndicators::new(names.clone(), bearings.iter().map(|b| b.name.clone()).collect())
-        });
+        let seconds = options
+            .live
+            .then(|| SecondIndicators::new(names.clone(), bearings.iter().map(|b| b.name.clone()).collect()));
         Ok(Self {
             range: ReadingRange::try_new(scene, &plant, probes)?,
             readings: ReadingsStage::new(names, options.live),
@@ -266,8 +266,7 @@ impl<'a> Pipeline<'a> {
             measured,
             &mut self.notices,
         );
-        let displacements =
-            Displacements { measured: measured(), twin: twin.position, observer: observed.position };
+        let displacements = Displacements { measured: measured(), twin: twin.position, observer: observed.position };
         let shaft = sample.shaft_motion();
         let force = self.force.evaluate(index, &self.plant.seats, self.twin.parts(), &shaft, &displacements);
         self.timing.worked(begun);
@@ -292,9 +291,8 @@ impl<'a> Pipeline<'a> {
         self.record(&processed)?;
         if self.twin.stop_if_stuck(time) {
             self.notes.push(format!("The twin's motion overflowed; it started anew after line {}.", sample.row.line));
-            self.notices.add("twin-restarted", time, || {
-                "The motion of the twin overflowed; it started anew.".to_owned()
-            });
+            self.notices
+                .add("twin-restarted", time, || "The motion of the twin overflowed; it started anew.".to_owned());
         }
         Ok(())
     }

@@ -6,8 +6,8 @@ mod lumped;
 mod preload;
 
 pub use balls::{MadeTable, Solved, inertia_params, quasi_static, solved_in, table};
-pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rotation_at};
 use kinematics::outer_ratio;
+pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rotation_at};
 pub use lumped::{Exponent, law};
 pub use preload::{loaded, preload_offset, preloaded};
 

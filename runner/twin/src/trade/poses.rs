@@ -2,9 +2,9 @@
 
 use crate::motion::{self, Span};
 use crate::plant::Plant;
+use crate::probes::PoseSolver;
 use crate::recording::Reader;
 use crate::recording::rotation::Tracker;
-use crate::probes::PoseSolver;
 use crate::scene::{Recording, Scene};
 use anyhow::{Context, Result, bail};
 use ballrace::{BearingKinematicState, Displacement};
