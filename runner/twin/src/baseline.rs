@@ -1,4 +1,4 @@
-//! What a machine in good order leaves of its residual: remembered by `--learn`, judged against by `--baseline`.
+//! Baseline: the residual of a sound machine, written by `--learn` and compared with by `--baseline`.
 
 use crate::error::UsageError;
 use crate::scene::{Probe, Sensor};
@@ -7,69 +7,69 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 const UM: f64 = 1e6;
-/// Version of the file's form.
-const FORM: u32 = 1;
+/// Version of the file format.
+const FORMAT: u32 = 1;
 
 /// Residual of a reference recording, probe by probe.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
-    /// Version of this form.
+    /// Version of the file format.
     pub ballrace_baseline: u32,
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
-    /// The recording it was learned from.
+    /// Name of the recording.
     pub recording: String,
-    /// Orders of the followed lines, per turn of the shaft.
+    /// Orders of the followed lines.
     pub orders: Vec<f64>,
-    /// In the scene's order.
+    /// Probes in the order of the scene.
     pub probes: Vec<BaselineProbe>,
-    /// The same, of vibration.
+    /// Vibration sensors.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<BaselineSensor>,
 }
 
-/// One sensor's part.
+/// Baseline of one vibration sensor.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BaselineSensor {
-    /// Its column.
+    /// Column.
     pub name: String,
-    /// How far the best band of outer race, inner race, element and cage of each bearing swells.
+    /// Modulation of the best band, for outer race, inner race, element and cage of each bearing.
     pub modulations: Vec<f64>,
 }
 
-/// One probe's part.
+/// Baseline of one probe.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BaselineProbe {
-    /// Its column.
+    /// Column.
     pub name: String,
-    /// Residual about its mean.
+    /// Rms of the residual about its mean.
     pub residual_rms_um: f64,
     /// Amplitude of each followed line in the residual, zero to peak.
     pub lines_um: Vec<f64>,
-    /// The same in the motion itself.
+    /// Amplitude of each followed line in the motion, zero to peak.
     #[serde(default)]
     pub motion_lines_um: Vec<f64>,
 }
 
 impl Baseline {
-    /// Of a recording of vibration.
+    /// Creates the baseline of a vibration recording.
     #[must_use]
     pub fn of_sensors(scene: &str, recording: &str, sensors: Vec<BaselineSensor>) -> Self {
         let (scene, recording) = (scene.to_owned(), recording.to_owned());
-        Self { ballrace_baseline: FORM, scene, recording, sensors, ..Self::default() }
+        Self { ballrace_baseline: FORMAT, scene, recording, sensors, ..Self::default() }
     }
 
-    /// Returns the baseline of a recording of displacement.
+    /// Creates the baseline of a displacement recording.
     #[must_use]
     pub fn of_probes(scene: &str, recording: &str, orders: Vec<f64>, probes: Vec<BaselineProbe>) -> Self {
         let (scene, recording) = (scene.to_owned(), recording.to_owned());
-        Self { ballrace_baseline: FORM, scene, recording, orders, probes, sensors: vec![] }
+        Self { ballrace_baseline: FORMAT, scene, recording, orders, probes, sensors: vec![] }
     }
 
-    /// From a file, for a scene with these sensors.
+    /// Reads the baseline of a scene with these sensors.
     ///
     /// # Errors
     /// As [`Baseline::read`].
@@ -79,7 +79,7 @@ impl Baseline {
         if same { Ok(found) } else { Err(found.of_others(path)) }
     }
 
-    /// Of family `k` at sensor `i`.
+    /// Returns the modulation of family `k` at sensor `i`.
     #[must_use]
     pub fn modulation(&self, i: usize, k: usize) -> f64 {
         self.sensors.get(i).and_then(|s| s.modulations.get(k)).copied().unwrap_or(0.0)
@@ -94,7 +94,7 @@ impl Baseline {
                 e.line()
             ))
         })?;
-        if found.ballrace_baseline == FORM { Ok(found) } else { Err(found.of_others(path)) }
+        if found.ballrace_baseline == FORMAT { Ok(found) } else { Err(found.of_others(path)) }
     }
 
     fn of_others(&self, path: &Path) -> anyhow::Error {
@@ -118,19 +118,19 @@ impl Baseline {
         if same_probes && same_lines && whole { Ok(found) } else { Err(found.of_others(path)) }
     }
 
-    /// Amplitude of a line in the residual of a probe, m.
+    /// Returns the amplitude of a line in the residual of a probe, m.
     #[must_use]
     pub fn line(&self, line: usize, probe: usize) -> f64 {
         self.probes.get(probe).and_then(|p| p.lines_um.get(line)).copied().unwrap_or(0.0) / UM
     }
 
-    /// Amplitude of a line in the motion at a probe, m.
+    /// Returns the amplitude of a line in the motion at a probe, m.
     #[must_use]
     pub fn motion_line(&self, line: usize, probe: usize) -> f64 {
         self.probes.get(probe).and_then(|p| p.motion_lines_um.get(line)).copied().unwrap_or(0.0) / UM
     }
 
-    /// Residual of a probe about its mean, rms, m.
+    /// Returns the residual of a probe about its mean, rms, m.
     #[must_use]
     pub fn residual(&self, probe: usize) -> f64 {
         self.probes.get(probe).map_or(0.0, |p| p.residual_rms_um) / UM

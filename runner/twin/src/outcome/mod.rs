@@ -1,6 +1,6 @@
-//! What a replay found: the figures of the comparison and the data of its pictures.
+//! Outcome of a replay: the figures of the comparison and the data of the report's figures.
 //!
-//! This is the contract with the reports; `--format json` prints [`Outcome`] as it stands.
+//! `--format json` prints [`Outcome`] with these field names. The types are plain data.
 
 mod timing;
 
@@ -10,42 +10,42 @@ use crate::baseline;
 use crate::recording::flaws::FlawSummary;
 use serde::Serialize;
 
-/// The whole result of one replay.
+/// Result of one replay.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Outcome {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
-    /// The recording's file name.
+    /// File name of the recording.
     pub recording: String,
     /// Version of this program.
     pub version: String,
-    /// The verdict in one sentence.
+    /// Verdict as a sentence.
     pub verdict: String,
     /// Samples, time and speed of the recording.
     pub record: Record,
     /// How the probes determine the shaft's motion.
     pub observation: Observation,
-    /// One entry a probe, in the scene's order.
+    /// Probes in the order of the scene.
     pub probes: Vec<ProbeOutcome>,
-    /// One entry a plane of two radial probes.
+    /// Planes of two radial probes.
     pub planes: Vec<PlaneOutcome>,
-    /// One entry a bearing, in the scene's order.
+    /// Bearings in the order of the scene.
     pub bearings: Vec<BearingOutcome>,
     /// Compute time and, when paced, lateness.
     pub timing: Timing,
-    /// How the observer went.
+    /// Figures of the observer.
     pub observer: Option<ObserverOutcome>,
     /// Reasons why the recording cannot be one of the scene's machine; where there is one, nothing is diagnosed.
     pub implausible: Vec<String>,
-    /// Reasons why there is no verdict: what was not measured.
+    /// Reasons why there is no verdict, such as quantities that are not measured.
     pub not_judged: Vec<String>,
-    /// What is wrong with the machine; empty when nothing is.
+    /// Findings on the machine, strongest first; empty where there is none.
     pub findings: Vec<Finding>,
-    /// Limits of the scene that were crossed; empty when none was.
+    /// Limits of the scene that were crossed.
     pub events: Vec<Event>,
-    /// What is wrong with the recording; empty when nothing is.
+    /// Flaws of the recording.
     pub flaws: Vec<FlawSummary>,
-    /// What the user should know besides: things assumed, things that could not be done.
+    /// Notes on assumptions and restrictions.
     pub notes: Vec<String>,
     /// This recording as a baseline for later ones, not part of the JSON.
     #[serde(skip)]
@@ -78,19 +78,19 @@ pub struct Record {
     pub angle_source: String,
     /// The scene's constant load on the rotor: N (three) and N m (two).
     pub load: [f64; 5],
-    /// How the spectra were made.
+    /// Settings of the spectra.
     pub spectra: SpectraSettings,
 }
 
 impl Record {
-    /// The speed changes so much, relative to its mean, that pictures go over speed instead of time.
+    /// Returns true where the speed changes by more than 5 % of its mean, so that trends are shown over speed instead of time.
     #[must_use]
     pub fn speed_changes(&self) -> bool {
         (self.max_speed_rpm - self.min_speed_rpm).abs() > 0.05 * self.mean_speed_rpm.abs()
     }
 }
 
-/// How spectra were made.
+/// Settings of the spectra.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct SpectraSettings {
     /// Spectral lines from 0 Hz to half the rate.
@@ -127,7 +127,8 @@ pub struct Motion {
     pub one_x_phase_lag_deg: f64,
 }
 
-/// Of `cosine cos(angle) + sine sin(angle)`, 0 to 360: the peak comes so much after the keyphasor's mark.
+/// Returns the phase lag of `cosine cos(angle) + sine sin(angle)` in degrees, 0 to 360: the shaft angle of the peak after the
+/// keyphasor mark.
 #[must_use]
 pub fn phase_lag_deg(cosine: f64, sine: f64) -> f64 {
     sine.atan2(cosine).to_degrees().rem_euclid(360.0)
@@ -150,30 +151,30 @@ pub struct BallPassLine {
     pub residual_um: f64,
 }
 
-/// How the twin stands against a simpler predictor.
+/// Comparison of the twin with a simpler predictor.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
-    /// It leaves more than 2 % less.
+    /// The residual of the twin is more than 2 % smaller.
     Better,
-    /// Within 2 %: this motion does not tell the two apart.
+    /// The residuals are within 2 % of each other.
     #[default]
     Same,
-    /// It leaves more than 2 % more.
+    /// The residual of the twin is more than 2 % larger.
     Worse,
 }
 
 /// One simpler predictor of the same signal.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct SimplePredictor {
-    /// What it leaves.
+    /// Rms of its residual.
     pub residual_rms_um: f64,
-    /// The twin against it.
+    /// The twin in comparison.
     pub twin_is: Standing,
 }
 
 impl SimplePredictor {
-    /// From what it and what the twin leaves.
+    /// Creates the comparison from the residuals of the predictor and of the twin.
     #[must_use]
     pub fn new(residual_rms_um: f64, twin_rms_um: f64) -> Self {
         const MARGIN: f64 = 0.02;
@@ -188,12 +189,12 @@ impl SimplePredictor {
     }
 }
 
-/// What the twin has to beat.
+/// Simpler predictors of the signal at a probe.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct SimplePredictors {
-    /// The signal's own mean.
+    /// Mean of the signal.
     pub mean: SimplePredictor,
-    /// The sample before.
+    /// Previous sample.
     pub persistence: SimplePredictor,
     /// Mean and 1X fitted to the recording.
     pub one_x: SimplePredictor,
@@ -202,13 +203,13 @@ pub struct SimplePredictors {
 }
 
 impl SimplePredictors {
-    /// In the order of the tables.
+    /// Returns the predictors in the order of the tables.
     #[must_use]
     pub const fn all(&self) -> [SimplePredictor; 4] {
         [self.mean, self.persistence, self.one_x, self.linear]
     }
 
-    /// The twin's standing against the best of them.
+    /// Returns the comparison of the twin with the best of them.
     #[must_use]
     pub fn worst(&self) -> Standing {
         self.all().map(|b| b.twin_is).into_iter().max().unwrap_or_default()
@@ -238,18 +239,18 @@ pub struct ProbeOutcome {
     pub residual_rms_um: f64,
     /// residual_rms over the normaliser.
     pub nrmse_percent: f64,
-    /// What the NRMSE is normalised by, in words.
+    /// Normaliser of the NRMSE, in words.
     pub nrmse_normaliser: String,
     /// Probe noise, rms, when the scene gives it.
     pub noise_um: Option<f64>,
-    /// What the twin has to beat.
+    /// Simpler predictors of the signal at a probe.
     pub baselines: SimplePredictors,
-    /// What a vibration engineer asks first; none where no block of turns was whole.
+    /// Tabular list; none where no block of revolutions is complete.
     pub list: Option<TabularList>,
 }
 
 impl ProbeOutcome {
-    /// The readings were compared with the twin's. They are not where no sample has a shaft angle.
+    /// Returns true where the readings were compared with the twin's, which requires a shaft angle.
     #[must_use]
     pub const fn has_twin(&self) -> bool {
         !self.twin.mean_um.is_nan()
@@ -271,7 +272,7 @@ pub struct TabularList {
     pub one_x_phase_lag_deg: Option<f64>,
     /// Amplitude of 2X, peak to peak.
     pub two_x_um_pp: f64,
-    /// Peak to peak of what 1X leaves.
+    /// Peak to peak of the signal without 1X.
     pub not_one_x_um_pp: f64,
     /// Amplitude about 0.5X (0.3X to 0.7X), peak to peak.
     pub half_x_um_pp: f64,
@@ -311,14 +312,14 @@ pub struct ForceFigures {
     pub noise_sigma: Option<f64>,
 }
 
-/// How the observer went.
+/// Figures of the observer.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct ObserverOutcome {
     /// Mean of the innovations' normalised squares.
     pub nis_mean: f64,
-    /// What it is where model and noise are true: the count of probes.
+    /// Expected value where model and noise are true: the number of probes.
     pub nis_expected: f64,
-    /// Least and greatest mean that chance leaves it with, at 99 %.
+    /// 99 % confidence limits of the mean.
     pub nis_bounds: [f64; 2],
     /// The mean is between them and no sample is distrusted.
     pub consistent: bool,
@@ -330,9 +331,9 @@ pub struct ObserverOutcome {
     pub restarts: u64,
     /// Samples in which the force comes from the displacement because the observer is not consistent.
     pub distrusted_samples: u64,
-    /// How far the unknown force was taken to wander, N per root second.
+    /// Process noise of the unknown force, N per root second.
     pub wander_n_per_root_s: f64,
-    /// Noise that each probe was taken to have, rms.
+    /// Noise of each probe in the filter, rms.
     pub noise_um: Vec<f64>,
     /// The unknown load on the rotor: mean and rms about it, N (three) and N m (two).
     pub unknown_load_mean: [f64; 5],
@@ -361,7 +362,7 @@ pub struct BearingOutcome {
     pub largest_element_load_n: f64,
     /// Samples in which no element carried load.
     pub contact_lost_samples: u64,
-    /// Samples answered with the last good force because a reading was missing.
+    /// Number of samples with the last valid force because a reading was missing.
     pub held_samples: u64,
 }
 
@@ -378,29 +379,29 @@ pub struct BearingOrders {
     pub ball_spin: Option<f64>,
 }
 
-/// A limit that was crossed.
+/// Event: a limit that was crossed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Event {
     /// The indicator, as the scene names it.
     pub indicator: &'static str,
     /// The probe's column.
     pub probe: String,
-    /// Of a race's line.
+    /// The bearing, for the line of a race.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
     /// Start of the first block beyond the limit, s.
     pub start_s: f64,
     /// End of the last one; none where it was still beyond at the end of the recording.
     pub end_s: Option<f64>,
-    /// The worst value and the end of its block.
+    /// Largest value.
     pub worst: f64,
-    /// s
+    /// End of the block with the largest value, s.
     pub worst_s: f64,
     /// The limit.
     pub limit: f64,
-    /// Of `worst` and `limit`: um, or nothing.
+    /// Unit of `worst` and `limit`: um or empty.
     pub unit: &'static str,
-    /// For the maintenance engineer; empty where a line of the event log has it already.
+    /// The event as a sentence; empty where a line of the event log has it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub sentence: String,
 }
@@ -423,27 +424,27 @@ pub enum FindingKind {
     Misalignment,
     /// Too much or too little clearance.
     Clearance,
-    /// Something that has no name here.
+    /// Another fault.
     Other,
 }
 
-/// One thing that is wrong, with its evidence.
+/// Diagnosis of a fault with its evidence.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
-    /// What.
+    /// Fault.
     pub kind: FindingKind,
-    /// Where, when it has a bearing.
+    /// Bearing, where the fault has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
     /// Frequency of the line at the mean speed.
     pub line_hz: f64,
     /// Per turn of the shaft.
     pub order: f64,
-    /// Line over what the twin leaves of it in noise, dB.
+    /// Level of the line over the residual around it or over the baseline, dB.
     pub level_db: f64,
     /// 0 to 1.
     pub confidence: f64,
-    /// For the maintenance engineer.
+    /// The finding as a sentence.
     pub sentence: String,
 }
 
@@ -500,7 +501,7 @@ pub struct BlockFigures {
     pub peak_to_peak_um: f64,
     /// Peak to peak, the greatest where blocks were joined.
     pub greatest_um_pp: f64,
-    /// Peak to peak of what 1X leaves.
+    /// Peak to peak of the signal without 1X.
     pub not_one_x_um_pp: f64,
     /// About the mean.
     pub rms_um: f64,
@@ -525,7 +526,7 @@ pub struct BlockFigures {
 pub struct Cascade {
     /// Probes of the plane, or the probe.
     pub name: String,
-    /// Forward and reverse are told apart.
+    /// Forward and reverse are separate.
     pub two_sided: bool,
     /// Hz between two bins.
     pub bin_hz: f64,
@@ -544,7 +545,7 @@ pub struct Slice {
     pub amplitude_um: Vec<f64>,
 }
 
-/// How far a bearing lets the shaft's centre go.
+/// Clearance circle of a bearing.
 #[derive(Debug, Clone, Default)]
 pub struct Clearance {
     /// The bearing nearest to the plane.

@@ -1,4 +1,4 @@
-//! Times of a replay: what its samples took, how a timeline was kept, what its source did.
+//! Timing of a replay: compute time of its samples, timeliness, and counts of its source.
 
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub struct Quantiles {
 pub struct Timing {
     /// In real time, from a recording or from a source.
     pub paced: bool,
-    /// Samples worked on.
+    /// Number of processed samples.
     pub samples: u64,
     /// Kernel and twin, per sample.
     pub compute: Quantiles,
@@ -30,20 +30,20 @@ pub struct Timing {
     pub wall_s: f64,
     /// Recording's time over wall time.
     pub times_real_time: f64,
-    /// Peak resident memory of the process, where the system tells it.
+    /// Peak resident memory of the process, where the system reports it.
     pub peak_memory_bytes: Option<u64>,
-    /// How the timeline was kept; only when paced.
+    /// Timeliness; only when paced.
     #[serde(flatten)]
     pub pacing: Option<Pacing>,
-    /// What came from the source and what did not; only when paced.
+    /// Counts of the source; only when paced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<SourceFigures>,
-    /// What the outputs could not write; only when paced.
+    /// Counts of records that outputs could not write; only when paced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outputs: Option<OutputFigures>,
 }
 
-/// Counts of what outputs could not write, such as on a full disk.
+/// Counts of records that outputs could not write, such as on a full disk.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct OutputFigures {
     /// Events that are not in the log.
@@ -57,7 +57,7 @@ pub struct OutputFigures {
 pub struct Pacing {
     /// From one block to the next.
     pub block_ns: u64,
-    /// Blocks worked off after the start.
+    /// Blocks processed after the start.
     pub blocks: u64,
     /// All work of a block.
     #[serde(rename = "block_compute")]
@@ -66,35 +66,35 @@ pub struct Pacing {
     pub lateness: Quantiles,
     /// Blocks whose work was not done when the next one was due.
     pub deadline_misses: u64,
-    /// Until the twin had started and caught up; what was late till then is not counted.
+    /// Time until the twin had started and caught up; lateness before is not counted.
     pub starting_s: f64,
-    /// What was left of one processor after the start, all threads of the program taken together; none where the system does not report
+    /// Idle share of one processor after the start, for all threads of the program together; none where the system does not report
     /// processor time.
     pub idle_percent: Option<f64>,
-    /// What the system gave of what was asked for.
+    /// Scheduling that the system granted.
     pub scheduling: String,
 }
 
-/// Counts of a source. None of it is silent.
+/// Counts of a source.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct SourceFigures {
     /// Samples read.
     pub rows: u64,
-    /// Frames that never came, by their sequence numbers.
+    /// Frames missing by their sequence numbers.
     pub lost_frames: u64,
-    /// Frames that came twice or too late.
+    /// Frames received twice or too late.
     pub repeated_frames: u64,
     /// Frames or datagrams of a wrong size.
     pub malformed_frames: u64,
     /// Samples that found the ring full and could not wait.
     pub dropped_rows: u64,
-    /// Most samples that ever waited between reader and loop, and how many can.
+    /// Largest number of samples that waited between reader and loop.
     pub ring_highest: u64,
-    /// Room for samples there.
+    /// Capacity of the ring, samples.
     pub ring_capacity: u64,
     /// Connections accepted.
     pub connections: u64,
-    /// Times in which nothing came for a second or more.
+    /// Number of pauses of a second or more.
     pub stalls: u64,
     /// The longest of them.
     pub longest_stall_s: f64,

@@ -1,4 +1,4 @@
-//! Full spectra one after the other, as the shaft goes on: a waterfall over time, a cascade over speed. Flat memory.
+//! Full spectra in succession: a waterfall over time, a cascade over speed. Bounded memory.
 
 use super::history::{History, Join};
 use crate::outcome::{Cascade, Slice};
@@ -11,17 +11,17 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 const UM: f64 = 1e6;
-/// Spectra at most.
+/// Largest number of spectra.
 const MOST: usize = 48;
-/// Time of one spectrum, s, and turns at the scene's highest speed: the longer one counts.
+/// Shortest length of a spectrum: time (s), and revolutions at the highest speed of the scene.
 const LEAST_TIME: f64 = 0.16;
 const LEAST_TURNS: f64 = 4.0;
-/// Bins kept on either side of 0 Hz.
+/// Number of bins kept on either side of 0 Hz.
 const KEPT: usize = 400;
-/// Readings of these samples are transformed at once: the least and the most.
+/// Smallest and largest number of samples in a spectrum.
 const LENGTHS: (f64, f64) = (256.0, 65_536.0);
 
-/// What a spectrum is of: a plane, or a probe that has no partner.
+/// Signal of a spectrum: a plane, or a probe without a plane.
 struct Source {
     name: String,
     probe: usize,
@@ -29,7 +29,7 @@ struct Source {
     pending: Vec<Complex<f64>>,
 }
 
-/// Gathers samples spectrum by spectrum.
+/// Accumulates samples spectrum by spectrum.
 pub struct Spectra {
     sources: Vec<Source>,
     fft: Arc<dyn Fft<f64>>,
@@ -42,7 +42,7 @@ pub struct Spectra {
     history: History<Slices>,
 }
 
-/// One spectrum of each source, as powers.
+/// Power spectrum of each source.
 struct Slices {
     time: f64,
     speed: f64,
@@ -61,7 +61,7 @@ impl Join for Slices {
 }
 
 impl Spectra {
-    /// Of the planes; where there is none, of each radial probe.
+    /// Creates the spectra of the planes, or of each radial probe where there is no plane.
     #[must_use]
     pub fn new(probes: &[Probe], planes: &[Plane], rate: f64, speed: Speed) -> Self {
         let source = |name: String, probe: usize, plane| Source { name, probe, plane, pending: vec![] };
@@ -85,7 +85,7 @@ impl Spectra {
         }
     }
 
-    /// One sample. A missing one starts the spectrum anew: it may not reach over a gap.
+    /// Adds a sample. A missing one restarts the spectrum, which may not extend over a gap.
     pub fn add(&mut self, sample: &Sample) {
         let gap = sample.row.index != self.last + 1;
         self.last = sample.row.index;
@@ -127,7 +127,7 @@ impl Spectra {
         self.forget(if self.history.is_whole() { length / 2 } else { length });
     }
 
-    /// From the lowest bin kept to the highest, 0 Hz in the middle, um squared.
+    /// Returns the power from the lowest bin kept to the highest, 0 Hz in the middle, um squared.
     fn power(&self, samples: &[Complex<f64>]) -> Vec<f64> {
         let length = self.window.len();
         let mean = samples.iter().sum::<Complex<f64>>() / length as f64;
@@ -139,14 +139,14 @@ impl Spectra {
         reverse.chain(forward).map(|z| (z * scale).norm_sqr()).collect()
     }
 
-    /// One cascade a source.
+    /// Returns one cascade per source.
     #[must_use]
     pub fn finish(self) -> Vec<Cascade> {
         let bin_hz = self.rate / self.window.len() as f64;
         let slices = self.history.into_entries();
         let of = |(i, source): (usize, Source)| {
             let two_sided = source.plane.is_some();
-            // A lone probe's two sides are halves of one amplitude.
+            // The two sides of a single probe are halves of one amplitude.
             let size = if two_sided { 1.0 } else { 2.0 };
             let slice = |s: &Slices| Slice {
                 time_s: s.time,
@@ -159,7 +159,7 @@ impl Spectra {
     }
 }
 
-/// Samples of one spectrum, a power of two.
+/// Returns the number of samples of one spectrum, a power of two.
 fn length(rate: f64, speed: Speed) -> usize {
     let fastest = match speed {
         Speed::Constant(w) => w,

@@ -1,4 +1,4 @@
-//! What the residual says: lines that the twin cannot explain, and the verdict in one sentence.
+//! Diagnosis: lines of the residual that the twin does not explain, and the verdict as a sentence.
 
 use super::attribution::LineAttribution;
 use super::comparison::Comparison;
@@ -9,14 +9,14 @@ use crate::plant::MountedBearing;
 use crate::scene::{Direction, Probe};
 
 const UM: f64 = 1e6;
-/// A line counts when it stands this far above the residual around it, dB.
+/// Smallest level of a line over the residual around it, dB.
 const LEAST_LEVEL_DB: f64 = 12.0;
-/// A family of lines counts when it holds this share of the residual's energy.
+/// Smallest share of the residual's energy in a family of lines.
 const LEAST_SHARE: f64 = 0.2;
-/// A family much weaker than the strongest one is its echo through the nonlinear bearings, not a fault of its own.
+/// Smallest share of a family over that of the strongest. Weaker families are intermodulation in the nonlinear bearings.
 const LEAST_OF_STRONGEST: f64 = 0.5;
 
-/// A family of lines: one cause and the orders at which it shows.
+/// A family of lines: the orders of one fault.
 struct Family {
     kind: FindingKind,
     bearing: Option<usize>,
@@ -25,17 +25,17 @@ struct Family {
     lines: Vec<(usize, f64)>,
 }
 
-/// What is needed to judge.
+/// Data for the diagnosis.
 pub struct Evidence<'a> {
     /// The scene's probes.
     pub probes: &'a [Probe],
     /// The bearings.
     pub seats: &'a [MountedBearing],
-    /// The sums.
+    /// Comparison of the readings with the twin.
     pub comparison: &'a Comparison,
-    /// Which of two bearings a line comes from.
+    /// Attribution of lines to one of two bearings.
     pub attribution: Option<&'a LineAttribution>,
-    /// What the machine left when it was in good order, when that is known.
+    /// Residual of the sound machine, where it is known.
     pub baseline: Option<&'a Baseline>,
     /// Mean shaft speed, Hz.
     pub speed_hz: f64,
@@ -43,11 +43,11 @@ pub struct Evidence<'a> {
     pub rate: f64,
 }
 
-/// Findings, strongest first.
+/// Returns the findings, strongest first.
 #[must_use]
 pub fn findings(evidence: &Evidence) -> Vec<Finding> {
     let total = energy(evidence, |probe| evidence.comparison.residual_rms_about_mean(probe).powi(2));
-    if total == 0.0 || quiet(evidence) {
+    if total == 0.0 || is_quiet(evidence) {
         return vec![];
     }
     let mut judged: Vec<(f64, Finding)> =
@@ -57,8 +57,8 @@ pub fn findings(evidence: &Evidence) -> Vec<Finding> {
     judged.into_iter().filter(|(share, _)| *share >= LEAST_OF_STRONGEST * strongest).map(|(_, f)| f).collect()
 }
 
-/// The residual is what the probes' own noise explains, or what it was when the machine was in good order.
-fn quiet(evidence: &Evidence) -> bool {
+/// Returns true where the residual is explained by probe noise or is that of the baseline.
+fn is_quiet(evidence: &Evidence) -> bool {
     let within = |(i, p): (usize, &Probe)| {
         let usual = evidence.baseline.map_or(0.0, |b| b.residual(i)).max(p.noise.unwrap_or(0.0));
         evidence.comparison.residual_rms_about_mean(i) <= 1.5 * usual
@@ -121,12 +121,12 @@ fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Findi
         return None;
     }
     let line_hz = family.order * evidence.speed_hz;
-    // Named only where there is no choice left.
+    // The bearing is named only where it is unambiguous.
     let bearing = (names.len() == 1).then(|| names.concat());
     let where_seen = &evidence.probes[probe].column;
     let sentence = format!(
         "{}: the residual stands at {:.1} Hz ({:.2} per turn{}), {:.2} um on {where_seen}, {level_db:.0} dB above {}, {:.0} % of the residual's energy.",
-        what(family.kind, &names.join(" or ")),
+        fault_name(family.kind, &names.join(" or ")),
         line_hz,
         family.order,
         if family.lines.len() > 1 { " and multiples" } else { "" },
@@ -139,7 +139,7 @@ fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Findi
     Some((share, finding))
 }
 
-fn what(kind: FindingKind, bearings: &str) -> String {
+fn fault_name(kind: FindingKind, bearings: &str) -> String {
     let of = if bearings.is_empty() { String::new() } else { format!(" of {bearings}") };
     match kind {
         FindingKind::Unbalance => "Unbalance other than the scene's".to_owned(),
@@ -149,18 +149,18 @@ fn what(kind: FindingKind, bearings: &str) -> String {
     }
 }
 
-/// Where the family's lines come from.
+/// Origin of the lines of a family.
 enum Origin {
     /// This bearing.
     Here,
     /// Another bearing with the same lines.
     Elsewhere,
-    /// One of several with the same lines: only the first of them speaks for all.
+    /// One of several with the same lines; reported once, for the first of them.
     OneOf(Vec<usize>),
 }
 
-/// A bearing's unexplained force has to be this many times the other one's to be named.
-const CLEARLY: f64 = 2.0;
+/// Smallest ratio of the unexplained forces of two bearings from which one is named.
+const CLEAR_RATIO: f64 = 2.0;
 
 fn origin(evidence: &Evidence, family: &Family) -> Origin {
     let Some(own) = family.bearing else { return Origin::Here };
@@ -175,15 +175,15 @@ fn origin(evidence: &Evidence, family: &Family) -> Origin {
         return Origin::Here;
     }
     match evidence.attribution.and_then(|l| l.unexplained(family.lines.iter().map(|l| l.0))) {
-        Some(force) if force[own] > CLEARLY * force[1 - own] => Origin::Here,
-        Some(force) if force[1 - own] > CLEARLY * force[own] => Origin::Elsewhere,
+        Some(force) if force[own] > CLEAR_RATIO * force[1 - own] => Origin::Here,
+        Some(force) if force[1 - own] > CLEAR_RATIO * force[own] => Origin::Elsewhere,
         _ if same.first() == Some(&own) => Origin::OneOf(same),
         _ => Origin::Elsewhere,
     }
 }
 
-/// Amplitude of the residual's noise around an order, as the demodulator would see it: the median of the spectrum
-/// within one order, brought from the spectrum's length to that of a demodulated block.
+/// Returns the noise amplitude of the residual around an order in a block of the order tracking: the median of the spectrum
+/// within one order, converted from the length of the spectrum to that of the block.
 fn background(evidence: &Evidence, probe: usize, order: f64) -> f64 {
     let n = evidence.probes.len();
     let spectrum = evidence.comparison.spectra.half(2 * n + probe);
@@ -201,13 +201,13 @@ fn background(evidence: &Evidence, probe: usize, order: f64) -> f64 {
     median * (1.0 / (bin * block)).sqrt()
 }
 
-/// Root mean square over the probes of what all of them have.
+/// Returns the root mean square of a figure over the probes; none where a probe lacks it.
 fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
     let values: Option<Vec<f64>> = probes.iter().map(of).collect();
     values.map(|values| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt())
 }
 
-/// The twin does as well as any simpler predictor, or leaves no more than noise.
+/// Returns true where the twin is as good as any simpler predictor, or its residual is noise.
 #[must_use]
 pub fn follows(probes: &[ProbeOutcome]) -> bool {
     let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
@@ -215,7 +215,7 @@ pub fn follows(probes: &[ProbeOutcome]) -> bool {
     at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
 }
 
-/// The verdict in one sentence: why there is none, else what stands out, else whether the twin follows.
+/// Returns the verdict as a sentence: why there is none, else the strongest finding, else whether the twin follows.
 #[must_use]
 pub fn verdict(
     findings: &[Finding],

@@ -1,29 +1,29 @@
-//! A list of what happened one after the other that never grows beyond a size: when it is full, neighbours become one.
+//! Bounded history: when the list is full, neighbouring entries are merged.
 
-/// What can be joined with what came right after it.
+/// Entry that can be merged with the following one.
 pub trait Join {
-    /// Takes in `later`, which makes up the share `share` (0 to 1) of both together.
+    /// Merges `later` into this entry; `share` (0 to 1) is its share of both.
     fn join(&mut self, later: &Self, share: f64);
 }
 
-/// At most `most` entries, each of as many parts as the others but for the last one.
+/// List of at most `most` entries. Each entry has the same number of parts, except the last.
 pub struct History<T> {
     entries: Vec<T>,
     most: usize,
-    /// Parts of a whole entry.
+    /// Number of parts of a complete entry.
     span: usize,
-    /// Parts of the last one.
+    /// Number of parts of the last entry.
     filled: usize,
 }
 
 impl<T: Join> History<T> {
-    /// Of at most `most` entries, 2 or more.
+    /// Creates a history of at most `most` entries, 2 or more.
     #[must_use]
     pub fn new(most: usize) -> Self {
         Self { entries: Vec::new(), most: most.max(2), span: 1, filled: 1 }
     }
 
-    /// The next part.
+    /// Adds the next part.
     pub fn push(&mut self, part: T) {
         if let Some(last) = self.entries.last_mut().filter(|_| self.filled < self.span) {
             self.filled += 1;
@@ -38,7 +38,7 @@ impl<T: Join> History<T> {
         self.filled = 1;
     }
 
-    /// Joins neighbours in pairs; an odd one at the end stays half full.
+    /// Merges neighbours in pairs; an odd entry at the end stays half full.
     fn halve(&mut self) {
         let mut halved: Vec<T> = Vec::with_capacity(self.most);
         let odd = self.entries.len() % 2 == 1;
@@ -53,13 +53,13 @@ impl<T: Join> History<T> {
         self.span *= 2;
     }
 
-    /// Nothing was joined yet.
+    /// Returns true where no entries have been merged.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.span == 1
     }
 
-    /// The entries in their order.
+    /// Returns the entries in order.
     #[must_use]
     pub fn into_entries(self) -> Vec<T> {
         self.entries

@@ -1,7 +1,7 @@
-//! Limits of the scene: which figure of which probe was beyond its limit, from when to when, and how far.
+//! Limit monitoring: compares indicators of each probe with the limits of the scene and reports crossings as events.
 //!
-//! Figures are of blocks of 16 turns, so that each starts anew. An event begins with the block that crosses a limit and
-//! lasts until a block falls below it by the hysteresis; what lasts shorter than the limit's duration is no event.
+//! Indicators are computed over separate blocks of 16 revolutions. An event begins with the block that exceeds a limit and
+//! ends with the block that falls below it by the hysteresis. A crossing shorter than the duration of the limit is no event.
 
 use super::lines::{followed, inner_line, outer_line};
 use crate::baseline::Baseline;
@@ -16,19 +16,19 @@ use serde::{Deserialize, Serialize};
 
 const UM: f64 = 1e6;
 
-/// State of the limits at the end of their last blocks, from which another process can go on.
+/// State of the limits at the end of their last blocks, from which another process can continue.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct LimitState {
-    /// Number of the first sample after the last block of readings.
+    /// Index of the first sample after the last block of readings.
     pub readings_index: Option<u64>,
-    /// The same of residuals, which follow where the twin runs; none before the twin runs.
+    /// Index of the first sample after the last block of residuals; none before the twin runs.
     pub residuals_index: Option<u64>,
-    /// Limits that are exceeded there.
+    /// Limits that are exceeded at the end of these blocks.
     pub crossings: Vec<OpenCrossing>,
 }
 
 impl LimitState {
-    /// The first and the last of both positions; none before the first sample.
+    /// Returns the smaller and the larger index; none before the first sample.
     #[must_use]
     pub fn positions(&self) -> Option<[u64; 2]> {
         let readings = self.readings_index?;
@@ -36,7 +36,7 @@ impl LimitState {
         Some([readings.min(residuals), readings.max(residuals)])
     }
 
-    /// The same state with every position changed by `change`.
+    /// Returns the state with every index changed by `change`.
     #[must_use]
     pub fn map_positions(self, change: impl Fn(u64) -> u64) -> Self {
         let (readings_index, residuals_index) = (self.readings_index.map(&change), self.residuals_index.map(&change));
@@ -51,54 +51,56 @@ pub struct OpenCrossing {
     pub indicator: String,
     /// The probe's column.
     pub probe: String,
-    /// Of a race's line.
+    /// The bearing, for the line of a race.
     pub bearing: Option<String>,
-    /// The limit, m or a number.
+    /// The limit, m or dimensionless.
     pub limit: f64,
-    /// An event reported it already.
+    /// True where an event has reported the crossing.
     pub is_reported: bool,
     /// Start of the first block beyond the limit, s.
     pub start_s: f64,
-    /// The worst value, in the limit's unit.
+    /// The largest value, in the unit of the limit.
     pub worst: f64,
-    /// End of the block with the worst value, s.
+    /// End of the block with the largest value, s.
     pub worst_s: f64,
 }
 
-/// One limit on one probe.
-struct Guard {
+/// Monitor of one limit on one probe.
+struct ProbeLimit {
     limit: Limit,
     probe: usize,
-    /// Index of the followed line, where the indicator is one.
+    /// Index of the followed line, where the indicator is a line.
     line: Option<usize>,
     max: f64,
-    open: Option<Open>,
+    crossing: Option<Crossing>,
 }
 
-struct Open {
-    told: bool,
+/// A crossing that has not ended.
+struct Crossing {
+    is_reported: bool,
     start: f64,
     worst: f64,
-    worst_at: f64,
+    worst_time: f64,
 }
 
 /// All limits of a scene over a recording.
 pub struct LimitMonitor {
-    guards: Vec<Guard>,
+    limits: Vec<ProbeLimit>,
     names: Vec<String>,
-    /// The running block of readings.
+    /// The current block of readings.
     readings: Block,
-    /// The running block of residuals, which follows where the twin runs.
+    /// The current block of residuals, which starts with the twin.
     residuals: Block,
     events: Vec<Event>,
-    news: Vec<Event>,
+    /// Events since the last call of [`Self::take_events`].
+    new_events: Vec<Event>,
 }
 
-/// Statistics of every probe over a running block.
+/// Statistics of every probe over the current block.
 struct Block {
     /// Time of its first sample, s; none before the first.
     start: Option<f64>,
-    /// Number of the first sample that is not part of a finished block; none before the first sample.
+    /// Index of the first sample that is not part of a finished block; none before the first sample.
     next_index: Option<u64>,
     probes: Vec<Statistics<f64>>,
 }
@@ -108,7 +110,7 @@ impl Block {
         Self { start: None, next_index: None, probes: vec![Statistics::new(u32::MAX); probes] }
     }
 
-    /// True where the sample `index` is not part of a block that was finished before a restart.
+    /// Returns true where the sample `index` is not part of a block that was finished before a restart.
     fn is_due(&self, index: u64) -> bool {
         self.next_index.is_none_or(|next| index >= next)
     }
@@ -130,7 +132,7 @@ impl Block {
 }
 
 impl LimitMonitor {
-    /// From the scene's limits.
+    /// Creates the monitor of the scene's limits.
     ///
     /// # Errors
     /// A probe or bearing that the scene does not have, growth without a baseline.
@@ -140,7 +142,7 @@ impl LimitMonitor {
         seats: &[MountedBearing],
         baseline: Option<&Baseline>,
     ) -> Result<Self> {
-        let mut guards = Vec::new();
+        let mut monitored = Vec::new();
         for limit in limits {
             let line = line(limit, seats)?;
             let named = limit.probe.as_deref();
@@ -152,7 +154,7 @@ impl LimitMonitor {
                     Allowed::Most(max) => max,
                     Allowed::Growth(factor) => factor * usual(limit, line, probe, baseline)?,
                 };
-                guards.push(Guard { limit: limit.clone(), probe, line, max, open: None });
+                monitored.push(ProbeLimit { limit: limit.clone(), probe, line, max, crossing: None });
             }
             if !any {
                 bail!(UsageError(format!(
@@ -163,85 +165,85 @@ impl LimitMonitor {
         }
         let names = probes.iter().map(|p| p.column.clone()).collect();
         let (readings, residuals) = (Block::new(probes.len()), Block::new(probes.len()));
-        Ok(Self { guards, names, readings, residuals, events: vec![], news: vec![] })
+        Ok(Self { limits: monitored, names, readings, residuals, events: vec![], new_events: vec![] })
     }
 
-    /// True where the scene has no limit.
+    /// Returns true where the scene has no limit.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        self.guards.is_empty()
+        self.limits.is_empty()
     }
 
-    /// The limits as lines to draw, in um where they are lengths.
+    /// Returns the limits as lines of a diagram, in um where they are lengths.
     #[must_use]
     pub fn lines(&self) -> Vec<LimitLine> {
-        let line = |guard: &Guard| {
-            let (indicator, length) = guard.limit.indicator.name();
-            let max = guard.max * if length { UM } else { 1.0 };
-            LimitLine { indicator, probe: self.names.get(guard.probe).cloned().unwrap_or_default(), max }
+        let line = |monitored: &ProbeLimit| {
+            let (indicator, length) = monitored.limit.indicator.name();
+            let max = monitored.max * if length { UM } else { 1.0 };
+            LimitLine { indicator, probe: self.names.get(monitored.probe).cloned().unwrap_or_default(), max }
         };
-        self.guards.iter().map(line).collect()
+        self.limits.iter().map(line).collect()
     }
 
-    /// Goes on from `state`: samples before its position are ignored. Crossings of limits that the scene does not have are
+    /// Continues from `state`: samples before its indices are ignored. Crossings of limits that the scene does not have are
     /// dropped.
     pub fn restore(&mut self, state: &LimitState) {
         (self.readings.next_index, self.residuals.next_index) = (state.readings_index, state.residuals_index);
         for crossing in &state.crossings {
             let names = &self.names;
-            let matches = |guard: &&mut Guard| {
-                guard.open.is_none()
-                    && guard.limit.indicator.name().0 == crossing.indicator
-                    && guard.limit.bearing == crossing.bearing
-                    && names.get(guard.probe) == Some(&crossing.probe)
-                    // A number that went through a text file may differ in its last digit.
-                    && (guard.max - crossing.limit).abs() <= 1e-9 * guard.max.abs()
+            let matches = |monitored: &&mut ProbeLimit| {
+                monitored.crossing.is_none()
+                    && monitored.limit.indicator.name().0 == crossing.indicator
+                    && monitored.limit.bearing == crossing.bearing
+                    && names.get(monitored.probe) == Some(&crossing.probe)
+                    // A number read from a text file may differ in its last digit.
+                    && (monitored.max - crossing.limit).abs() <= 1e-9 * monitored.max.abs()
             };
-            if let Some(guard) = self.guards.iter_mut().find(matches) {
-                guard.open = Some(Open {
-                    told: crossing.is_reported,
+            if let Some(monitored) = self.limits.iter_mut().find(matches) {
+                monitored.crossing = Some(Crossing {
+                    is_reported: crossing.is_reported,
                     start: crossing.start_s,
                     worst: crossing.worst,
-                    worst_at: crossing.worst_s,
+                    worst_time: crossing.worst_s,
                 });
             }
         }
     }
 
-    /// The state at the end of the last block; none without limits and before the first sample.
+    /// Returns the state at the end of the last block; none without limits and before the first sample.
     #[must_use]
     pub fn state(&self) -> Option<LimitState> {
         if self.is_empty() || self.readings.next_index.is_none() {
             return None;
         }
-        let crossing = |guard: &Guard| {
-            let open = guard.open.as_ref()?;
+        let crossing = |monitored: &ProbeLimit| {
+            let open = monitored.crossing.as_ref()?;
             Some(OpenCrossing {
-                indicator: guard.limit.indicator.name().0.to_owned(),
-                probe: self.names.get(guard.probe).cloned().unwrap_or_default(),
-                bearing: guard.limit.bearing.clone(),
-                limit: guard.max,
-                is_reported: open.told,
+                indicator: monitored.limit.indicator.name().0.to_owned(),
+                probe: self.names.get(monitored.probe).cloned().unwrap_or_default(),
+                bearing: monitored.limit.bearing.clone(),
+                limit: monitored.max,
+                is_reported: open.is_reported,
                 start_s: open.start,
                 // An infinite value has no form in JSON.
                 worst: open.worst.min(f64::MAX),
-                worst_s: open.worst_at,
+                worst_s: open.worst_time,
             })
         };
         Some(LimitState {
             readings_index: self.readings.next_index,
             residuals_index: self.residuals.next_index,
-            crossings: self.guards.iter().filter_map(crossing).collect(),
+            crossings: self.limits.iter().filter_map(crossing).collect(),
         })
     }
 
-    /// True where the readings of sample `index` are not part of a block that was finished before a restart.
+    /// Returns true where the readings of sample `index` are not part of a block that was finished before a restart.
     #[must_use]
     pub fn are_readings_due(&self, index: u64) -> bool {
         self.readings.is_due(index)
     }
 
-    /// The same of its residuals.
+    /// Returns true where the residuals of sample `index` are not part of such a block.
     #[must_use]
     pub fn are_residuals_due(&self, index: u64) -> bool {
         self.residuals.is_due(index)
@@ -264,15 +266,15 @@ impl LimitMonitor {
     /// Ends a block of readings with the sample `index` at `time`; `amplitude` returns a followed line's amplitude in a probe's motion, m.
     pub fn close_readings(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
         let Some((start, figures)) = self.readings.close(index, time) else { return };
-        self.evaluate(start, time, |guard| {
-            let of = &figures[guard.probe];
-            match guard.limit.indicator {
+        self.evaluate(start, time, |monitored| {
+            let of = &figures[monitored.probe];
+            match monitored.limit.indicator {
                 Indicator::PeakToPeak => Some(of.peak_to_peak),
                 Indicator::Rms => Some(of.rms),
                 Indicator::CrestFactor => Some(of.crest_factor),
                 Indicator::Kurtosis => Some(of.kurtosis),
-                Indicator::OneX => Some(amplitude(0, guard.probe)),
-                Indicator::TwoX => Some(amplitude(1, guard.probe)),
+                Indicator::OneX => Some(amplitude(0, monitored.probe)),
+                Indicator::TwoX => Some(amplitude(1, monitored.probe)),
                 Indicator::Residual | Indicator::OuterRace | Indicator::InnerRace => None,
             }
         });
@@ -281,79 +283,81 @@ impl LimitMonitor {
     /// Ends a block of residuals with the sample `index` at `time`; `amplitude` returns a followed line's amplitude in a probe's residual, m.
     pub fn close_residuals(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
         let Some((start, figures)) = self.residuals.close(index, time) else { return };
-        self.evaluate(start, time, |guard| match guard.limit.indicator {
-            Indicator::Residual => Some(figures[guard.probe].rms),
+        self.evaluate(start, time, |monitored| match monitored.limit.indicator {
+            Indicator::Residual => Some(figures[monitored.probe].rms),
             Indicator::OuterRace | Indicator::InnerRace => {
-                Some(guard.line.map_or(0.0, |line| amplitude(line, guard.probe)))
+                Some(monitored.line.map_or(0.0, |line| amplitude(line, monitored.probe)))
             }
             _ => None,
         });
     }
 
     /// Compares the limits whose indicator has a `value` in the block from `start` to `end`.
-    fn evaluate(&mut self, start: f64, end: f64, value: impl Fn(&Guard) -> Option<f64>) {
-        for guard in &mut self.guards {
-            let (Some(value), Some(name)) = (value(guard), self.names.get(guard.probe)) else { continue };
-            if let Some(event) = guard.hear(value, start, end, name) {
-                self.news.push(event.clone());
+    fn evaluate(&mut self, start: f64, end: f64, value: impl Fn(&ProbeLimit) -> Option<f64>) {
+        for monitored in &mut self.limits {
+            let (Some(value), Some(name)) = (value(monitored), self.names.get(monitored.probe)) else { continue };
+            if let Some(event) = monitored.add(value, start, end, name) {
+                self.new_events.push(event.clone());
                 self.events.push(event);
             }
-            self.news.extend(guard.tell(end, name));
+            self.new_events.extend(monitored.report(end, name));
         }
     }
 
-    /// Crossings that have lasted long enough to be events (without an end), and events that ended, since the last call.
+    /// Returns the crossings that became events (without an end) and the events that ended since the last call.
     pub fn take_events(&mut self) -> Vec<Event> {
-        std::mem::take(&mut self.news)
+        std::mem::take(&mut self.new_events)
     }
 
-    /// The events, those still open last.
+    /// Returns all events, those without an end last.
     pub fn finish(mut self) -> Vec<Event> {
-        for guard in &mut self.guards {
-            if let Some(open) = guard.open.take() {
-                let residual =
-                    matches!(guard.limit.indicator, Indicator::Residual | Indicator::OuterRace | Indicator::InnerRace);
+        for monitored in &mut self.limits {
+            if let Some(open) = monitored.crossing.take() {
+                let residual = matches!(
+                    monitored.limit.indicator,
+                    Indicator::Residual | Indicator::OuterRace | Indicator::InnerRace
+                );
                 let block = if residual { &self.residuals } else { &self.readings };
                 let last = block.start.unwrap_or(open.start);
-                self.events.extend(guard.event(&open, None, last, &self.names[guard.probe]));
+                self.events.extend(monitored.event(&open, None, last, &self.names[monitored.probe]));
             }
         }
         self.events
     }
 }
 
-impl Guard {
-    /// A block's value from `start` to `end`; the event that it ended.
-    fn hear(&mut self, value: f64, start: f64, end: f64, probe: &str) -> Option<Event> {
-        match &mut self.open {
+impl ProbeLimit {
+    /// Adds the value of a block from `start` to `end`; returns the event that it ends.
+    fn add(&mut self, value: f64, start: f64, end: f64, probe: &str) -> Option<Event> {
+        match &mut self.crossing {
             None => {
                 if value > self.max {
-                    self.open = Some(Open { told: false, start, worst: value, worst_at: end });
+                    self.crossing = Some(Crossing { is_reported: false, start, worst: value, worst_time: end });
                 }
                 None
             }
             Some(open) if value > self.max * (1.0 - self.limit.hysteresis) => {
                 if value > open.worst {
-                    (open.worst, open.worst_at) = (value, end);
+                    (open.worst, open.worst_time) = (value, end);
                 }
                 None
             }
-            Some(_) => self.open.take().and_then(|open| self.event(&open, Some(start), start, probe)),
+            Some(_) => self.crossing.take().and_then(|open| self.event(&open, Some(start), start, probe)),
         }
     }
 
-    /// The crossing under way, once, as soon as it is an event.
-    fn tell(&mut self, now: f64, probe: &str) -> Option<Event> {
-        let open = self.open.as_ref().filter(|open| !open.told)?;
+    /// Returns the crossing as an event without an end, once, as soon as it has lasted long enough.
+    fn report(&mut self, now: f64, probe: &str) -> Option<Event> {
+        let open = self.crossing.as_ref().filter(|open| !open.is_reported)?;
         let mut event = self.event(open, None, now, probe)?;
         event.sentence = event.sentence.replace(" to the end,", " on,");
-        if let Some(open) = &mut self.open {
-            open.told = true;
+        if let Some(open) = &mut self.crossing {
+            open.is_reported = true;
         }
         Some(event)
     }
 
-    fn event(&self, open: &Open, end: Option<f64>, last: f64, probe: &str) -> Option<Event> {
+    fn event(&self, open: &Crossing, end: Option<f64>, last: f64, probe: &str) -> Option<Event> {
         if last - open.start < self.limit.duration {
             return None;
         }
@@ -370,18 +374,18 @@ impl Guard {
             start_s: open.start,
             end_s: end,
             worst,
-            worst_s: open.worst_at,
+            worst_s: open.worst_time,
             limit,
             unit,
             sentence: format!(
                 "Limit crossed: {name}{of} at {probe} up to {worst:.3}{space}, limit {limit:.3}{space}, from {:.2} s to {until}, worst at {:.2} s.",
-                open.start, open.worst_at
+                open.start, open.worst_time
             ),
         })
     }
 }
 
-/// Index among the followed lines.
+/// Returns the index of the indicator among the followed lines; none where it is no line.
 fn line(limit: &Limit, seats: &[MountedBearing]) -> Result<Option<usize>> {
     let of: fn(usize, i32) -> usize = match limit.indicator {
         Indicator::OuterRace => outer_line,
@@ -401,7 +405,7 @@ fn line(limit: &Limit, seats: &[MountedBearing]) -> Result<Option<usize>> {
     Ok(Some(of(i, 1)))
 }
 
-/// What the baseline says of an indicator.
+/// Returns the value of an indicator in the baseline.
 fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Baseline>) -> Result<f64> {
     let Some(baseline) = baseline else {
         bail!(UsageError("limit: growth: found no baseline, allowed: replay with --baseline, or max".to_owned()))
@@ -426,7 +430,7 @@ mod tests {
     use super::*;
 
     /// One limit of the peak-to-peak value at 1 um, with a duration in s.
-    fn guards(duration: f64) -> LimitMonitor {
+    fn monitor(duration: f64) -> LimitMonitor {
         let limit = Limit {
             indicator: Indicator::PeakToPeak,
             probe: None,
@@ -435,42 +439,42 @@ mod tests {
             hysteresis: 0.1,
             duration,
         };
-        let guard = Guard { limit, probe: 0, line: None, max: 1e-6, open: None };
+        let monitored = ProbeLimit { limit, probe: 0, line: None, max: 1e-6, crossing: None };
         LimitMonitor {
-            guards: vec![guard],
+            limits: vec![monitored],
             names: vec!["X".to_owned()],
             readings: Block::new(1),
             residuals: Block::new(1),
             events: vec![],
-            news: vec![],
+            new_events: vec![],
         }
     }
 
     /// Blocks of ten samples, 1 s each; those of `high` exceed the limit.
-    fn run(guards: &mut LimitMonitor, samples: std::ops::Range<u64>, high: std::ops::Range<u64>) -> Vec<Event> {
+    fn run(monitor: &mut LimitMonitor, samples: std::ops::Range<u64>, high: std::ops::Range<u64>) -> Vec<Event> {
         for index in samples {
             let size = if high.contains(&(index / 10)) { 3e-6 } else { 0.1e-6 };
             let time = index as f64 / 10.0;
-            guards.add_readings(index, time, &[if index % 2 == 0 { 0.0 } else { size }]);
-            if guards.are_readings_due(index) && index % 10 == 9 {
-                guards.close_readings(index, time, |_, _| 0.0);
+            monitor.add_readings(index, time, &[if index % 2 == 0 { 0.0 } else { size }]);
+            if monitor.are_readings_due(index) && index % 10 == 9 {
+                monitor.close_readings(index, time, |_, _| 0.0);
             }
         }
-        guards.take_events()
+        monitor.take_events()
     }
 
     /// Stopped at any sample and restored from its state at that moment, the limits report what they would have reported.
     #[test]
     fn a_restored_monitor_reports_what_is_left() {
         for duration in [0.0, 2.0] {
-            let expected = run(&mut guards(duration), 0..100, 3..7);
+            let expected = run(&mut monitor(duration), 0..100, 3..7);
             assert_eq!(expected.len(), 2, "{expected:?}");
             for stop in 0..100 {
-                let mut first = guards(duration);
+                let mut first = monitor(duration);
                 let mut events = run(&mut first, 0..stop, 3..7);
                 let Some(state) = first.state() else { continue };
                 let text = serde_json::to_string(&state).unwrap();
-                let mut second = guards(duration);
+                let mut second = monitor(duration);
                 second.restore(&serde_json::from_str(&text).unwrap());
                 // The indicators may have to read again from farther back.
                 let again = state.readings_index.unwrap().saturating_sub(7)..100;

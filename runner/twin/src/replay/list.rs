@@ -1,4 +1,4 @@
-//! The tabular list: what a vibration engineer asks of each probe and plane first, from the blocks of turns.
+//! Tabular list: overall and order-related figures of each probe and plane, from the blocks of the trend.
 
 use super::pictures::filtered;
 use super::trend::merged;
@@ -9,7 +9,7 @@ use crate::scene::{Bearing, Fit, Scene};
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;
 
-/// Gives each probe its row. One phase says nothing where the speed changes.
+/// Sets the row of each probe. Where the speed changes, a mean phase has no meaning and is omitted.
 pub fn fill(probes: &mut [ProbeOutcome], blocks: &[Block], speed_changes: bool) {
     for (i, probe) in probes.iter_mut().enumerate() {
         let figures: Vec<&BlockFigures> = blocks.iter().filter_map(|block| block.probes.get(i)).collect();
@@ -34,13 +34,13 @@ fn row(figures: &[&BlockFigures], speed_changes: bool) -> TabularList {
     }
 }
 
-/// Each plane's figures; `sense` is +1 where the shaft turns from +X towards +Y.
+/// Returns the figures of each plane; `sense` is +1 where the shaft turns from +X towards +Y.
 #[must_use]
 pub fn planes(planes: &[Plane], pictures: &Pictures, sense: f64) -> Vec<PlaneOutcome> {
     let Some(all) = merged(&pictures.blocks) else { return vec![] };
     let of = |(i, (plane, orbit)): (usize, (&Plane, &crate::outcome::Orbit))| {
         let [(xc, yc), (xs, ys)] = filtered(plane, &all).measured;
-        // The orbit as a forward and a reverse circle.
+        // Decomposition of the orbit into a forward and a reverse circle.
         let forward = 0.5 * (xc + ys).hypot(yc - xs);
         let reverse = 0.5 * (xc - ys).hypot(yc + xs);
         PlaneOutcome {
@@ -55,7 +55,7 @@ pub fn planes(planes: &[Plane], pictures: &Pictures, sense: f64) -> Vec<PlaneOut
     planes.iter().zip(&pictures.orbits).enumerate().map(of).collect()
 }
 
-/// What the bearing nearest to each plane lets the shaft's centre go, where the scene says so.
+/// Returns the clearance of the bearing nearest to each plane, where the scene gives it.
 #[must_use]
 pub fn clearances(scene: &Scene, planes: &[Plane]) -> Vec<Option<Clearance>> {
     planes.iter().map(|plane| clearance(&scene.bearings, plane.station)).collect()

@@ -1,20 +1,20 @@
-//! What a monitor reports at once besides limits: rejected readings, restarts, a distrusted observer.
+//! Notices of live operation: rejected readings, restarts, an observer that is not trusted.
 
-/// Seconds of the recording between two notices of one kind.
+/// Shortest interval between two notices of one kind in the recording's time, s.
 const INTERVAL: f64 = 10.0;
 
-/// One notice.
+/// A notice.
 #[derive(Debug, Clone)]
 pub struct Notice {
-    /// Its kind, as event logs spell it.
+    /// Kind, as in the event log.
     pub kind: &'static str,
-    /// In the recording's time.
+    /// Time in the recording's time.
     pub time_s: f64,
-    /// For people.
+    /// The notice as a sentence.
     pub sentence: String,
 }
 
-/// Notices of a recording, at most one of a kind every 10 s: a fault that lasts does not flood the log.
+/// Notices of a recording, at most one of a kind every 10 s, so that a lasting fault does not flood the log.
 #[derive(Default)]
 pub struct Notices {
     last: Vec<(&'static str, f64)>,
@@ -22,7 +22,7 @@ pub struct Notices {
 }
 
 impl Notices {
-    /// Adds a notice unless one of the kind came shortly before.
+    /// Adds a notice unless there was one of the same kind within the interval.
     pub fn add(&mut self, kind: &'static str, time_s: f64, sentence: impl FnOnce() -> String) {
         let last = self.last.iter_mut().find(|(of, _)| *of == kind);
         match last {

@@ -1,4 +1,4 @@
-//! Whether a recording can be one of the scene's machine, and whether enough of it was measured for a verdict.
+//! Plausibility: whether the recording can be one of the scene's machine, and whether enough is measured for a verdict.
 
 use super::force::BearingForces;
 use super::range::ReadingRange;
@@ -14,16 +14,16 @@ const SPEED_FACTOR: f64 = 1.5;
 const LEAST_AT_SPEED: f64 = 0.1;
 /// Largest share of a probe's readings out of range.
 const MOST_OUT_OF_RANGE: f64 = 0.5;
-/// Readings this much smaller than the twin's at every probe have another unit.
+/// Readings smaller than this multiple of the twin's at every probe have another unit.
 const TOO_SMALL: f64 = 0.01;
-/// Largest share of samples in which no element of a bearing carries load although the twin's does.
+/// Largest share of samples without load on any element of a bearing that is loaded in the twin.
 const MOST_UNLOADED: f64 = 1.0 / 3.0;
-/// Largest share of samples without what a verdict needs.
+/// Largest share of samples that lack a quantity needed for the verdict.
 const MOST_NOT_MEASURED: f64 = 0.1;
 
 const UM: f64 = 1e6;
 
-/// Counts over a recording.
+/// Counts of samples over a recording.
 #[derive(Default)]
 pub struct Counts {
     samples: u64,
@@ -35,10 +35,10 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// One sample at this shaft speed, rad/s.
+    /// Adds a sample at this shaft speed, rad/s.
     pub fn add(&mut self, status: SampleStatus, speed: f64, scene: Speed) {
         let (a, b) = scene.range();
-        // The signs agree, as a keyphasor has none.
+        // Magnitudes only, because a keyphasor gives no sign.
         let (slow, fast) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
         let measured = !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let plausible = (slow / SPEED_FACTOR..=fast * SPEED_FACTOR).contains(&speed.abs());
@@ -50,7 +50,7 @@ impl Counts {
         self.twin_held += u64::from(self.twin_is_held);
     }
 
-    /// One sample without a shaft angle.
+    /// Adds a sample without a shaft angle.
     pub const fn add_without_angle(&mut self) {
         self.samples += 1;
         self.angle_not_measured += 1;
@@ -60,13 +60,13 @@ impl Counts {
         count as f64 / self.samples.max(1) as f64
     }
 
-    /// Samples with a reading out of range.
+    /// Returns the number of samples with a reading out of range.
     #[must_use]
     pub const fn out_of_range(&self) -> u64 {
         self.out_of_range
     }
 
-    /// Reasons why there is no verdict although the recording is plausible; `compared` samples had every reading.
+    /// Returns the reasons why there is no verdict although the recording is plausible; `compared` samples have every reading.
     #[must_use]
     pub fn not_judged(&self, compared: u64) -> Vec<String> {
         let mut reasons = Vec::new();
@@ -88,7 +88,7 @@ impl Counts {
     }
 }
 
-/// What is compared with the scene.
+/// Data compared with the scene.
 pub struct Evidence<'a> {
     /// Counts over the recording.
     pub counts: &'a Counts,
@@ -102,7 +102,7 @@ pub struct Evidence<'a> {
     pub range: &'a ReadingRange,
     /// Figures of the probes.
     pub probes: &'a [ProbeOutcome],
-    /// The bearings with the sums of their forces.
+    /// Forces of the bearings.
     pub bearings: &'a [BearingForces],
     /// The same bearings.
     pub seats: &'a [MountedBearing],

@@ -1,7 +1,7 @@
-//! The range that the bearings allow each probe's reading: beyond it no sound bearing lets the shaft go.
+//! Range check: the readings that the bearings allow at each probe.
 //!
-//! A bearing reaches its limit in a direction where its most loaded element is pressed with the static limit of ISO 76
-//! (clearance plus elastic deflection), or, where contact pressures are not known, where it answers with
+//! A bearing reaches its limit in a direction where its most loaded element has the contact pressure of the static limit of
+//! ISO 76 (clearance plus elastic deflection), or, where contact pressures are not known, where its force is
 //! `LARGEST_FORCE` times the loads on the rotor. A rigid shaft between two bearings cannot be farther from zero than
 //! their limits allow at the probe's station. `MARGIN` leaves room for zero errors and damaged races.
 
@@ -16,40 +16,40 @@ use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::{Displacement, Phase};
 
-/// Readings up to so many times the bearings' limit are accepted.
+/// Factor on the limit of the bearings up to which readings are accepted.
 const MARGIN: f64 = 3.0;
-/// Force over the loads on the rotor that no bearing of unknown contact pressure answers with.
+/// Force of a bearing with unknown contact pressure at its limit, over the loads on the rotor.
 const LARGEST_FORCE: f64 = 1000.0;
-/// Force over the loads on the rotor up to which an axial position that no probe sees is accepted of an observer.
+/// Axial force over the loads on the rotor up to which the observer's axial position is accepted without an axial probe.
 const LARGEST_UNSEEN_FORCE: f64 = 10.0;
-/// First displacement tried, and the last, m.
+/// First and last displacement of the search, m.
 const SEARCH: (f64, f64) = (1e-7, 1e-2);
-/// Growth from one displacement to the next: the limit is found within so much above.
+/// Ratio of successive displacements of the search.
 const STRIDE: f64 = 1.1;
-/// So many readings out of range one after the other are no spike: limits and statistics then see them.
+/// Number of consecutive readings out of range up to which they are removed as a spike; later ones stay.
 const SUSTAINED: u32 = 16;
 
 /// Ranges of a scene's probes, and the readings found outside.
 pub struct ReadingRange {
     /// Largest magnitude of each reading, m; infinite where nothing bounds it.
     largest: Vec<f64>,
-    /// Largest magnitude of an estimated axial position, m; infinite where a probe sees it.
+    /// Largest magnitude of an estimated axial position, m; infinite with an axial probe.
     axial: f64,
     names: Vec<String>,
-    /// Readings out of range one after the other, up to now.
+    /// Number of consecutive readings out of range.
     runs: Vec<u32>,
-    /// Readings out of range in all.
+    /// Total number of readings out of range.
     outside: Vec<u64>,
-    /// Finite readings in all.
+    /// Total number of finite readings.
     readings: Vec<u64>,
     ledger: FlawLedger,
 }
 
 impl ReadingRange {
-    /// Of the probes on this plant.
+    /// Computes the ranges of the probes.
     ///
     /// # Errors
-    /// What the kernel refuses of a bearing's geometry.
+    /// A bearing geometry that the kernel rejects.
     pub fn try_new(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Result<Self> {
         let loads = loads(scene);
         let limits = scene.bearings.iter().zip(&plant.bearings).map(|(bearing, seat)| {
@@ -122,12 +122,12 @@ impl ReadingRange {
         into.extend(limited.map(|(&y, &largest)| if y.abs() <= largest { y } else { f64::NAN }));
     }
 
-    /// The bearings allow each of these readings of an estimate, and its axial position.
+    /// Returns true where the bearings allow these readings and this axial position of an estimate.
     pub fn allows(&self, readings: impl Iterator<Item = f64>, axial: f64) -> bool {
         axial.abs() <= self.axial && readings.zip(&self.largest).all(|(y, &largest)| y.abs() <= largest)
     }
 
-    /// Probes with more than `share` of their readings out of range: column, share, largest reading allowed (m).
+    /// Returns the probes with more than `share` of their readings out of range: column, share, largest reading allowed (m).
     pub fn mostly_outside(&self, share: f64) -> impl Iterator<Item = (&str, f64, f64)> {
         let counts = self.outside.iter().zip(&self.readings).map(|(o, n)| *o as f64 / (*n).max(1) as f64);
         let all = counts.zip(&self.names).zip(&self.largest);
@@ -135,12 +135,12 @@ impl ReadingRange {
             .map(|((found, name), largest)| (name.as_str(), found, *largest))
     }
 
-    /// Readings out of range so far, over all probes.
+    /// Returns the number of readings out of range over all probes.
     pub fn count(&self) -> u64 {
         self.outside.iter().sum()
     }
 
-    /// The readings found outside, for the report.
+    /// Returns the readings out of range for the report.
     pub const fn flaws(&self) -> &FlawLedger {
         &self.ledger
     }
@@ -180,8 +180,8 @@ impl Limit {
             }
             f64::INFINITY
         };
-        // A bearing that carries thrust one way limits that way only; the other one is limited by its partner.
-        let one_way = |a: f64, b: f64| if a.is_infinite() || b.is_infinite() { a.min(b) } else { a.max(b) };
+        // A bearing that carries thrust in one direction limits that direction only; its partner limits the other.
+        let in_one_direction = |a: f64, b: f64| if a.is_infinite() || b.is_infinite() { a.min(b) } else { a.max(b) };
         let u = |x| Displacement { u: x, ..Displacement::default() };
         let v = |x| Displacement { v: x, ..Displacement::default() };
         let w = |x| Displacement { w: x, ..Displacement::default() };
@@ -190,14 +190,14 @@ impl Limit {
         Self {
             station: seat.station,
             radial: radial.into_iter().fold(0.0, f64::max),
-            axial: one_way(reach(w, 1.0), reach(w, -1.0)),
-            tilt: one_way(reach(tilt, 10.0), reach(tilt, -10.0)),
+            axial: in_one_direction(reach(w, 1.0), reach(w, -1.0)),
+            tilt: in_one_direction(reach(tilt, 10.0), reach(tilt, -10.0)),
         }
     }
 }
 
-/// Largest magnitude of an axial position that no probe sees: innovations do not correct it, so that it may run away where the
-/// rotor is not the scene's.
+/// Returns the largest magnitude of an axial position without an axial probe. Innovations do not correct it, so it may diverge
+/// where the rotor differs from the scene.
 fn unseen_axial(plant: &Plant, probes: &[Probe], loads: f64) -> f64 {
     if loads == 0.0 || probes.iter().any(|probe| probe.direction == Direction::Axial) {
         return f64::INFINITY;
@@ -207,10 +207,10 @@ fn unseen_axial(plant: &Plant, probes: &[Probe], loads: f64) -> f64 {
     plant.pose(&plant.rest).w.abs() + largest
 }
 
-/// Largest magnitude of a probe's reading that the bearings' limits allow.
+/// Returns the largest magnitude of a probe's reading that the limits of the bearings allow.
 fn at_probe(limits: &[Limit], probe: &Probe) -> f64 {
     if probe.direction == Direction::Axial {
-        // Thrust one way may be carried by one bearing and the other way by another: the larger of their limits.
+        // Each direction of thrust may be carried by another bearing: the larger limit counts.
         let finite = limits.iter().map(|l| l.axial).filter(|x| x.is_finite());
         return finite.reduce(f64::max).unwrap_or(f64::INFINITY);
     }
@@ -225,7 +225,7 @@ fn at_probe(limits: &[Limit], probe: &Probe) -> f64 {
     least
 }
 
-/// Size of the loads on the rotor at the scene's highest speed: weight, load and unbalance, N.
+/// Returns the magnitude of weight, load and unbalance force on the rotor at the highest speed of the scene, N.
 fn loads(scene: &Scene) -> f64 {
     let Some(rotor) = &scene.rotor else { return 0.0 };
     let (slow, fast) = scene.shaft.speed.range();

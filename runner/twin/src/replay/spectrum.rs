@@ -1,11 +1,11 @@
-//! Averaged amplitude spectra of a stream: Welch's method with a Hann window and half overlap.
+//! Averaged amplitude spectra of a stream of samples: Welch's method, Hann window, 50 % overlap.
 
 use crate::outcome::SpectraSettings;
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 
-/// Longest segment, samples.
+/// Length of the longest segment, samples.
 const LONGEST: usize = 4096;
 
 /// Averaged one-sided amplitude spectrum (peak amplitude of a sine) of several signals sampled together.
@@ -38,7 +38,7 @@ pub fn amplitudes(samples: &[f64]) -> Vec<f64> {
     transform(fft.as_ref(), &window, samples).iter().map(|bin| bin.norm() * scale).collect()
 }
 
-/// Transform of `samples` about their mean, times `window`.
+/// Transforms `samples` about their mean, times `window`.
 fn transform(fft: &dyn RealToComplex<f64>, window: &[f64], samples: &[f64]) -> Vec<Complex<f64>> {
     let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
     let mut input: Vec<f64> = samples.iter().zip(window).map(|(s, w)| (s - mean) * w).collect();
@@ -49,7 +49,7 @@ fn transform(fft: &dyn RealToComplex<f64>, window: &[f64], samples: &[f64]) -> V
 }
 
 impl Welch {
-    /// For `signals` signals, of which `pairs` are the X and Y of planes.
+    /// Creates the spectra of `signals` signals, of which `pairs` are X and Y of planes.
     #[must_use]
     pub fn new(signals: usize, pairs: Vec<(usize, usize)>) -> Self {
         let mut welch = Self {
@@ -74,7 +74,7 @@ impl Welch {
         self.reverse = vec![vec![0.0; bins]; self.pairs.len()];
     }
 
-    /// One sample of all signals.
+    /// Adds one sample of all signals.
     pub fn add(&mut self, values: impl Iterator<Item = f64>) {
         for (pending, value) in self.pending.iter_mut().zip(values) {
             pending.push(value);
@@ -88,7 +88,7 @@ impl Welch {
         }
     }
 
-    /// Forgets the samples not yet transformed: a segment may not reach over a gap.
+    /// Discards the samples not yet transformed, because a segment may not extend over a gap.
     pub fn interrupt(&mut self) {
         for pending in &mut self.pending {
             pending.clear();
@@ -115,13 +115,13 @@ impl Welch {
         self.segments += 1.0;
     }
 
-    /// Hann-windowed spectrum of one segment about its mean.
+    /// Returns the spectrum of one segment about its mean.
     fn transform(&self, samples: &[f64]) -> Vec<Complex<f64>> {
         let samples = samples.get(..self.length).unwrap_or(samples);
         transform(self.fft.as_ref(), &self.window, samples)
     }
 
-    /// Ends the recording: one shorter segment if it never held a whole one.
+    /// Ends the recording; one shorter segment is evaluated where there is no complete one.
     pub fn finish(&mut self) {
         let available = self.pending.first().map_or(0, Vec::len);
         if self.segments == 0.0 && available >= 16 {
@@ -133,13 +133,13 @@ impl Welch {
         }
     }
 
-    /// How the spectra were made.
+    /// Returns the settings of the spectra.
     #[must_use]
     pub fn settings(&self, rate: f64) -> SpectraSettings {
         SpectraSettings { lines: self.length / 2, bin_hz: self.bin(rate), averages: self.segments as u64 }
     }
 
-    /// Hz between two bins.
+    /// Returns the bin width, Hz.
     #[must_use]
     pub fn bin(&self, rate: f64) -> f64 {
         rate / self.length as f64
@@ -150,13 +150,13 @@ impl Welch {
         power.iter().map(|p| (p / n).sqrt()).collect()
     }
 
-    /// Amplitude of one signal, bin by bin.
+    /// Returns the amplitude spectrum of a signal.
     #[must_use]
     pub fn half(&self, signal: usize) -> Vec<f64> {
         self.power.get(signal).map(|p| self.amplitudes(p)).unwrap_or_default()
     }
 
-    /// Amplitude of one pair from the highest reverse to the highest forward frequency.
+    /// Returns the full spectrum of a pair, from the highest reverse to the highest forward frequency.
     #[must_use]
     pub fn full(&self, pair: usize) -> Vec<f64> {
         let (Some(forward), Some(reverse)) = (self.forward.get(pair), self.reverse.get(pair)) else { return vec![] };

@@ -27,7 +27,7 @@ pub(super) struct Standstill {
 /// Readings of one probe, m.
 #[derive(Default, Clone)]
 struct Signal {
-    /// Readings are taken from the first one, so that a large mean costs no digits.
+    /// First reading, subtracted from all, so that a large mean costs no digits.
     origin: Option<f64>,
     from_origin: Running,
 }
@@ -43,7 +43,7 @@ impl Standstill {
         }
     }
 
-    /// States why samples have no angle; the first reason is kept.
+    /// Stores why samples have no angle; the first reason is kept.
     pub(super) fn explain(&mut self, reason: RotationError) {
         self.reason.get_or_insert(reason);
     }

@@ -1,27 +1,27 @@
-//! Sums over a whole recording, one pass, flat memory: mean, extremes, RMS, the 1X vector.
+//! Statistics over a whole recording in one pass: mean, extremes, rms, 1X vector.
 
 use crate::outcome::{Motion, phase_lag_deg};
 use nalgebra::{Matrix3, Vector3};
 
 const UM: f64 = 1e6;
 
-/// Sums of one signal against the shaft's angle.
+/// Sums of one signal with the shaft angle.
 #[derive(Debug, Clone, Default)]
 pub struct Sums {
     n: f64,
-    /// Readings are taken from the first one, so that a large mean costs no digits.
+    /// First reading, subtracted from all, so that a large mean costs no digits.
     origin: f64,
     min: f64,
     max: f64,
     square: f64,
-    /// Of the signal against (1, cos, sin).
+    /// Products of the signal with (1, cos, sin).
     signal: Vector3<f64>,
-    /// Of (1, cos, sin) against itself.
+    /// Products of (1, cos, sin) with itself.
     basis: Matrix3<f64>,
 }
 
 impl Sums {
-    /// One sample: the signal (m) with the shaft at an angle given by its (sin, cos).
+    /// Adds one sample of the signal (m) at a shaft angle given by (sin, cos).
     pub fn add(&mut self, signal: f64, (sin, cos): (f64, f64)) {
         if self.n == 0.0 {
             (self.origin, self.min, self.max) = (signal, signal, signal);
@@ -36,26 +36,26 @@ impl Sums {
         self.basis += basis * basis.transpose();
     }
 
-    /// Mean, m.
+    /// Returns the mean, m.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.origin + self.signal[0] / self.n.max(1.0)
     }
 
-    /// Root mean square about zero, m.
+    /// Returns the root mean square about zero, m.
     #[must_use]
     pub fn rms(&self) -> f64 {
         (self.rms_about_mean().powi(2) + self.mean().powi(2)).sqrt()
     }
 
-    /// Root mean square about the mean, m.
+    /// Returns the root mean square about the mean, m.
     #[must_use]
     pub fn rms_about_mean(&self) -> f64 {
         let n = self.n.max(1.0);
         (self.square / n - (self.signal[0] / n).powi(2)).max(0.0).sqrt()
     }
 
-    /// Least-squares fit of mean, cosine and sine of the shaft's angle, m; and the RMS it leaves.
+    /// Returns cosine and sine of a least-squares fit of mean and 1X, m, and the rms of its residual.
     #[must_use]
     pub fn one_x(&self) -> ((f64, f64), f64) {
         let Some(inverse) = self.basis.try_inverse() else { return ((0.0, 0.0), self.rms_about_mean()) };
@@ -64,7 +64,7 @@ impl Sums {
         ((fit[1], fit[2]), left.max(0.0).sqrt())
     }
 
-    /// The figures a report shows, um.
+    /// Returns the motion for the report, um.
     #[must_use]
     pub fn motion(&self) -> Motion {
         let ((cos, sin), _) = self.one_x();
@@ -78,7 +78,7 @@ impl Sums {
     }
 }
 
-/// Mean, extremes and mean square of a force component.
+/// Running mean, extremes and mean square of a quantity.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Running {
     n: f64,
@@ -89,7 +89,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// One value.
+    /// Adds a value.
     pub fn add(&mut self, x: f64) {
         if self.n == 0.0 {
             (self.min, self.max) = (x, x);
@@ -101,25 +101,25 @@ impl Running {
         self.max = self.max.max(x);
     }
 
-    /// Number of values.
+    /// Returns the number of values.
     #[must_use]
     pub fn count(&self) -> f64 {
         self.n
     }
 
-    /// Mean.
+    /// Returns the mean.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// Root mean square about zero.
+    /// Returns the root mean square about zero.
     #[must_use]
     pub fn rms(&self) -> f64 {
         self.square.max(0.0).sqrt()
     }
 
-    /// Smallest and largest.
+    /// Returns the smallest and the largest value.
     #[must_use]
     pub fn extremes(&self) -> (f64, f64) {
         (self.min, self.max)

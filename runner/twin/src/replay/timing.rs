@@ -1,10 +1,10 @@
-//! What the samples of a replay take.
+//! Compute time of the samples of a replay.
 
 use crate::outcome::{Quantiles, Timing};
 use hdrhistogram::Histogram;
 use std::time::{Duration, Instant};
 
-/// Keeps the times of one replay.
+/// Compute times of one replay.
 pub struct Ledger {
     compute: Histogram<u64>,
     period: f64,
@@ -13,7 +13,7 @@ pub struct Ledger {
     last: f64,
 }
 
-/// A histogram from 1 ns to 1000 s at three digits: 50 kB, whatever it takes in.
+/// Returns a histogram from 1 ns to 1000 s with three digits, 50 kB at any number of entries.
 ///
 /// # Errors
 /// None in practice: the bounds are constants.
@@ -22,7 +22,7 @@ pub fn histogram() -> anyhow::Result<Histogram<u64>> {
 }
 
 impl Ledger {
-    /// For a sample period in seconds.
+    /// Creates the ledger for a sample period in seconds.
     ///
     /// # Errors
     /// None in practice.
@@ -30,7 +30,7 @@ impl Ledger {
         Ok(Self { compute: histogram()?, period, start: None, first: 0.0, last: 0.0 })
     }
 
-    /// A sample at `time` (s) is taken up.
+    /// Marks the start of the work on the sample at `time` (s).
     pub fn sample(&mut self, time: f64) {
         if self.start.is_none() {
             (self.start, self.first) = (Some(Instant::now()), time);
@@ -38,12 +38,12 @@ impl Ledger {
         self.last = time;
     }
 
-    /// One sample's work, begun at `begun` and finished now.
+    /// Records the work on a sample, from `begun` to now.
     pub fn worked(&mut self, begun: Instant) {
         self.compute.saturating_record(nanoseconds(begun.elapsed()));
     }
 
-    /// The figures.
+    /// Returns the timing for the outcome.
     #[must_use]
     pub fn finish(&self) -> Timing {
         let wall = self.start.map_or(0.0, |start| start.elapsed().as_secs_f64());
@@ -60,13 +60,13 @@ impl Ledger {
     }
 }
 
-/// In whole nanoseconds, at least 1.
+/// Returns a duration in whole nanoseconds, at least 1.
 #[must_use]
 pub fn nanoseconds(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX).max(1)
 }
 
-/// Quantiles of a histogram of nanoseconds.
+/// Returns the quantiles of a histogram of nanoseconds.
 #[must_use]
 pub fn quantiles(histogram: &Histogram<u64>) -> Quantiles {
     Quantiles {
@@ -77,7 +77,7 @@ pub fn quantiles(histogram: &Histogram<u64>) -> Quantiles {
     }
 }
 
-/// Peak resident memory of this process, from Linux's status file; None elsewhere.
+/// Returns the peak resident memory of this process from the Linux status file; none on other systems.
 #[must_use]
 pub fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

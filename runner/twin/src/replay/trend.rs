@@ -1,7 +1,7 @@
-//! What each block of a few turns shows, from the start of a recording to its end, in flat memory.
+//! Trend: indicators of blocks of a few revolutions over the whole recording, in bounded memory.
 //!
-//! A block begins where the shaft has gone a multiple of [`TURNS`] turns. Under a Hann window over its angle the mean,
-//! 0.5X, 1X and 2X lie on one another's zeros: none leaks into another, also while the speed changes.
+//! A block begins at a multiple of [`TURNS`] revolutions. Under a Hann window over the shaft angle the mean, 0.5X, 1X and 2X are
+//! at the zeros of one another's spectra: none leaks into another, even while the speed changes.
 
 use super::history::{History, Join};
 use crate::outcome::{Block, BlockFigures};
@@ -10,26 +10,26 @@ use crate::recording::Sample;
 use std::f64::consts::TAU;
 
 const UM: f64 = 1e6;
-/// Turns of one block.
+/// Revolutions of one block.
 pub const TURNS: i64 = 4;
-/// Points of a trend at most.
+/// Largest number of points in a trend.
 const MOST_POINTS: usize = 512;
-/// Samples of a block at most: a shaft that hardly turns has none.
+/// Largest number of samples in a block; a block of a very slow shaft is dropped.
 const MOST_SAMPLES: usize = 1 << 18;
-/// Share of its turns that a block has to have readings of.
+/// Smallest share of its revolutions in which a block has readings.
 const LEAST_COVERED: f64 = 0.98;
-/// A step longer than this, in turns, is a gap.
+/// Steps longer than this many revolutions are gaps.
 const GAP: f64 = 0.25;
 
-/// Gathers samples block by block.
+/// Accumulates samples block by block.
 pub struct Trend {
     planes: Vec<Plane>,
     probes: usize,
-    /// Which block of the shaft's turns is running.
+    /// Number of the current block.
     index: Option<i64>,
-    /// Of each sample: where in the block it is.
+    /// Window and angle functions of each sample.
     bases: Vec<Basis>,
-    /// One column a probe, then one for each of the twin's readings, m: the block's sums run down a column.
+    /// Readings of each probe, then those of the twin, m: one column per signal.
     columns: Vec<Vec<f64>>,
     covered: f64,
     start: f64,
@@ -39,7 +39,7 @@ pub struct Trend {
 }
 
 impl Trend {
-    /// For so many probes and these planes.
+    /// Creates the trend of `probes` probes and these planes.
     #[must_use]
     pub fn new(probes: usize, planes: Vec<Plane>) -> Self {
         Self {
@@ -56,10 +56,10 @@ impl Trend {
         }
     }
 
-    /// One sample, the twin's readings, and the shaft's way since the last sample (revolutions).
-    pub fn add(&mut self, sample: &Sample, twin: &[f64], arc: f64) {
+    /// Adds a sample, the twin's readings, and the revolutions since the last sample.
+    pub fn add(&mut self, sample: &Sample, twin: &[f64], revolutions: f64) {
         let index = sample.revolution.div_euclid(TURNS);
-        let gap = arc.abs() > GAP;
+        let gap = revolutions.abs() > GAP;
         if self.index != Some(index) || gap || self.bases.len() >= MOST_SAMPLES {
             if !gap {
                 self.close();
@@ -75,7 +75,7 @@ impl Trend {
         for (column, value) in self.columns.iter_mut().zip(sample.row.probes.iter().chain(twin)) {
             column.push(*value);
         }
-        self.covered += arc.abs();
+        self.covered += revolutions.abs();
         self.speed += sample.speed;
         self.end = sample.row.time;
     }
@@ -87,7 +87,7 @@ impl Trend {
         (self.covered, self.speed, self.start, self.end) = (0.0, 0.0, time, time);
     }
 
-    /// Works out the running block, where it is whole.
+    /// Evaluates the current block, where it is complete.
     fn close(&mut self) {
         if self.covered < LEAST_COVERED * TURNS as f64 {
             return;
@@ -104,23 +104,23 @@ impl Trend {
         self.history.push(block);
     }
 
-    /// Of probe `i` in the running block.
+    /// Returns the indicators of probe `i` in the current block.
     fn figures(&self, i: usize, mean: f64, count: f64) -> Option<BlockFigures> {
         let (measured, twin) = (self.columns.get(i)?, self.columns.get(self.probes + i)?);
-        let mut swing = Swing::default();
+        let mut sums = BlockSums::default();
         for ((basis, y), x) in self.bases.iter().zip(measured).zip(twin) {
-            swing.add(basis, y - mean, x - mean);
+            sums.add(basis, y - mean, x - mean);
         }
-        swing.scale();
+        sums.scale();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (basis, y) in self.bases.iter().zip(measured) {
-            let left = y - swing.one[0] * basis.one.0 - swing.one[1] * basis.one.1;
+            let left = y - sums.one[0] * basis.one.0 - sums.one[1] * basis.one.1;
             (low, high) = (low.min(left), high.max(left));
         }
-        Some(swing.figures(mean, (high - low) * UM, count))
+        Some(sums.figures(mean, (high - low) * UM, count))
     }
 
-    /// Greatest distance from the mean place in a plane, um.
+    /// Returns the largest distance from the mean position in a plane, um.
     fn farthest(&self, plane: &Plane, means: &[f64]) -> Option<f64> {
         let [a, b] = plane.probes;
         let (column_a, column_b, mean_a, mean_b) =
@@ -132,7 +132,7 @@ impl Trend {
         Some(column_a.iter().zip(column_b).map(square).fold(0.0, f64::max).sqrt() * UM)
     }
 
-    /// The blocks, or neighbours of them joined.
+    /// Returns the blocks, with neighbours merged where there are too many.
     #[must_use]
     pub fn finish(mut self) -> Vec<Block> {
         self.close();
@@ -140,7 +140,7 @@ impl Trend {
     }
 }
 
-/// Window, and (cosine, sine) of the angles that the signals are held against.
+/// Window, and (cosine, sine) of 0.5X, 1X and 2X at one sample.
 struct Basis {
     window: f64,
     half: (f64, f64),
@@ -149,7 +149,7 @@ struct Basis {
 }
 
 impl Basis {
-    /// From a quarter of the shaft's angle.
+    /// Creates the functions from (cosine, sine) of a quarter of the shaft angle.
     fn new(quarter: (f64, f64)) -> Self {
         let doubled = |(cos, sin): (f64, f64)| (cos * cos - sin * sin, 2.0 * sin * cos);
         let half = doubled(quarter);
@@ -158,9 +158,9 @@ impl Basis {
     }
 }
 
-/// Sums of one probe over one block, about its mean.
+/// Sums of one probe over one block about its mean.
 #[derive(Debug, Clone, Default)]
-struct Swing {
+struct BlockSums {
     weight: f64,
     half: [f64; 2],
     one: [f64; 2],
@@ -173,7 +173,7 @@ struct Swing {
     residual: f64,
 }
 
-impl Swing {
+impl BlockSums {
     fn add(&mut self, basis: &Basis, d: f64, twin: f64) {
         let against = |sum: &mut [f64; 2], value: f64, (cos, sin): (f64, f64)| {
             sum[0] += value * cos;
@@ -192,7 +192,7 @@ impl Swing {
         self.residual += (d - twin) * (d - twin);
     }
 
-    /// Sums to amplitudes.
+    /// Converts the sums to amplitudes.
     fn scale(&mut self) {
         let scale = 2.0 / self.weight.max(f64::MIN_POSITIVE);
         for sum in [&mut self.half, &mut self.one, &mut self.two, &mut self.twin] {
@@ -238,7 +238,7 @@ impl Join for Block {
 }
 
 impl Join for BlockFigures {
-    /// Means; rms by their squares, 1X as vectors, and the greatest of the greatest.
+    /// Averages the indicators: rms by their squares, 1X as vectors; the largest value is kept.
     fn join(&mut self, later: &Self, share: f64) {
         let mix = |a: f64, b: f64| a + share * (b - a);
         let squares = |a: f64, b: f64| mix(a * a, b * b).sqrt();
@@ -260,7 +260,7 @@ impl Join for BlockFigures {
     }
 }
 
-/// All blocks as one.
+/// Returns all blocks merged into one.
 #[must_use]
 pub fn merged(blocks: &[Block]) -> Option<Block> {
     let (first, rest) = blocks.split_first()?;

@@ -1,9 +1,9 @@
-//! Envelope spectra: how strongly, and how often a second, each band of a vibration swells.
+//! Envelope spectra: amplitude modulation of the frequency bands of a vibration signal.
 //!
-//! A damaged race strikes at its ball-pass frequency and each blow rings somewhere in the structure. Which resonance that
-//! is nobody knows beforehand, so every band is looked at: thirds and halves of halves of the range up to Nyquist.
-//! The spectrum is that of the squared envelope, `|x_a|^2` of the band's analytic signal over its mean, averaged over
-//! blocks (Welch), so that an amplitude of 1 is a band that swells from nothing to twice its mean.
+//! A damaged race causes impacts at its ball-pass frequency, and each impact excites a resonance of the structure. The resonance
+//! is not known beforehand, so all bands are evaluated: the range up to Nyquist is divided into halves and thirds repeatedly.
+//! The spectrum is that of the squared envelope, `|x_a|^2` of the band's analytic signal over its mean, averaged over blocks
+//! (Welch). An amplitude of 1 is a modulation from zero to twice the mean.
 //!
 //! Sources: Randall and Antoni 2011, Rolling element bearing diagnostics - a tutorial, Mechanical Systems and Signal
 //! Processing 25; the tree of bands: Antoni 2007, Fast computation of the kurtogram, ibid. 21.
@@ -12,20 +12,20 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// Parts that the range is cut into, level by level.
+/// Number of bands at each level.
 const PARTS: [usize; 9] = [2, 3, 4, 6, 8, 12, 16, 24, 32];
-/// Turns of one block: lines a sixteenth of an order apart are told apart.
+/// Revolutions of one block: lines a sixteenth of an order apart are resolved.
 const BLOCK_TURNS: f64 = 16.0;
-/// A background needs so many bins to either side of a line, an order's worth.
+/// Range of the background on either side of a line, orders.
 const BACKGROUND_TURNS: f64 = 1.0;
 
 /// The envelope spectrum of one band.
 pub struct Envelope {
-    /// Least and greatest frequency of the band, Hz.
+    /// Lower and upper limit of the band, Hz.
     pub band: [f64; 2],
-    /// Squares of the amplitudes, averaged over the blocks.
+    /// Squared amplitudes, averaged over the blocks.
     power: Vec<f64>,
-    /// Hz from bin to bin.
+    /// Bin width, Hz.
     bin: f64,
     turn_hz: f64,
 }
@@ -33,15 +33,15 @@ pub struct Envelope {
 /// A line of an envelope spectrum.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Line {
-    /// Over the median around it, dB.
+    /// Level over the median around the line, dB.
     pub level_db: f64,
-    /// Amplitude over the band's mean square.
+    /// Amplitude over the mean square of the band.
     pub modulation: f64,
-    /// Where its peak is, Hz.
+    /// Frequency of the peak, Hz.
     pub frequency: f64,
 }
 
-/// Spectra of all bands of `signal` that begin above `lowest` (Hz) and are wide enough for lines up to `highest` (Hz).
+/// Returns the spectra of all bands of `signal` that begin above `lowest` (Hz) and are wide enough for lines up to `highest` (Hz).
 #[must_use]
 pub fn envelopes(signal: &[f64], rate: f64, turn_hz: f64, lowest: f64, highest: f64) -> Vec<Envelope> {
     let n = signal.len();
@@ -72,7 +72,7 @@ fn envelope(
     let n = spectrum.len();
     let bin_of = |f: f64| (f * n as f64 / rate).ceil() as usize;
     let inside = spectrum.get(bin_of(band[0])..bin_of(band[1]).min(n / 2))?;
-    // Moved down to 0 Hz: the envelope is the same, the samples are few.
+    // The band is shifted to 0 Hz: the envelope stays the same and needs fewer samples.
     let count = (2 * inside.len()).next_power_of_two();
     let mut analytic = vec![Complex::new(0.0, 0.0); count];
     for (to, from) in analytic.iter_mut().zip(inside) {
@@ -106,28 +106,28 @@ fn envelope(
 }
 
 impl Envelope {
-    /// How much the band swells in all: the variance of its squared envelope over the square of its mean. 1 is noise.
+    /// Returns the variance of the squared envelope over the square of its mean: 1 for noise.
     #[must_use]
-    pub fn swell(&self) -> f64 {
-        // A Hann window holds each line in 1.5 bins.
+    pub fn total_modulation(&self) -> f64 {
+        // The Hann window spreads each line over 1.5 bins.
         self.power.iter().sum::<f64>() / 3.0
     }
 
-    /// Hz from bin to bin, and the amplitudes up to `highest` (Hz).
+    /// Returns the bin width (Hz) and the amplitudes up to `highest` (Hz).
     #[must_use]
     pub fn spectrum(&self, highest: f64) -> (f64, Vec<f64>) {
         let count = (highest / self.bin).ceil() as usize + 1;
         (self.bin, self.power.iter().take(count).map(|p| p.sqrt()).collect())
     }
 
-    /// The line at `frequency` (Hz), the largest of three bins; nothing where that is a multiple of the shaft's.
+    /// Returns the line at `frequency` (Hz), the largest of three bins; a zero line at a multiple of the shaft frequency.
     #[must_use]
     pub fn line(&self, frequency: f64) -> Option<Line> {
         let at = (frequency / self.bin).round() as usize;
         let first = at.checked_sub(1).filter(|&i| i > 0)?;
         let near = self.power.get(first..at + 2)?;
         let (place, peak) = near.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(i, p)| (first + i, *p))?;
-        // What comes once a turn, and its multiples, is the shaft's and not a bearing's.
+        // Multiples of the shaft frequency belong to the shaft, not to a bearing.
         let order = place as f64 * self.bin / self.turn_hz;
         if (order - order.round()).abs() < 0.6 * self.bin / self.turn_hz {
             return Some(Line::default());
@@ -150,10 +150,10 @@ impl Envelope {
 mod tests {
     use super::*;
 
-    /// A tone that swells by half 20 times a second: the line says 0.5 in every band that holds the tone, as the squared
+    /// A tone with amplitude modulation at 20 Hz: the line has the same amplitude in every band that holds the tone, as the squared
     /// envelope `(1 + m cos)^2` has the line `2m/(1 + m^2/2)`.
     #[test]
-    fn a_swelling_tone() {
+    fn a_modulated_tone() {
         let (rate, m) = (8000.0, 0.25);
         let wave = |i: usize| {
             let t = i as f64 / rate;
@@ -171,7 +171,11 @@ mod tests {
             // Two lines: (2m cos + m^2/2 cos 2)/(1 + m^2/2), half the sum of their squares.
             let lines = [2.0 * m, 0.5 * m * m].map(|a| a / (1.0 + 0.5 * m * m));
             let variance = 0.5 * lines.iter().map(|a| a * a).sum::<f64>();
-            assert!((envelope.swell() / variance - 1.0).abs() < 0.02, "{} {variance}", envelope.swell());
+            assert!(
+                (envelope.total_modulation() / variance - 1.0).abs() < 0.02,
+                "{} {variance}",
+                envelope.total_modulation()
+            );
         }
     }
 }

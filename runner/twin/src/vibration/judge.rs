@@ -1,4 +1,4 @@
-//! Which part of which bearing an envelope's lines belong to.
+//! Diagnosis from envelope spectra: the component of the bearing to which the lines belong.
 
 use super::envelope::{Envelope, Line, envelopes};
 use super::picture;
@@ -7,23 +7,23 @@ use crate::outcome::{EnvelopeSpectrum, Finding, FindingKind};
 use crate::scene::Sensor;
 use ballrace::bearing::kinematics::Orders;
 
-/// Slip against pure rolling that is looked for, either way, and its steps.
+/// Largest slip against pure rolling in either direction, and number of steps of its search.
 const SLIP: f64 = 0.015;
 const SLIP_STEPS: i32 = 6;
-/// Harmonics of a line that speak for it.
+/// Number of harmonics of a line that are evaluated.
 const HARMONICS: usize = 3;
-/// A line has to stand out so far, dB, and all of its harmonics together.
+/// Smallest level of a line, and of all its harmonics together, dB.
 const LEAST_DB: f64 = 12.0;
 const LEAST_TOGETHER_DB: f64 = 28.0;
-/// More than this of one harmonic proves no more, dB.
+/// Level to which each harmonic is limited in the sum, dB.
 const MOST_DB: f64 = 30.0;
-/// A band has to swell by so much.
+/// Smallest modulation of a band.
 const LEAST_MODULATION: f64 = 0.25;
-/// Against a baseline, a line has to have grown by so much, dB.
+/// Smallest growth of a line against the baseline, dB.
 const LEAST_GROWTH_DB: f64 = 6.0;
-/// Bands begin above so many of the highest line: below, the lines themselves are motion and no blows.
+/// Lower limit of the bands over the highest line: below it the lines are motion and not impacts.
 const LOWEST: f64 = 3.0;
-/// A family much weaker than the strongest is its echo.
+/// Smallest score of a family over that of the strongest.
 const LEAST_OF_STRONGEST: f64 = 0.7;
 
 /// A bearing that may be damaged.
@@ -56,14 +56,14 @@ struct Found {
 }
 
 impl Found {
-    /// Of the line, Hz: from its highest multiple that stands out, which tells it the most finely.
+    /// Returns the frequency of the line, Hz, from its highest significant harmonic, which resolves it best.
     fn frequency(&self) -> f64 {
-        let mut told = self.lines.iter().enumerate().filter(|(_, l)| l.level_db > LEAST_DB);
-        told.next_back().map_or(self.lines[0].frequency, |(k, l)| l.frequency / (k + 1) as f64)
+        let mut significant = self.lines.iter().enumerate().filter(|(_, l)| l.level_db > LEAST_DB);
+        significant.next_back().map_or(self.lines[0].frequency, |(k, l)| l.frequency / (k + 1) as f64)
     }
 }
 
-/// What is needed to judge.
+/// Data for the diagnosis.
 pub struct Judge<'a> {
     /// All bearings.
     pub suspects: &'a [Suspect],
@@ -71,18 +71,18 @@ pub struct Judge<'a> {
     pub turn_hz: f64,
     /// Samples per second.
     pub rate: f64,
-    /// The machine in good order, where that is known.
+    /// Baseline of the sound machine, where it is known.
     pub baseline: Option<&'a Baseline>,
 }
 
 impl Judge<'_> {
-    /// Findings of all sensors, strongest first; what there is to remember and to draw of each sensor.
+    /// Returns the findings of all sensors, strongest first, and the baseline and the figure of each sensor.
     pub fn all<'s>(
         &self,
-        heard: impl Iterator<Item = (&'s Sensor, &'s [f64])>,
+        signals: impl Iterator<Item = (&'s Sensor, &'s [f64])>,
     ) -> (Vec<Finding>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
         let (mut findings, mut learned, mut drawn): (Vec<(f64, Finding)>, _, _) = (vec![], vec![], vec![]);
-        for (i, (sensor, signal)) in heard.enumerate() {
+        for (i, (sensor, signal)) in signals.enumerate() {
             let bands = self.bands(signal);
             let found = self.sensor(sensor, &bands);
             let modulations = found.iter().map(|f| f.as_ref().map_or(0.0, |f| f.lines[0].modulation)).collect();
@@ -99,13 +99,13 @@ impl Judge<'_> {
         findings.sort_by(|a, b| b.0.total_cmp(&a.0));
         let strongest = findings.first().map_or(0.0, |f| f.0);
         findings.retain(|(score, _)| *score >= LEAST_OF_STRONGEST * strongest);
-        let mut said: Vec<Finding> = vec![];
+        let mut distinct: Vec<Finding> = vec![];
         for (_, finding) in findings {
-            if !said.iter().any(|f| f.kind == finding.kind && f.bearing == finding.bearing) {
-                said.push(finding);
+            if !distinct.iter().any(|f| f.kind == finding.kind && f.bearing == finding.bearing) {
+                distinct.push(finding);
             }
         }
-        (said, learned, drawn)
+        (distinct, learned, drawn)
     }
 
     fn families(&self) -> Vec<Family> {
@@ -114,7 +114,7 @@ impl Judge<'_> {
             [
                 Family { kind: FindingKind::OuterRace, bearing, order: o.outer_race },
                 Family { kind: FindingKind::InnerRace, bearing, order: o.inner_race },
-                // A spot on a ball strikes both races in a turn of the ball.
+                // A defect of a ball strikes both races in one revolution of the ball.
                 Family { kind: FindingKind::Element, bearing, order: 2.0 * o.ball_spin },
                 Family { kind: FindingKind::Cage, bearing, order: o.cage },
             ]
@@ -136,7 +136,7 @@ impl Judge<'_> {
     }
 
     /// Bearings that a sensor listens to.
-    pub fn heard_by(&self, sensor: &Sensor) -> impl Iterator<Item = &Suspect> {
+    pub fn measured_by(&self, sensor: &Sensor) -> impl Iterator<Item = &Suspect> {
         self.suspects.iter().filter(|s| sensor.bearing.as_ref().is_none_or(|name| *name == s.name))
     }
 
@@ -182,7 +182,7 @@ impl Judge<'_> {
         let sentence = format!(
             "{} of {bearing}: the envelope of {:.0} to {:.0} Hz at {} has its line at {:.1} Hz, {order:.2} per turn, \
              {level_db:.0} dB above {over}, with {} of its multiples; the band swells by {:.0} %.{}",
-            what(found.family.kind),
+            component_name(found.family.kind),
             found.band[0],
             found.band[1],
             sensor.column,
@@ -209,7 +209,7 @@ impl Judge<'_> {
     }
 }
 
-fn what(kind: FindingKind) -> &'static str {
+fn component_name(kind: FindingKind) -> &'static str {
     match kind {
         FindingKind::OuterRace => "Outer race",
         FindingKind::InnerRace => "Inner race",

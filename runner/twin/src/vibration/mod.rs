@@ -1,5 +1,5 @@
-//! Recordings of vibration: housing acceleration, velocity or force, without a twin. Which race strikes is told from the
-//! envelope's lines.
+//! Recordings of vibration (housing acceleration, velocity or force), without a twin. Damage is diagnosed from the lines of
+//! envelope spectra.
 
 mod envelope;
 mod judge;
@@ -20,15 +20,15 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Instant;
 
-/// Turns that a verdict needs.
+/// Smallest number of revolutions for a verdict.
 const LEAST_TURNS: f64 = 16.0;
-/// Most samples that are looked at: half a gigabyte of numbers.
+/// Largest number of samples, which need half a gigabyte of memory.
 const MOST_SAMPLES: u64 = 1 << 26;
-/// Rows between two calls of the progress function.
+/// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
 
-/// One sensor's recording.
-struct IdentificationData {
+/// Recording of one sensor.
+struct SensorSignal {
     sensor: Sensor,
     signal: Vec<f64>,
 }
@@ -68,19 +68,19 @@ pub fn replay(
     }
     let (turn_hz, rate) = (speed.abs() / TAU, reader.rate());
     let begun = Instant::now();
-    let mut heard: Vec<IdentificationData> =
-        recording.sensors.iter().map(|sensor| IdentificationData { sensor: sensor.clone(), signal: vec![] }).collect();
-    let mut row = Row { probes: vec![f64::NAN; heard.len()], ..Row::default() };
+    let mut signals: Vec<SensorSignal> =
+        recording.sensors.iter().map(|sensor| SensorSignal { sensor: sensor.clone(), signal: vec![] }).collect();
+    let mut row = Row { probes: vec![f64::NAN; signals.len()], ..Row::default() };
     let mut rows = 0;
-    let mut whole = true;
+    let mut is_complete = true;
     while reader.next_row(&mut row)? {
-        // Also where a gap in the time stamps leads far away: what is between is held in memory.
+        // A gap in the time stamps counts too, because its samples are stored.
         if row.index >= MOST_SAMPLES {
-            whole = false;
+            is_complete = false;
             break;
         }
-        for (one, &x) in heard.iter_mut().zip(&row.probes) {
-            // A missing reading holds the last one: a step there is less than a hole.
+        for (one, &x) in signals.iter_mut().zip(&row.probes) {
+            // A missing reading repeats the last one, which disturbs the spectrum less than a zero.
             let last = one.signal.last().copied().unwrap_or(0.0);
             let until = row.index as usize;
             one.signal.resize(until.max(one.signal.len()), last);
@@ -94,7 +94,7 @@ pub fn replay(
             progress(read, total);
         }
     }
-    let samples = heard.first().map_or(0, |h| h.signal.len());
+    let samples = signals.first().map_or(0, |s| s.signal.len());
     let turns = samples as f64 / rate * turn_hz;
     if turns < LEAST_TURNS {
         bail!("{name}: found {turns:.1} turns of the shaft, allowed: {LEAST_TURNS} or more");
@@ -102,7 +102,7 @@ pub fn replay(
     let suspects = suspects(scene)?;
     let baseline = baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
     let judge = Judge { suspects: &suspects, turn_hz, rate, baseline: baseline.as_ref() };
-    let (findings, learned, envelopes) = judge.all(heard.iter().map(|h| (&h.sensor, h.signal.as_slice())));
+    let (findings, learned, envelopes) = judge.all(signals.iter().map(|s| (&s.sensor, s.signal.as_slice())));
     let verdict = findings.first().map_or_else(
         || "No line of a bearing stands out of the envelope of any band.".to_owned(),
         |f| f.sentence.clone(),
@@ -124,8 +124,8 @@ pub fn replay(
         "Vibration without a twin: forces and displacements are not computed, damage is told from envelopes."
             .to_owned(),
     ];
-    notes.extend(heard.iter().map(|h| words(&h.sensor, &h.signal)));
-    if !whole {
+    notes.extend(signals.iter().map(|s| statistics_note(&s.sensor, &s.signal)));
+    if !is_complete {
         notes.push(format!("Only the first {MOST_SAMPLES} samples were looked at."));
     }
     let mut timing = Timing { samples: rows, ..Timing::default() };
@@ -175,8 +175,8 @@ impl Suspect {
     }
 }
 
-/// What a vibration engineer asks of a signal first.
-fn words(sensor: &Sensor, signal: &[f64]) -> String {
+/// Returns the statistics of a signal as a note of the report.
+fn statistics_note(sensor: &Sensor, signal: &[f64]) -> String {
     let mut statistics = Statistics::<f64>::new(u32::MAX);
     for &x in signal {
         statistics.add::<Exact>(x);

@@ -1,25 +1,25 @@
-//! The envelope spectrum that the report shows of a sensor: the band of the strongest finding, or the one that swells most.
+//! Envelope spectrum of a sensor for the report: the band of the strongest finding, or the band with the largest modulation.
 
 use super::envelope::Envelope;
 use super::judge::{Judge, Suspect};
 use crate::outcome::{EnvelopeSpectrum, MarkedLine};
 use crate::scene::Sensor;
 
-/// Of one sensor, among the `bands` of which `found` is the one that the strongest finding rests on.
+/// Returns the spectrum of one sensor from `bands`; `found` is the band of the strongest finding.
 pub fn envelope(
     judge: &Judge,
     sensor: &Sensor,
     bands: &[Envelope],
     found: Option<[f64; 2]>,
 ) -> Option<EnvelopeSpectrum> {
-    let most = || bands.iter().max_by(|a, b| a.swell().total_cmp(&b.swell()));
+    let most = || bands.iter().max_by(|a, b| a.total_modulation().total_cmp(&b.total_modulation()));
     let envelope = match found {
         Some(band) => bands.iter().find(|e| e.band == band),
         None => most(),
     }?;
     let (bin_hz, modulation) = envelope.spectrum(judge.range());
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: judge.turn_hz }];
-    lines.extend(judge.heard_by(sensor).flat_map(|suspect| marked(suspect, judge.turn_hz)));
+    lines.extend(judge.measured_by(sensor).flat_map(|suspect| marked(suspect, judge.turn_hz)));
     let reason = match found {
         Some(_) => "the band on which the finding rests",
         None => "the most impulsive band; no line of a bearing stands out of any",
@@ -30,12 +30,12 @@ pub fn envelope(
         reason: reason.to_owned(),
         bin_hz,
         modulation,
-        side_bands_hz: judge.heard_by(sensor).flat_map(|suspect| side_bands(suspect, judge.turn_hz)).collect(),
+        side_bands_hz: judge.measured_by(sensor).flat_map(|suspect| side_bands(suspect, judge.turn_hz)).collect(),
         lines,
     })
 }
 
-/// A spot on a ball strikes both races in a turn of the ball.
+/// Returns the order of a ball defect, which strikes both races in one revolution of the ball.
 fn ball(suspect: &Suspect) -> f64 {
     2.0 * suspect.orders.ball_spin
 }
@@ -51,7 +51,7 @@ fn marked(suspect: &Suspect, turn_hz: f64) -> Vec<MarkedLine> {
     kinds.into_iter().map(mark).collect()
 }
 
-/// The inner race turns through the load with the shaft, a ball with the cage.
+/// Returns the side bands: the inner race passes the load zone with the shaft, a ball with the cage.
 fn side_bands(suspect: &Suspect, turn_hz: f64) -> Vec<f64> {
     let o = suspect.orders;
     let about = |order: f64, by: f64| [order - by, order + by];
