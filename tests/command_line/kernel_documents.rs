@@ -14,7 +14,8 @@ fn cells(row: &str) -> Vec<&str> {
 
 /// Returns the figure of the performance chapter for a model: instructions and cycles of a force with eight elements.
 fn figure(chapter: &str, model: &str) -> String {
-    let row = chapter.lines().map(cells).find(|row| row[0] == model && row.len() == 5);
+    let (_, counts) = chapter.split_once("<!-- counts:begin -->").expect("the mark of the counts");
+    let row = counts.lines().map(cells).find(|row| row[0] == model && row.len() == 5);
     let row = row.unwrap_or_else(|| panic!("docs/src/performance.md has no row {model:?}"));
     // The table by element count has N = 4 first; the table of single functions has instructions and cycles.
     if row[2].contains('(') { row[2].to_owned() } else { format!("{} ({})", row[1], row[2]) }

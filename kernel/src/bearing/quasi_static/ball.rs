@@ -1,9 +1,9 @@
 //! Forces on one ball between its two races at a given position, and their derivatives.
 //!
 //! The centre of the ball is displaced by `xi` from its position where both rings just touch it; the inner groove centre is
-//! displaced by `a` relative to the outer one. The approaches of the two contacts are `|L_o n_0 + xi| - L_o` and `|L_i n_0
-//! + a - xi| - L_i`, computed as `(2 L n_0.xi + xi^2)/(l + L)`: a deflection of a nanometre is then not the difference of
-//! two lengths of a millimetre.
+//! displaced by `a` relative to the outer one. The approaches of the two contacts are `|L_o n_0 + xi| - L_o` and
+//! `|L_i n_0 + a - xi| - L_i`, computed as `(2 L n_0.xi + xi^2)/(l + L)`: a deflection of a nanometre is then not the
+//! difference of two lengths of a millimetre.
 
 use super::film::{Film, FilmConstants, film_newton_step};
 use super::inertia::{BallInertia, Inertia, InertiaEffects, InertiaLoads, WithSlopes};
