@@ -104,7 +104,8 @@ fn text_and_page() {
         "lubricant = { viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\", roughness = \"0.1 um\" }\n";
     desk.put("scene.toml", harris(&format!("effects = [\"film\"]\n{oil}")));
     let out = desk.done(&["equilibrium", "scene.toml", "--report", "page.html"]).out;
-    for part in ["Bearing A", "film, um", "ratio", "when one effect is switched off", "Solved in", "Written: page.html"] {
+    for part in ["Bearing A", "film, um", "ratio", "when one effect is switched off", "Solved in", "Written: page.html"]
+    {
         assert!(out.contains(part), "{part}: {out}");
     }
     assert!(desk.read("page.html").contains("<svg"));

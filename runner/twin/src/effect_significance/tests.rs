@@ -122,7 +122,7 @@ fn predictions_are_within_a_factor_of_two() {
         ];
         let significance = of_bearing(&scene, of, &u, &at).unwrap();
         for ((ratios, effect), found) in ratios.iter_mut().zip(effects).zip(found) {
-            let predicted = effects.iter().find(|entry| entry.effect == effect).unwrap().change;
+            let predicted = significance.iter().find(|entry| entry.effect == effect).unwrap().change;
             if found > LEAST || predicted > LEAST {
                 ratios.push((predicted / found, found, i));
             }
