@@ -163,7 +163,7 @@ fn what_cannot_be_swept_is_refused() {
     refused("bearing.B.radial_play=1um..2um:3", 2, &["found the key \"bearing.B.radial_play\""]);
     refused("shaft.speed=1mm..2mm:3", 2, &["found \"1 mm\"", "a speed of rotation"]);
     refused("bearing[0].elements=2..9:8", 2, &["found 2, allowed: a whole number from 3 to 64"]);
-    refused("shaft.speed=0,0", 1, &["shaft.speed", "a shaft that stands still"]);
+    refused("shaft.speed=0,0", 1, &["shaft.speed", "a shaft at standstill"]);
     desk.refused(
         &["sweep", "scene.toml", "-o", "a", "--over", SPEEDS, "--shard", "4/3"],
         2,
