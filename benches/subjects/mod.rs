@@ -1,8 +1,8 @@
-//! What is measured: every rung of the ladder, the batch beside its limit, one step of the rotor.
+//! What is measured: every model, the batch beside its limit, one step of the rotor.
 
 mod arrays;
 pub mod balls;
-mod ladder;
+mod models;
 mod rotor;
 
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
@@ -33,12 +33,12 @@ pub const ROOTS: &str = "8 square roots over arrays";
 /// All of them, those of one row side by side.
 pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
     let [double, double_fast, single, single_fast] = COLUMNS;
-    let mut subjects = ladder::linear::<f64>(double)?;
-    subjects.extend(ladder::linear::<f32>(single)?);
-    subjects.extend(ladder::moving::<f64, Exact>(double)?);
-    subjects.extend(ladder::moving::<f64, Fast>(double_fast)?);
-    subjects.extend(ladder::moving::<f32, Exact>(single)?);
-    subjects.extend(ladder::moving::<f32, Fast>(single_fast)?);
+    let mut subjects = models::linear::<f64>(double)?;
+    subjects.extend(models::linear::<f32>(single)?);
+    subjects.extend(models::moving::<f64, Exact>(double)?);
+    subjects.extend(models::moving::<f64, Fast>(double_fast)?);
+    subjects.extend(models::moving::<f32, Exact>(single)?);
+    subjects.extend(models::moving::<f32, Fast>(single_fast)?);
     subjects.extend(arrays::batches_and_limit::<f64>(double, f64::sqrt)?);
     subjects.extend(arrays::batches_and_limit::<f32>(single, f32::sqrt)?);
     subjects.extend(balls::all()?);

@@ -91,7 +91,7 @@ fn find<'a>(all: &'a Value, model: &str, precision: &str, math: &str) -> &'a Val
 }
 
 #[test]
-fn the_ladder_on_a_spindle() {
+fn the_models_on_a_spindle() {
     let desk = desk(SPINDLE);
     let all = desk.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
     assert_eq!((all["motion"].as_str(), all["poses"].as_u64()), (Some("simulation"), Some(512)));

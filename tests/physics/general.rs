@@ -434,7 +434,7 @@ fn moving_balls_without_mass_are_the_lumped_bearing() {
         let size = a.fx.hypot(a.fy);
         assert!(size > 100.0, "the ring is pressed: {size}");
         let off = (a.fx - b.fx).hypot(a.fy - b.fy) / size;
-        println!("ball of {mass:e} kg: {off:.1e} of the force off the lumped rung");
+        println!("ball of {mass:e} kg: {off:.1e} of the force off the lumped model");
         assert!(off < 2e-3, "{off:e}");
     }
 }

@@ -1,4 +1,4 @@
-//! The analytic 5 x 5 tangent of each rung against central differences of its force.
+//! The analytic 5 x 5 tangent of each model against central differences of its force.
 
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;

@@ -1,7 +1,7 @@
 //! The table of rounding errors in `docs/src/validation.md`, held from both sides: a figure that is exceeded fails, and so
 //! does one that has become needlessly loose.
 
-use super::rungs::{self, turning};
+use super::models::{self, turning};
 use ballrace::{Displacement, Exact, Fast, Math, Phase};
 use ballrace_tests::states::Random;
 use std::path::PathBuf;
@@ -76,9 +76,9 @@ fn forces() -> Vec<Claim> {
             (u, Phase::from_revolutions(random.unit()))
         })
         .collect();
-    let right: Vec<_> = rungs::all::<f64, Exact>();
-    let of = |label: &str, single: Vec<rungs::Named<f32>>| -> Vec<Claim> {
-        let claim = |((name, bearing), (_, right)): (&rungs::Named<f32>, &rungs::Named<f64>)| {
+    let right: Vec<_> = models::all::<f64, Exact>();
+    let of = |label: &str, single: Vec<models::Named<f32>>| -> Vec<Claim> {
+        let claim = |((name, bearing), (_, right)): (&models::Named<f32>, &models::Named<f64>)| {
             let (mut apart, mut largest) = (0.0_f64, 0.0_f64);
             for (u, cage) in &poses {
                 let wide = Displacement::from_array(u.to_array().map(f64::from));
@@ -93,8 +93,8 @@ fn forces() -> Vec<Claim> {
         };
         single.iter().zip(&right).map(claim).collect()
     };
-    let mut all = of("f32", rungs::all::<f32, Exact>());
-    all.extend(of("f32 Fast", rungs::direct::<f32, Fast>()));
+    let mut all = of("f32", models::all::<f32, Exact>());
+    all.extend(of("f32 Fast", models::direct::<f32, Fast>()));
     // The table against what it was made from.
     let (table, solved) = (&right[9], &right[7]);
     assert_eq!((table.0, solved.0), ("tabulated", "quasi-static, inertia"));

@@ -1,6 +1,6 @@
 //! Every exponent, every special number, random bits; monotone forces; single against double precision.
 
-use super::rungs::{self, Named, turning};
+use super::models::{self, Named, turning};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::Radial;
 use ballrace::bearing::quasi_static::{BallState, QuasiStatic};
@@ -36,7 +36,7 @@ fn along(component: usize, x: f32) -> Displacement<f32> {
 fn every_exponent_on_every_displacement() {
     let mut held = 0;
     let mut count = 0;
-    for (name, bearing) in &rungs::all::<f32, Exact>() {
+    for (name, bearing) in &models::all::<f32, Exact>() {
         for exponent in 0..=254_u32 {
             for mantissa in [0, 0x2a_aaaa, 0x7f_ffff] {
                 for sign in [0, 1 << 31] {
@@ -55,7 +55,7 @@ fn every_exponent_on_every_displacement() {
 
 #[test]
 fn what_is_no_number_is_held() {
-    for (name, bearing) in &rungs::all::<f32, Exact>() {
+    for (name, bearing) in &models::all::<f32, Exact>() {
         for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::from_bits(0xff80_0001)] {
             for component in 0..5 {
                 let status = judge(name, bearing.as_ref(), &along(component, x), &turning(Phase::ZERO));
@@ -65,12 +65,12 @@ fn what_is_no_number_is_held() {
     }
 }
 
-fn random_bits(rungs: &[Named<f32>], count: u64, seed: u64) {
+fn random_bits(models: &[Named<f32>], count: u64, seed: u64) {
     let mut random = Random(seed);
     let mut bits = move || (random.unit() * 4_294_967_296.0) as u32;
     let mut held = 0;
     for i in 0..count {
-        let (name, bearing) = &rungs[(i % rungs.len() as u64) as usize];
+        let (name, bearing) = &models[(i % models.len() as u64) as usize];
         let u = Displacement::from_array(std::array::from_fn(|_| f32::from_bits(bits())));
         let at = BearingKinematicState {
             inner_speed: f32::from_bits(bits()),
@@ -87,22 +87,22 @@ fn random_bits(rungs: &[Named<f32>], count: u64, seed: u64) {
 
 #[test]
 fn random_bits_as_input() {
-    random_bits(&rungs::direct::<f32, Exact>(), 600_000, 0x9e37_79b9_7f4a_7c15);
-    random_bits(&rungs::direct::<f32, Fast>(), 600_000, 0x1234_5678_9abc_def1);
-    random_bits(&rungs::balanced::<f32, Exact>(), 40_000, 0xdead_beef_0bad_cafe);
+    random_bits(&models::direct::<f32, Exact>(), 600_000, 0x9e37_79b9_7f4a_7c15);
+    random_bits(&models::direct::<f32, Fast>(), 600_000, 0x1234_5678_9abc_def1);
+    random_bits(&models::balanced::<f32, Exact>(), 40_000, 0xdead_beef_0bad_cafe);
 }
 
 /// A hundred million of them, in some minutes.
 #[test]
 #[ignore = "takes minutes; tests/run --all runs it"]
 fn a_hundred_million_random_bits() {
-    random_bits(&rungs::direct::<f32, Exact>(), 97_000_000, 0x2545_f491_4f6c_dd1d);
-    random_bits(&rungs::balanced::<f32, Exact>(), 3_000_000, 0x0bad_cafe_dead_beef);
+    random_bits(&models::direct::<f32, Exact>(), 97_000_000, 0x2545_f491_4f6c_dd1d);
+    random_bits(&models::balanced::<f32, Exact>(), 3_000_000, 0x0bad_cafe_dead_beef);
 }
 
 /// The further the ring is pushed, the more it pushes back: along every coordinate, from nothing to 50 um or 2 mrad.
-fn monotone<T: Scalar>(rungs: &[Named<T>]) {
-    for (name, bearing) in rungs {
+fn monotone<T: Scalar>(models: &[Named<T>]) {
+    for (name, bearing) in models {
         // Balls thrown outward and balls of a table are as smooth as their tolerance.
         let slack = T::EQUILIBRIUM_TOLERANCE.to_f64().max(1e-6);
         for component in 0..5 {
@@ -127,11 +127,11 @@ fn monotone<T: Scalar>(rungs: &[Named<T>]) {
 
 #[test]
 fn forces_grow_with_the_displacement() {
-    monotone(&rungs::direct::<f64, Exact>());
-    monotone(&rungs::direct::<f32, Exact>());
+    monotone(&models::direct::<f64, Exact>());
+    monotone(&models::direct::<f32, Exact>());
     let solved =
-        |rungs: Vec<Named<f64>>| rungs.into_iter().filter(|(name, _)| *name != "tabulated").collect::<Vec<_>>();
-    monotone(&solved(rungs::balanced::<f64, Exact>()));
+        |models: Vec<Named<f64>>| models.into_iter().filter(|(name, _)| *name != "tabulated").collect::<Vec<_>>();
+    monotone(&solved(models::balanced::<f64, Exact>()));
 }
 
 /// Units in the last place of the largest component that single precision is off double precision.
@@ -149,7 +149,7 @@ fn ulps(single: &Wrench<f32>, double: &Wrench<f64>) -> f64 {
 /// play is all but used up, since only the difference is left there.
 #[test]
 fn single_against_double_precision() {
-    let (single, double) = (rungs::direct::<f32, Exact>(), rungs::direct::<f64, Exact>());
+    let (single, double) = (models::direct::<f32, Exact>(), models::direct::<f64, Exact>());
     let mut random = Random(0x5eed_5eed_5eed_5eed);
     for ((name, s), (_, d)) in single.iter().zip(&double) {
         let mut worst = [0.0_f64; 12];

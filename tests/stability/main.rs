@@ -3,6 +3,6 @@
 
 mod accuracy;
 mod inputs;
+mod models;
 mod parameters;
-mod rungs;
 mod time;

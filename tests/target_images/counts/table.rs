@@ -87,7 +87,7 @@ pub fn section(compiler: &str, rows: &[Row], yardstick: &Compiled, errors: &Erro
     text + "\n</details>\n"
 }
 
-/// Force of each rung over the number of elements.
+/// Force of each model over the number of elements.
 fn by_elements(rows: &[Row]) -> String {
     let mut text = "| force, f32: instructions (cycles) |".to_owned();
     for n in ELEMENTS {

@@ -1,4 +1,4 @@
-//! Every rung, rotor step and the twin, in `f32` with the math backend `Exact`.
+//! Every model, rotor step and the twin, in `f32` with the math backend `Exact`.
 
 use crate::Sample;
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
@@ -47,7 +47,7 @@ type Nine = ElementPositions<f32, 9>;
 type Solved = QuasiStatic<f32, Exact, Nine, Gyroscopic<f32>, HamrockDowson<f32>>;
 type Both = Combined<Radial<f32, Exact, PointContactLaw<f32>, Nine>, Axial<f32, Exact, PointContactLaw<f32>, Nine>>;
 
-/// The bearings of all rungs.
+/// The bearings of all models.
 struct Bearings {
     linear: Linear<f32>,
     balls: Radial<f32, Exact, PointContactLaw<f32>, Nine>,
@@ -215,7 +215,7 @@ impl Subjects {
         }
     }
 
-    /// The rungs whose balls are in equilibrium, in few of the samples: they cost most of all.
+    /// The models whose balls are in equilibrium, in few of the samples: they cost most of all.
     fn take_balls(&mut self, sample: &Sample, speed: f32) {
         let at = BearingKinematicState {
             cage: self.cage,

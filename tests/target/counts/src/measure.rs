@@ -8,7 +8,7 @@ use cortex_m_stack::{current_stack_in_use, repaint_stack, stack_painted, stack_s
 /// What tells one subject from another in the table.
 #[derive(Clone, Copy)]
 pub struct Name {
-    /// The rung or the model.
+    /// The model.
     pub what: &'static str,
     /// Elements, 0 where it has none.
     pub elements: usize,

@@ -1,4 +1,4 @@
-//! The rungs whose balls are in equilibrium: solved, from where the balls were, and looked up.
+//! The models whose balls are in equilibrium: solved, from where the balls were, and looked up.
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};

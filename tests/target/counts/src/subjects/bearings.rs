@@ -1,4 +1,4 @@
-//! Every rung, for 4, 8, 9 and 16 elements.
+//! Every model, for 4, 8, 9 and 16 elements.
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
@@ -10,20 +10,20 @@ use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::{Bearing, Displacement, Math, Phase, Scalar, Status, Stiffness, Wrench};
 use core::hint::black_box;
 
-/// Forces of all rungs; the other functions for 8 and 9 elements in the precision and math that firmware takes.
+/// Forces of all models; the other functions for 8 and 9 elements in the precision and math that firmware takes.
 pub fn all<T: Scalar, M: Math<T>>(bench: &Bench, precision: &'static str, math: &'static str) {
     let every = precision == "f32" && math == "exact";
-    let rungs = Rungs { bench, precision, math, every };
+    let models = Models { bench, precision, math, every };
     if math == "exact" {
-        rungs.bearing("linear", 0, Linear::new(Stiffness::from_element(T::from_f64(1e7))));
+        models.bearing("linear", 0, Linear::new(Stiffness::from_element(T::from_f64(1e7))));
     }
-    rungs.of::<T, M, _>(4, evenly_spaced::<T, 4>(Phase::ZERO));
-    rungs.of::<T, M, _>(8, evenly_spaced::<T, 8>(Phase::ZERO));
-    rungs.of::<T, M, _>(9, evenly_spaced::<T, 9>(Phase::ZERO));
-    rungs.of::<T, M, _>(16, evenly_spaced::<T, 16>(Phase::ZERO));
-    rungs.of_pairs::<T, M, _>(4, evenly_spaced_pairs::<T, 2>(Phase::ZERO));
-    rungs.of_pairs::<T, M, _>(8, evenly_spaced_pairs::<T, 4>(Phase::ZERO));
-    rungs.of_pairs::<T, M, _>(16, evenly_spaced_pairs::<T, 8>(Phase::ZERO));
+    models.of::<T, M, _>(4, evenly_spaced::<T, 4>(Phase::ZERO));
+    models.of::<T, M, _>(8, evenly_spaced::<T, 8>(Phase::ZERO));
+    models.of::<T, M, _>(9, evenly_spaced::<T, 9>(Phase::ZERO));
+    models.of::<T, M, _>(16, evenly_spaced::<T, 16>(Phase::ZERO));
+    models.of_pairs::<T, M, _>(4, evenly_spaced_pairs::<T, 2>(Phase::ZERO));
+    models.of_pairs::<T, M, _>(8, evenly_spaced_pairs::<T, 4>(Phase::ZERO));
+    models.of_pairs::<T, M, _>(16, evenly_spaced_pairs::<T, 8>(Phase::ZERO));
 }
 
 #[inline(never)]
@@ -58,14 +58,14 @@ fn sample<T: Scalar, B: Bearing<T>>(
     bearing.sample(held, u, &cage.into())
 }
 
-struct Rungs<'a> {
+struct Models<'a> {
     bench: &'a Bench,
     precision: &'static str,
     math: &'static str,
     every: bool,
 }
 
-impl Rungs<'_> {
+impl Models<'_> {
     fn name(&self, what: &'static str, elements: usize, function: &'static str) -> Name {
         Name { what, elements, precision: self.precision, math: self.math, function }
     }

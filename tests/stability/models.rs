@@ -1,4 +1,4 @@
-//! Every rung, in any precision.
+//! Every model, in any precision.
 
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::linear::Linear;
@@ -15,7 +15,7 @@ use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry};
 pub const SPEED: f64 = 1256.0;
 const PLAY: f64 = 5e-6;
 
-/// A rung and its name.
+/// A model and its name.
 pub type Named<T> = (&'static str, Box<dyn Bearing<T>>);
 
 /// Turning at [`SPEED`], the cage anywhere.
@@ -23,7 +23,7 @@ pub fn turning<T: Scalar>(cage: Phase) -> BearingKinematicState<T> {
     BearingKinematicState { inner_speed: T::from_f64(SPEED), ..BearingKinematicState::from(cage) }
 }
 
-/// Rungs whose balls are where the rings put them.
+/// Models whose balls are where the rings put them.
 pub fn direct<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
     let places: ElementPositions<T, 9> = evenly_spaced(Phase::ZERO);
     let (point, line) =
@@ -42,7 +42,7 @@ pub fn direct<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
     ]
 }
 
-/// Rungs whose balls are in equilibrium, solved and looked up.
+/// Models whose balls are in equilibrium, solved and looked up.
 pub fn balanced<T: Scalar, M: Math<T> + 'static>() -> Vec<Named<T>> {
     let places: ElementPositions<T, 9> = evenly_spaced(Phase::ZERO);
     let plain = QuasiStatic::<T, M, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();

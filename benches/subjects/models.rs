@@ -1,4 +1,4 @@
-//! One evaluation of each rung: the force, and the force with its tangent.
+//! One evaluation of each model: the force, and the force with its tangent.
 
 use super::{INPUTS, Subject, geometry, poses};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
@@ -14,7 +14,7 @@ use std::hint::black_box;
 const RADIAL_PLAY: f64 = 5e-6;
 const ROLLER_LENGTH: f64 = 8e-3;
 
-/// The rung that knows neither elements nor math backend.
+/// The model that knows neither elements nor math backend.
 pub fn linear<T: Scalar>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter>
 where
     Exact: Math<T>,
@@ -26,7 +26,7 @@ where
     Ok(force_and_tangent("linear", column, Linear::new(stiffness)).into())
 }
 
-/// The rungs with elements, for 8 and 16 of them.
+/// The models with elements, for 8 and 16 of them.
 pub fn moving<T: Scalar, M: Math<T>>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
     let mut subjects = of_elements::<T, M, 8>(column)?;
     subjects.extend(of_pairs::<T, M, 4>(column)?);
