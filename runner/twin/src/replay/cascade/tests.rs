@@ -3,8 +3,8 @@
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
 use super::*;
+use crate::probes::planes;
 use crate::recording::Row;
-use crate::replay::pictures::planes;
 use ballrace::Phase;
 
 fn probe(column: &str, angle: f64) -> Probe {

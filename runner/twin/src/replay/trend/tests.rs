@@ -3,10 +3,10 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
+use crate::probes::planes;
 use crate::recording::Row;
 use crate::replay::list;
 use crate::replay::outcome::{Orbit, Pictures, ProbeOutcome};
-use crate::replay::pictures::planes;
 use crate::scene::{Direction, Probe};
 use ballrace::Phase;
 
