@@ -381,8 +381,8 @@ mod tests {
     /// A cage run-out displaces the elements, `-offset/radius sin(azimuth - angle)`.
     #[test]
     fn loads_are_shown_at_azimuths_with_cage_runout() {
-        let runout = "cage_runout = { offset = \"2 mm\", angle = \"0 deg\", radius = \"20 mm\" }";
-        let expected = 90.0 - 0.1_f64.to_degrees();
+        let runout = "cage_runout = { offset = \"1 mm\", angle = \"0 deg\", radius = \"20 mm\" }";
+        let expected = 90.0 - 0.05_f64.to_degrees();
         let [azimuth, bin] = loaded_azimuths(&bearing(runout), expected, 0.0);
         assert!((azimuth - expected).abs() < 1e-9, "{azimuth} deg instead of {expected} deg");
         assert!((bin - expected).abs() <= 5.0, "{bin} deg instead of {expected} deg");
