@@ -15,7 +15,7 @@ const STATES: usize = 4 * D;
 pub struct Uncertainty<'a> {
     /// Rms noise of each probe, m.
     pub noise: &'a [f64],
-    /// Process noise of the unknown force, N per root second; that of the moment is multiplied by [`lever`].
+    /// Process noise of the unknown force, N per root second; that of the moment is multiplied by the root mean square of the bearing stations, m.
     pub process_noise: f64,
     /// Process noise of the unknown force that rotates with the shaft, N per root second.
     pub turning_process_noise: f64,

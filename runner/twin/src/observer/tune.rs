@@ -133,7 +133,8 @@ pub fn estimator(
     period: f64,
 ) -> Result<Box<dyn StateEstimator>> {
     let revolutions = sample.total_revolutions();
-    let parts = plant.bearings.iter().map(|seat: &MountedBearing| seat.kinematics.parts_at(revolutions)).collect();
+    let parts =
+        plant.bearings.iter().map(|bearing: &MountedBearing| bearing.kinematics.parts_at(revolutions)).collect();
     let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period };
     Ok(plant.with_rigid(period, task)?)
 }

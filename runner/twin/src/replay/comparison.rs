@@ -183,12 +183,12 @@ impl Comparison {
         let n = self.probes.len();
         let moving = bearings.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0);
         moving
-            .map(|(i, seat)| {
+            .map(|(i, bearing)| {
                 let amplitude = |signal: usize| self.lines.amplitude(outer_line(i, 1), signal) * UM;
                 BallPassLine {
-                    bearing: seat.name.clone(),
-                    order: seat.kinematics.orders.outer_race,
-                    frequency_hz: seat.kinematics.orders.outer_race * mean_speed_hz,
+                    bearing: bearing.name.clone(),
+                    order: bearing.kinematics.orders.outer_race,
+                    frequency_hz: bearing.kinematics.orders.outer_race * mean_speed_hz,
                     measured_um: amplitude(probe),
                     twin_um: amplitude(n + probe),
                     residual_um: amplitude(2 * n + probe),

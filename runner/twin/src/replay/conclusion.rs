@@ -81,13 +81,13 @@ impl Pipeline<'_> {
             range: &self.range,
             probes: &probes,
             bearings: self.force.bearings(),
-            seats: bearings,
+            mounted: bearings,
         });
         let not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
         let evidence = findings::Evidence {
             probes: self.probes,
-            seats: bearings,
+            mounted: bearings,
             comparison: &self.comparison,
             attribution: self.attribution.as_ref(),
             baseline: self.baseline.as_ref(),

@@ -30,7 +30,7 @@ pub struct Evidence<'a> {
     /// The scene's probes.
     pub probes: &'a [Probe],
     /// The bearings.
-    pub seats: &'a [MountedBearing],
+    pub mounted: &'a [MountedBearing],
     /// Comparison of the readings with the twin.
     pub comparison: &'a Comparison,
     /// Attribution of lines to one of two bearings.
@@ -51,7 +51,7 @@ pub fn findings(evidence: &Evidence) -> Vec<Finding> {
         return vec![];
     }
     let mut judged: Vec<(f64, Finding)> =
-        families(evidence.seats).iter().filter_map(|family| judge(evidence, family, total)).collect();
+        families(evidence.mounted).iter().filter_map(|family| judge(evidence, family, total)).collect();
     judged.sort_by(|a, b| b.0.total_cmp(&a.0));
     let strongest = judged.first().map_or(0.0, |j| j.0);
     judged.into_iter().filter(|(share, _)| *share >= LEAST_OF_STRONGEST * strongest).map(|(_, f)| f).collect()
@@ -74,10 +74,10 @@ fn energy(evidence: &Evidence, of: impl Fn(usize) -> f64) -> f64 {
     evidence.probes.iter().enumerate().filter(|(_, p)| radial(p)).map(|(i, _)| of(i)).sum()
 }
 
-fn families(seats: &[MountedBearing]) -> Vec<Family> {
+fn families(mounted: &[MountedBearing]) -> Vec<Family> {
     let mut families = vec![Family { kind: FindingKind::Unbalance, bearing: None, order: 1.0, lines: vec![(0, 1.0)] }];
-    for (i, seat) in seats.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0) {
-        let orders = seat.kinematics.orders;
+    for (i, bearing) in mounted.iter().enumerate().filter(|(_, s)| s.kinematics.cage_ratio != 0.0) {
+        let orders = bearing.kinematics.orders;
         let harmonics = |count: i32, order: f64, index: fn(usize, i32) -> usize| {
             (1..=count).map(|k| (index(i, k), f64::from(k) * order)).collect()
         };
@@ -103,7 +103,7 @@ fn judge(evidence: &Evidence, family: &Family, total: f64) -> Option<(f64, Findi
         Origin::Here => family.bearing.into_iter().collect(),
         Origin::OneOf(bearings) => bearings,
     };
-    let names: Vec<&str> = suspects.iter().map(|&b| evidence.seats[b].name.as_str()).collect();
+    let names: Vec<&str> = suspects.iter().map(|&b| evidence.mounted[b].name.as_str()).collect();
     let amplitude = |line: usize, probe: usize| evidence.comparison.residual_line(line, probe);
     let share = energy(evidence, |p| family.lines.iter().map(|l| 0.5 * amplitude(l.0, p).powi(2)).sum()) / total;
     let strongest = evidence
@@ -165,12 +165,12 @@ const CLEAR_RATIO: f64 = 2.0;
 fn origin(evidence: &Evidence, family: &Family) -> Origin {
     let Some(own) = family.bearing else { return Origin::Here };
     let order = |b: usize| match family.kind {
-        FindingKind::InnerRace => evidence.seats[b].kinematics.orders.inner_race,
-        _ => evidence.seats[b].kinematics.orders.outer_race,
+        FindingKind::InnerRace => evidence.mounted[b].kinematics.orders.inner_race,
+        _ => evidence.mounted[b].kinematics.orders.outer_race,
     };
-    let moving = |b: &usize| evidence.seats[*b].kinematics.cage_ratio != 0.0;
+    let moving = |b: &usize| evidence.mounted[*b].kinematics.cage_ratio != 0.0;
     let same: Vec<usize> =
-        (0..evidence.seats.len()).filter(moving).filter(|&b| (order(b) - order(own)).abs() < 0.05).collect();
+        (0..evidence.mounted.len()).filter(moving).filter(|&b| (order(b) - order(own)).abs() < 0.05).collect();
     if same == [own] {
         return Origin::Here;
     }

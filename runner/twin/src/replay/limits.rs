@@ -139,12 +139,12 @@ impl LimitMonitor {
     pub fn try_new(
         limits: &[Limit],
         probes: &[Probe],
-        seats: &[MountedBearing],
+        mounted: &[MountedBearing],
         baseline: Option<&Baseline>,
     ) -> Result<Self> {
         let mut monitored = Vec::new();
         for limit in limits {
-            let line = line(limit, seats)?;
+            let line = line(limit, mounted)?;
             let named = limit.probe.as_deref();
             let wanted = |p: &Probe| named.map_or(p.direction != Direction::Axial, |name| p.column == name);
             let mut any = false;
@@ -386,7 +386,7 @@ impl ProbeLimit {
 }
 
 /// Returns the index of the indicator among the followed lines; none where it is no line.
-fn line(limit: &Limit, seats: &[MountedBearing]) -> Result<Option<usize>> {
+fn line(limit: &Limit, mounted: &[MountedBearing]) -> Result<Option<usize>> {
     let of: fn(usize, i32) -> usize = match limit.indicator {
         Indicator::OuterRace => outer_line,
         Indicator::InnerRace => inner_line,
@@ -395,13 +395,13 @@ fn line(limit: &Limit, seats: &[MountedBearing]) -> Result<Option<usize>> {
         _ => return Ok(None),
     };
     let named = |s: &MountedBearing| limit.bearing.as_ref().is_some_and(|name| *name == s.name);
-    let Some(i) = seats.iter().position(named) else {
+    let Some(i) = mounted.iter().position(named) else {
         bail!(UsageError(format!(
             "limit: bearing: found {:?}, allowed: the name of a bearing",
             limit.bearing.as_deref().unwrap_or("none")
         )));
     };
-    debug_assert!(of(i, 1) < followed(seats).len());
+    debug_assert!(of(i, 1) < followed(mounted).len());
     Ok(Some(of(i, 1)))
 }
 

@@ -35,12 +35,12 @@ pub struct FigureCollector {
 impl FigureCollector {
     /// Creates the collector for the probes and bearings of a replay at a sample rate and the scene's speed.
     #[must_use]
-    pub fn new(probes: &[Probe], planes: Vec<Plane>, seats: &[MountedBearing], rate: f64, speed: Speed) -> Self {
+    pub fn new(probes: &[Probe], planes: Vec<Plane>, mounted: &[MountedBearing], rate: f64, speed: Speed) -> Self {
         let traces = probes.iter().map(|p| Trace { name: p.column.clone(), ..Trace::default() }).collect();
         let orbits = planes.iter().map(|p| orbit(p, probes)).collect();
-        let forces = seats.iter().map(|s| ForceTrace { name: s.name.clone(), ..ForceTrace::default() }).collect();
+        let forces = mounted.iter().map(|s| ForceTrace { name: s.name.clone(), ..ForceTrace::default() }).collect();
         let element_loads =
-            seats.iter().map(|s| ElementLoads { name: s.name.clone(), ..ElementLoads::default() }).collect();
+            mounted.iter().map(|s| ElementLoads { name: s.name.clone(), ..ElementLoads::default() }).collect();
         let pictures = Pictures { traces, orbits, forces, element_loads, ..Pictures::default() };
         let trend = Trend::new(probes.len(), planes.clone());
         let cascade = Spectra::new(probes, &planes, rate, speed);
@@ -122,7 +122,7 @@ impl FigureCollector {
         mut self,
         comparison: &Comparison,
         sums: &[BearingForces],
-        seats: &[MountedBearing],
+        mounted: &[MountedBearing],
         rate: f64,
         speed_hz: f64,
     ) -> Pictures {
@@ -147,7 +147,7 @@ impl FigureCollector {
                 twin: um(spectra.full(self.planes.len() + i)),
             })
             .collect();
-        self.pictures.lines = marked_lines(seats, speed_hz);
+        self.pictures.lines = marked_lines(mounted, speed_hz);
         self.pictures.blocks = self.trend.finish();
         self.pictures.cascades = self.cascade.finish();
         if let Some(first) = self.pictures.blocks.first() {
@@ -203,14 +203,16 @@ fn orbit(plane: &Plane, probes: &[Probe]) -> Orbit {
 
 /// 1X and the lines of every bearing; bearings of the same shape share theirs.
 #[must_use]
-pub fn marked_lines(seats: &[MountedBearing], speed_hz: f64) -> Vec<MarkedLine> {
+pub fn marked_lines(mounted: &[MountedBearing], speed_hz: f64) -> Vec<MarkedLine> {
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: speed_hz }];
-    for seat in seats.iter().filter(|s| s.kinematics.cage_ratio != 0.0) {
-        let orders = seat.kinematics.orders;
+    for bearing in mounted.iter().filter(|s| s.kinematics.cage_ratio != 0.0) {
+        let orders = bearing.kinematics.orders;
         for (label, order) in [("cage", orders.cage), ("outer", orders.outer_race), ("inner", orders.inner_race)] {
             match lines.iter_mut().find(|l| (l.order - order).abs() < 1e-6) {
-                Some(line) => line.label = format!("{}/{}", seat.name, line.label),
-                None => lines.push(MarkedLine { label: format!("{} {label}", seat.name), order, hz: order * speed_hz }),
+                Some(line) => line.label = format!("{}/{}", bearing.name, line.label),
+                None => {
+                    lines.push(MarkedLine { label: format!("{} {label}", bearing.name), order, hz: order * speed_hz })
+                }
             }
         }
     }

@@ -105,13 +105,13 @@ pub struct Evidence<'a> {
     /// Forces of the bearings.
     pub bearings: &'a [BearingForces],
     /// The same bearings.
-    pub seats: &'a [MountedBearing],
+    pub mounted: &'a [MountedBearing],
 }
 
 /// Returns the reasons why the recording cannot be one of the scene's machine; empty where it can.
 #[must_use]
 pub fn implausible(of: &Evidence) -> Vec<String> {
-    let unloaded = of.bearings.iter().zip(of.seats).filter_map(unloaded);
+    let unloaded = of.bearings.iter().zip(of.mounted).filter_map(unloaded);
     speed(of).into_iter().chain(size(of)).chain(unloaded).collect()
 }
 
@@ -155,12 +155,12 @@ fn size(of: &Evidence) -> Option<String> {
     })
 }
 
-fn unloaded((sums, seat): (&BearingForces, &MountedBearing)) -> Option<String> {
+fn unloaded((sums, bearing): (&BearingForces, &MountedBearing)) -> Option<String> {
     let [measured, twin] = sums.unloaded_shares();
     (measured > MOST_UNLOADED && twin < 0.5 * measured).then(|| {
         format!(
             "bearing {}: no element carries load in {:.0} % of the samples, in the scene's motion in {:.0} % (check unit, offset and clearance)",
-            seat.name,
+            bearing.name,
             100.0 * measured,
             100.0 * twin
         )

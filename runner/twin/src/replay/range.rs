@@ -52,14 +52,14 @@ impl ReadingRange {
     /// A bearing geometry that the kernel rejects.
     pub fn try_new(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Result<Self> {
         let loads = loads(scene);
-        let limits = scene.bearings.iter().zip(&plant.bearings).map(|(bearing, seat)| {
+        let limits = scene.bearings.iter().zip(&plant.bearings).map(|(bearing, mounted)| {
             let geometry = build::geometry(bearing)?;
             let pressure_limit = geometry.map(|g| {
                 // The pressure grows with the third root of the load.
                 let unit = g.contact(Race::Inner).ellipse(1.0).2;
                 (PRESSURE_LIMIT / unit).powi(3)
             });
-            Ok(Limit::new(plant, seat, pressure_limit, LARGEST_FORCE * loads))
+            Ok(Limit::new(plant, mounted, pressure_limit, LARGEST_FORCE * loads))
         });
         let limits = limits.collect::<Result<Vec<_>>>()?;
         let largest: Vec<f64> = probes.iter().map(|probe| MARGIN * at_probe(&limits, probe)).collect();
@@ -155,17 +155,17 @@ struct Limit {
 }
 
 impl Limit {
-    fn new(plant: &Plant, seat: &MountedBearing, element_load: Option<f64>, force: f64) -> Self {
-        let at = plant.resting(seat, Phase::ZERO);
-        let mut loads = vec![0.0; seat.elements];
+    fn new(plant: &Plant, bearing: &MountedBearing, element_load: Option<f64>, force: f64) -> Self {
+        let at = plant.resting(bearing, Phase::ZERO);
+        let mut loads = vec![0.0; bearing.elements];
         let mut beyond = |u: &Displacement<f64>| match element_load {
-            Some(limit) if seat.elements > 0 => {
+            Some(limit) if bearing.elements > 0 => {
                 loads.fill(0.0);
-                seat.bearing.element_loads(u, &at, &mut loads);
+                bearing.bearing.element_loads(u, &at, &mut loads);
                 loads.iter().any(|load| load.is_nan() || *load >= limit)
             }
             _ => {
-                let [x, y, z, ..] = seat.bearing.reaction(u, &at).wrench.to_array();
+                let [x, y, z, ..] = bearing.bearing.reaction(u, &at).wrench.to_array();
                 let square = x * x + y * y + z * z;
                 square.is_nan() || square >= force * force
             }
@@ -188,7 +188,7 @@ impl Limit {
         let tilt = |x| Displacement { thu: x, ..Displacement::default() };
         let radial = [reach(u, 1.0), reach(u, -1.0), reach(v, 1.0), reach(v, -1.0)];
         Self {
-            station: seat.station,
+            station: bearing.station,
             radial: radial.into_iter().fold(0.0, f64::max),
             axial: in_one_direction(reach(w, 1.0), reach(w, -1.0)),
             tilt: in_one_direction(reach(tilt, 10.0), reach(tilt, -10.0)),
@@ -202,7 +202,8 @@ fn unseen_axial(plant: &Plant, probes: &[Probe], loads: f64) -> f64 {
     if loads == 0.0 || probes.iter().any(|probe| probe.direction == Direction::Axial) {
         return f64::INFINITY;
     }
-    let limits = plant.bearings.iter().map(|seat| Limit::new(plant, seat, None, LARGEST_UNSEEN_FORCE * loads).axial);
+    let limits =
+        plant.bearings.iter().map(|bearing| Limit::new(plant, bearing, None, LARGEST_UNSEEN_FORCE * loads).axial);
     let largest = limits.filter(|x| x.is_finite()).reduce(f64::max).unwrap_or(f64::INFINITY);
     plant.pose(&plant.rest).w.abs() + largest
 }
