@@ -1,4 +1,4 @@
-//! What is measured: every model, the batch beside its limit, one step of the rotor.
+//! Subjects of the benchmarks: every model, the batch beside its limit, one step of the rotor.
 
 mod arrays;
 pub mod balls;

@@ -153,7 +153,7 @@ fn a_disk_that_stays_full_costs_neither_monitor_nor_report() {
     assert!(number(&outcome, "/timing/outputs/seconds_not_written") >= 2.0, "{outcome:#}");
     assert!(number(&outcome, "/timing/outputs/events_not_written") >= 1.0, "{outcome:#}");
     assert!(rig.desk.read("report.html").contains("Not written: "));
-    // What was acknowledged is on the disk.
+    // Every acknowledged second is on the disk.
     let state: Value = serde_json::from_str(&rig.desk.read("copy/state/state.json")).unwrap();
     assert!(state["seconds_index"].as_u64().unwrap() >= acknowledged, "{state} {acknowledged}");
 }

@@ -218,7 +218,7 @@ fn strong_spalls_carry_no_force_away() {
 }
 
 #[test]
-#[ignore = "slow: ten recordings"]
+#[ignore = "slow: ten recordings; tests/run --all runs it"]
 fn long_strong_spalls_carry_no_force_away() {
     for rpm in [1500, 6000] {
         Spall { rpm, ..STRONG }.check();

@@ -64,7 +64,7 @@ fn limits_and_signals_do_not_wait_for_the_run_in() {
 
 /// The same after a gap, which restarts the twin.
 #[test]
-#[ignore = "slow: the twin settles five times before the gap"]
+#[ignore = "slow: the twin settles five times before the gap; tests/run --all runs it"]
 fn long_limits_and_signals_do_not_wait_for_the_run_in_after_a_gap() {
     let desk = Desk::with(&lightly_damped("20 us"), &short_recording(2048));
     let metrics = port();

@@ -487,3 +487,42 @@ fn harris_218_of_model_f4() {
 fn an_effect_without_a_name_is_not_there() {
     assert_eq!(size_of::<Massless>(), 0);
 }
+
+/// Effects chosen at run time give the bits of the fixed choices.
+#[test]
+fn selected_effects_give_the_bits_of_fixed_ones() {
+    let inertia =
+        |centrifugal, gyroscopic, race_control| InertiaParams { centrifugal, gyroscopic, race_control, ..STEEL_BALLS };
+    let at = inner_at(20_000.0);
+    let bits = |bearing: &dyn Bearing<f64>| {
+        let (reaction, stiffness) = bearing.reaction_and_stiffness(&U, &at);
+        let numbers = reaction.wrench.to_array().into_iter().chain(stiffness.iter().copied());
+        (numbers.map(f64::to_bits).collect::<Vec<_>>(), reaction.status)
+    };
+    let bearing = || plain(Phase::ZERO);
+    for oil in [None, Some(OIL)] {
+        let selected = |params: &InertiaParams| {
+            bits(&bearing().with_selected_inertia(params).unwrap().with_selected_film(oil).unwrap())
+        };
+        let massless = inertia(false, false, RaceControl::Outer);
+        let usual = inertia(true, true, RaceControl::Outer);
+        let general = inertia(true, true, RaceControl::Inner);
+        let fixed: [Box<dyn Bearing<f64>>; 3] = match oil {
+            None => [
+                Box::new(bearing()),
+                Box::new(bearing().with_outer_control(&usual).unwrap()),
+                Box::new(bearing().with_inertia(&general).unwrap()),
+            ],
+            Some(oil) => [
+                Box::new(bearing().with_film(oil).unwrap()),
+                Box::new(bearing().with_outer_control(&usual).unwrap().with_film(oil).unwrap()),
+                Box::new(bearing().with_inertia(&general).unwrap().with_film(oil).unwrap()),
+            ],
+        };
+        for (params, fixed) in [massless, usual, general].iter().zip(&fixed) {
+            assert_eq!(selected(params), bits(fixed.as_ref()), "{params:?}, {oil:?}");
+        }
+        assert_ne!(selected(&massless), selected(&usual));
+        assert_ne!(selected(&usual), selected(&general));
+    }
+}

@@ -4,7 +4,7 @@ use super::{Format, keep_apart, print_effects};
 use anyhow::Result;
 use ballrace_twin::bake::{Baked, bake};
 use ballrace_twin::effect_significance;
-use ballrace_twin::error::usage_error;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use std::io::Write;
@@ -30,7 +30,7 @@ pub struct Args {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     keep_apart(&[("--output", &args.output)], &[&args.scene])?;
-    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(|e| usage_error(&e))?;
+    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(UsageError::new)?;
     AtomicFile::write(&args.output, &source)?;
     let significance = effect_significance::of_scene(&scene)?;
     print(&baked, args, format)?;

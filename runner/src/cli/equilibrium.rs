@@ -4,7 +4,7 @@ use super::{Format, keep_apart, print_effects};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::equilibrium::{Element, settle};
-use ballrace_twin::error::usage_error;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::plant::LARGEST_RESIDUAL;
 use ballrace_twin::scene::read::read_file;
@@ -36,8 +36,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     if let Some(path) = &args.report {
         keep_apart(&[("--report", path)], &[&args.scene])?;
     }
-    let load = args.load.as_deref().map(load).transpose().map_err(|e| usage_error(&e))?;
-    let settled = settle(&scene, args.bearing.as_deref(), load).map_err(|e| usage_error(&e))?;
+    let load = args.load.as_deref().map(load).transpose().map_err(UsageError::new)?;
+    let settled = settle(&scene, args.bearing.as_deref(), load).map_err(UsageError::new)?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::equilibrium::html(&settled)?)?;
     }

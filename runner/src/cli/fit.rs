@@ -3,7 +3,7 @@
 use super::{Format, keep_apart};
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::error::{UsageError, usage_error};
+use ballrace_twin::error::UsageError;
 use ballrace_twin::fit::parameters::{ALL, Group};
 use ballrace_twin::fit::{Fitted, Material, fit, read, written};
 use ballrace_twin::output::AtomicFile;
@@ -62,7 +62,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         bar.tick();
     });
     bar.finish_and_clear();
-    let found = found.map_err(|e| usage_error(&e))?;
+    let found = found.map_err(UsageError::new)?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
     AtomicFile::write(&output, &written(&found, &scene, &text)?)?;
     print(&found, &output, format)

@@ -5,7 +5,7 @@ use super::{Ending, Format, keep_apart};
 use crate::live as monitor;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::error::{UsageError, usage_error};
+use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::replay::outcome::Outcome;
@@ -132,7 +132,7 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
     let recording = scene.recording.as_ref().with_context(|| {
         format!("{}: [recording]: found none, allowed: the table that defines the columns", scene.path.display())
     });
-    let recording = recording.map_err(|e| usage_error(&e))?;
+    let recording = recording.map_err(UsageError::new)?;
     let path = match (&args.recording, &args.scene) {
         (Some(path), _) => path,
         (None, Some(_)) => &recording.file,

@@ -2,7 +2,7 @@
 
 use super::{MEASURED, Machine, QUIET, empty, panel};
 use crate::live::view::View;
-use ballrace_twin::replay::spectrum::amplitudes;
+use ballrace_twin::spectrum::amplitudes;
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::Style;

@@ -23,7 +23,7 @@ pub mod view;
 
 use address::Address;
 use anyhow::{Result, bail};
-use ballrace_twin::error::usage_error;
+use ballrace_twin::error::UsageError;
 use ballrace_twin::recording::Row;
 use ballrace_twin::recording::flaws::FlawSummary;
 use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
@@ -160,7 +160,7 @@ fn probed(scene: &Scene) -> Result<&Recording> {
     let lacking = |found: &str| {
         let told =
             format!("{}: [recording]: found {found}, allowed: probes of the shaft's motion", scene.path.display());
-        usage_error(&anyhow::anyhow!(told))
+        UsageError(told).into()
     };
     match &scene.recording {
         None => Err(lacking("none")),

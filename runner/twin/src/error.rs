@@ -6,14 +6,8 @@
 pub struct UsageError(pub String);
 
 impl UsageError {
-    /// Turns any error into one of the command or the scene, with the same message.
+    /// Returns `error` as an error of usage, with the messages of all its causes.
     pub fn new(error: impl Into<anyhow::Error>) -> Self {
         Self(format!("{:#}", error.into()))
     }
-}
-
-/// Marks an error as the command's or the scene's fault.
-#[must_use]
-pub fn usage_error(error: &anyhow::Error) -> anyhow::Error {
-    UsageError(format!("{error:#}")).into()
 }

@@ -1,6 +1,6 @@
 //! Forces of one bearing for given displacements, in every precision and math of the kernel.
 
-use crate::error::usage_error;
+use crate::error::UsageError;
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing, Linear, Model, Scene};
@@ -63,7 +63,7 @@ fn forces_in<T: Scalar, M: Math<T>>(
     model: Model,
     poses: &[Pose],
 ) -> Result<Vec<(Wrench<f64>, Status)>> {
-    let kernel = kernel::<T, M>(scene, bearing, model).map_err(|e| usage_error(&e))?;
+    let kernel = kernel::<T, M>(scene, bearing, model).map_err(UsageError::new)?;
     let mut held = LastValidWrench::new();
     let evaluate = |pose: &Pose| {
         let u = Displacement::from_array(pose.u.map(T::from_f64));

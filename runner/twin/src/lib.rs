@@ -125,6 +125,7 @@ pub mod recording;
 pub mod replay;
 pub mod scene;
 pub mod simd;
+pub mod spectrum;
 pub mod sweep;
 pub mod trade;
 pub mod vibration;

@@ -5,6 +5,7 @@ use crate::outcome::{Cascade, Slice};
 use crate::probes::Plane;
 use crate::recording::Sample;
 use crate::scene::{Direction, Probe, Speed};
+use crate::spectrum::hann;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
@@ -76,7 +77,7 @@ impl Spectra {
         Self {
             sources,
             fft: FftPlanner::new().plan_fft_forward(length),
-            window: (0..length).map(|i| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos()).collect(),
+            window: hann(length),
             times: vec![],
             speeds: vec![],
             last: 0,

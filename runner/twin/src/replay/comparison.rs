@@ -1,13 +1,13 @@
 //! Comparison stage: the readings against those of the twin and of simpler predictors, probe by probe.
 
 use super::lines::{Angles, Demodulator, followed, followed_orders, outer_line};
-use super::spectrum::Welch;
 use super::statistics::Sums;
 use crate::baseline::{Baseline, BaselineProbe};
 use crate::outcome::{BallPassLine, Motion, ProbeOutcome, SimplePredictor, SimplePredictors};
 use crate::plant::MountedBearing;
 use crate::probes::{Plane, reading};
 use crate::scene::{Direction, Probe};
+use crate::spectrum::Welch;
 use ballrace::math::Math;
 use ballrace::{Displacement, Exact};
 

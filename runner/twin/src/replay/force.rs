@@ -37,9 +37,9 @@ pub struct EvaluatedForce {
 pub(super) struct Displacements {
     /// From the probes; NaN where a reading is missing.
     pub(super) measured: Displacement<f64>,
-    /// Of the twin.
+    /// Displacement of the twin.
     pub(super) twin: Displacement<f64>,
-    /// Of the observer; none where it is not trusted.
+    /// Position that the observer estimates; none where it is not trusted.
     pub(super) observer: Option<Displacement<f64>>,
 }
 

@@ -30,7 +30,6 @@ mod history;
 mod lines;
 mod pictures;
 pub mod second;
-pub mod spectrum;
 mod statistics;
 mod trend;
 

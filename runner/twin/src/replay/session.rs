@@ -7,7 +7,7 @@ use super::notices::Notice;
 use super::pipeline::Pipeline;
 use super::second::Second;
 use super::snapshot::Snapshot;
-use crate::error::{UsageError, usage_error};
+use crate::error::UsageError;
 use crate::outcome::{Event, Outcome};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
@@ -53,7 +53,7 @@ impl<'a> Replay<'a> {
         let Some(recording) = &scene.recording else { bail!(UsageError("found no [recording]".to_owned())) };
         let tracker = tracker(scene, recording, rate, options.live);
         let rate = rate / f64::from(recording.average);
-        let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(|e| usage_error(&e))?;
+        let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(UsageError::new)?;
         let rotation = &recording.rotation;
         Ok(Self { scene, rotation, tracker, pipeline, rows: 0, flaws: vec![], has_ended: false })
     }

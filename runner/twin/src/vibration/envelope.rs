@@ -8,9 +8,9 @@
 //! Sources: Randall and Antoni 2011, Rolling element bearing diagnostics - a tutorial, Mechanical Systems and Signal
 //! Processing 25; the tree of bands: Antoni 2007, Fast computation of the kurtogram, ibid. 21.
 
+use crate::spectrum::hann;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
-use std::f64::consts::TAU;
 
 /// Number of bands at each level.
 const PARTS: [usize; 9] = [2, 3, 4, 6, 8, 12, 16, 24, 32];
@@ -86,7 +86,7 @@ fn envelope(
     if mean <= 0.0 || length < 64 {
         return None;
     }
-    let window: Vec<f64> = (0..length).map(|i| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos()).collect();
+    let window = hann(length);
     let fft = planner.plan_fft_forward(length);
     let mut power = vec![0.0; length / 2];
     let mut blocks = 0.0;
@@ -149,6 +149,7 @@ impl Envelope {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     /// A tone with amplitude modulation at 20 Hz: the line has the same amplitude in every band that holds the tone, as the squared
     /// envelope `(1 + m cos)^2` has the line `2m/(1 + m^2/2)`.

@@ -23,7 +23,8 @@ pub struct Welch {
     length: usize,
 }
 
-fn hann(length: usize) -> Vec<f64> {
+/// Returns a periodic Hann window.
+pub(crate) fn hann(length: usize) -> Vec<f64> {
     let step = std::f64::consts::TAU / length as f64;
     (0..length).map(|i| 0.5 * (1.0 - (i as f64 * step).cos())).collect()
 }

@@ -1,0 +1,102 @@
+//! The section `[recording]` of a scene: sampling, probes, sensors and the source of the shaft angle.
+
+use std::path::PathBuf;
+
+/// `[recording]`: file, sampling and columns of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Already joined to the scene's folder.
+    pub file: PathBuf,
+    /// Sampling: a rate or a column of times.
+    pub clock: Clock,
+    /// Samples averaged into one before anything is computed from them.
+    pub average: u32,
+    /// At least one, unless there are sensors.
+    pub probes: Vec<Probe>,
+    /// Vibration sensors; empty where there are probes.
+    pub sensors: Vec<Sensor>,
+    /// Source of the shaft angle.
+    pub rotation: RotationSource,
+}
+
+/// How samples are placed in time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Clock {
+    /// `rate`, Hz
+    Rate(f64),
+    /// `time`: a column in seconds
+    Column(String),
+}
+
+/// One probe.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Column of the recording; also the probe's name.
+    pub column: String,
+    /// SI metres for one unit of the column.
+    pub metres_per_unit: f64,
+    /// m along Z from the rotor's centre of mass (0 for an axial probe when not given)
+    pub station: f64,
+    /// Measured direction.
+    pub direction: Direction,
+    /// `noise`: rms, m, where given
+    pub noise: Option<f64>,
+    /// `offset`, m: what the probe reads with the shaft in the middle; taken off every reading
+    pub offset: f64,
+}
+
+/// One sensor of vibration: housing acceleration, velocity or force.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Column of the recording; also the sensor's name.
+    pub column: String,
+    /// `unit`, for the reader: levels are ratios.
+    pub unit: String,
+    /// `bearing`: the only bearing that it measures, where given.
+    pub bearing: Option<String>,
+}
+
+impl Sensor {
+    /// As the reader of a recording takes it: a column without another unit.
+    #[must_use]
+    pub fn as_probe(&self) -> Probe {
+        Probe {
+            column: self.column.clone(),
+            metres_per_unit: 1.0,
+            station: 0.0,
+            direction: Direction::Axial,
+            noise: None,
+            offset: 0.0,
+        }
+    }
+}
+
+/// Measuring direction of a probe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Direction {
+    /// rad from +X towards +Y
+    Radial(f64),
+    /// along +Z
+    Axial,
+}
+
+/// Where the shaft's angle comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RotationSource {
+    /// `keyphasor = { column, pulses_per_turn }`
+    Keyphasor {
+        /// Column of the pulse.
+        column: String,
+        /// 1 or more
+        pulses_per_turn: u32,
+    },
+    /// `speed = { column, unit }`
+    SpeedColumn {
+        /// Column of the speed.
+        column: String,
+        /// rad/s for one unit of the column
+        radians_per_second: f64,
+    },
+    /// Neither: the scene's `[shaft] speed` applies, from angle 0.
+    Scene,
+}
