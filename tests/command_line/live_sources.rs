@@ -2,9 +2,10 @@
 
 use crate::live::{connected, desk, endless, frame, kinds, listening, outcome, rows, source};
 use crate::live_start::{terminate, wait, wait_for_event};
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, number, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, number, program, short_recording, swap};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Writes what a monitor may no longer want.
@@ -56,6 +57,78 @@ fn a_source_that_vanished_does_not_block_its_successor() {
     let kinds = kinds(&desk, "events.jsonl");
     assert!(kinds.contains(&"source-replaced".to_owned()), "{kinds:?}");
     drop(vanished);
+}
+
+/// The link of a source is cut, so neither its end nor an answer to a keepalive probe ever comes.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_source_behind_a_dead_link_is_given_up() {
+    let may_isolate = Command::new("unshare").args(["-rn", "ip", "link", "show", "lo"]).output();
+    if !may_isolate.is_ok_and(|output| output.status.success()) {
+        println!("left out: no network namespace here (unshare -rn ip)");
+        return;
+    }
+    let desk = desk();
+    desk.put("head.csv", short_recording(6_400));
+    let script = r#"
+        ip link set lo up
+        "$@" &
+        monitor=$!
+        trap 'kill $monitor' EXIT
+        listens() { (exec 3<>/dev/tcp/127.0.0.1/9000) 2>/dev/null; }
+        has_event() { grep -q "\"kind\":\"$1\"" events.jsonl; }
+        until listens; do sleep 0.1; done
+        exec 3<>/dev/tcp/127.0.0.1/9000
+        cat head.csv >&3
+        until has_event source-silent; do sleep 0.1; done
+        ip link set lo down
+        until has_event source-gone; do sleep 0.1; done
+        ip link set lo up
+        exec 4<>/dev/tcp/127.0.0.1/9000
+        cat healthy.csv >&4
+        trap - EXIT
+        wait $monitor
+    "#;
+    let mut command = Command::new("unshare");
+    command.args(["-rn", "bash", "-c", script, "bash"]).arg(program());
+    command.args(["replay", "scene.toml", "--paced", "--format", "json", "--source", "tcp:9000"]);
+    command.args(["--for", "1.4 s", "--events", "events.jsonl"]).current_dir(desk.path(""));
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let outcome = outcome(child);
+    assert_eq!(source(&outcome, "connections"), 2.0);
+    let longest = source(&outcome, "longest_stall_s");
+    assert!((10.0..40.0).contains(&longest), "{longest}");
+}
+
+/// Datagrams at many times the rate of the scene, while the twin is started.
+#[test]
+fn a_monitor_slower_than_its_source_reports_what_it_skips() {
+    let desk = Desk::with(&swap(DEMO_SCENE, "[recording]", "[integration]\nstep = \"5 us\"\n\n[recording]"), "");
+    let (child, port) = listening(&desk, "udp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let rows = rows(12_800);
+    let frame_of = endless(&rows);
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let to: SocketAddr = ([127, 0, 0, 1], port).into();
+    while socket.send_to(b"x", to).is_err() || UdpSocket::bind(to).is_ok() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let mut sequence = 0;
+    wait("dropped samples", || {
+        for _ in 0..50 {
+            let datagram: Vec<u8> = (sequence..sequence + 32).flat_map(&frame_of).collect();
+            socket.send_to(&datagram, to).unwrap();
+            sequence += 32;
+        }
+        let text = std::fs::read_to_string(desk.path("events.jsonl")).ok()?;
+        text.contains("\"kind\":\"samples-dropped\"").then_some(())
+    });
+    terminate(child.id());
+    let outcome = outcome(child);
+    let dropped = source(&outcome, "dropped_rows");
+    let text = desk.read("events.jsonl");
+    assert!(text.contains("\"kind\":\"backlog-full\""), "{text}");
+    let last = text.lines().rfind(|line| line.contains("samples-dropped")).unwrap();
+    assert!(last.contains(&format!(" {dropped} since the start")), "{dropped}: {last}");
 }
 
 /// A connection that asks for something else does not end the source that pauses.

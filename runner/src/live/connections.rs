@@ -18,8 +18,10 @@ const BEGINNING: Duration = Duration::from_secs(2);
 const WAITING: usize = 16;
 /// Longest first line, bytes.
 const LONGEST_LINE: usize = 1 << 16;
-/// Idle time before TCP keep-alive probes, and their interval.
-const KEEPALIVE: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(5));
+/// Idle time before the first TCP keepalive probe, and the interval of the probes.
+const PROBE_INTERVAL: Duration = Duration::from_secs(5);
+/// Keepalive probes without an answer after which the peer has vanished.
+const PROBES: u32 = 3;
 
 /// First bytes of a source.
 pub enum Beginning {
@@ -68,6 +70,17 @@ fn has_name(line: &str, name: &str) -> bool {
         let (before, after) = (line.get(..start), line.get(start + name.len()..));
         !before.is_some_and(|text| text.ends_with(is_inner)) && !after.is_some_and(|text| text.starts_with(is_inner))
     })
+}
+
+/// Ends the connection of a peer that no longer answers, whether or not data for it are under way.
+fn detect_vanished_peer(stream: &TcpStream) -> std::io::Result<()> {
+    let socket = SockRef::from(stream);
+    let keepalive = TcpKeepalive::new().with_time(PROBE_INTERVAL).with_interval(PROBE_INTERVAL).with_retries(PROBES);
+    socket.set_tcp_keepalive(&keepalive)?;
+    // Keepalive pauses while an acknowledgement waits for its confirmation.
+    #[cfg(target_os = "linux")]
+    socket.set_tcp_user_timeout(Some(PROBE_INTERVAL * (PROBES + 1)))?;
+    Ok(())
 }
 
 struct Candidate {
@@ -138,12 +151,10 @@ impl Connections {
     }
 
     fn accept(&mut self) {
-        let keepalive = TcpKeepalive::new().with_time(KEEPALIVE.0).with_interval(KEEPALIVE.1);
         while self.candidates.len() < WAITING
             && let Ok((stream, peer)) = self.listener.accept()
         {
-            let keeps = SockRef::from(&stream).set_tcp_keepalive(&keepalive);
-            if keeps.and_then(|()| stream.set_nonblocking(true)).is_ok() {
+            if detect_vanished_peer(&stream).and_then(|()| stream.set_nonblocking(true)).is_ok() {
                 self.candidates.push(Candidate { stream, peer, since: Instant::now(), speaks: false });
             }
         }
@@ -196,8 +207,23 @@ impl Read for Followed {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_vanished_peer_is_given_up_after_20_seconds() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let stream = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        detect_vanished_peer(&stream).unwrap();
+        let socket = SockRef::from(&stream);
+        assert!(socket.keepalive().unwrap());
+        let idle = socket.tcp_keepalive_time().unwrap();
+        let probes = socket.tcp_keepalive_interval().unwrap() * socket.tcp_keepalive_retries().unwrap();
+        assert_eq!(idle + probes, Duration::from_secs(20));
+        assert_eq!(socket.tcp_user_timeout().unwrap(), Some(Duration::from_secs(20)));
+    }
 
     #[test]
     fn a_name_is_not_a_part_of_another() {

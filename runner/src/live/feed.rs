@@ -295,6 +295,12 @@ impl Receiver {
         self.stop.store(true, Ordering::Relaxed);
     }
 
+    /// Returns the share of the ring that is in use, 0 to 1.
+    #[must_use]
+    pub fn fill(&self) -> f64 {
+        self.ring.slots() as f64 / self.ring.buffer().capacity() as f64
+    }
+
     /// The next item is a row.
     #[must_use]
     pub fn has_row(&self) -> bool {

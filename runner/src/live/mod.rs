@@ -9,6 +9,7 @@
 //! have, and ignores samples before either position.
 
 pub mod address;
+mod backlog;
 mod connections;
 mod datagrams;
 pub mod feed;
@@ -23,6 +24,7 @@ pub mod view;
 
 use address::Address;
 use anyhow::{Result, bail};
+use backlog::Backlog;
 use ballrace_twin::error::UsageError;
 use ballrace_twin::recording::Row;
 use ballrace_twin::recording::flaws::FlawSummary;
@@ -126,6 +128,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         heard: 0,
         shown: f64::NEG_INFINITY,
         silent: false,
+        backlog: Backlog::new(matches!(options.source, Address::Udp(_))),
         source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
         pace: Pace::begin()?,
         glanced: Instant::now(),
@@ -246,6 +249,7 @@ struct Monitor<'a, 'o> {
     /// End of the last second shown, s.
     shown: f64,
     silent: bool,
+    backlog: Backlog,
     source: SourceFigures,
     pace: Pace,
     glanced: Instant,
@@ -259,6 +263,7 @@ impl Monitor<'_, '_> {
             let caught_up = self.block(until)?;
             self.tell()?;
             self.listen()?;
+            self.report_backlog()?;
             self.glance();
             self.pace.done(begun, caught_up);
         }
@@ -425,6 +430,9 @@ impl Monitor<'_, '_> {
     /// Writes what waits for the last time.
     fn save_the_rest(&mut self) {
         self.outputs.retry_now();
+        if let Some(note) = self.backlog.dropped(&self.receiver) {
+            let _ = self.event(&EventRecord::note(note, self.time));
+        }
         // The limits' state is that after these events.
         let _ = self.tell();
         self.save();
@@ -480,6 +488,18 @@ impl Monitor<'_, '_> {
         self.silent = quiet >= SILENT;
         let note = self.receiver.limited(note);
         note.map_or(Ok(()), |note| self.event(&EventRecord::note(note, self.time)))
+    }
+
+    /// Reports samples that wait or were dropped because the monitor is slower than its source. A recording waits unnoticed.
+    fn report_backlog(&mut self) -> Result<()> {
+        if self.first.is_none() || self.options.source.is_recording() {
+            return Ok(());
+        }
+        let waiting = self.replay.waiting() * self.average as usize;
+        for note in self.backlog.poll(&self.receiver, waiting, self.rate) {
+            self.event(&EventRecord::note(note, self.time))?;
+        }
+        Ok(())
     }
 
     fn glance(&mut self) {
