@@ -5,4 +5,5 @@
 
 pub mod cli;
 mod dashboard;
+pub mod error;
 pub mod live;

@@ -1,10 +1,10 @@
 //! `ballrace bake`: a scene as constants for firmware.
 
 use super::{Format, keep_apart, print_effects};
+use crate::error::UsageError;
 use anyhow::Result;
 use ballrace_twin::bake::{Baked, bake};
 use ballrace_twin::effect_significance;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use std::io::Write;

@@ -1,11 +1,11 @@
 //! `ballrace campbell`: natural frequencies over the shaft's speed.
 
 use super::{Format, keep_apart, print_effects};
+use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::campbell::{AtSpeed, Whirl, campbell};
 use ballrace_twin::effect_significance;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};

@@ -1,10 +1,10 @@
 //! `ballrace equilibrium`: static equilibrium of the rotor or of one bearing.
 
 use super::{Format, keep_apart, print_effects};
+use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::equilibrium::{Element, settle};
-use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::plant::LARGEST_RESIDUAL;
 use ballrace_twin::scene::read::read_file;

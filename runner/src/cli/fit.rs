@@ -1,9 +1,9 @@
 //! `ballrace fit`: the scene's numbers from a recording.
 
 use super::{Format, keep_apart};
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::fit::parameters::{ALL, Group};
 use ballrace_twin::fit::{Fitted, Material, fit, read, written};
 use ballrace_twin::output::AtomicFile;

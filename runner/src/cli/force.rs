@@ -1,11 +1,11 @@
 //! `ballrace force`: ring displacements in, forces out.
 
 use super::{Format, print_effects};
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 use ballrace_report::number::fixed;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::error::UsageError;
 use ballrace_twin::force::{MathBackend, Pose, Precision, forces};
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;

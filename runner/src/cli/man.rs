@@ -1,8 +1,8 @@
 //! `ballrace man`: manual pages in roff.
 
 use super::Cli;
+use crate::error::UsageError;
 use anyhow::{Result, bail};
-use ballrace_twin::error::UsageError;
 use clap::CommandFactory;
 use std::io::Write;
 

@@ -15,13 +15,13 @@ pub mod sweep;
 pub mod trade;
 pub mod watch;
 
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::error::UsageError;
+use ballrace_twin::error::Error;
 use ballrace_twin::plant::PlantError;
 use ballrace_twin::printable::{self, Printable};
 use ballrace_twin::recording::error::RecordingError;
-use ballrace_twin::recording::rotation::RotationError;
 use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::scene::read::SceneError;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -223,8 +223,8 @@ fn code(done: Result<()>) -> ExitCode {
         Err(error) => {
             // Standard error may be closed.
             let _ = writeln!(std::io::stderr(), "ballrace: {}", printable::message(&format!("{error:#}")));
-            ExitCode::from(match error.downcast_ref::<RotationError>() {
-                Some(RotationError::ImplausibleSpeed { .. }) => IMPLAUSIBLE,
+            ExitCode::from(match error.downcast_ref::<Error>() {
+                Some(error) if error.is_implausible() => IMPLAUSIBLE,
                 _ if is_usage_error(&error) => 2,
                 _ => 1,
             })
@@ -236,6 +236,7 @@ fn is_usage_error(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause.is::<SceneError>()
             || cause.is::<UsageError>()
+            || cause.downcast_ref::<Error>().is_some_and(Error::is_usage_error)
             || cause.downcast_ref::<PlantError>().is_some_and(PlantError::is_usage_error)
             || cause.downcast_ref::<RecordingError>().is_some_and(RecordingError::is_scene_fault)
     })

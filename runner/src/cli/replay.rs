@@ -2,10 +2,10 @@
 
 use super::live::{self, DEMO_RECORDING, LiveArgs};
 use super::{Ending, Format, keep_apart};
+use crate::error::UsageError;
 use crate::live as monitor;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::replay::outcome::Outcome;

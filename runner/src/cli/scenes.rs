@@ -1,8 +1,8 @@
 //! `ballrace scenes`: the scenes that come with the program.
 
 use super::Format;
+use crate::error::UsageError;
 use anyhow::{Result, bail};
-use ballrace_twin::error::UsageError;
 use serde::Serialize;
 use std::io::Write;
 

@@ -1,10 +1,10 @@
 //! `ballrace simulate`: the time response of the scene's rotor from its rest position.
 
 use super::{Format, keep_apart, print_effects};
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::error::UsageError;
 use ballrace_twin::motion::{self, MOST_SAMPLES, ResponseSample, Span};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;

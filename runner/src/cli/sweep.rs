@@ -1,10 +1,10 @@
 //! `ballrace sweep`: a scene over ranges of its keys.
 
 use super::{Format, keep_apart, print_effects};
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
 use ballrace_twin::effect_significance::EffectSignificance;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
@@ -81,7 +81,7 @@ struct Summary {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
-    let axes = args.over.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>>>()?;
+    let axes = args.over.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let settle = args.settle.as_ref().map(|text| time(text)).transpose()?;
     let measure = Measure {
         settle,

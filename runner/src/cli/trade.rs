@@ -1,9 +1,9 @@
 //! `ballrace trade`: error and cost of every model that a scene allows, and the recommended one.
 
 use super::{Format, keep_apart, print_effects};
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};

@@ -3,12 +3,12 @@
 use super::Ending;
 use super::live::{self, LiveArgs};
 use crate::dashboard;
+use crate::error::UsageError;
 use crate::live as monitor;
 use crate::live::source::lock;
 use crate::live::view::Shared;
 use anyhow::{Result, bail};
 use ballrace_report as report;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::printable;
 use ballrace_twin::replay::Options;

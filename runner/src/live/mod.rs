@@ -22,10 +22,10 @@ pub mod source;
 pub mod state;
 pub mod view;
 
+use crate::error::UsageError;
 use address::Address;
 use anyhow::{Result, bail};
 use backlog::Backlog;
-use ballrace_twin::error::UsageError;
 use ballrace_twin::recording::Row;
 use ballrace_twin::recording::flaws::FlawSummary;
 use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
@@ -358,7 +358,7 @@ impl Monitor<'_, '_> {
         self.time = row.time;
         let spare = self.replay.blank();
         self.receiver.recycle(spare);
-        self.replay.push(row)
+        Ok(self.replay.push(row)?)
     }
 
     fn event(&mut self, told: &EventRecord) -> Result<()> {

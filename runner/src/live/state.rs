@@ -90,7 +90,7 @@ impl StateFile {
             state = State { form: FORM, id: new_id(), seconds_index: state.resume.index, ..state };
         }
         if state.form != FORM || state.scene != scene {
-            bail!(ballrace_twin::error::UsageError(format!(
+            bail!(crate::error::UsageError(format!(
                 "{}: found the state of scene {:?} (form {}), allowed: that of {scene:?} (form {FORM}), or another folder",
                 path.display(),
                 state.scene,

@@ -3,9 +3,9 @@
 mod direct;
 mod observer;
 
+use crate::error::Result;
 use crate::scene::build::{self, MadeTable};
 use crate::scene::{Bearing, Facing, Model, Scene};
-use anyhow::Result;
 use ballrace::Exact;
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape};
 use ballrace::bearing::tabulated::Axis;

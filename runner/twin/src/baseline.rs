@@ -1,14 +1,44 @@
 //! Baseline: the residual of a sound machine, written by `--learn` and compared with by `--baseline`.
 
-use crate::error::UsageError;
 use crate::scene::{Probe, Sensor};
-use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const UM: f64 = 1e6;
 /// Version of the file format.
 const FORMAT: u32 = 1;
+
+/// Error returned when a baseline cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum BaselineError {
+    /// The file cannot be read.
+    #[error("{}: this baseline cannot be read", file.display())]
+    Read {
+        /// The baseline.
+        file: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The file is no baseline.
+    #[error("{}:{}: found no baseline ({error}), allowed: a file written by replay --learn", file.display(), error.line())]
+    Format {
+        /// The file.
+        file: PathBuf,
+        /// First error in its text. Not a `source`: the message contains it.
+        error: serde_json::Error,
+    },
+    /// The baseline was learned with another scene.
+    #[error(
+        "{}: found a baseline of other probes or bearings (scene {scene:?}), allowed: one learned with this scene",
+        file.display()
+    )]
+    OtherScene {
+        /// The baseline.
+        file: PathBuf,
+        /// Name of its scene.
+        scene: String,
+    },
+}
 
 /// Residual of a reference recording, probe by probe.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -73,7 +103,7 @@ impl Baseline {
     ///
     /// # Errors
     /// As [`Baseline::read`].
-    pub fn read_sensors(path: &Path, sensors: &[Sensor]) -> Result<Self> {
+    pub fn read_sensors(path: &Path, sensors: &[Sensor]) -> Result<Self, BaselineError> {
         let found = Self::parse(path)?;
         let same = found.sensors.iter().map(|s| &s.name).eq(sensors.iter().map(|s| &s.column));
         if same { Ok(found) } else { Err(found.of_others(path)) }
@@ -85,31 +115,22 @@ impl Baseline {
         self.sensors.get(i).and_then(|s| s.modulations.get(k)).copied().unwrap_or(0.0)
     }
 
-    fn parse(path: &Path) -> Result<Self> {
-        let name = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("{name}: this baseline cannot be read"))?;
-        let found: Self = serde_json::from_str(&text).map_err(|e| {
-            UsageError(format!(
-                "{name}:{}: found no baseline ({e}), allowed: a file written by replay --learn",
-                e.line()
-            ))
-        })?;
+    fn parse(path: &Path) -> Result<Self, BaselineError> {
+        let file = || path.to_owned();
+        let text = std::fs::read_to_string(path).map_err(|source| BaselineError::Read { file: file(), source })?;
+        let found: Self = serde_json::from_str(&text).map_err(|error| BaselineError::Format { file: file(), error })?;
         if found.ballrace_baseline == FORMAT { Ok(found) } else { Err(found.of_others(path)) }
     }
 
-    fn of_others(&self, path: &Path) -> anyhow::Error {
-        anyhow::Error::new(UsageError(format!(
-            "{}: found a baseline of other probes or bearings (scene {:?}), allowed: one learned with this scene",
-            path.display(),
-            self.scene
-        )))
+    fn of_others(&self, path: &Path) -> BaselineError {
+        BaselineError::OtherScene { file: path.to_owned(), scene: self.scene.clone() }
     }
 
     /// Reads the baseline of a scene with these probes, whose followed lines have these orders.
     ///
     /// # Errors
     /// A file that cannot be read, is no baseline, or was learned with other probes or bearings.
-    pub fn read(path: &Path, probes: &[Probe], orders: &[f64]) -> Result<Self> {
+    pub fn read(path: &Path, probes: &[Probe], orders: &[f64]) -> Result<Self, BaselineError> {
         let found = Self::parse(path)?;
         let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));
         let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-6 * b.abs().max(1.0);

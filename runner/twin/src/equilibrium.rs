@@ -2,11 +2,11 @@
 
 use crate::campbell::modes;
 use crate::effect_significance::{self, EffectSignificance};
+use crate::error::{NoLoad, Result};
 use crate::outcome::BearingOrders;
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::scene::build::{self, AnyBearing, Kinematics};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
-use anyhow::{Result, bail};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
@@ -178,11 +178,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         (None, Some(Preload::Displacement(_))) => (build::preload_offset(scene, of, &built)?.unwrap_or_default(), 0.0),
         (load, preload) => {
             let Some(total) = total_load(of, load, preload) else {
-                bail!(
-                    "{}: bearing {}: found neither a rotor, a preload nor --load, allowed: one of them, as a load for the equilibrium",
-                    scene.path.display(),
-                    of.name
-                );
+                return Err(NoLoad { file: scene.path.clone(), bearing: of.name.clone() }.into());
             };
             let rest = build::loaded(&built, total, &at)?;
             (rest.displacement(), rest.residual)

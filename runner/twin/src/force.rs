@@ -1,10 +1,9 @@
 //! Forces of one bearing for given displacements, in every precision and math of the kernel.
 
-use crate::error::UsageError;
+use crate::error::{Error, Result};
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing, Linear, Model, Scene};
-use anyhow::{Context, Result};
 use ballrace::bearing::{Bearing as _, LastValidWrench};
 use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Math, Scalar, Status, Wrench};
 
@@ -63,7 +62,7 @@ fn forces_in<T: Scalar, M: Math<T>>(
     model: Model,
     poses: &[Pose],
 ) -> Result<Vec<(Wrench<f64>, Status)>> {
-    let kernel = kernel::<T, M>(scene, bearing, model).map_err(UsageError::new)?;
+    let kernel = kernel::<T, M>(scene, bearing, model).map_err(Error::setup)?;
     let mut held = LastValidWrench::new();
     let evaluate = |pose: &Pose| {
         let u = Displacement::from_array(pose.u.map(T::from_f64));
@@ -85,10 +84,7 @@ fn forces_in<T: Scalar, M: Math<T>>(
 /// The bearing; one linearised from another model takes its springs from the rotor's equilibrium.
 fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
     if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
-        let plant = Plant::try_new(scene)?;
-        let mounted =
-            plant.bearings.iter().find(|s| s.name == bearing.name).context("a mounted bearing of the scene")?;
-        return Ok(build::spring_of(&mounted.bearing));
+        return Ok(build::spring_of(&Plant::try_new(scene)?.mounted(&bearing.name)?.bearing));
     }
-    build::bearing::<T, M>(scene, bearing, model).with_context(|| scene.path.display().to_string())
+    build::bearing::<T, M>(scene, bearing, model).map_err(Error::in_file(&scene.path))
 }

@@ -1,7 +1,6 @@
 //! Least squares of what a simulation leaves, within bounds: Levenberg and Marquardt with steps projected onto the bounds
 //! and differences on both sides.
 
-use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
 
 /// Unknowns in units of their scale: a step of [`DIFFERENCE`] changes the residuals visibly and nearly linearly.
@@ -29,7 +28,7 @@ impl Limits {
 }
 
 /// Residuals as a function of the unknowns.
-pub type Residuals<'a> = &'a (dyn Fn(&[f64]) -> Result<Vec<f64>> + Sync);
+pub type Residuals<'a, E> = &'a (dyn Fn(&[f64]) -> Result<Vec<f64>, E> + Sync);
 
 /// The best unknowns.
 pub struct Solution {
@@ -46,12 +45,12 @@ pub struct Solution {
 ///
 /// # Errors
 /// As [`solve_within`].
-pub fn solve(
+pub fn solve<E: From<std::io::Error> + Send>(
     start: Vec<f64>,
-    residuals: Residuals,
+    residuals: Residuals<E>,
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
-) -> Result<Solution> {
+) -> Result<Solution, E> {
     let limits = Limits::none(start.len());
     solve_within(start, &limits, residuals, least_fall, progress)
 }
@@ -61,13 +60,13 @@ pub fn solve(
 /// # Errors
 /// What `residuals` returns at the start or close to a point that it has accepted. A trial step at which it fails is
 /// rejected and a shorter one is tried.
-pub fn solve_within(
+pub fn solve_within<E: From<std::io::Error> + Send>(
     start: Vec<f64>,
     limits: &Limits,
-    residuals: Residuals,
+    residuals: Residuals<E>,
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
-) -> Result<Solution> {
+) -> Result<Solution, E> {
     let mut x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
     let mut r = DVector::from_vec(residuals(&x)?);
     let mut jacobian = slopes(&x, &limits.bounds, residuals)?;
@@ -88,12 +87,12 @@ pub fn solve_within(
 
 /// The next unknowns, if any step makes less of the residuals. An unknown at a bound that the step would cross is held
 /// there while the others move.
-fn step(
+fn step<E>(
     (x, r): (&[f64], &DVector<f64>),
     Limits { bounds, longest_step }: &Limits,
     (normal, gradient): (&DMatrix<f64>, &DVector<f64>),
     damping: &mut f64,
-    residuals: Residuals,
+    residuals: Residuals<E>,
 ) -> Option<(Vec<f64>, DVector<f64>)> {
     // A step goes against the gradient.
     let held = |i: usize| {
@@ -132,8 +131,11 @@ fn step(
 }
 
 /// Central differences, one-sided at a bound, the unknowns shared out over all cores.
-fn slopes(x: &[f64], bounds: &[Bounds], residuals: Residuals) -> Result<DMatrix<f64>> {
-    let column = |i: usize| -> Result<Vec<f64>> {
+fn slopes<E>(x: &[f64], bounds: &[Bounds], residuals: Residuals<E>) -> Result<DMatrix<f64>, E>
+where
+    E: From<std::io::Error> + Send,
+{
+    let column = |i: usize| -> Result<Vec<f64>, E> {
         let [low, high] = bounds[i];
         let at = |x_i: f64| {
             let mut there = x.to_vec();
@@ -145,9 +147,9 @@ fn slopes(x: &[f64], bounds: &[Bounds], residuals: Residuals) -> Result<DMatrix<
         Ok(up.iter().zip(&down).map(|(a, b)| (a - b) / (above - below)).collect())
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(x.len().max(1));
-    let share = |t: usize| (t..x.len()).step_by(threads).map(|i| Ok((i, column(i)?))).collect::<Result<Vec<_>>>();
+    let share = |t: usize| (t..x.len()).step_by(threads).map(|i| Ok((i, column(i)?))).collect::<Result<Vec<_>, E>>();
     let share = &share;
-    let parts = std::thread::scope(|scope| -> Result<Vec<_>> {
+    let parts = std::thread::scope(|scope| -> Result<Vec<_>, E> {
         let start = |t| std::thread::Builder::new().name("fit".to_owned()).spawn_scoped(scope, move || share(t));
         let running = (0..threads).map(start).collect::<std::io::Result<Vec<_>>>()?;
         Ok(running.into_iter().map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect())
@@ -166,11 +168,10 @@ fn slopes(x: &[f64], bounds: &[Bounds], residuals: Residuals) -> Result<DMatrix<
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use anyhow::bail;
 
     const OPEN: Bounds = [f64::NEG_INFINITY, f64::INFINITY];
 
-    fn solved(start: Vec<f64>, bounds: &[Bounds], residuals: Residuals) -> Solution {
+    fn solved(start: Vec<f64>, bounds: &[Bounds], residuals: Residuals<std::io::Error>) -> Solution {
         let limits = Limits { bounds: bounds.to_vec(), longest_step: 10.0 };
         solve_within(start, &limits, residuals, 1e-12, &mut |_| {}).unwrap()
     }
@@ -188,7 +189,7 @@ mod tests {
     fn nothing_is_evaluated_beyond_a_bound() {
         let residuals = |x: &[f64]| {
             if x[0] < 0.0 {
-                bail!("below the bound: {}", x[0]);
+                return Err(std::io::Error::other(format!("below the bound: {}", x[0])));
             }
             Ok(vec![x[0] + 1.0, x[1] - 2.0 + 0.5 * x[0]])
         };
@@ -213,7 +214,7 @@ mod tests {
     fn a_step_that_fails_is_rejected() {
         let residuals = |x: &[f64]| {
             if x[0] > 4.0 {
-                bail!("beyond");
+                return Err(std::io::Error::other("beyond"));
             }
             // Its first Newton step from 0.5 leads beyond 4.
             Ok(vec![x[0].powi(3) - 8.0])

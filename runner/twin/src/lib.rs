@@ -89,10 +89,10 @@
 //!
 //! # Errors
 //!
-//! Input errors are typed and name file, line, key, found and expected value as fields: [`scene::read::SceneError`],
-//! [`scene::matrix::MatrixError`], [`scene::build::BuildError`], [`plant::PlantError`],
-//! [`recording::error::RecordingError`], [`output::OutputError`]. [`error::UsageError`] marks an error of the command or the
-//! scene, as opposed to work that could not be done.
+//! Every part of the library has an error of its own, with file, line, key, found and expected value as fields, for example
+//! [`scene::read::SceneError`], [`recording::error::RecordingError`], [`plant::PlantError`], [`error::LimitError`].
+//! Functions that need several parts return [`error::Error`], which holds any of them;
+//! [`is_usage_error`](error::Error::is_usage_error) separates a wrong scene or option from work that could not be done.
 //!
 //! # Non-goals
 //!

@@ -1,11 +1,10 @@
 //! The time response of a scene's rotor from its rest position, sample by sample.
 
-use crate::error::UsageError;
+use crate::error::Error;
 use crate::plant::{Plant, Twin};
 use crate::recording::Row;
 use crate::recording::rotation::Tracker;
 use crate::scene::{RotationSource, Scene};
-use anyhow::Result;
 use ballrace::Wrench;
 use ballrace::rotor::ShaftMotion;
 
@@ -47,32 +46,32 @@ impl ResponseSample<'_> {
     }
 }
 
-/// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `tell`.
+/// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `visit`.
 /// Returns how many steps overflowed and were held, and the twin at the end.
 ///
 /// # Errors
-/// Returns an error if the kernel rejects a parameter, and the error of `tell`.
-pub fn run(
+/// Returns an error if the kernel rejects a parameter, and the error of `visit`.
+pub fn run<E: From<Error>>(
     scene: &Scene,
     plant: &Plant,
     span: Span,
     start: impl FnOnce(&mut dyn Twin),
-    mut tell: impl FnMut(&ResponseSample<'_>) -> Result<()>,
-) -> Result<(u64, Box<dyn Twin>)> {
+    mut visit: impl FnMut(&ResponseSample<'_>) -> Result<(), E>,
+) -> Result<(u64, Box<dyn Twin>), E> {
     let period = 1.0 / span.rate;
-    let mut twin = plant.start(period, 0.0).map_err(UsageError::new)?;
+    let mut twin = plant.start(period, 0.0).map_err(Error::setup)?;
     start(twin.as_mut());
     let mut held = 0;
     // The scene's speed profile as a recording without columns would follow it.
     let mut shaft = Tracker::new(&RotationSource::Scene, span.rate, scene.shaft.speed);
     for i in 0..span.settle + span.samples {
         let time = i as f64 * period;
-        shaft.push(Row { index: i, time, ..Row::default() })?;
+        shaft.push(Row { index: i, time, ..Row::default() }).map_err(Error::from)?;
         let Some(sample) = shaft.pop() else { break };
         let drive = sample.shaft_motion();
         if i >= span.settle {
             let turned = sample.total_revolutions();
-            tell(&ResponseSample { time, turned, drive, twin: twin.as_ref(), plant })?;
+            visit(&ResponseSample { time, turned, drive, twin: twin.as_ref(), plant })?;
         }
         held += u64::from(twin.step(&drive).is_held());
     }

@@ -79,6 +79,7 @@ mod tests {
     use crate::plant::Step;
     use crate::scene::Method;
     use ballrace::bearing::angular::{Angular, DisplacementDatum};
+    use ballrace::bearing::geometry::InvalidParameter;
     use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
     use ballrace::bearing::linear::Linear;
     use ballrace::bearing::lumped::Radial;
@@ -122,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wide_form_gives_the_same_bits_for_any_count_of_balls() -> anyhow::Result<()> {
+    fn the_wide_form_gives_the_same_bits_for_any_count_of_balls() -> Result<(), InvalidParameter> {
         let geometry = BallBearingGeometry {
             ball_diameter: 7.94e-3,
             pitch_diameter: 39.04e-3,
@@ -159,7 +160,7 @@ mod tests {
         solved: &QuasiStatic<f64, Exact, Vec<ElementPosition<f64>>>,
         domain: &TableDomain,
         places: &[ElementPosition<f64>],
-    ) -> anyhow::Result<()> {
+    ) -> Result<(), InvalidParameter> {
         let grid = domain.grid()?;
         let mut nodes = vec![[0.0; F]; grid.len()];
         fill_table(solved, domain, &grid, &mut nodes);
@@ -170,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rotor_moves_the_same_bits_with_and_without_wide_registers() -> anyhow::Result<()> {
+    fn a_rotor_moves_the_same_bits_with_and_without_wide_registers() -> Result<(), InvalidParameter> {
         let params = RotorParams {
             mass: 6.0,
             diametral_inertia: 0.03,

@@ -1,8 +1,8 @@
 //! Events as JSON lines.
 
 use super::super::feed::Note;
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
-use ballrace_twin::error::UsageError;
 use ballrace_twin::outcome::Event;
 use serde::Serialize;
 use std::collections::VecDeque;

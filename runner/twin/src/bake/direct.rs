@@ -1,12 +1,12 @@
 //! Models whose forces follow from the displacement at once: springs, lumped elements, variable contact angle.
 
 use super::{feature_constants, position_constants, surface_imports};
+use crate::error::{BakeError, Result};
 use crate::plant::Plant;
 use crate::scene::build;
 use crate::scene::{Bearing, Facing, Linear, Model, Scene};
-use anyhow::{Context, Result, bail};
 use ballrace::bearing::Bearing as _;
-use ballrace::bearing::angular::{AngularConstants, DisplacementDatum};
+use ballrace::bearing::angular::AngularConstants;
 use ballrace::{Displacement, Exact, Phase};
 use std::fmt::Write;
 
@@ -16,19 +16,15 @@ pub fn module(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
         Model::Linear => springs(out, scene, of),
         Model::Lumped if of.housing_displacement.is_empty() => lumped(out, scene, of),
         Model::Angular => angular(out, scene, of),
-        _ => bail!(
-            "{}: bearing {}: model: found {} with a displaced housing or with balls that move, allowed for bake: any other",
-            scene.path.display(),
-            of.name,
-            of.model.name()
-        ),
+        _ => {
+            Err(BakeError::Model { file: scene.path.clone(), bearing: of.name.clone(), found: of.model.name() }.into())
+        }
     }
 }
 
 fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let spring = if matches!(of.linear, Some(Linear::Of(_))) {
-        let plant = Plant::try_new(scene)?;
-        plant.bearings.iter().find(|s| s.name == of.name).context("a mounted bearing of the scene")?.bearing.clone()
+        Plant::try_new(scene)?.mounted(&of.name)?.bearing.clone()
     } else {
         build::bearing::<f64, Exact>(scene, of, Model::Linear)?
     };
@@ -98,9 +94,8 @@ fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
 }
 
 fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
-    let geometry = build::geometry(of)?.context("an angular bearing has a geometry")?;
-    let datum = if of.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching };
-    let constants = AngularConstants::try_new(geometry, datum)?.rounded::<f32>();
+    let (geometry, datum) = build::contact_geometry(of, "angular")?;
+    let constants = AngularConstants::try_new(geometry, datum).map_err(|e| build::named(of, e))?.rounded::<f32>();
     let (surface, with) = surface(of);
     imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularConstants};")?;
     position_constants(out, scene, of, Model::Angular)?;

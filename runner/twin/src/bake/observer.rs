@@ -1,9 +1,9 @@
 //! The scene's rotor and observer as constants.
 
+use crate::error::{BakeError, Error, Result};
 use crate::observer::{Gains, Uncertainty, gate, memory, observed_rows, weight};
 use crate::plant::{Plant, only_rigid};
 use crate::scene::{Clock, Scene, build};
-use anyhow::{Result, bail};
 use std::fmt::Write;
 
 /// Writes the module `observer`, where the scene has an `[observer]`.
@@ -12,20 +12,22 @@ use std::fmt::Write;
 /// A scene that leaves open what the gains depend on.
 pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let Some(process_noise) = scene.observer.process_noise else { return Ok(()) };
-    let lacking = |what: &str, allowed: &str| {
-        anyhow::anyhow!("{}: [observer]: found {what}, allowed with bake: {allowed}", scene.path.display())
-    };
-    let Some(recording) = &scene.recording else { bail!(lacking("no [recording]", "probes and a rate")) };
+    let undetermined = |found, expected| Error::from(BakeError::Observer { file: scene.path.clone(), found, expected });
+    let Some(recording) = &scene.recording else { return Err(undetermined("no [recording]", "probes and a rate")) };
     if recording.probes.is_empty() {
-        bail!(lacking("no probes", "probes with their noise"));
+        return Err(undetermined("no probes", "probes with their noise"));
     }
-    let Clock::Rate(rate) = recording.clock else { bail!(lacking("a column of times", "rate = \"12.8 kHz\"")) };
+    let Clock::Rate(rate) = recording.clock else {
+        return Err(undetermined("a column of times", "rate = \"12.8 kHz\""));
+    };
     let rate = rate / f64::from(recording.average);
     let noise: Option<Vec<f64>> = recording.probes.iter().map(|p| p.noise).collect();
-    let Some(noise) = noise else { bail!(lacking("a probe without noise", "noise = \"0.03 um\" for each probe")) };
+    let Some(noise) = noise else {
+        return Err(undetermined("a probe without noise", "noise = \"0.03 um\" for each probe"));
+    };
     only_rigid(scene, "bake")?;
     let plant = Plant::try_new(scene)?;
-    let Some(rotor) = plant.rotor() else { bail!(lacking("no [rotor]", "a rotor")) };
+    let Some(rotor) = plant.rotor() else { return Err(undetermined("no [rotor]", "a rotor")) };
     let linear = plant.linearised(&vec![true; plant.bearings.len()])?;
     let rows = observed_rows(&recording.probes);
     let of = Uncertainty::new(&noise, process_noise, weight(&plant));

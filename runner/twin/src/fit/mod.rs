@@ -7,7 +7,7 @@
 pub mod parameters;
 mod written;
 
-use crate::error::UsageError;
+use crate::error::{FitError, Result};
 use crate::least_squares::{self, Bounds, Limits, Solution};
 use crate::observer::{noise, observed_rows};
 use crate::plant::{Plant, only_rigid};
@@ -16,7 +16,6 @@ use crate::recording::Reader;
 use crate::recording::Sample;
 use crate::recording::rotation::Tracker;
 use crate::scene::{RotationSource, Scene};
-use anyhow::{Result, bail};
 use nalgebra::DMatrix;
 use parameters::{Group, Parameter, Place, parameters, with};
 use serde::Serialize;
@@ -123,7 +122,9 @@ pub struct Material<'a> {
 /// # Errors
 /// Returns an error if the scene is invalid.
 pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<Vec<Sample>> {
-    let Some(recording) = &scene.recording else { bail!("found no recording") };
+    let Some(recording) = &scene.recording else {
+        return Err(FitError::NoRecording { file: scene.path.clone() }.into());
+    };
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
     let mut samples: Vec<Sample> = Vec::new();
     let mut row = tracker.blank();
@@ -162,13 +163,13 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let plant = Plant::try_new(scene)?;
     let unknown = parameters(scene, &plant, groups);
     let (Some(first), Some(recording)) = (of.samples.first(), &scene.recording) else {
-        bail!("{}: found no sample, allowed: some turns of the shaft", of.recording)
+        return Err(FitError::NoSample { recording: of.recording.to_owned() }.into());
     };
     if recording.probes.is_empty() {
-        bail!(UsageError(format!("{}: [recording]: found no probes, allowed with fit: probes", scene.path.display())));
+        return Err(FitError::NoProbes { file: scene.path.clone() }.into());
     }
     if unknown.is_empty() {
-        bail!(UsageError(format!("{}: found nothing to fit, allowed: a [rotor] on bearings", scene.path.display())));
+        return Err(FitError::NothingToFit { file: scene.path.clone() }.into());
     }
     let rows = observed_rows(&recording.probes);
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
@@ -299,7 +300,7 @@ impl Model<'_> {
         loop {
             let left = self.residuals(&at)?;
             let weight = (left.iter().map(|r| r * r).sum::<f64>() / left.len().max(1) as f64).sqrt().max(1.0);
-            let residuals = |x: &[f64]| {
+            let residuals = |x: &[f64]| -> Result<Vec<f64>> {
                 let all = whole(x, &at);
                 let mut left = self.residuals(&all)?;
                 left.extend(all.iter().zip(self.believed).map(|(x, b)| weight * (x - b)));

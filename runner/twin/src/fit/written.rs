@@ -2,16 +2,18 @@
 
 use super::Fitted;
 use super::parameters::{Place, planes, two_planes};
+use crate::error::FitError;
 use crate::scene::{Preload, Scene, Unbalance};
-use anyhow::{Context, Result};
-use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, TableLike, Value, value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value, value};
 
 /// Returns `text`, the scene's file, with the fitted numbers; parameters that are not identifiable keep their value.
 ///
 /// # Errors
-/// A text that is no scene.
-pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String> {
-    let mut document: DocumentMut = text.parse().context("found no TOML")?;
+/// A text that is no TOML, or whose tables have another form than the fitted values need.
+pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, FitError> {
+    let form = |expected| FitError::Form { file: scene.path.clone(), expected };
+    let syntax = |source| FitError::Syntax { file: scene.path.clone(), source };
+    let mut document: DocumentMut = text.parse().map_err(syntax)?;
     let (mut force, mut couple) = ([0.0; 2], [0.0; 2]);
     let mut turned = false;
     for (parameter, found) in &fitted.values {
@@ -20,11 +22,11 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String> {
         match parameter.place {
             Place::Unbalance(i) => (force[i], turned) = (*found, true),
             Place::Couple(i) => (couple[i], turned) = (*found, true),
-            Place::Damping(k) => damping(&mut document, k, *found)?,
-            Place::Clearance(b) => put(&mut document, b, "diametral_clearance", shown)?,
-            Place::Play(b) => put(&mut document, b, "radial_play", shown)?,
-            Place::Modulus(b) => put(&mut document, b, "youngs_modulus", shown)?,
-            Place::Stiffness(b) => put(&mut document, b, "stiffness", value(*found))?,
+            Place::Damping(k) => damping(&mut document, k, *found).map_err(form)?,
+            Place::Clearance(b) => put(&mut document, b, "diametral_clearance", shown).map_err(form)?,
+            Place::Play(b) => put(&mut document, b, "radial_play", shown).map_err(form)?,
+            Place::Modulus(b) => put(&mut document, b, "youngs_modulus", shown).map_err(form)?,
+            Place::Stiffness(b) => put(&mut document, b, "stiffness", value(*found)).map_err(form)?,
             Place::Preload(b) => {
                 let key = match scene.bearings.get(b).and_then(|b| b.preload) {
                     Some(Preload::Force(_)) => "force",
@@ -32,12 +34,13 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String> {
                 };
                 let mut table = InlineTable::new();
                 table.insert(key, Value::from(format!("{:.6} {unit}", found / size)));
-                put(&mut document, b, "preload", value(table))?;
+                put(&mut document, b, "preload", value(table)).map_err(form)?;
             }
             Place::Offset(p) => {
                 let probes = document.get_mut("recording").and_then(|r| r.get_mut("probes"));
                 let probe = probes.and_then(Item::as_array_mut).and_then(|all| all.get_mut(p));
-                let probe = probe.and_then(Value::as_inline_table_mut).context("a probe in one line")?;
+                let probe =
+                    probe.and_then(Value::as_inline_table_mut).ok_or_else(|| form("each probe as an inline table"))?;
                 probe.insert("offset", Value::from(format!("{:.6} {unit}", found / size)));
             }
         }
@@ -59,23 +62,25 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String> {
             table.insert("station", Value::from(format!("{:.6} mm", one.station * 1e3)));
             list.push(table);
         }
-        let rotor = document.get_mut("rotor").and_then(Item::as_table_like_mut).context("a [rotor]")?;
+        let rotor = document.get_mut("rotor").and_then(Item::as_table_like_mut).ok_or_else(|| form("[rotor]"))?;
         rotor.insert("unbalance", value(list));
     }
     Ok(document.to_string())
 }
 
-fn put(document: &mut DocumentMut, bearing: usize, key: &str, item: Item) -> Result<()> {
-    let tables: &mut ArrayOfTables =
-        document.get_mut("bearing").and_then(Item::as_array_of_tables_mut).context("[[bearing]]")?;
-    tables.iter_mut().nth(bearing).context("a [[bearing]]")?.insert(key, item);
+/// Puts a key into the table of a bearing; the error is the expected form.
+fn put(document: &mut DocumentMut, bearing: usize, key: &str, item: Item) -> Result<(), &'static str> {
+    let tables = document.get_mut("bearing").and_then(Item::as_array_of_tables_mut);
+    let table = tables.and_then(|tables| tables.iter_mut().nth(bearing)).ok_or("bearings as [[bearing]]")?;
+    table.insert(key, item);
     Ok(())
 }
 
-fn damping(document: &mut DocumentMut, group: usize, found: f64) -> Result<()> {
-    let rotor: &mut dyn TableLike = document.get_mut("rotor").and_then(Item::as_table_like_mut).context("a [rotor]")?;
+/// Puts a damping into the rotor's list; the error is the expected form.
+fn damping(document: &mut DocumentMut, group: usize, found: f64) -> Result<(), &'static str> {
+    let rotor: &mut dyn TableLike = document.get_mut("rotor").and_then(Item::as_table_like_mut).ok_or("[rotor]")?;
     let zeros = || value(Array::from_iter([0.0; 5]));
-    let list = rotor.entry("damping").or_insert_with(zeros).as_array_mut().context("rotor.damping as a list")?;
+    let list = rotor.entry("damping").or_insert_with(zeros).as_array_mut().ok_or("rotor.damping as a list")?;
     for i in [0..2, 2..3, 3..5][group].clone() {
         list.replace(i, found);
     }

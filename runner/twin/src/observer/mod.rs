@@ -11,13 +11,13 @@ mod tune;
 pub use consistency::{Consistency, Verdict, gate};
 pub use model::{Uncertainty, memory, weight};
 pub use running::{Correction, RunningObserver};
-pub use tune::{Cancelled, IdentificationData, TunedObserver, estimator, identify, noise};
+pub use tune::{IdentificationData, TunedObserver, estimator, identify, noise};
 
+use crate::error::Result;
 use crate::plant::{Plant, RigidSystem, RigidTask, Step};
 use crate::probes::row;
 use crate::scene::build::AnyBearing;
 use crate::scene::{Probe, Speed};
-use anyhow::Result;
 use ballrace::rotor::{BearingAtStation, ComponentAngles, RigidRotor, RotorState, ShaftMotion};
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
 use ballrace::{Displacement, Exact, Phase, Status};

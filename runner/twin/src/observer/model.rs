@@ -1,8 +1,8 @@
 //! The rotor on its bearings as a sampled linear system with an unknown load, from which the gains are computed.
 
 use super::riccati::{Sampled, Steady};
-use crate::plant::Plant;
-use anyhow::{Context, Result};
+use crate::error::Result;
+use crate::plant::{Plant, PlantError};
 use nalgebra::DMatrix;
 
 /// Coordinates of a rigid rotor.
@@ -91,7 +91,7 @@ fn sampled(
     scale: &[f64; STATES],
 ) -> Result<(DMatrix<f64>, DMatrix<f64>)> {
     let system = plant.scales()?;
-    let inverse = system.mass.try_inverse().context("found a mass matrix without an inverse")?;
+    let inverse = system.mass.try_inverse().ok_or(PlantError::SingularMass)?;
     let by_position = -&inverse * &plant.stiffness;
     let by_rate = -&inverse * (system.damping + system.gyroscopic * speed);
     let mut f = DMatrix::<f64>::zeros(STATES, STATES);

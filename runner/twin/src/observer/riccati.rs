@@ -1,6 +1,6 @@
 //! Steady-state Kalman filter of a linear system, by the structure-preserving doubling algorithm.
 
-use anyhow::{Result, bail};
+use crate::error::ObserverError;
 use nalgebra::DMatrix;
 
 /// Largest number of doublings. Each squares the remaining influence of the initial state.
@@ -38,16 +38,16 @@ impl Sampled {
     ///
     /// # Errors
     /// A noise that is not positive definite, a system whose filter has no steady state.
-    pub fn steady(&self) -> Result<Steady> {
+    pub fn steady(&self) -> Result<Steady, ObserverError> {
         let n = self.transition.nrows();
-        let Some(weight) = self.noise.clone().try_inverse() else { bail!("found probes without noise") };
+        let weight = self.noise.clone().try_inverse().ok_or(ObserverError::NoNoise)?;
         let one = DMatrix::<f64>::identity(n, n);
         let mut a = self.transition.transpose();
         let mut g = self.probes.transpose() * weight * &self.probes;
         let mut h = self.disturbance.clone();
         let mut settled = false;
         for _ in 0..DOUBLINGS {
-            let Some(w) = (&one + &g * &h).try_inverse() else { bail!("found a filter that does not settle") };
+            let w = (&one + &g * &h).try_inverse().ok_or(ObserverError::NotSteady)?;
             let (aw, hw) = (&a * &w, &h * &w);
             let more = a.transpose() * &hw * &a;
             g += &aw * &g * a.transpose();
@@ -62,11 +62,9 @@ impl Sampled {
         }
         let covariance = h;
         let innovation = &self.probes * &covariance * self.probes.transpose() + &self.noise;
-        let Some(factor) = innovation.cholesky().filter(|_| settled) else {
-            bail!("found a filter that does not settle")
-        };
+        let factor = innovation.cholesky().filter(|_| settled).ok_or(ObserverError::NotSteady)?;
         let gain = &covariance * self.probes.transpose() * factor.inverse();
-        let Some(whitening) = factor.l().try_inverse() else { bail!("found a filter that does not settle") };
+        let whitening = factor.l().try_inverse().ok_or(ObserverError::NotSteady)?;
         Ok(Steady {
             gain,
             whitening,

@@ -1,10 +1,10 @@
 //! Initial state of the observer: the state from which the model follows the first revolutions best.
 
 use super::{D, Gains, IdentificationData, InitialState, model, tune};
+use crate::error::Result;
 use crate::least_squares;
 use crate::plant::Plant;
 use crate::probes::reading;
-use anyhow::Result;
 
 /// Number of samples in the fit.
 const SAMPLES: usize = 1024;

@@ -2,10 +2,10 @@
 
 use super::model::{self, Uncertainty};
 use super::{D, EstimatorTask, Gains, InitialState, MOST_PROBES, StateEstimator, start};
+use crate::error::{ObserverError, Result};
 use crate::plant::{MountedBearing, Plant};
 use crate::recording::Sample;
 use crate::scene::Speed;
-use anyhow::{Result, bail};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Data from which an observer is identified.
@@ -22,19 +22,14 @@ pub struct IdentificationData<'a> {
     pub speed: Speed,
     /// Process noise of the unknown force where the scene gives it, N per root second.
     pub process_noise: Option<f64>,
-    /// Set to end the search with [`Cancelled`].
+    /// Set to end the search with [`ObserverError::Cancelled`].
     pub cancelled: &'a AtomicBool,
 }
 
-/// Error returned when the search for an observer is cancelled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the search for the observer was cancelled")]
-pub struct Cancelled;
-
 impl IdentificationData<'_> {
     /// Returns an error where the search is cancelled.
-    pub(super) fn check_cancelled(&self) -> Result<(), Cancelled> {
-        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
+    pub(super) fn check_cancelled(&self) -> Result<(), ObserverError> {
+        if self.cancelled.load(Ordering::Relaxed) { Err(ObserverError::Cancelled) } else { Ok(()) }
     }
 }
 
@@ -75,7 +70,7 @@ pub fn identify(
     guess: InitialState,
 ) -> Result<Option<TunedObserver>> {
     if data.rows.len() > MOST_PROBES {
-        bail!("recording.probes: found {}, allowed: up to {MOST_PROBES}", data.rows.len());
+        return Err(ObserverError::Probes { found: data.rows.len(), most: MOST_PROBES }.into());
     }
     let noise: Vec<f64> =
         (0..data.rows.len()).map(|p| noise(data.samples, p, data.given_noise.get(p).copied().flatten())).collect();

@@ -28,6 +28,12 @@ pub enum PlantError {
         /// Number of bearings.
         found: usize,
     },
+    /// No mounted bearing has this name.
+    #[error("bearing {name}: found none of this name on the rotor")]
+    NotMounted {
+        /// Name of the bearing.
+        name: String,
+    },
     /// A bearing cannot be built.
     #[error(transparent)]
     Build(#[from] BuildError),

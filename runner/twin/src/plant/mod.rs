@@ -214,6 +214,15 @@ impl Plant {
         self.with_machine(MountedBearing::cold, RestTask { start, at })
     }
 
+    /// Returns the bearing of this name.
+    ///
+    /// # Errors
+    /// No bearing of this name.
+    pub fn mounted(&self, name: &str) -> Result<&MountedBearing> {
+        let found = self.bearings.iter().find(|bearing| bearing.name == name);
+        found.ok_or_else(|| PlantError::NotMounted { name: name.to_owned() })
+    }
+
     /// Returns the kinematic state of a bearing at the nominal speed with the cage angle `cage`.
     #[must_use]
     pub fn resting(&self, mounted: &MountedBearing, cage: Phase) -> BearingKinematicState<f64> {

@@ -9,7 +9,6 @@ pub use plane::{Plane, planes};
 
 use crate::outcome::Observation;
 use crate::scene::{Direction, Probe};
-use anyhow::{Result, bail};
 use ballrace::Displacement;
 use nalgebra::{DMatrix, DVector};
 
@@ -31,6 +30,17 @@ pub fn reading(row: &[f64; 5], q: &Displacement<f64>) -> f64 {
     row.iter().zip(q.to_array()).map(|(a, x)| a * x).sum()
 }
 
+/// Error returned for probes that do not determine the displacement of the shaft.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "recording.probes: found probes from which the shaft's position cannot be told ({reason}), allowed: two planes, each \
+     with two directions that are not parallel"
+)]
+pub struct UnobservableError {
+    /// Reason found in the arrangement of the probes.
+    pub reason: String,
+}
+
 /// Least-squares solution for the position, `q = matrix * readings`, with the matrix computed once.
 pub struct PoseSolver {
     inverse: Vec<[f64; 5]>,
@@ -44,7 +54,7 @@ impl PoseSolver {
     ///
     /// # Errors
     /// Probes that do not determine a radial or tilt coordinate.
-    pub fn try_new(probes: &[Probe], bearings: &[f64]) -> Result<Self> {
+    pub fn try_new(probes: &[Probe], bearings: &[f64]) -> Result<Self, UnobservableError> {
         let rows: Vec<[f64; 5]> = probes.iter().map(row).collect();
         let has_axial_probe = probes.iter().any(|p| p.direction == Direction::Axial);
         let span = length_scale(probes);
@@ -57,9 +67,9 @@ impl PoseSolver {
         let smallest = svd.singular_values.min();
         let unknowns = active.len();
         if rows.len() < unknowns || smallest <= 1e-9 * largest {
-            bail!(not_observable(probes));
+            return Err(unobservable(probes));
         }
-        let Ok(pseudo) = svd.pseudo_inverse(0.0) else { bail!(not_observable(probes)) };
+        let pseudo = svd.pseudo_inverse(0.0).map_err(|_| unobservable(probes))?;
         let inverse: Vec<[f64; 5]> = (0..rows.len())
             .map(|k| {
                 let mut column = [0.0; 5];
@@ -122,7 +132,7 @@ fn noise_gain(inverse: &[[f64; 5]], bearings: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-fn not_observable(probes: &[Probe]) -> String {
+fn unobservable(probes: &[Probe]) -> UnobservableError {
     let radial: Vec<(f64, f64)> = probes
         .iter()
         .filter_map(|p| match p.direction {
@@ -135,7 +145,7 @@ fn not_observable(probes: &[Probe]) -> String {
     planes.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
     let first = radial.first().map_or(0.0, |r| r.1);
     let parallel = radial.iter().all(|r| (r.1 - first).sin().abs() < 1e-6);
-    let why = if radial.is_empty() {
+    let reason = if radial.is_empty() {
         "there is no radial probe".to_owned()
     } else if parallel {
         format!(
@@ -148,7 +158,5 @@ fn not_observable(probes: &[Probe]) -> String {
     } else {
         format!("{} radial probes leave part of the motion open", radial.len())
     };
-    format!(
-        "recording.probes: found probes from which the shaft's position cannot be told ({why}), allowed: two planes, each with two directions that are not parallel"
-    )
+    UnobservableError { reason }
 }

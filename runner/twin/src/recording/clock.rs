@@ -1,8 +1,8 @@
 //! Time stamps -> sample numbers, against a grid that follows the recording's own clock.
 
-use crate::error::UsageError;
 use crate::scene::{Clock, Recording, Scene, Speed};
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 
 /// Fewest samples in a revolution at the scene's shaft speed: 1X and a keyphasor pulse need more than two.
 const FEWEST_PER_TURN: f64 = 4.0;
@@ -23,15 +23,36 @@ pub struct ImplausibleRate {
 }
 
 impl ImplausibleRate {
-    /// The error of a command: of the scene where that states the rate, else of the recording `name`.
+    /// Returns the error with its place: the scene where that states the rate, else the recording `name`.
     #[must_use]
-    pub fn of(self, scene: &Scene, name: &str) -> anyhow::Error {
+    pub fn of(self, scene: &Scene, name: &str) -> RateError {
         if self.by_scene {
-            UsageError(format!("{}: [recording] rate: {self}", scene.path.display())).into()
+            RateError::Scene { file: scene.path.clone(), rate: self }
         } else {
-            anyhow::anyhow!("{name}: sampling rate from its time stamps: {self}")
+            RateError::TimeStamps { recording: name.to_owned(), rate: self }
         }
     }
+}
+
+/// Error returned for an implausible sampling rate, with the place that states it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RateError {
+    /// The scene states the rate.
+    #[error("{}: [recording] rate: {rate}", file.display())]
+    Scene {
+        /// Scene file.
+        file: PathBuf,
+        /// Rate found and allowed. Not a `source`: the message contains it.
+        rate: ImplausibleRate,
+    },
+    /// The rate follows from the time stamps.
+    #[error("{recording}: sampling rate from its time stamps: {rate}")]
+    TimeStamps {
+        /// Name of the recording.
+        recording: String,
+        /// Rate found and allowed. Not a `source`: the message contains it.
+        rate: ImplausibleRate,
+    },
 }
 
 /// Checks the sampling rate (Hz) of a recording against the scene's shaft speed.

@@ -4,10 +4,10 @@ use super::pipeline::Pipeline;
 use super::standstill::Measured;
 use super::statistics::Running;
 use super::{findings, list, observe, plausibility};
+use crate::error::{ReplayError, Result};
 use crate::outcome::{Outcome, Record};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
-use anyhow::{Result, bail};
 use std::f64::consts::TAU;
 
 /// Time, revolutions and speed of the processed samples.
@@ -142,7 +142,7 @@ impl Pipeline<'_> {
     /// Returns the outcome of a recording in which no sample has a shaft angle.
     fn conclude_at_standstill(self, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
         if self.standstill.samples() == 0 {
-            bail!("{}: no sample, expected at least one revolution of the shaft", facts.name);
+            return Err(ReplayError::NoSample { recording: facts.name.to_owned() }.into());
         }
         let outcome = self.standstill.outcome(Measured {
             probes: self.probes,

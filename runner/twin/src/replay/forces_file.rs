@@ -2,24 +2,23 @@
 
 use super::Source;
 use super::force::EvaluatedForce;
-use crate::output::{AtomicFile, quoted};
+use crate::output::{AtomicFile, OutputError, quoted};
 use crate::plant::MountedBearing;
 use crate::recording::status::SampleStatus;
-use anyhow::{Context, Result};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// File with the forces of every sample; it appears complete at the end or not at all.
 pub(super) struct ForcesFile {
     file: AtomicFile,
-    path: String,
+    path: PathBuf,
     source: Source,
 }
 
 impl ForcesFile {
     /// Creates the file and writes its header.
-    pub(super) fn create(path: &Path, source: Source, bearings: &[MountedBearing]) -> Result<Self> {
-        let mut file = Self { file: AtomicFile::create(path)?, path: path.display().to_string(), source };
+    pub(super) fn create(path: &Path, source: Source, bearings: &[MountedBearing]) -> Result<Self, OutputError> {
+        let mut file = Self { file: AtomicFile::create(path)?, path: path.to_owned(), source };
         let mut header = "time_s".to_owned();
         for bearing in bearings {
             for component in ["FX_N", "FY_N", "FZ_N", "MX_Nm", "MY_Nm"] {
@@ -31,12 +30,17 @@ impl ForcesFile {
         Ok(file)
     }
 
-    fn write(&mut self, text: std::fmt::Arguments) -> Result<()> {
-        self.file.write_fmt(text).with_context(|| format!("{}: this file cannot be written", self.path))
+    fn write(&mut self, text: std::fmt::Arguments) -> Result<(), OutputError> {
+        self.file.write_fmt(text).map_err(|source| OutputError::Write { file: self.path.clone(), source })
     }
 
     /// Writes the row of one sample.
-    pub(super) fn add(&mut self, time: f64, forces: &[EvaluatedForce], status: SampleStatus) -> Result<()> {
+    pub(super) fn add(
+        &mut self,
+        time: f64,
+        forces: &[EvaluatedForce],
+        status: SampleStatus,
+    ) -> Result<(), OutputError> {
         self.write(format_args!("{time:.9}"))?;
         let is_observed = self.source == Source::Observer;
         let status = if is_observed { status } else { status.without(SampleStatus::FROM_DISPLACEMENT) };
@@ -48,7 +52,7 @@ impl ForcesFile {
     }
 
     /// Completes the file.
-    pub(super) fn finish(self) -> Result<()> {
-        Ok(self.file.finish()?)
+    pub(super) fn finish(self) -> Result<(), OutputError> {
+        self.file.finish()
     }
 }

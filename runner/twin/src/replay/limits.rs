@@ -5,11 +5,10 @@
 
 use super::lines::{followed, inner_line, outer_line};
 use crate::baseline::Baseline;
-use crate::error::UsageError;
+use crate::error::LimitError;
 use crate::outcome::{Event, LimitLine};
 use crate::plant::MountedBearing;
 use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};
-use anyhow::{Result, bail};
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
 use serde::{Deserialize, Serialize};
@@ -141,7 +140,7 @@ impl LimitMonitor {
         probes: &[Probe],
         mounted: &[MountedBearing],
         baseline: Option<&Baseline>,
-    ) -> Result<Self> {
+    ) -> Result<Self, LimitError> {
         let mut monitored = Vec::new();
         for limit in limits {
             let line = line(limit, mounted)?;
@@ -157,10 +156,7 @@ impl LimitMonitor {
                 monitored.push(ProbeLimit { limit: limit.clone(), probe, line, max, crossing: None });
             }
             if !any {
-                bail!(UsageError(format!(
-                    "limit: probe: found {:?}, allowed: a probe of [recording]",
-                    named.unwrap_or("no radial probe")
-                )));
+                return Err(LimitError::Probe { found: named.unwrap_or("no radial probe").to_owned() });
             }
         }
         let names = probes.iter().map(|p| p.column.clone()).collect();
@@ -386,7 +382,7 @@ impl ProbeLimit {
 }
 
 /// Returns the index of the indicator among the followed lines; none where it is no line.
-fn line(limit: &Limit, mounted: &[MountedBearing]) -> Result<Option<usize>> {
+fn line(limit: &Limit, mounted: &[MountedBearing]) -> Result<Option<usize>, LimitError> {
     let of: fn(usize, i32) -> usize = match limit.indicator {
         Indicator::OuterRace => outer_line,
         Indicator::InnerRace => inner_line,
@@ -396,20 +392,15 @@ fn line(limit: &Limit, mounted: &[MountedBearing]) -> Result<Option<usize>> {
     };
     let named = |s: &MountedBearing| limit.bearing.as_ref().is_some_and(|name| *name == s.name);
     let Some(i) = mounted.iter().position(named) else {
-        bail!(UsageError(format!(
-            "limit: bearing: found {:?}, allowed: the name of a bearing",
-            limit.bearing.as_deref().unwrap_or("none")
-        )));
+        return Err(LimitError::Bearing { found: limit.bearing.clone().unwrap_or_else(|| "none".to_owned()) });
     };
     debug_assert!(of(i, 1) < followed(mounted).len());
     Ok(Some(of(i, 1)))
 }
 
 /// Returns the value of an indicator in the baseline.
-fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Baseline>) -> Result<f64> {
-    let Some(baseline) = baseline else {
-        bail!(UsageError("limit: growth: found no baseline, allowed: replay with --baseline, or max".to_owned()))
-    };
+fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Baseline>) -> Result<f64, LimitError> {
+    let baseline = baseline.ok_or(LimitError::NoBaseline)?;
     let usual = match (limit.indicator, line) {
         (Indicator::OuterRace | Indicator::InnerRace, Some(line)) => baseline.line(line, probe),
         (_, Some(line)) => baseline.motion_line(line, probe),
@@ -418,10 +409,7 @@ fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Bas
     if usual > 0.0 {
         return Ok(usual);
     }
-    let (name, _) = limit.indicator.name();
-    bail!(UsageError(format!(
-        "limit: growth_db: found a baseline without {name}, allowed: one learned by this version"
-    )))
+    Err(LimitError::Indicator { indicator: limit.indicator.name().0 })
 }
 
 #[cfg(test)]

@@ -52,13 +52,12 @@ pub use crate::{baseline, outcome};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 
-use crate::error::UsageError;
+use crate::error::{ReplayError, Result};
 use crate::outcome::Outcome;
 use crate::recording::Reader;
 use crate::recording::clock::check_rate;
 use crate::scene::Scene;
 use crate::vibration;
-use anyhow::{Result, bail};
 use std::path::Path;
 
 /// Options of a replay.
@@ -101,13 +100,10 @@ const PROGRESS_ROWS: u64 = 4096;
 /// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
 pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else {
-        bail!(UsageError(format!(
-            "{}: [recording]: found none, allowed: the recording to replay",
-            scene.path.display()
-        )));
+        return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
     if !recording.sensors.is_empty() {
-        return vibration::replay(scene, reader, recording_name, options.baseline, options.progress);
+        return vibration::replay(scene, recording, reader, recording_name, options.baseline, options.progress);
     }
     check_rate(reader.rate(), recording, scene.shaft.speed).map_err(|e| e.of(scene, recording_name))?;
     let mut replay = Replay::try_new(scene, reader.rate(), options)?;

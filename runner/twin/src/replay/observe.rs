@@ -4,13 +4,13 @@ use super::notices::Notices;
 use super::range::ReadingRange;
 use super::statistics::Running;
 use super::twin::{SampleInterval, TwinMotion, TwinStart};
+use crate::error::Result;
 use crate::observer::{Consistency, InitialState, RunningObserver, TunedObserver, Verdict, estimator, gate};
 use crate::outcome::ObserverOutcome;
 use crate::plant::Plant;
 use crate::probes::reading;
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
-use anyhow::Result;
 use ballrace::{Displacement, Status};
 
 /// Two-sided 99 % quantile of the normal distribution.

@@ -24,12 +24,12 @@ use super::timing::Ledger;
 use super::twin::TwinStage;
 use crate::baseline::Baseline;
 use crate::effect_significance;
+use crate::error::{Error, Result};
 use crate::plant::{Plant, only_rigid};
 use crate::probes::{self, Plane, PoseSolver};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
 use crate::scene::{Probe, Scene, Speed};
-use anyhow::{Context, Result};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -110,7 +110,7 @@ impl<'a> Pipeline<'a> {
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
         let stations: Vec<f64> = bearings.iter().map(|b| b.station).collect();
-        let solver = PoseSolver::try_new(probes, &stations).with_context(|| scene.path.display().to_string())?;
+        let solver = PoseSolver::try_new(probes, &stations).map_err(Error::in_file(&scene.path))?;
         let planes = probes::planes(probes);
         let baseline =
             options.baseline.map(|path| Baseline::read(path, probes, &followed_orders(bearings))).transpose()?;

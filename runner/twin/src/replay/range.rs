@@ -10,8 +10,8 @@ use crate::plant::{MountedBearing, PRESSURE_LIMIT, Plant};
 use crate::recording::flaws::{Flaw, FlawLedger, Position};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
+use crate::scene::build::BuildError;
 use crate::scene::{Direction, Probe, Scene, build};
-use anyhow::Result;
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::{Displacement, Phase};
@@ -50,7 +50,7 @@ impl ReadingRange {
     ///
     /// # Errors
     /// A bearing geometry that the kernel rejects.
-    pub fn try_new(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Result<Self> {
+    pub fn try_new(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Result<Self, BuildError> {
         let loads = loads(scene);
         let limits = scene.bearings.iter().zip(&plant.bearings).map(|(bearing, mounted)| {
             let geometry = build::geometry(bearing)?;
@@ -61,7 +61,7 @@ impl ReadingRange {
             });
             Ok(Limit::new(plant, mounted, pressure_limit, LARGEST_FORCE * loads))
         });
-        let limits = limits.collect::<Result<Vec<_>>>()?;
+        let limits = limits.collect::<Result<Vec<_>, BuildError>>()?;
         let largest: Vec<f64> = probes.iter().map(|probe| MARGIN * at_probe(&limits, probe)).collect();
         Ok(Self {
             axial: unseen_axial(plant, probes, loads),

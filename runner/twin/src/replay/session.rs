@@ -7,13 +7,12 @@ use super::notices::Notice;
 use super::pipeline::Pipeline;
 use super::second::Second;
 use super::snapshot::Snapshot;
-use crate::error::UsageError;
+use crate::error::{Error, ReplayError, Result};
 use crate::outcome::{Event, Outcome};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
 use crate::scene::{Recording, RotationSource, Scene};
-use anyhow::{Result, bail};
 use std::time::Instant;
 
 /// Time without a keyphasor pulse after which a shaft counts as standing still in live operation, s.
@@ -50,10 +49,11 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// A scene without rotor or recording, probes that do not determine the motion.
     pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
-        let Some(recording) = &scene.recording else { bail!(UsageError("found no [recording]".to_owned())) };
+        let recording = scene.recording.as_ref();
+        let recording = recording.ok_or_else(|| ReplayError::NoRecording { file: scene.path.clone() })?;
         let tracker = tracker(scene, recording, rate, options.live);
         let rate = rate / f64::from(recording.average);
-        let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(UsageError::new)?;
+        let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(Error::setup)?;
         let rotation = &recording.rotation;
         Ok(Self { scene, rotation, tracker, pipeline, rows: 0, flaws: vec![], has_ended: false })
     }

@@ -6,11 +6,11 @@
 
 use super::align::{self, AlignmentStage};
 use super::range::ReadingRange;
-use crate::observer::{Cancelled, IdentificationData, InitialState, TunedObserver, identify};
+use crate::error::{Error, ObserverError, ReplayError, Result};
+use crate::observer::{IdentificationData, InitialState, TunedObserver, identify};
 use crate::plant::{Plant, RunIn, Twin};
 use crate::recording::Sample;
 use crate::scene::Speed;
-use anyhow::{Context, Result, bail};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -162,7 +162,7 @@ impl Startup {
 
     /// Returns the twins that have settled.
     pub(super) fn take_settled(&mut self) -> Result<[Box<dyn Twin>; 2]> {
-        self.settled.take().context("the twin is not run in")
+        Ok(self.settled.take().ok_or(ReplayError::NotRunIn)?)
     }
 
     /// Removes the item at the front of the queue.
@@ -247,7 +247,7 @@ impl Search {
     fn run(&self, samples: &[Sample]) -> Result<SearchResult> {
         let mut lag = 0.0;
         match self.find(samples, &mut lag) {
-            Err(error) if error.is::<Cancelled>() => Ok(SearchResult { lag, tuned: None }),
+            Err(Error::Observer(ObserverError::Cancelled)) => Ok(SearchResult { lag, tuned: None }),
             tuned => Ok(SearchResult { lag, tuned: tuned? }),
         }
     }
@@ -293,8 +293,8 @@ impl Search {
         Ok(run_in.into_twin())
     }
 
-    fn check_cancelled(&self) -> Result<(), Cancelled> {
-        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
+    fn check_cancelled(&self) -> Result<(), ObserverError> {
+        if self.cancelled.load(Ordering::Relaxed) { Err(ObserverError::Cancelled) } else { Ok(()) }
     }
 
     /// Runs the search on its own thread.
@@ -312,7 +312,7 @@ impl Search {
 /// # Errors
 /// Those of the search.
 fn joined(search: JoinHandle<Result<SearchResult>>) -> Result<SearchResult> {
-    search.join().unwrap_or_else(|_| bail!("the search for the twin's start panicked"))
+    search.join().unwrap_or_else(|_| Err(ReplayError::SearchPanicked.into()))
 }
 
 /// Two twins that are run in up to a sample, some steps at a time, so that a monitor does not wait for them.

@@ -1,7 +1,7 @@
 //! Compute time of the samples of a replay.
 
 use crate::outcome::{Quantiles, Timing};
-use hdrhistogram::Histogram;
+use hdrhistogram::{CreationError, Histogram};
 use std::time::{Duration, Instant};
 
 /// Compute times of one replay.
@@ -17,8 +17,8 @@ pub struct Ledger {
 ///
 /// # Errors
 /// None in practice: the bounds are constants.
-pub fn histogram() -> anyhow::Result<Histogram<u64>> {
-    Ok(Histogram::new_with_bounds(1, 1_000_000_000_000, 3)?)
+pub fn histogram() -> Result<Histogram<u64>, CreationError> {
+    Histogram::new_with_bounds(1, 1_000_000_000_000, 3)
 }
 
 impl Ledger {
@@ -26,7 +26,7 @@ impl Ledger {
     ///
     /// # Errors
     /// None in practice.
-    pub fn try_new(period: f64) -> anyhow::Result<Self> {
+    pub fn try_new(period: f64) -> Result<Self, CreationError> {
         Ok(Self { compute: histogram()?, period, start: None, first: 0.0, last: 0.0 })
     }
 

@@ -1,8 +1,8 @@
 //! Twin stage: the digital twin and its linear reference follow the shaft angle from sample to sample.
 
+use crate::error::{ReplayError, Result};
 use crate::plant::{MountedBearing, Plant, Twin};
 use crate::recording::Sample;
-use anyhow::{Result, bail};
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{Displacement, Phase};
 use std::f64::consts::TAU;
@@ -141,7 +141,7 @@ impl TwinStage {
             let start = if self.has_run { TwinStart::Restart } else { TwinStart::First };
             return Ok(SampleInterval { from: shaft, steps: 0, period, revolutions: 0.0, start: Some(start) });
         }
-        let Some(state) = &self.state else { bail!("the twin has not started") };
+        let state = self.state.as_ref().ok_or(ReplayError::NotStarted)?;
         let steps = sample.row.index.saturating_sub(state.index);
         let coasted = state.shaft.speed * steps as f64 / self.rate / TAU;
         // Over one period the difference of the angles counts; over a gap its whole revolutions come from the speed.

@@ -54,7 +54,7 @@ pub fn geometry(bearing: &BearingScene) -> Result<Option<BallBearingGeometry>, B
     Ok(Some(built.checked().map_err(|e| named(bearing, e))?))
 }
 
-fn named(bearing: &BearingScene, error: InvalidParameter) -> BuildError {
+pub(crate) fn named(bearing: &BearingScene, error: InvalidParameter) -> BuildError {
     BuildError::Parameter { bearing: bearing.name.clone(), error }
 }
 
@@ -155,7 +155,10 @@ fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>,
 }
 
 /// Returns the geometry of a model with a contact angle, and its displacement datum.
-fn contact_geometry(scene: &BearingScene, model: &str) -> Result<(BallBearingGeometry, DisplacementDatum), BuildError> {
+pub(crate) fn contact_geometry(
+    scene: &BearingScene,
+    model: &str,
+) -> Result<(BallBearingGeometry, DisplacementDatum), BuildError> {
     let Some(geometry) = geometry(scene)? else {
         let keys = "with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance";
         return Err(invalid(scene, format!("model {model}"), "no geometry", keys));

@@ -1,11 +1,13 @@
 //! `--over KEY=FROM..TO:HOW`: which key of a scene takes which values, and a scene with them put in.
 
-use crate::error::UsageError;
-use anyhow::{Result, bail};
+use crate::error::SweepError;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 /// Most values of one key.
 const MOST_VALUES: usize = 100_000;
+
+/// Forms of `--over`.
+const FORM: &str = "KEY=FROM..TO:COUNT (such as shaft.speed=500rpm..10000rpm:200), a step with its unit in place of the count, or KEY=A,B,C";
 
 /// One key and its values.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,32 +25,32 @@ impl Axis {
     ///
     /// # Errors
     /// Returns an error with the allowed forms if the text is invalid.
-    pub fn parse(text: &str) -> Result<Self> {
-        let fault = |why: String| UsageError(format!("--over: found {text:?}, {why}"));
-        let allowed = "allowed: KEY=FROM..TO:COUNT (such as shaft.speed=500rpm..10000rpm:200), a step with its unit in place of the count, or KEY=A,B,C";
-        let Some((key, range)) = text.split_once('=') else { bail!(fault(allowed.to_owned())) };
+    pub fn parse(text: &str) -> Result<Self, SweepError> {
+        let invalid = |expected: String| SweepError::Axis { found: text.to_owned(), expected };
+        let form = || invalid(FORM.to_owned());
+        let (key, range) = text.split_once('=').ok_or_else(form)?;
         let (numbers, unit) = match range.split_once("..") {
             Some((from, rest)) => {
-                let Some((to, how)) = rest.rsplit_once(':') else { bail!(fault(allowed.to_owned())) };
+                let (to, how) = rest.rsplit_once(':').ok_or_else(form)?;
                 let ends = [quantity(from), quantity(to), quantity(how)];
-                let [Some((from, a)), Some((to, b)), Some((how, c))] = ends else { bail!(fault(allowed.to_owned())) };
+                let [Some((from, a)), Some((to, b)), Some((how, c))] = ends else { return Err(form()) };
                 if a != b {
-                    bail!(fault(format!("allowed: one unit for both ends, here {a:?} and {b:?}")));
+                    return Err(invalid(format!("one unit for both ends, here {a:?} and {b:?}")));
                 }
                 if c.is_empty() && how.fract() == 0.0 {
-                    (by_count(from, to, how).map_err(fault)?, a)
+                    (by_count(from, to, how).map_err(invalid)?, a)
                 } else if c == a {
-                    (by_step(from, to, how).map_err(fault)?, a)
+                    (by_step(from, to, how).map_err(invalid)?, a)
                 } else {
-                    bail!(fault(format!("allowed: a whole count, or a step in {a:?}")));
+                    return Err(invalid(format!("a whole count, or a step in {a:?}")));
                 }
             }
             None => {
                 let all: Option<Vec<(f64, String)>> = range.split(',').map(quantity).collect();
-                let Some(all) = all else { bail!(fault(allowed.to_owned())) };
+                let all = all.ok_or_else(form)?;
                 let unit = all.first().map(|(_, unit)| unit.clone()).unwrap_or_default();
                 if all.iter().any(|(_, other)| *other != unit) {
-                    bail!(fault("allowed: one unit for all values".to_owned()));
+                    return Err(invalid("one unit for all values".to_owned()));
                 }
                 (all.into_iter().map(|(number, _)| number).collect(), unit)
             }
@@ -78,19 +80,19 @@ fn quantity(text: &str) -> Option<(f64, String)> {
     Some((number, text.get(end..)?.trim().to_owned()))
 }
 
-fn by_count(from: f64, to: f64, count: f64) -> std::result::Result<Vec<f64>, String> {
+fn by_count(from: f64, to: f64, count: f64) -> Result<Vec<f64>, String> {
     if !(2.0..=MOST_VALUES as f64).contains(&count) {
-        return Err(format!("allowed: a count of 2 to {MOST_VALUES}"));
+        return Err(format!("a count of 2 to {MOST_VALUES}"));
     }
     let last = count - 1.0;
     // The ends exactly, whatever the step rounds to.
     Ok((0..count as usize).map(|i| from + (to - from) * (i as f64 / last)).collect())
 }
 
-fn by_step(from: f64, to: f64, step: f64) -> std::result::Result<Vec<f64>, String> {
+fn by_step(from: f64, to: f64, step: f64) -> Result<Vec<f64>, String> {
     let count = ((to - from) / step * (1.0 + 1e-12)).floor() + 1.0;
     if !(1.0..=MOST_VALUES as f64).contains(&count) {
-        return Err(format!("allowed: a step that leads from the one end to the other in at most {MOST_VALUES}"));
+        return Err(format!("a step that leads from the one end to the other in at most {MOST_VALUES}"));
     }
     Ok((0..count as usize).map(|i| from + step * i as f64).collect())
 }
@@ -117,14 +119,9 @@ fn parts(key: &str) -> Option<Vec<Part<'_>>> {
 ///
 /// # Errors
 /// A key that leads nowhere.
-pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<()> {
+pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<(), SweepError> {
     let found = parts(key).is_some_and(|parts| in_table(document.as_table_mut(), &parts, value));
-    if !found {
-        bail!(UsageError(format!(
-            "--over: found the key {key:?}, allowed: a key of the scene, such as shaft.speed, bearing[0].radial_play or bearing.DE.radial_play"
-        )));
-    }
-    Ok(())
+    if found { Ok(()) } else { Err(SweepError::Key { found: key.to_owned() }) }
 }
 
 fn in_table(table: &mut dyn TableLike, parts: &[Part<'_>], value: Value) -> bool {

@@ -2,7 +2,7 @@
 //! from there.
 
 use super::Chain;
-use anyhow::{Context, Result, bail};
+use crate::error::SweepError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -28,24 +28,19 @@ pub struct Journal {
 ///
 /// # Errors
 /// A file that cannot be read, that is none, or that belongs to another sweep.
-pub fn read(path: &Path, sweep: &str) -> Result<BTreeMap<usize, Chain>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("{}: this file cannot be read", path.display()))?;
+pub fn read(path: &Path, sweep: &str) -> Result<BTreeMap<usize, Chain>, SweepError> {
+    let file = || path.to_owned();
+    let text = std::fs::read_to_string(path).map_err(|source| SweepError::Read { file: file(), source })?;
     let mut lines = whole_lines(&text);
     let head: Option<Head> = lines.next().and_then(|line| serde_json::from_str(line).ok());
-    let Some(head) = head else {
-        bail!("{}: found no results of a sweep, allowed: a file that sweep has written", path.display())
-    };
+    let head = head.ok_or_else(|| SweepError::NoJournal { file: file() })?;
     if head.sweep != sweep {
-        bail!(
-            "{}: found results of another scene, range or measure, allowed: those of this sweep; remove the file or choose another -o",
-            path.display()
-        );
+        return Err(SweepError::OtherSweep { file: file() });
     }
     let mut done = BTreeMap::new();
     for (i, line) in lines.enumerate() {
-        let chain: Chain = serde_json::from_str(line)
-            .with_context(|| format!("{}: line {}: found no result of a sweep", path.display(), i + 2))?;
+        let chain: Chain =
+            serde_json::from_str(line).map_err(|source| SweepError::Line { file: file(), line: i + 2, source })?;
         done.insert(chain.number, chain);
     }
     Ok(done)
@@ -61,8 +56,8 @@ impl Journal {
     ///
     /// # Errors
     /// As [`read`], or a file that cannot be written.
-    pub fn open(path: &Path, sweep: String) -> Result<Self> {
-        let failed = || format!("{}: this file cannot be written", path.display());
+    pub fn open(path: &Path, sweep: String) -> Result<Self, SweepError> {
+        let failed = |source| SweepError::Write { file: path.to_owned(), source };
         let done = if path.exists() { read(path, &sweep)? } else { BTreeMap::new() };
         let mut text = serde_json::to_string(&Head { sweep })? + "\n";
         for chain in done.values() {
@@ -70,8 +65,8 @@ impl Journal {
             text.push('\n');
         }
         // Written anew, so that half a line at the end is gone.
-        std::fs::write(path, text).with_context(failed)?;
-        let file = OpenOptions::new().append(true).open(path).with_context(failed)?;
+        std::fs::write(path, text).map_err(failed)?;
+        let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
         Ok(Self { file, path: path.to_owned(), done })
     }
 
@@ -79,15 +74,14 @@ impl Journal {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn add(&mut self, chain: Chain) -> Result<()> {
+    pub fn add(&mut self, chain: Chain) -> Result<(), SweepError> {
         let line = serde_json::to_string(&chain)? + "\n";
         // As a reader parses it, so that results do not depend on whether the sweep was stopped in between. What
         // cannot be read again, such as a figure that is no number, is never written.
-        let chain: Chain =
-            serde_json::from_str(line.trim_end()).context("found a result that is no finite number in a point")?;
-        let failed = || format!("{}: this file cannot be written", self.path.display());
-        self.file.write_all(line.as_bytes()).with_context(failed)?;
-        self.file.sync_data().with_context(failed)?;
+        let chain: Chain = serde_json::from_str(line.trim_end()).map_err(SweepError::NotFinite)?;
+        let failed = |source| SweepError::Write { file: self.path.clone(), source };
+        self.file.write_all(line.as_bytes()).map_err(failed)?;
+        self.file.sync_data().map_err(failed)?;
         self.done.insert(chain.number, chain);
         Ok(())
     }

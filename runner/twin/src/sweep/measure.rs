@@ -1,12 +1,11 @@
 //! One point of a sweep: the steady-state motion of the scene's rotor and its measures.
 
 use crate::effect_significance::{self, EffectSignificance};
-use crate::error::UsageError;
+use crate::error::{Result, SweepError};
 use crate::motion::{self, MOST_SAMPLES, ResponseSample, Span};
 use crate::plant::{Plant, Twin};
 use crate::scene::Scene;
 use crate::spectrum::amplitudes;
-use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -101,19 +100,14 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
     let plant = Plant::try_new(scene)?;
     let (section, pass) = frequencies(scene, &plant, asked.by_shaft);
     if section <= 0.0 {
-        bail!(
-            "{}: shaft.speed: found a shaft at standstill, allowed in a sweep: a rotating shaft",
-            scene.path.display()
-        );
+        return Err(SweepError::Standstill { file: scene.path.clone() }.into());
     }
     let rate = section * A_PERIOD as f64;
     let settle = asked.settle.unwrap_or_else(|| plant.settling_time());
     // Whole periods, so that the section is taken at the same place at every point.
     let settle = (settle * section).ceil() * A_PERIOD as f64;
     if settle > MOST_SAMPLES {
-        bail!(UsageError(format!(
-            "--settle: too many samples: {settle:.3e} at {rate:.3e} Hz, expected at most {MOST_SAMPLES:.0e}"
-        )));
+        return Err(SweepError::Samples { found: settle, rate, most: MOST_SAMPLES }.into());
     }
     let span = Span { rate, settle: settle as u64, samples: (asked.periods * A_PERIOD) as u64 };
     let mut path = Path::default();

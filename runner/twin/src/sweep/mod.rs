@@ -11,10 +11,9 @@ pub use measure::{EffectChange, Figures, Measure, State, measure};
 pub use tables::{csv, parquet, sections};
 
 use crate::effect_significance::{self, EffectSignificance};
-use crate::error::UsageError;
+use crate::error::{Error, Result, SweepError};
 use crate::scene::Scene;
 use crate::scene::read::read_str;
-use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -82,7 +81,7 @@ impl Plan {
     ///
     /// # Errors
     /// Results of more than 2^27 numbers.
-    pub fn checked(self) -> Result<Self> {
+    pub fn checked(self) -> Result<Self, SweepError> {
         let both_ways = if self.follow == Follow::Both { 2 } else { 1 };
         let most = MOST_NUMBERS / (both_ways * (NUMBERS_OF_POINT + 2 * self.measure.periods));
         let points = self.axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.values.len()));
@@ -90,11 +89,7 @@ impl Plan {
             return Ok(self);
         }
         let counts: Vec<String> = self.axes.iter().map(|axis| axis.values.len().to_string()).collect();
-        bail!(UsageError(format!(
-            "--over: too many points: {}, expected at most {most} with {} section periods at each",
-            counts.join(" x "),
-            self.measure.periods
-        )))
+        Err(SweepError::Points { found: counts.join(" x "), most, periods: self.measure.periods })
     }
 
     /// Number of points.
@@ -121,7 +116,7 @@ impl Plan {
     ///
     /// # Errors
     /// None in practice.
-    pub fn identity(&self) -> Result<String> {
+    pub fn identity(&self) -> Result<String, SweepError> {
         let axes: Vec<_> = self.axes.iter().map(|a| (&a.key, &a.values, &a.unit)).collect();
         let all = serde_json::to_string(&(env!("CARGO_PKG_VERSION"), &self.text, axes, self.follow, &self.measure))?;
         // FNV-1a.
@@ -161,8 +156,8 @@ impl Plan {
     /// # Errors
     /// A key that leads nowhere, a value that the scene refuses.
     pub fn scene(&self, values: &[f64]) -> Result<Scene> {
-        let mut document: DocumentMut =
-            self.text.parse().with_context(|| format!("{}: found no TOML", self.path.display()))?;
+        let syntax = |source| SweepError::Syntax { file: self.path.clone(), source };
+        let mut document: DocumentMut = self.text.parse().map_err(syntax)?;
         for (axis, &value) in self.axes.iter().zip(values) {
             put(&mut document, &axis.key, axis.written(value))?;
         }
@@ -178,10 +173,10 @@ impl Plan {
         let (mut rows, mut state) = (Vec::new(), None);
         for point in points {
             let values = self.values(point);
-            let (figures, end) = self
-                .scene(&values)
-                .and_then(|scene| measure(&scene, &self.measure, state.as_ref()))
-                .with_context(|| self.named(&values))?;
+            let (figures, end) =
+                self.scene(&values)
+                    .and_then(|scene| measure(&scene, &self.measure, state.as_ref()))
+                    .map_err(|error| Error::Point { point: self.named(&values), source: Box::new(error) })?;
             state = (self.follow != Follow::None).then_some(end);
             rows.push(Row { point, way: way.to_owned(), values, figures });
         }
@@ -229,7 +224,7 @@ impl Plan {
         let (next, journal, failed) = (AtomicUsize::new(0), Mutex::new(journal), Mutex::new(None));
         let work = || {
             while let Some(&number) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let found = self.compute(number).and_then(|chain| locked(&journal).add(chain));
+                let found = self.compute(number).and_then(|chain| Ok(locked(&journal).add(chain)?));
                 if let Err(error) = found {
                     locked(&failed).get_or_insert(error);
                     next.store(open.len(), Ordering::Relaxed);
@@ -241,7 +236,7 @@ impl Plan {
             for _ in 0..jobs.clamp(1, open.len().max(1)) {
                 let thread = std::thread::Builder::new().name("sweep".to_owned()).spawn_scoped(scope, work);
                 if let Err(error) = thread {
-                    locked(&failed).get_or_insert(error.into());
+                    locked(&failed).get_or_insert(Error::from(error));
                 }
             }
         });

@@ -1,8 +1,7 @@
 //! The Pareto front, and what to take for a given error or deadline.
 
 use super::{Candidate, Response};
-use crate::error::UsageError;
-use anyhow::{Result, bail};
+use crate::error::TradeError;
 use serde::Serialize;
 
 /// Options.
@@ -79,7 +78,7 @@ fn on_front(points: &[Option<(f64, f64)>], i: usize) -> bool {
 ///
 /// # Errors
 /// Describes the nearest candidate where none meets the goal.
-pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
+pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice, TradeError> {
     let target = match goal {
         Goal::Error(_, target) => *target,
         Goal::Deadline { .. } => Target::CortexM4f,
@@ -92,9 +91,7 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
     let open = candidates.iter().filter(|c| c.arithmetic.precision == precision && c.arithmetic.math == "exact");
     let open: Vec<(&Candidate, f64)> = open.filter_map(|c| Some((c, cost(c)?))).collect();
     if open.is_empty() {
-        bail!(UsageError(
-            "--error, --deadline: found no model of this scene among those counted on the Cortex-M4F (waviness, damage and a displaced housing never were), allowed: --error with --on desktop".to_owned()
-        ));
+        return Err(TradeError::NotCounted);
     }
     let error = |c: &Candidate| c.error.most_99;
     let found = match goal {
@@ -104,7 +101,7 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
             within.min_by(|(a, x), (b, y)| error(a).total_cmp(&error(b)).then(x.total_cmp(y)))
         }
     };
-    let Some((candidate, cost)) = found else { bail!(UsageError(nearest(goal, &open))) };
+    let (candidate, cost) = found.ok_or_else(|| nearest(goal, &open))?;
     let clock = if let Goal::Deadline { clock, .. } = goal { Some(*clock) } else { None };
     Ok(Choice {
         model: candidate.model.clone(),
@@ -116,24 +113,16 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice> {
     })
 }
 
-fn nearest(goal: &Goal, open: &[(&Candidate, f64)]) -> String {
+/// Returns the error with the goal that the nearest candidate meets.
+fn nearest(goal: &Goal, open: &[(&Candidate, f64)]) -> TradeError {
     match goal {
         Goal::Error(most, _) => {
-            let best = open.iter().map(|(c, _)| c.error.most_99).fold(f64::INFINITY, f64::min);
-            format!(
-                "--error: found {:.3e} %, allowed here: {:.3e} % or more, the truest that has a cost",
-                most * 100.0,
-                best * 100.0
-            )
+            let least = open.iter().map(|(c, _)| c.error.most_99).fold(f64::INFINITY, f64::min);
+            TradeError::Error { found: *most, least }
         }
         Goal::Deadline { time, clock } => {
             let least = open.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
-            format!(
-                "--deadline: found {:.3} us at {:.0} MHz, allowed here: {:.3} us or more, the cheapest that has a count",
-                time * 1e6,
-                clock / 1e6,
-                least / clock * 1e6
-            )
+            TradeError::Deadline { found: *time, clock: *clock, least: least / clock }
         }
     }
 }

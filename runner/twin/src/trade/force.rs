@@ -2,9 +2,8 @@
 
 use super::poses::{Pose, Poses};
 use crate::plant::Plant;
-use crate::scene::build::{self, AnyBearing, Shared};
+use crate::scene::build::{self, AnyBearing, BuildError, Shared};
 use crate::scene::{Model, Scene};
-use anyhow::Result;
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Math, Scalar, Stiffness, Wrench};
 use serde::Serialize;
@@ -56,7 +55,7 @@ pub trait Forces {
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
-pub fn forces(scene: &Scene, plant: &Plant, arithmetic: Arithmetic) -> Result<Box<dyn Forces>> {
+pub fn forces(scene: &Scene, plant: &Plant, arithmetic: Arithmetic) -> Result<Box<dyn Forces>, BuildError> {
     Ok(match (arithmetic.precision, arithmetic.math) {
         ("f32", "exact") => Box::new(Seated::<f32>::try_new::<Exact>(scene, plant)?),
         ("f32", _) => Box::new(Seated::<f32>::try_new::<Fast>(scene, plant)?),
@@ -71,7 +70,7 @@ struct Seated<T> {
 }
 
 impl<T: Scalar> Seated<T> {
-    fn try_new<M: Math<T>>(scene: &Scene, plant: &Plant) -> Result<Self> {
+    fn try_new<M: Math<T>>(scene: &Scene, plant: &Plant) -> Result<Self, BuildError> {
         let mounted = |(of, mounted): (&crate::scene::Bearing, &crate::plant::MountedBearing)| {
             let bearing = match of.model {
                 Model::Linear => build::spring_of::<T>(&mounted.bearing),
@@ -79,7 +78,9 @@ impl<T: Scalar> Seated<T> {
             };
             Ok((bearing, rounded(&mounted.offset)))
         };
-        Ok(Self { bearings: scene.bearings.iter().zip(&plant.bearings).map(mounted).collect::<Result<_>>()? })
+        Ok(Self {
+            bearings: scene.bearings.iter().zip(&plant.bearings).map(mounted).collect::<Result<_, BuildError>>()?,
+        })
     }
 }
 
@@ -196,7 +197,7 @@ fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
-pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant> {
+pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant, BuildError> {
     let single = Seated::<f32>::try_new::<Exact>(scene, &plant)?;
     for (mounted, (bearing, offset)) in plant.bearings.iter_mut().zip(single.bearings) {
         mounted.replace(Shared(Arc::new(Single { bearing, offset })));

@@ -3,9 +3,9 @@
 //! A candidate is the scene as a user would have written it, read and checked like any other: what the reader or the
 //! kernel rejects does not apply to the scene; the error states the reason.
 
+use crate::error::{Result, TradeError};
 use crate::scene::read::read_str;
 use crate::scene::{Bearing, Effects, Linear, Model, Scene};
-use anyhow::{Context, Result};
 use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, value};
 
@@ -103,11 +103,13 @@ impl FidelityLevel {
     /// The scene's text with this level in the place of its bearings' models. Bearings given by a stiffness matrix keep it.
     ///
     /// # Errors
-    /// A text that is no TOML.
-    pub fn written(&self, text: &str, scene: &Scene) -> Result<String> {
-        let mut document: DocumentMut = text.parse().context("found no TOML")?;
+    /// A text that is no TOML, or that has no `[[bearing]]`.
+    pub fn written(&self, text: &str, scene: &Scene) -> Result<String, TradeError> {
+        let file = || scene.path.clone();
+        let syntax = |source| TradeError::Syntax { file: file(), source };
+        let mut document: DocumentMut = text.parse().map_err(syntax)?;
         let tables = document.get_mut("bearing").and_then(Item::as_array_of_tables_mut);
-        self.put(tables.context("found no [[bearing]]")?, scene);
+        self.put(tables.ok_or_else(|| TradeError::NoBearing { file: file() })?, scene);
         Ok(document.to_string())
     }
 

@@ -15,10 +15,9 @@ pub use level::FidelityLevel;
 pub use response::MotionErrors;
 
 use crate::effect_significance::{self, EffectSignificance};
-use crate::error::UsageError;
+use crate::error::{Result, TradeError, with_causes};
 use crate::plant::Plant;
 use crate::scene::{Method, Model, Scene};
-use anyhow::{Context, Result, bail};
 use force::{ARITHMETICS, Truth, forces};
 use response::METHODS;
 use serde::Serialize;
@@ -125,7 +124,7 @@ pub fn trade(
     progress: Progress<'_>,
 ) -> Result<Trade> {
     let (allowed, impossible) = allowed(scene, text)?;
-    let dearest = dearest(&allowed).context("found no model that this scene allows")?;
+    let dearest = dearest(&allowed).ok_or(TradeError::NoModel)?;
     let truth_level = dearest.level.converged();
     let truth_scene = truth_level.scene(text, &scene.path, scene)?;
     let truth_plant = Plant::try_new(&truth_scene)?;
@@ -136,10 +135,7 @@ pub fn trade(
     let right = forces(&truth_scene, &truth_plant, ARITHMETICS[0])?;
     let truth = Truth::new(&truth_scene, right.as_ref(), &poses);
     if truth.largest() <= 0.0 {
-        bail!(
-            "{}: found bearings that carry nothing over the whole motion, allowed: a motion under load",
-            scene.path.display()
-        );
+        return Err(TradeError::NoLoad { file: scene.path.clone() }.into());
     }
     let work = allowed.len() * if motions { 1 + METHODS.len() * STEPS.len() } else { 1 };
     let mut candidates = Vec::new();
@@ -170,24 +166,22 @@ pub fn trade(
 ///
 /// # Errors
 /// No such level.
-pub fn written(scene: &Scene, text: &str, level: &str) -> Result<String> {
+pub fn written(scene: &Scene, text: &str, level: &str) -> Result<String, TradeError> {
     let levels = FidelityLevel::all(scene);
-    levels.iter().find(|r| r.name == level).context("a level of this scene")?.written(text, scene)
+    let unknown = || TradeError::UnknownLevel { found: level.to_owned() };
+    levels.iter().find(|r| r.name == level).ok_or_else(unknown)?.written(text, scene)
 }
 
 fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)> {
     if scene.rotor.is_none() && scene.system.is_none() {
-        bail!(UsageError(format!(
-            "{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compare on",
-            scene.path.display()
-        )));
+        return Err(TradeError::NoRotor { file: scene.path.clone() }.into());
     }
     let (mut allowed, mut impossible) = (Vec::new(), Vec::new());
     for level in FidelityLevel::all(scene) {
         let tried = level.scene(text, &scene.path, scene).and_then(|scene| Ok((Plant::try_new(&scene)?, scene)));
         match tried {
             Ok((plant, scene)) => allowed.push(Allowed { level, scene, plant }),
-            Err(error) => impossible.push(Impossible { model: level.name, why: format!("{error:#}") }),
+            Err(error) => impossible.push(Impossible { model: level.name, why: with_causes(&error) }),
         }
     }
     Ok((allowed, impossible))

@@ -1,12 +1,12 @@
 //! Motion of the scene: poses of its bearings by sample, measured or computed.
 
+use crate::error::{Error, Result, TradeError};
 use crate::motion::{self, Span};
 use crate::plant::Plant;
 use crate::probes::PoseSolver;
 use crate::recording::Reader;
 use crate::recording::rotation::Tracker;
 use crate::scene::{Recording, Scene};
-use anyhow::{Context, Result, bail};
 use ballrace::{BearingKinematicState, Displacement};
 use std::f64::consts::TAU;
 
@@ -68,7 +68,7 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
                 }
             }
             count += 1;
-            Ok(())
+            Ok::<_, Error>(())
         },
     )?;
     Ok(poses)
@@ -81,9 +81,9 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
 pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Poses> {
     let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(&recording.file);
-    let mut reader = Reader::open(&path, recording).with_context(|| path.display().to_string())?;
+    let mut reader = Reader::open(&path, recording).map_err(Error::in_file(&path))?;
     let stations: Vec<f64> = plant.bearings.iter().map(|s| s.station).collect();
-    let solver = PoseSolver::try_new(&recording.probes, &stations).with_context(|| scene.path.display().to_string())?;
+    let solver = PoseSolver::try_new(&recording.probes, &stations).map_err(Error::in_file(&scene.path))?;
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
     let mut all = vec![Vec::new(); plant.bearings.len()];
     let rest = plant.pose(&plant.rest);
@@ -114,7 +114,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
         .map(|poses: &Vec<Pose>| poses.iter().step_by(poses.len().div_ceil(MOST_POSES).max(1)).copied().collect())
         .collect();
     if thinned.iter().any(Vec::is_empty) {
-        bail!("{}: found no sample with all probes, allowed: at least one turn of the shaft", path.display());
+        return Err(TradeError::NoSample { file: path }.into());
     }
     Ok(thinned)
 }

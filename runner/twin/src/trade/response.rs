@@ -1,9 +1,9 @@
 //! Simulated motion of a candidate against the reference: levels, integrators and time steps.
 
+use crate::error::{Error, Result};
 use crate::motion;
 use crate::plant::Plant;
 use crate::scene::{Method, Scene};
-use anyhow::Result;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -60,7 +60,7 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
                 }
             }
             turned.push(now.turned);
-            Ok(())
+            Ok::<_, Error>(())
         },
     )?;
     let computed = (span.settle + span.samples) as f64 / span.rate;

@@ -8,11 +8,11 @@ mod picture;
 mod tests;
 
 use crate::baseline::Baseline;
+use crate::error::{Result, VibrationError};
 use crate::outcome::{BearingOrders, BearingOutcome, Outcome, Pictures, Record, Timing};
 use crate::recording::Reader;
 use crate::recording::Row;
-use crate::scene::{RotationSource, Scene, Sensor, Speed, build};
-use anyhow::{Result, bail};
+use crate::scene::{Recording, RotationSource, Scene, Sensor, Speed, build};
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
 use judge::{Judge, Suspect};
@@ -33,38 +33,28 @@ struct SensorSignal {
     signal: Vec<f64>,
 }
 
-/// Replays a recording of `scene`'s sensors.
+/// Replays `recording`, that of `scene`'s sensors.
 ///
 /// # Errors
 /// A speed that is not constant, a recording that is too short or cannot be read.
 pub fn replay(
     scene: &Scene,
+    recording: &Recording,
     mut reader: Reader,
     name: &str,
     baseline: Option<&Path>,
     progress: Option<&(dyn Fn(u64, Option<u64>) + Sync)>,
 ) -> Result<Outcome> {
-    let Some(recording) = &scene.recording else { bail!("found no recording") };
     let (Speed::Constant(speed), RotationSource::Scene) = (scene.shaft.speed, &recording.rotation) else {
-        bail!(crate::error::UsageError(format!(
-            "{}: [recording] sensors: found a speed that changes or is measured, allowed: one speed in [shaft]",
-            scene.path.display()
-        )));
+        return Err(VibrationError::Speed { file: scene.path.clone() }.into());
     };
     if !scene.limits.is_empty() {
-        bail!(crate::error::UsageError(format!(
-            "{}: [[limit]]: found limits, allowed with sensors: none; damage is told without",
-            scene.path.display()
-        )));
+        return Err(VibrationError::Limits { file: scene.path.clone() }.into());
     }
     let unknown = |s: &&Sensor| s.bearing.as_ref().is_some_and(|name| scene.bearings.iter().all(|b| b.name != *name));
     if let Some(sensor) = recording.sensors.iter().find(unknown) {
-        bail!(crate::error::UsageError(format!(
-            "{}: [recording] sensors: {}: bearing: found {:?}, allowed: the name of a [[bearing]]",
-            scene.path.display(),
-            sensor.column,
-            sensor.bearing.as_deref().unwrap_or_default()
-        )));
+        let (sensor, found) = (sensor.column.clone(), sensor.bearing.clone().unwrap_or_default());
+        return Err(VibrationError::Bearing { file: scene.path.clone(), sensor, found }.into());
     }
     let (turn_hz, rate) = (speed.abs() / TAU, reader.rate());
     let begun = Instant::now();
@@ -97,7 +87,7 @@ pub fn replay(
     let samples = signals.first().map_or(0, |s| s.signal.len());
     let turns = samples as f64 / rate * turn_hz;
     if turns < LEAST_TURNS {
-        bail!("{name}: found {turns:.1} turns of the shaft, allowed: {LEAST_TURNS} or more");
+        return Err(VibrationError::TooShort { recording: name.to_owned(), found: turns, least: LEAST_TURNS }.into());
     }
     let suspects = suspects(scene)?;
     let baseline = baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;

@@ -1,0 +1,118 @@
+//! Errors of the evaluation of a recording.
+
+use std::path::PathBuf;
+
+/// Error returned when a scene has no observer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ObserverError {
+    /// There are too many probes.
+    #[error("recording.probes: found {found}, allowed: up to {most}")]
+    Probes {
+        /// Number of probes.
+        found: usize,
+        /// Largest number of probes.
+        most: usize,
+    },
+    /// The noise covariance of the probes has no inverse.
+    #[error("found probes without noise")]
+    NoNoise,
+    /// The filter has no steady state.
+    #[error("found a filter that does not settle")]
+    NotSteady,
+    /// The search is cancelled.
+    #[error("the search for the observer was cancelled")]
+    Cancelled,
+}
+
+/// Error returned when a recording cannot be replayed.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The scene has no recording.
+    #[error("{}: [recording]: found none, allowed: the recording to replay", file.display())]
+    NoRecording {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The recording has no sample.
+    #[error("{recording}: no sample, expected at least one revolution of the shaft")]
+    NoSample {
+        /// Name of the recording.
+        recording: String,
+    },
+    /// A sample is processed before the twin has settled.
+    #[error("the twin is not run in")]
+    NotRunIn,
+    /// A sample is processed before the twin has started.
+    #[error("the twin has not started")]
+    NotStarted,
+    /// The thread of the search has ended without a result.
+    #[error("the search for the twin's start panicked")]
+    SearchPanicked,
+}
+
+/// Error returned when a limit of the scene cannot be monitored.
+#[derive(Debug, thiserror::Error)]
+pub enum LimitError {
+    /// The recording does not have the probe.
+    #[error("limit: probe: found {found:?}, allowed: a probe of [recording]")]
+    Probe {
+        /// Name of the probe.
+        found: String,
+    },
+    /// The scene does not have the bearing.
+    #[error("limit: bearing: found {found:?}, allowed: the name of a bearing")]
+    Bearing {
+        /// Name of the bearing.
+        found: String,
+    },
+    /// A growth without a baseline.
+    #[error("limit: growth: found no baseline, allowed: replay with --baseline, or max")]
+    NoBaseline,
+    /// A growth of an indicator that the baseline does not have.
+    #[error("limit: growth_db: found a baseline without {indicator}, allowed: one learned by this version")]
+    Indicator {
+        /// Name of the indicator.
+        indicator: &'static str,
+    },
+}
+
+/// Error returned when a vibration recording cannot be evaluated.
+#[derive(Debug, thiserror::Error)]
+pub enum VibrationError {
+    /// The speed is not constant.
+    #[error(
+        "{}: [recording] sensors: found a speed that changes or is measured, allowed: one speed in [shaft]", file.display()
+    )]
+    Speed {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The scene has limits.
+    #[error("{}: [[limit]]: found limits, allowed with sensors: none; damage is told without", file.display())]
+    Limits {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// A sensor measures a bearing that the scene does not have.
+    #[error(
+        "{}: [recording] sensors: {sensor}: bearing: found {found:?}, allowed: the name of a [[bearing]]", file.display()
+    )]
+    Bearing {
+        /// Scene file.
+        file: PathBuf,
+        /// Column of the sensor.
+        sensor: String,
+        /// Name of the bearing.
+        found: String,
+    },
+    /// The recording is too short.
+    #[error("{recording}: found {found:.1} turns of the shaft, allowed: {least} or more")]
+    TooShort {
+        /// Name of the recording.
+        recording: String,
+        /// Number of revolutions.
+        found: f64,
+        /// Smallest number of revolutions.
+        least: f64,
+    },
+}

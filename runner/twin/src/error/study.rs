@@ -1,0 +1,283 @@
+//! Errors of questions about a scene.
+
+use std::path::PathBuf;
+
+/// Error returned for a single bearing without a load.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{}: bearing {bearing}: found neither a rotor, a preload nor --load, allowed: one of them, as a load for the \
+     equilibrium", file.display()
+)]
+pub struct NoLoad {
+    /// Scene file.
+    pub file: PathBuf,
+    /// Name of the bearing.
+    pub bearing: String,
+}
+
+/// Error returned when a sweep cannot be run or continued.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// A range that cannot be read.
+    #[error("--over: found {found:?}, allowed: {expected}")]
+    Axis {
+        /// Text of the option.
+        found: String,
+        /// Form allowed.
+        expected: String,
+    },
+    /// A key that the scene does not have.
+    #[error(
+        "--over: found the key {found:?}, allowed: a key of the scene, such as shaft.speed, bearing[0].radial_play or \
+         bearing.DE.radial_play"
+    )]
+    Key {
+        /// The key.
+        found: String,
+    },
+    /// There are too many points.
+    #[error("--over: too many points: {found}, expected at most {most} with {periods} section periods at each")]
+    Points {
+        /// Number of values of each axis.
+        found: String,
+        /// Largest number of points.
+        most: usize,
+        /// Number of section periods of each point.
+        periods: usize,
+    },
+    /// The transient at a point has too many samples.
+    #[error("--settle: too many samples: {found:.3e} at {rate:.3e} Hz, expected at most {most:.0e}")]
+    Samples {
+        /// Number of samples.
+        found: f64,
+        /// Sampling rate, Hz.
+        rate: f64,
+        /// Largest number of samples.
+        most: f64,
+    },
+    /// The shaft is at standstill.
+    #[error("{}: shaft.speed: found a shaft at standstill, allowed in a sweep: a rotating shaft", file.display())]
+    Standstill {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The text of the scene is no TOML.
+    #[error("{}: found no TOML", file.display())]
+    Syntax {
+        /// Scene file.
+        file: PathBuf,
+        /// First error in the text.
+        source: toml_edit::TomlError,
+    },
+    /// A journal cannot be read.
+    #[error("{}: this file cannot be read", file.display())]
+    Read {
+        /// The journal.
+        file: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// A file is no journal.
+    #[error("{}: found no results of a sweep, allowed: a file that sweep has written", file.display())]
+    NoJournal {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A journal belongs to another sweep.
+    #[error(
+        "{}: found results of another scene, range or measure, allowed: those of this sweep; remove the file or choose \
+         another -o", file.display()
+    )]
+    OtherSweep {
+        /// The journal.
+        file: PathBuf,
+    },
+    /// A line of a journal is invalid.
+    #[error("{}: line {line}: found no result of a sweep", file.display())]
+    Line {
+        /// The journal.
+        file: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// First error in the line.
+        source: serde_json::Error,
+    },
+    /// A journal cannot be written.
+    #[error("{}: this file cannot be written", file.display())]
+    Write {
+        /// The journal.
+        file: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// A result is not a finite number.
+    #[error("found a result that is no finite number in a point")]
+    NotFinite(#[source] serde_json::Error),
+    /// Options or results cannot be written as JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+}
+
+impl SweepError {
+    /// Returns true where the options of the command are wrong.
+    #[must_use]
+    pub const fn is_usage_error(&self) -> bool {
+        matches!(self, Self::Axis { .. } | Self::Key { .. } | Self::Points { .. } | Self::Samples { .. })
+    }
+}
+
+/// Error returned when a scene cannot be fitted to a recording.
+#[derive(Debug, thiserror::Error)]
+pub enum FitError {
+    /// The scene has no recording.
+    #[error("{}: [recording]: found none, allowed: the recording to fit to", file.display())]
+    NoRecording {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The recording has no sample.
+    #[error("{recording}: found no sample, allowed: some turns of the shaft")]
+    NoSample {
+        /// Name of the recording.
+        recording: String,
+    },
+    /// The recording has no probes.
+    #[error("{}: [recording]: found no probes, allowed with fit: probes", file.display())]
+    NoProbes {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The scene has no parameter that can be fitted.
+    #[error("{}: found nothing to fit, allowed: a [rotor] on bearings", file.display())]
+    NothingToFit {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The text of the scene is no TOML.
+    #[error("{}: found no TOML", file.display())]
+    Syntax {
+        /// Scene file.
+        file: PathBuf,
+        /// First error in the text.
+        source: toml_edit::TomlError,
+    },
+    /// The tables of the scene have another form than the fitted values need.
+    #[error("{}: the fitted values cannot be written into this scene, expected {expected}", file.display())]
+    Form {
+        /// Scene file.
+        file: PathBuf,
+        /// Form that takes the values.
+        expected: &'static str,
+    },
+}
+
+/// Error returned when the models of a scene cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum TradeError {
+    /// The scene has neither rotor nor system.
+    #[error("{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compare on", file.display())]
+    NoRotor {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// No model can be built from the scene.
+    #[error("found no model that this scene allows")]
+    NoModel,
+    /// The scene has no level of this name.
+    #[error("model: found {found:?}, expected one of this scene")]
+    UnknownLevel {
+        /// Name of the level.
+        found: String,
+    },
+    /// The text of the scene is no TOML.
+    #[error("{}: found no TOML", file.display())]
+    Syntax {
+        /// Scene file.
+        file: PathBuf,
+        /// First error in the text.
+        source: toml_edit::TomlError,
+    },
+    /// The text of the scene has no bearing.
+    #[error("{}: found no [[bearing]]", file.display())]
+    NoBearing {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// The recording has no complete sample.
+    #[error("{}: found no sample with all probes, allowed: at least one turn of the shaft", file.display())]
+    NoSample {
+        /// The recording.
+        file: PathBuf,
+    },
+    /// No bearing carries a load.
+    #[error("{}: found bearings that carry nothing over the whole motion, allowed: a motion under load", file.display())]
+    NoLoad {
+        /// Scene file.
+        file: PathBuf,
+    },
+    /// No candidate has a cost on the target.
+    #[error(
+        "--error, --deadline: found no model of this scene among those counted on the Cortex-M4F (waviness, damage and a \
+         displaced housing never were), allowed: --error with --on desktop"
+    )]
+    NotCounted,
+    /// No candidate is accurate enough.
+    #[error(
+        "--error: found {:.3e} %, allowed here: {:.3e} % or more, the truest that has a cost", found * 100.0, least * 100.0
+    )]
+    Error {
+        /// Error that is required, relative.
+        found: f64,
+        /// Error of the most accurate candidate with a cost.
+        least: f64,
+    },
+    /// No candidate is fast enough.
+    #[error(
+        "--deadline: found {:.3} us at {:.0} MHz, allowed here: {:.3} us or more, the cheapest that has a count",
+        found * 1e6, clock / 1e6, least * 1e6
+    )]
+    Deadline {
+        /// Deadline that is required, s.
+        found: f64,
+        /// Clock of the target, Hz.
+        clock: f64,
+        /// Time of the cheapest candidate with a cost, s.
+        least: f64,
+    },
+}
+
+impl TradeError {
+    /// Returns true where the command or the scene is wrong.
+    #[must_use]
+    pub const fn is_usage_error(&self) -> bool {
+        matches!(self, Self::NoRotor { .. } | Self::NotCounted | Self::Error { .. } | Self::Deadline { .. })
+    }
+}
+
+/// Error returned when a scene cannot be written as constants.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// A model without constants.
+    #[error(
+        "{}: bearing {bearing}: model: found {found} with a displaced housing or with balls that move, allowed for bake: \
+         any other", file.display()
+    )]
+    Model {
+        /// Scene file.
+        file: PathBuf,
+        /// Name of the bearing.
+        bearing: String,
+        /// Its model.
+        found: &'static str,
+    },
+    /// An observer whose gains the scene does not determine.
+    #[error("{}: [observer]: found {found}, allowed with bake: {expected}", file.display())]
+    Observer {
+        /// Scene file.
+        file: PathBuf,
+        /// Content of the scene.
+        found: &'static str,
+        /// Content that determines the gains.
+        expected: &'static str,
+    },
+}
