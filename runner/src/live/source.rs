@@ -11,6 +11,7 @@ use super::feed::{Item, Sender, count};
 use super::frames::{Layout, Place, Sequence};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
+use ballrace_twin::error::Error;
 use ballrace_twin::recording::clock::check_rate;
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::recording::{Reader, Row};
@@ -170,7 +171,7 @@ impl Feeder {
             }
             return Ok(());
         }
-        check_rate(rate, &self.recording, self.scene.shaft.speed).map_err(|e| e.of(&self.scene, name))?;
+        check_rate(rate, &self.recording, self.scene.shaft.speed).map_err(|e| Error::from(e.of(&self.scene, name)))?;
         self.rate = Some(rate);
         if let Some(tell) = self.tell.take() {
             let _ = tell.send(Ok(rate));

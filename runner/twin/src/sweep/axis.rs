@@ -1,6 +1,6 @@
 //! `--over KEY=FROM..TO:HOW`: which key of a scene takes which values, and a scene with them put in.
 
-use crate::error::SweepError;
+use crate::error::{Error, Result, SweepError};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 /// Most values of one key.
@@ -25,8 +25,8 @@ impl Axis {
     ///
     /// # Errors
     /// Returns an error with the allowed forms if the text is invalid.
-    pub fn parse(text: &str) -> Result<Self, SweepError> {
-        let invalid = |expected: String| SweepError::Axis { found: text.to_owned(), expected };
+    pub fn parse(text: &str) -> Result<Self> {
+        let invalid = |expected: String| Error::from(SweepError::Axis { found: text.to_owned(), expected });
         let form = || invalid(FORM.to_owned());
         let (key, range) = text.split_once('=').ok_or_else(form)?;
         let (numbers, unit) = match range.split_once("..") {
@@ -119,9 +119,9 @@ fn parts(key: &str) -> Option<Vec<Part<'_>>> {
 ///
 /// # Errors
 /// A key that leads nowhere.
-pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<(), SweepError> {
+pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<()> {
     let found = parts(key).is_some_and(|parts| in_table(document.as_table_mut(), &parts, value));
-    if found { Ok(()) } else { Err(SweepError::Key { found: key.to_owned() }) }
+    if found { Ok(()) } else { Err(SweepError::Key { found: key.to_owned() }.into()) }
 }
 
 fn in_table(table: &mut dyn TableLike, parts: &[Part<'_>], value: Value) -> bool {

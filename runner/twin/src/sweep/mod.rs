@@ -81,7 +81,7 @@ impl Plan {
     ///
     /// # Errors
     /// Results of more than 2^27 numbers.
-    pub fn checked(self) -> Result<Self, SweepError> {
+    pub fn checked(self) -> Result<Self> {
         let both_ways = if self.follow == Follow::Both { 2 } else { 1 };
         let most = MOST_NUMBERS / (both_ways * (NUMBERS_OF_POINT + 2 * self.measure.periods));
         let points = self.axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.values.len()));
@@ -89,7 +89,7 @@ impl Plan {
             return Ok(self);
         }
         let counts: Vec<String> = self.axes.iter().map(|axis| axis.values.len().to_string()).collect();
-        Err(SweepError::Points { found: counts.join(" x "), most, periods: self.measure.periods })
+        Err(SweepError::Points { found: counts.join(" x "), most, periods: self.measure.periods }.into())
     }
 
     /// Number of points.
