@@ -9,9 +9,11 @@ use super::bearing_in_cage;
 use super::element_position::ElementLayout;
 use super::elements::Elements;
 use super::geometry::{BallBearingGeometry, InvalidParameter};
-use super::ring::{Contact, ContactStiffness, Motion, Ring};
+use super::ring::{Contact, ContactStiffness, Motion, Ring, to_cage_frame};
 use super::surface::{Smooth, Surface};
 use crate::contact::law::{LoadDeflectionLaw, PointContactLaw};
+use crate::frame::Displacement;
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
@@ -151,7 +153,44 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
     }
 }
 
+/// Relative position of the groove centres in the plane of one ball, and the load along it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct GrooveCentres<T> {
+    /// A_r and A_z, radial and axial distance, m.
+    pub distance: [T; 2],
+    /// Deflection of both contacts together, m; negative in a gap.
+    pub deflection: T,
+    /// Q, load, N.
+    pub load: T,
+}
+
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P, S> {
+    /// Computes the relative position of the groove centres at each ball, in the order of the elements, for the displacement
+    /// `u` of the inner ring.
+    pub fn groove_centres(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [GrooveCentres<T>]) {
+        let rim = self.ring.at_rim(&to_cage_frame(u, M::sin_cos(at.cage)));
+        for (position, ball) in self.ring.positions.all().zip(balls) {
+            let motion = Motion::of(&position, &rim, at, &self.surface);
+            let [grooves] = self.grooves([motion]);
+            let [contact] = self.contacts([motion]);
+            let motion = motion.with_waviness();
+            let deviation = motion.deviation.inner + motion.deviation.outer;
+            *ball = GrooveCentres {
+                distance: [grooves.radial, grooves.axial],
+                deflection: self.excess(motion) / (grooves.length + self.distance) + deviation,
+                load: self.ring.scale * contact.load,
+            };
+        }
+    }
+
+    /// Computes `A_r^2 + A_z^2 - A^2`.
+    #[inline(always)]
+    fn excess(&self, m: Motion<T>) -> T {
+        let (r0, z0) = self.unloaded;
+        let (r, z) = (r0 + m.radial, z0 + m.axial);
+        ((r0 + r) * m.radial + (z0 + z) * m.axial) + self.excess
+    }
+
     /// Computes `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`, with the numerator from the displacements.
     ///
     /// The difference of two nearly equal lengths would lose three digits of a micrometre in `f32`, and all digits with an
@@ -160,16 +199,12 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P,
     fn grooves<const K: usize>(&self, at: [Motion<T>; K]) -> [Grooves<T>; K] {
         let at = at.map(Motion::with_waviness);
         let (r0, z0) = self.unloaded;
-        let excess = |m: Motion<T>| {
-            let (r, z) = (r0 + m.radial, z0 + m.axial);
-            ((r0 + r) * m.radial + (z0 + z) * m.axial) + self.excess
-        };
-        let lengths = M::sqrt_each(at.map(|m| self.distance_squared + excess(m)));
+        let lengths = M::sqrt_each(at.map(|m| self.distance_squared + self.excess(m)));
         let mut grooves = lengths.map(|length| Grooves { radial: r0, axial: z0, length, twice_deflection: T::ZERO });
         for (groove, m) in grooves.iter_mut().zip(at) {
             groove.radial += m.radial;
             groove.axial += m.axial;
-            let gap = excess(m) / (groove.length + self.distance) + (m.deviation.inner + m.deviation.outer);
+            let gap = self.excess(m) / (groove.length + self.distance) + (m.deviation.inner + m.deviation.outer);
             groove.twice_deflection = gap.twice_positive_part();
         }
         grooves

@@ -12,6 +12,46 @@ pub struct CompensatedSum<T> {
     lost: T,
 }
 
+/// A sum to which values are added one by one: [`CompensatedSum`], or the number itself for a plain sum.
+pub trait Accumulator<T>: Copy {
+    /// The sum 0.
+    const ZERO: Self;
+
+    /// Adds `x`.
+    fn accumulate(&mut self, x: T);
+
+    /// Returns the sum.
+    fn total(&self) -> T;
+}
+
+impl<T: Scalar> Accumulator<T> for CompensatedSum<T> {
+    const ZERO: Self = Self::new();
+
+    #[inline]
+    fn accumulate(&mut self, x: T) {
+        self.add(x);
+    }
+
+    #[inline]
+    fn total(&self) -> T {
+        self.value()
+    }
+}
+
+impl<T: Scalar> Accumulator<T> for T {
+    const ZERO: Self = <T as Scalar>::ZERO;
+
+    #[inline]
+    fn accumulate(&mut self, x: T) {
+        *self += x;
+    }
+
+    #[inline]
+    fn total(&self) -> T {
+        *self
+    }
+}
+
 impl<T: Scalar> CompensatedSum<T> {
     /// Creates the sum 0.
     #[must_use]

@@ -7,8 +7,8 @@
 use crate::plant::MountedBearing;
 use ballrace::math::Math;
 use ballrace::rotor::ComponentAngles;
+use ballrace::twin::{OrderSums, OrderVector, RevolutionBlock};
 use ballrace::{Exact, Phase};
-use std::f64::consts::TAU;
 
 /// Revolutions of one block: lines 3/16 of an order apart are resolved.
 pub const BLOCK_TURNS: f64 = 16.0;
@@ -111,22 +111,20 @@ pub fn inner_line(bearing: usize, k: i32) -> usize {
     outer_line(bearing, OUTER_HARMONICS + k)
 }
 
-/// Demodulator of several signals at several lines.
+/// Demodulator of several signals at several lines: the kernel's [`OrderTracker`](ballrace::twin::OrderTracker) for any number
+/// of both.
 #[derive(Debug, Clone)]
 pub struct Demodulator {
     lines: Vec<Line>,
     signals: usize,
-    /// Sums over the current block with cosine and with sine, line-major.
-    cosines: Vec<f64>,
-    sines: Vec<f64>,
+    block: RevolutionBlock<f64, f64>,
+    /// Sums over the current block, line-major.
+    sums: Vec<OrderSums<f64, f64>>,
     /// Signals of the current sample about their means, times the window.
     windowed: Vec<f64>,
     /// Amplitudes of cosine and sine in the last finished block.
-    last: Vec<[f64; 2]>,
-    weight: f64,
-    /// Revolutions in the current block.
-    turns: f64,
-    /// Squared amplitudes summed over finished blocks, times their weight.
+    last: Vec<OrderVector<f64>>,
+    /// Squared amplitudes summed over finished blocks.
     power: Vec<f64>,
     blocks: f64,
     /// Running means, subtracted before demodulation so that a large mean does not leak.
@@ -142,12 +140,10 @@ impl Demodulator {
         Self {
             lines,
             signals,
-            cosines: vec![0.0; cells],
-            sines: vec![0.0; cells],
+            block: RevolutionBlock::new(),
+            sums: vec![OrderSums::new(); cells],
             windowed: vec![0.0; signals],
             last: vec![[0.0; 2]; cells],
-            weight: 0.0,
-            turns: 0.0,
             power: vec![0.0; cells],
             blocks: 0.0,
             means: vec![0.0; signals],
@@ -155,47 +151,42 @@ impl Demodulator {
         }
     }
 
-    /// Adds one sample of all signals; returns true where it ends a block.
+    /// Adds one sample of all signals; returns true where a block ends before it.
     pub fn add(&mut self, values: &[f64], angles: Angles) -> bool {
+        // The first sample begins a block.
+        let share = if self.samples > 0.0 { angles.revolutions.abs() / BLOCK_TURNS } else { 0.0 };
+        let is_complete = self.block.advance(Phase::from_revolutions(share)) || share >= 1.0;
+        if is_complete {
+            self.close();
+        }
         self.samples += 1.0;
-        let window = 0.5 * (1.0 - (TAU * self.turns / BLOCK_TURNS).cos());
-        self.weight += window;
+        let window = self.block.window::<Exact>();
         // A slow average: fixed within rounding over a block, whatever the recording's length.
         let rate = 1.0 / self.samples.min(20_000.0);
         for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.windowed) {
             *mean += (value - *mean) * rate;
             *to = window * (value - *mean);
         }
-        let width = self.signals.max(1);
-        let cells = self.cosines.chunks_exact_mut(width).zip(self.sines.chunks_exact_mut(width));
-        for (line, (cosines, sines)) in self.lines.iter().zip(cells) {
-            let (sin, cos): (f64, f64) = Exact::sin_cos(line.phase(&angles));
-            for ((c, s), y) in cosines.iter_mut().zip(sines).zip(&self.windowed) {
-                *c += y * cos;
-                *s += y * sin;
+        for (line, sums) in self.lines.iter().zip(self.sums.chunks_exact_mut(self.signals.max(1))) {
+            let basis: (f64, f64) = Exact::sin_cos(line.phase(&angles));
+            for (sums, &y) in sums.iter_mut().zip(&self.windowed) {
+                sums.add(y, basis);
             }
         }
-        self.turns += angles.revolutions.abs();
-        let full = self.turns >= BLOCK_TURNS;
-        if full {
-            self.close();
-            self.turns -= BLOCK_TURNS;
-        }
-        full
+        is_complete
     }
 
     fn close(&mut self) {
-        if self.weight > 0.0 {
-            let sums = self.cosines.iter().zip(&self.sines);
-            for ((power, last), (c, s)) in self.power.iter_mut().zip(&mut self.last).zip(sums) {
-                *last = [2.0 * c / self.weight, 2.0 * s / self.weight];
-                *power += last[0] * last[0] + last[1] * last[1];
+        let scale = self.block.close();
+        let is_weighted = scale > 0.0;
+        for ((power, last), sums) in self.power.iter_mut().zip(&mut self.last).zip(&mut self.sums) {
+            let vector = sums.close(scale);
+            if is_weighted {
+                *last = vector;
+                *power += vector[0] * vector[0] + vector[1] * vector[1];
             }
-            self.blocks += 1.0;
         }
-        self.cosines.fill(0.0);
-        self.sines.fill(0.0);
-        self.weight = 0.0;
+        self.blocks += f64::from(u8::from(is_weighted));
     }
 
     /// Ends the recording: an incomplete block counts only where there is no complete one.
@@ -222,5 +213,47 @@ impl Demodulator {
     #[must_use]
     pub fn lines(&self) -> &[Line] {
         &self.lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ballrace::rotor::SpeedRatios;
+    use ballrace::twin::{OrderLine, OrderTracker};
+    use std::f64::consts::TAU;
+
+    /// On a signal without a mean, the demodulator and the kernel's tracker report the same amplitudes.
+    #[test]
+    fn amplitudes_are_those_of_the_kernel() {
+        let lines = [
+            OrderLine { shaft: 1, ..OrderLine::default() },
+            OrderLine { cage: 9, ..OrderLine::default() },
+            OrderLine { shaft: 9, cage: -9, ..OrderLine::default() },
+        ];
+        let same = vec![Line::shaft(1), Line::outer_race(0, 9, 1), Line::inner_race(0, 9, 1)];
+        let speed_ratios = SpeedRatios::<f64>::new(0.398_31);
+        let (mut shaft, mut parts) = (Phase::from_revolutions(0.3), ComponentAngles::default());
+        let mut kernel = OrderTracker::<f64, 3>::new(lines, BLOCK_TURNS as u32, shaft);
+        let mut desktop = Demodulator::new(same, 1);
+        let (mut revolutions, mut blocks) = (0.0, 0);
+        for i in 0..20_000 {
+            let signal = lines.iter().map(|line| line.angle(shaft, &parts).radians().cos()).sum::<f64>();
+            let is_complete = kernel.add::<Exact>(signal, shaft, &parts);
+            desktop.means.fill(0.0);
+            desktop.samples = f64::from(i.min(1)) * 1e300;
+            assert_eq!(desktop.add(&[signal], Angles { shaft, parts: &[parts], revolutions }), is_complete, "{i}");
+            if is_complete {
+                blocks += 1;
+                for (line, [c, s]) in kernel.vectors().iter().enumerate() {
+                    let [[x, y]] = desktop.block(line) else { unreachable!("one signal") };
+                    assert!((c - x).abs() < 1e-9 && (s - y).abs() < 1e-9, "{line}: {c} {s}, {x} {y}");
+                }
+            }
+            revolutions = 0.004 + 1e-7 * f64::from(i);
+            let arc = ballrace::phase::PhaseDelta::from_radians(TAU * revolutions);
+            (shaft, parts) = (shaft.advanced(arc), speed_ratios.advance(parts, arc));
+        }
+        assert!(blocks >= 5, "{blocks}");
     }
 }

@@ -1,4 +1,7 @@
 //! Statistics over a whole recording in one pass: mean, extremes, rms, 1X vector.
+//!
+//! The kernel's `Statistics` has the higher moments of a short block for a condition indicator. These sums have none, cost a
+//! sixth per value, and hold what a block does not: extremes, and a joint fit of mean and 1X.
 
 use crate::outcome::{Motion, phase_lag_deg};
 use nalgebra::{Matrix3, Vector3};

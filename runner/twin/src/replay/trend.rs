@@ -7,6 +7,8 @@ use super::history::{History, Join};
 use crate::outcome::{Block, BlockFigures};
 use crate::probes::Plane;
 use crate::recording::Sample;
+use ballrace::Exact;
+use ballrace::twin::{BlockStatistics, Statistics};
 use std::f64::consts::TAU;
 
 const UM: f64 = 1e6;
@@ -108,16 +110,20 @@ impl Trend {
     fn figures(&self, i: usize, mean: f64, count: f64) -> Option<BlockFigures> {
         let (measured, twin) = (self.columns.get(i)?, self.columns.get(self.probes + i)?);
         let mut sums = BlockSums::default();
+        let (mut readings, mut residuals) = (Statistics::<f64>::new(u32::MAX), 0.0);
         for ((basis, y), x) in self.bases.iter().zip(measured).zip(twin) {
+            readings.add::<Exact>(*y);
+            residuals += (y - x) * (y - x);
             sums.add(basis, y - mean, x - mean);
         }
         sums.scale();
+        let residual_rms = (residuals / count).sqrt();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (basis, y) in self.bases.iter().zip(measured) {
             let left = y - sums.one[0] * basis.one.0 - sums.one[1] * basis.one.1;
             (low, high) = (low.min(left), high.max(left));
         }
-        Some(sums.figures(mean, (high - low) * UM, count))
+        Some(sums.figures(&readings.close::<Exact>(), (high - low) * UM, residual_rms * UM))
     }
 
     /// Returns the largest distance from the mean position in a plane, um.
@@ -158,7 +164,8 @@ impl Basis {
     }
 }
 
-/// Sums of one probe over one block about its mean.
+/// Sums of one probe over one block, about its mean, under the window. The orders are fixed and one of them is not whole, so
+/// that the kernel's order tracker, which follows whole multiples of angles, does not serve.
 #[derive(Debug, Clone, Default)]
 struct BlockSums {
     weight: f64,
@@ -166,11 +173,6 @@ struct BlockSums {
     one: [f64; 2],
     two: [f64; 2],
     twin: [f64; 2],
-    least: f64,
-    greatest: f64,
-    square: f64,
-    fourth: f64,
-    residual: f64,
 }
 
 impl BlockSums {
@@ -185,11 +187,6 @@ impl BlockSums {
         against(&mut self.one, w * d, basis.one);
         against(&mut self.two, w * d, basis.two);
         against(&mut self.twin, w * twin, basis.one);
-        self.least = self.least.min(d);
-        self.greatest = self.greatest.max(d);
-        self.square += d * d;
-        self.fourth += (d * d) * (d * d);
-        self.residual += (d - twin) * (d - twin);
     }
 
     /// Converts the sums to amplitudes.
@@ -200,21 +197,17 @@ impl BlockSums {
         }
     }
 
-    fn figures(&self, mean: f64, not_one_x: f64, count: f64) -> BlockFigures {
+    fn figures(&self, readings: &BlockStatistics<f64>, not_one_x: f64, residual_rms: f64) -> BlockFigures {
         let size = |[cos, sin]: [f64; 2]| cos.hypot(sin) * UM;
-        let variance = self.square / count;
-        let rms = variance.sqrt();
-        let over = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
-        let peak_to_peak = (self.greatest - self.least) * UM;
         BlockFigures {
-            mean_um: mean * UM,
-            peak_to_peak_um: peak_to_peak,
-            greatest_um_pp: peak_to_peak,
+            mean_um: readings.mean * UM,
+            peak_to_peak_um: readings.peak_to_peak * UM,
+            greatest_um_pp: readings.peak_to_peak * UM,
             not_one_x_um_pp: not_one_x,
-            rms_um: rms * UM,
-            crest_factor: over(self.greatest.max(-self.least), rms),
-            kurtosis: over(self.fourth / count, variance * variance),
-            residual_rms_um: (self.residual / count).sqrt() * UM,
+            rms_um: readings.rms * UM,
+            crest_factor: readings.crest_factor,
+            kurtosis: readings.kurtosis,
+            residual_rms_um: residual_rms,
             one_x_um: self.one.map(|x| x * UM),
             twin_one_x_um: self.twin.map(|x| x * UM),
             two_x_um: size(self.two),
