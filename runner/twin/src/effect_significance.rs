@@ -10,9 +10,10 @@
 use crate::plant::{Plant, Result};
 use crate::scene::build::{self, point_contact_approach, point_contact_load};
 use crate::scene::{Bearing as BearingScene, Effects, Facing, Fit, Model, Preload, Scene};
-use ballrace::bearing::Bearing;
+use ballrace::bearing::angular::{Angular, GrooveCentres};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};
+use ballrace::bearing::{Bearing, ElementPosition};
 use ballrace::contact::hertz::{PointContact, Race};
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use serde::Serialize;
@@ -94,8 +95,11 @@ pub fn of_bearing(
     let still = BearingScene { model: Model::Angular, effects: Effects::default(), ..of.clone() };
     let built = build::bearing::<f64, Exact>(scene, &still, Model::Angular)?;
     let offset = build::preload_offset(scene, &still, &built)?.unwrap_or_default();
-    let look = |u: &Displacement<f64>| Balls::new(&still, &geometry, at, u);
-    let loaded = look(&(*u + offset));
+    let (_, datum) = build::contact_geometry(&still, "angular")?;
+    let angular = Angular::<f64, Exact, _>::try_new(geometry, build::places(&still), datum);
+    let angular = angular.map_err(|e| build::named(&still, e))?;
+    let balls_at = |u: &Displacement<f64>| Balls::new(&still, &geometry, &angular, at, u);
+    let loaded = balls_at(&(*u + offset));
     let right = loaded.sum(Ball::push);
     let force = size(right);
     if force <= 0.0 {
@@ -109,10 +113,10 @@ pub fn of_bearing(
             return loaded.sum(whole);
         }
         let along = |more: f64| Displacement { w: offset.w + more, ..offset };
-        let carried = look(&offset).sum(Ball::push)[2];
-        let lacking = |more: f64| carried - look(&along(more)).sum(whole)[2];
+        let carried = balls_at(&offset).sum(Ball::push)[2];
+        let lacking = |more: f64| carried - balls_at(&along(more)).sum(whole)[2];
         let more = root(lacking, 1e-3 * offset.w);
-        look(&(*u + along(more))).sum(whole)
+        balls_at(&(*u + along(more))).sum(whole)
     };
     let change = |with: [f64; 3], without: [f64; 3]| size(minus(with, without)) / force;
     let fitted = of.effects;
@@ -247,38 +251,43 @@ struct Ball {
 struct Balls(Vec<Ball>);
 
 impl Balls {
-    /// Computes the balls for the ring displacement `u` by the closed form without inertia.
-    fn new(of: &BearingScene, g: &BallBearingGeometry, at: &BearingKinematicState<f64>, u: &Displacement<f64>) -> Self {
+    /// Computes the balls of `angular`, the bearing without inertia and surface deviations, for the ring displacement `u`.
+    fn new(
+        of: &BearingScene,
+        g: &BallBearingGeometry,
+        angular: &Angular<f64, Exact, Vec<ElementPosition<f64>>>,
+        at: &BearingKinematicState<f64>,
+        u: &Displacement<f64>,
+    ) -> Self {
         let constants = [g.contact(Race::Inner).stiffness, g.contact(Race::Outer).stiffness, g.stiffness()];
-        let (free_angle, rest) = match of.facing {
-            Facing::PlusZ => (g.contact_angle, g.groove_distance()),
-            Facing::MinusZ => (-g.contact_angle, g.groove_distance()),
-            Facing::Both => (0.0, g.groove_distance() * g.contact_angle.cos()),
+        let (free_angle, sense) = match of.facing {
+            Facing::PlusZ => (g.contact_angle, 1.0),
+            Facing::MinusZ => (-g.contact_angle, -1.0),
+            Facing::Both => (0.0, 1.0),
         };
         let half = 0.5 * g.ball_diameter;
         let lengths = [g.inner_conformity, g.outer_conformity].map(|f| f * g.ball_diameter - half);
-        let arm = g.inner_groove_radius();
-        let ball = |j: usize| {
-            let azimuth = build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians();
-            let (sin, cos) = azimuth.sin_cos();
-            let radial = rest * free_angle.cos() + u.u * cos + u.v * sin;
-            let axial = rest * free_angle.sin() + u.w + arm * (u.thu * sin - u.thv * cos);
-            let apart = radial.hypot(axial);
-            let approach = apart - g.groove_distance();
-            let load = point_contact_load(constants[2], approach);
-            let part = |k: f64| point_contact_approach(k, load);
+        let mut centres = vec![GrooveCentres::default(); of.elements];
+        if of.facing == Facing::MinusZ {
+            angular.groove_centres(&u.mirrored(), &at.reversed(), &mut centres);
+        } else {
+            angular.groove_centres(u, at, &mut centres);
+        }
+        let ball = |(j, centres): (usize, &GrooveCentres<f64>)| {
+            let [radial, axial] = centres.distance;
+            let part = |k: f64| point_contact_approach(k, centres.load);
             Ball {
-                azimuth,
-                load,
-                angle: axial.atan2(radial),
+                azimuth: build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians(),
+                load: centres.load,
+                angle: (sense * axial).atan2(radial),
                 free_angle,
-                approach,
+                approach: centres.deflection,
                 lengths: [lengths[0] + part(constants[0]), lengths[1] + part(constants[1])],
                 constants,
-                apart,
+                apart: radial.hypot(axial),
             }
         };
-        Self((0..of.elements).map(ball).collect())
+        Self(centres.iter().enumerate().map(ball).collect())
     }
 
     /// Sum of forces in the balls' planes.
