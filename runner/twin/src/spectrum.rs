@@ -1,4 +1,5 @@
-//! Averaged amplitude spectra of a stream of samples: Welch's method, Hann window, 50 % overlap.
+//! Amplitude spectra: the windowed transform behind every spectrum of this library, and averaged spectra of a stream of samples
+//! by Welch's method with 50 % overlap.
 
 use crate::outcome::SpectraSettings;
 use realfft::num_complex::Complex;
@@ -8,10 +9,60 @@ use std::sync::Arc;
 /// Length of the longest segment, samples.
 const LONGEST: usize = 4096;
 
-/// Averaged one-sided amplitude spectrum (peak amplitude of a sine) of several signals sampled together.
-pub struct Welch {
+/// Discrete Fourier transform of real samples about their mean, under a periodic Hann window.
+pub(crate) struct WindowedTransform {
     fft: Arc<dyn RealToComplex<f64>>,
     window: Vec<f64>,
+    /// Inverse of the sum of the window.
+    scale: f64,
+}
+
+impl WindowedTransform {
+    /// Creates the transform of `length` samples.
+    pub(crate) fn new(length: usize) -> Self {
+        let step = std::f64::consts::TAU / length as f64;
+        let window: Vec<f64> = (0..length).map(|i| 0.5 * (1.0 - (i as f64 * step).cos())).collect();
+        let scale = 1.0 / window.iter().sum::<f64>();
+        Self { fft: RealFftPlanner::new().plan_fft_forward(length), window, scale }
+    }
+
+    /// Returns the number of samples.
+    pub(crate) fn length(&self) -> usize {
+        self.window.len()
+    }
+
+    /// Returns the bins from 0 Hz to half the rate. The magnitude of a bin is half the zero-to-peak amplitude of a sine there.
+    pub(crate) fn bins(&self, samples: &[f64]) -> Vec<Complex<f64>> {
+        let samples = samples.get(..self.length()).unwrap_or(samples);
+        let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
+        let mut input: Vec<f64> = samples.iter().zip(&self.window).map(|(s, w)| (s - mean) * w * self.scale).collect();
+        let mut bins = self.fft.make_output_vec();
+        // The lengths agree by construction; a disagreement would leave the bins at zero.
+        let _ = self.fft.process(&mut input, &mut bins);
+        bins
+    }
+}
+
+/// Returns the squared amplitudes of the circular motions in the plane motion `x + jy`: forward (with the shaft) and reverse,
+/// bin by bin.
+pub(crate) fn circular_power<'a>(
+    x: &'a [Complex<f64>],
+    y: &'a [Complex<f64>],
+) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+    let j = Complex::new(0.0, 1.0);
+    x.iter().zip(y).map(move |(x, y)| [(x + j * y).norm_sqr(), (x - j * y).norm_sqr()])
+}
+
+/// Returns the amplitude spectrum of `samples` about their mean under a Hann window: at each multiple of the sample rate
+/// over their number, up to half the rate, the zero-to-peak amplitude of a sine there, in the unit of the samples.
+#[must_use]
+pub fn amplitudes(samples: &[f64]) -> Vec<f64> {
+    WindowedTransform::new(samples.len()).bins(samples).iter().map(|bin| 2.0 * bin.norm()).collect()
+}
+
+/// Averaged one-sided amplitude spectrum (peak amplitude of a sine) of several signals sampled together.
+pub struct Welch {
+    transform: WindowedTransform,
     /// The last `LONGEST` samples of each signal.
     pending: Vec<Vec<f64>>,
     power: Vec<Vec<f64>>,
@@ -20,33 +71,6 @@ pub struct Welch {
     forward: Vec<Vec<f64>>,
     reverse: Vec<Vec<f64>>,
     segments: f64,
-    length: usize,
-}
-
-/// Returns a periodic Hann window.
-pub(crate) fn hann(length: usize) -> Vec<f64> {
-    let step = std::f64::consts::TAU / length as f64;
-    (0..length).map(|i| 0.5 * (1.0 - (i as f64 * step).cos())).collect()
-}
-
-/// Returns the amplitude spectrum of `samples` about their mean under a Hann window: at each multiple of the sample rate
-/// over their number, up to half the rate, the zero-to-peak amplitude of a sine there, in the unit of the samples.
-#[must_use]
-pub fn amplitudes(samples: &[f64]) -> Vec<f64> {
-    let fft = RealFftPlanner::new().plan_fft_forward(samples.len());
-    let window = hann(samples.len());
-    let scale = 2.0 / window.iter().sum::<f64>();
-    transform(fft.as_ref(), &window, samples).iter().map(|bin| bin.norm() * scale).collect()
-}
-
-/// Transforms `samples` about their mean, times `window`.
-fn transform(fft: &dyn RealToComplex<f64>, window: &[f64], samples: &[f64]) -> Vec<Complex<f64>> {
-    let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
-    let mut input: Vec<f64> = samples.iter().zip(window).map(|(s, w)| (s - mean) * w).collect();
-    let mut output = fft.make_output_vec();
-    // The lengths agree by construction; a disagreement would leave the output at zero.
-    let _ = fft.process(&mut input, &mut output);
-    output
 }
 
 impl Welch {
@@ -54,22 +78,24 @@ impl Welch {
     #[must_use]
     pub fn new(signals: usize, pairs: Vec<(usize, usize)>) -> Self {
         let mut welch = Self {
-            fft: RealFftPlanner::new().plan_fft_forward(LONGEST),
-            window: hann(LONGEST),
+            transform: WindowedTransform::new(LONGEST),
             pending: vec![Vec::with_capacity(LONGEST); signals],
             power: vec![],
             forward: vec![],
             reverse: vec![],
             pairs,
             segments: 0.0,
-            length: LONGEST,
         };
         welch.clear();
         welch
     }
 
+    fn length(&self) -> usize {
+        self.transform.length()
+    }
+
     fn clear(&mut self) {
-        let bins = self.length / 2 + 1;
+        let bins = self.length() / 2 + 1;
         self.power = vec![vec![0.0; bins]; self.pending.len()];
         self.forward = vec![vec![0.0; bins]; self.pairs.len()];
         self.reverse = vec![vec![0.0; bins]; self.pairs.len()];
@@ -80,9 +106,9 @@ impl Welch {
         for (pending, value) in self.pending.iter_mut().zip(values) {
             pending.push(value);
         }
-        if self.pending.first().is_some_and(|p| p.len() >= self.length) {
+        if self.pending.first().is_some_and(|p| p.len() >= self.length()) {
             self.segment();
-            let half = self.length / 2;
+            let half = self.length() / 2;
             for pending in &mut self.pending {
                 pending.drain(..half);
             }
@@ -97,38 +123,27 @@ impl Welch {
     }
 
     fn segment(&mut self) {
-        let scale = 2.0 / self.window.iter().sum::<f64>();
-        let spectra: Vec<Vec<Complex<f64>>> = self.pending.iter().map(|p| self.transform(p)).collect();
+        let spectra: Vec<Vec<Complex<f64>>> = self.pending.iter().map(|p| self.transform.bins(p)).collect();
         for (power, spectrum) in self.power.iter_mut().zip(&spectra) {
             for (sum, bin) in power.iter_mut().zip(spectrum) {
-                *sum += (bin * scale).norm_sqr();
+                *sum += 4.0 * bin.norm_sqr();
             }
         }
-        for (i, &(x, y)) in self.pairs.iter().enumerate() {
+        for (&(x, y), (forward, reverse)) in self.pairs.iter().zip(self.forward.iter_mut().zip(&mut self.reverse)) {
             let (Some(x), Some(y)) = (spectra.get(x), spectra.get(y)) else { continue };
-            for (k, (x, y)) in x.iter().zip(y).enumerate() {
-                // Spectrum of x + jy at +f and at -f, from the two real spectra.
-                let j = Complex::new(0.0, 1.0);
-                self.forward[i][k] += ((x + j * y) * scale * 0.5).norm_sqr();
-                self.reverse[i][k] += ((x - j * y) * scale * 0.5).norm_sqr();
+            for ((forward, reverse), power) in forward.iter_mut().zip(reverse).zip(circular_power(x, y)) {
+                *forward += power[0];
+                *reverse += power[1];
             }
         }
         self.segments += 1.0;
-    }
-
-    /// Returns the spectrum of one segment about its mean.
-    fn transform(&self, samples: &[f64]) -> Vec<Complex<f64>> {
-        let samples = samples.get(..self.length).unwrap_or(samples);
-        transform(self.fft.as_ref(), &self.window, samples)
     }
 
     /// Ends the recording; one shorter segment is evaluated where there is no complete one.
     pub fn finish(&mut self) {
         let available = self.pending.first().map_or(0, Vec::len);
         if self.segments == 0.0 && available >= 16 {
-            self.length = 1 << available.ilog2();
-            self.fft = RealFftPlanner::new().plan_fft_forward(self.length);
-            self.window = hann(self.length);
+            self.transform = WindowedTransform::new(1 << available.ilog2());
             self.clear();
             self.segment();
         }
@@ -137,13 +152,13 @@ impl Welch {
     /// Returns the settings of the spectra.
     #[must_use]
     pub fn settings(&self, rate: f64) -> SpectraSettings {
-        SpectraSettings { lines: self.length / 2, bin_hz: self.bin(rate), averages: self.segments as u64 }
+        SpectraSettings { lines: self.length() / 2, bin_hz: self.bin(rate), averages: self.segments as u64 }
     }
 
     /// Returns the bin width, Hz.
     #[must_use]
     pub fn bin(&self, rate: f64) -> f64 {
-        rate / self.length as f64
+        rate / self.length() as f64
     }
 
     fn amplitudes(&self, power: &[f64]) -> Vec<f64> {

@@ -5,11 +5,8 @@ use crate::outcome::{Cascade, Slice};
 use crate::probes::Plane;
 use crate::recording::Sample;
 use crate::scene::{Direction, Probe, Speed};
-use crate::spectrum::hann;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use crate::spectrum::{WindowedTransform, circular_power};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 const UM: f64 = 1e6;
 /// Largest number of spectra.
@@ -27,14 +24,14 @@ struct Source {
     name: String,
     probe: usize,
     plane: Option<Plane>,
-    pending: Vec<Complex<f64>>,
+    /// Motion along X and Y, or the readings of the probe and zeros.
+    pending: [Vec<f64>; 2],
 }
 
 /// Accumulates samples spectrum by spectrum.
 pub struct Spectra {
     sources: Vec<Source>,
-    fft: Arc<dyn Fft<f64>>,
-    window: Vec<f64>,
+    transform: WindowedTransform,
     times: Vec<f64>,
     speeds: Vec<f64>,
     /// Index of the last row.
@@ -65,7 +62,7 @@ impl Spectra {
     /// Creates the spectra of the planes, or of each radial probe where there is no plane.
     #[must_use]
     pub fn new(probes: &[Probe], planes: &[Plane], rate: f64, speed: Speed) -> Self {
-        let source = |name: String, probe: usize, plane| Source { name, probe, plane, pending: vec![] };
+        let source = |name: String, probe: usize, plane| Source { name, probe, plane, pending: Default::default() };
         let name = |i: usize| probes.get(i).map_or("", |p| p.column.as_str());
         let mut sources: Vec<Source> =
             planes.iter().map(|p| source(p.probes.map(name).join(" / "), p.probes[0], Some(p.clone()))).collect();
@@ -73,11 +70,9 @@ impl Spectra {
             let radial = probes.iter().enumerate().filter(|(_, p)| p.direction != Direction::Axial);
             sources = radial.map(|(i, p)| source(p.column.clone(), i, None)).collect();
         }
-        let length = length(rate, speed);
         Self {
             sources,
-            fft: FftPlanner::new().plan_fft_forward(length),
-            window: hann(length),
+            transform: WindowedTransform::new(length(rate, speed)),
             times: vec![],
             speeds: vec![],
             last: 0,
@@ -102,11 +97,13 @@ impl Spectra {
                 Some(plane) => plane.xy(&sample.row.probes),
                 None => (sample.row.probes.get(source.probe).copied().unwrap_or(0.0), 0.0),
             };
-            source.pending.push(Complex::new(x, y));
+            let [along_x, along_y] = &mut source.pending;
+            along_x.push(x);
+            along_y.push(y);
         }
         self.times.push(sample.row.time);
         self.speeds.push(sample.speed);
-        if self.times.len() >= self.window.len() {
+        if self.times.len() >= self.transform.length() {
             self.transform();
         }
     }
@@ -115,12 +112,12 @@ impl Spectra {
         self.times.drain(..count);
         self.speeds.drain(..count);
         for source in &mut self.sources {
-            source.pending.drain(..count);
+            source.pending.iter_mut().for_each(|pending| drop(pending.drain(..count)));
         }
     }
 
     fn transform(&mut self) {
-        let length = self.window.len();
+        let length = self.transform.length();
         let mean = |values: &[f64]| values.iter().sum::<f64>() / length as f64;
         let power = self.sources.iter().map(|source| self.power(&source.pending)).collect();
         self.history.push(Slices { time: mean(&self.times), speed: mean(&self.speeds), power });
@@ -129,21 +126,18 @@ impl Spectra {
     }
 
     /// Returns the power from the lowest bin kept to the highest, 0 Hz in the middle, um squared.
-    fn power(&self, samples: &[Complex<f64>]) -> Vec<f64> {
-        let length = self.window.len();
-        let mean = samples.iter().sum::<Complex<f64>>() / length as f64;
-        let mut bins: Vec<Complex<f64>> = samples.iter().zip(&self.window).map(|(z, w)| (z - mean) * w).collect();
-        self.fft.process(&mut bins);
-        let kept = KEPT.min(length / 2 - 1);
-        let scale = UM / self.window.iter().sum::<f64>();
-        let (reverse, forward) = (bins.iter().skip(length - kept), bins.iter().take(kept + 1));
-        reverse.chain(forward).map(|z| (z * scale).norm_sqr()).collect()
+    fn power(&self, samples: &[Vec<f64>; 2]) -> Vec<f64> {
+        let [x, y] = samples.each_ref().map(|samples| self.transform.bins(samples));
+        let kept = KEPT.min(self.transform.length() / 2 - 1);
+        let power: Vec<[f64; 2]> = circular_power(&x, &y).take(kept + 1).collect();
+        let reverse = power.iter().skip(1).rev().map(|p| p[1]);
+        reverse.chain(power.iter().map(|p| p[0])).map(|power| UM * UM * power).collect()
     }
 
     /// Returns one cascade per source.
     #[must_use]
     pub fn finish(self) -> Vec<Cascade> {
-        let bin_hz = self.rate / self.window.len() as f64;
+        let bin_hz = self.rate / self.transform.length() as f64;
         let slices = self.history.into_entries();
         let of = |(i, source): (usize, Source)| {
             let two_sided = source.plane.is_some();

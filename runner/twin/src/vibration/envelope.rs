@@ -5,10 +5,13 @@
 //! The spectrum is that of the squared envelope, `|x_a|^2` of the band's analytic signal over its mean, averaged over blocks
 //! (Welch). An amplitude of 1 is a modulation from zero to twice the mean.
 //!
+//! The kernel's `Envelope` follows one known band sample by sample; this search needs the whole recording, from which it finds
+//! the band that the kernel's constructor takes.
+//!
 //! Sources: Randall and Antoni 2011, Rolling element bearing diagnostics - a tutorial, Mechanical Systems and Signal
 //! Processing 25; the tree of bands: Antoni 2007, Fast computation of the kurtogram, ibid. 21.
 
-use crate::spectrum::hann;
+use crate::spectrum::WindowedTransform;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
@@ -86,21 +89,16 @@ fn envelope(
     if mean <= 0.0 || length < 64 {
         return None;
     }
-    let window = hann(length);
-    let fft = planner.plan_fft_forward(length);
+    let transform = WindowedTransform::new(length);
     let mut power = vec![0.0; length / 2];
     let mut blocks = 0.0;
     for block in (0..=count - length).step_by((length / 2).max(1)).filter_map(|s| squares.get(s..s + length)) {
-        let about = block.iter().sum::<f64>() / length as f64;
-        let mut part: Vec<Complex<f64>> =
-            block.iter().zip(&window).map(|(x, w)| Complex::new((x - about) / mean * w, 0.0)).collect();
-        fft.process(&mut part);
-        for (sum, x) in power.iter_mut().zip(&part) {
-            *sum += x.norm_sqr();
+        for (sum, bin) in power.iter_mut().zip(transform.bins(block)) {
+            *sum += bin.norm_sqr();
         }
         blocks += 1.0;
     }
-    let weight = 4.0 / (blocks * window.iter().sum::<f64>().powi(2));
+    let weight = 4.0 / (blocks * mean * mean);
     power.iter_mut().for_each(|p| *p *= weight);
     Some(Envelope { band, power, bin: own_rate / length as f64, turn_hz })
 }
