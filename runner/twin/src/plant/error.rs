@@ -171,3 +171,8 @@ impl PlantError {
         matches!(self, Self::Substeps { .. })
     }
 }
+
+/// Names the part of the scene in an error of the kernel.
+pub(super) fn rejected(part: &str) -> impl FnOnce(InvalidParameter) -> PlantError {
+    move |source| PlantError::Parameter { part: part.to_owned(), source }
+}

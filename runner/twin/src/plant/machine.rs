@@ -1,10 +1,9 @@
 //! The kernel's machine of as many coordinates and bearings as a scene has: both are constants of its type.
 
-use super::error::{PlantError, Result};
+use super::error::{PlantError, Result, rejected};
 use super::system::{OnHeap, RIGID};
 use super::{MountedBearing, Plant, Step};
 use crate::scene::build::{self, AnyBearing, Shared};
-use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::{Bearing, ElementPosition, Reaction};
 use ballrace::rotor::{
     AttachedBearing, Attachment, BearingAtStation, ForceElement, HasSpeedRatios, LinearSystem, MovingBalls, RigidRotor,
@@ -205,11 +204,6 @@ impl Plant {
             _ => Fitted::Bearing(AttachedBearing { bearing: hold(mounted), attachment, speed_ratios }),
         })
     }
-}
-
-/// Names the part of the scene in an error of the kernel.
-pub(super) fn rejected(part: &str) -> impl FnOnce(InvalidParameter) -> PlantError {
-    move |source| PlantError::Parameter { part: part.to_owned(), source }
 }
 
 fn nothing() -> AnyBearing<f64> {

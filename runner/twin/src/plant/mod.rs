@@ -29,7 +29,8 @@ use ballrace::{BearingKinematicState, Displacement, Phase};
 pub use error::{PlantError, Result};
 use machine::SystemTask;
 use nalgebra::{Complex, DMatrix};
-use twin::{StartTask, array};
+use system::array;
+use twin::StartTask;
 
 /// Part of the load that may be left unbalanced at a static equilibrium.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;

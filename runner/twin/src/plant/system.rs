@@ -1,8 +1,6 @@
 //! Which coordinates a scene's system has, and its matrices.
 
-use super::error::{PlantError, Result};
-use super::machine::rejected;
-use super::twin::array;
+use super::error::{PlantError, Result, rejected};
 use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
@@ -199,4 +197,9 @@ pub fn only_rigid(scene: &Scene, command: &str) -> Result<()> {
         }),
         None => Ok(()),
     }
+}
+
+/// As many of `all` as there are places, the rest zero.
+pub(super) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
+    std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
 }

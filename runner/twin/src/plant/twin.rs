@@ -1,7 +1,7 @@
 //! The digital twin: a plant that moves, driven by the shaft angle alone.
 
 use super::machine::{Fit, SystemTask};
-use super::system::OnHeap;
+use super::system::{OnHeap, array};
 use crate::scene::Method;
 use crate::simd::SimdDispatch;
 use ballrace::rotor::{
@@ -41,11 +41,6 @@ pub fn first_five(coordinates: &[f64]) -> Displacement<f64> {
         *entry = x;
     }
     Displacement::from_array(five)
-}
-
-/// As many of `all` as there are places, the rest zero.
-pub(super) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
-    std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
 }
 
 /// One step of the integrator that a scene names.

@@ -2,48 +2,12 @@
 
 use super::pipeline::Pipeline;
 use super::standstill::Measured;
-use super::statistics::Running;
 use super::{findings, list, observe, plausibility};
 use crate::error::{ReplayError, Result};
 use crate::outcome::{Outcome, Record};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
 use std::f64::consts::TAU;
-
-/// Time, revolutions and speed of the processed samples.
-#[derive(Default)]
-pub(super) struct Totals {
-    speed: Running,
-    /// Time of the first sample, s.
-    first_time: f64,
-    /// Time of the last sample, s.
-    pub(super) last_time: f64,
-    revolutions: f64,
-}
-
-impl Totals {
-    pub(super) fn add(&mut self, time: f64, speed: f64, revolutions: f64) {
-        if self.speed.count() == 0.0 {
-            self.first_time = time;
-        }
-        self.last_time = time;
-        self.revolutions += revolutions;
-        self.speed.add(speed);
-    }
-
-    fn record(&self) -> Record {
-        let rpm = |w: f64| w * 60.0 / TAU;
-        let (slow, fast) = self.speed.extremes();
-        Record {
-            duration_s: self.last_time - self.first_time,
-            turns: self.revolutions,
-            mean_speed_rpm: rpm(self.speed.mean()),
-            min_speed_rpm: rpm(slow),
-            max_speed_rpm: rpm(fast),
-            ..Record::default()
-        }
-    }
-}
 
 /// Facts of a recording that the pipeline does not have.
 pub(super) struct RecordingFacts<'a> {
@@ -65,12 +29,12 @@ impl Pipeline<'_> {
         if let Some(file) = self.forces_file.take() {
             file.finish()?;
         }
-        if self.totals.speed.count() == 0.0 {
+        if self.totals.speed().count() == 0.0 {
             return self.conclude_at_standstill(scene, facts);
         }
         self.comparison.finish();
         let bearings = self.plant.bearings.as_slice();
-        let mean_speed = self.totals.speed.mean();
+        let mean_speed = self.totals.speed().mean();
         let speed_hz = mean_speed.abs() / TAU;
         let mut probes = self.comparison.outcomes(self.probes, bearings, speed_hz);
         let implausible = plausibility::implausible(&plausibility::Evidence {
@@ -174,7 +138,7 @@ impl Pipeline<'_> {
     /// Returns notes on the assumptions and restrictions of the outcome.
     fn closing_notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.standstill.note().into_iter().collect();
-        let speed = &self.totals.speed;
+        let speed = self.totals.speed();
         let (slow, fast) = speed.extremes();
         if (fast - slow).abs() > 0.05 * speed.mean().abs() {
             notes.push(

@@ -1,10 +1,8 @@
 //! The stages of a replay in the order in which a sample passes through them.
 
-use super::Options;
 use super::align::AlignmentStage;
 use super::attribution::LineAttribution;
 use super::comparison::{Comparison, SampleReadings};
-use super::conclusion::Totals;
 use super::force::{Displacements, ForceStage, element_loads};
 use super::forces_file::ForcesFile;
 use super::limits::LimitMonitor;
@@ -12,6 +10,7 @@ use super::lines::{Angles, followed_orders};
 use super::locate::LocationStage;
 use super::notices::Notices;
 use super::observe::ObserverStage;
+use super::options::Options;
 use super::pictures::{FigureCollector, marked_lines, passes_keyphasor};
 use super::plausibility::Counts;
 use super::range::ReadingRange;
@@ -21,6 +20,7 @@ use super::snapshot::{RecentSamples, Snapshot};
 use super::standstill::Standstill;
 use super::startup::{Queued, RunInProgress, Search, SearchResult, Startup};
 use super::timing::Ledger;
+use super::totals::Totals;
 use super::twin::TwinStage;
 use crate::baseline::Baseline;
 use crate::effect_significance;

@@ -1,9 +1,9 @@
 //! A replay driven row by row: a file reader or a live source delivers the rows.
 
-use super::Options;
 use super::conclusion::RecordingFacts;
 use super::limits::LimitState;
 use super::notices::Notice;
+use super::options::Options;
 use super::pipeline::Pipeline;
 use super::second::Second;
 use super::snapshot::Snapshot;

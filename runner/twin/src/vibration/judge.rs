@@ -2,10 +2,10 @@
 
 use super::envelope::{Envelope, Line, envelopes};
 use super::picture;
+use super::suspect::Suspect;
 use crate::baseline::{Baseline, BaselineSensor};
 use crate::outcome::{EnvelopeSpectrum, Finding, FindingKind};
 use crate::scene::Sensor;
-use ballrace::bearing::kinematics::Orders;
 
 /// Largest slip against pure rolling in either direction, and number of steps of its search.
 const SLIP: f64 = 0.015;
@@ -25,18 +25,6 @@ const LEAST_GROWTH_DB: f64 = 6.0;
 const LOWEST: f64 = 3.0;
 /// Smallest score of a family over that of the strongest.
 const LEAST_OF_STRONGEST: f64 = 0.7;
-
-/// A bearing that may be damaged.
-pub struct Suspect {
-    /// Its name.
-    pub name: String,
-    /// m
-    pub station: f64,
-    /// Per turn.
-    pub orders: Orders,
-    /// Rolling elements.
-    pub elements: usize,
-}
 
 /// One part of one bearing.
 #[derive(Clone, Copy)]
@@ -93,7 +81,8 @@ impl Judge<'_> {
             };
             let judged: Vec<(f64, Finding, [f64; 2])> = found.iter().enumerate().filter_map(judge).collect();
             let strongest = judged.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, _, band)| *band);
-            drawn.extend(picture::envelope(self, sensor, &bands, strongest));
+            let measured: Vec<&Suspect> = self.measured_by(sensor).collect();
+            drawn.extend(picture::envelope(sensor, &measured, [self.turn_hz, self.range()], &bands, strongest));
             findings.extend(judged.into_iter().map(|(score, finding, _)| (score, finding)));
         }
         findings.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -4,21 +4,23 @@
 mod envelope;
 mod judge;
 mod picture;
+mod suspect;
 #[cfg(test)]
 mod tests;
 
 use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
-use crate::outcome::{BearingOrders, BearingOutcome, Outcome, Pictures, Record, Timing};
+use crate::outcome::{Outcome, Pictures, Record, Timing};
 use crate::recording::Reader;
 use crate::recording::Row;
 use crate::scene::{Recording, RotationSource, Scene, Sensor, Speed, build};
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
-use judge::{Judge, Suspect};
+use judge::Judge;
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Instant;
+use suspect::Suspect;
 
 /// Smallest number of revolutions for a verdict.
 const LEAST_TURNS: f64 = 16.0;
@@ -145,24 +147,6 @@ fn suspects(scene: &Scene) -> Result<Vec<Suspect>> {
         Ok(Suspect { name: b.name.clone(), station: b.station, orders: kinematics.orders, elements: b.elements })
     };
     scene.bearings.iter().map(suspect).collect()
-}
-
-impl Suspect {
-    fn outcome(&self) -> BearingOutcome {
-        let o = self.orders;
-        BearingOutcome {
-            name: self.name.clone(),
-            model: format!("kinematics, {} elements", self.elements),
-            station_mm: self.station * 1e3,
-            orders: BearingOrders {
-                cage: o.cage,
-                outer_race: o.outer_race,
-                inner_race: o.inner_race,
-                ball_spin: Some(o.ball_spin),
-            },
-            ..BearingOutcome::default()
-        }
-    }
 }
 
 /// Returns the statistics of a signal as a note of the report.

@@ -1,14 +1,16 @@
 //! Envelope spectrum of a sensor for the report: the band of the strongest finding, or the band with the largest modulation.
 
 use super::envelope::Envelope;
-use super::judge::{Judge, Suspect};
+use super::suspect::Suspect;
 use crate::outcome::{EnvelopeSpectrum, MarkedLine};
 use crate::scene::Sensor;
 
-/// Returns the spectrum of one sensor from `bands`; `found` is the band of the strongest finding.
+/// Returns the spectrum of one sensor from `bands`, up to `highest` (Hz); `suspects` are the bearings that it measures, `found`
+/// is the band of the strongest finding.
 pub fn envelope(
-    judge: &Judge,
     sensor: &Sensor,
+    suspects: &[&Suspect],
+    [turn_hz, highest]: [f64; 2],
     bands: &[Envelope],
     found: Option<[f64; 2]>,
 ) -> Option<EnvelopeSpectrum> {
@@ -17,9 +19,9 @@ pub fn envelope(
         Some(band) => bands.iter().find(|e| e.band == band),
         None => most(),
     }?;
-    let (bin_hz, modulation) = envelope.spectrum(judge.range());
-    let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: judge.turn_hz }];
-    lines.extend(judge.measured_by(sensor).flat_map(|suspect| marked(suspect, judge.turn_hz)));
+    let (bin_hz, modulation) = envelope.spectrum(highest);
+    let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: turn_hz }];
+    lines.extend(suspects.iter().flat_map(|suspect| marked(suspect, turn_hz)));
     let reason = match found {
         Some(_) => "the band on which the finding rests",
         None => "the most impulsive band; no line of a bearing stands out of any",
@@ -30,7 +32,7 @@ pub fn envelope(
         reason: reason.to_owned(),
         bin_hz,
         modulation,
-        side_bands_hz: judge.measured_by(sensor).flat_map(|suspect| side_bands(suspect, judge.turn_hz)).collect(),
+        side_bands_hz: suspects.iter().flat_map(|suspect| side_bands(suspect, turn_hz)).collect(),
         lines,
     })
 }

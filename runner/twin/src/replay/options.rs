@@ -1,0 +1,34 @@
+//! Options of a replay.
+
+use std::path::Path;
+
+/// Options of a replay.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// File for the forces of every sample.
+    pub forces: Option<&'a Path>,
+    /// Source of these forces.
+    pub source: Source,
+    /// Tolerated error of the force: the effect significance reports neglected effects beyond it.
+    pub error: Option<f64>,
+    /// File with a baseline to judge against.
+    pub baseline: Option<&'a Path>,
+    /// Live operation: indicators of every second are kept for [`Replay::take_update`](super::Replay::take_update), the start of the twin does not block, and
+    /// forces that are not written to a file are computed for a limited number of samples per second.
+    pub live: bool,
+    /// A display is in use: [`Replay::snapshot`](super::Replay::snapshot) returns the last samples.
+    pub viewed: bool,
+    /// Called at intervals with the bytes read and, where known, their total.
+    pub progress: Option<&'a (dyn Fn(u64, Option<u64>) + Sync)>,
+}
+
+/// Source of the forces in the forces file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Source {
+    /// Bearing model at the displacement estimated by the observer, free of probe noise.
+    #[default]
+    Observer,
+    /// Bearing model at the displacement measured by the probes.
+    Displacement,
+}
