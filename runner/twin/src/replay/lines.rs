@@ -120,8 +120,8 @@ pub struct Demodulator {
     block: RevolutionBlock<f64, f64>,
     /// Sums over the current block, line-major.
     sums: Vec<OrderSums<f64, f64>>,
-    /// Signals of the current sample about their means, times the window.
-    windowed: Vec<f64>,
+    /// Signals of the current sample about their means.
+    centred: Vec<f64>,
     /// Amplitudes of cosine and sine in the last finished block.
     last: Vec<OrderVector<f64>>,
     /// Squared amplitudes summed over finished blocks.
@@ -142,7 +142,7 @@ impl Demodulator {
             signals,
             block: RevolutionBlock::new(),
             sums: vec![OrderSums::new(); cells],
-            windowed: vec![0.0; signals],
+            centred: vec![0.0; signals],
             last: vec![[0.0; 2]; cells],
             power: vec![0.0; cells],
             blocks: 0.0,
@@ -153,23 +153,30 @@ impl Demodulator {
 
     /// Adds one sample of all signals; returns true where a block ends before it.
     pub fn add(&mut self, values: &[f64], angles: Angles) -> bool {
+        self.samples += 1.0;
+        // A slow average: fixed within rounding over a block, whatever the recording's length.
+        let rate = 1.0 / self.samples.min(20_000.0);
+        for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.centred) {
+            *mean += (value - *mean) * rate;
+            *to = value - *mean;
+        }
         // The first sample begins a block.
-        let share = if self.samples > 0.0 { angles.revolutions.abs() / BLOCK_TURNS } else { 0.0 };
+        let revolutions = if self.samples > 1.0 { angles.revolutions.abs() } else { 0.0 };
+        self.demodulate(angles, revolutions)
+    }
+
+    /// Adds the centred signals, after `revolutions` since the last sample.
+    fn demodulate(&mut self, angles: Angles, revolutions: f64) -> bool {
+        let share = revolutions / BLOCK_TURNS;
         let is_complete = self.block.advance(Phase::from_revolutions(share)) || share >= 1.0;
         if is_complete {
             self.close();
         }
-        self.samples += 1.0;
         let window = self.block.window::<Exact>();
-        // A slow average: fixed within rounding over a block, whatever the recording's length.
-        let rate = 1.0 / self.samples.min(20_000.0);
-        for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.windowed) {
-            *mean += (value - *mean) * rate;
-            *to = window * (value - *mean);
-        }
+        self.centred.iter_mut().for_each(|signal| *signal *= window);
         for (line, sums) in self.lines.iter().zip(self.sums.chunks_exact_mut(self.signals.max(1))) {
             let basis: (f64, f64) = Exact::sin_cos(line.phase(&angles));
-            for (sums, &y) in sums.iter_mut().zip(&self.windowed) {
+            for (sums, &y) in sums.iter_mut().zip(&self.centred) {
                 sums.add(y, basis);
             }
         }
@@ -223,7 +230,7 @@ mod tests {
     use ballrace::twin::{OrderLine, OrderTracker};
     use std::f64::consts::TAU;
 
-    /// On a signal without a mean, the demodulator and the kernel's tracker report the same amplitudes.
+    /// The demodulator and the kernel's tracker report the same amplitudes of a signal.
     #[test]
     fn amplitudes_are_those_of_the_kernel() {
         let lines = [
@@ -240,9 +247,9 @@ mod tests {
         for i in 0..20_000 {
             let signal = lines.iter().map(|line| line.angle(shaft, &parts).radians().cos()).sum::<f64>();
             let is_complete = kernel.add::<Exact>(signal, shaft, &parts);
-            desktop.means.fill(0.0);
-            desktop.samples = f64::from(i.min(1)) * 1e300;
-            assert_eq!(desktop.add(&[signal], Angles { shaft, parts: &[parts], revolutions }), is_complete, "{i}");
+            desktop.centred.fill(signal);
+            let angles = Angles { shaft, parts: &[parts], revolutions };
+            assert_eq!(desktop.demodulate(angles, revolutions), is_complete, "{i}");
             if is_complete {
                 blocks += 1;
                 for (line, [c, s]) in kernel.vectors().iter().enumerate() {

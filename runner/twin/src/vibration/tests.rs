@@ -1,6 +1,7 @@
 //! Blows of known origin in noise, and what is no blow.
 
-use super::judge::{Judge, Suspect};
+use super::judge::Judge;
+use super::suspect::Suspect;
 use crate::outcome::{EnvelopeSpectrum, FindingKind};
 use crate::scene::Sensor;
 use ballrace::bearing::kinematics::{Orders, orders};
