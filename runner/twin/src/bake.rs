@@ -1,4 +1,4 @@
-//! A scene's bearings as Rust constants for firmware: places, table, surfaces, ready for the kernel without arithmetic.
+//! A scene's bearings as Rust constants for firmware: element positions, table and surfaces, without arithmetic at start.
 
 mod direct;
 mod observer;
@@ -11,10 +11,10 @@ use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, Sp
 use ballrace::bearing::tabulated::Axis;
 use std::fmt::Write;
 
-/// Rust source with one module for each bearing of `names` (all where it is empty), and what was made.
+/// Returns Rust source with a module for the bearing `name`, or for every bearing, and the size of their tables.
 ///
 /// # Errors
-/// A model or an effect that firmware has no constants for, or a table that cannot be made.
+/// A model or an effect without constants, or a table with states without equilibrium.
 pub fn bake(scene: &Scene, name: Option<&str>) -> Result<(String, Vec<Baked>)> {
     let chosen: Vec<&Bearing> = match name {
         Some(_) => vec![build::pick(scene, name)?],
@@ -33,14 +33,14 @@ pub fn bake(scene: &Scene, name: Option<&str>) -> Result<(String, Vec<Baked>)> {
     Ok((source, all))
 }
 
-/// One bearing, made.
+/// Module of one bearing.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Baked {
-    /// The scene's name of the bearing.
+    /// Name of the bearing in the scene.
     pub bearing: String,
-    /// The module's name.
+    /// Name of the module.
     pub module: String,
-    /// Nodes of the table.
+    /// Number of nodes of the table.
     pub nodes: usize,
     /// Flash memory of the table, bytes.
     pub bytes: usize,
@@ -54,7 +54,7 @@ fn head(scene: &Scene) -> String {
     )
 }
 
-/// A name that Rust takes for a module.
+/// Returns a valid module name.
 fn identifier(name: &str) -> String {
     let letters = name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
     format!("bearing_{}", letters.collect::<String>())
@@ -81,7 +81,7 @@ fn module(scene: &Scene, of: &Bearing) -> Result<(String, Baked)> {
     Ok((out, Baked { bearing: of.name.clone(), module, nodes, bytes }))
 }
 
-/// Where the bearing is, how its parts turn, its displacement by preload, and its elements.
+/// Writes station, speed ratios, displacement by preload, and element positions.
 fn position_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -> Result<()> {
     let kinematics = build::kinematics(scene, of)?;
     let plain = build::bearing::<f64, Exact>(scene, of, model)?;

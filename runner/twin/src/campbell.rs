@@ -1,4 +1,5 @@
-//! Natural frequencies, damping and whirl of a scene's rotor over the shaft's speed, linearised at rest at each speed.
+//! Natural frequencies, damping and whirl of a scene's rotor over the shaft speed, linearised at the static equilibrium of
+//! each speed.
 
 use crate::plant::{Plant, PlantError, Result, eigenvalues, resolution};
 use crate::scene::{Scene, Speed};
@@ -6,12 +7,12 @@ use nalgebra::{Complex, DMatrix, DVector};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// One speed.
+/// Modes at one speed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AtSpeed {
     /// Shaft speed.
     pub speed_rpm: f64,
-    /// Lowest frequency first; directions that nothing holds have none.
+    /// Modes, lowest frequency first; unsupported directions have none.
     pub modes: Vec<Mode>,
 }
 
@@ -22,15 +23,15 @@ pub struct Mode {
     pub frequency_hz: f64,
     /// Damping over critical damping.
     pub damping_ratio: f64,
-    /// Which way the rotor goes round.
+    /// Direction of whirl.
     pub whirl: Whirl,
 }
 
-/// Which way the rotor goes round in a mode.
+/// Direction of whirl of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Whirl {
-    /// With the shaft's positive direction.
+    /// In the positive sense of shaft rotation.
     Forward,
     /// Against it.
     Backward,
@@ -38,19 +39,19 @@ pub enum Whirl {
     Straight,
 }
 
-/// Modes closer than this part of their frequency are taken for one pair, whose whirl is not theirs alone.
+/// Relative distance below which two modes are a degenerate pair, whose whirl is undefined.
 const PAIR: f64 = 1e-7;
-/// Tilts count as the way of a point so far from the centre of mass, m.
+/// Lever by which tilts are compared with displacements, m.
 const LEVER: f64 = 0.1;
-/// Real parts below this part of the largest eigenvalue are rounding.
+/// Real parts below this share of the largest eigenvalue are rounding errors.
 const ROUNDING: f64 = 1e-13;
-/// A whirl of less than this part of the motion is a line.
+/// Ratio of the whirl to the motion below which the mode is a straight line.
 const ROUND: f64 = 1e-3;
 
-/// The modes at each speed (rad/s).
+/// Computes the modes at each speed (rad/s).
 ///
 /// # Errors
-/// A scene without a rotor, what the kernel refuses.
+/// A scene without a rotor, a parameter that the kernel rejects.
 pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
     let at = |&speed: &f64| -> Result<AtSpeed> {
         let mut turning = scene.clone();
@@ -61,7 +62,7 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
     speeds.iter().map(at).collect()
 }
 
-/// Modes of `M q'' + (B + w G) q' + K q = 0`, with or without `B`, lowest frequency first.
+/// Computes the modes of `M q'' + (B + w G) q' + K q = 0`, with or without `B`, lowest frequency first.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter or eigenvalues cannot be computed.
@@ -94,7 +95,7 @@ pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     Ok(values.iter().enumerate().map(mode).collect())
 }
 
-/// From the mode's shape by inverse iteration.
+/// Returns the direction of whirl from the mode shape, by inverse iteration.
 fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
     let size = system.nrows();
     let shift = value * Complex::new(1.0 + 1e-8, 1e-9);
@@ -115,7 +116,7 @@ fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
     let [along, tilting] = [turning(at(0), at(1)), turning(at(4), -at(3))];
     let share = |(turn, all): (f64, f64)| if all > 0.0 { 2.0 * turn / all } else { 0.0 };
     let larger = if along.1 > tilting.1 * LEVER * LEVER { along } else { tilting };
-    // A mode along the axis goes round no more than its traces of the others do.
+    // A mode along the axis has no whirl of its own.
     let round = if at(2).norm_sqr() > along.1.max(tilting.1 * LEVER * LEVER) { 0.0 } else { share(larger) };
     match round {
         turn if turn > ROUND => Whirl::Forward,

@@ -28,7 +28,7 @@ pub struct EffectSignificance {
     pub effect: &'static str,
     /// Change of force without the effect, over the force.
     pub change: f64,
-    /// Whether the scene's model has it.
+    /// True where the scene's model contains the effect.
     pub modelled: bool,
     /// Cause of the change.
     pub because: String,
@@ -39,13 +39,13 @@ pub struct EffectSignificance {
 
 /// Default of the acceptable error of force.
 pub const GOOD_ENOUGH: f64 = 0.01;
-/// Rest positions over a ball pitch.
+/// Number of cage angles over a ball pitch.
 const PITCH_SAMPLES: u32 = 16;
-/// Rounds of the equation for `x_t`: a monotone one of a single unknown.
+/// Number of bisections of the equation for `x_t`.
 const ROUNDS: usize = 60;
-/// Rounds of load and film, each nearer by a factor of about ten.
+/// Number of iterations of load and film; each reduces the error by a factor of about ten.
 const FILM_ROUNDS: usize = 8;
-/// Secants at most.
+/// Largest number of secant steps.
 const SECANTS: usize = 12;
 
 /// Returns the significance of each effect on every bearing at the rotor's equilibrium at nominal speed.
@@ -105,7 +105,7 @@ pub fn of_bearing(
     if force <= 0.0 {
         return Ok(vec![]);
     }
-    // A bearing preloaded by a force is pushed on until it carries that force again.
+    // With a preload by force, the axial displacement follows so that the bearing carries the same force.
     let by_force = matches!(of.preload, Some(Preload::Force(_)));
     let pushed = |change: &dyn Fn(&Ball) -> [f64; 2]| {
         let whole = |ball: &Ball| plus(ball.push(), change(ball));
@@ -169,11 +169,11 @@ pub fn of_bearing(
         ),
         entry("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
     ];
-    // A NaN has no meaningful value.
+    // A change that is not finite has no meaning.
     Ok(inertial.into_iter().chain(film).chain(geometric).filter(|entry| entry.change.is_finite()).collect())
 }
 
-/// Half the swing of the force while the balls pass by, over the force.
+/// Returns half the variation of the force over one ball pass, over the force.
 fn pass(
     bearing: &build::AnyBearing<f64>,
     u: &Displacement<f64>,
@@ -207,7 +207,7 @@ fn minus([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
     [a - x, b - y, c - z]
 }
 
-/// Where `f` is 0, by secants from 0 and `first`.
+/// Returns the root of `f` by the secant method from 0 and `first`.
 fn root(f: impl Fn(f64) -> f64, first: f64) -> f64 {
     let (mut a, mut b) = (0.0, first);
     let mut fa = f(a);
@@ -235,7 +235,7 @@ struct Ball {
     azimuth: f64,
     /// N
     load: f64,
-    /// rad, and where the line of groove centres pointed before anything moved.
+    /// Contact angle, and free contact angle, rad.
     angle: f64,
     free_angle: f64,
     /// Approach of both contacts together, m.
@@ -290,7 +290,7 @@ impl Balls {
         Self(centres.iter().enumerate().map(ball).collect())
     }
 
-    /// Sum of forces in the balls' planes.
+    /// Returns the sum of forces in the balls' planes.
     fn sum(&self, of: impl Fn(&Ball) -> [f64; 2]) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for ball in &self.0 {
@@ -318,7 +318,7 @@ impl Balls {
         size(self.sum(|ball| {
             let off = ball.angle - fixed;
             let (sin, cos) = off.sin_cos();
-            // Only what lies along the held line presses the contacts.
+            // Only the component along the fixed line deflects the contacts.
             let held = point_contact_load(ball.constants[2], ball.approach - ball.apart * (1.0 - cos));
             let (fixed_sin, fixed_cos) = fixed.sin_cos();
             let along = held - ball.load * cos;
@@ -334,7 +334,7 @@ impl Ball {
         [self.load * cos, self.load * sin]
     }
 
-    /// Change of what the inner ring feels under a force on the ball along and across the contact.
+    /// Returns the change of the force on the inner ring by a force on the ball along and across the contact.
     fn pushed(&self, along: f64, across: f64) -> [f64; 2] {
         let [inner, outer] = [self.constants[0], self.constants[1]].map(|k| k.powf(2.0 / 3.0));
         let pull = self.lengths.iter().map(|l| 1.0 / l).sum::<f64>();
@@ -353,7 +353,7 @@ impl Ball {
         [e * cos - t * sin, e * sin + t * cos]
     }
 
-    /// Central films of both contacts under `load`, m.
+    /// Returns the sum of the central films of both contacts under `load`, m.
     fn films(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>, load: f64) -> f64 {
         let gamma = g.ball_diameter / g.pitch_diameter * self.angle.cos();
         let slide = 0.25 * g.pitch_diameter * (at.inner_speed - at.outer_speed).abs() * (1.0 - gamma * gamma);
@@ -368,7 +368,7 @@ impl Ball {
         film(Race::Inner, half * (1.0 - gamma)) + film(Race::Outer, half * (1.0 + gamma))
     }
 
-    /// Change by films, which press the contacts the more, and are the thinner for it.
+    /// Returns the change of the force on the inner ring by the films, whose thickness depends on the load.
     fn film(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>) -> [f64; 2] {
         let pressed = |load: f64| point_contact_load(self.constants[2], self.approach + self.films(g, oil, at, load));
         let more = (0..FILM_ROUNDS).fold(self.load, |load, _| pressed(load)) - self.load;
@@ -422,12 +422,12 @@ impl Inertia {
         (0.1 * self.mass * self.diameter.powi(2) * self.orbit(ball) * spin * pitch_angle.sin()).abs()
     }
 
-    /// Change of what the inner ring feels by the centrifugal force, with or without the gyroscopic moment.
+    /// Returns the change of the force on the inner ring by the centrifugal force, with or without the gyroscopic moment.
     fn change(&self, ball: &Ball, gyroscopic: bool) -> [f64; 2] {
         let (sin, cos) = ball.angle.sin_cos();
         let throw = self.centrifugal(ball);
         let moment = if gyroscopic { 2.0 * self.moment(ball) / self.diameter } else { 0.0 };
-        // Both turn the inner contact the same way.
+        // Both rotate the inner contact in the same sense.
         ball.pushed(throw * cos, -throw * sin - moment * sin.signum())
     }
 }

@@ -19,7 +19,7 @@ use std::time::Instant;
 /// Result of `equilibrium`, SI units.
 #[derive(Debug, Clone, Serialize)]
 pub struct Settled {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
     /// Shaft speed, rad/s.
     pub speed: f64,
@@ -27,15 +27,15 @@ pub struct Settled {
     pub displacement: [f64; 5],
     /// Force of the bearings on the inner ring or the rotor, N and N m.
     pub force: [f64; 5],
-    /// Tangent, at the same point.
+    /// Tangent stiffness.
     pub stiffness: [[f64; 5]; 5],
     /// Elements of all bearings.
     pub elements: Vec<Element>,
     /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
     pub natural_frequencies_hz: Vec<f64>,
-    /// Each bearing by itself.
+    /// Results of each bearing.
     pub bearings: Vec<BearingSettled>,
-    /// Largest part of the load that is left unbalanced.
+    /// Residual of the equilibrium over the load.
     pub residual: f64,
     /// Time of the solution, s.
     pub solving_seconds: f64,
@@ -54,16 +54,16 @@ impl Settled {
     }
 }
 
-/// One bearing in its place.
+/// Equilibrium of one bearing.
 #[derive(Debug, Clone, Serialize)]
 pub struct BearingSettled {
-    /// The scene's name.
+    /// Name in the scene.
     pub name: String,
-    /// Inner ring against outer ring, with the preload.
+    /// Displacement of the inner ring against the outer ring, with the preload.
     pub displacement: [f64; 5],
-    /// On the inner ring.
+    /// Force on the inner ring, N and N m.
     pub force: [f64; 5],
-    /// Tangent.
+    /// Tangent stiffness.
     pub stiffness: [[f64; 5]; 5],
     /// `cage_ratio` of the scene, where it has one.
     pub cage_ratio: Option<f64>,
@@ -89,17 +89,17 @@ pub struct ContactAngle {
 /// One rolling element.
 #[derive(Debug, Clone, Serialize)]
 pub struct Element {
-    /// Whose.
+    /// Name of the bearing.
     pub bearing: String,
-    /// From 1.
+    /// Number of the element, from 1.
     pub number: usize,
-    /// rad from +X towards +Y.
+    /// Azimuth from +X towards +Y, rad.
     pub azimuth: f64,
     /// N.
     pub inner_load: f64,
     /// N.
     pub outer_load: f64,
-    /// rad; not there for an element without contact angles.
+    /// Contact angle, rad; none for an element without contact angles.
     pub inner_angle: Option<f64>,
     /// rad.
     pub outer_angle: Option<f64>,
@@ -119,7 +119,7 @@ pub struct Element {
     pub gyroscopic_moment: f64,
 }
 
-/// How much one effect mattered: the equilibrium without it less that with it.
+/// Change of the equilibrium when one effect is switched off.
 #[derive(Debug, Clone, Serialize)]
 pub struct EffectShare {
     /// `centrifugal`, `gyroscopic` or `film`.
@@ -132,7 +132,7 @@ pub struct EffectShare {
     pub largest_load: f64,
 }
 
-/// Settles the scene's rotor, or one of its bearings under a load (N, N m) on the inner ring.
+/// Computes the static equilibrium of the scene's rotor, or of one of its bearings under a load (N, N m) on the inner ring.
 ///
 /// # Errors
 /// Returns an error if there is no load or the scene lacks a value.
@@ -150,7 +150,7 @@ pub fn settle(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> R
     Ok(settled)
 }
 
-/// Switches an effect off; whether it was on.
+/// Switches an effect off; returns true where it was on.
 type Switch = fn(&mut Effects) -> bool;
 
 const EFFECTS: [(&str, Switch); 3] = [
@@ -187,7 +187,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
     let solving_seconds = begun.elapsed().as_secs_f64();
     let elements = elements(of, &built, &u, &at)?;
     let one = bearing_settled(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
-    // The displacement has the preload in it.
+    // The displacement contains the preload.
     let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(Settled {
         scene: scene.name.clone(),
@@ -205,7 +205,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
     })
 }
 
-/// The load given and the preload together; none where neither is.
+/// Returns the sum of the given load and the preload; none without both.
 fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload: Option<Preload>) -> Option<[f64; 5]> {
     let sign = if of.facing == crate::scene::Facing::MinusZ { -1.0 } else { 1.0 };
     match (load, preload) {
@@ -229,7 +229,7 @@ fn rows<S: nalgebra::RawStorage<f64, R, C>, R: nalgebra::Dim, C: nalgebra::Dim>(
     std::array::from_fn(|i| std::array::from_fn(|j| k.get((i, j)).copied().unwrap_or(0.0)))
 }
 
-/// `bearing` answers to `moved`, its rings stand `total` apart.
+/// Returns the equilibrium of `bearing`, which reacts to the displacement `moved`; `total` contains the preload.
 fn bearing_settled(
     name: &str,
     bearing: &AnyBearing<f64>,
@@ -251,7 +251,7 @@ fn bearing_settled(
 }
 
 impl BearingSettled {
-    /// The same with contact angles and orders, `elements` being this bearing's.
+    /// Adds contact angles and orders; `elements` are those of this bearing.
     fn with_kinematics(self, scene: &Scene, of: &BearingScene, elements: &[Element]) -> Result<Self> {
         let orders = |kinematics: &Kinematics| {
             let Kinematics { orders: o, spin_known, .. } = kinematics;
@@ -296,7 +296,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     let mut force = [0.0; 5];
     for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
         let at = plant.resting(mounted, Phase::ZERO);
-        let (moved, total) = places(&plant, i);
+        let (moved, total) = displacements(&plant, i);
         let one = bearing_settled(&mounted.name, &mounted.bearing, &moved, &total, &at);
         let wrench = ballrace::Wrench::from_array(one.force).from_station(mounted.station).to_array();
         for (sum, f) in force.iter_mut().zip(wrench) {
@@ -323,13 +323,13 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     })
 }
 
-/// Displacement of a bearing by the rotor's motion, and with its preload.
-fn places(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f64>) {
+/// Returns the displacement of a bearing by the rotor, without and with its preload.
+fn displacements(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f64>) {
     let moved = plant.displacement(i, &plant.rest);
     (moved, moved + plant.bearings.get(i).map_or_else(Displacement::default, |s| s.offset))
 }
 
-/// A linear bearing has the elements of what it is linearised from.
+/// Returns the model with elements: of a linearised bearing its source.
 fn model_with_elements(of: &BearingScene) -> Model {
     match &of.linear {
         Some(crate::scene::Linear::Of(source)) => *source,
@@ -392,7 +392,7 @@ fn element(
     }
 }
 
-/// Least film over roughness of the worse contact (`docs/src/models.md#oil-film`).
+/// Returns the smallest ratio of film to roughness of both contacts (`docs/src/models.md#oil-film`).
 fn film_ratio(
     s: &BallState<f64>,
     g: &BallBearingGeometry,

@@ -1,26 +1,26 @@
-//! Least squares of what a simulation leaves, within bounds: Levenberg and Marquardt with steps projected onto the bounds
-//! and differences on both sides.
+//! Nonlinear least squares within bounds: Levenberg-Marquardt steps projected onto the bounds, Jacobian by central
+//! differences.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Unknowns in units of their scale: a step of [`DIFFERENCE`] changes the residuals visibly and nearly linearly.
+/// Step of the differences, in units of the scale of an unknown.
 const DIFFERENCE: f64 = 1e-4;
 const ITERATIONS: usize = 40;
 
-/// Least and largest value of an unknown, in units of its scale.
+/// Smallest and largest value of an unknown, in units of its scale.
 pub type Bounds = [f64; 2];
 
-/// Where a search may go.
+/// Limits of a search.
 #[derive(Debug, Clone)]
 pub struct Limits {
-    /// Values of the unknowns.
+    /// Bounds of each unknown.
     pub bounds: Vec<Bounds>,
     /// Longest step of an unknown, in units of its scale.
     pub longest_step: f64,
 }
 
 impl Limits {
-    /// No limit to any of `count` unknowns.
+    /// Returns no limits for `count` unknowns.
     #[must_use]
     pub fn none(count: usize) -> Self {
         Self { bounds: vec![[f64::NEG_INFINITY, f64::INFINITY]; count], longest_step: f64::INFINITY }
@@ -30,18 +30,18 @@ impl Limits {
 /// Residuals as a function of the unknowns.
 pub type Residuals<'a, E> = &'a (dyn Fn(&[f64]) -> Result<Vec<f64>, E> + Sync);
 
-/// The best unknowns.
+/// Solution of a search.
 pub struct Solution {
-    /// In units of their scale.
+    /// Unknowns, in units of their scale.
     pub x: Vec<f64>,
     /// Residuals.
     pub residuals: DVector<f64>,
-    /// Its slopes there.
+    /// Jacobian of the residuals.
     pub jacobian: DMatrix<f64>,
 }
 
-/// From `start` until an iteration makes the sum of squares less than `least_fall` of itself smaller; `progress` is called
-/// after each.
+/// Minimises the sum of squares from `start`, until an iteration reduces it by less than the share `least_fall`; calls
+/// `progress` after each iteration.
 ///
 /// # Errors
 /// As [`solve_within`].
@@ -55,11 +55,11 @@ pub fn solve<E: From<std::io::Error> + Send>(
     solve_within(start, &limits, residuals, least_fall, progress)
 }
 
-/// The same with `residuals` evaluated only within `limits`.
+/// Minimises the sum of squares as [`solve`], with `residuals` evaluated only within `limits`.
 ///
 /// # Errors
-/// What `residuals` returns at the start or close to a point that it has accepted. A trial step at which it fails is
-/// rejected and a shorter one is tried.
+/// An error of `residuals` at the start or next to an accepted point. A trial step at which it fails is rejected and a
+/// shorter one is tried.
 pub fn solve_within<E: From<std::io::Error> + Send>(
     start: Vec<f64>,
     limits: &Limits,
@@ -74,9 +74,11 @@ pub fn solve_within<E: From<std::io::Error> + Send>(
     for iteration in 0..ITERATIONS {
         progress(iteration);
         let (normal, gradient) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &r);
-        let Some((next, left)) = step((&x, &r), limits, (&normal, &gradient), &mut damping, residuals) else { break };
-        let fall = 1.0 - left.norm_squared() / r.norm_squared();
-        (x, r) = (next, left);
+        let Some((next, reduced)) = step((&x, &r), limits, (&normal, &gradient), &mut damping, residuals) else {
+            break;
+        };
+        let fall = 1.0 - reduced.norm_squared() / r.norm_squared();
+        (x, r) = (next, reduced);
         jacobian = slopes(&x, &limits.bounds, residuals)?;
         if fall < least_fall {
             break;
@@ -85,8 +87,8 @@ pub fn solve_within<E: From<std::io::Error> + Send>(
     Ok(Solution { x, residuals: r, jacobian })
 }
 
-/// The next unknowns, if any step makes less of the residuals. An unknown at a bound that the step would cross is held
-/// there while the others move.
+/// Returns the next unknowns; none where no step reduces the residuals. An unknown at a bound that the step would cross is
+/// fixed there while the others move.
 fn step<E>(
     (x, r): (&[f64], &DVector<f64>),
     Limits { bounds, longest_step }: &Limits,
@@ -118,11 +120,11 @@ fn step<E>(
             for (&i, change) in free.iter().zip(change.iter()) {
                 next[i] = (x[i] - shorter * change).clamp(bounds[i][0], bounds[i][1]);
             }
-            // A scene that cannot be computed is as bad as one that leaves more.
-            let left = residuals(&next).ok().map(DVector::from_vec);
-            if let Some(left) = left.filter(|left| left.norm_squared() < r.norm_squared()) {
+            // A point that cannot be computed is rejected like one with larger residuals.
+            let reduced = residuals(&next).ok().map(DVector::from_vec);
+            if let Some(reduced) = reduced.filter(|reduced| reduced.norm_squared() < r.norm_squared()) {
                 *damping = (*damping * 0.1).max(1e-9);
-                return Some((next, left));
+                return Some((next, reduced));
             }
         }
         *damping *= 10.0;
@@ -130,7 +132,7 @@ fn step<E>(
     None
 }
 
-/// Central differences, one-sided at a bound, the unknowns shared out over all cores.
+/// Computes the Jacobian by central differences, one-sided at a bound, the unknowns in parallel.
 fn slopes<E>(x: &[f64], bounds: &[Bounds], residuals: Residuals<E>) -> Result<DMatrix<f64>, E>
 where
     E: From<std::io::Error> + Send,

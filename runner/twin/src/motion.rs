@@ -1,4 +1,4 @@
-//! The time response of a scene's rotor from its rest position, sample by sample.
+//! Time response of a scene's rotor from static equilibrium, sample by sample.
 
 use crate::error::Error;
 use crate::plant::{Plant, Twin};
@@ -8,15 +8,15 @@ use crate::scene::{RotationSource, Scene};
 use ballrace::Wrench;
 use ballrace::rotor::ShaftMotion;
 
-/// Most samples of one run, with those that are left out at the start.
+/// Largest number of samples of one run, with those of the transient.
 pub const MOST_SAMPLES: f64 = 1e9;
 
-/// How long and how fast.
+/// Length and rate of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
     /// Samples per second.
     pub rate: f64,
-    /// Samples that are left out at the start.
+    /// Number of samples of the transient, which are not returned.
     pub settle: u64,
     /// Number of samples returned.
     pub samples: u64,
@@ -24,20 +24,20 @@ pub struct Span {
 
 /// One sample of the response.
 pub struct ResponseSample<'a> {
-    /// s from the start of the scene.
+    /// Time from the start of the scene, s.
     pub time: f64,
-    /// Revolutions of the shaft since then.
+    /// Revolutions of the shaft since the start.
     pub turned: f64,
-    /// How the shaft moves.
+    /// Motion of the shaft.
     pub drive: ShaftMotion<f64>,
-    /// Where the rotor is.
+    /// The twin at this time.
     pub twin: &'a dyn Twin,
-    /// Its bearings.
+    /// The plant with its bearings.
     pub plant: &'a Plant,
 }
 
 impl ResponseSample<'_> {
-    /// Force of bearing `i` on its inner ring.
+    /// Returns the force of bearing `i` on its inner ring.
     #[must_use]
     pub fn wrench(&self, i: usize) -> Wrench<f64> {
         self.plant.bearings.get(i).map_or_else(Wrench::default, |mounted| {
@@ -47,7 +47,7 @@ impl ResponseSample<'_> {
 }
 
 /// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `visit`.
-/// Returns how many steps overflowed and were held, and the twin at the end.
+/// Returns the number of steps that overflowed and were held, and the twin at the end.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter, and the error of `visit`.
@@ -62,7 +62,7 @@ pub fn run<E: From<Error>>(
     let mut twin = plant.start(period, 0.0).map_err(Error::setup)?;
     start(twin.as_mut());
     let mut held = 0;
-    // The scene's speed profile as a recording without columns would follow it.
+    // The tracker follows the scene's speed profile as for a recording without a speed column.
     let mut shaft = Tracker::new(&RotationSource::Scene, span.rate, scene.shaft.speed);
     for i in 0..span.settle + span.samples {
         let time = i as f64 * period;

@@ -1,4 +1,4 @@
-//! Output files that are complete or absent: written beside their place and moved into it at the end.
+//! Output files that are complete or absent: written to a temporary file that replaces the destination at the end.
 
 use std::fs::{File, OpenOptions, Permissions};
 use std::io::{BufWriter, Write};
@@ -15,7 +15,7 @@ pub enum OutputError {
         /// Path of the output.
         file: PathBuf,
     },
-    /// The file cannot be created, written or moved into its place.
+    /// The file cannot be created, written or moved into its destination.
     #[error("{}: this file cannot be written", file.display())]
     Write {
         /// Path of the output.
@@ -27,31 +27,31 @@ pub enum OutputError {
 
 /// An output file in progress. Dropped before [`AtomicFile::finish`], it leaves nothing behind.
 pub struct AtomicFile {
-    writer: BufWriter<Place>,
+    writer: BufWriter<Destination>,
     /// Where it goes, links followed.
     path: PathBuf,
     /// Permissions of the file that it replaces.
     permissions: Option<Permissions>,
 }
 
-enum Place {
+enum Destination {
     /// A new or a regular file: replaced as a whole.
-    Beside(Temporary),
+    Replacement(Temporary),
     /// A pipe or a device, which has no whole to replace.
-    Straight(File),
+    Direct(File),
 }
 
-impl Write for Place {
+impl Write for Destination {
     fn write(&mut self, buffer: &[u8]) -> std::io::Result<usize> {
         match self {
-            Self::Beside(temporary) => temporary.file.write(buffer),
-            Self::Straight(file) => file.write(buffer),
+            Self::Replacement(temporary) => temporary.file.write(buffer),
+            Self::Direct(file) => file.write(buffer),
         }
     }
     fn flush(&mut self) -> std::io::Result<()> {
         match self {
-            Self::Beside(temporary) => temporary.file.flush(),
-            Self::Straight(file) => file.flush(),
+            Self::Replacement(temporary) => temporary.file.flush(),
+            Self::Direct(file) => file.flush(),
         }
     }
 }
@@ -125,13 +125,13 @@ impl AtomicFile {
         let existing = path.metadata().ok();
         let special = existing.as_ref().is_some_and(|m| !m.is_file());
         let permissions = existing.filter(|m| m.is_file()).map(|m| m.permissions());
-        let place = if special {
-            Place::Straight(OpenOptions::new().write(true).open(&path).map_err(failed(&path))?)
+        let destination = if special {
+            Destination::Direct(OpenOptions::new().write(true).open(&path).map_err(failed(&path))?)
         } else {
             let temporary = Temporary::create(folder_of(&path), permissions.as_ref());
-            Place::Beside(temporary.map_err(failed(&path))?)
+            Destination::Replacement(temporary.map_err(failed(&path))?)
         };
-        Ok(Self { writer: BufWriter::with_capacity(1 << 16, place), path, permissions })
+        Ok(Self { writer: BufWriter::with_capacity(1 << 16, destination), path, permissions })
     }
 
     /// Writes the whole of `contents` to `path`.
@@ -144,20 +144,22 @@ impl AtomicFile {
         file.finish()
     }
 
-    /// Moves the file into its place, with the permissions of the file that it replaces, or those of a new file.
+    /// Moves the file into its destination, with the permissions of the file that it replaces, or those of a new file.
     ///
     /// # Errors
-    /// A full disk, a place that became unwritable.
+    /// A full disk, a destination that became unwritable.
     pub fn finish(self) -> Result<(), OutputError> {
         let Self { writer, path, permissions } = self;
-        let Place::Beside(temporary) = writer.into_inner().map_err(|e| e.into_error()).map_err(failed(&path))? else {
+        let Destination::Replacement(temporary) =
+            writer.into_inner().map_err(|e| e.into_error()).map_err(failed(&path))?
+        else {
             return Ok(());
         };
         let Temporary { file, listed } = temporary;
         if let Some(permissions) = permissions {
             file.as_file().set_permissions(permissions).map_err(failed(&path))?;
         }
-        // In its place it has to be whole, also after the power failed.
+        // In its destination it has to be whole, also after the power failed.
         file.as_file().sync_all().map_err(failed(&path))?;
         file.persist(&path).map_err(|e| e.error).map_err(failed(&path))?;
         drop(listed);

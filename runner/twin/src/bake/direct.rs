@@ -1,4 +1,4 @@
-//! Models whose forces follow from the displacement at once: springs, lumped elements, variable contact angle.
+//! Models in closed form: springs, lumped elements, variable contact angle.
 
 use super::{feature_constants, position_constants, surface_imports};
 use crate::error::{BakeError, Result};
@@ -59,7 +59,7 @@ fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     Ok(())
 }
 
-/// Type and value of a law.
+/// Returns type and value of a law.
 fn law(stiffness: f64, exponent: f64) -> (&'static str, String) {
     let stiffness = stiffness as f32;
     match build::Exponent::of(exponent) {

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Writes the module `observer`, where the scene has an `[observer]`.
 ///
 /// # Errors
-/// A scene that leaves open what the gains depend on.
+/// A scene that does not determine the gains.
 pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let Some(process_noise) = scene.observer.process_noise else { return Ok(()) };
     let undetermined = |found, expected| Error::from(BakeError::Observer { file: scene.path.clone(), found, expected });

@@ -1,8 +1,8 @@
 //! Maximum-likelihood estimates of the scene's parameters from a recording.
 //!
-//! The twin is run over the recording from an unknown first state; the sum of squares of what it leaves at the probes, in
-//! units of their noise, is made least over the scene's unknowns and that state. Intervals come from the slopes there
-//! and from what is left, widened where that is not white.
+//! The twin runs over the recording from an unknown initial state. The fit minimises the sum of squares of the residuals at
+//! the probes, in units of their noise, over the scene's unknowns and that state. Intervals come from the Jacobian and the
+//! residuals at the minimum, and are wider where the residuals are correlated.
 
 pub mod parameters;
 mod written;
@@ -17,42 +17,42 @@ use crate::recording::Sample;
 use crate::recording::rotation::Tracker;
 use crate::scene::{RotationSource, Scene};
 use nalgebra::DMatrix;
-use parameters::{Group, Parameter, Place, parameters, with};
+use parameters::{Group, Parameter, ParameterKind, parameters, with};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
 pub use written::written;
 
-/// Unknowns of the first state, each counted in this, m, rad, m/s, rad/s.
+/// Units of the unknowns of the initial state: m, rad, m/s, rad/s.
 const STATE: [f64; 10] = [50e-6, 50e-6, 50e-6, 5e-4, 5e-4, 0.05, 0.05, 0.05, 0.5, 0.5];
-/// A parameter is identifiable where its posterior uncertainty is below this part of the prior one.
-const TOLD: f64 = 0.3;
-/// Where a search ends that only leads to the neighbourhood, and where the last one does.
+/// Largest posterior uncertainty of an identifiable parameter, over the prior one.
+const IDENTIFIABLE: f64 = 0.3;
+/// Relative decrease of the sum of squares at which an early search ends, and at which the last one ends.
 const NEAR: f64 = 1e-3;
 /// See [`NEAR`].
 const THERE: f64 = 1e-7;
-/// Longest step of a search over how far an unknown may plausibly be off.
+/// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
-/// Chi-squared per reading up to which intervals are given. Above it the error of the model is larger than the noise, and an
-/// interval that takes it for noise holds nothing.
+/// Chi-squared per reading up to which intervals are given. Above it the error of the model is larger than the noise, so
+/// that an interval from the noise means nothing.
 pub const LARGEST_CHI_SQUARE: f64 = 2.0;
-/// Samples over which the residual's memory is looked for.
+/// Largest lag of the residual's autocorrelation, samples.
 const MEMORY: usize = 64;
 
 /// A scene fitted to a recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fitted {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
-    /// The recording's.
+    /// Name of the recording.
     pub recording: String,
     /// Samples that were used.
     pub samples: usize,
     /// Turns of the shaft in them.
     pub turns: f64,
-    /// Sum of the squares of what is left, in units of the probes' noise: about the count of readings where the scene is true.
+    /// Sum of the squared residuals in units of the probes' noise: about the number of readings where the scene is true.
     pub chi_square: f64,
-    /// That count.
+    /// Number of readings.
     pub readings: usize,
     /// Chi-squared per reading, about 1 where the scene is true.
     pub chi_square_per_reading: f64,
@@ -60,11 +60,11 @@ pub struct Fitted {
     pub consistent: bool,
     /// Residual at each probe before and after the fit, um rms.
     pub residuals: Vec<Residual>,
-    /// The numbers found.
+    /// Estimates.
     pub parameters: Vec<Estimate>,
     /// Parameters that are not identifiable, with the reason.
     pub notes: Vec<String>,
-    /// The values to write, SI.
+    /// Values to write, SI.
     #[serde(skip)]
     values: Vec<(Parameter, f64)>,
     #[serde(skip)]
@@ -74,32 +74,32 @@ pub struct Fitted {
 /// Residual at one probe.
 #[derive(Debug, Clone, Serialize)]
 pub struct Residual {
-    /// Its column.
+    /// Column of the probe.
     pub probe: String,
-    /// By the scene as it is.
+    /// With the scene's values.
     pub before_um: f64,
-    /// By the fitted scene.
+    /// With the fitted values.
     pub after_um: f64,
     /// Noise of the probe.
     pub noise_um: f64,
 }
 
-/// One number found.
+/// Estimate of one parameter.
 #[derive(Debug, Clone, Serialize)]
 pub struct Estimate {
-    /// As the scene names it.
+    /// Name in the scene.
     pub name: String,
-    /// Sums over all numbers.
+    /// Unit of all values.
     pub unit: &'static str,
     /// The scene's value.
     pub given: f64,
-    /// The fitted one.
+    /// The fitted value.
     pub value: f64,
     /// Lower end of its interval; none where the scene does not describe the recording.
     pub low: Option<f64>,
     /// Upper end, as `low`.
     pub high: Option<f64>,
-    /// The interval is narrow enough to be of use.
+    /// True where the recording identifies the parameter.
     #[serde(rename = "told")]
     pub identified: bool,
 }
@@ -109,11 +109,11 @@ pub struct Estimate {
 pub struct Material<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Its recording's name.
+    /// Name of its recording.
     pub recording: &'a str,
     /// The samples, in order.
     pub samples: &'a [Sample],
-    /// From sample to sample, s.
+    /// Sample period, s.
     pub period: f64,
 }
 
@@ -153,10 +153,10 @@ const EARLY_TURNS: f64 = 5.0;
 /// Unknowns that move together, at least one.
 type Tied = Vec<usize>;
 
-/// Fits `groups` of the scene's numbers; `progress` hears of each iteration.
+/// Fits `groups` of the scene's numbers; calls `progress` after each iteration.
 ///
 /// # Errors
-/// A scene without rotor, nothing to fit, what the kernel refuses.
+/// A scene without rotor or parameters, a parameter that the kernel rejects.
 pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
     let scene = of.scene;
     only_rigid(scene, "fit")?;
@@ -177,10 +177,10 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let drive = first.shaft_motion();
     let twin = plant.run_in(of.period, total, &drive)?;
     let start = [twin.pose().to_array(), twin.rate().to_array()].concat();
-    let given: Vec<f64> = unknown.iter().map(Parameter::believed).collect();
+    let given: Vec<f64> = unknown.iter().map(Parameter::prior_mean).collect();
     let state: Vec<f64> = start.iter().zip(STATE).map(|(x, unit)| x / unit).collect();
     let at = [given, state].concat();
-    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown, believed: &at };
+    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at };
     let before = model.residuals(&at)?;
     let everything = model.search(progress)?;
     let open = covariance(&everything, &model);
@@ -188,7 +188,7 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
         (0..everything.x.len()).filter(|&i| i >= unknown.len() || model.identified(&open, i)).collect();
     // Parameters that are not identifiable return to the scene's value; the others are fitted again.
     let mut at = everything.x.clone();
-    (0..at.len()).filter(|i| !identified.contains(i)).for_each(|i| at[i] = model.believed[i]);
+    (0..at.len()).filter(|i| !identified.contains(i)).for_each(|i| at[i] = model.prior[i]);
     let free: Vec<Tied> = identified.iter().map(|&i| vec![i]).collect();
     let solution = if identified.len() < at.len() { model.stage(&at, &free, THERE, progress)? } else { everything };
     let covariance = expanded(&covariance(&solution, &model), &open, &identified);
@@ -206,7 +206,7 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let last = of.samples.last().unwrap_or(first);
     let turns = turns_of(last) - total;
     let readings = rows.len() * of.samples.len();
-    let chi_square: f64 = heard(&solution, rows.len(), of).iter().map(|r| r * r).sum();
+    let chi_square: f64 = probe_residuals(&solution, rows.len(), of).iter().map(|r| r * r).sum();
     let chi_square_per_reading = chi_square / readings as f64;
     let consistent = chi_square_per_reading <= LARGEST_CHI_SQUARE;
     let interval = |end: Option<f64>| end.filter(|_| consistent);
@@ -227,8 +227,8 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     })
 }
 
-/// Residuals at the probes, without the priors.
-fn heard<'s>(solution: &'s Solution, probes: usize, of: &Material) -> &'s [f64] {
+/// Returns the residuals at the probes, without the priors.
+fn probe_residuals<'s>(solution: &'s Solution, probes: usize, of: &Material) -> &'s [f64] {
     solution.residuals.as_slice().get(..probes * of.samples.len()).unwrap_or_default()
 }
 
@@ -243,7 +243,7 @@ struct Model<'a> {
     sigma: &'a [f64],
     unknown: &'a [Parameter],
     /// Prior mean of every unknown, each with a standard deviation of 1.
-    believed: &'a [f64],
+    prior: &'a [f64],
 }
 
 impl Model<'_> {
@@ -251,15 +251,15 @@ impl Model<'_> {
         self.unknown.iter().zip(x).map(|(p, x)| p.value(*x)).collect()
     }
 
-    /// From afar: a short stretch of the recording first, twice as much each time. Over a long one a natural frequency that
-    /// is a little off has slipped by whole periods, and every slip is a valley of its own. On the first stretches the
-    /// probes are believed, damping is as given, and all contacts are softer or stiffer together: what is sought too
-    /// early runs away.
+    /// Fits a short part of the recording first, then twice as much each time. Over a long part, an error of a natural
+    /// frequency shifts the phase by whole periods, and each period is a local minimum. On the first parts the offsets of
+    /// the probes and the damping are fixed and the stiffness of all contacts has a common factor: freed too early, they
+    /// diverge.
     fn search(&self, progress: &mut dyn FnMut(usize)) -> Result<Solution> {
         let first = self.of.samples.first().map_or(0.0, turns_of);
-        let all: Vec<Tied> = (0..self.believed.len()).map(|i| vec![i]).collect();
+        let all: Vec<Tied> = (0..self.prior.len()).map(|i| vec![i]).collect();
         let early = self.early();
-        let (mut at, mut turns) = (self.believed.to_vec(), FIRST_TURNS);
+        let (mut at, mut turns) = (self.prior.to_vec(), FIRST_TURNS);
         loop {
             let count = self.of.samples.iter().take_while(|s| (turns_of(s) - first).abs() < turns).count();
             if count == self.of.samples.len() {
@@ -273,10 +273,10 @@ impl Model<'_> {
     }
 
     fn early(&self) -> Vec<Tied> {
-        let place = |i: &usize| self.unknown.get(*i).map(|p| p.place);
-        let stiffness = |i: &usize| matches!(place(i), Some(Place::Modulus(_) | Place::Stiffness(_)));
-        let late = |i: &usize| matches!(place(i), Some(Place::Damping(_) | Place::Offset(_)));
-        let indices = 0..self.believed.len();
+        let kind = |i: &usize| self.unknown.get(*i).map(|p| p.kind);
+        let stiffness = |i: &usize| matches!(kind(i), Some(ParameterKind::Modulus(_) | ParameterKind::Stiffness(_)));
+        let late = |i: &usize| matches!(kind(i), Some(ParameterKind::Damping(_) | ParameterKind::Offset(_)));
+        let indices = 0..self.prior.len();
         let mut free: Vec<Tied> = indices.clone().filter(|i| !late(i) && !stiffness(i)).map(|i| vec![i]).collect();
         free.extend(Some(indices.filter(stiffness).collect::<Tied>()).filter(|tied| !tied.is_empty()));
         free
@@ -303,7 +303,7 @@ impl Model<'_> {
             let residuals = |x: &[f64]| -> Result<Vec<f64>> {
                 let all = whole(x, &at);
                 let mut left = self.residuals(&all)?;
-                left.extend(all.iter().zip(self.believed).map(|(x, b)| weight * (x - b)));
+                left.extend(all.iter().zip(self.prior).map(|(x, b)| weight * (x - b)));
                 Ok(left)
             };
             let from: Vec<f64> = free.iter().map(|tied| at[tied[0]]).collect();
@@ -358,23 +358,23 @@ impl Model<'_> {
     fn judged(&self, solution: &Solution, covariance: &DMatrix<f64>) -> Fitted {
         let scene = self.of.scene;
         let n = self.unknown.len();
-        // Together they hold in 95 of 100 cases: Bonferroni's share of the normal distribution's ends.
+        // Simultaneous 95 % intervals (Bonferroni).
         let z = quantile(0.025 / n as f64);
         let values = self.values(&solution.x);
         let (mut all, mut notes) = (Vec::new(), Vec::new());
-        let place = |wanted: Place| self.unknown.iter().position(|p| p.place == wanted);
+        let index = |wanted: ParameterKind| self.unknown.iter().position(|p| p.kind == wanted);
         let mut one_plane = false;
-        if let (Some(e), Some(c)) = (place(Place::Unbalance(0)), place(Place::Couple(0))) {
+        if let (Some(e), Some(c)) = (index(ParameterKind::Unbalance(0)), index(ParameterKind::Couple(0))) {
             let angle_step = self.angle_step();
             let (more, single) = unbalance(&values, covariance, self.unknown, [e, c], z, angle_step);
             one_plane = single;
             all.extend(more);
         }
         for (i, parameter) in self.unknown.iter().enumerate() {
-            if matches!(parameter.place, Place::Unbalance(_) | Place::Couple(_)) {
+            if matches!(parameter.kind, ParameterKind::Unbalance(_) | ParameterKind::Couple(_)) {
                 continue;
             }
-            let (name, unit, size) = parameter.place.name(scene);
+            let (name, unit, size) = parameter.kind.name(scene);
             let reach = z * covariance[(i, i)].max(0.0).sqrt();
             let identified = self.identified(covariance, i);
             if !identified {
@@ -416,21 +416,21 @@ impl Model<'_> {
         }
     }
 
-    /// The recording leaves less than [`TOLD`] of what was open before.
+    /// Returns true where the posterior uncertainty is below [`IDENTIFIABLE`] of the prior one.
     fn identified(&self, covariance: &DMatrix<f64>, i: usize) -> bool {
-        let of_unbalance = matches!(self.unknown[i].place, Place::Unbalance(_) | Place::Couple(_));
-        of_unbalance || covariance[(i, i)].max(0.0).sqrt() < TOLD
+        let of_unbalance = matches!(self.unknown[i].kind, ParameterKind::Unbalance(_) | ParameterKind::Couple(_));
+        of_unbalance || covariance[(i, i)].max(0.0).sqrt() < IDENTIFIABLE
     }
 
-    /// The other unknown that goes most along with unknown `i`.
+    /// Returns the other unknown with the largest correlation with unknown `i`, where it is above 0.7.
     fn partner(&self, covariance: &DMatrix<f64>, i: usize) -> Option<String> {
         let correlation = |j: usize| (covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt()).abs();
         let others = (0..self.unknown.len()).filter(|&j| j != i);
         let best = others.max_by(|&a, &b| correlation(a).total_cmp(&correlation(b)))?;
-        (correlation(best) > 0.7).then(|| self.unknown[best].place.name(self.of.scene).0)
+        (correlation(best) > 0.7).then(|| self.unknown[best].kind.name(self.of.scene).0)
     }
 
-    /// Half of how finely a keyphasor sampled as 0 and 1 places the shaft, rad.
+    /// Returns half the angular resolution of a keyphasor sampled as 0 and 1, rad.
     fn angle_step(&self) -> f64 {
         let keyphasor = self.of.scene.recording.as_ref().map(|r| &r.rotation);
         let speed = self.of.samples.first().map_or(0.0, |s| s.speed.abs());
@@ -443,12 +443,12 @@ impl Model<'_> {
 fn covariance(solution: &Solution, model: &Model) -> DMatrix<f64> {
     let normal = solution.jacobian.transpose() * &solution.jacobian;
     let n = solution.jacobian.ncols();
-    let heard = heard(solution, model.rows.len(), model.of);
-    let variance = heard.iter().map(|r| r * r).sum::<f64>() / heard.len().max(1) as f64;
+    let probe_residuals = probe_residuals(solution, model.rows.len(), model.of);
+    let variance = probe_residuals.iter().map(|r| r * r).sum::<f64>() / probe_residuals.len().max(1) as f64;
     // Correlated samples carry less information; the prior keeps its weight.
-    let share = 1.0 / (variance.max(1.0) * memory(heard, model.rows.len()));
-    let believed = DMatrix::identity(n, n);
-    let inverse = ((normal - &believed) * share + believed).try_inverse();
+    let share = 1.0 / (variance.max(1.0) * memory(probe_residuals, model.rows.len()));
+    let prior = DMatrix::identity(n, n);
+    let inverse = ((normal - &prior) * share + prior).try_inverse();
     inverse.unwrap_or_else(|| DMatrix::identity(n, n))
 }
 
@@ -470,7 +470,7 @@ fn memory(left: &[f64], probes: usize) -> f64 {
         let own: Vec<f64> = left.iter().skip(p).step_by(probes.max(1)).copied().collect();
         let square: f64 = own.iter().map(|r| r * r).sum();
         let along = |k: usize| own.iter().zip(own.iter().skip(k)).map(|(a, b)| a * b).sum::<f64>() / square.max(1e-300);
-        // Up to where it has died out; chance alone is about 1/sqrt(n).
+        // Up to the first insignificant value; the standard error is about 1/sqrt(n).
         let chance = 2.0 / (own.len().max(1) as f64).sqrt();
         let sum: f64 = (1..MEMORY).map(along).take_while(|rho| *rho > chance).sum();
         worst = worst.max(1.0 + 2.0 * sum);
@@ -478,7 +478,7 @@ fn memory(left: &[f64], probes: usize) -> f64 {
     worst
 }
 
-/// Amount, angle and station of the unbalance, and whether one plane is enough.
+/// Returns amount, angle and station of the unbalance, and whether one plane is enough.
 fn unbalance(
     values: &[f64],
     covariance: &DMatrix<f64>,
@@ -492,7 +492,7 @@ fn unbalance(
     let amount = ex.hypot(ey).max(1e-30);
     let (angle, station) = (ey.atan2(ex), (cx * ex + cy * ey) / (amount * amount));
     let across = (cy * ex - cx * ey) / amount;
-    // Slopes of amount, angle, station and the couple across by the four unknowns.
+    // Derivatives of amount, angle, station and the couple across by the four unknowns.
     let of_amount = [ex / amount, ey / amount, 0.0, 0.0];
     let of_angle = [-ey / (amount * amount), ex / (amount * amount), 0.0, 0.0];
     let square = amount * amount;

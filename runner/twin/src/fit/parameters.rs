@@ -24,9 +24,9 @@ pub enum Group {
 /// All of them.
 pub const ALL: [Group; 5] = [Group::Unbalance, Group::Clearance, Group::Damping, Group::Stiffness, Group::Offset];
 
-/// One number of a scene.
+/// A parameter of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum ParameterKind {
     /// Sum of the unbalances, X or Y, kg m.
     Unbalance(usize),
     /// Sum of the unbalances times their stations, X or Y, kg m^2.
@@ -50,13 +50,13 @@ pub enum Place {
 /// One unknown.
 #[derive(Debug, Clone)]
 pub struct Parameter {
-    /// Which.
-    pub place: Place,
+    /// The parameter of the scene.
+    pub kind: ParameterKind,
     /// The scene's value, SI.
     pub given: f64,
-    /// How far it may plausibly be off, SI: the unknown is counted in this.
+    /// Prior standard deviation, SI: unit of the unknown.
     pub scale: f64,
-    /// Least and largest value that the scene may have, SI.
+    /// Smallest and largest value allowed, SI.
     pub bounds: [f64; 2],
 }
 
@@ -66,20 +66,20 @@ const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const LARGEST_CLEARANCE: f64 = 0.999;
 
 impl Parameter {
-    /// Unknown at the scene's value: mean of the prior, whose standard deviation is 1.
+    /// Returns the unknown at the scene's value: the mean of the prior, whose standard deviation is 1.
     #[must_use]
-    pub fn believed(&self) -> f64 {
+    pub fn prior_mean(&self) -> f64 {
         if self.spread().is_some() { 0.0 } else { self.given / self.scale }
     }
 
-    /// The value, SI, of an unknown, within its bounds.
+    /// Returns the value, SI, of an unknown, within its bounds.
     #[must_use]
     pub fn value(&self, unknown: f64) -> f64 {
         let of = |spread: f64| self.given.max(1e-2 * self.scale) * (spread * unknown).clamp(-12.0, 12.0).exp();
         self.spread().map_or(self.scale * unknown, of).clamp(self.bounds[0], self.bounds[1])
     }
 
-    /// Least and largest unknown.
+    /// Returns the smallest and the largest unknown.
     #[must_use]
     pub fn unknown_bounds(&self) -> Bounds {
         if self.spread().is_some() { OPEN } else { self.bounds.map(|bound| bound / self.scale) }
@@ -87,10 +87,10 @@ impl Parameter {
 
     /// A positive parameter is fitted by its logarithm; this is the prior standard deviation of that.
     const fn spread(&self) -> Option<f64> {
-        match self.place {
-            Place::Damping(_) => Some(1.0),
-            Place::Modulus(_) | Place::Stiffness(_) => Some(0.2),
-            Place::Preload(_) => Some(0.5),
+        match self.kind {
+            ParameterKind::Damping(_) => Some(1.0),
+            ParameterKind::Modulus(_) | ParameterKind::Stiffness(_) => Some(0.2),
+            ParameterKind::Preload(_) => Some(0.5),
             _ => None,
         }
     }
@@ -100,56 +100,58 @@ impl Parameter {
 #[must_use]
 pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Parameter> {
     let mut all = Vec::new();
-    let mut add = |place, given, scale: f64| all.push(Parameter { place, given, scale, bounds: bounds(scene, place) });
+    let mut add = |kind, given, scale: f64| all.push(Parameter { kind, given, scale, bounds: bounds(scene, kind) });
     let Some(rotor) = &scene.rotor else { return all };
     if groups.contains(&Group::Unbalance) {
         // An eccentricity of 20 um.
         let scale = 20e-6 * rotor.mass;
         let (force, couple) = sums(&rotor.unbalance);
         let lever = lever(plant);
-        (0..2).for_each(|i| add(Place::Unbalance(i), force[i], scale));
-        (0..2).for_each(|i| add(Place::Couple(i), couple[i], scale * lever));
+        (0..2).for_each(|i| add(ParameterKind::Unbalance(i), force[i], scale));
+        (0..2).for_each(|i| add(ParameterKind::Couple(i), couple[i], scale * lever));
     }
     for (i, b) in scene.bearings.iter().enumerate() {
         let fit = b.geometry.map(|g| g.fit);
         if groups.contains(&Group::Clearance) {
             match (b.preload, fit, b.law.and_then(|l| l.radial_play)) {
-                (Some(Preload::Force(force)), ..) => add(Place::Preload(i), force, 0.5 * force),
-                (Some(Preload::Displacement(length)), ..) => add(Place::Preload(i), length, 5e-6),
-                (None, _, Some(play)) => add(Place::Play(i), play, 5e-6),
-                (None, Some(Fit::DiametralClearance(clearance)), None) => add(Place::Clearance(i), clearance, 5e-6),
+                (Some(Preload::Force(force)), ..) => add(ParameterKind::Preload(i), force, 0.5 * force),
+                (Some(Preload::Displacement(length)), ..) => add(ParameterKind::Preload(i), length, 5e-6),
+                (None, _, Some(play)) => add(ParameterKind::Play(i), play, 5e-6),
+                (None, Some(Fit::DiametralClearance(clearance)), None) => {
+                    add(ParameterKind::Clearance(i), clearance, 5e-6)
+                }
                 _ => {}
             }
         }
         if groups.contains(&Group::Stiffness) {
             match (b.law.and_then(|l| l.stiffness), b.geometry) {
-                (Some(stiffness), _) => add(Place::Stiffness(i), stiffness, 0.2 * stiffness),
+                (Some(stiffness), _) => add(ParameterKind::Stiffness(i), stiffness, 0.2 * stiffness),
                 (None, Some(geometry)) => {
-                    add(Place::Modulus(i), geometry.youngs_modulus, 0.2 * geometry.youngs_modulus)
+                    add(ParameterKind::Modulus(i), geometry.youngs_modulus, 0.2 * geometry.youngs_modulus)
                 }
                 _ => {}
             }
         }
     }
     if groups.contains(&Group::Damping) {
-        // Against a tenth of what is critical for the stiffness at rest.
+        // At least a fiftieth of the critical damping for the stiffness at rest.
         for (k, entry) in [(0, 0), (1, 2), (2, 3)] {
             let mass = if k == 2 { rotor.diametral_inertia } else { rotor.mass };
             let critical = 2.0 * (mass * plant.stiffness[(entry, entry)].abs()).sqrt();
-            add(Place::Damping(k), rotor.damping[entry], (0.5 * rotor.damping[entry]).max(0.02 * critical));
+            add(ParameterKind::Damping(k), rotor.damping[entry], (0.5 * rotor.damping[entry]).max(0.02 * critical));
         }
     }
     if groups.contains(&Group::Offset) {
         let probes = scene.recording.iter().flat_map(|r| &r.probes).enumerate();
-        probes.for_each(|(i, probe)| add(Place::Offset(i), probe.offset, 5e-6));
+        probes.for_each(|(i, probe)| add(ParameterKind::Offset(i), probe.offset, 5e-6));
     }
     all
 }
 
-/// What the scene's own checks allow: a clearance leaves a free contact angle of 0 to 60 degrees, or, with the `lumped`
+/// Returns the bounds that the scene's checks allow: a clearance leaves a free contact angle of 0 to 60 degrees, or, with the `lumped`
 /// model, may be an interference as deep.
-fn bounds(scene: &Scene, place: Place) -> [f64; 2] {
-    let Place::Clearance(b) = place else { return OPEN };
+fn bounds(scene: &Scene, kind: ParameterKind) -> [f64; 2] {
+    let ParameterKind::Clearance(b) = kind else { return OPEN };
     let Some((bearing, g)) = scene.bearings.get(b).and_then(|b| b.geometry.map(|g| (b, g))) else { return OPEN };
     let largest = LARGEST_CLEARANCE * (g.inner_conformity + g.outer_conformity - 1.0) * g.ball_diameter;
     let is_lumped = |model: Model| matches!(model, Model::Lumped | Model::Dynamic);
@@ -203,38 +205,38 @@ pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
     let (mut force, mut couple) = sums(&rotor.unbalance);
     let mut turned = false;
     for (parameter, &value) in parameters.iter().zip(values) {
-        match parameter.place {
-            Place::Unbalance(i) => (force[i], turned) = (value, true),
-            Place::Couple(i) => (couple[i], turned) = (value, true),
-            Place::Damping(k) => {
+        match parameter.kind {
+            ParameterKind::Unbalance(i) => (force[i], turned) = (value, true),
+            ParameterKind::Couple(i) => (couple[i], turned) = (value, true),
+            ParameterKind::Damping(k) => {
                 let entries = [0..2, 2..3, 3..5][k].clone();
                 rotor.damping[entries].fill(value.max(0.0));
             }
-            Place::Clearance(b) => {
+            ParameterKind::Clearance(b) => {
                 if let Some(geometry) = &mut scene.bearings[b].geometry {
                     geometry.fit = Fit::DiametralClearance(value);
                 }
             }
-            Place::Modulus(b) => {
+            ParameterKind::Modulus(b) => {
                 if let Some(geometry) = &mut scene.bearings[b].geometry {
                     geometry.youngs_modulus = value.max(1e6);
                 }
             }
-            Place::Play(b) | Place::Stiffness(b) => {
+            ParameterKind::Play(b) | ParameterKind::Stiffness(b) => {
                 if let Some(law) = &mut scene.bearings[b].law {
-                    match parameter.place {
-                        Place::Play(_) => law.radial_play = Some(value),
+                    match parameter.kind {
+                        ParameterKind::Play(_) => law.radial_play = Some(value),
                         _ => law.stiffness = Some(value.max(1e-3)),
                     }
                 }
             }
-            Place::Preload(b) => {
+            ParameterKind::Preload(b) => {
                 scene.bearings[b].preload = scene.bearings[b].preload.map(|preload| match preload {
                     Preload::Force(_) => Preload::Force(value.max(1e-6)),
                     Preload::Displacement(_) => Preload::Displacement(value.max(1e-12)),
                 });
             }
-            Place::Offset(p) => {
+            ParameterKind::Offset(p) => {
                 if let Some(probe) = scene.recording.as_mut().and_then(|r| r.probes.get_mut(p)) {
                     probe.offset = value;
                 }
@@ -247,7 +249,7 @@ pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
     scene
 }
 
-impl Place {
+impl ParameterKind {
     /// As the scene names it, and the unit for people with its size in SI.
     #[must_use]
     pub fn name(self, scene: &Scene) -> (String, &'static str, f64) {

@@ -1,7 +1,7 @@
 //! The fitted scene, as a scene.
 
 use super::Fitted;
-use super::parameters::{Place, planes, two_planes};
+use super::parameters::{ParameterKind, planes, two_planes};
 use crate::error::FitError;
 use crate::scene::{Preload, Scene, Unbalance};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value, value};
@@ -17,17 +17,17 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, Fit
     let (mut force, mut couple) = ([0.0; 2], [0.0; 2]);
     let mut turned = false;
     for (parameter, found) in &fitted.values {
-        let (_, unit, size) = parameter.place.name(scene);
+        let (_, unit, size) = parameter.kind.name(scene);
         let shown = value(format!("{:.6} {unit}", found / size));
-        match parameter.place {
-            Place::Unbalance(i) => (force[i], turned) = (*found, true),
-            Place::Couple(i) => (couple[i], turned) = (*found, true),
-            Place::Damping(k) => damping(&mut document, k, *found).map_err(form)?,
-            Place::Clearance(b) => put(&mut document, b, "diametral_clearance", shown).map_err(form)?,
-            Place::Play(b) => put(&mut document, b, "radial_play", shown).map_err(form)?,
-            Place::Modulus(b) => put(&mut document, b, "youngs_modulus", shown).map_err(form)?,
-            Place::Stiffness(b) => put(&mut document, b, "stiffness", value(*found)).map_err(form)?,
-            Place::Preload(b) => {
+        match parameter.kind {
+            ParameterKind::Unbalance(i) => (force[i], turned) = (*found, true),
+            ParameterKind::Couple(i) => (couple[i], turned) = (*found, true),
+            ParameterKind::Damping(k) => damping(&mut document, k, *found).map_err(form)?,
+            ParameterKind::Clearance(b) => put(&mut document, b, "diametral_clearance", shown).map_err(form)?,
+            ParameterKind::Play(b) => put(&mut document, b, "radial_play", shown).map_err(form)?,
+            ParameterKind::Modulus(b) => put(&mut document, b, "youngs_modulus", shown).map_err(form)?,
+            ParameterKind::Stiffness(b) => put(&mut document, b, "stiffness", value(*found)).map_err(form)?,
+            ParameterKind::Preload(b) => {
                 let key = match scene.bearings.get(b).and_then(|b| b.preload) {
                     Some(Preload::Force(_)) => "force",
                     _ => "displacement",
@@ -36,7 +36,7 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, Fit
                 table.insert(key, Value::from(format!("{:.6} {unit}", found / size)));
                 put(&mut document, b, "preload", value(table)).map_err(form)?;
             }
-            Place::Offset(p) => {
+            ParameterKind::Offset(p) => {
                 let probes = document.get_mut("recording").and_then(|r| r.get_mut("probes"));
                 let probe = probes.and_then(Item::as_array_mut).and_then(|all| all.get_mut(p));
                 let probe =

@@ -1,4 +1,4 @@
-//! The kernel's machine of as many coordinates and bearings as a scene has: both are constants of its type.
+//! The kernel's rotor-bearing system with the scene's numbers of coordinates and bearings, which are constants of its type.
 
 use super::error::{PlantError, Result, rejected};
 use super::system::{OnHeap, RIGID};
@@ -13,29 +13,29 @@ use ballrace::{BearingKinematicState, Displacement, Exact, Status, Stiffness};
 use nalgebra::SMatrix;
 use std::sync::Arc;
 
-/// Most bearings on one rotor.
+/// Largest number of bearings on one rotor.
 pub const MOST_BEARINGS: usize = 8;
-/// Most coordinates of a system.
+/// Largest number of coordinates of a system.
 pub const LARGEST: usize = 128;
 
 /// A force element that also returns the reaction of its bearing.
 pub trait Fit<const D: usize>: ForceElement<f64, D> {
-    /// Force on the inner ring.
+    /// Returns the reaction of the bearing at the coordinates `q`.
     fn reaction(&self, q: &[f64; D], at: &BearingKinematicState<f64>) -> Reaction<f64>;
 }
 
-/// Something to do with a machine of any size.
+/// Task with a rotor-bearing system of any size.
 pub trait SystemTask<R> {
-    /// Does it.
+    /// Runs the task.
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> R
     where
         S: SecondOrderSystem<f64, D> + 'static,
         C: Fit<D> + 'static;
 }
 
-/// Something to do with a rigid rotor on its bearings that moves.
+/// Task with a rigid rotor on its bearings in motion.
 pub trait RigidTask<R> {
-    /// Does it: the machine, the integrator's step, steps in a sample period.
+    /// Runs the task with the system, the integrator and its number of steps in a sample period.
     fn run<const N: usize>(self, machine: RigidSystem<N>, step: Step, substeps: u32) -> R;
 }
 
@@ -43,10 +43,10 @@ pub trait RigidTask<R> {
 pub type RigidSystem<const N: usize> =
     RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, N>;
 
-/// Which of a mounted's bearings the machine holds.
+/// Selection of the bearing of a mounted bearing: cold or moving.
 pub(super) type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
 
-/// A place without a bearing.
+/// An unused position of the system: no force.
 struct Nothing;
 
 impl Bearing<f64> for Nothing {
@@ -71,9 +71,9 @@ impl Fit<5> for BearingAtStation<f64, AnyBearing<f64>> {
 
 /// A bearing on any coordinates, or one whose balls are coordinates.
 pub enum Fitted<const D: usize> {
-    /// The first.
+    /// Bearing on coordinates of the system.
     Bearing(AttachedBearing<f64, AnyBearing<f64>, D>),
-    /// The second.
+    /// Balls with coordinates of their own.
     Balls(Box<MovingBalls<f64, Exact, Vec<ElementPosition<f64>>, D>>),
 }
 
@@ -117,8 +117,8 @@ impl<const D: usize> Fit<D> for Fitted<D> {
 }
 
 impl Plant {
-    /// Runs `task` with the machine of as many coordinates and bearings as the scene has, or a few idle ones more: what
-    /// is idle changes nothing, and each pair of counts is a machine of its own in the program.
+    /// Runs `task` with a system that has at least the scene's coordinates and bearings. Idle ones change nothing; each pair
+    /// of counts is compiled separately.
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
         // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
@@ -135,7 +135,7 @@ impl Plant {
         }
     }
 
-    /// The same of a rigid rotor alone.
+    /// Runs `task` with the system of a rigid rotor.
     pub(super) fn rigid_machine<R>(&self, step: Step, substeps: u32, task: impl RigidTask<R>) -> Result<R> {
         Ok(match self.bearings.len() {
             1 => task.run::<1>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),

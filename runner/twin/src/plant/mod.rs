@@ -1,4 +1,4 @@
-//! The plant: the scene's rotor on the scene's bearings, where it rests, and how fast it can move.
+//! The plant: the scene's rotor on its bearings, with its static equilibrium and its natural frequencies.
 
 mod eigen;
 mod error;
@@ -32,42 +32,42 @@ use nalgebra::{Complex, DMatrix};
 use system::array;
 use twin::StartTask;
 
-/// Part of the load that may be left unbalanced at a static equilibrium.
+/// Largest residual of a static equilibrium over the load.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
-/// Most integration steps in one sample period.
+/// Largest number of integration steps in one sample period.
 pub const MOST_SUBSTEPS: u32 = 10_000;
-/// Rest positions over one ball pitch that a linearised bearing is the mean of.
+/// Number of equilibria over one ball pitch whose mean is a linearised bearing.
 const PITCH_SAMPLES: u32 = 16;
 
-/// Rotor and bearings of a scene, and where they rest.
+/// Rotor and bearings of a scene, with their static equilibrium.
 #[derive(Clone)]
 pub struct Plant {
     rotor: Option<Rotor>,
     proportional_damping: f64,
     integration: Integration,
-    /// Which coordinate is what.
+    /// Meaning of the coordinates.
     pub layout: Layout,
-    /// The bearings, with linearised ones made.
+    /// The bearings.
     pub bearings: Vec<MountedBearing>,
-    /// Coordinates at rest under the constant load, cages at angle 0.
+    /// Coordinates of the static equilibrium under the constant load, cages at angle 0.
     pub rest: Vec<f64>,
-    /// Tangent stiffness there.
+    /// Tangent stiffness at the equilibrium.
     pub stiffness: DMatrix<f64>,
-    /// Part of the load that rest leaves unbalanced.
+    /// Residual of the equilibrium over the load.
     pub residual: f64,
     highest_frequency: f64,
     damping: DMatrix<f64>,
-    /// Speed at which the rotor rests, rad/s.
+    /// Shaft speed of the equilibrium, rad/s.
     speed: f64,
     /// Remarks for the user.
     pub notes: Vec<String>,
 }
 
 impl Plant {
-    /// From a scene with a rotor.
+    /// Creates the plant of a scene with a rotor.
     ///
     /// # Errors
-    /// No rotor, too many bearings, what the kernel refuses, a rotor that nothing holds.
+    /// No rotor, too many bearings, a parameter that the kernel rejects, an unsupported rotor.
     pub fn try_new(scene: &Scene) -> Result<Self> {
         if scene.rotor.is_none() && scene.system.is_none() {
             return Err(PlantError::NoRotor { file: scene.path.clone() });
@@ -117,7 +117,7 @@ impl Plant {
         Ok(plant)
     }
 
-    /// Notes what is beyond its range: contacts pressed flat, a step that the integrator cannot take.
+    /// Adds notes on contact pressures above the static limit and on an unstable integration step.
     fn warn(&mut self, scene: &Scene) -> Result<()> {
         for (i, (of, mounted)) in scene.bearings.iter().zip(&self.bearings).enumerate() {
             let Ok(Some(geometry)) = build::geometry(of) else { continue };
@@ -147,8 +147,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Returns the largest step that the integrator takes without growing, at the stiffness of rest, s; none where it has
-    /// no limit.
+    /// Returns the largest stable integration step with the stiffness of the equilibrium, s; none where it has no limit.
     ///
     /// # Errors
     /// Mass or stiffness out of the range of numbers.
@@ -162,13 +161,13 @@ impl Plant {
         Ok((highest > 0.0).then(|| most / highest))
     }
 
-    /// Eigenvalues of M^-1 K, (rad/s)^2.
+    /// Returns the eigenvalues of M^-1 K, (rad/s)^2.
     fn frequency_squares(&self) -> Result<Vec<Complex<f64>>> {
         let inverse = self.scales()?.mass.try_inverse().ok_or(PlantError::SingularMass)?;
         Ok(eigenvalues(&(inverse * &self.stiffness))?)
     }
 
-    /// The same plant on springs: each bearing marked in `which` replaced by its mean tangent over a ball pitch.
+    /// Returns the plant with each bearing marked in `which` replaced by a spring: its mean tangent over a ball pitch.
     ///
     /// # Errors
     /// As [`Plant::try_new`].
@@ -230,7 +229,7 @@ impl Plant {
         mounted.rotation(cage.into(), &ShaftMotion { angle: Phase::ZERO, speed: self.speed, acceleration: 0.0 })
     }
 
-    /// Displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
+    /// Returns the displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
     #[must_use]
     pub fn displacement(&self, i: usize, coordinates: &[f64]) -> Displacement<f64> {
         if let Some(extended) = self.layout.given.as_ref().and_then(|given| given.extended.get(i)) {
@@ -244,26 +243,26 @@ impl Plant {
         Displacement { u: u.u - outer(0), v: u.v - outer(1), ..u }
     }
 
-    /// Motion that represents the whole: that of a rigid rotor's centre of mass; of a given system that of its first
-    /// bearing.
+    /// Returns the displacement that represents the rotor: that of the centre of mass of a rigid rotor, that of the first
+    /// bearing of a given system.
     #[must_use]
     pub fn pose(&self, coordinates: &[f64]) -> Displacement<f64> {
         if self.layout.given.is_some() { self.displacement(0, coordinates) } else { first_five(coordinates) }
     }
 
-    /// The scene's rotor, where it has one.
+    /// Returns the scene's rotor, where it has one.
     #[must_use]
     pub fn rotor(&self) -> Option<&Rotor> {
         self.rotor.as_ref()
     }
 
-    /// Damping that is proportional to stiffness, besides the rotor's own.
+    /// Returns the damping proportional to stiffness, without the rotor's own.
     #[must_use]
     pub fn damping(&self) -> &DMatrix<f64> {
         &self.damping
     }
 
-    /// The system's matrices without its bearings.
+    /// Returns the system's matrices without its bearings.
     ///
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
@@ -279,7 +278,7 @@ impl Plant {
 
     fn find_highest_frequency(&self) -> Result<f64> {
         let square = if self.layout.given.is_some() {
-            // The trace of many coordinates is no bound worth having: the highest itself, with the same room above it.
+            // The trace of many coordinates is a poor bound: the largest eigenvalue with a margin.
             1.5 * largest_real(&self.frequency_squares()?)
         } else {
             let mass = self.scales()?.mass;
@@ -291,8 +290,8 @@ impl Plant {
         Ok(square.max(0.0).sqrt())
     }
 
-    /// Time in which a start from rest dies down to 1e-5, s: from the weakest damping of the rotor, at least 0.2 s, at
-    /// most 10 s.
+    /// Returns the time in which a transient decays to 1e-5, s: from the weakest damping of the rotor, at least 0.2 s, at most
+    /// 10 s.
     #[must_use]
     pub fn settling_time(&self) -> f64 {
         let Ok(scales) = self.scales() else { return 0.2 };
@@ -302,7 +301,7 @@ impl Plant {
         (1e5_f64.ln() / rate).clamp(0.2, 10.0)
     }
 
-    /// The same plant with another integrator and `part` of the step that it takes by itself.
+    /// Returns the plant with another integrator and `part` of its default step.
     #[must_use]
     pub fn with_step(&self, method: Method, part: f64) -> Self {
         let mut plant = Self { integration: Integration { method, step: None }, ..self.clone() };
@@ -310,7 +309,7 @@ impl Plant {
         plant
     }
 
-    /// Default step of the integrator, s.
+    /// Returns the default step of the integrator, s.
     #[must_use]
     fn own_step(&self) -> f64 {
         // The trace overestimates the highest frequency, which leaves room for contact that stiffens under load.
@@ -330,17 +329,17 @@ impl Plant {
         Ok(steps as u32)
     }
 
-    /// Runs `task` with the machine of a rigid rotor, and with the integrator's step and how many make a sample period.
+    /// Runs `task` with the system of a rigid rotor, the integrator and its number of steps in a sample period.
     ///
     /// # Errors
-    /// A scene of another system, what the kernel refuses.
+    /// A scene of another system, a parameter that the kernel rejects.
     pub fn with_rigid<R>(&self, sample_period: f64, task: impl RigidTask<R>) -> Result<R> {
         let substeps = self.substeps(sample_period)?;
         let step = Step { method: self.integration.method, length: sample_period / f64::from(substeps) };
         self.rigid_machine(step, substeps, task)
     }
 
-    /// A twin at the given revolutions of the shaft, already run in at that speed from rest.
+    /// Returns a twin at the given revolutions of the shaft, run in at that speed from rest.
     ///
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
@@ -350,7 +349,7 @@ impl Plant {
         Ok(run_in.into_twin())
     }
 
-    /// A twin at rest with the shaft at the given revolutions.
+    /// Returns a twin at rest with the shaft at the given revolutions.
     ///
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
@@ -373,7 +372,7 @@ fn largest_real(all: &[Complex<f64>]) -> f64 {
 }
 
 impl Method {
-    /// Product of step and highest natural frequency: Runge-Kutta's relative frequency error there is its 4th power over
+    /// Returns the product of step and highest natural frequency: Runge-Kutta's relative frequency error there is its 4th power over
     /// 120, 5e-4, Newmark's and Verlet's its square over 12 and 24, 3e-3 and 2e-3, and far less where the rotor moves.
     const fn largest_phase(self) -> f64 {
         match self {
@@ -383,8 +382,8 @@ impl Method {
     }
 }
 
-/// The bearing with a table for the one speed at which a scene without a recording runs: two thirds of the work of one that
-/// allows for what a measured speed differs.
+/// Returns the bearing with a table for the constant speed of a scene without a recording, which costs two thirds of a table
+/// over a range of speeds.
 fn at_one_speed(scene: &Scene, bearing: &Bearing) -> Bearing {
     let mut bearing = bearing.clone();
     if let (Speed::Constant(inner), None) = (scene.shaft.speed, &scene.recording) {
@@ -394,7 +393,7 @@ fn at_one_speed(scene: &Scene, bearing: &Bearing) -> Bearing {
     bearing
 }
 
-/// Returns the equilibrium of the coordinates.
+/// Static equilibrium.
 struct Rest {
     coordinates: Vec<f64>,
     stiffness: DMatrix<f64>,

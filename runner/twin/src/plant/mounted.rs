@@ -1,4 +1,4 @@
-//! A bearing in its place on the rotor.
+//! A bearing on the rotor.
 
 use super::error::Result;
 use super::warm::{ColdAndFew, WARM_STEPS, Warm};
@@ -12,21 +12,21 @@ use std::sync::Arc;
 /// A bearing on the rotor, ready to be evaluated.
 #[derive(Clone)]
 pub struct MountedBearing {
-    /// The scene's name.
+    /// Name in the scene.
     pub name: String,
-    /// Along Z from the centre of mass, m.
+    /// Station along Z from the centre of mass, m.
     pub station: f64,
-    /// Rolling elements.
+    /// Number of rolling elements.
     pub elements: usize,
     /// Azimuth of each element with the cage at angle 0.
     pub element_azimuths: Vec<Phase>,
     /// Speeds of its parts and orders.
     pub kinematics: Kinematics,
-    /// Displacement by preload, before anything moves.
+    /// Displacement by preload.
     pub offset: Displacement<f64>,
     /// The scene's model; of moving balls the lumped one that they become without mass.
     pub bearing: AnyBearing<f64>,
-    /// The model in words.
+    /// Description of the model.
     pub description: String,
     /// Balls that are coordinates of the system.
     pub balls: Option<Balls>,
@@ -35,7 +35,7 @@ pub struct MountedBearing {
 }
 
 impl MountedBearing {
-    /// The mounted of one bearing of a scene.
+    /// Creates the mounted bearing of a scene.
     ///
     /// # Errors
     /// Returns an error if the scene lacks a value of the model or the kernel rejects one.
@@ -76,19 +76,19 @@ impl MountedBearing {
         self.element_azimuths.iter().map(move |azimuth| cage.wrapping_add(*azimuth))
     }
 
-    /// Puts another bearing in the place of the scene's.
+    /// Replaces the bearing.
     pub fn replace(&mut self, bearing: AnyBearing<f64>) {
         self.bearing = bearing;
         self.solved = None;
     }
 
-    /// The bearing whose answers depend on nothing that was before.
+    /// Returns the bearing without memory of earlier samples.
     #[must_use]
     pub fn cold(&self) -> AnyBearing<f64> {
         self.bearing.clone()
     }
 
-    /// The bearing for one twin: the quasi-static one remembers where its balls were.
+    /// Returns the bearing for one twin: the quasi-static one starts from its last ball positions.
     #[must_use]
     pub fn moving(&self) -> AnyBearing<f64> {
         match &self.solved {

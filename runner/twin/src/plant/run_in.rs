@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 /// A twin that settles at a steady speed, sample by sample.
 pub struct RunIn {
     twin: Box<dyn Twin>,
-    /// The shaft at the end.
+    /// Shaft motion at the end.
     drive: ShaftMotion<f64>,
     /// s
     sample_period: f64,
-    /// Samples in all.
+    /// Number of all samples.
     samples: f64,
-    /// Samples passed.
+    /// Number of samples so far.
     passed: u64,
 }
 
@@ -23,7 +23,7 @@ impl RunIn {
     /// Starts a twin at rest, [`Plant::settling_time`] before the shaft is at `revolutions` and moves as `drive` states.
     ///
     /// # Errors
-    /// The kernel's.
+    /// A parameter that the kernel rejects.
     pub fn try_new(plant: &Plant, sample_period: f64, revolutions: f64, drive: &ShaftMotion<f64>) -> Result<Self> {
         let samples = (plant.settling_time() / sample_period).ceil();
         let before = samples * sample_period * drive.speed / TAU;

@@ -1,4 +1,4 @@
-//! Which coordinates a scene's system has, and its matrices.
+//! Coordinates and matrices of a scene's system.
 
 use super::error::{PlantError, Result, rejected};
 use super::{Given, MOST_BEARINGS, MountedBearing};
@@ -17,7 +17,7 @@ pub struct Layout {
     pub housings: Vec<Option<usize>>,
     /// First coordinate of each bearing's moving balls, where it has them.
     pub balls: Vec<Option<usize>>,
-    /// How many in all.
+    /// Number of coordinates.
     pub order: usize,
     /// The system, where the scene gives its matrices instead of a rotor.
     pub given: Option<Arc<Given>>,
@@ -25,7 +25,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// That of a scene with a rigid rotor.
+    /// Creates the layout of a scene with a rigid rotor.
     pub fn new(bearings: &[BearingScene], mounted: &[MountedBearing]) -> Self {
         let mut order = RIGID;
         let mut next = |count: usize| {
@@ -39,20 +39,20 @@ impl Layout {
         Self { housings, balls, order, given: None, supports }
     }
 
-    /// That of a scene with matrices.
+    /// Creates the layout of a scene with matrices.
     pub fn given(given: Given, bearings: usize) -> Self {
         let none = vec![None; bearings];
         let order = given.order();
         Self { housings: none.clone(), balls: none, order, given: Some(Arc::new(given)), supports: vec![] }
     }
 
-    /// Five coordinates and nothing else.
+    /// Returns true for the five coordinates of a rigid rotor alone.
     #[must_use]
     pub fn is_rigid(&self) -> bool {
         self.order == RIGID && self.given.is_none()
     }
 
-    /// The coordinates' names: `u v w thu thv`, `DE_support_u`, `DE_element_1`; of given matrices `q1`, `q2`.
+    /// Returns the names of the coordinates: `u v w thu thv`, `DE_support_u`, `DE_element_1`; of given matrices `q1`, `q2`.
     #[must_use]
     pub fn names(&self, mounted: &[MountedBearing]) -> Vec<String> {
         if self.given.is_some() {
@@ -72,7 +72,7 @@ impl Layout {
         names
     }
 
-    /// How bearing `i` at `station` is attached.
+    /// Returns the attachment of bearing `i` at `station`.
     #[must_use]
     pub fn attachment<const D: usize>(&self, i: usize, station: f64) -> Attachment<f64, D> {
         if let Some(extended) = self.given.as_ref().and_then(|given| given.extended.get(i)) {
@@ -82,7 +82,7 @@ impl Layout {
         Attachment::on_rigid_rotor(station, self.housings.get(i).copied().flatten())
     }
 
-    /// The system's matrices in a machine of `D` coordinates, with the damping matrix `extra` besides the scene's own.
+    /// Returns the system's matrices for `D` coordinates, with the damping matrix `extra` besides the scene's own.
     /// Coordinates beyond the system's are idle: a mass of 1 and nothing else.
     ///
     /// # Errors
@@ -107,7 +107,7 @@ impl Layout {
         })
     }
 
-    /// The same, as large as the system is.
+    /// Returns the system's matrices in its own size.
     ///
     /// # Errors
     /// As [`Layout::matrices`].
@@ -153,18 +153,18 @@ impl Layout {
     }
 }
 
-/// A matrix of the kernel on the heap: with 128 coordinates it has 128 KiB, of which a stack does not hold many.
+/// A matrix of the kernel on the heap: with 128 coordinates it has 128 KiB.
 pub type OnHeap<const D: usize> = Box<SMatrix<f64, D, D>>;
 
-/// The matrix `from` with `idle` on the rest of its diagonal. A function of its own, so that the stack of its caller does
-/// not hold several matrices at once.
+/// Returns the matrix `from` with `idle` on the rest of its diagonal. Not inlined, so that the stack of its caller does not hold
+/// several matrices at once.
 #[inline(never)]
 fn on_heap<const D: usize>(from: &DMatrix<f64>, idle: f64) -> OnHeap<D> {
     let entry = |i, j| from.get((i, j)).map_or(if i == j { idle } else { 0.0 }, |&x: &f64| x);
     Box::new(SMatrix::from_fn(entry))
 }
 
-/// The matrices of a system as long as its coordinates are.
+/// Matrices of a system.
 pub struct Scales {
     /// M.
     pub mass: DMatrix<f64>,
@@ -180,7 +180,7 @@ pub struct Scales {
     pub unbalance: Vec<[f64; 2]>,
 }
 
-/// Refuses a scene whose system has more than the five coordinates of a rigid rotor.
+/// Rejects a scene whose system has more than the five coordinates of a rigid rotor.
 ///
 /// # Errors
 /// Such a scene.
@@ -199,7 +199,7 @@ pub fn only_rigid(scene: &Scene, command: &str) -> Result<()> {
     }
 }
 
-/// As many of `all` as there are places, the rest zero.
+/// Returns the first `N` of `all`, the rest zero.
 pub(super) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
     std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
 }

@@ -1,4 +1,4 @@
-//! The digital twin: a plant that moves, driven by the shaft angle alone.
+//! The digital twin: the motion of a plant driven by the shaft angle.
 
 use super::machine::{Fit, SystemTask};
 use super::system::{OnHeap, array};
@@ -10,30 +10,30 @@ use ballrace::rotor::{
 };
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 
-/// One twin, whatever its coordinates and bearings.
+/// A twin with any number of coordinates and bearings.
 pub trait Twin {
     /// Advances by one sample period with the shaft motion `drive`.
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status;
-    /// The coordinates now.
+    /// Returns the coordinates.
     fn coordinates(&self) -> &[f64];
-    /// Their rates.
+    /// Returns the rates of the coordinates.
     fn rates(&self) -> &[f64];
     /// Returns the force of bearing `i` on its inner ring in the kinematic state `at`.
     fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64>;
-    /// Puts coordinates and rates, as many as given, in the place of the present ones.
+    /// Sets the first coordinates and rates.
     fn place(&mut self, coordinates: &[f64], rates: &[f64]);
 
-    /// Displacement of a rigid rotor's centre of mass now.
+    /// Returns the displacement of a rigid rotor's centre of mass.
     fn pose(&self) -> Displacement<f64> {
         first_five(self.coordinates())
     }
-    /// Its rate.
+    /// Returns its rate.
     fn rate(&self) -> Displacement<f64> {
         first_five(self.rates())
     }
 }
 
-/// The rotor's displacement of a rigid rotor's coordinates.
+/// Returns the displacement of a rigid rotor from its coordinates.
 #[must_use]
 pub fn first_five(coordinates: &[f64]) -> Displacement<f64> {
     let mut five = [0.0; 5];
@@ -43,10 +43,10 @@ pub fn first_five(coordinates: &[f64]) -> Displacement<f64> {
     Displacement::from_array(five)
 }
 
-/// One step of the integrator that a scene names.
+/// Integrator of a scene with its step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Which.
+    /// Integration method.
     pub method: Method,
     /// s
     pub length: f64,
@@ -101,7 +101,7 @@ struct Moving<S, C, const D: usize, const N: usize> {
     machine: RotorBearingSystem<S, C, N>,
     steady: SteadyVerlet<f64, D, OnHeap<D>>,
     state: RotorState<f64, D, N>,
-    /// Those that are not idle.
+    /// Number of coordinates that are not idle.
     coordinates: usize,
     step: Step,
     substeps: u32,

@@ -1,4 +1,4 @@
-//! A quasi-static bearing that moves on from its last sample.
+//! A quasi-static bearing whose solution starts from the last sample.
 
 use crate::scene::build::Solved;
 use ballrace::bearing::quasi_static::BallPosition;
@@ -6,10 +6,10 @@ use ballrace::bearing::{Bearing, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Status, Stiffness};
 use std::sync::{Arc, Mutex};
 
-/// Newton steps of a warm start: from the last sample they come to rounding.
+/// Newton steps of a warm start, which reach rounding errors from the last sample.
 pub const WARM_STEPS: u8 = 3;
 
-/// One model twice.
+/// One model with two numbers of solver steps.
 #[derive(Clone)]
 pub struct ColdAndFew {
     /// With the steps of a cold start.
@@ -19,7 +19,7 @@ pub struct ColdAndFew {
 }
 
 /// Starts each solution from the last one: for one twin with consecutive samples. Its result differs from that of a cold
-/// start by less than a settled ball's residual; where the last sample does not lead to balance it starts cold.
+/// start by less than the residual of a converged ball; it starts cold where the last sample does not lead to equilibrium.
 pub struct Warm {
     solved: ColdAndFew,
     offset: Displacement<f64>,
@@ -50,7 +50,7 @@ const BALLS: usize = 64;
 impl Bearing<f64> for Warm {
     fn reaction(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Reaction<f64> {
         let u = &(*u + self.offset);
-        // A twin belongs to one thread; a poisoned memory is as good a start as any.
+        // A twin belongs to one thread; poisoned ball positions are a valid start.
         let mut balls = self.balls.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if balls.is_empty() {
             return self.start(u, at, &mut balls);

@@ -59,7 +59,7 @@ impl PoseSolver {
         let has_axial_probe = probes.iter().any(|p| p.direction == Direction::Axial);
         let span = length_scale(probes);
         let active: Vec<usize> = (0..5).filter(|&i| i != 2 || has_axial_probe).collect();
-        // Tilts times the probes' distance: all unknowns are then lengths and the condition number means something.
+        // Tilts times the probes' distance: all unknowns are lengths, so that the condition number is independent of units.
         let scale = |i: usize| if i < 3 { 1.0 } else { span };
         let matrix = DMatrix::from_fn(rows.len(), active.len(), |i, j| rows[i][active[j]] / scale(active[j]));
         let svd = matrix.svd(true, true);

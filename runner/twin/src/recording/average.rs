@@ -1,4 +1,4 @@
-//! Several samples averaged into one: a fast recorder under a model that needs no such rate.
+//! Average of several samples, for a recorder that is faster than the model needs.
 
 use super::{Row, Sample};
 use ballrace::Phase;
@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// The mean is assigned to the middle of its group in time and angle. A group with a missing sample or reading has no reading.
 pub(super) struct Average {
     size: u64,
-    /// s, of the samples that come in
+    /// Period of the input samples, s.
     period: f64,
     group: Option<Group>,
     sums: Vec<f64>,

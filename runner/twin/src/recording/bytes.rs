@@ -1,4 +1,4 @@
-//! Bytes in memory, taken from the front; what is not there is an error and not a panic.
+//! Reader of bytes in memory. A missing byte is an error, never a panic.
 
 use std::io;
 
@@ -27,7 +27,7 @@ impl<'a> Bytes<'a> {
         Ok(if self.big_endian { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
     }
 
-    /// Text with its length before it.
+    /// Reads a text that follows its length.
     pub(super) fn text(&mut self) -> io::Result<String> {
         let length = self.u32()?;
         Ok(String::from_utf8_lossy(self.take(length.into())?).into_owned())

@@ -1,4 +1,4 @@
-//! Time stamps -> sample numbers, against a grid that follows the recording's own clock.
+//! Conversion of time stamps to sample numbers, by a grid that follows the clock of the recording.
 
 use crate::scene::{Clock, Recording, Scene, Speed};
 use std::f64::consts::TAU;
@@ -74,29 +74,29 @@ pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), 
 /// Rows from which the step is learned.
 pub const LEARN: usize = 1000;
 
-/// How much of the difference between stamp and grid the grid takes over at each sample. The rounding of
-/// printed stamps is averaged away; a clock that drifts by as much as 1 % of the step is still followed.
+/// Share of the difference between stamp and grid by which the grid is corrected at each sample. It averages the rounding of
+/// printed stamps and still follows a clock that drifts by 1 % of the step.
 const FOLLOW: f64 = 1.0 / 16.0;
 
-/// Share of repeated stamps from which on they are not a flaw but too few decimals.
+/// Share of repeated stamps above which the stamps have too few decimals.
 const COARSE: f64 = 0.05;
 
-/// Where a row belongs.
+/// Position of a row after the last sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum StampPosition {
     /// The next sample.
     Next,
-    /// That many samples are missing before it.
+    /// The row follows a gap of this many samples.
     After(u64),
-    /// The stamp of an earlier row again.
+    /// The row repeats the stamp of an earlier one.
     Repeated,
-    /// A stamp before an earlier row's.
+    /// The stamp is before that of an earlier row.
     Backward,
 }
 
-/// Why stamps give no step.
+/// Error returned for time stamps without a sampling period.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ClockFault {
+pub enum ClockError {
     /// Fewer than two stamps.
     TooFew,
     /// The median step is not above 0.
@@ -106,14 +106,14 @@ pub enum ClockFault {
     },
     /// Printed with too few decimals to distinguish samples.
     Coarse {
-        /// Stamps that repeat the one before.
+        /// Number of stamps that repeat the previous one.
         repeated: usize,
-        /// Stamps looked at.
+        /// Number of stamps.
         of: usize,
     },
 }
 
-impl core::fmt::Display for ClockFault {
+impl core::fmt::Display for ClockError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::TooFew => write!(f, "fewer than two time stamps"),
@@ -142,17 +142,17 @@ impl Grid {
     ///
     /// # Errors
     /// Stamps that give no step above 0.
-    pub fn learn(stamps: &[f64]) -> Result<Self, ClockFault> {
+    pub fn learn(stamps: &[f64]) -> Result<Self, ClockError> {
         let known: Vec<f64> = stamps.iter().copied().filter(|stamp| stamp.is_finite()).collect();
         let steps: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let median = median(&steps).ok_or(ClockFault::TooFew)?;
+        let median = median(&steps).ok_or(ClockError::TooFew)?;
         let repeated = steps.iter().filter(|step| **step == 0.0).count();
         let coarse = repeated as f64 > COARSE * steps.len() as f64;
         if median > 0.0 && coarse && repeated > 1 {
-            return Err(ClockFault::Coarse { repeated, of: known.len() });
+            return Err(ClockError::Coarse { repeated, of: known.len() });
         }
         if median <= 0.0 {
-            return Err(ClockFault::NotRising { step: median });
+            return Err(ClockError::NotRising { step: median });
         }
         let step = slope(&known, mean_near(&steps, median));
         let lead = stamps.iter().take_while(|stamp| !stamp.is_finite()).count();
@@ -178,30 +178,34 @@ impl Grid {
         self.at + self.step
     }
 
-    /// Where a stamp (NaN: none) belongs. Takes nothing in yet.
+    /// Returns the position of a row with this stamp (NaN: none), without adding it.
     #[must_use]
-    pub fn place(&self, stamp: f64) -> Place {
+    pub fn place(&self, stamp: f64) -> StampPosition {
         if stamp.is_nan() {
-            return Place::Next;
+            return StampPosition::Next;
         }
         if stamp == self.stamp {
-            return Place::Repeated;
+            return StampPosition::Repeated;
         }
         if stamp < self.stamp {
-            return Place::Backward;
+            return StampPosition::Backward;
         }
         let steps = (stamp - self.at) / self.step;
-        // A stamp that rises at all is a new sample, however much the clock trembles.
-        if steps <= 1.5 { Place::Next } else { Place::After((steps.round() as u64).saturating_sub(1).max(1)) }
+        // A stamp that rises at all is a new sample, however large the jitter of the clock.
+        if steps <= 1.5 {
+            StampPosition::Next
+        } else {
+            StampPosition::After((steps.round() as u64).saturating_sub(1).max(1))
+        }
     }
 
-    /// The stamp goes on from the last sample as if the row between them had been in its place.
+    /// Returns true where the stamp continues from the last sample as if the row between them had a regular stamp.
     #[must_use]
     pub fn skips_one(&self, stamp: f64) -> bool {
         ((stamp - self.at) / self.step - 2.0).abs() < 0.5
     }
 
-    /// Takes in the next sample after `missing` others; gives its number.
+    /// Adds the next sample after `missing` others; returns its number.
     pub fn accept(&mut self, stamp: f64, missing: u64) -> u64 {
         let index = self.next.saturating_add(missing);
         self.next = index.saturating_add(1);
@@ -283,7 +287,7 @@ mod tests {
         let mut time: f64 = 0.0;
         for index in 0..3_000_000_u64 {
             let stamp = (time * 1e7).round() / 1e7;
-            assert_eq!(grid.place(stamp), Place::Next, "{index}");
+            assert_eq!(grid.place(stamp), StampPosition::Next, "{index}");
             assert_eq!(grid.accept(stamp, 0), index);
             time += (1.0 + 300e-6 * (index as f64 * 1e-6).sin()) / 12_800.0;
         }
@@ -293,14 +297,14 @@ mod tests {
     fn gaps_jumps_and_repeats() {
         let mut grid = Grid::learn(&printed(1000.0, 3, 10)).unwrap();
         assert_eq!(grid.accept(0.0, 0), 0);
-        assert_eq!(grid.place(0.0), Place::Repeated);
-        assert_eq!(grid.place(-0.001), Place::Backward);
-        assert_eq!(grid.place(0.0014), Place::Next);
-        assert_eq!(grid.place(0.005), Place::After(4));
+        assert_eq!(grid.place(0.0), StampPosition::Repeated);
+        assert_eq!(grid.place(-0.001), StampPosition::Backward);
+        assert_eq!(grid.place(0.0014), StampPosition::Next);
+        assert_eq!(grid.place(0.005), StampPosition::After(4));
         assert_eq!(grid.accept(0.005, 4), 5);
-        assert_eq!(grid.place(f64::NAN), Place::Next);
+        assert_eq!(grid.place(f64::NAN), StampPosition::Next);
         assert_eq!(grid.accept(f64::NAN, 0), 6);
-        assert_eq!(grid.place(0.007), Place::Next);
+        assert_eq!(grid.place(0.007), StampPosition::Next);
         assert_eq!(grid.accept(0.007, 0), 7);
         assert!(grid.skips_one(0.009));
     }
@@ -318,9 +322,9 @@ mod tests {
 
     #[test]
     fn stamps_without_a_step() {
-        assert_eq!(Grid::learn(&[1.0]), Err(ClockFault::TooFew));
-        assert_eq!(Grid::learn(&[1.0, f64::NAN]), Err(ClockFault::TooFew));
-        assert!(matches!(Grid::learn(&[3.0, 2.0, 1.0]), Err(ClockFault::NotRising { .. })));
-        assert!(matches!(Grid::learn(&printed(12_800.0, 4, 1000)), Err(ClockFault::Coarse { .. })));
+        assert_eq!(Grid::learn(&[1.0]), Err(ClockError::TooFew));
+        assert_eq!(Grid::learn(&[1.0, f64::NAN]), Err(ClockError::TooFew));
+        assert!(matches!(Grid::learn(&[3.0, 2.0, 1.0]), Err(ClockError::NotRising { .. })));
+        assert!(matches!(Grid::learn(&printed(12_800.0, 4, 1000)), Err(ClockError::Coarse { .. })));
     }
 }

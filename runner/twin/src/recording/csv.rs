@@ -1,4 +1,4 @@
-//! Recordings as text: columns with a header, read row by row in memory that does not grow with the file.
+//! Recordings as text: columns with a header, read row by row in bounded memory.
 
 mod header;
 mod source;
@@ -21,11 +21,11 @@ const ALLOWED_POINT: &str = "a number with a decimal point, or NaN or nothing wh
 
 /// A CSV file, row by row.
 ///
-/// Delimiter (`,` `;` tab `|`) by the header line, which has to be there; blank lines are passed over.
+/// The delimiter (`,` `;` tab `|`) is detected from the header line, which is required. Blank lines are skipped.
 pub(super) struct CsvTable {
     name: PathBuf,
     header: Header,
-    /// Places of the cells that are used.
+    /// Indices of the cells that are used.
     selected: Vec<usize>,
     source: ::csv::Reader<Source>,
     record: ByteRecord,
@@ -41,7 +41,7 @@ impl CsvTable {
             .delimiter(header.delimiter)
             .has_headers(false)
             .flexible(true)
-            // A carriage return before it is trimmed with the cell; left to the parser it upsets the line count.
+            // A carriage return before it is trimmed with the cell; the parser would count it as a line.
             .terminator(Terminator::Any(b'\n'))
             .buffer_capacity(BUFFER)
             .from_reader(Source::new(reader));
@@ -49,7 +49,7 @@ impl CsvTable {
         Ok(Self { name: name.into(), header, selected, source, record, line })
     }
 
-    /// Reads on to the next row that is not blank.
+    /// Reads the next row that is not blank.
     fn read_record(&mut self) -> Result<bool, RecordingError> {
         loop {
             self.source.get_mut().allow_row();
@@ -67,7 +67,7 @@ impl CsvTable {
         }
     }
 
-    /// Numbers of the first `whole` cells, NaN for the rest; the place of a cell that holds none as error.
+    /// Returns the numbers of the first `whole` cells, NaN for the rest; the error is the index of a cell without a number.
     fn parse(&self, whole: usize, values: &mut Vec<f64>) -> Result<(), usize> {
         values.clear();
         for place in &self.selected {
@@ -125,7 +125,7 @@ impl Table for CsvTable {
         }
         let mut whole = if found < allowed { found.saturating_sub(1) } else { found };
         let result = match self.parse(whole, &mut cells.values) {
-            // `-` or `1.2e` right before the end of the file is no wrong cell but half a number.
+            // `-` or `1.2e` at the end of the file is an incomplete number, not a wrong cell.
             Err(place) if place + 1 == allowed && self.source.get_ref().broke_off() => {
                 whole = place;
                 self.parse(whole, &mut cells.values)

@@ -1,4 +1,4 @@
-//! Why a recording cannot be read.
+//! Errors of reading a recording.
 
 use crate::printable::name;
 use std::io;
@@ -10,7 +10,7 @@ const COLUMNS_SHOWN: usize = 30;
 /// Error that stops the reading of a recording; other flaws are counted in the ledger.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The file is not there or may not be read.
+    /// The file cannot be opened.
     #[error("{file}: cannot be opened: {cause}")]
     Open {
         /// The recording.
@@ -18,7 +18,7 @@ pub enum RecordingError {
         /// The system's error. Not a `source`: the message contains it.
         cause: io::Error,
     },
-    /// The path is a folder's.
+    /// The path is a folder.
     #[error("{file}: is a folder; allowed: a file of columns")]
     Folder {
         /// The path.
@@ -29,9 +29,9 @@ pub enum RecordingError {
     Format {
         /// The recording.
         file: PathBuf,
-        /// Returns an error if it is invalid.
+        /// Content of the file.
         found: String,
-        /// Data read.
+        /// Content allowed.
         allowed: &'static str,
     },
     /// The units of file and scene differ.
@@ -41,9 +41,9 @@ pub enum RecordingError {
         file: PathBuf,
         /// Name of the column.
         column: String,
-        /// The file's.
+        /// Unit in the file.
         found: String,
-        /// The scene's.
+        /// Unit in the scene.
         allowed: String,
     },
     /// The sampling rates of file and scene differ.
@@ -51,36 +51,36 @@ pub enum RecordingError {
     Rate {
         /// The recording.
         file: PathBuf,
-        /// The file's, Hz.
+        /// Rate in the file, Hz.
         found: f64,
-        /// The scene's, Hz.
+        /// Rate in the scene, Hz.
         allowed: f64,
     },
-    /// Reading failed on the way.
+    /// The file cannot be read to its end.
     #[error("{file}, after line {line}: cannot be read further: {cause}")]
     Read {
         /// The recording.
         file: PathBuf,
-        /// Last line that was whole.
+        /// Last complete line.
         line: u64,
         /// The system's error. Not a `source`: the message contains it.
         cause: io::Error,
     },
-    /// Not a byte, or only blank lines.
+    /// The file is empty or has blank lines only.
     #[error("{file}: is empty; allowed: a line of column names and a row for each sample")]
     Empty {
         /// The recording.
         file: PathBuf,
     },
-    /// Not text at all.
+    /// The file is not text.
     #[error("{file}, line {line}: is not plain text (binary, or UTF-16); allowed: a line of column names in UTF-8")]
     NotText {
         /// The recording.
         file: PathBuf,
-        /// Where that shows.
+        /// First line that is not text.
         line: u64,
     },
-    /// Numbers where the names of the columns belong.
+    /// The first line has numbers instead of column names.
     #[error(
         "{file}, line {line}: found the numbers `{found}`; a header is needed: a line with the names of the columns"
     )]
@@ -92,7 +92,7 @@ pub enum RecordingError {
         /// Its text, shortened.
         found: String,
     },
-    /// A header and nothing below it.
+    /// The file has a header and no row.
     #[error("{file}: has a header and no row below it; allowed: a row for each sample")]
     NoRows {
         /// The recording.
@@ -105,24 +105,24 @@ pub enum RecordingError {
         file: PathBuf,
         /// Line of the header, where the file has lines.
         line: Option<u64>,
-        /// The scene's name.
+        /// Name of the column in the scene.
         column: String,
-        /// The names that are there.
+        /// Names of the columns in the file.
         found: String,
-        /// The one most like it, when one is like it.
+        /// Most similar name in the file, where one is similar.
         nearest: Option<String>,
     },
-    /// Two columns of one name.
+    /// Two columns have the same name.
     #[error("{file}{at}: the column `{column}` is there twice; allowed: once", column = name(.column), at = at_line(*.line))]
     ColumnTwice {
         /// The recording.
         file: PathBuf,
         /// Line of the header, where the file has lines.
         line: Option<u64>,
-        /// The name.
+        /// Name of the column.
         column: String,
     },
-    /// A cell that is not a number.
+    /// A cell is not a number.
     #[error("{file}, line {line}, column {column}: found `{found}`; allowed: {allowed}", column = name(.column))]
     Cell {
         /// The recording.
@@ -136,16 +136,16 @@ pub enum RecordingError {
         /// Values allowed.
         allowed: &'static str,
     },
-    /// More cells than names.
+    /// A row has more cells than the header has names.
     #[error("{file}, line {line}: found {found} cells; allowed: {allowed}, as many as the header has names")]
     RowTooLong {
         /// The recording.
         file: PathBuf,
         /// Line of the row.
         line: u64,
-        /// Cells of the row.
+        /// Number of cells in the row.
         found: usize,
-        /// Names of the header.
+        /// Number of names in the header.
         allowed: usize,
     },
     /// The time stamps give no sampling rate.
@@ -157,13 +157,13 @@ pub enum RecordingError {
         file: PathBuf,
         /// The column of time stamps.
         column: String,
-        /// Returns an error if they are invalid.
+        /// Defect of the time stamps.
         found: String,
     },
 }
 
 impl RecordingError {
-    /// Whether scene and file disagree, so that the scene is to be corrected.
+    /// Returns true where scene and file contradict each other.
     #[must_use]
     pub const fn is_scene_fault(&self) -> bool {
         matches!(self, Self::AbsentColumn { .. } | Self::Unit { .. } | Self::Rate { .. })
@@ -178,7 +178,7 @@ fn did_you_mean(nearest: Option<&str>) -> String {
     nearest.map(|near| format!("; did you mean `{}`?", name(near))).unwrap_or_default()
 }
 
-/// Names for a message, shortened where there are very many.
+/// Returns names for a message; a long list is shortened.
 pub fn listed(names: &[String]) -> String {
     let shown: Vec<String> = names.iter().take(COLUMNS_SHOWN).map(|column| format!("`{}`", name(column))).collect();
     match names.len() - shown.len() {
@@ -187,11 +187,11 @@ pub fn listed(names: &[String]) -> String {
     }
 }
 
-/// The name most like `wanted`, when it is like it at all: letter case counts for nothing.
+/// Returns the name most similar to `wanted`, where one is similar; letter case is ignored.
 pub(super) fn nearest(wanted: &str, names: &[String]) -> Option<String> {
     let wanted = wanted.to_lowercase();
     let length = wanted.chars().count();
-    // A name of which nothing is left is not like it.
+    // A name of which every letter differs is not similar.
     let limit = (length / 3).max(2).min(length.saturating_sub(1));
     names
         .iter()
@@ -203,7 +203,7 @@ pub(super) fn nearest(wanted: &str, names: &[String]) -> Option<String> {
         .map(|(_, name)| name.clone())
 }
 
-/// Single-letter changes that turn one text into the other.
+/// Returns the number of single-letter changes from one text to the other (Levenshtein distance).
 fn edits(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
     let mut above: Vec<usize> = (0..=to.len()).collect();

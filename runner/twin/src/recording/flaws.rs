@@ -2,38 +2,38 @@
 
 use serde::Serialize;
 
-/// How many places the ledger keeps of each kind and column: the first ones.
+/// Number of positions that the ledger stores for each kind and column: the first ones.
 const PLACES: usize = 5;
 
 /// Kind of flaw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Flaw {
-    /// NaN or nothing in a cell. The sample has no reading there.
+    /// A cell is NaN or empty. The sample has no reading there.
     MissingValue,
-    /// Fewer cells than the header has names. What the row lacks counts as no reading.
+    /// A row has fewer cells than the header has names. Absent cells are missing readings.
     ShortRow,
-    /// The time stamp of an earlier row again. The row is left out.
+    /// A row repeats the time stamp of an earlier one. The row is left out.
     RepeatedTimeStamp,
-    /// A time stamp before an earlier row's. The row is left out.
+    /// A time stamp is before that of an earlier row. The row is left out.
     BackwardTimeStamp,
-    /// A single time stamp that jumps ahead while the next row goes on as before. The row is kept in its place.
+    /// A single time stamp is too late while the next row continues regularly. The row is kept as the next sample.
     StrayTimeStamp,
-    /// Samples that are not in the file.
+    /// Samples are missing in the file.
     Gap,
-    /// The same reading for a long run. The sample has no reading there, once that is known.
+    /// A probe repeats one reading. The sample has no reading there once the probe is known to be stuck.
     StuckProbe,
-    /// Many samples exactly at the highest or lowest reading. The readings are kept.
+    /// Many samples are exactly at the highest or lowest reading. The readings are kept.
     ClippedProbe,
-    /// A keyphasor pulse that did not come. It is filled in; what is counted as samples are pulses.
+    /// A keyphasor pulse is missing. It is interpolated; the count of samples is one of pulses.
     MissedPulse,
-    /// A keyphasor pulse too many. It is left out.
+    /// A keyphasor pulse is spurious. It is left out.
     SpuriousPulse,
-    /// No keyphasor pulse up to the end. The angle is extrapolated and nothing is judged there.
+    /// There is no keyphasor pulse up to the end. The angle is extrapolated and nothing is judged there.
     DeadKeyphasor,
-    /// A speed beyond what the scene's machine can have. The speed before it is held.
+    /// A speed is too high for the scene's machine. The speed before it is held.
     ImplausibleSpeed,
-    /// A reading outside the range that the bearings allow. Observer and force do not use it.
+    /// A reading is outside the range that the bearings allow. Observer and force do not use it.
     ReadingOutOfRange,
 }
 
@@ -44,7 +44,7 @@ impl Flaw {
     }
 }
 
-/// A place in the recording.
+/// Position in the recording.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Position {
     /// Sample, counted from 0 in samples of the nominal rate.
@@ -62,13 +62,13 @@ impl From<&super::Row> for Position {
     }
 }
 
-/// One place where a flaw shows.
+/// One occurrence of a flaw.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Occurrence {
-    /// Where it begins.
+    /// Its first sample.
     #[serde(flatten)]
     pub at: Position,
-    /// Samples that it takes in.
+    /// Number of samples.
     pub samples: u64,
     /// The reading that a probe is stuck or clipped at, m.
     #[serde(rename = "reading_m", skip_serializing_if = "Option::is_none")]
@@ -87,65 +87,65 @@ struct Entry {
     first: Vec<Occurrence>,
 }
 
-/// Every flaw of a recording: counts, and the first few places of each kind and column. Its size does
-/// not grow with the recording.
+/// Flaws of a recording: counts, and the first few positions of each kind and column. Its size does not grow with the
+/// recording.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FlawLedger {
     entries: Vec<Entry>,
 }
 
-/// One kind of flaw in one column, in figures and in words.
+/// Summary of one kind of flaw in one column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FlawSummary {
     /// Kind.
     pub kind: Flaw,
     /// Column, where the flaw belongs to one.
     pub column: Option<String>,
-    /// Times it occurs; missing values without a sample between them are one.
+    /// Number of occurrences; consecutive missing values are one.
     pub count: u64,
-    /// Samples that it takes in.
+    /// Number of samples.
     pub samples_affected: u64,
     /// Line of the first.
     pub first_line: u64,
     /// Time of the first, s.
     pub first_time_s: f64,
-    /// The first few places.
+    /// The first occurrences.
     pub places: Vec<Occurrence>,
-    /// All that in plain words.
+    /// Summary as a sentence.
     pub sentence: String,
 }
 
 impl FlawLedger {
-    /// Enters one occurrence of `samples` samples. A missing value right after another lengthens that one.
+    /// Adds one occurrence of `samples` samples. A missing value right after another one extends that occurrence.
     pub fn record(&mut self, flaw: Flaw, column: Option<&str>, at: Position, samples: u64) {
         self.enter(flaw, column, Occurrence { at, samples, reading: None });
     }
 
-    /// As [`record`](Self::record), with the reading (m) that the probe does not leave.
+    /// Adds an occurrence as [`record`](Self::record), with the reading (m) at which the probe is stuck or clipped.
     pub fn record_reading(&mut self, flaw: Flaw, column: &str, at: Position, samples: u64, reading: f64) {
         self.enter(flaw, Some(column), Occurrence { at, samples, reading: Some(reading) });
     }
 
-    /// Lengthens the last occurrence by one sample; does nothing when there is none.
+    /// Extends the last occurrence by one sample, where there is one.
     pub fn lengthen(&mut self, flaw: Flaw, column: Option<&str>) {
         if let Some(entry) = self.find(flaw, column) {
             entry.lengthen(1);
         }
     }
 
-    /// No flaw at all.
+    /// Returns true where there is no flaw.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// Times a kind occurs, over all columns.
+    /// Returns the number of occurrences of a kind, over all columns.
     #[must_use]
     pub fn count(&self, flaw: Flaw) -> u64 {
         self.entries.iter().filter(|entry| entry.flaw == flaw).map(|entry| entry.count).sum()
     }
 
-    /// One line for each kind and column, in the order in which they first showed.
+    /// Returns the summary of each kind and column, in the order of their first occurrences.
     #[must_use]
     pub fn summary(&self) -> Vec<FlawSummary> {
         self.entries.iter().filter_map(Entry::summary).collect()
@@ -210,7 +210,7 @@ impl Entry {
         let (count, samples) = (self.count, counted(self.samples, "sample"));
         let from = if count > 1 { "first at" } else { "at" };
         let place = format!("{from} line {} ({:.6} s)", first.at.line, first.at.time);
-        let said = match self.flaw {
+        let description = match self.flaw {
             Flaw::MissingValue => format!("no value in {samples}{}, {place}", places(count)),
             Flaw::ShortRow => {
                 format!("{} cut short, {place}: what is cut off counts as missing", counted(count, "row"))
@@ -241,7 +241,7 @@ impl Entry {
                 format!("reading{} out of range in {samples}{}, {place}", at_reading(first), places(count))
             }
         };
-        self.column.as_ref().map_or_else(|| said.clone(), |column| format!("{column}: {said}"))
+        self.column.as_ref().map_or_else(|| description.clone(), |column| format!("{column}: {description}"))
     }
 
     fn stuck(&self, first: &Occurrence, samples: &str) -> String {

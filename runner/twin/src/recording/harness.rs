@@ -68,13 +68,13 @@ pub(super) fn values(bytes: &[u8], columns: &[&str]) -> Vec<Vec<f64>> {
 
 /// Message about a file, without its path.
 pub(super) fn error(bytes: &[u8], recording: &Recording) -> String {
-    let said = Trial::new().read(bytes, recording).unwrap_err().to_string();
-    assert!(!said.contains('\n'), "one sentence: {said}");
-    said.split_once("r.bin").unwrap().1.to_owned()
+    let message = Trial::new().read(bytes, recording).unwrap_err().to_string();
+    assert!(!message.contains('\n'), "one sentence: {message}");
+    message.split_once("r.bin").unwrap().1.to_owned()
 }
 
-/// At every length the file is refused or its rows are told to be short, except at `sound` lengths, where it is a file
-/// of fewer rows.
+/// Checks that the file is rejected or its rows are reported as short at every length, except at the lengths `sound`, at
+/// which it is a valid file of fewer rows.
 pub(super) fn cut_short(bytes: &[u8], columns: &[&str], sound: &[usize]) {
     let (trial, recording) = (Trial::new(), recording(columns));
     let whole = trial.read(bytes, &recording).unwrap().0;
@@ -90,7 +90,7 @@ pub(super) fn cut_short(bytes: &[u8], columns: &[&str], sound: &[usize]) {
     }
 }
 
-/// Two thousand times one to eight bits turned over: an error or rows, in bounded memory.
+/// Checks two thousand files with one to eight inverted bits: an error or rows, in bounded memory.
 pub(super) fn damaged(bytes: &[u8], columns: &[&str]) {
     let (trial, recording) = (Trial::new(), recording(columns));
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;

@@ -21,9 +21,9 @@ const ALLOWED: &str = "a MATLAB file of version 5 with vectors of equal length";
 const HEADER: u64 = 128;
 /// Bytes of a variable within which its name and size are.
 const ABOUT: u64 = 4096;
-/// More bytes of vectors are refused: they are held in memory.
+/// Largest number of bytes of all vectors, which are held in memory.
 const LARGEST: u64 = 1 << 30;
-/// Nothing can be packed tighter by deflate.
+/// Largest compression ratio of deflate.
 const TIGHTEST: u64 = 1032;
 
 /// Types of elements.
@@ -42,7 +42,7 @@ struct Vectors {
     bytes_read: u64,
 }
 
-/// Where the numbers of a variable lie.
+/// Location of the numbers of a variable.
 struct Vector {
     element: Element,
     /// Bytes of the variable before its numbers.

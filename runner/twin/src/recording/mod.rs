@@ -1,4 +1,4 @@
-//! A recording: columns of a file -> samples with their time, their shaft angle and their flaws.
+//! Recordings: from the columns of a file to samples with time, shaft angle and flaws.
 
 mod average;
 mod bytes;
@@ -45,7 +45,7 @@ pub struct Row {
 /// One sample that the replay works on.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sample {
-    /// Value in the file.
+    /// Row of the file.
     pub row: Row,
     /// Shaft angle: 0 where the keyphasor first passes.
     pub angle: Phase,

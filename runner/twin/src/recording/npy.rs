@@ -17,9 +17,9 @@ const ALLOWED: &str = "an NPY file of one row for each sample, of integers or of
 
 /// Longest header; one of a thousand fields takes a tenth.
 const LONGEST_HEADER: u64 = 1 << 18;
-/// The list of a structure in the dictionary has tuples with a tuple. What nests deeper keeps the parser busy for ages.
+/// Deepest nesting of a header: the list of a structure has tuples of tuples. The parser needs exponential time beyond it.
 const DEEPEST: usize = 4;
-/// More columns than any logger writes.
+/// Largest number of columns.
 const MOST: u64 = 1 << 16;
 
 /// Opens a file.
@@ -115,7 +115,7 @@ fn described(kind: &DType) -> String {
 
 fn array(number: Number, start: u64, [rows, columns]: [u64; 2], order: Order) -> Vec<Lane> {
     let size = u64::from(number.bytes);
-    // Overflows of a hostile shape end far beyond the file, which is found out there.
+    // The product of a hostile shape saturates, and the comparison with the length of the file rejects it.
     let [first, stride] = match order {
         Order::C => [size, columns.saturating_mul(size)],
         Order::Fortran => [rows.saturating_mul(size), size],

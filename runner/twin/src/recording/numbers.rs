@@ -38,7 +38,7 @@ impl Number {
         Self { kind, bytes, big_endian, scale: 1.0, offset: 0.0 }
     }
 
-    /// From the first bytes; what is not there counts as zeros.
+    /// Reads the number from the first bytes; absent bytes count as zeros.
     pub(super) fn read(self, bytes: &[u8]) -> f64 {
         let size = usize::from(self.bytes.clamp(1, 8));
         let mut own = [0; 8];
@@ -103,7 +103,7 @@ pub(super) struct Lane {
     /// Sampling rate, Hz.
     pub(super) rate: Option<f64>,
     pub(super) runs: Vec<Run>,
-    /// Why it cannot be read, when the scene names it.
+    /// Reason for which it cannot be read; reported where the scene names it.
     pub(super) refused: Option<String>,
 }
 
@@ -117,7 +117,7 @@ impl Lane {
 /// Content of a file, as the reader of its format finds it.
 pub(super) struct Layout {
     pub(super) lanes: Vec<Lane>,
-    /// The file breaks off within a row.
+    /// The file ends within a row.
     pub(super) torn: bool,
     /// Values that the format allows.
     pub(super) allowed: &'static str,

@@ -48,7 +48,7 @@ struct Field {
     leaf: usize,
     optional: bool,
     unsigned: bool,
-    /// Why it cannot be read, when the scene names it.
+    /// Reason for which it cannot be read; reported where the scene names it.
     refused: Option<String>,
 }
 
@@ -80,9 +80,8 @@ fn wrong(path: &Path, error: impl ToString) -> RecordingError {
 
 /// Runs the library's decoder.
 ///
-/// It checks most of what it reads, but its decoders of pages index and subtract as a sound file would have it. A damaged
-/// file would stop the program with the library's words instead of naming the file, so its panics are caught: nothing of
-/// what they leave behind is used again, and they are not reported: the error that they become is.
+/// The library checks most of its input, but its page decoders panic on some damaged files. Their panics are caught and
+/// become an error that names the file; no state of the decoder is used afterwards.
 fn guarded<T>(work: impl FnOnce() -> Decoded<T>) -> Decoded<T> {
     thread_local! {
         static DECODING: Cell<bool> = const { Cell::new(false) };
@@ -117,7 +116,7 @@ fn field(root: &Type, leaf: Option<usize>) -> Field {
     }
 }
 
-/// Why a field is no column of numbers.
+/// Returns the reason for which a field is no column of numbers; none where it is one.
 fn refusal(root: &Type) -> Option<String> {
     let about = root.get_basic_info();
     if !root.is_primitive() || about.has_repetition() && about.repetition() == Repetition::REPEATED {

@@ -1,4 +1,4 @@
-//! Watches one probe for readings that no shaft produces: stuck and clipped.
+//! Detection of stuck and clipped probes.
 
 use super::flaws::Position;
 
@@ -17,20 +17,20 @@ const CLIPPED_RATIO: u64 = 8;
 /// Classification of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
-    /// Nothing is wrong with it.
+    /// The reading is valid.
     Good,
-    /// With this reading the probe is known to be stuck; it began there.
+    /// The probe is stuck from this reading on; the run began earlier.
     Stuck {
         /// First sample of the run.
         since: Position,
         /// Samples so far, this one among them.
         samples: u64,
     },
-    /// Stuck as before.
+    /// The probe is still stuck.
     StillStuck,
 }
 
-/// Memory of one probe.
+/// State of the detection for one probe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeWatch {
     limit: u64,
@@ -57,7 +57,7 @@ struct Extreme {
 pub struct Clipped {
     /// m
     pub reading: f64,
-    /// How many.
+    /// Number of samples.
     pub samples: u64,
     /// The first of them.
     pub first: Position,
@@ -77,7 +77,7 @@ impl ProbeWatch {
         }
     }
 
-    /// Takes in a reading (not NaN: a missing reading neither moves nor frees a probe).
+    /// Adds a reading. It is not NaN: a missing reading does not end a run.
     pub fn see(&mut self, reading: f64, at: Position) -> Verdict {
         if reading == self.reading {
             self.run += 1;

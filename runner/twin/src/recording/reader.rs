@@ -1,4 +1,4 @@
-//! Any recording: columns that the scene names, each row placed in time, and what is wrong with it.
+//! Reader of recordings in any format: the columns that the scene names, with the sample number and the flaws of each row.
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -10,7 +10,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::Row;
-use super::clock::{Grid, LEARN, Place};
+use super::clock::{Grid, LEARN, StampPosition};
 use super::csv::CsvTable;
 use super::error::{RecordingError, listed, nearest};
 use super::flaws::{Flaw, FlawLedger, Position};
@@ -19,15 +19,15 @@ use super::table::{self, ALLOWED, Cells, Table};
 use crate::scene::units;
 use crate::scene::{Clock, Probe, Recording, RotationSource};
 
-/// How far the file's sampling rate and the scene's may lie apart.
+/// Largest relative difference between the sampling rates of file and scene.
 const RATE_TOLERANCE: f64 = 1e-3;
 
 /// A recording, row by row, whatever its format.
 ///
 /// Flaws of single readings, rows and time stamps are counted in [`flaws`](Self::flaws):
 ///
-/// - NaN or nothing in a cell is a missing reading.
-/// - In a row that is cut short the last cell that is there counts as cut off too: it may be a part of a number.
+/// - A cell that is NaN or empty is a missing reading.
+/// - In a short row the last cell is missing too: it may be a part of a number.
 /// - A row whose time stamp repeats or goes back is left out. A row whose time stamp is missing is the next sample.
 /// - A probe that repeats one reading exactly for 64 samples and 10 ms is stuck: from then until it moves its
 ///   readings are missing (those before went out as they were, and are counted).
@@ -45,14 +45,14 @@ pub struct Reader {
     ended: bool,
 }
 
-/// Which columns mean what; the table gives their values in this order.
+/// Meaning of the columns, in the order of the table's values.
 struct Wanted {
     stamp: Option<Column>,
     rotation: Option<Column>,
     probes: Vec<Column>,
 }
 
-/// A column that is used, and what one unit of it is in SI.
+/// A column that is used, with the factor to SI.
 struct Column {
     place: usize,
     unit: f64,
@@ -60,13 +60,13 @@ struct Column {
     offset: f64,
 }
 
-/// A row before its sample number is known, and how many of its cells are whole.
+/// A row before its sample number is known, with the number of its complete cells.
 struct Parsed {
     row: Row,
     whole: usize,
 }
 
-/// How rows get their sample number.
+/// Source of the sample numbers.
 enum Timing {
     Rate { rate: f64, next: u64 },
     Stamps(Grid),
@@ -86,7 +86,7 @@ impl Reader {
         if about.is_dir() {
             return Err(RecordingError::Folder { file: path.into() });
         }
-        // A pipe has no size, and no beginning to go back to.
+        // A pipe has no size and cannot be rewound.
         let size = about.is_file().then_some(about.len());
         let open = if size.is_some() { table::binary(&mut file, path).map_err(unopened)? } else { None };
         match open {
@@ -246,7 +246,7 @@ impl Reader {
         Ok(Some(self.cells.whole))
     }
 
-    /// Gives the row its sample number and time; false when it is left out.
+    /// Sets sample number and time of the row; returns false where it is left out.
     fn place(&mut self, row: &mut Row) -> Result<bool, RecordingError> {
         let grid = match &mut self.timing {
             Timing::Rate { rate, next } => {
@@ -258,10 +258,10 @@ impl Reader {
             Timing::Stamps(grid) => grid,
         };
         match grid.place(row.time) {
-            Place::Next => self.accept(row, 0),
-            Place::After(missing) => self.place_after(row, missing)?,
-            Place::Repeated => return Ok(self.leave_out(row, Flaw::RepeatedTimeStamp)),
-            Place::Backward => return Ok(self.leave_out(row, Flaw::BackwardTimeStamp)),
+            StampPosition::Next => self.accept(row, 0),
+            StampPosition::After(missing) => self.place_after(row, missing)?,
+            StampPosition::Repeated => return Ok(self.leave_out(row, Flaw::RepeatedTimeStamp)),
+            StampPosition::Backward => return Ok(self.leave_out(row, Flaw::BackwardTimeStamp)),
         }
         Ok(true)
     }
@@ -277,7 +277,7 @@ impl Reader {
         }
     }
 
-    /// A jump ahead is a gap, unless the row after it goes on as if there had been none.
+    /// Adds a row after a jump of the time stamp: a gap, unless the next row continues regularly.
     fn place_after(&mut self, row: &mut Row, missing: u64) -> Result<(), RecordingError> {
         if self.ahead.is_empty()
             && let Some(parsed) = self.parse_new()?
@@ -340,7 +340,7 @@ impl Reader {
         }
     }
 
-    /// At the end, once: which probes were clipped.
+    /// Records the clipped probes, once, at the end.
     fn end(&mut self) {
         if core::mem::replace(&mut self.ended, true) {
             return;
@@ -425,7 +425,7 @@ impl Wanted {
     }
 }
 
-/// Place of a column that the scene names.
+/// Index of a column that the scene names.
 fn find(table: &dyn Table, column: &str, file: &Path) -> Result<usize, RecordingError> {
     let names = table.columns();
     let mut places = (0..names.len()).filter(|place| table.is_called(*place, column.trim()));

@@ -1,10 +1,10 @@
-//! Rows -> samples with shaft angle, speed and acceleration.
+//! Shaft angle, speed and acceleration of the rows of a recording.
 //!
 //! - **Keyphasor**: the first pulse is angle 0. A pulse begins where the signal, drawn straight from sample to
 //!   sample, passes half way between its two levels; the rarer level is the pulse. A pulse recorded as a step is
 //!   known to half a sample only, so the angle follows parabolas through up to 11 pulses, blended from pulse to
-//!   pulse; where those cannot follow the shaft, through fewer. A pulse that did not come is filled in, one too many is
-//!   left out; both are counted as flaws. A sample waits for up to 6 pulses after it, for 11 at the start.
+//!   pulse; where those cannot follow the shaft, through fewer. A missing pulse is interpolated and a spurious one is left
+//!   out; both are counted as flaws. A sample is delayed by up to 6 pulses, by 11 at the start.
 //! - **Speed column**: its integral from 0 by the trapezium rule.
 //! - **Neither**: the closed form of the scene's speed, from angle 0 at the first sample.
 
@@ -29,23 +29,23 @@ use super::status::SampleStatus;
 use super::{Row, Sample};
 use crate::scene::{Recording, RotationSource, Speed};
 
-/// Most samples that wait for a pulse or a speed.
+/// Largest number of samples that wait for a pulse or a speed.
 const LONGEST_WAIT: usize = 4_000_000;
 
-/// A speed reading this many times above the scene's fastest speed is no speed of this machine.
+/// Ratio to the scene's fastest speed above which a speed reading is implausible.
 pub const SPEED_MARGIN: f64 = 3.0;
-/// No rolling bearing turns faster, rad/s: 1e6 rpm.
+/// Largest speed of any rolling bearing, rad/s: 1e6 rpm.
 const FASTEST: f64 = 1.05e5;
 
 /// Error returned when the shaft angle cannot be determined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RotationError {
-    /// No pulse at all.
+    /// There is no pulse.
     #[error("column {column}: no keyphasor pulses in {samples} samples: {}, expected two levels that alternate once per pulse", stays(*.low, *.high))]
     NoPulse {
         /// Column of the keyphasor.
         column: String,
-        /// Samples looked at.
+        /// Number of samples.
         samples: usize,
         /// Lowest value.
         low: f64,
@@ -81,7 +81,7 @@ pub enum RotationError {
     NoSpeed {
         /// Column of the speed.
         column: String,
-        /// Samples looked at.
+        /// Number of samples.
         samples: usize,
     },
     /// A speed column without a speed that the scene's machine can have.
@@ -104,8 +104,8 @@ fn stays(low: f64, high: f64) -> String {
     if low <= high { format!("it stays between {low} and {high}") } else { String::from("it has no value") }
 }
 
-/// Gives each row its shaft angle. Rows go in by [`push`](Self::push), samples come out by [`pop`](Self::pop) in
-/// the same order as soon as their angle is known, the last ones after [`finish`](Self::finish).
+/// Tracker of the shaft angle. [`push`](Self::push) adds a row; [`pop`](Self::pop) returns samples in the same order as soon
+/// as their angle is known, the last ones after [`finish`](Self::finish).
 pub struct Tracker {
     source: Source,
     output: Output,
@@ -128,7 +128,7 @@ struct Motion {
     acceleration: f64,
 }
 
-/// Samples that are done, and what was learned on the way.
+/// Finished samples, and the statistics of all.
 #[derive(Default)]
 struct Output {
     ready: VecDeque<Sample>,
@@ -157,8 +157,8 @@ impl Output {
 }
 
 impl Tracker {
-    /// For a recording sampled at `rate`, Hz. A keyphasor does not measure the sense of rotation, which is taken
-    /// from the sign of the scene's `speed`.
+    /// Creates the tracker of a recording sampled at `rate`, Hz. A keyphasor does not measure the sense of rotation, which is
+    /// that of the scene's `speed`.
     #[must_use]
     pub fn new(rotation: &RotationSource, rate: f64, speed: Speed) -> Self {
         let source = match rotation {
@@ -171,7 +171,7 @@ impl Tracker {
         Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }
     }
 
-    /// The same for the rotation of `recording`, with its averaging.
+    /// Creates the tracker of `recording`, with its averaging.
     #[must_use]
     pub fn of(recording: &Recording, rate: f64, speed: Speed) -> Self {
         let average = Average::new(recording.average, rate);
@@ -182,7 +182,7 @@ impl Tracker {
         tracker
     }
 
-    /// With at most so many samples that wait for a pulse, 1024 or more.
+    /// Limits the number of samples that wait for a pulse; 1024 or more.
     #[must_use]
     pub fn waiting_at_most(mut self, samples: usize) -> Self {
         if let Source::Keyphasor(keyphasor) = &mut self.source {
@@ -191,18 +191,18 @@ impl Tracker {
         self
     }
 
-    /// An empty row to read into, with the memory of a recycled one where there is one.
+    /// Returns an empty row to read into, with the memory of a recycled one where there is one.
     #[must_use]
     pub fn blank(&mut self) -> Row {
         self.spare.pop().unwrap_or_default()
     }
 
-    /// Takes back a row that is no longer needed.
+    /// Recycles the memory of a row.
     pub fn recycle(&mut self, row: Row) {
         self.spare.push(row);
     }
 
-    /// Takes in the next row. Numbers of rows have to rise.
+    /// Adds the next row. The indices of rows rise.
     ///
     /// # Errors
     /// No pulse, or none any more, within 4 million samples or 20 turns' time; no speed within 4 million samples.
@@ -218,7 +218,7 @@ impl Tracker {
         }
     }
 
-    /// The recording is over: gives every sample that still waits its angle.
+    /// Ends the recording: computes the angle of every sample that still waits.
     ///
     /// # Errors
     /// Fewer than two pulses, or no speed, in the whole recording.
@@ -231,7 +231,7 @@ impl Tracker {
         }
     }
 
-    /// Takes out the next row that waits for an angle, after an error of [`push`](Self::push) or [`finish`](Self::finish).
+    /// Removes and returns the next row that waits for an angle, after an error of [`push`](Self::push) or [`finish`](Self::finish).
     pub fn abandon(&mut self) -> Option<Row> {
         match &mut self.source {
             Source::Keyphasor(keyphasor) => keyphasor.waiting.pop_front(),
@@ -240,7 +240,7 @@ impl Tracker {
         }
     }
 
-    /// The next sample whose angle is known.
+    /// Returns the next sample whose angle is known.
     pub fn pop(&mut self) -> Option<Sample> {
         while let Some(sample) = self.output.ready.pop_front() {
             let (done, spare) = self.average.take(sample);
@@ -252,7 +252,7 @@ impl Tracker {
         if self.ended { self.average.close() } else { None }
     }
 
-    /// Keyphasor pulses so far, those filled in or left out not counted; 0 without a keyphasor.
+    /// Returns the number of measured keyphasor pulses so far, without spurious ones; 0 without a keyphasor.
     #[must_use]
     pub fn pulses(&self) -> u64 {
         match &self.source {
@@ -261,19 +261,19 @@ impl Tracker {
         }
     }
 
-    /// Mean speed over the samples that came out, rad/s; none before the first.
+    /// Mean speed over the delivered samples, rad/s; none before the first.
     #[must_use]
     pub fn mean_speed(&self) -> Option<f64> {
         (self.output.count > 0).then(|| self.output.sum / self.output.count as f64)
     }
 
-    /// Lowest speed over the samples that came out, rad/s.
+    /// Returns the lowest speed over the delivered samples, rad/s.
     #[must_use]
     pub fn min_speed(&self) -> Option<f64> {
         self.output.range.map(|range| range.0)
     }
 
-    /// Highest speed over the samples that came out, rad/s.
+    /// Returns the highest speed over the delivered samples, rad/s.
     #[must_use]
     pub fn max_speed(&self) -> Option<f64> {
         self.output.range.map(|range| range.1)
@@ -294,7 +294,7 @@ fn largest_speed(speed: Speed) -> f64 {
     if scene > 0.0 { SPEED_MARGIN * scene } else { FASTEST }
 }
 
-/// The shaft turns about -Z, on the whole.
+/// Returns true where the shaft turns about -Z for the most part.
 fn is_reversed(speed: Speed) -> bool {
     match speed {
         Speed::Constant(speed) => speed < 0.0,

@@ -19,7 +19,7 @@ impl SampleStatus {
     /// The motion of the twin was not finite: its last state is held.
     pub const TWIN_HELD: Self = Self(2048);
 
-    /// The flags as a number, for files.
+    /// Returns the flags as a number, for files.
     #[must_use]
     pub const fn bits(self) -> u16 {
         self.0
@@ -43,7 +43,7 @@ impl SampleStatus {
         if condition { self } else { Self(0) }
     }
 
-    /// All flags of `other` are set.
+    /// Returns true where all flags of `other` are set.
     #[must_use]
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0

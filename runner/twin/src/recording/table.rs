@@ -1,4 +1,4 @@
-//! A recording as its format gives it: named columns and rows of numbers, before anything is known of time.
+//! The table of a recording in any format: named columns and rows of numbers.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -15,7 +15,7 @@ pub(super) trait Table: Send {
     /// Names of all columns.
     fn columns(&self) -> &[String];
 
-    /// Whether the scene means this column by that name.
+    /// Returns true where this column has the scene's name.
     fn is_called(&self, place: usize, name: &str) -> bool {
         self.columns().get(place).is_some_and(|own| own == name)
     }
@@ -52,18 +52,18 @@ pub(super) struct Cells {
     pub(super) line: u64,
     /// Values of the columns selected; NaN where one is missing.
     pub(super) values: Vec<f64>,
-    /// How many cells of the file's whole row are there, from its first column on.
+    /// Number of cells in the row of the file, from its first column.
     pub(super) whole: usize,
 }
 
 /// Opens a file of one format.
 pub(super) type Open = fn(File, &Path) -> Result<Box<dyn Table>, RecordingError>;
 
-/// How a binary format is known.
+/// Identification of a binary format.
 struct Format {
     ending: &'static str,
     begins: &'static [u8],
-    /// What stands at a certain byte. A header of CSV may begin with `PAR1`, but goes on without control characters.
+    /// Bytes at a certain offset. A header of CSV may begin with `PAR1`, but has no control characters.
     goes_on: (usize, &'static [u8]),
     open: Open,
 }

@@ -1,9 +1,9 @@
 //! TDMS files (National Instruments) as recordings: the channels are the columns, `Group/Channel` or, where only one group
 //! has it, `Channel`.
 //!
-//! A file is a row of segments. Each has a lead-in, then what is new about its objects, then the numbers: channel after
-//! channel in chunks of equal size, or interleaved. What a segment does not say holds on from the one before. Raw counts of the
-//! DAQmx driver lie row by row, with linear scales beside them.
+//! A file is a sequence of segments. Each has a lead-in, then the changes of its objects, then the numbers: channel after
+//! channel in chunks of equal size, or interleaved. Properties that a segment omits are those of the previous one. Raw counts
+//! of the DAQmx driver are stored row by row, with linear scales.
 
 mod scale;
 #[cfg(test)]
@@ -27,7 +27,7 @@ const ALLOWED: &str = "a TDMS file of numbers, or of DAQmx raw data with linear 
 const LEAD_IN: u64 = 28;
 /// Longest description of the objects of a segment.
 const LONGEST: u64 = 1 << 26;
-/// More objects than any logger writes.
+/// Largest number of objects.
 const MOST: usize = 1 << 14;
 
 /// Bits of the lead-in's table of contents.
@@ -66,7 +66,7 @@ fn read(file: &mut File) -> io::Result<Layout> {
     while start < size {
         match segment(file, start, size, &mut objects) {
             Ok((end, broken)) => (start, torn) = (end, torn || broken),
-            // The logger was stopped while it wrote the head of another segment.
+            // The logger was stopped while it wrote the lead-in of another segment.
             Err(cause) if cause.kind() == io::ErrorKind::UnexpectedEof && start > 0 => {
                 torn = true;
                 break;
@@ -85,7 +85,7 @@ struct LeadIn {
     head: u64,
     numbers: u64,
     end: u64,
-    /// The file ends before the segment does.
+    /// The file ends within the segment.
     torn: bool,
 }
 
@@ -103,15 +103,15 @@ impl LeadIn {
         let (_version, next, raw) = (bytes.u32()?, bytes.u64()?, bytes.u64()?);
         let head = start + LEAD_IN;
         // The length of a segment that is still being written is all ones.
-        let said = head.checked_add(next).filter(|_| next != u64::MAX);
-        let numbers = head.checked_add(raw).filter(|numbers| said.is_none_or(|said| *numbers <= said));
+        let declared = head.checked_add(next).filter(|_| next != u64::MAX);
+        let numbers = head.checked_add(raw).filter(|numbers| declared.is_none_or(|declared| *numbers <= declared));
         let numbers =
             numbers.ok_or_else(|| refuse(format!("numbers behind the end of the segment at byte {start}")))?;
         if numbers > size {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
-        let end = said.unwrap_or(size).min(size);
-        Ok(Self { contents, head, numbers, end, torn: said.is_some_and(|said| said > size) })
+        let end = declared.unwrap_or(size).min(size);
+        Ok(Self { contents, head, numbers, end, torn: declared.is_some_and(|declared| declared > size) })
     }
 
     const fn has(&self, bit: u32) -> bool {
@@ -173,18 +173,18 @@ struct Index {
     raw: Option<Raw>,
 }
 
-/// Where DAQmx raw data has a channel's count in each row.
+/// Location of a channel's count in each row of DAQmx raw data.
 #[derive(Clone, Copy)]
 struct Raw {
     offset: u64,
     /// Data of a row.
     width: u64,
-    /// Number by which scales know the count.
+    /// Number by which scales refer to the count.
     scale: u32,
 }
 
 impl Objects {
-    /// Reads what is new about the objects of a segment.
+    /// Reads the changes of the objects of a segment.
     fn describe(&mut self, mut bytes: Bytes<'_>, new_list: bool) -> io::Result<()> {
         if new_list {
             self.active.clear();
@@ -210,7 +210,7 @@ impl Objects {
         Ok(())
     }
 
-    /// Shares the numbers of a segment out; true where it breaks off within a chunk.
+    /// Assigns the numbers of a segment to its channels; returns true where it ends within a chunk.
     fn place(&mut self, start: u64, bytes: u64, interleaved: bool, big_endian: bool) -> io::Result<bool> {
         let index = |place: &usize| Some((*place, self.all.get(*place)?.index?));
         let plain = |(_, index): &(usize, Index)| index.bytes > 0 && index.raw.is_none();
@@ -239,7 +239,7 @@ impl Objects {
 }
 
 impl Objects {
-    /// Shares the rows of DAQmx raw data out; true where they break off within a row.
+    /// Assigns the rows of DAQmx raw data to the channels; returns true where they end within a row.
     fn place_raw(&mut self, start: u64, bytes: u64, big_endian: bool) -> bool {
         let mut broken = false;
         for place in &self.active {
@@ -255,7 +255,7 @@ impl Objects {
     }
 }
 
-/// Segments written in the same rhythm make one run: what is kept of a file does not grow with it.
+/// Joins segments of equal layout to one run, so that memory does not grow with the file.
 fn append(runs: &mut Vec<Run>, run: Run) {
     if let Some(last) = runs.last_mut()
         && (last.number, last.stride, last.count, 1) == (run.number, run.stride, run.count, run.repeats)
@@ -339,7 +339,7 @@ impl Object {
         let name = channel(&self.path)?;
         let raw = self.index.and_then(|index| index.raw);
         let refused = match (self.index, self.scales.line(raw.map(|raw| raw.scale))) {
-            // Values as they are would be taken for volts or metres.
+            // Unscaled values would be read as volts or metres.
             (_, Err(why)) => Some(why),
             (Some(index), _) if number(index.kind, false).is_none() => Some("contains no numbers".to_owned()),
             (_, Ok([slope, intercept])) => {

@@ -66,7 +66,7 @@ fn read(file: &File) -> io::Result<Layout> {
             }
             _ => {}
         }
-        // Chunks begin at even places.
+        // Chunks begin at even offsets.
         file.seek(SeekFrom::Start(start + length.next_multiple_of(2)))?;
     }
 }
@@ -96,7 +96,7 @@ fn read_format(file: &mut impl Read, length: u64) -> io::Result<Format> {
 fn layout(format: &Format, start: u64, length: u64, size: u64) -> Layout {
     let number = u64::from(format.number.bytes);
     let frame = number * u64::from(format.channels);
-    // A recorder that was switched off has not come to write the length, or not all of the samples.
+    // A recorder that was switched off may not have written the length, or all of the samples.
     let there = length.min(size.saturating_sub(start));
     let lane = |channel: u16| {
         let run = Run::once(format.number, start + u64::from(channel) * number, frame, there / frame);

@@ -1,4 +1,4 @@
-//! Reading from files and devices that may have no end.
+//! Reading from files and devices of unbounded length.
 
 use std::io::{self, Read};
 

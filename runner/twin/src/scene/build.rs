@@ -1,4 +1,4 @@
-//! Kernel types from a scene.
+//! Conversion of a scene to kernel types.
 
 mod balls;
 mod error;
@@ -29,7 +29,7 @@ use ballrace::rotor::{MovingBallsParams, RotorParams, Support, Unbalance};
 use ballrace::{Displacement, Math, Phase, Scalar, Stiffness, Wrench};
 use std::sync::Arc;
 
-/// The kernel's geometry, where the scene gives one.
+/// Returns the kernel's geometry, where the scene has one.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
@@ -58,7 +58,7 @@ pub(crate) fn named(bearing: &BearingScene, error: InvalidParameter) -> BuildErr
     BuildError::Parameter { bearing: bearing.name.clone(), error }
 }
 
-/// The error of a bearing's value, or of one that is missing.
+/// Returns the error of a value of a bearing, or of a missing one.
 fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<String>, expected: &str) -> BuildError {
     BuildError::Value {
         bearing: bearing.name.clone(),
@@ -88,25 +88,25 @@ pub fn bearing<T: Scalar, M: Math<T>>(
     }
 }
 
-/// Builds the angular model.
+/// Returns the positions of the elements with the cage at angle 0, mirrored where the bearing faces -Z.
 #[must_use]
 pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<ElementPosition<T>> {
     let mirror = |p: ElementPosition<T>| if scene.facing == Facing::MinusZ { p.mirrored() } else { p };
     (0..scene.elements).map(|j| place(scene, j)).map(mirror).collect()
 }
 
-/// Position of element `j` (0 is the first) with the cage at angle 0.
+/// Returns the position of element `j` (0 is the first) with the cage at angle 0.
 #[must_use]
 pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> ElementPosition<T> {
     ElementPosition::from_azimuth(element_azimuth(scene, j))
 }
 
-/// Turned about X by pi where the bearing faces -Z. Behind the pointer already, so that no kind is compiled twice.
+/// Returns the bearing, rotated about X by pi where it faces -Z.
 fn facing<T: Scalar>(scene: &BearingScene, bearing: AnyBearing<T>) -> AnyBearing<T> {
     if scene.facing == Facing::MinusZ { Shared(Arc::new(Mirrored(bearing))) } else { bearing }
 }
 
-/// Waviness and damage as the kernel takes them; any number of either.
+/// Returns waviness and damage as features of the kernel.
 #[must_use]
 pub fn features<T: Scalar>(scene: &BearingScene) -> Vec<Feature<T>> {
     let waves = scene.waviness.iter().map(|w| {
@@ -139,7 +139,7 @@ fn part(scene: &BearingScene, surface: Surface) -> BearingComponent {
     }
 }
 
-/// Surfaces that are round where the scene names nothing.
+/// Surface deviations; none where the scene names neither.
 fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviation<M, Vec<Feature<T>>>> {
     let features = features(scene);
     (!features.is_empty()).then(|| SurfaceDeviation::new(features))
@@ -197,7 +197,7 @@ fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> 
     }
 }
 
-/// Springs with the mean force and tangent of a bearing at the states given.
+/// Returns springs with the mean force and tangent of a bearing at the given states.
 pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -> AnyBearing<f64> {
     let weight = 1.0 / states.len().max(1) as f64;
     let (mut u, mut f, mut k) = ([0.0; 5], [0.0; 5], Stiffness::from_element(0.0));
@@ -221,7 +221,7 @@ pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
     Shared(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
 }
 
-/// The rotor as the kernel takes it.
+/// Returns the parameters of the rotor.
 #[must_use]
 pub fn rotor_params(rotor: &Rotor) -> RotorParams {
     RotorParams {
@@ -235,7 +235,7 @@ pub fn rotor_params(rotor: &Rotor) -> RotorParams {
     }
 }
 
-/// A support as the kernel takes it.
+/// Returns the parameters of a support.
 #[must_use]
 pub fn support(support: &super::Support) -> Support {
     let ([x, y], cross, c) = (support.stiffness, support.cross_stiffness, support.damping);
@@ -278,17 +278,17 @@ pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls, BuildErro
     })
 }
 
-/// The rotor's unbalances as the kernel takes them.
+/// Returns the unbalances of the rotor.
 #[must_use]
 pub fn unbalances(rotor: &Rotor) -> Vec<Unbalance> {
     let one = |u: &super::Unbalance| Unbalance { moment: u.moment, angle: u.angle, station: u.station };
     rotor.unbalance.iter().map(one).collect()
 }
 
-/// `bearing` by name, or the only one.
+/// Returns the bearing of this name, or the only one.
 ///
 /// # Errors
-/// No such name, or a choice to make.
+/// No bearing of this name, or several without a name given.
 pub fn pick<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a BearingScene, BuildError> {
     let failed = || BuildError::Selection {
         file: scene.path.clone(),

@@ -1,7 +1,7 @@
-//! A scene: the machine as an engineer writes it (TOML with units) and the kernel's parameters made from it.
+//! Scenes: the description of a machine (TOML with units) and the kernel's parameters from it.
 //!
-//! [`read`] turns text into the plain SI numbers of this file and refuses what it does not understand;
-//! `build` turns those into kernel types. No other module depends on both.
+//! [`read`] converts the text to the SI numbers of this file and rejects unknown content; [`build`] converts these to kernel
+//! types.
 
 pub mod bounded;
 pub mod build;
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 pub struct Scene {
     /// `name`
     pub name: String,
-    /// Where the scene came from; relative paths in it start from this file's folder.
+    /// Path of the file; relative paths in the scene start from its folder.
     pub path: PathBuf,
     /// `[shaft]`
     pub shaft: Shaft,
@@ -53,7 +53,7 @@ pub struct Limit {
     pub allowed: Allowed,
     /// `hysteresis`: share of the limit by which a value has to fall below it, 0 or more and below 1
     pub hysteresis: f64,
-    /// `duration`, s: what lasts shorter is no event
+    /// `duration`, s: a shorter crossing is no event
     pub duration: f64,
 }
 
@@ -77,20 +77,20 @@ pub enum Indicator {
     CrestFactor,
     /// `"kurtosis"`
     Kurtosis,
-    /// `"residual"`: rms of what the twin leaves
+    /// `"residual"`: rms of measured - twin
     Residual,
     /// `"1X"`, amplitude
     OneX,
     /// `"2X"`, amplitude
     TwoX,
-    /// `"outer-race"`: its line in what the twin leaves
+    /// `"outer-race"`: its line in the residual
     OuterRace,
     /// `"inner-race"`
     InnerRace,
 }
 
 impl Indicator {
-    /// All of them, as a scene names them.
+    /// All indicators by their names in the scene.
     pub const ALL: [(&'static str, Self); 9] = [
         ("peak-to-peak", Self::PeakToPeak),
         ("rms", Self::Rms),
@@ -342,7 +342,7 @@ pub struct Bearing {
     pub coordinates: Option<Coordinates>,
     /// `housing_coordinates`: of the outer ring, on a `[system]`, when it moves.
     pub housing_coordinates: Option<Coordinates>,
-    /// `support`: what holds the outer ring, when it gives way.
+    /// `support`: elastic support of the outer ring.
     pub support: Option<Support>,
     /// `element_azimuths`, rad, at shaft angle 0; empty where the elements are evenly spaced.
     pub element_azimuths: Vec<f64>,
@@ -391,7 +391,7 @@ pub struct TableRange {
     pub intervals: Option<[usize; 3]>,
 }
 
-/// `effects` with what they need; each is off unless named.
+/// `effects` with their parameters; each is off unless named.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effects {
     /// `"centrifugal"`
@@ -435,14 +435,14 @@ pub struct Lubricant {
     pub viscosity: f64,
     /// 1/Pa, above 0
     pub pressure_viscosity: f64,
-    /// m, rms of ball and race together, above 0: what the film ratio is taken over
+    /// m, rms of ball and race together, above 0: denominator of the film ratio
     pub roughness: Option<f64>,
 }
 
 /// `preload`, along the thrust direction that the bearing carries
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Preload {
-    /// N, above 0: the inner ring displaced until the bearing answers with this force at the scene's speed
+    /// N, above 0: the inner ring is displaced until the bearing reacts with this force at the scene's speed
     Force(f64),
     /// m, above 0
     Displacement(f64),
@@ -562,7 +562,7 @@ pub enum Linear {
     Of(Model),
 }
 
-/// Where a defect or a wave is.
+/// Surface of a defect or a wave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
     /// `"inner"`
@@ -576,7 +576,7 @@ pub enum Surface {
 /// One entry of `waviness`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wave {
-    /// Whose.
+    /// Surface.
     pub surface: Surface,
     /// `direction = "axial"`; false is radial
     pub axial: bool,
@@ -591,7 +591,7 @@ pub struct Wave {
 /// One entry of `defect`: a spall on a race or a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Defect {
-    /// Whose.
+    /// Surface.
     pub surface: Surface,
     /// rad, centre, from the surface's own zero
     pub azimuth: f64,

@@ -1,6 +1,6 @@
-//! From TOML text to a [`Scene`] in SI units; whatever it does not understand is an error, never a guess.
+//! Reader of scenes: from TOML text to a [`Scene`] in SI units. Unknown content is an error.
 //!
-//! Here: the file, `[shaft]`, `[rotor]` and `[recording]`. Each `[[bearing]]` is read by its own module.
+//! This module reads the file, `[shaft]`, `[rotor]` and `[recording]`; `bearing` reads each `[[bearing]]`.
 
 mod bearing;
 mod effects;
@@ -22,7 +22,7 @@ use super::{
     RotationSource, Rotor, Scene, Sensor, Shaft, Speed, System, SystemUnbalance, Unbalance,
 };
 
-/// Scenes are a few kilobytes; a file above this is something else, most likely a recording.
+/// Largest size of a scene, bytes: a larger file is most likely a recording.
 const LARGEST_FILE: u64 = 4 << 20;
 
 /// Standard gravity along -Y, the default of `gravity`.
@@ -35,15 +35,15 @@ const SPEEDS: &str = "a speed of rotation, such as \"3000 rpm\", or { from, to, 
 /// Reads a scene file.
 ///
 /// # Errors
-/// Whatever is wrong with the file or its text, the first of it, as one line.
+/// The first error in the file, as one line.
 pub fn read_file(path: &Path) -> Result<Scene, SceneError> {
     read_str(&load(path)?, path)
 }
 
-/// Reads a scene from its text; `path` is where it came from, for errors and for the paths in it.
+/// Reads a scene from its text; `path` is the file, for errors and for relative paths.
 ///
 /// # Errors
-/// The first thing that is wrong with the text, as one line.
+/// The first error in the text, as one line.
 pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
     // Some editors start a file with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -165,7 +165,7 @@ fn observer(node: &Node<'_>) -> Read<Observer> {
     Ok(Observer { process_noise })
 }
 
-/// The name of a scene that gives itself none.
+/// Returns the name of a scene without `name`: that of the file.
 fn stem(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
@@ -488,7 +488,7 @@ fn unit(table: &Table<'_>, factor: impl Fn(&str) -> Result<f64, units::Mismatch>
     factor(node.text(&wants)?).map_err(|e| node.fail(e.found, e.allowed))
 }
 
-/// The name of a column that nothing else reads; `user` is who reads it.
+/// Reads the name of a column that has no other use; `user` is its use.
 fn column_name(node: &Node<'_>, user: &'static str, taken: &mut Taken) -> Read<String> {
     let name = node.text("the name of a column of the recording")?;
     if let Some((_, other)) = taken.iter().find(|(column, _)| column == name) {

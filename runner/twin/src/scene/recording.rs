@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// `[recording]`: file, sampling and columns of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    /// Already joined to the scene's folder.
+    /// Path of the recording, joined to the scene's folder.
     pub file: PathBuf,
     /// Sampling: a rate or a column of times.
     pub clock: Clock,
@@ -19,7 +19,7 @@ pub struct Recording {
     pub rotation: RotationSource,
 }
 
-/// How samples are placed in time.
+/// Sampling: a constant rate or a column of times.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Clock {
     /// `rate`, Hz
@@ -41,7 +41,7 @@ pub struct Probe {
     pub direction: Direction,
     /// `noise`: rms, m, where given
     pub noise: Option<f64>,
-    /// `offset`, m: what the probe reads with the shaft in the middle; taken off every reading
+    /// `offset`, m: reading with the shaft in the middle; subtracted from every reading
     pub offset: f64,
 }
 
@@ -57,7 +57,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// As the reader of a recording takes it: a column without another unit.
+    /// Returns the sensor as a probe of the reader: a column without a conversion of units.
     #[must_use]
     pub fn as_probe(&self) -> Probe {
         Probe {
@@ -80,7 +80,7 @@ pub enum Direction {
     Axial,
 }
 
-/// Where the shaft's angle comes from.
+/// Source of the shaft angle.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RotationSource {
     /// `keyphasor = { column, pulses_per_turn }`

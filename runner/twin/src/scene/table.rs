@@ -12,7 +12,7 @@ use super::units::{self, Dimension};
 /// Longest value that an error repeats, in characters.
 const LONGEST_SHOWN: usize = 60;
 
-/// Why a scene was refused: one line that names the file, the line, the key, what was found and what is allowed.
+/// Error returned when a scene is invalid: one line with file, line, key, value found and values allowed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.sentence())]
 pub struct SceneError {
@@ -29,7 +29,7 @@ pub struct SceneError {
 }
 
 impl SceneError {
-    /// A file that cannot be used at all.
+    /// Returns the error of a file that cannot be read.
     pub(super) fn file(file: &Path, found: impl Into<String>) -> Self {
         Self {
             file: file.to_owned(),
@@ -59,10 +59,10 @@ impl SceneError {
     }
 }
 
-/// Result of everything that reads.
+/// Result of a function that reads a part of the scene.
 pub(super) type Read<T> = Result<T, SceneError>;
 
-/// The text under all nodes.
+/// The text of the scene.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub text: &'a str,
@@ -70,7 +70,7 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// An error at a byte of the text.
+    /// Returns an error at a byte of the text.
     pub fn error(self, at: usize, key: &str, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
         SceneError {
             file: self.file.to_owned(),
@@ -82,7 +82,7 @@ impl Source<'_> {
     }
 }
 
-/// Line of a byte, from 1.
+/// Returns the line of a byte, from 1.
 pub(super) fn line_of(text: &[u8], at: usize) -> usize {
     1 + text.iter().take(at).filter(|b| **b == b'\n').count()
 }
@@ -94,7 +94,7 @@ enum Content<'a> {
     Tables(&'a ArrayOfTables),
 }
 
-/// One value of the document with its place and the path of its key.
+/// One value of the document with its position and the path of its key.
 #[derive(Clone)]
 pub(super) struct Node<'a> {
     source: Source<'a>,
@@ -123,17 +123,17 @@ impl<'a> Node<'a> {
         Some(Self { source, path, span: item.span().unwrap_or(key), content })
     }
 
-    /// An error at this value.
+    /// Returns an error at this value.
     pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
         self.source.error(self.span.start, &self.path, found, allowed)
     }
 
-    /// An error that repeats this value.
+    /// Returns an error that repeats this value.
     pub fn refuse(&self, allowed: impl Into<String>) -> SceneError {
         self.fail(self.shown(), allowed)
     }
 
-    /// The value as the file has it, on one line.
+    /// Returns the text of the value on one line.
     pub fn shown(&self) -> String {
         match self.content {
             Content::Tables(_) => "a list of tables".to_owned(),
@@ -147,27 +147,27 @@ impl<'a> Node<'a> {
         self.source.text.get(self.span.clone()).unwrap_or_default()
     }
 
-    /// Whether this is a table of any notation.
+    /// Returns true where this is a table of any notation.
     pub fn is_table(&self) -> bool {
         matches!(self.content, Content::Table(_))
     }
 
-    /// A number without dimension, finite and in the range that `ok` tests and `allowed` describes.
+    /// Reads a number without dimension, finite and in the range that `ok` tests and `allowed` describes.
     pub fn number(&self, allowed: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
         self.bare_number().filter(|x| ok(*x)).ok_or_else(|| self.refuse(allowed))
     }
 
-    /// A quantity in SI: a bare number or a text with a unit.
+    /// Reads a quantity in SI: a bare number or a text with a unit.
     pub fn quantity(&self, dimension: Dimension) -> Read<f64> {
         self.within(dimension, "", |_| true)
     }
 
-    /// A quantity in the range that `ok` tests and `range` describes, such as `above 0`.
+    /// Reads a quantity in the range that `ok` tests and `range` describes, such as `above 0`.
     pub fn within(&self, dimension: Dimension, range: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
         self.limited(dimension, &dimension.allowed(range), ok)
     }
 
-    /// A quantity in the range that `ok` tests and `allowed` describes in full.
+    /// Reads a quantity in the range that `ok` tests and `allowed` describes in full.
     pub fn limited(&self, dimension: Dimension, allowed: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
         let value = match self.content {
             Content::Value(Value::String(text)) => {
@@ -179,12 +179,12 @@ impl<'a> Node<'a> {
         value.filter(|x| ok(*x)).ok_or_else(|| self.fail(self.shown_quantity(dimension), allowed))
     }
 
-    /// A quantity above 0.
+    /// Reads a quantity above 0.
     pub fn positive(&self, dimension: Dimension) -> Read<f64> {
         self.within(dimension, "above 0", |x| x > 0.0)
     }
 
-    /// A quantity of 0 or more.
+    /// Reads a quantity of 0 or more.
     pub fn not_negative(&self, dimension: Dimension) -> Read<f64> {
         self.within(dimension, "of 0 or more", |x| x >= 0.0)
     }
@@ -206,7 +206,7 @@ impl<'a> Node<'a> {
         integer.or(value.as_float()).filter(|x| x.is_finite())
     }
 
-    /// A whole number between two others.
+    /// Reads a whole number between two others.
     pub fn integer(&self, least: i64, most: i64, allowed: &str) -> Read<i64> {
         match self.content {
             Content::Value(Value::Integer(i)) if (least..=most).contains(i.value()) => Ok(*i.value()),
@@ -214,7 +214,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A text that is not empty.
+    /// Reads a text that is not empty.
     pub fn text(&self, allowed: &str) -> Read<&'a str> {
         let text = match self.content {
             Content::Value(Value::String(text)) => Some(text.value().as_str()),
@@ -223,7 +223,7 @@ impl<'a> Node<'a> {
         text.filter(|t| !t.trim().is_empty() && !t.contains(char::is_control)).ok_or_else(|| self.refuse(allowed))
     }
 
-    /// `true` or `false`.
+    /// Reads `true` or `false`.
     pub fn boolean(&self) -> Read<bool> {
         match self.content {
             Content::Value(Value::Boolean(b)) => Ok(*b.value()),
@@ -231,7 +231,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// One of some words.
+    /// Reads one of several words.
     pub fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Read<T> {
         let text = match self.content {
             Content::Value(Value::String(text)) => text.value().as_str(),
@@ -244,7 +244,7 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// The entries of a list, also of one written as `[[key]]` tables.
+    /// Returns the entries of a list, also of one written as `[[key]]` tables.
     pub fn list(&self, allowed: &str) -> Read<Vec<Node<'a>>> {
         let path = |i: usize| format!("{}[{i}]", self.path);
         match self.content {
@@ -267,7 +267,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A list of exactly `N` numbers; `read` gets the index of each.
+    /// Reads a list of exactly `N` numbers; `read` gets the index of each.
     pub fn array<const N: usize>(&self, allowed: &str, read: impl Fn(usize, &Node<'a>) -> Read<f64>) -> Read<[f64; N]> {
         let list = self.list(allowed)?;
         if list.len() != N {
@@ -280,7 +280,7 @@ impl<'a> Node<'a> {
         Ok(values)
     }
 
-    /// A table with none but these keys.
+    /// Returns the table after a check that it has only these keys.
     pub fn table(&self, keys: &[&str]) -> Read<Table<'a>> {
         let Content::Table(content) = self.content else {
             return Err(self.refuse(format!("a table with the keys {}", keys.join(", "))));
@@ -300,14 +300,14 @@ pub(super) struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The whole document.
+    /// Returns the whole document as a table.
     pub fn root(source: Source<'a>, content: &'a dyn TableLike, keys: &[&str]) -> Read<Self> {
         let table = Self { source, path: String::new(), span: 0..0, content };
         table.check_keys(keys)?;
         Ok(table)
     }
 
-    /// The value of a key.
+    /// Returns the value of a key.
     pub fn optional(&self, key: &str) -> Option<Node<'a>> {
         let item = self.content.get(key)?;
         Node::of_item(self.source, self.path_of(key), self.key_span(key), item)
@@ -318,37 +318,37 @@ impl<'a> Table<'a> {
         self.optional(key).ok_or_else(|| self.missing(key, wants))
     }
 
-    /// The error of a key that is not there.
+    /// Returns the error of a missing key.
     pub fn missing(&self, key: &str, wants: &str) -> SceneError {
         self.source.error(self.span.start, &self.path_of(key), "", wants)
     }
 
-    /// An error about the table as a whole.
+    /// Returns an error about the table as a whole.
     pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
         self.source.error(self.span.start, &self.path, found, allowed)
     }
 
-    /// Whether the key is there.
+    /// Returns true where the table has the key.
     pub fn has(&self, key: &str) -> bool {
         self.optional(key).is_some()
     }
 
-    /// Reads a key where it is there.
+    /// Reads an optional key.
     pub fn read<T>(&self, key: &str, read: impl FnOnce(&Node<'a>) -> Read<T>) -> Read<Option<T>> {
         self.optional(key).map(|node| read(&node)).transpose()
     }
 
-    /// A quantity that must be there.
+    /// Reads a required quantity.
     pub fn quantity(&self, key: &str, dimension: Dimension) -> Read<f64> {
         self.required(key, &dimension.allowed(""))?.quantity(dimension)
     }
 
-    /// A quantity above 0 that must be there.
+    /// Reads a required quantity above 0.
     pub fn positive(&self, key: &str, dimension: Dimension) -> Read<f64> {
         self.required(key, &dimension.allowed("above 0"))?.positive(dimension)
     }
 
-    /// A quantity of 0 or more that must be there.
+    /// Reads a required quantity of 0 or more.
     pub fn not_negative(&self, key: &str, dimension: Dimension) -> Read<f64> {
         self.required(key, &dimension.allowed("of 0 or more"))?.not_negative(dimension)
     }
@@ -382,7 +382,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A piece of the file on one line, cut where it is long.
+/// Returns a part of the file on one line, shortened where it is long.
 fn on_one_line(raw: &str) -> String {
     let words: Vec<&str> = raw.split_whitespace().collect();
     let line = words.join(" ");
@@ -393,7 +393,7 @@ fn on_one_line(raw: &str) -> String {
     shown
 }
 
-/// The allowed key that was probably meant.
+/// Returns the allowed key that is most similar; none where no key is similar.
 fn nearest<'k>(key: &str, keys: &[&'k str]) -> Option<&'k str> {
     // Two swapped letters count as two edits; in a short word as many make another word.
     let tolerated = match key.chars().count() {

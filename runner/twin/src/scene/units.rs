@@ -20,11 +20,11 @@ const MOMENT: Powers = [2.0, 1.0, -2.0, 0.0];
 const UNBALANCE: Powers = [1.0, 1.0, 0.0, 0.0];
 const PRESSURE: Powers = [-1.0, 1.0, -2.0, 0.0];
 
-/// How near a written power of a contact stiffness must be to the law's exponent, relative to it:
+/// Largest relative difference between the written power of a contact stiffness and the law's exponent:
 /// 10/9 may be written 1.111.
 const EXPONENT_TOLERANCE: f64 = 1e-3;
 
-/// How near every other power must be to the wanted one.
+/// Largest difference of every other power.
 const POWER_TOLERANCE: f64 = 1e-9;
 
 /// Longest piece of the user's text that an error repeats, in characters.
@@ -86,11 +86,11 @@ struct Row {
     example: &'static str,
     si: &'static str,
     powers: Powers,
-    /// The same may be given per radian.
+    /// The unit may also be given per radian.
     per_radian: bool,
 }
 
-/// A unit or a number that does not fit, in the two halves of an error.
+/// Error returned for a unit or a number that does not fit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, allowed: {allowed}")]
 pub struct Mismatch {
@@ -233,15 +233,15 @@ pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }
 
-/// Whether the unit that a file says for a column is another one than the scene's. A text that is no unit here, such as
-/// a sensor's own, contradicts nothing.
-pub fn contradict(said: &str, meant: &str) -> bool {
+/// Returns true where the unit of a column in the file differs from the scene's. A text that is no unit here, such as that of
+/// a sensor, contradicts nothing.
+pub fn contradict(found: &str, meant: &str) -> bool {
     let known = |text: &str| unit_of(text, Dimension::Length).ok();
     let same = |(a, one): (f64, Powers), (b, other): (f64, Powers)| (a / b - 1.0).abs() < 1e-9 && one == other;
-    match (known(said.trim()), known(meant)) {
-        _ if said.trim() == meant => false,
-        (Some(said), Some(meant)) => !same(said, meant),
-        (said, _) => said.is_some(),
+    match (known(found.trim()), known(meant)) {
+        _ if found.trim() == meant => false,
+        (Some(found), Some(meant)) => !same(found, meant),
+        (found, _) => found.is_some(),
     }
 }
 
@@ -272,7 +272,7 @@ fn column(unit: &str, dimension: Dimension, allowed: &str) -> Result<f64, Mismat
     }
 }
 
-/// The number at the start of `text` and what follows it.
+/// Splits `text` into the number at its start and the rest.
 fn split_number(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let (number, unit) = text.split_at_checked(number_length(text.as_bytes()))?;
@@ -299,7 +299,7 @@ fn number_length(text: &[u8]) -> usize {
     end
 }
 
-/// Factor to SI and dimension of a unit expression, or why it is none.
+/// Returns factor to SI and dimension of a unit expression, or the reason for which it is none.
 fn unit_of(text: &str, wanted: Dimension) -> Result<(f64, Powers), String> {
     let plain = plain_signs(text);
     let mut sides = plain.split('/');
@@ -320,7 +320,7 @@ fn unit_of(text: &str, wanted: Dimension) -> Result<(f64, Powers), String> {
     }
 }
 
-/// The same unit in the letters and signs of the table: micro as `u`, the degree sign as `deg`, a space for a product.
+/// Returns the unit in the letters and signs of the table: micro as `u`, the degree sign as `deg`, a space for a product.
 fn plain_signs(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for sign in text.chars() {
@@ -429,7 +429,7 @@ const UNITS: [(&str, f64, Powers); 52] = [
     ("GPa", 1e9, PRESSURE),
     ("bar", 1e5, PRESSURE),
     ("psi", 6_894.757_293_168_361, PRESSURE),
-    // Without a space these are what balancing sheets print.
+    // Balancing sheets print these without a space.
     ("gmm", 1e-6, UNBALANCE),
     ("kgmm", 1e-3, UNBALANCE),
     ("kgm", 1.0, UNBALANCE),

@@ -1,4 +1,4 @@
-//! `--over KEY=FROM..TO:HOW`: which key of a scene takes which values, and a scene with them put in.
+//! `--over KEY=FROM..TO:HOW`: a key of a scene with its values, and their insertion into a scene.
 
 use crate::error::{Error, Result, SweepError};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
@@ -16,12 +16,12 @@ pub struct Axis {
     pub key: String,
     /// In `unit`.
     pub values: Vec<f64>,
-    /// As the ends carry it; empty for plain numbers.
+    /// Unit of the ends; empty for plain numbers.
     pub unit: String,
 }
 
 impl Axis {
-    /// From `KEY=FROM..TO:COUNT`, `KEY=FROM..TO:STEP` with the unit of the ends, or `KEY=A,B,C`.
+    /// Parses `KEY=FROM..TO:COUNT`, `KEY=FROM..TO:STEP` with the unit of the ends, or `KEY=A,B,C`.
     ///
     /// # Errors
     /// Returns an error with the allowed forms if the text is invalid.
@@ -58,7 +58,7 @@ impl Axis {
         Ok(Self { key: key.trim().to_owned(), values: numbers, unit })
     }
 
-    /// The value as a scene writes it.
+    /// Returns the value as a scene writes it.
     #[must_use]
     pub fn written(&self, value: f64) -> Value {
         if !self.unit.is_empty() {
@@ -71,7 +71,7 @@ impl Axis {
     }
 }
 
-/// A number and its unit.
+/// Returns a number and its unit.
 fn quantity(text: &str) -> Option<(f64, String)> {
     let text = text.trim();
     let number_end = |end: &usize| text.get(..*end).is_some_and(|head| head.trim().parse::<f64>().is_ok());
@@ -97,19 +97,19 @@ fn by_step(from: f64, to: f64, step: f64) -> Result<Vec<f64>, String> {
     Ok((0..count as usize).map(|i| from + step * i as f64).collect())
 }
 
-/// One part of a key: a name, or a place in a list.
+/// One part of a key: a name, or an index of a list.
 enum Part<'a> {
     Name(&'a str),
-    Place(usize),
+    Index(usize),
 }
 
 fn parts(key: &str) -> Option<Vec<Part<'_>>> {
     let mut all = Vec::new();
     for word in key.split('.') {
-        let (name, places) = word.split_once('[').map_or((word, None), |(name, rest)| (name, Some(rest)));
+        let (name, indices) = word.split_once('[').map_or((word, None), |(name, rest)| (name, Some(rest)));
         all.push(Part::Name(name));
-        for place in places.into_iter().flat_map(|rest| rest.split('[')) {
-            all.push(Part::Place(place.strip_suffix(']')?.parse().ok()?));
+        for index in indices.into_iter().flat_map(|rest| rest.split('[')) {
+            all.push(Part::Index(index.strip_suffix(']')?.parse().ok()?));
         }
     }
     Some(all)
@@ -118,7 +118,7 @@ fn parts(key: &str) -> Option<Vec<Part<'_>>> {
 /// Puts `value` at `key` of a scene.
 ///
 /// # Errors
-/// A key that leads nowhere.
+/// A key that the scene does not have.
 pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<()> {
     let found = parts(key).is_some_and(|parts| in_table(document.as_table_mut(), &parts, value));
     if found { Ok(()) } else { Err(SweepError::Key { found: key.to_owned() }.into()) }
@@ -138,14 +138,14 @@ fn in_table(table: &mut dyn TableLike, parts: &[Part<'_>], value: Value) -> bool
 fn in_item(item: &mut Item, parts: &[Part<'_>], value: Value) -> bool {
     if let Some(tables) = item.as_array_of_tables_mut() {
         let at = match parts.first() {
-            Some(Part::Place(i)) => Some(*i),
+            Some(Part::Index(i)) => Some(*i),
             Some(Part::Name(name)) => tables.iter().position(|t| t.get("name").and_then(Item::as_str) == Some(name)),
             None => None,
         };
         let (table, rest) = (at.and_then(|i| tables.get_mut(i)), parts.get(1..).unwrap_or_default());
         return table.is_some_and(|table| in_table(table, rest, value));
     }
-    if let (Some(Part::Place(_)), Some(inside)) = (parts.first(), item.as_value_mut()) {
+    if let (Some(Part::Index(_)), Some(inside)) = (parts.first(), item.as_value_mut()) {
         return in_value(inside, parts, value);
     }
     item.as_table_like_mut().is_some_and(|table| in_table(table, parts, value))
@@ -157,7 +157,7 @@ fn in_value(inside: &mut Value, parts: &[Part<'_>], value: Value) -> bool {
             *inside = value;
             true
         }
-        [Part::Place(i), rest @ ..] => {
+        [Part::Index(i), rest @ ..] => {
             inside.as_array_mut().and_then(|array| array.get_mut(*i)).is_some_and(|entry| in_value(entry, rest, value))
         }
         [Part::Name(_), ..] => inside.as_inline_table_mut().is_some_and(|table| in_table(table, parts, value)),

@@ -16,7 +16,7 @@ struct Head {
     sweep: String,
 }
 
-/// A journal under way.
+/// A journal in progress.
 pub struct Journal {
     file: File,
     path: PathBuf,
@@ -24,10 +24,10 @@ pub struct Journal {
     pub done: BTreeMap<usize, Chain>,
 }
 
-/// Content of a journal.
+/// Returns the stored chains of a journal.
 ///
 /// # Errors
-/// A file that cannot be read, that is none, or that belongs to another sweep.
+/// A file that cannot be read, is no journal, or belongs to another sweep.
 pub fn read(path: &Path, sweep: &str) -> Result<BTreeMap<usize, Chain>, SweepError> {
     let file = || path.to_owned();
     let text = std::fs::read_to_string(path).map_err(|source| SweepError::Read { file: file(), source })?;
@@ -52,7 +52,7 @@ fn whole_lines(text: &str) -> impl Iterator<Item = &str> {
 }
 
 impl Journal {
-    /// Opens the journal of `sweep`, begun or new.
+    /// Opens the journal of `sweep`, an existing or a new one.
     ///
     /// # Errors
     /// As [`read`], or a file that cannot be written.
@@ -64,7 +64,7 @@ impl Journal {
             text += &serde_json::to_string(chain)?;
             text.push('\n');
         }
-        // Written anew, so that half a line at the end is gone.
+        // An incomplete line at the end is removed.
         std::fs::write(path, text).map_err(failed)?;
         let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
         Ok(Self { file, path: path.to_owned(), done })

@@ -9,27 +9,27 @@ use crate::spectrum::amplitudes;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Samples of one section period.
+/// Number of samples in one section period.
 const A_PERIOD: usize = 128;
-/// Longest period that is looked for, in section periods.
+/// Longest period that is detected, in section periods.
 const LONGEST_PERIOD: usize = 12;
-/// A motion repeats where it comes back to this part of its size.
+/// Largest distance after one period of a motion that repeats, over its size.
 const SAME: f64 = 2e-3;
-/// Values of the spectrum kept for the waterfall, and how many section frequencies they span.
+/// Number of values of the spectrum for the waterfall, and the section frequencies that they span.
 const SPECTRUM: (usize, f64) = (160, 4.0);
-/// Distance at which the neighbour of a Lyapunov exponent is held, over the motion's size.
+/// Distance of the neighbouring motion for the Lyapunov exponent, over the motion's size.
 const NEIGHBOUR: f64 = 1e-7;
 
 /// Options of every point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measure {
-    /// s left out at the start; from the damping where absent.
+    /// Transient at the start, s; from the damping where absent.
     pub settle: Option<f64>,
-    /// Section periods measured.
+    /// Number of section periods.
     pub periods: usize,
     /// Whether the section is taken once a turn of the shaft instead of once a ball pass.
     pub by_shaft: bool,
-    /// Whether the largest Lyapunov exponent is wanted.
+    /// Whether the largest Lyapunov exponent is computed.
     pub lyapunov: bool,
 }
 
@@ -47,7 +47,7 @@ pub struct Figures {
     /// Amplitudes along X and Y, um: at the shaft's speed, at the ball pass, at a half and at a third of the section's
     /// frequency.
     pub lines: [[f64; 2]; 4],
-    /// After how many section periods the motion repeats; none within twelve.
+    /// Period of the motion in section periods; none where it does not repeat within twelve.
     pub period: Option<usize>,
     /// 1/s.
     pub lyapunov: Option<f64>,
@@ -77,14 +77,14 @@ impl From<EffectSignificance> for EffectChange {
     }
 }
 
-/// Where one run left off and the next may begin.
+/// State at the end of a run, from which the next may start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     coordinates: Vec<f64>,
     rates: Vec<f64>,
 }
 
-/// Frequency at which the section is taken, Hz, and the ball pass of the first bearing that has one.
+/// Returns the frequency of the section, Hz, and the ball-pass frequency of the first bearing that has one.
 fn frequencies(scene: &Scene, plant: &Plant, by_shaft: bool) -> (f64, f64) {
     let shaft = scene.shaft.speed.nominal().abs() / TAU;
     let pass = plant.bearings.iter().map(|s| s.kinematics.orders.outer_race * shaft).find(|f| *f > 0.0);
@@ -96,20 +96,20 @@ fn frequencies(scene: &Scene, plant: &Plant, by_shaft: bool) -> (f64, f64) {
 ///
 /// # Errors
 /// Returns an error if the shaft is at standstill or the kernel rejects a parameter.
-pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<(Figures, State)> {
+pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Result<(Figures, State)> {
     let plant = Plant::try_new(scene)?;
-    let (section, pass) = frequencies(scene, &plant, asked.by_shaft);
+    let (section, pass) = frequencies(scene, &plant, options.by_shaft);
     if section <= 0.0 {
         return Err(SweepError::Standstill { file: scene.path.clone() }.into());
     }
     let rate = section * A_PERIOD as f64;
-    let settle = asked.settle.unwrap_or_else(|| plant.settling_time());
+    let settle = options.settle.unwrap_or_else(|| plant.settling_time());
     // Whole periods, so that the section is taken at the same place at every point.
     let settle = (settle * section).ceil() * A_PERIOD as f64;
     if settle > MOST_SAMPLES {
         return Err(SweepError::Samples { found: settle, rate, most: MOST_SAMPLES }.into());
     }
-    let span = Span { rate, settle: settle as u64, samples: (asked.periods * A_PERIOD) as u64 };
+    let span = Span { rate, settle: settle as u64, samples: (options.periods * A_PERIOD) as u64 };
     let mut path = Path::default();
     let mut neighbour = Neighbour::default();
     let begin = |twin: &mut dyn Twin| {
@@ -119,7 +119,7 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
     };
     let (held, twin) = motion::run(scene, &plant, span, begin, |now| {
         path.add(now);
-        if asked.lyapunov { neighbour.follow(now, 1.0 / rate) } else { Ok(()) }
+        if options.lyapunov { neighbour.follow(now, 1.0 / rate) } else { Ok(()) }
     })?;
     let shaft = scene.shaft.speed.nominal() / TAU;
     let figures = Figures {
@@ -129,9 +129,9 @@ pub fn measure(scene: &Scene, asked: &Measure, start: Option<&State>) -> Result<
         mean: path.along.each_ref().map(|x| x.iter().sum::<f64>() / x.len().max(1) as f64),
         lines: [shaft.abs(), pass, section / 2.0, section / 3.0].map(|hz| path.line(hz / rate)),
         period: path.period(),
-        lyapunov: asked.lyapunov.then(|| neighbour.exponent()),
+        lyapunov: options.lyapunov.then(|| neighbour.exponent()),
         section: path.section(),
-        spectrum: path.spectrum(asked.periods),
+        spectrum: path.spectrum(options.periods),
         effects: effect_significance::at_rest(scene, &plant)?.into_iter().map(EffectChange::from).collect(),
     };
     Ok((figures, State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() }))

@@ -1,4 +1,4 @@
-//! A scene run over ranges of its keys: points in parallel, results on disk as they come.
+//! Sweep of a scene over ranges of its keys, in parallel, with the results on disk as they are computed.
 
 mod axis;
 mod journal;
@@ -39,7 +39,7 @@ pub enum Follow {
 pub struct Plan {
     /// The scene's text.
     pub text: String,
-    /// Where it came from.
+    /// Path of the scene.
     pub path: PathBuf,
     /// The keys and their values; the first runs fastest.
     pub axes: Vec<Axis>,
@@ -49,16 +49,16 @@ pub struct Plan {
     pub measure: Measure,
 }
 
-/// Points that are computed one after the other: one, or a whole way along the first axis.
+/// Points that are computed one after the other: a single point, or all along the first axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Chain {
-    /// From 0.
+    /// Number of the chain, from 0.
     pub number: usize,
-    /// Its points.
+    /// Its points in the order of computation.
     pub rows: Vec<Row>,
 }
 
-/// One point and what was found there.
+/// Results at one point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Number of the point, from 0; the same on the way up and down.
@@ -67,17 +67,17 @@ pub struct Row {
     pub way: String,
     /// Value of each axis in its unit.
     pub values: Vec<f64>,
-    /// Value found.
+    /// Measures of the motion.
     pub figures: Figures,
 }
 
-/// Most numbers in the results of a sweep: 1 GiB, all of which is in memory at the end.
+/// Largest number of numbers in the results of a sweep: 1 GiB in memory at the end.
 const MOST_NUMBERS: usize = 1 << 27;
-/// Numbers of one point besides its sections.
+/// Number of numbers of one point besides its sections.
 const NUMBERS_OF_POINT: usize = 256;
 
 impl Plan {
-    /// Checks the number of points, before anything of their number is allocated.
+    /// Checks the number of points, before memory for them is allocated.
     ///
     /// # Errors
     /// Results of more than 2^27 numbers.
@@ -92,7 +92,7 @@ impl Plan {
         Err(SweepError::Points { found: counts.join(" x "), most, periods: self.measure.periods }.into())
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     #[must_use]
     pub fn points(&self) -> usize {
         self.axes.iter().map(|axis| axis.values.len()).product()
@@ -102,7 +102,7 @@ impl Plan {
         self.axes.first().map_or(1, |axis| axis.values.len())
     }
 
-    /// Number of chains.
+    /// Returns the number of chains.
     #[must_use]
     pub fn chains(&self) -> usize {
         match self.follow {
@@ -124,7 +124,7 @@ impl Plan {
         Ok(format!("{hash:016x}"))
     }
 
-    /// The points of chain `number` in the order in which they are computed, and their way.
+    /// Returns the points of chain `number` in the order of computation, and their direction.
     fn chain(&self, number: usize) -> (Vec<usize>, &'static str) {
         let along = self.along();
         let up = |which: usize| (which * along..(which + 1) * along).collect::<Vec<_>>();
@@ -138,7 +138,7 @@ impl Plan {
         }
     }
 
-    /// Value of each axis at a point.
+    /// Returns the value of each axis at a point.
     #[must_use]
     pub fn values(&self, point: usize) -> Vec<f64> {
         let mut rest = point;
@@ -151,10 +151,10 @@ impl Plan {
         self.axes.iter().map(value).collect()
     }
 
-    /// The scene at a point.
+    /// Returns the scene at a point.
     ///
     /// # Errors
-    /// A key that leads nowhere, a value that the scene refuses.
+    /// A key that the scene does not have, a value that it rejects.
     pub fn scene(&self, values: &[f64]) -> Result<Scene> {
         let syntax = |source| SweepError::Syntax { file: self.path.clone(), source };
         let mut document: DocumentMut = self.text.parse().map_err(syntax)?;
@@ -215,11 +215,11 @@ impl Plan {
         all.iter().map(|one| one.trim_end()).collect::<Vec<_>>().join(", ")
     }
 
-    /// Computes those of `chains` that the journal lacks, `jobs` in parallel; calls `told` after each.
+    /// Computes the `chains` that the journal does not have, `jobs` in parallel; calls `progress` after each.
     ///
     /// # Errors
-    /// The first that goes wrong; what was found until then stays in the journal.
-    pub fn run(&self, chains: &[usize], journal: Journal, jobs: usize, told: impl Fn() + Sync) -> Result<Journal> {
+    /// The first error; earlier results stay in the journal.
+    pub fn run(&self, chains: &[usize], journal: Journal, jobs: usize, progress: impl Fn() + Sync) -> Result<Journal> {
         let open: Vec<usize> = chains.iter().copied().filter(|number| !journal.done.contains_key(number)).collect();
         let (next, journal, failed) = (AtomicUsize::new(0), Mutex::new(journal), Mutex::new(None));
         let work = || {
@@ -229,7 +229,7 @@ impl Plan {
                     locked(&failed).get_or_insert(error);
                     next.store(open.len(), Ordering::Relaxed);
                 }
-                told();
+                progress();
             }
         };
         std::thread::scope(|scope| {
@@ -247,7 +247,7 @@ impl Plan {
     }
 }
 
-/// A thread that panicked has left nothing half done.
+/// Locks a mutex; a thread that panicked leaves consistent data.
 fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

@@ -44,7 +44,7 @@ fn cell(column: &Column, i: usize) -> String {
     }
 }
 
-/// One row a point; an empty cell is what there is not, such as the period of a motion that does not repeat.
+/// Writes one row per point; absent values, such as the period of a motion that does not repeat, are empty cells.
 ///
 /// # Errors
 /// Returns the writer's error.
@@ -59,7 +59,7 @@ pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> std::io::Resul
     Ok(())
 }
 
-/// One row a section: the points of the bifurcation diagram.
+/// Writes one row per section: the points of the bifurcation diagram.
 ///
 /// # Errors
 /// Returns the writer's error.
@@ -73,7 +73,7 @@ pub fn sections(out: &mut impl Write, rows: &[&Row]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The table of [`csv()`] as Parquet, uncompressed.
+/// Writes the table of [`csv()`] as Parquet, uncompressed.
 ///
 /// # Errors
 /// Returns the writer's error.

@@ -1,24 +1,24 @@
-//! The Pareto front, and what to take for a given error or deadline.
+//! The Pareto front, and the choice of a model for a given error or deadline.
 
 use super::{Candidate, Response};
 use crate::error::TradeError;
 use serde::Serialize;
 
-/// Options.
+/// Goal of the choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Goal {
-    /// The cheapest with at most this error in 99 of 100 poses, relative to the largest load.
+    /// The cheapest candidate with at most this error in 99 of 100 poses, relative to the largest load.
     Error(f64, Target),
     /// The most accurate candidate with at most this many cycles for one force of every bearing.
     Deadline {
-        /// s
+        /// Deadline, s.
         time: f64,
-        /// Hz
+        /// Clock of the target, Hz.
         clock: f64,
     },
 }
 
-/// Whose cost counts.
+/// Processor whose cost counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
@@ -32,9 +32,9 @@ pub enum Target {
 /// The recommended model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Choice {
-    /// The level.
+    /// Fidelity level.
     pub model: String,
-    /// Its arithmetic.
+    /// Precision.
     pub precision: &'static str,
     /// Its error in 99 of 100 poses.
     pub error: f64,
@@ -42,14 +42,14 @@ pub struct Choice {
     pub cost: f64,
     /// `cycles` or `ns`
     pub unit: &'static str,
-    /// s on the given clock, where there is one.
+    /// Time at the given clock, s, where there is one.
     pub seconds: Option<f64>,
 }
 
-/// Errors below this are equal.
+/// Errors below this count as equal.
 const ROUNDED: f64 = 1e-12;
 
-/// Marks what nothing else beats in both cost and error.
+/// Marks the candidates that no other beats in both cost and error.
 pub fn mark(candidates: &mut [Candidate]) {
     let error = |c: &Candidate| c.error.most_99.max(ROUNDED);
     let desktop: Vec<_> = candidates.iter().map(|c| Some((c.desktop_ns, error(c)))).collect();
@@ -60,7 +60,7 @@ pub fn mark(candidates: &mut [Candidate]) {
     }
 }
 
-/// The same of motions, by computing time and what is left of the motion.
+/// Marks the responses that no other beats in both computing time and residual.
 pub fn mark_responses(responses: &mut [Response]) {
     let points: Vec<_> = responses.iter().map(|r| Some((1.0 / r.times_real_time, r.error.residual))).collect();
     for (i, response) in responses.iter_mut().enumerate() {
@@ -74,7 +74,7 @@ fn on_front(points: &[Option<(f64, f64)>], i: usize) -> bool {
     own.1.is_finite() && !points.iter().flatten().any(beats)
 }
 
-/// The candidate that meets the goal best.
+/// Returns the candidate that meets the goal best.
 ///
 /// # Errors
 /// Describes the nearest candidate where none meets the goal.

@@ -5,7 +5,7 @@ use crate::scene::build::Exponent;
 use crate::scene::{Bearing, FrictionSharing, Model, RaceControl};
 use serde::Serialize;
 
-/// What, N, precision, math, function, instructions and cycles between semicolons, written by the test that counts them.
+/// Bearing, N, precision, math, function, instructions and cycles between semicolons, written by the test that counts them.
 const TABLE: &str = include_str!("cortex-m4f.csv");
 /// Newton steps of the table's cold and warm rows.
 const COLD_STEPS: f64 = 8.0;
@@ -18,7 +18,7 @@ pub struct Cost {
     pub instructions: f64,
     /// Modelled cycles.
     pub cycles: f64,
-    /// Whether the table has this very row; else it is between or beyond its rows.
+    /// True where the table has this row; else the cost is interpolated or extrapolated.
     pub counted: bool,
 }
 
@@ -64,7 +64,7 @@ fn rows() -> Vec<Row> {
     TABLE.lines().filter_map(row).collect()
 }
 
-/// One force of the bearing; none where the target's table has nothing like it.
+/// Returns the cost of one force of the bearing; none where the table has no similar bearing.
 #[must_use]
 pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
     let all = rows();
@@ -74,7 +74,7 @@ pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
     let Some(steps) = of.solver_steps.map(f64::from) else { return Some(cold) };
     let find = |function: &str| all.iter().find(|r| r.what == "quasi-static, gyroscopic" && r.function == function);
     let (full, few) = (find("force")?.cost, find("force, 3 steps from the last")?.cost);
-    // Every step costs the same; all kinds of ball take the share of it that the counted kind does.
+    // Every step costs the same; its share of the cost is that of the counted bearing.
     let share = |cold: f64, few: f64| 1.0 - (COLD_STEPS - steps) / (COLD_STEPS - WARM_STEPS) * (1.0 - few / cold);
     Some(Cost {
         instructions: cold.instructions * share(full.instructions, few.instructions),
@@ -83,7 +83,7 @@ pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
     })
 }
 
-/// The row of the table that is this bearing.
+/// Returns the name of this bearing in the table.
 fn name(of: &Bearing) -> Option<&'static str> {
     let smooth = of.waviness.is_empty() && of.defect.is_empty() && of.housing_displacement.is_empty();
     if !smooth {
@@ -119,7 +119,7 @@ fn name(of: &Bearing) -> Option<&'static str> {
     })
 }
 
-/// The row with as many elements, or what lies on the line through the two nearest.
+/// Returns the row with this number of elements, or the linear interpolation of the two nearest.
 fn at(all: &[Row], what: &str, elements: usize, precision: &str, math: &str) -> Option<Cost> {
     let same =
         |row: &&Row| row.what == what && row.precision == precision && row.math == math && row.function == "force";

@@ -1,4 +1,4 @@
-//! Forces of a candidate at the poses of the scene's motion: how far off they are, and how long one takes.
+//! Forces of a candidate at the poses of the scene's motion: their errors and their computing time.
 
 use super::poses::{Pose, Poses};
 use crate::plant::Plant;
@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// In which numbers and with which functions a force is computed.
+/// Precision and math functions of a force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Arithmetic {
     /// `f32` or `f64`
@@ -20,7 +20,7 @@ pub struct Arithmetic {
     pub math: &'static str,
 }
 
-/// All four, the most accurate first.
+/// All combinations, the most accurate first.
 pub const ARITHMETICS: [Arithmetic; 4] = [
     Arithmetic { precision: "f64", math: "exact" },
     Arithmetic { precision: "f64", math: "fast" },
@@ -28,48 +28,48 @@ pub const ARITHMETICS: [Arithmetic; 4] = [
     Arithmetic { precision: "f32", math: "fast" },
 ];
 
-/// Relative to the largest load of all bearings over the motion.
+/// Errors relative to the largest load of all bearings over the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
     /// Median over all poses.
     pub median: f64,
     /// Exceeded by one pose in a hundred.
     pub most_99: f64,
-    /// The largest.
+    /// Largest over all poses.
     pub largest: f64,
 }
 
-/// Rounds of a timing, of which the fastest counts: what disturbs only adds.
+/// Number of timings, of which the fastest counts: disturbances only add time.
 const ROUNDS: usize = 7;
 
 /// The bearings of one candidate in one arithmetic.
 pub trait Forces {
-    /// Forces of bearing `i` at each pose, N and N m.
+    /// Returns the forces of bearing `i` at each pose, N and N m.
     fn wrenches(&self, i: usize, poses: &[Pose]) -> Vec<Wrench<f64>>;
 
-    /// One force of every bearing, ns.
+    /// Returns the time for one force of every bearing, ns.
     fn time(&self, poses: &Poses) -> f64;
 }
 
-/// The candidate's bearings as the plant mounted them.
+/// Creates the candidate's bearings as mounted in the plant.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
 pub fn forces(scene: &Scene, plant: &Plant, arithmetic: Arithmetic) -> Result<Box<dyn Forces>, BuildError> {
     Ok(match (arithmetic.precision, arithmetic.math) {
-        ("f32", "exact") => Box::new(Seated::<f32>::try_new::<Exact>(scene, plant)?),
-        ("f32", _) => Box::new(Seated::<f32>::try_new::<Fast>(scene, plant)?),
-        (_, "exact") => Box::new(Seated::<f64>::try_new::<Exact>(scene, plant)?),
-        _ => Box::new(Seated::<f64>::try_new::<Fast>(scene, plant)?),
+        ("f32", "exact") => Box::new(CandidateBearings::<f32>::try_new::<Exact>(scene, plant)?),
+        ("f32", _) => Box::new(CandidateBearings::<f32>::try_new::<Fast>(scene, plant)?),
+        (_, "exact") => Box::new(CandidateBearings::<f64>::try_new::<Exact>(scene, plant)?),
+        _ => Box::new(CandidateBearings::<f64>::try_new::<Fast>(scene, plant)?),
     })
 }
 
 /// Each bearing and its displacement by preload.
-struct Seated<T> {
+struct CandidateBearings<T> {
     bearings: Vec<(AnyBearing<T>, Displacement<T>)>,
 }
 
-impl<T: Scalar> Seated<T> {
+impl<T: Scalar> CandidateBearings<T> {
     fn try_new<M: Math<T>>(scene: &Scene, plant: &Plant) -> Result<Self, BuildError> {
         let mounted = |(of, mounted): (&crate::scene::Bearing, &crate::plant::MountedBearing)| {
             let bearing = match of.model {
@@ -101,7 +101,7 @@ fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicSta
     (rounded(&pose.u), turning)
 }
 
-impl<T: Scalar> Forces for Seated<T> {
+impl<T: Scalar> Forces for CandidateBearings<T> {
     fn wrenches(&self, i: usize, poses: &[Pose]) -> Vec<Wrench<f64>> {
         let Some((bearing, offset)) = self.bearings.get(i) else { return vec![] };
         let wrench = |pose: &Pose| {
@@ -129,14 +129,14 @@ impl<T: Scalar> Forces for Seated<T> {
 }
 
 /// The reference of all candidates.
-pub struct Truth {
+pub struct Reference {
     wrenches: Vec<Vec<Wrench<f64>>>,
     largest: f64,
     /// Lever arm of each bearing, m, by which moments are converted to forces.
     arms: Vec<f64>,
 }
 
-impl Truth {
+impl Reference {
     /// Creates the reference from the most accurate forces.
     #[must_use]
     pub fn new(scene: &Scene, forces: &dyn Forces, poses: &Poses) -> Self {
@@ -149,13 +149,13 @@ impl Truth {
         Self { wrenches, largest, arms }
     }
 
-    /// The largest load, N.
+    /// Returns the largest load, N.
     #[must_use]
     pub fn largest(&self) -> f64 {
         self.largest
     }
 
-    /// How far a candidate is off.
+    /// Returns the errors of a candidate.
     #[must_use]
     pub fn errors(&self, forces: &dyn Forces, poses: &Poses) -> Errors {
         let found: Vec<_> = poses.iter().enumerate().map(|(i, poses)| forces.wrenches(i, poses)).collect();
@@ -185,7 +185,7 @@ impl Truth {
     }
 }
 
-/// Length of the difference of two wrenches, moments over the arm.
+/// Returns the length of the difference of two wrenches, moments divided by the arm.
 fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
     let per_arm = if arm > 0.0 { 1.0 / arm } else { 0.0 };
     let scale = [1.0, 1.0, 1.0, per_arm, per_arm];
@@ -193,19 +193,19 @@ fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
     square.sum::<f64>().sqrt()
 }
 
-/// A plant whose bearings compute their forces in single precision.
+/// Returns the plant with bearings that compute their forces in single precision.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
 pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant, BuildError> {
-    let single = Seated::<f32>::try_new::<Exact>(scene, &plant)?;
+    let single = CandidateBearings::<f32>::try_new::<Exact>(scene, &plant)?;
     for (mounted, (bearing, offset)) in plant.bearings.iter_mut().zip(single.bearings) {
         mounted.replace(Shared(Arc::new(Single { bearing, offset })));
     }
     Ok(plant)
 }
 
-/// Single precision inside, double outside.
+/// A bearing with an interface in double precision that computes in single precision.
 struct Single {
     bearing: AnyBearing<f32>,
     offset: Displacement<f32>,

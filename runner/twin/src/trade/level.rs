@@ -12,7 +12,7 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, val
 /// One level with its options.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FidelityLevel {
-    /// In words.
+    /// Name of the level.
     pub name: String,
     model: Model,
     /// Effects of the scene that are kept.
@@ -29,10 +29,10 @@ const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lub
 const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
 /// Effects in the order in which they can be left out.
 const NESTED: [&str; 3] = ["centrifugal", "gyroscopic", "film"];
-/// Newton steps with which a cold solution is tried, and those of the truth.
+/// Newton steps of a cold solution that are compared, and those of the reference.
 const STEPS: [u8; 4] = [3, 4, 5, 6];
 const CONVERGED: u8 = 20;
-/// Intervals along approach and angle with which a table is tried.
+/// Intervals of a table along approach and angle that are compared.
 const TABLES: [[i64; 2]; 4] = [[8, 4], [16, 8], [32, 16], [64, 32]];
 /// Intervals along a speed that hardly changes.
 const ABOUT_ONE_SPEED: i64 = 4;
@@ -44,7 +44,7 @@ impl FidelityLevel {
         Self { name: name.to_owned(), model, effects: vec![], steps: None, intervals: None }
     }
 
-    /// The kernel's model.
+    /// Returns the kernel's model.
     #[must_use]
     pub fn model(&self) -> Model {
         self.model
@@ -94,13 +94,13 @@ impl FidelityLevel {
         Self { steps, ..self.clone() }
     }
 
-    /// Whether this level differs from the kernel's own number of steps.
+    /// Returns true where the level has another number of steps than the kernel's default.
     #[must_use]
     pub fn has_own_steps(&self) -> bool {
         self.steps.is_some()
     }
 
-    /// The scene's text with this level in the place of its bearings' models. Bearings given by a stiffness matrix keep it.
+    /// Returns the scene's text with this level as the model of its bearings. Bearings given by a stiffness matrix keep it.
     ///
     /// # Errors
     /// A text that is no TOML, or that has no `[[bearing]]`.
@@ -160,7 +160,7 @@ impl FidelityLevel {
         }
     }
 
-    /// The scene with this level.
+    /// Returns the scene with this level.
     ///
     /// # Errors
     /// Returns an error if the edited scene is invalid.
@@ -169,12 +169,12 @@ impl FidelityLevel {
     }
 }
 
-/// Springs that are linearised from nothing have no other model.
+/// Returns true for springs that are given directly, which have no other model.
 fn given_as_springs(of: &Bearing) -> bool {
     matches!(of.linear, Some(Linear::Matrix(_) | Linear::TwoSpring { .. }))
 }
 
-/// Effects that any bearing names, in the order in which they can be left out.
+/// Returns the effects that any bearing names, in the order in which they can be left out.
 fn named(scene: &Scene) -> Vec<&'static str> {
     let has = |name: &str| {
         scene.bearings.iter().any(|b| {

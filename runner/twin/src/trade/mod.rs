@@ -1,5 +1,5 @@
-//! Speed against accuracy, measured on a scene's own motion: every level in every arithmetic against the best truth there
-//! is, what it costs, and which to take.
+//! Speed against accuracy on the motion of a scene: error and cost of every fidelity level in every arithmetic, against the
+//! most accurate level as the reference.
 
 mod choose;
 mod cortex;
@@ -18,7 +18,7 @@ use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{Result, TradeError, with_causes};
 use crate::plant::Plant;
 use crate::scene::{Method, Model, Scene};
-use force::{ARITHMETICS, Truth, forces};
+use force::{ARITHMETICS, Reference, forces};
 use response::METHODS;
 use serde::Serialize;
 
@@ -27,21 +27,21 @@ use serde::Serialize;
 pub struct Trade {
     /// The scene's name.
     pub scene: String,
-    /// Where the motion is from: `recording` or `simulation`.
+    /// Source of the motion: `recording` or `simulation`.
     pub motion: &'static str,
     /// Poses of each bearing at which forces are compared.
     pub poses: usize,
     /// The reference of all candidates.
     pub truth: String,
-    /// The largest load of a bearing over the motion, N: what errors of force are relative to.
+    /// The largest load of a bearing over the motion, N: denominator of relative errors.
     pub largest_load: f64,
-    /// Forces.
+    /// Candidates for the forces.
     pub candidates: Vec<Candidate>,
-    /// Motions.
+    /// Computed motions.
     pub responses: Vec<Response>,
     /// Models that do not apply to the scene, with the reason.
     pub impossible: Vec<Impossible>,
-    /// Which effects the scene needs.
+    /// Predicted change of force by each effect.
     #[serde(rename = "needs")]
     pub significance: Vec<EffectSignificance>,
     /// The recommended candidate, where a goal was given.
@@ -53,21 +53,21 @@ pub struct Trade {
 pub struct Candidate {
     /// The level with its options.
     pub model: String,
-    /// In which numbers.
+    /// Precision and math of the forces.
     pub arithmetic: Arithmetic,
-    /// Against the truth.
+    /// Error against the reference.
     pub error: Errors,
-    /// Part of it that the level has in exact arithmetic too.
+    /// Error of the level in exact arithmetic.
     pub modelling: Errors,
-    /// Against the same level in exact arithmetic.
+    /// Error against the same level in exact arithmetic.
     pub rounding: Errors,
     /// One force of every bearing on this machine, ns.
     pub desktop_ns: f64,
     /// The same on a Cortex-M4F; none where that was never counted.
     pub cortex: Option<Cost>,
-    /// Nothing is both cheaper on this machine and truer.
+    /// True where no candidate is both cheaper on this machine and more accurate.
     pub front_desktop: bool,
-    /// Nothing is both cheaper on the target and truer.
+    /// True where no candidate is both cheaper on the target and more accurate.
     pub front_cortex: bool,
 }
 
@@ -80,17 +80,17 @@ pub struct Response {
     pub precision: &'static str,
     /// Integrator, as a scene names it.
     pub method: &'static str,
-    /// s
+    /// Time step, s.
     pub step: f64,
-    /// The integrator and step that a scene takes by itself.
+    /// True for the default integrator and step.
     pub usual: bool,
-    /// Against the truth.
+    /// Error against the reference.
     pub error: MotionErrors,
-    /// How much faster than the machine turns.
+    /// Simulated time over computing time.
     pub times_real_time: f64,
-    /// Steps that overflowed.
+    /// Number of steps that overflowed.
     pub held: u64,
-    /// Nothing is both faster and truer.
+    /// True where no response is both faster and more accurate.
     pub front: bool,
 }
 
@@ -99,7 +99,7 @@ pub struct Response {
 pub struct Impossible {
     /// The level.
     pub model: String,
-    /// In the words of whoever refused it.
+    /// Reason: the error of the scene or the kernel.
     pub why: String,
 }
 
@@ -110,13 +110,13 @@ struct Allowed {
     plant: Plant,
 }
 
-/// Callback of the progress: steps done, steps in all.
+/// Callback of the progress: number of finished steps, number of all steps.
 pub type Progress<'a> = &'a dyn Fn(usize, usize);
 
-/// Runs everything that the scene allows; without `motions` the forces only.
+/// Compares all levels that the scene allows; without `motions` their forces only.
 ///
 /// # Errors
-/// A scene without a rotor, or in which nothing is possible.
+/// A scene without a rotor, or without a possible level.
 pub fn trade(
     scene: &Scene,
     text: &str,
@@ -133,7 +133,7 @@ pub fn trade(
         None => poses::computed(&truth_scene, &truth_plant)?,
     };
     let right = forces(&truth_scene, &truth_plant, ARITHMETICS[0])?;
-    let truth = Truth::new(&truth_scene, right.as_ref(), &poses);
+    let truth = Reference::new(&truth_scene, right.as_ref(), &poses);
     if truth.largest() <= 0.0 {
         return Err(TradeError::NoLoad { file: scene.path.clone() }.into());
     }
@@ -162,7 +162,7 @@ pub fn trade(
     })
 }
 
-/// The scene's text with the level of that name in it.
+/// Returns the scene's text with the level of this name.
 ///
 /// # Errors
 /// No such level.
@@ -187,12 +187,12 @@ fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)>
     Ok((allowed, impossible))
 }
 
-/// The last level with forces of its own.
+/// Returns the most expensive level with forces of its own.
 fn dearest(allowed: &[Allowed]) -> Option<&Allowed> {
     allowed.iter().rev().find(|one| one.level.model() != Model::Dynamic)
 }
 
-fn candidates_of(one: &Allowed, truth: &Truth, poses: &poses::Poses) -> Result<Vec<Candidate>> {
+fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Result<Vec<Candidate>> {
     let exact = forces(&one.scene, &one.plant, ARITHMETICS[0])?;
     let modelling = truth.errors(exact.as_ref(), poses);
     let candidate = |arithmetic: Arithmetic| {
@@ -214,7 +214,7 @@ fn candidates_of(one: &Allowed, truth: &Truth, poses: &poses::Poses) -> Result<V
     ARITHMETICS.into_iter().map(candidate).collect()
 }
 
-/// Steps that are tried, over the one that a scene takes by itself.
+/// Time steps that are compared, over the default step.
 const STEPS: [f64; 3] = [0.5, 1.0, 2.0];
 
 fn responses(
@@ -223,7 +223,7 @@ fn responses(
     work: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Response>> {
-    // Balls with a mass of their own know more of a motion than balls in equilibrium.
+    // Balls with mass describe the motion more accurately than balls in equilibrium.
     let dynamic = allowed.iter().find(|one| one.level.model() == Model::Dynamic);
     let (moving, plant) = dynamic.map_or(solved, |one| (&one.scene, &one.plant));
     let truth_plant = plant.with_step(Method::RungeKutta, 0.25);
@@ -234,7 +234,7 @@ fn responses(
         for (j, (name, method)) in METHODS.into_iter().enumerate() {
             for (k, part) in STEPS.into_iter().enumerate() {
                 progress(allowed.len() + (i * METHODS.len() + j) * STEPS.len() + k + 1, work);
-                // From the last sample every number of steps comes to the same.
+                // Started from the last sample, every number of solver steps gives the same result.
                 if one.level.has_own_steps() {
                     continue;
                 }

@@ -1,4 +1,4 @@
-//! Motion of the scene: poses of its bearings by sample, measured or computed.
+//! Poses of the scene's bearings over its motion, measured or computed.
 
 use crate::error::{Error, Result, TradeError};
 use crate::motion::{self, Span};
@@ -10,16 +10,16 @@ use crate::scene::{Recording, Scene};
 use ballrace::{BearingKinematicState, Displacement};
 use std::f64::consts::TAU;
 
-/// Samples of one turn of a computed motion.
+/// Number of samples per revolution of a computed motion.
 pub const A_TURN: f64 = 128.0;
-/// Turns of a computed motion that are looked at.
+/// Number of revolutions of a computed motion.
 pub const TURNS: f64 = 16.0;
 /// Largest number of poses of a bearing.
 const MOST_POSES: usize = 512;
 /// Samples per second at standstill.
 const STILL_RATE: f64 = 10e3;
 
-/// One bearing at one moment.
+/// Displacement and kinematic state of one bearing at one sample.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose {
     /// Displacement by the rotor's motion.
@@ -28,10 +28,10 @@ pub struct Pose {
     pub at: BearingKinematicState<f64>,
 }
 
-/// Poses of every bearing in the scene's order, some hundred of each.
+/// Poses of every bearing in the scene's order, at most [`MOST_POSES`] of each.
 pub type Poses = Vec<Vec<Pose>>;
 
-/// How a motion is computed.
+/// Returns rate and length of a computed motion.
 #[must_use]
 pub fn span(scene: &Scene, plant: &Plant) -> Span {
     let turning = [scene.shaft.speed.at(0.0), scene.shaft.speed.nominal(), scene.shaft.speed.at(f64::MAX)];
@@ -46,7 +46,7 @@ pub fn span(scene: &Scene, plant: &Plant) -> Span {
     Span { rate, settle: settle.ceil() as u64, samples: (TURNS * A_TURN).max(ramp.ceil()) as u64 }
 }
 
-/// Poses of the motion that the plant computes.
+/// Returns the poses of the motion that the plant computes.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
@@ -74,7 +74,8 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
     Ok(poses)
 }
 
-/// Poses of the scene's recording; samples with a missing reading are left out. What no probe sees is taken from rest.
+/// Returns the poses of the scene's recording; samples with a missing reading are left out. The axial position is that of the
+/// static equilibrium where no probe measures it.
 ///
 /// # Errors
 /// Returns an error if the recording cannot be read or the probes do not determine the position.

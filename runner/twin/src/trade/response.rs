@@ -8,18 +8,18 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-/// How far a computed motion is off.
+/// Errors of a computed motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MotionErrors {
     /// Error of the 1X vector over that of the reference (at least 1 % of its peak to peak), in the worst direction.
     pub one_per_turn: f64,
     /// Error of the vector at the outer ball-pass frequency, over the peak to peak of the reference.
     pub ball_pass: f64,
-    /// Relative.
+    /// Relative error of the peak-to-peak value.
     pub peak_to_peak: f64,
-    /// Root mean square of what is left, over that of the truth about its mean.
+    /// Rms of the residual about its mean, over the rms of the reference about its mean.
     pub residual: f64,
-    /// Change of the mean position, over the truth's peak to peak.
+    /// Error of the mean position, over the peak to peak of the reference.
     pub mean: f64,
 }
 
@@ -29,17 +29,17 @@ pub const METHODS: [(&str, Method); 3] =
 
 /// Displacement of all bearings along X and Y, sample by sample.
 pub struct Motion {
-    /// One series a bearing and direction.
+    /// One series per bearing and direction.
     series: Vec<Vec<f64>>,
     turned: Vec<f64>,
     orders: Vec<f64>,
-    /// Computing time over the time computed.
+    /// Computing time over simulated time.
     pub seconds_per_second: f64,
-    /// Steps that overflowed.
+    /// Number of steps that overflowed.
     pub held: u64,
 }
 
-/// Runs a candidate's rotor as long as the truth's: from the truth's span, so that samples fall on each other.
+/// Computes the motion of a candidate over the span of the reference, with the same sampling times.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
@@ -69,7 +69,7 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
 }
 
 impl Motion {
-    /// How far this motion is off the truth.
+    /// Returns the errors of this motion against the reference `truth`.
     #[must_use]
     pub fn errors(&self, truth: &Self) -> MotionErrors {
         let sum = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
@@ -80,7 +80,7 @@ impl Motion {
         let rms = |x: &[f64], about: f64| sum(&x.iter().map(|x| (x - about).powi(2)).collect::<Vec<_>>()).sqrt();
         let size = |v: [f64; 2]| v[0].hypot(v[1]);
         let (moved, swung) = (most(&spread), most(&|x| rms(x, sum(x))));
-        // A rotor that hardly swings with the shaft has no 1X to be right about.
+        // Without 1X in the reference, the denominator is a share of its peak to peak.
         let once = most(&|x| size(line(x, &truth.turned, 1.0))).max(0.01 * moved);
         let mut errors =
             MotionErrors { one_per_turn: 0.0, ball_pass: 0.0, peak_to_peak: 0.0, residual: 0.0, mean: 0.0 };
@@ -106,7 +106,7 @@ impl Motion {
     }
 }
 
-/// Amplitude at an order of the shaft as a vector, under a Hann window.
+/// Returns the amplitude vector at an order of the shaft, under a Hann window.
 fn line(x: &[f64], turned: &[f64], order: f64) -> [f64; 2] {
     let n = x.len().max(1) as f64;
     let mean = x.iter().sum::<f64>() / n;

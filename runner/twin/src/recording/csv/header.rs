@@ -6,15 +6,15 @@ use std::path::Path;
 use super::RecordingError;
 use super::source::failed;
 
-/// A first line longer than this is no header but a binary file.
+/// Largest length of the first line; a longer one is a binary file.
 const LONGEST: u64 = 1 << 20;
 
-/// Delimiters, the likeliest first.
+/// Delimiters, the most likely first.
 const DELIMITERS: [u8; 4] = *b",;\t|";
 
 /// Content of the first line.
 pub(super) struct Header {
-    /// Trimmed.
+    /// Trimmed names of the columns.
     pub(super) names: Vec<String>,
     pub(super) delimiter: u8,
     /// Line number of the header, which is the number of lines read.
@@ -24,7 +24,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads up to and with the first line that is not blank.
+    /// Reads the first line that is not blank.
     pub(super) fn read(reader: &mut impl BufRead, file: &Path) -> Result<Self, RecordingError> {
         let (mut text, mut line, mut bytes) = (Vec::new(), 0, 0);
         while text.trim_ascii().is_empty() {
@@ -57,7 +57,7 @@ impl Header {
     }
 }
 
-/// The delimiter that cuts the line into most pieces; the likelier one of equals.
+/// Returns the delimiter that gives the most cells; of equal ones the more likely.
 fn delimiter(text: &[u8]) -> u8 {
     let mut counts = [0_usize; DELIMITERS.len()];
     let mut quoted = false;

@@ -1,17 +1,17 @@
-//! The bytes below the header, with a limit for each row.
+//! The bytes after the header, with a limit for each row.
 
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use super::RecordingError;
 
-/// No row is longer; without a limit, one quotation mark left open would draw the whole file into memory.
+/// Largest length of a row. Without a limit, one open quotation mark would read the whole file into memory.
 const LONGEST_ROW: usize = 1 << 22;
 
-/// Where the rows come from.
+/// Source of the rows.
 pub(super) struct Source {
     inner: BufReader<Box<dyn Read + Send>>,
-    /// Bytes that may still be drawn for the row at hand.
+    /// Number of bytes that the current row may still take.
     allowance: usize,
     ended: bool,
     last: u8,
@@ -22,12 +22,12 @@ impl Source {
         Self { inner, allowance: LONGEST_ROW, ended: false, last: b'\n' }
     }
 
-    /// A new row begins.
+    /// Begins a new row.
     pub(super) fn allow_row(&mut self) {
         self.allowance = LONGEST_ROW;
     }
 
-    /// The end is reached, and the last line has no line break: whoever wrote it may have been cut off.
+    /// Returns true at an end without a line break, where the last line may be incomplete.
     pub(super) fn broke_off(&self) -> bool {
         self.ended && self.last != b'\n'
     }
@@ -54,7 +54,7 @@ impl Read for Source {
     }
 }
 
-/// A failure to read on after `line`.
+/// Returns the error of reading after `line`.
 pub(super) fn failed(file: &Path, line: u64, cause: io::Error) -> RecordingError {
     RecordingError::Read { file: file.into(), line, cause }
 }

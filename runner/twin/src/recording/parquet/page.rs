@@ -10,19 +10,19 @@ use ::parquet::file::metadata::ColumnChunkMetaData;
 
 /// Largest page when unpacked; writers make them of a megabyte.
 const LARGEST: i64 = 1 << 28;
-/// Structures in structures; a page's head has three.
+/// Deepest nesting of structures; a page header has three levels.
 const DEEPEST: u8 = 8;
 
-/// Fields of a page's head.
+/// Number of fields in a page header.
 const UNPACKED: [i64; 2] = [0, 2];
 const PACKED: [i64; 2] = [0, 3];
 const DICTIONARY_VALUES: [i64; 2] = [7, 1];
 
-/// Checks the pages of a column in a row group; gives their bytes.
+/// Checks the pages of a column in a row group; returns their size in bytes.
 pub(super) fn check(path: &Path, chunk: &ColumnChunkMetaData) -> Decoded<u64> {
     let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
-    let said = (u64::try_from(start).ok(), u64::try_from(chunk.compressed_size()).ok());
-    let (Some(start), Some(length)) = said else { return Err(implausible("a column before its beginning")) };
+    let declared = (u64::try_from(start).ok(), u64::try_from(chunk.compressed_size()).ok());
+    let (Some(start), Some(length)) = declared else { return Err(implausible("a column before its beginning")) };
     let mut file = File::open(path)?;
     if start.checked_add(length).is_none_or(|end| file.metadata().is_ok_and(|about| about.len() < end)) {
         return Err(implausible("a column that extends beyond the file"));

@@ -1,4 +1,4 @@
-//! A keyphasor's signal -> the instants at which a pulse begins.
+//! Detection of the instants at which a keyphasor pulse begins.
 
 /// Half the hysteresis, in parts of the way between the levels: 20 % in all.
 const HYSTERESIS: f64 = 0.1;
@@ -19,8 +19,7 @@ const BETWEEN: f64 = 0.35;
 /// Share of samples on the upper level from which on the pulses are those to the lower one.
 const MOSTLY_HIGH: f64 = 0.55;
 
-/// A pulse that the recording begins in counts only when it is over within so many samples: where a longer one
-/// began is unknown.
+/// Largest number of samples of a pulse at the start of the recording that counts: the begin of a longer one is unknown.
 const NARROW: u64 = 2;
 
 /// An instant in samples since the recording began. The whole number is apart so that it stays exact in
@@ -47,7 +46,7 @@ impl Instant {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Levels {
     threshold: f64,
-    /// Turns readings into -0.5 (rest) to 0.5 (pulse).
+    /// Scales readings to -0.5 (rest) to 0.5 (pulse).
     scale: f64,
 }
 
@@ -138,7 +137,7 @@ impl Edges {
         Self { levels, last: None, in_pulse: false, crossing: None, began_in_pulse: None }
     }
 
-    /// Takes in a sample; gives the instant at which a pulse began, as soon as that is certain.
+    /// Adds a sample; returns the instant at which a pulse began as soon as it is certain.
     pub(super) fn see(&mut self, index: u64, reading: f64) -> Option<Instant> {
         let value = self.levels.value(reading);
         if value.is_nan() {
@@ -202,7 +201,7 @@ mod tests {
     #[test]
     fn slopes_noise_and_holes() {
         assert_eq!(starts(&[-24., -24., -18., -6., 0., 0., -24., -24., -24., -24.]), [2.5]);
-        // Noise about the threshold makes no second pulse.
+        // Noise about the threshold is no second pulse.
         let noisy = [-24., -24., -12.2, -11.8, -12.2, -11.0, 0., -11.5, 0., -24., -24., -24., -24., -24., -24.];
         assert_eq!(starts(&noisy).len(), 1);
         assert_eq!(starts(&[0., 0., f64::NAN, 1., 0., 0., 0., 1., 0.]), [6.5]);

@@ -27,7 +27,7 @@ pub(super) struct SpeedColumn {
     first_rejected: f64,
 }
 
-/// A sample that lacks its acceleration only.
+/// Sample without acceleration yet.
 struct Held {
     row: Row,
     total: Total,
@@ -94,7 +94,7 @@ impl SpeedColumn {
         self.held = Some(Held { row, total, speed, status });
     }
 
-    /// Gives out a sample, now that the speed after it is known.
+    /// Delivers a sample once the speed after it is known.
     fn give(&mut self, held: Held, next: (u64, f64), output: &mut Output) {
         let last = self.before.unwrap_or((held.row.index, held.speed));
         let samples = next.0.saturating_sub(last.0) as f64;
@@ -113,7 +113,7 @@ impl SpeedColumn {
     }
 }
 
-/// The scene's speed in closed form. Long times enter as sample numbers times a step, which loses nothing.
+/// The scene's speed in closed form. Long times are sample numbers times a step, without rounding.
 pub(super) struct SceneSpeed {
     speed: Speed,
     rate: f64,

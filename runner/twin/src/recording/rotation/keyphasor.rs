@@ -11,13 +11,13 @@ use crate::recording::Row;
 use crate::recording::flaws::{Flaw, Position};
 use crate::recording::status::SampleStatus;
 
-/// Samples before the levels are looked for; then again each time there are a quarter more.
+/// Number of samples before the first search for the levels; it is repeated each time their number has grown by a quarter.
 const FIRST_LOOK: usize = 1024;
 
-/// So many times the last interval without a pulse is a standstill.
+/// Number of intervals without a pulse after which the shaft is at standstill.
 const STANDSTILL: f64 = 20.0;
 
-/// A recording that goes on for more than this many intervals after its last pulse has a dead keyphasor there.
+/// Number of intervals after the last pulse of a recording beyond which the keyphasor is dead.
 const DEAD: f64 = 2.5;
 
 /// An interval this much shorter than expected ends in a pulse too many: after two pulses, when a shaft that
@@ -109,7 +109,7 @@ impl Keyphasor {
             self.look(false, output)?;
         }
         if self.edges.is_none() && self.waiting.len() >= self.longest_wait {
-            // Few pulses of a slow shaft have to do.
+            // A slow shaft has few pulses.
             self.look(true, output)?;
             return if self.edges.is_none() { Err(self.no_pulse()) } else { Ok(()) };
         }
@@ -222,7 +222,7 @@ impl Keyphasor {
         let number = last.number.saturating_add(steps as u64);
         let period = interval / steps;
         if self.pulses.len() == 1 {
-            // Until now nothing was known of it.
+            // The sense of the count was not known before.
             self.pulses[0].period = period;
         }
         let half = (0.4..0.6).contains(&(self.surplus_at.since(last.at) / interval));
@@ -255,7 +255,7 @@ impl Keyphasor {
         (plain, Fit::through(&trend, *last).map(|fit| fit.progress(start).pulses))
     }
 
-    /// Samples a pulse, as far as is known.
+    /// Returns the number of samples per pulse; none where it is not known yet.
     fn period(&self) -> f64 {
         match (self.pulses.len(), self.pulses.back()) {
             (0, _) | (_, None) => f64::INFINITY,
@@ -264,7 +264,7 @@ impl Keyphasor {
         }
     }
 
-    /// Gives out the samples of every interval whose pulses on both sides are known.
+    /// Delivers the samples of every interval whose pulses on both sides are known.
     fn release(&mut self, output: &mut Output) {
         let known = |place: usize| place.max(SIDE) + SIDE;
         while self.pulses.len() > known(self.left + 1)
@@ -274,7 +274,7 @@ impl Keyphasor {
         }
     }
 
-    /// Gives out the samples up to the pulse after `left`.
+    /// Delivers the samples up to the pulse after `left`.
     fn release_interval(&mut self, output: &mut Output) {
         let before = self.left_fit.unwrap_or_else(|| self.fit(self.left));
         let after = self.fit(self.left + 1);

@@ -5,7 +5,7 @@ use ballrace::Phase;
 /// 2^64
 const COUNTS_PER_TURN: f64 = 18_446_744_073_709_551_616.0;
 
-/// Revolutions in counts of 2^-64: adding and multiplying lose nothing, however long the shaft turns.
+/// Revolutions in counts of 2^-64: sums and products are exact, however long the shaft turns.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Total(i128);
 
@@ -28,17 +28,17 @@ impl Total {
         Self(self.0.wrapping_mul(count as i128))
     }
 
-    /// Turned the other way.
+    /// Returns the revolutions with the opposite sign.
     pub(super) const fn reversed(self) -> Self {
         Self(self.0.wrapping_neg())
     }
 
-    /// Whole revolutions below.
+    /// Returns the number of complete revolutions (floor).
     pub(super) const fn revolution(self) -> i64 {
         (self.0 >> 64) as i64
     }
 
-    /// The remainder.
+    /// Returns the fraction of a revolution above that.
     pub(super) const fn angle(self) -> Phase {
         Phase(self.0 as u64)
     }

@@ -1,4 +1,4 @@
-//! Models whose balls are in equilibrium: solved ball by ball, and tabulated from that.
+//! Models with balls in equilibrium: solved ball by ball, and tabulated.
 
 use super::{AnyBearing, BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
@@ -14,7 +14,7 @@ use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar};
 use std::sync::Arc;
 
-/// The balls' inertia as the kernel takes it.
+/// Returns the parameters of the balls' inertia.
 #[must_use]
 pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
     InertiaParams {
@@ -38,10 +38,10 @@ pub trait Solved<T: Scalar>: Bearing<T> {
     /// Writes the state of each ball, up to the length of `states`.
     fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]);
 
-    /// Puts the balls where a cold start finds them.
+    /// Sets the balls to the positions of a cold start.
     fn initial_ball_positions(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]);
 
-    /// The reaction from where the balls were at the last sample.
+    /// Returns the reaction, with the solution started from the balls' last positions.
     fn warm_started_reaction(
         &self,
         u: &Displacement<T>,
@@ -110,7 +110,7 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
     }
 }
 
-/// The quasi-static model of one bearing.
+/// Builds the quasi-static model of one bearing.
 ///
 /// # Errors
 /// Returns an error if the scene lacks a value of this model or the kernel rejects one.
@@ -118,7 +118,7 @@ pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<d
     solved_in::<T, M>(scene, scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS))
 }
 
-/// The same with another number of Newton steps.
+/// Builds the quasi-static model with another number of Newton steps.
 ///
 /// # Errors
 /// As [`quasi_static`].
@@ -137,24 +137,24 @@ fn lubricant(scene: &BearingScene) -> Option<Lubricant> {
     scene.effects.film.map(|f| Lubricant { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity })
 }
 
-/// A bearing's table: its shape, its nodes, and what it needs besides.
+/// Table of a bearing.
 pub struct MadeTable {
-    /// Whether its speed is the outer ring's.
+    /// True where the speed axis is that of the outer ring.
     pub by_outer: bool,
-    /// Shape.
+    /// Grid of the nodes.
     pub grid: Grid<f64>,
     /// Nodes; the third number is the friction, where the inner contact has one.
     pub nodes: Vec<[f64; 3]>,
-    /// The rest.
+    /// Constants of the bearing.
     pub constants: TableConstants<f64>,
-    /// Whether the third number is needed.
+    /// True where the third number is used.
     pub friction: bool,
 }
 
 /// Samples the quasi-static model of one bearing.
 ///
 /// # Errors
-/// As [`quasi_static`], and a table that cannot be made.
+/// As [`quasi_static`], and a table with states without equilibrium.
 pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable, BuildError> {
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry)?;
@@ -198,7 +198,7 @@ pub const PRESSURE_LIMIT: f64 = 4.2e9;
 const TABLE_ANGLES: f64 = 0.4;
 /// Speeds about a constant one.
 const TABLE_SPEEDS: [f64; 2] = [0.8, 1.2];
-/// Where the speed does not matter, rad/s.
+/// Range of speeds of a table that does not depend on them, rad/s.
 const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
 /// Intervals along approach and angle, and along the speed about a constant one and over one that changes.
 const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
@@ -223,7 +223,7 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
         Speed::Fluctuating { mean, fluctuation, .. } => [1.0 - fluctuation, 1.0 + fluctuation].map(|p| p * mean.abs()),
     };
     let turning = if by_outer { [0.0, 1.0] } else { [1.0, outer_ratio(scene)?] };
-    // Without inertia and film the speed does not matter.
+    // Without inertia and film the table does not depend on the speed.
     let still = of.effects == crate::scene::Effects::default();
     let speed = if still { EVERY_SPEED } else { given.speed.unwrap_or(speeds) };
     let ([approach, angle], about_one, over_many) = TABLE_INTERVALS;

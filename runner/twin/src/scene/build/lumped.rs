@@ -16,12 +16,12 @@ pub enum Exponent {
     Point,
     /// 10/9
     Line,
-    /// Any other
+    /// Any other exponent.
     Other,
 }
 
 impl Exponent {
-    /// The law of an exponent.
+    /// Returns the law of an exponent.
     #[must_use]
     pub fn of(exponent: f64) -> Self {
         if exponent == 1.5 {
@@ -103,7 +103,7 @@ pub(super) fn lumped<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyB
     }
 }
 
-/// Stiffness, exponent and radial play: as the scene gives them, else from geometry.
+/// Returns stiffness, exponent and radial play: the scene's, else from geometry.
 ///
 /// # Errors
 /// Returns an error if neither the law nor the geometry defines a value.

@@ -9,7 +9,7 @@ use ballrace::rotor::{
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 use std::sync::Arc;
 
-/// A bearing that stands displaced by its preload before anything moves.
+/// A bearing with a constant displacement by its preload.
 struct Preloaded<T> {
     bearing: AnyBearing<T>,
     offset: Displacement<T>,
@@ -37,10 +37,10 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
     }
 }
 
-/// Displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
+/// Returns the displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
 ///
 /// # Errors
-/// A preload that the bearing cannot take, or a bearing that carries no thrust.
+/// A preload that the bearing does not carry, or a bearing without thrust capacity.
 pub fn preload_offset(
     scene: &Scene,
     bearing: &BearingScene,
@@ -66,17 +66,17 @@ pub fn preload_offset(
     }
 }
 
-/// Where the inner ring settles under `load` (N, N m), the outer ring held.
+/// Returns the static equilibrium of the inner ring under `load` (N, N m), with the outer ring fixed.
 ///
 /// # Errors
-/// None that a finite load can cause.
+/// None with a finite load.
 pub fn loaded(
     bearing: &AnyBearing<f64>,
     load: [f64; 5],
     at: &BearingKinematicState<f64>,
 ) -> Result<Equilibrium<f64, 5>, BuildError> {
     let params = RotorParams {
-        // Only the way of the fall depends on these.
+        // The equilibrium does not depend on these.
         mass: 1.0,
         diametral_inertia: 1e-4,
         polar_inertia: 0.0,
@@ -88,8 +88,8 @@ pub fn loaded(
     let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
     let mounted = BearingAtStation { bearing: bearing.clone(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) };
     let machine = RotorBearingSystem { rotor, bearings: [mounted] };
-    // From where the bearing just carries thrust Newton's method needs a few steps; where that does not lead to rest, the
-    // damped fall from zero displacement does.
+    // From a displacement at which the bearing carries thrust, Newton's method needs a few steps; where it fails, the damped
+    // motion from zero displacement converges.
     let start = thrust_start(bearing, load, at);
     let settled = (0..NEWTON_STEPS).try_fold(start, |u, _| newton_step(bearing, load, at, u));
     let start = settled.unwrap_or_default();
@@ -97,19 +97,19 @@ pub fn loaded(
     Ok(if found.residual > 1e-6 { equilibrium(&machine, &[*at], Displacement::default()) } else { found })
 }
 
-/// Newton steps tried first.
+/// Largest number of Newton steps.
 const NEWTON_STEPS: usize = 12;
-/// Axial displacements tried for a start, m.
+/// Axial displacements for the start, m.
 const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
 
-/// The first axial displacement at which the bearing carries the axial load, if there is one.
+/// Returns the first axial displacement at which the bearing carries the axial load; none where there is none.
 fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>) -> Displacement<f64> {
     let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
     let carries = |u: &Displacement<f64>| bearing.reaction(u, at).wrench.fz.abs() >= load[2].abs();
     THRUST_STARTS.map(along).into_iter().find(carries).unwrap_or_default()
 }
 
-/// One step of Newton's method; nothing where it leads nowhere.
+/// Returns one step of Newton's method; none where the stiffness is singular.
 fn newton_step(
     bearing: &AnyBearing<f64>,
     load: [f64; 5],
@@ -125,7 +125,7 @@ fn newton_step(
     next.is_finite().then_some(next)
 }
 
-/// `bearing` displaced by `offset` before anything moves.
+/// Returns `bearing` with the constant displacement `offset`.
 pub fn preloaded<T: Scalar>(bearing: AnyBearing<T>, offset: Displacement<T>) -> AnyBearing<T> {
     Shared(Arc::new(Preloaded { bearing, offset }))
 }
