@@ -153,15 +153,13 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
     }
 }
 
-/// Relative position of the groove centres in the plane of one ball, and the load along it.
+/// Relative position of the groove centres in the plane of one ball.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct GrooveCentres<T> {
     /// A_r and A_z, radial and axial distance, m.
     pub distance: [T; 2],
     /// Deflection of both contacts together, m; negative in a gap.
     pub deflection: T,
-    /// Q, load, N.
-    pub load: T,
 }
 
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P, S> {
@@ -172,13 +170,11 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P,
         for (position, ball) in self.ring.positions.all().zip(balls) {
             let motion = Motion::of(&position, &rim, at, &self.surface);
             let [grooves] = self.grooves([motion]);
-            let [contact] = self.contacts([motion]);
             let motion = motion.with_waviness();
             let deviation = motion.deviation.inner + motion.deviation.outer;
             *ball = GrooveCentres {
                 distance: [grooves.radial, grooves.axial],
                 deflection: self.excess(motion) / (grooves.length + self.distance) + deviation,
-                load: self.ring.scale * contact.load,
             };
         }
     }

@@ -1,12 +1,12 @@
-//! One row a probe, for spreadsheets: units in the heads, an empty cell where there is no number.
+//! The comparison as CSV: one row per probe, units in the column names, empty cells for missing numbers.
 
 use ballrace_twin::output::quoted;
 use ballrace_twin::replay::outcome::{BallPassLine, Motion, Outcome, ProbeOutcome};
 
-/// Heads and cells of one row, in order.
+/// Column names and cells of one row, in order.
 type Row = Vec<(String, String)>;
 
-/// The comparison as CSV: a head and one row for each probe, in the scene's order.
+/// Returns the comparison as CSV: a header and one row per probe, in the scene's order.
 ///
 /// Bearings with moving elements add five columns each, named after the bearing.
 #[must_use]
@@ -20,7 +20,7 @@ pub fn csv(outcome: &Outcome) -> String {
     text
 }
 
-/// Every bearing that some probe has a line of, once.
+/// Returns every bearing of which a probe has a line, once.
 fn bearings(outcome: &Outcome) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for line in outcome.probes.iter().flat_map(|probe| &probe.ball_pass) {

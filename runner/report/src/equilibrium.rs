@@ -1,4 +1,4 @@
-//! The equilibrium for people: a text for the terminal, a page with pictures.
+//! Report of a static equilibrium: text for the terminal and HTML page.
 
 use super::figures::{Picture, balance};
 use super::number::{alone, fixed};
@@ -9,12 +9,12 @@ use ballrace_twin::replay::outcome::BearingOrders;
 use minijinja::{Environment, context};
 use std::fmt::Write;
 
-/// The page's template, filled by [`html`].
+/// Template of the page, filled by [`html`].
 const PAGE: &str = include_str!("page.html");
-/// Cells of a bar.
+/// Number of characters of a bar.
 const BAR: usize = 24;
 
-/// For the terminal, 100 columns.
+/// Returns the equilibrium as text for the terminal, 100 columns wide.
 #[must_use]
 pub fn text(settled: &Settled) -> String {
     let mut out = String::new();

@@ -1,4 +1,4 @@
-//! The page: one self-contained HTML file that prints as well as it reads.
+//! The HTML page of a replay: one self-contained file with a style for print.
 
 use super::figures::{Picture, Section, Shape, sections};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
@@ -17,10 +17,10 @@ const IN_TITLE: [&str; 2] = ["Machine", "Recording"];
 /// Components of a force with their units.
 const COMPONENTS: [(&str, &str); 5] = [("FX", "N"), ("FY", "N"), ("FZ", "N"), ("MX", "N m"), ("MY", "N m")];
 
-/// The outcome as one HTML file without any outside part: verdict, tables, pictures.
+/// Returns the outcome as one HTML file without external references: verdict, tables, figures.
 ///
 /// # Errors
-/// When a picture or the page cannot be made; no outcome is known that does that.
+/// A figure or the page that cannot be rendered.
 pub fn html(outcome: &Outcome) -> Result<String> {
     let mut environment = Environment::new();
     // The name ends in .html: every value is escaped, save those marked as safe.
@@ -61,7 +61,7 @@ fn titled(scene: &str) -> &str {
     if scene.trim().is_empty() { "Unnamed machine" } else { scene }
 }
 
-/// A figure for the page: a true minus, a dash where there is none.
+/// Formats a number for the page: with a minus sign, a dash where it is missing.
 fn typeset(text: &str) -> String {
     if text == NONE { "\u{2013}".to_owned() } else { text.replace('-', "\u{2212}") }
 }
@@ -70,14 +70,14 @@ fn pairs(facts: impl IntoIterator<Item = (&'static str, String)>) -> Vec<Value> 
     facts.into_iter().map(|(name, value)| context! { name => name, value => value }).collect()
 }
 
-/// A column with the same decimals all the way down.
+/// Formats a column with the same number of decimals in each row.
 fn column(values: impl Iterator<Item = f64>) -> Vec<String> {
     let values: Vec<f64> = values.collect();
     let decimals = decimals(values.iter().copied());
     values.iter().map(|value| typeset(&fixed(*value, decimals))).collect()
 }
 
-/// Row `i` of columns.
+/// Returns row `i` of columns.
 fn row(columns: &[Vec<String>], i: usize) -> Vec<String> {
     columns.iter().filter_map(|column| column.get(i).cloned()).collect()
 }
@@ -113,7 +113,7 @@ fn motion_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
     rows.collect()
 }
 
-/// The tabular list; a probe without a whole block has no row.
+/// Returns the tabular list; a probe without a complete block has no row.
 fn list_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
     let listed: Vec<(&ProbeOutcome, TabularList)> =
         probes.iter().filter_map(|probe| probe.list.map(|list| (probe, list))).collect();
@@ -160,7 +160,7 @@ fn lag(motion: &Motion) -> String {
 
 fn baseline_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
     let simple = |probe: &ProbeOutcome| probe.baselines.all();
-    // The figures of a row are compared, so a row has its own digits: probes may differ a lot.
+    // The numbers of a row are compared, so that each row has its own number of decimals.
     let rows = probes.iter().map(|probe| {
         let rms = simple(probe).map(|b| b.residual_rms_um);
         let digits = decimals(rms.into_iter().chain([probe.residual_rms_um]));
@@ -249,7 +249,7 @@ fn timing(timing: &Timing) -> Value {
         ("Pace", format!("{} times real time", alone(timing.times_real_time))),
     ];
     facts.extend(timing.peak_memory_bytes.map(|bytes| ("Peak memory", format!("{} MB", fixed(bytes as f64 / 1e6, 1)))));
-    context! { rows => rows, facts => pairs(facts), told => words::pacing(timing) }
+    context! { rows => rows, facts => pairs(facts), pacing => words::pacing(timing) }
 }
 
 fn quantiles(name: &str, times: &Quantiles) -> Value {
@@ -298,7 +298,7 @@ mod tests {
             .replace('/', "&#x2f;")
     }
 
-    /// The drawings alone.
+    /// Returns the SVG elements.
     fn drawings(page: &str) -> String {
         page.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next()).collect()
     }

@@ -1,4 +1,4 @@
-//! Reports of a replay: a page for people, text for the terminal, JSON and CSV for programs.
+//! Reports: HTML pages, text for the terminal, JSON and CSV.
 
 pub mod campbell;
 mod csv;
@@ -22,10 +22,10 @@ pub use html::html;
 pub use text::text;
 pub use words::pacing;
 
-/// The outcome as JSON, without the pictures. A number that is not finite becomes `null`.
+/// Returns the outcome as JSON, without the data of the figures. A number that is not finite becomes `null`.
 ///
 /// # Errors
-/// None is known; the serialiser's own.
+/// Returns the error of the serialiser.
 pub fn json(outcome: &Outcome) -> Result<String> {
     serde_json::to_string_pretty(outcome).context("writing the outcome as JSON")
 }

@@ -1,9 +1,9 @@
-//! Numbers as people read them: few digits, the same number of decimals down a column, no NaN.
+//! Numbers in tables: few digits, the same number of decimals in a column, no NaN.
 
 /// Text of a missing number.
 pub(super) const NONE: &str = "-";
 
-/// Decimals that show a column's largest figure with four digits or so, and much smaller ones still with some.
+/// Returns the number of decimals that shows the largest number of a column with about four digits.
 pub(super) fn decimals(values: impl IntoIterator<Item = f64>) -> usize {
     let largest = values.into_iter().filter(|value| value.is_finite()).map(f64::abs).fold(0.0, f64::max);
     match largest {
@@ -17,7 +17,7 @@ pub(super) fn decimals(values: impl IntoIterator<Item = f64>) -> usize {
     }
 }
 
-/// A number with the given decimals; very large ones in powers of ten, `NONE` when not finite.
+/// Formats a number with the given decimals; a very large one in powers of ten, `NONE` where it is not finite.
 pub fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
@@ -33,19 +33,19 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number by itself, with three digits.
+/// Formats a single number with three digits.
 pub(super) fn alone(value: f64) -> String {
     let power = value.abs().log10().floor();
     let decimals = if power.is_finite() { (2.0 - power).clamp(0.0, 6.0) as usize } else { 2 };
     fixed(value, decimals)
 }
 
-/// As [`alone`] for what may be absent.
+/// Formats an optional number as [`alone`].
 pub(super) fn maybe(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), alone)
 }
 
-/// A count with its thousands apart.
+/// Formats a count with separated thousands.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
@@ -64,12 +64,12 @@ pub fn counted(value: u64, noun: &str) -> String {
     format!("{} {noun}{plural}", count(value))
 }
 
-/// ns as us.
+/// Formats nanoseconds as microseconds.
 pub(super) fn microseconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 / 1000.0
 }
 
-/// At most `limit` characters, the last one an ellipsis where something was left off.
+/// Returns at most `limit` characters, the last one an ellipsis where the text is longer.
 pub(super) fn shortened(text: &str, limit: usize) -> String {
     if text.chars().count() <= limit {
         return text.to_owned();

@@ -1,17 +1,17 @@
-//! The outcome for the terminal: plain text, aligned, at most 100 columns.
+//! The outcome as text for the terminal: aligned, at most 100 columns.
 
 use super::number::{NONE, alone, counted, decimals, fixed, maybe, microseconds, shortened};
 use super::words;
 use ballrace_twin::replay::outcome::{BearingOutcome, Motion, Outcome, ProbeOutcome, Quantiles, Timing};
 
-/// Sentences are broken here.
+/// Width at which sentences are broken.
 const WIDTH: usize = 80;
 /// Longest name in a table.
 const NAME: usize = 16;
 /// Components of a force with their units.
 const COMPONENTS: [&str; 5] = ["FX, N", "FY, N", "FZ, N", "MX, N m", "MY, N m"];
 
-/// The outcome as plain text: verdict, recording, figures of every probe and bearing, findings, flaws, timing.
+/// Returns the outcome as text: verdict, recording, results of every probe and bearing, findings, flaws, timing.
 #[must_use]
 pub fn text(outcome: &Outcome) -> String {
     let mut page = Page::default();
@@ -35,7 +35,7 @@ pub fn text(outcome: &Outcome) -> String {
     page.text
 }
 
-/// Text that grows line by line.
+/// Text that is written line by line.
 #[derive(Default)]
 struct Page {
     text: String,
@@ -51,13 +51,13 @@ impl Page {
         self.line("");
     }
 
-    /// A title with an empty line before it.
+    /// Writes a title after an empty line.
     fn title(&mut self, title: &str) {
         self.gap();
         self.line(title);
     }
 
-    /// A sentence broken at spaces; its further lines begin under the first one's text.
+    /// Writes a sentence broken at spaces; its further lines are indented as the text of the first.
     fn sentence(&mut self, lead: &str, sentence: &str) {
         let indent = lead.chars().count();
         for (i, piece) in broken(sentence, WIDTH - indent).iter().enumerate() {
@@ -66,7 +66,7 @@ impl Page {
         }
     }
 
-    /// A table: the first `names` columns to the left, the others to the right.
+    /// Writes a table: the first `names` columns left-aligned, the others right-aligned.
     fn table(&mut self, names: usize, heads: &[&[&str]], rows: &[Vec<String>]) {
         let heads: Vec<Vec<String>> =
             heads.iter().map(|head| head.iter().map(|cell| (*cell).to_owned()).collect()).collect();
@@ -86,7 +86,7 @@ fn set(cell: &str, width: usize, left: bool) -> String {
     if left { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
 }
 
-/// Lines of at most `width` characters. A longer word is cut.
+/// Returns lines of at most `width` characters. A longer word is divided.
 fn broken(sentence: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
@@ -112,13 +112,13 @@ fn name(text: &str) -> String {
     shortened(text, NAME)
 }
 
-/// A column with the same decimals all the way down.
+/// Formats a column with the same number of decimals in each row.
 fn column(values: &[f64]) -> Vec<String> {
     let decimals = decimals(values.iter().copied());
     values.iter().map(|value| fixed(*value, decimals)).collect()
 }
 
-/// Rows from columns.
+/// Returns rows from columns.
 fn rows(columns: &[Vec<String>]) -> Vec<Vec<String>> {
     let count = columns.first().map_or(0, Vec::len);
     (0..count).map(|i| columns.iter().filter_map(|column| column.get(i).cloned()).collect()).collect()
@@ -182,7 +182,7 @@ fn baselines(page: &mut Page, outcome: &Outcome) {
         let [mean, persistence, one_x, linear] = probe.baselines.all().map(|b| b.residual_rms_um);
         [probe.residual_rms_um, mean, persistence, one_x, linear]
     };
-    // The figures of a row are compared, so a row has its own digits: probes may differ a lot.
+    // The numbers of a row are compared, so that each row has its own number of decimals.
     let row = |probe: &ProbeOutcome| {
         let digits = decimals(values(probe));
         let mut row = vec![name(&probe.name)];
@@ -235,10 +235,10 @@ fn forces(page: &mut Page, outcome: &Outcome) {
     let rows: Vec<Vec<String>> = outcome.bearings.iter().flat_map(force_rows).collect();
     page.table(2, &heads, &rows);
     for bearing in &outcome.bearings {
-        let mut said =
+        let mut sentences =
             vec![format!("{}, largest load on one element {} N", bearing.model, alone(bearing.largest_element_load_n))];
-        said.extend(words::remarks(bearing.contact_lost_samples, bearing.held_samples));
-        page.sentence(&format!("  {}: ", name(&bearing.name)), &format!("{}.", said.join("; ")));
+        sentences.extend(words::remarks(bearing.contact_lost_samples, bearing.held_samples));
+        page.sentence(&format!("  {}: ", name(&bearing.name)), &format!("{}.", sentences.join("; ")));
     }
 }
 

@@ -6,7 +6,7 @@ use ballrace_twin::replay::outcome::{
     Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, SourceFigures, Standing, Timing,
 };
 
-/// Condition number from which the probes count as badly placed.
+/// Condition number above which the arrangement of the probes is poor.
 const BADLY_PLACED: f64 = 100.0;
 
 /// Name of a kind of fault.
@@ -99,7 +99,7 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// How it was measured and worked out: bearings, probes, load, spectra, filters.
+/// Returns the settings of measurement and evaluation: bearings, probes, load, spectra, filters.
 fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     let bearings =
@@ -139,13 +139,13 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Name, station and angle.
+/// Returns name, station and angle.
 fn probe(probe: &ProbeOutcome) -> String {
     let looks = probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| format!("{} deg", fixed(angle, 0)));
     format!("{} at {} mm, {looks}", probe.name, fixed(probe.station_mm, 1))
 }
 
-/// A whole number of hertz as a count.
+/// Formats a whole number of hertz as a count.
 fn rate(hz: f64) -> String {
     if (1.0..1e15).contains(&hz) && hz.fract() == 0.0 { count(hz as u64) } else { alone(hz) }
 }
@@ -222,7 +222,7 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
     remarks
 }
 
-/// The twin against the best simpler predictor.
+/// Compares the twin with the best simpler predictor.
 pub(super) const fn standing(standing: Standing) -> &'static str {
     match standing {
         Standing::Better => "better",
@@ -231,14 +231,14 @@ pub(super) const fn standing(standing: Standing) -> &'static str {
     }
 }
 
-/// "DE_X, NDE_X": the probes at which a simple predictor does better than the twin.
+/// Returns the probes at which a simpler predictor is better than the twin, such as "DE_X, NDE_X".
 pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
     let names: Vec<&str> =
         probes.iter().filter(|p| p.baselines.worst() == Standing::Worse).map(|p| p.name.as_str()).collect();
     names.join(", ")
 }
 
-/// How a timeline was kept and what its source did, a sentence each; nothing of a replay that was not paced.
+/// Returns sentences on the timing and the source of a paced replay; none for other replays.
 pub fn pacing(timing: &Timing) -> Vec<String> {
     let kept = timing.pacing.as_ref().map(|pacing| {
         format!(
@@ -272,7 +272,7 @@ fn source(source: &SourceFigures) -> String {
         (source.malformed_frames, "malformed"),
         (source.dropped_rows, "dropped for want of room"),
     ];
-    let told: Vec<String> = counts.iter().map(|(n, what)| format!("{} {what}", count(*n))).collect();
+    let losses: Vec<String> = counts.iter().map(|(n, what)| format!("{} {what}", count(*n))).collect();
     let stalls = match source.stalls {
         0 => "never silent".to_owned(),
         n => format!("silent {}, up to {} s", counted(n, "time"), fixed(source.longest_stall_s, 1)),
@@ -280,7 +280,7 @@ fn source(source: &SourceFigures) -> String {
     format!(
         "Source: {} read, {}; {stalls}; ring buffer: up to {} of {} slots used.",
         counted(source.rows, "sample"),
-        told.join(", "),
+        losses.join(", "),
         count(source.ring_highest),
         count(source.ring_capacity)
     )

@@ -151,15 +151,15 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<BearingKinem
     }
     let column = |wanted: &str| -> Result<Option<usize>> {
         let named = |(i, h): (usize, &String)| (h.trim_start_matches('\u{feff}') == wanted).then_some(i);
-        let mut places = header.iter().enumerate().filter_map(named);
-        match (places.next(), places.next()) {
+        let mut indices = header.iter().enumerate().filter_map(named);
+        match (indices.next(), indices.next()) {
             (first, None) => Ok(first),
             (_, Some(_)) => bail!(UsageError(format!("{name}:1: two columns are named {wanted:?}, expected one"))),
         }
     };
-    let mut places = [0; 5];
-    for (place, wanted) in places.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
-        *place = column(wanted)?.ok_or_else(|| {
+    let mut indices = [0; 5];
+    for (index, wanted) in indices.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
+        *index = column(wanted)?.ok_or_else(|| {
             UsageError(format!(
                 "{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle",
                 listed(&header)
@@ -192,8 +192,8 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<BearingKinem
             })
         };
         let mut u = [0.0; 5];
-        for (x, &place) in u.iter_mut().zip(&places) {
-            *x = cell(place)?;
+        for (x, &index) in u.iter_mut().zip(&indices) {
+            *x = cell(index)?;
         }
         let t = time.map_or(Ok(0.0), cell)?;
         let given = angle.map(cell).transpose()?;

@@ -96,7 +96,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
     let total = span.settle + span.samples;
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new(total) } else { ProgressBar::hidden() };
     let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
-    let mut told = span.settle;
+    let mut finished = span.settle;
     let begun = Instant::now();
     let (held, file, waited) = std::thread::scope(|scope| {
         let mut rows = Rows::new(scope, file);
@@ -109,9 +109,9 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
                 for (i, x) in now.plant.pose(now.twin.coordinates()).to_array().into_iter().take(3).enumerate() {
                     (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
                 }
-                told += 1;
-                if told.is_multiple_of(4096) {
-                    bar.set_position(told);
+                finished += 1;
+                if finished.is_multiple_of(4096) {
+                    bar.set_position(finished);
                 }
                 rows.add(row(now))
             },

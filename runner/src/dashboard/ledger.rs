@@ -40,15 +40,15 @@ pub(super) fn events(frame: &mut Frame, area: Rect, view: &View) {
         .events
         .iter()
         .rev()
-        .map(|told| {
-            let style = if told.kind == "limit-crossed" { Style::new().fg(ALARM) } else { Style::new() };
-            let clock = told.at.get(11..19).unwrap_or_default().to_owned();
+        .map(|event| {
+            let style = if event.kind == "limit-crossed" { Style::new().fg(ALARM) } else { Style::new() };
+            let clock = event.at.get(11..19).unwrap_or_default().to_owned();
             Line::from(vec![
                 Span::styled(clock, Style::new().fg(QUIET)),
-                Span::styled(format!(" {}", told.sentence), style),
+                Span::styled(format!(" {}", event.sentence), style),
             ])
         })
         .collect();
-    let told = if lines.is_empty() { Paragraph::new("none") } else { Paragraph::new(lines) };
-    frame.render_widget(told.wrap(Wrap { trim: true }).block(block), area);
+    let list = if lines.is_empty() { Paragraph::new("none") } else { Paragraph::new(lines) };
+    frame.render_widget(list.wrap(Wrap { trim: true }).block(block), area);
 }

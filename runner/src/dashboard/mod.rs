@@ -124,9 +124,9 @@ impl Choice {
 fn draw(frame: &mut Frame, machine: &Machine, view: &View, choice: Choice) {
     let area = frame.area();
     if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
-        let told =
+        let message =
             format!("{} x {} is too small: {} x {} or more, please.", area.width, area.height, SMALLEST.0, SMALLEST.1);
-        return frame.render_widget(Paragraph::new(told), area);
+        return frame.render_widget(Paragraph::new(message), area);
     }
     let rows = Layout::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).split(area);
     frame.render_widget(header(machine, view, choice.held), rows[0]);
@@ -201,10 +201,10 @@ fn panel(title: String) -> Block<'static> {
         .border_style(Style::new().fg(QUIET))
 }
 
-/// In the middle of a panel that has nothing to show yet.
+/// Writes a message in the middle of an empty panel.
 fn empty(frame: &mut Frame, area: Rect, block: Block<'static>, why: &str) {
-    let told = Paragraph::new(why.to_owned()).style(Style::new().fg(QUIET)).centered().block(block);
-    frame.render_widget(told, area);
+    let message = Paragraph::new(why.to_owned()).style(Style::new().fg(QUIET)).centered().block(block);
+    frame.render_widget(message, area);
 }
 
 #[cfg(test)]

@@ -275,10 +275,11 @@ impl Balls {
         }
         let ball = |(j, centres): (usize, &GrooveCentres<f64>)| {
             let [radial, axial] = centres.distance;
-            let part = |k: f64| point_contact_approach(k, centres.load);
+            let load = point_contact_load(constants[2], centres.deflection);
+            let part = |k: f64| point_contact_approach(k, load);
             Ball {
                 azimuth: build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians(),
-                load: centres.load,
+                load,
                 angle: (sense * axial).atan2(radial),
                 free_angle,
                 approach: centres.deflection,

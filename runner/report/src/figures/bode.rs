@@ -62,11 +62,11 @@ fn lag_axis() -> Axis {
     axis
 }
 
-/// The line of the lag; broken where it goes round and where there is no phase to speak of.
+/// Returns the line of the lag, interrupted where the lag wraps and where the phase is not significant.
 fn lags(one_x: &OneX, vectors: &[[f64; 2]]) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     for (rpm, vector) in one_x.speed_rpm.iter().zip(vectors) {
-        let here = if one_x.tells(vector) { -lag(vector) } else { f64::NAN };
+        let here = if one_x.has_phase(vector) { -lag(vector) } else { f64::NAN };
         if points.last().is_some_and(|last| (last.1 - here).abs() > 180.0) {
             points.push((*rpm, f64::NAN));
         }

@@ -80,7 +80,7 @@ pub(super) struct Canvas<'a> {
     width: f64,
 }
 
-/// Draws one picture and gives its `svg` element, without a size of its own.
+/// Draws one picture and returns its `svg` element, without a size.
 pub(super) fn picture(
     (width, height): (f64, f64),
     dashes: Dashes,
@@ -301,7 +301,7 @@ impl Frame {
         Ok(())
     }
 
-    /// Says in the middle that there is nothing to see, where that is so.
+    /// Writes "no data" in the middle of a frame without data.
     pub(super) fn say_if_empty(&self, canvas: &mut Canvas, curves: &[&[Point]]) -> Result<()> {
         if curves.iter().any(|curve| pieces(curve).next().is_some()) {
             return Ok(());

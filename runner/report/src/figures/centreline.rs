@@ -1,4 +1,4 @@
-//! Shaft centrelines: the mean place in a plane, from the start of the recording to its end, inside the clearance.
+//! Shaft centrelines: the mean position in a plane from the start of the recording to its end, within the clearance.
 
 use super::axis::{Axis, extent, signed};
 use super::canvas::{Dashes, Frame, Key, MARK, MEASURED, Stroke, TWIN, gutter, picture};
@@ -97,7 +97,7 @@ fn words(clearance: Option<&Clearance>) -> String {
     format!("Mean of each block of four turns. Equal scales. {circle}")
 }
 
-/// A square that holds the way and the clearance.
+/// Returns a square that contains the centreline and the clearance.
 fn square(points: &[Point], radius: Option<f64>) -> Frame {
     let rim = radius.map_or_else(Vec::new, |radius| vec![-radius, radius]);
     let range = |of: fn(&Point) -> f64| extent(points.iter().map(of).chain(rim.iter().copied())).unwrap_or((-1.0, 1.0));

@@ -1,4 +1,4 @@
-//! Envelope spectra: how often a second a band of a vibration swells, with the lines of the bearing's parts.
+//! Envelope spectra: modulation frequencies of a vibration band, with the lines of the bearing's components.
 
 use super::axis::{Axis, extent};
 use super::canvas::{BAND, Dashes, FAINT, Frame, Key, MEASURED, Stroke, gutter, picture};

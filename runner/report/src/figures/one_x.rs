@@ -17,7 +17,7 @@ pub(super) struct OneX {
     pub(super) speed_rpm: Vec<f64>,
     /// As measured.
     pub(super) raw: Vec<Vector>,
-    /// Less the slow roll.
+    /// With the slow roll subtracted.
     pub(super) compensated: Vec<Vector>,
     /// 1X vectors of the twin, which has no runout.
     pub(super) twin: Vec<Vector>,
@@ -25,7 +25,7 @@ pub(super) struct OneX {
     pub(super) slow_roll: Vector,
     /// Slowest and fastest of these.
     pub(super) slow_rpm: (f64, f64),
-    /// How many.
+    /// Number of these blocks.
     slow_blocks: usize,
 }
 
@@ -61,8 +61,8 @@ impl OneX {
         format!("Slow roll: {from}: {:.3} um pp at {:.0}\u{b0} lag.", amplitude(&self.slow_roll), lag(&self.slow_roll))
     }
 
-    /// A phase that is more than noise: the vector is large enough against the largest.
-    pub(super) fn tells(&self, vector: &Vector) -> bool {
+    /// Returns true where the phase is significant: the vector is large enough compared with the largest.
+    pub(super) fn has_phase(&self, vector: &Vector) -> bool {
         let largest = self.raw.iter().map(amplitude).filter(|a| a.is_finite()).fold(0.0, f64::max);
         amplitude(vector) > LEAST * largest
     }
@@ -100,6 +100,6 @@ mod tests {
         assert!((amplitude(&one_x.slow_roll) - 6.0).abs() < 1e-3 && (lag(&one_x.slow_roll) - 90.0).abs() < 1e-3);
         let fast = one_x.compensated.last().copied().unwrap_or_default();
         assert!((amplitude(&fast) - 2.0 * 22.09).abs() < 1e-3 && (lag(&fast) - 180.0).abs() < 1e-3);
-        assert!(one_x.tells(&fast) && !one_x.tells(&[1e-3, 0.0]));
+        assert!(one_x.has_phase(&fast) && !one_x.has_phase(&[1e-3, 0.0]));
     }
 }

@@ -1,4 +1,4 @@
-//! Orbits: both axes to one scale, the probes where they look from, blank and bright at the keyphasor.
+//! Orbits: both axes at one scale, the directions of the probes, a blank and a bright dot at the keyphasor.
 
 use super::axis::{Axis, extent, signed};
 use super::canvas::{
@@ -16,7 +16,7 @@ const SIDE: f64 = 340.0;
 const RIM: f64 = 0.5 * SIDE - 24.0;
 /// Share of the rim's radius that the orbit fills.
 const FILLED: f64 = 0.8;
-/// Turns drawn at most.
+/// Largest number of revolutions drawn.
 const TURNS: usize = 8;
 /// Share of a turn that stays blank before the bright dot.
 const BLANK: f64 = 0.035;
@@ -79,7 +79,7 @@ pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<
     Ok(Some(Picture { title, ..drawn }))
 }
 
-/// The sense in which a curve is run through, against that of rotation; nothing where noise alone could have done it.
+/// Returns the sense of precession relative to that of rotation; none where noise alone may cause it.
 fn precession(points: &[Point], forward: f64) -> &'static str {
     let finite: Vec<&Point> = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
     let count = finite.len().max(1) as f64;

@@ -108,7 +108,7 @@ fn rings(canvas: &mut Canvas, dial: &Dial) -> Result<Vec<Place>> {
 fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>) -> Result<()> {
     let curves = one_x.compensated.iter().chain(&one_x.raw);
     let curve: Vec<Point> = curves.map(|vector| dial.at(vector)).collect();
-    for (rpm, vector) in one_x.speed_rpm.iter().zip(&one_x.compensated).filter(|(_, v)| one_x.tells(v)) {
+    for (rpm, vector) in one_x.speed_rpm.iter().zip(&one_x.compensated).filter(|(_, v)| one_x.has_phase(v)) {
         let (x, y) = dial.at(vector);
         if !(x.is_finite() && y.is_finite() && rpm.is_finite()) {
             continue;
