@@ -216,7 +216,7 @@ fn not_observable(probes: &[(&str, &str, &str)], why: &str) {
     let (before, rest) = DEMO_SCENE.split_once("probes = [").unwrap();
     let (_, after) = rest.split_once("]\n").unwrap();
     let desk = Desk::with(&format!("{before}probes = [{}]\n{after}", list.join(", ")), &short_recording(600));
-    let found = "scene.toml: recording.probes: found probes from which the shaft's position cannot be told";
+    let found = "scene.toml: recording.probes: found probes that do not determine the shaft's position";
     let allowed = "allowed: two planes, each with two directions that are not parallel";
     desk.refused(COMMANDS[0], 2, &[found, why, allowed]);
 }

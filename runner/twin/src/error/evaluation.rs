@@ -88,7 +88,7 @@ pub enum VibrationError {
         file: PathBuf,
     },
     /// The scene has limits.
-    #[error("{}: [[limit]]: found limits, allowed with sensors: none; damage is told without", file.display())]
+    #[error("{}: [[limit]]: found limits, allowed with sensors: none; damage is diagnosed without", file.display())]
     Limits {
         /// Scene file.
         file: PathBuf,

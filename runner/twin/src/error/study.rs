@@ -210,7 +210,7 @@ pub enum TradeError {
         file: PathBuf,
     },
     /// No bearing carries a load.
-    #[error("{}: found bearings that carry nothing over the whole motion, allowed: a motion under load", file.display())]
+    #[error("{}: found bearings without load over the whole motion, allowed: a motion under load", file.display())]
     NoLoad {
         /// Scene file.
         file: PathBuf,
@@ -218,12 +218,12 @@ pub enum TradeError {
     /// No candidate has a cost on the target.
     #[error(
         "--error, --deadline: found no model of this scene among those counted on the Cortex-M4F (waviness, damage and a \
-         displaced housing never were), allowed: --error with --on desktop"
+         displaced housing are not counted), allowed: --error with --on desktop"
     )]
     NotCounted,
     /// No candidate is accurate enough.
     #[error(
-        "--error: found {:.3e} %, allowed here: {:.3e} % or more, the truest that has a cost", found * 100.0, least * 100.0
+        "--error: found {:.3e} %, allowed here: {:.3e} % or more, the least error of a model with a cost", found * 100.0, least * 100.0
     )]
     Error {
         /// Error that is required, relative.
@@ -233,7 +233,7 @@ pub enum TradeError {
     },
     /// No candidate is fast enough.
     #[error(
-        "--deadline: found {:.3} us at {:.0} MHz, allowed here: {:.3} us or more, the cheapest that has a count",
+        "--deadline: found {:.3} us at {:.0} MHz, allowed here: {:.3} us or more, the cheapest model with a count",
         found * 1e6, clock / 1e6, least * 1e6
     )]
     Deadline {

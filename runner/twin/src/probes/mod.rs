@@ -33,7 +33,7 @@ pub fn reading(row: &[f64; 5], q: &Displacement<f64>) -> f64 {
 /// Error returned for probes that do not determine the displacement of the shaft.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "recording.probes: found probes from which the shaft's position cannot be told ({reason}), allowed: two planes, each \
+    "recording.probes: found probes that do not determine the shaft's position ({reason}), allowed: two planes, each \
      with two directions that are not parallel"
 )]
 pub struct UnobservableError {

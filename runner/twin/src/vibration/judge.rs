@@ -181,7 +181,7 @@ impl Judge<'_> {
             if others.is_empty() {
                 String::new()
             } else {
-                format!(" No sensor says that it is not {}.", others.join(" or "))
+                format!(" The sensors do not exclude {}.", others.join(" or "))
             }
         );
         let confidence = (found.score / (HARMONICS as f64 * MOST_DB)).min(1.0).sqrt();

@@ -113,7 +113,7 @@ pub fn replay(
         ..Record::default()
     };
     let mut notes = vec![
-        "Vibration without a twin: forces and displacements are not computed, damage is told from envelopes."
+        "Vibration without a twin: forces and displacements are not computed, damage is diagnosed from envelope spectra."
             .to_owned(),
     ];
     notes.extend(signals.iter().map(|s| statistics_note(&s.sensor, &s.signal)));
