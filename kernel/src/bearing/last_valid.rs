@@ -40,7 +40,9 @@ impl<T: Scalar> LastValidWrench<T> {
         self.held_count
     }
 
-    pub(super) fn update(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
+    /// Returns the wrench that `evaluate` computes, or the last valid one where the input is invalid (`input_ok` is false) or
+    /// the result is not finite.
+    pub fn update(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
         let fresh = evaluate();
         let result_ok = fresh.wrench.is_finite();
         // No branch: an invalid sample costs as much as a valid one.

@@ -6,7 +6,6 @@ mod observer;
 use crate::error::Result;
 use crate::scene::build::{self, MadeTable};
 use crate::scene::{Bearing, Facing, Model, Scene};
-use ballrace::Exact;
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape};
 use ballrace::bearing::tabulated::Axis;
 use std::fmt::Write;
@@ -84,7 +83,7 @@ fn module(scene: &Scene, of: &Bearing) -> Result<(String, Baked)> {
 /// Writes station, speed ratios, displacement by preload, and element positions.
 fn position_constants(out: &mut String, scene: &Scene, of: &Bearing, model: Model) -> Result<()> {
     let kinematics = build::kinematics(scene, of)?;
-    let plain = build::bearing::<f64, Exact>(scene, of, model)?;
+    let plain = build::bearing(scene, of, model)?;
     let offset = build::preload_offset(scene, of, &plain)?.unwrap_or_default().to_array().map(|x| x as f32);
     writeln!(
         out,

@@ -93,7 +93,7 @@ pub fn of_bearing(
         return Ok(vec![]);
     }
     let still = BearingScene { model: Model::Angular, effects: Effects::default(), ..of.clone() };
-    let built = build::bearing::<f64, Exact>(scene, &still, Model::Angular)?;
+    let built = build::bearing(scene, &still, Model::Angular)?;
     let offset = build::preload_offset(scene, &still, &built)?.unwrap_or_default();
     let (_, datum) = build::contact_geometry(&still, "angular")?;
     let angular = Angular::<f64, Exact, _>::try_new(geometry, build::places(&still), datum);

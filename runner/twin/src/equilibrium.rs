@@ -12,7 +12,7 @@ use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, minimum_film};
 use ballrace::contact::hertz::Race;
-use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
+use ballrace::{BearingKinematicState, Displacement, Phase};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -171,7 +171,7 @@ fn share(effect: &str, with: &Settled, without: &Settled) -> EffectShare {
 
 fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
     let of = build::pick(scene, name)?;
-    let built = build::bearing::<f64, Exact>(scene, of, of.model)?;
+    let built = build::bearing(scene, of, of.model)?;
     let at = resting(scene, of)?;
     let begun = Instant::now();
     let (u, residual) = match (load, of.preload) {
@@ -302,7 +302,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         for (sum, f) in force.iter_mut().zip(wrench) {
             *sum += f;
         }
-        let plain = build::bearing::<f64, Exact>(scene, of, model_with_elements(of))?;
+        let plain = build::bearing(scene, of, model_with_elements(of))?;
         let elements = elements(of, &plain, &total, &at)?;
         bearings.push(one.with_kinematics(scene, of, &elements)?);
         all.extend(elements);
@@ -348,7 +348,7 @@ fn elements(
     let states = match of.model {
         Model::QuasiStatic | Model::Tabulated | Model::Angular => {
             let mut states = vec![BallState::default(); of.elements];
-            build::quasi_static::<f64, Exact>(of)?.ball_states(u, at, &mut states);
+            build::quasi_static(of)?.ball_states(u, at, &mut states);
             Some(states)
         }
         _ => None,

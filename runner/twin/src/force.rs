@@ -1,11 +1,12 @@
 //! Forces of one bearing for given displacements, in every precision and math of the kernel.
 
 use crate::error::{Error, Result};
+use crate::handle::{BearingHandle, ForceModel};
 use crate::plant::Plant;
-use crate::scene::build::{self, AnyBearing};
+use crate::scene::build::{self, BuildError};
 use crate::scene::{Bearing, Linear, Model, Scene};
-use ballrace::bearing::{Bearing as _, LastValidWrench};
-use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Math, Scalar, Status, Wrench};
+use ballrace::bearing::LastValidWrench;
+use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Scalar, Status, Wrench};
 
 /// Floating-point precision of the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,20 +50,27 @@ pub fn forces(
     poses: &[Pose],
 ) -> Result<Vec<(Wrench<f64>, Status)>> {
     match (precision, math) {
-        (Precision::F64, MathBackend::Exact) => forces_in::<f64, Exact>(scene, bearing, model, poses),
-        (Precision::F64, MathBackend::Fast) => forces_in::<f64, Fast>(scene, bearing, model, poses),
-        (Precision::F32, MathBackend::Exact) => forces_in::<f32, Exact>(scene, bearing, model, poses),
-        (Precision::F32, MathBackend::Fast) => forces_in::<f32, Fast>(scene, bearing, model, poses),
+        // The bearings of the plants, so that these are compiled once.
+        (Precision::F64, MathBackend::Exact) => forces_of(scene, bearing, model, build::bearing, poses),
+        (Precision::F64, MathBackend::Fast) => forces_of(scene, bearing, model, build::force_model::<f64, Fast>, poses),
+        (Precision::F32, MathBackend::Exact) => {
+            forces_of(scene, bearing, model, build::force_model::<f32, Exact>, poses)
+        }
+        (Precision::F32, MathBackend::Fast) => forces_of(scene, bearing, model, build::force_model::<f32, Fast>, poses),
     }
 }
 
-fn forces_in<T: Scalar, M: Math<T>>(
+/// Builds the handle of a model of one bearing.
+type Build<H> = fn(&Scene, &Bearing, Model) -> Result<H, BuildError>;
+
+fn forces_of<T: Scalar, H: BearingHandle<T> + ForceModel<T>>(
     scene: &Scene,
     bearing: &Bearing,
     model: Model,
+    build: Build<H>,
     poses: &[Pose],
 ) -> Result<Vec<(Wrench<f64>, Status)>> {
-    let kernel = kernel::<T, M>(scene, bearing, model).map_err(Error::setup)?;
+    let kernel = handle(scene, bearing, model, build).map_err(Error::setup)?;
     let mut held = LastValidWrench::new();
     let evaluate = |pose: &Pose| {
         let u = Displacement::from_array(pose.u.map(T::from_f64));
@@ -82,9 +90,14 @@ fn forces_in<T: Scalar, M: Math<T>>(
 }
 
 /// The bearing; one linearised from another model takes its springs from the rotor's equilibrium.
-fn kernel<T: Scalar, M: Math<T>>(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<T>> {
+fn handle<T: Scalar, H: BearingHandle<T>>(
+    scene: &Scene,
+    bearing: &Bearing,
+    model: Model,
+    build: Build<H>,
+) -> Result<H> {
     if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
         return Ok(build::spring_of(&Plant::try_new(scene)?.mounted(&bearing.name)?.bearing));
     }
-    build::bearing::<T, M>(scene, bearing, model).map_err(Error::in_file(&scene.path))
+    build(scene, bearing, model).map_err(Error::in_file(&scene.path))
 }

@@ -2,10 +2,8 @@
 //!
 //! The same operations in the same order, four numbers at a time instead of two: the answers are the same bits.
 
-use crate::handle::{AnyBearing, Shared};
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
-use std::sync::Arc;
 
 /// Whether this processor has them.
 #[derive(Clone, Copy)]
@@ -44,22 +42,33 @@ impl SimdDispatch {
 }
 
 /// A bearing that uses them.
-struct Dispatched<B> {
+pub struct Dispatched<B> {
     bearing: B,
     registers: SimdDispatch,
 }
 
-/// A bearing behind a shared pointer, in the form that suits this processor best.
-pub fn shared<T: Scalar, B: Bearing<T> + CageFrame<T> + 'static>(bearing: B) -> AnyBearing<T> {
-    Shared(Arc::new(Dispatched { bearing, registers: SimdDispatch::detect() }))
-}
+impl<B> Dispatched<B> {
+    /// A bearing in the form that suits this processor best.
+    pub fn new(bearing: B) -> Self {
+        Self { bearing, registers: SimdDispatch::detect() }
+    }
 
-impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
-    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+    /// The force on the inner ring.
+    #[inline(always)]
+    pub fn force<T: Scalar>(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>
+    where
+        B: CageFrame<T>,
+    {
         self.registers.run(
             #[inline(always)]
             || self.bearing.reaction_inlined(u, at),
         )
+    }
+}
+
+impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.force(u, at)
     }
     fn reaction_and_stiffness(
         &self,
@@ -76,6 +85,7 @@ impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::handle::{AnyBearing, AnyForceModel, BearingHandle, ForceModel};
     use crate::plant::Step;
     use crate::scene::Method;
     use ballrace::bearing::angular::{Angular, DisplacementDatum};
@@ -102,14 +112,17 @@ mod tests {
     }
 
     fn same_bits<B: Bearing<f64> + CageFrame<f64> + Clone + 'static>(name: &str, bearing: &B) {
-        let dispatched = shared(bearing.clone());
+        let dispatched = AnyBearing::dispatched(bearing.clone());
+        let force_alone = AnyForceModel::dispatched(bearing.clone());
         let mut loaded = 0;
         for i in 0..500 {
             let (u, at) = (
                 pose(i),
                 BearingKinematicState { inner_speed: SPEED, ..Phase::from_revolutions(0.013 * f64::from(i)).into() },
             );
-            let (plain, dispatched) = (bearing.reaction(&u, &at), dispatched.reaction(&u, &at));
+            let plain = bearing.reaction(&u, &at);
+            assert_eq!(force_alone.reaction(&u, &at), plain, "{name}, pose {i}");
+            let dispatched = Bearing::reaction(&dispatched, &u, &at);
             let bits = |reaction: &Reaction<f64>| reaction.wrench.to_array().map(f64::to_bits);
             assert_eq!(bits(&plain), bits(&dispatched), "{name}, pose {i}");
             assert_eq!(
@@ -187,8 +200,8 @@ mod tests {
             (PointContactLaw { stiffness: 1e10 }, evenly_spaced(Phase::ZERO));
         let bearing = Radial::<f64, Exact, _, _>::try_new(places.to_vec(), law, 5e-6)?;
         let springs = Linear::new(Stiffness::from_diagonal_element(1e4));
-        let springs = || -> AnyBearing<f64> { Shared(Arc::new(springs)) };
-        let mounted = |station: f64| (shared(bearing.clone()), springs(), station);
+        let springs = || -> AnyBearing<f64> { AnyBearing::new(springs) };
+        let mounted = |station: f64| (AnyBearing::dispatched(bearing.clone()), springs(), station);
         let [(a, b, at_a), (c, d, at_c)] = [mounted(-0.1), mounted(0.1)];
         let mounted = |bearing, station| BearingAtStation { bearing, station, speed_ratios: SpeedRatios::new(0.4) };
         let bearings = [mounted(a, at_a), mounted(b, at_a), mounted(c, at_c), mounted(d, at_c)];

@@ -1,7 +1,6 @@
 //! Any text as a scene: a scene or one error, and whatever is read can be built into bearings or is refused.
 #![no_main]
 
-use ballrace::Exact;
 use ballrace_twin::scene::build;
 use ballrace_twin::scene::read::read_str;
 use libfuzzer_sys::fuzz_target;
@@ -12,7 +11,7 @@ fuzz_target!(|text: &str| {
     for bearing in &scene.bearings {
         // A table is a minute's work that no text should start here.
         if bearing.model != ballrace_twin::scene::Model::Tabulated {
-            let _ = build::bearing::<f64, Exact>(&scene, bearing, bearing.model);
+            let _ = build::bearing(&scene, bearing, bearing.model);
         }
         let _ = build::kinematics(&scene, bearing);
     }

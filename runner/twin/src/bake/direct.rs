@@ -7,7 +7,7 @@ use crate::scene::build;
 use crate::scene::{Bearing, Facing, Linear, Model, Scene};
 use ballrace::bearing::Bearing as _;
 use ballrace::bearing::angular::AngularConstants;
-use ballrace::{Displacement, Exact, Phase};
+use ballrace::{Displacement, Phase};
 use std::fmt::Write;
 
 /// Writes the body of the bearing's module.
@@ -26,7 +26,7 @@ fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let spring = if matches!(of.linear, Some(Linear::Of(_))) {
         Plant::try_new(scene)?.mounted(&of.name)?.bearing.clone()
     } else {
-        build::bearing::<f64, Exact>(scene, of, Model::Linear)?
+        build::bearing(scene, of, Model::Linear)?
     };
     // A spring is defined by its tangent and its force at zero displacement.
     let (reaction, k) = spring.reaction_and_stiffness(&Displacement::default(), &Phase::ZERO.into());

@@ -6,7 +6,7 @@ pub use crate::scene::build::Balls;
 use crate::scene::build::{self, AnyBearing, Kinematics, Shared};
 use crate::scene::{Bearing as BearingScene, Linear, Model, Scene};
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
-use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
+use ballrace::{BearingKinematicState, Displacement, Phase};
 use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
@@ -99,13 +99,13 @@ impl MountedBearing {
 }
 
 fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
-    let cold = build::quasi_static::<f64, Exact>(bearing)?;
-    Ok(ColdAndFew { cold, few: build::solved_in::<f64, Exact>(bearing, WARM_STEPS)? })
+    let cold = build::quasi_static(bearing)?;
+    Ok(ColdAndFew { cold, few: build::solved_in(bearing, WARM_STEPS)? })
 }
 
 /// The bearing with its preload: displaced as given, or until it answers with the force given.
 fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
-    let plain = build::bearing::<f64, Exact>(scene, bearing, model)?;
+    let plain = build::bearing(scene, bearing, model)?;
     match build::preload_offset(scene, bearing, &plain)? {
         Some(offset) => Ok((build::preloaded(plain, offset), offset)),
         None => Ok((plain, Displacement::default())),

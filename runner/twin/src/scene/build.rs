@@ -17,17 +17,16 @@ pub use lumped::{Exponent, law};
 pub use preload::{loaded, preload_offset, preloaded};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Surface};
-pub use crate::handle::{AnyBearing, Shared};
-use crate::simd::shared;
+use crate::handle::BearingHandle;
+pub use crate::handle::{AnyBearing, AnyForceModel, Shared};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
-use ballrace::bearing::{Bearing as _, ElementPosition, Mirrored};
+use ballrace::bearing::{Bearing as _, ElementPosition};
 use ballrace::contact::hertz::{Material, Race};
 use ballrace::rotor::{MovingBallsParams, RotorParams, Support, Unbalance};
-use ballrace::{Displacement, Math, Phase, Scalar, Stiffness, Wrench};
-use std::sync::Arc;
+use ballrace::{Displacement, Exact, Math, Phase, Scalar, Stiffness, Wrench};
 
 /// Returns the kernel's geometry, where the scene has one.
 ///
@@ -73,18 +72,34 @@ fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<Stri
 ///
 /// # Errors
 /// Returns an error if the scene lacks a value of this model or the kernel rejects one.
-pub fn bearing<T: Scalar, M: Math<T>>(
+pub fn bearing(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<f64>, BuildError> {
+    built::<f64, Exact, _>(scene, of, model)
+}
+
+/// Builds the force of the model `model` of one bearing, in any precision and with any math backend.
+///
+/// # Errors
+/// As [`bearing`].
+pub fn force_model<T: Scalar, M: Math<T>>(
     scene: &Scene,
     of: &BearingScene,
     model: Model,
-) -> Result<AnyBearing<T>, BuildError> {
+) -> Result<AnyForceModel<T>, BuildError> {
+    built::<T, M, _>(scene, of, model)
+}
+
+fn built<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
+    scene: &Scene,
+    of: &BearingScene,
+    model: Model,
+) -> Result<H, BuildError> {
     match model {
         Model::Linear => linear(of),
         // The quasi-static limit of moving balls.
-        Model::Lumped | Model::Dynamic => lumped::lumped::<T, M>(of),
-        Model::Angular => angular::<T, M>(of),
-        Model::QuasiStatic => Ok(Shared(quasi_static::<T, M>(of)?)),
-        Model::Tabulated => balls::tabulated::<T, M>(scene, of),
+        Model::Lumped | Model::Dynamic => lumped::lumped::<T, M, H>(of),
+        Model::Angular => angular::<T, M, H>(of),
+        Model::QuasiStatic => balls::quasi_static_bearing::<T, M, H>(of),
+        Model::Tabulated => balls::tabulated::<T, M, H>(scene, of),
     }
 }
 
@@ -102,8 +117,8 @@ pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> ElementPosition<T> {
 }
 
 /// Returns the bearing, rotated about X by pi where it faces -Z.
-fn facing<T: Scalar>(scene: &BearingScene, bearing: AnyBearing<T>) -> AnyBearing<T> {
-    if scene.facing == Facing::MinusZ { Shared(Arc::new(Mirrored(bearing))) } else { bearing }
+fn facing<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene, bearing: H) -> H {
+    if scene.facing == Facing::MinusZ { bearing.mirrored() } else { bearing }
 }
 
 /// Returns waviness and damage as features of the kernel.
@@ -145,12 +160,12 @@ fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviatio
     (!features.is_empty()).then(|| SurfaceDeviation::new(features))
 }
 
-fn angular<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
+fn angular<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "angular")?;
     let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
     Ok(match uneven::<T, M>(scene) {
-        None => facing(scene, shared(built)),
-        Some(surface) => facing(scene, shared(built.with_surface(surface))),
+        None => facing(scene, H::dispatched(built)),
+        Some(surface) => facing(scene, H::dispatched(built.with_surface(surface))),
     })
 }
 
@@ -172,11 +187,11 @@ pub(crate) fn contact_geometry(
     Ok((geometry, if scene.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching }))
 }
 
-fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
+fn linear<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
     match &scene.linear {
         Some(Linear::Matrix(rows)) => {
             let k = Stiffness::from_fn(|i, j| T::from_f64(rows[i][j]));
-            Ok(Shared(Arc::new(LinearBearing::new(k))))
+            Ok(H::new(LinearBearing::new(k)))
         }
         Some(Linear::TwoSpring { static_load }) => {
             let Some(g) = geometry(scene)? else {
@@ -185,7 +200,7 @@ fn linear<T: Scalar>(scene: &BearingScene) -> Result<AnyBearing<T>, BuildError> 
             let springs = two_spring_ball(scene.elements, g.ball_diameter, *static_load, g.contact_angle)
                 .map_err(|e| named(scene, e))?;
             // Along the static load: gravity acts along Y.
-            Ok(Shared(Arc::new(LinearBearing::new(springs.stiffness(std::f64::consts::FRAC_PI_2)))))
+            Ok(H::new(LinearBearing::new(springs.stiffness(std::f64::consts::FRAC_PI_2))))
         }
         Some(Linear::Of(_)) => Err(invalid(
             scene,
@@ -210,15 +225,15 @@ pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -
         }
         k += tangent * weight;
     }
-    Shared(Arc::new(LinearBearing::about(k, Displacement::from_array(u), Wrench::from_array(f))))
+    AnyBearing::new(LinearBearing::about(k, Displacement::from_array(u), Wrench::from_array(f)))
 }
 
-/// Returns a spring bearing in another precision, from its tangent and its force at zero displacement.
-pub fn spring_of<T: Scalar>(spring: &AnyBearing<f64>) -> AnyBearing<T> {
+/// Returns a spring bearing in any precision, from its tangent and its force at zero displacement.
+pub fn spring_of<T: Scalar, H: BearingHandle<T>>(spring: &AnyBearing<f64>) -> H {
     let zero = Displacement::default();
     let (reaction, k) = spring.reaction_and_stiffness(&zero, &Phase::ZERO.into());
     let force = Wrench::from_array(reaction.wrench.to_array().map(T::from_f64));
-    Shared(Arc::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force)))
+    H::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force))
 }
 
 /// Returns the parameters of the rotor.

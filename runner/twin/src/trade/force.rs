@@ -1,14 +1,14 @@
 //! Forces of a candidate at the poses of the scene's motion: their errors and their computing time.
 
 use super::poses::{Pose, Poses};
+use crate::handle::{AnyForceModel, BearingHandle, ForceModel};
 use crate::plant::Plant;
-use crate::scene::build::{self, AnyBearing, BuildError, Shared};
+use crate::scene::build::{self, AnyBearing, BuildError};
 use crate::scene::{Model, Scene};
 use ballrace::bearing::{Bearing, Reaction};
-use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Math, Scalar, Stiffness, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Scalar, Stiffness, Wrench};
 use serde::Serialize;
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Precision and math functions of a force.
@@ -57,24 +57,28 @@ pub trait Forces {
 /// Returns an error if the kernel rejects a parameter.
 pub fn forces(scene: &Scene, plant: &Plant, arithmetic: Arithmetic) -> Result<Box<dyn Forces>, BuildError> {
     Ok(match (arithmetic.precision, arithmetic.math) {
-        ("f32", "exact") => Box::new(CandidateBearings::<f32>::try_new::<Exact>(scene, plant)?),
-        ("f32", _) => Box::new(CandidateBearings::<f32>::try_new::<Fast>(scene, plant)?),
-        (_, "exact") => Box::new(CandidateBearings::<f64>::try_new::<Exact>(scene, plant)?),
-        _ => Box::new(CandidateBearings::<f64>::try_new::<Fast>(scene, plant)?),
+        ("f32", "exact") => Box::new(CandidateBearings::try_new(scene, plant, build::force_model::<f32, Exact>)?),
+        ("f32", _) => Box::new(CandidateBearings::try_new(scene, plant, build::force_model::<f32, Fast>)?),
+        (_, "exact") => Box::new(CandidateBearings::try_new(scene, plant, build::bearing)?),
+        _ => Box::new(CandidateBearings::try_new(scene, plant, build::force_model::<f64, Fast>)?),
     })
 }
 
 /// Each bearing and its displacement by preload.
-struct CandidateBearings<T> {
-    bearings: Vec<(AnyBearing<T>, Displacement<T>)>,
+struct CandidateBearings<T, H> {
+    bearings: Vec<(H, Displacement<T>)>,
 }
 
-impl<T: Scalar> CandidateBearings<T> {
-    fn try_new<M: Math<T>>(scene: &Scene, plant: &Plant) -> Result<Self, BuildError> {
+impl<T: Scalar, H: BearingHandle<T> + ForceModel<T>> CandidateBearings<T, H> {
+    fn try_new(
+        scene: &Scene,
+        plant: &Plant,
+        build: fn(&Scene, &crate::scene::Bearing, Model) -> Result<H, BuildError>,
+    ) -> Result<Self, BuildError> {
         let mounted = |(of, mounted): (&crate::scene::Bearing, &crate::plant::MountedBearing)| {
             let bearing = match of.model {
-                Model::Linear => build::spring_of::<T>(&mounted.bearing),
-                model => build::bearing::<T, M>(scene, of, model)?,
+                Model::Linear => build::spring_of(&mounted.bearing),
+                model => build(scene, of, model)?,
             };
             Ok((bearing, rounded(&mounted.offset)))
         };
@@ -101,7 +105,7 @@ fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicSta
     (rounded(&pose.u), turning)
 }
 
-impl<T: Scalar> Forces for CandidateBearings<T> {
+impl<T: Scalar, H: ForceModel<T>> Forces for CandidateBearings<T, H> {
     fn wrenches(&self, i: usize, poses: &[Pose]) -> Vec<Wrench<f64>> {
         let Some((bearing, offset)) = self.bearings.get(i) else { return vec![] };
         let wrench = |pose: &Pose| {
@@ -113,7 +117,7 @@ impl<T: Scalar> Forces for CandidateBearings<T> {
 
     fn time(&self, poses: &Poses) -> f64 {
         let ready: Vec<Vec<_>> = poses.iter().map(|poses| poses.iter().map(in_precision::<T>).collect()).collect();
-        let of_bearing = |((bearing, offset), ready): (&(AnyBearing<T>, Displacement<T>), &Vec<_>)| {
+        let of_bearing = |((bearing, offset), ready): (&(H, Displacement<T>), &Vec<_>)| {
             let round = || {
                 let begun = Instant::now();
                 for (u, at) in ready {
@@ -198,58 +202,42 @@ fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
 pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant, BuildError> {
-    let single = CandidateBearings::<f32>::try_new::<Exact>(scene, &plant)?;
+    let single = CandidateBearings::try_new(scene, &plant, build::force_model::<f32, Exact>)?;
     for (mounted, (bearing, offset)) in plant.bearings.iter_mut().zip(single.bearings) {
-        mounted.replace(Shared(Arc::new(Single { bearing, offset })));
+        let double = mounted.cold();
+        mounted.replace(AnyBearing::new(Single { bearing, offset, double }));
     }
     Ok(plant)
 }
 
-/// A bearing with an interface in double precision that computes in single precision.
+/// A bearing whose force is computed in single precision. Its tangent, which only steers Newton's method, and its element
+/// loads are those of double precision.
 struct Single {
-    bearing: AnyBearing<f32>,
+    bearing: AnyForceModel<f32>,
     offset: Displacement<f32>,
-}
-
-impl Single {
-    fn within(
-        &self,
-        u: &Displacement<f64>,
-        at: &BearingKinematicState<f64>,
-    ) -> (Displacement<f32>, BearingKinematicState<f32>) {
-        let (u, at) = in_precision::<f32>(&Pose { u: *u, at: *at });
-        (u + self.offset, at)
-    }
-}
-
-fn widened(reaction: &Reaction<f32>) -> Reaction<f64> {
-    Reaction {
-        wrench: Wrench::from_array(reaction.wrench.to_array().map(f64::from)),
-        load: f64::from(reaction.load),
-        status: reaction.status,
-    }
+    /// With the preload.
+    double: AnyBearing<f64>,
 }
 
 impl Bearing<f64> for Single {
     fn reaction(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Reaction<f64> {
-        let (u, at) = self.within(u, at);
-        widened(&self.bearing.reaction(&u, &at))
+        let (u, at) = in_precision::<f32>(&Pose { u: *u, at: *at });
+        let single = self.bearing.reaction(&(u + self.offset), &at);
+        Reaction {
+            wrench: Wrench::from_array(single.wrench.to_array().map(f64::from)),
+            load: f64::from(single.load),
+            status: single.status,
+        }
     }
     fn reaction_and_stiffness(
         &self,
         u: &Displacement<f64>,
         at: &BearingKinematicState<f64>,
     ) -> (Reaction<f64>, Stiffness<f64>) {
-        let (u, at) = self.within(u, at);
-        let (reaction, k) = self.bearing.reaction_and_stiffness(&u, &at);
-        (widened(&reaction), k.map(f64::from))
+        let (_, k) = self.double.reaction_and_stiffness(u, at);
+        (self.reaction(u, at), k)
     }
     fn element_loads(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>, loads: &mut [f64]) {
-        let (u, at) = self.within(u, at);
-        let mut single = vec![0.0; loads.len()];
-        self.bearing.element_loads(&u, &at, &mut single);
-        for (load, single) in loads.iter_mut().zip(single) {
-            *load = f64::from(single);
-        }
+        self.double.element_loads(u, at, loads);
     }
 }

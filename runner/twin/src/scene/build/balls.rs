@@ -1,8 +1,8 @@
 //! Models with balls in equilibrium: solved ball by ball, and tabulated.
 
-use super::{AnyBearing, BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
+use super::{BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
+use crate::handle::BearingHandle;
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
-use crate::simd::shared;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
@@ -11,7 +11,7 @@ use ballrace::bearing::surface::{Surface, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Grid, Table, TableDomain, Tabulated, fill_table};
 use ballrace::bearing::{Bearing, BlockedPositions, ElementLayout, ElementPosition, Mirrored, Reaction};
 use ballrace::contact::hertz::Race;
-use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar};
+use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase, Scalar};
 use std::sync::Arc;
 
 /// Returns the parameters of the balls' inertia.
@@ -114,23 +114,38 @@ impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
 ///
 /// # Errors
 /// Returns an error if the scene lacks a value of this model or the kernel rejects one.
-pub fn quasi_static<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Result<Arc<dyn Solved<T>>, BuildError> {
-    solved_in::<T, M>(scene, scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS))
+pub fn quasi_static(scene: &BearingScene) -> Result<Arc<dyn Solved<f64>>, BuildError> {
+    solved_in(scene, steps(scene))
 }
 
 /// Builds the quasi-static model with another number of Newton steps.
 ///
 /// # Errors
 /// As [`quasi_static`].
-pub fn solved_in<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<T>>, BuildError> {
+pub fn solved_in(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<f64>>, BuildError> {
+    let built: Arc<dyn Solved<f64>> = Arc::new(unmirrored::<f64, Exact>(scene, steps)?);
+    Ok(if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built })
+}
+
+pub(super) fn quasi_static_bearing<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
+    scene: &BearingScene,
+) -> Result<H, BuildError> {
+    Ok(facing(scene, H::new(unmirrored::<T, M>(scene, steps(scene))?)))
+}
+
+fn steps(scene: &BearingScene) -> u8 {
+    scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS)
+}
+
+/// The quasi-static model, facing +Z.
+fn unmirrored<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<impl Solved<T> + 'static, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
     let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero)
         .and_then(|b| b.with_selected_inertia(&inertia_params(scene)))
         .and_then(|b| b.with_selected_film(lubricant(scene)))
         .map_err(|e| named(scene, e))?;
     let surface = SurfaceDeviation::<M, _>::new(features(scene));
-    let built: Arc<dyn Solved<T>> = Arc::new(built.with_newton_steps(steps).with_surface(surface));
-    Ok(if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built })
+    Ok(built.with_newton_steps(steps).with_surface(surface))
 }
 
 fn lubricant(scene: &BearingScene) -> Option<Lubricant> {
@@ -159,7 +174,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable, BuildError> 
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry)?;
     let one = [ElementPosition::from_azimuth(Phase::ZERO)];
-    let plain = QuasiStatic::<f64, ballrace::Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
+    let plain = QuasiStatic::<f64, Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
     let constants = plain.table_constants();
     let grid = domain.grid().map_err(|e| named(of, e))?;
     let mut nodes = vec![[0.0; 3]; grid.len()];
@@ -237,23 +252,26 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
     ))
 }
 
-pub(super) fn tabulated<T: Scalar, M: Math<T>>(scene: &Scene, of: &BearingScene) -> Result<AnyBearing<T>, BuildError> {
+pub(super) fn tabulated<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
+    scene: &Scene,
+    of: &BearingScene,
+) -> Result<H, BuildError> {
     let made = table(scene, of)?;
     // Four numbers per node, the last of them 0: one 256-bit register.
-    if made.friction { looked_up::<T, M, 4>(of, &made) } else { looked_up::<T, M, 2>(of, &made) }
+    if made.friction { looked_up::<T, M, H, 4>(of, &made) } else { looked_up::<T, M, H, 2>(of, &made) }
 }
 
-fn looked_up<T: Scalar, M: Math<T>, const F: usize>(
+fn looked_up<T: Scalar, M: Math<T>, H: BearingHandle<T>, const F: usize>(
     of: &BearingScene,
     made: &MadeTable,
-) -> Result<AnyBearing<T>, BuildError> {
+) -> Result<H, BuildError> {
     let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);
     let places = BlockedPositions::<_, Vec<_>>::new(places(of));
     let bearing = Tabulated::<T, M, _, _, F>::new(places, made.constants.rounded(), table, made.by_outer);
     Ok(match uneven::<T, M>(of) {
-        None => facing(of, shared(bearing)),
-        Some(surface) => facing(of, shared(bearing.with_surface(surface))),
+        None => facing(of, H::dispatched(bearing)),
+        Some(surface) => facing(of, H::dispatched(bearing.with_surface(surface))),
     })
 }

@@ -104,7 +104,6 @@ mod tests {
     use crate::scene::build;
     use crate::scene::read::read_str;
     use crate::scene::{Model, Scene};
-    use ballrace::Exact;
     use std::path::Path;
 
     fn scene() -> Scene {
@@ -116,7 +115,7 @@ mod tests {
     #[test]
     fn a_missing_geometry_names_bearing_key_and_expected_values() {
         let scene = scene();
-        let error = build::bearing::<f64, Exact>(&scene, &scene.bearings[0], Model::Angular).err().unwrap();
+        let error = build::bearing(&scene, &scene.bearings[0], Model::Angular).err().unwrap();
         let BuildError::Value { bearing, key, found, expected } = &error else { panic!("{error:?}") };
         assert_eq!((bearing.as_str(), key.as_str(), found.as_str()), ("DE", "model angular", "no geometry"));
         assert!(expected.contains("pitch_diameter"), "{expected}");

@@ -1,0 +1,91 @@
+//! Forces of a bearing without its tangent.
+
+use super::lumped::{ElementForces, Lumped};
+use super::{AnyBearing, BearingHandle, Shared};
+use crate::simd::Dispatched;
+use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+use ballrace::bearing::{Bearing, CageFrame, LastValidWrench, Reaction};
+use ballrace::{BearingKinematicState, Displacement, Scalar, Status, Wrench};
+use std::sync::Arc;
+
+/// Force of a bearing model on the inner ring.
+pub trait ForceModel<T: Scalar>: Send + Sync {
+    /// As [`Bearing::reaction`].
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
+
+    /// As [`Bearing::sample`].
+    fn sample(
+        &self,
+        last_valid: &mut LastValidWrench<T>,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Wrench<T>, Status) {
+        last_valid.update(u.is_finite(), || self.reaction(u, at))
+    }
+}
+
+/// A force model behind a shared pointer.
+pub type AnyForceModel<T> = Shared<dyn ForceModel<T>>;
+
+impl<T: Scalar> ForceModel<T> for AnyForceModel<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.0.reaction(u, at)
+    }
+}
+
+impl<T: Scalar> ForceModel<T> for AnyBearing<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.0.reaction(u, at)
+    }
+}
+
+/// The force of a bearing.
+struct ForceOf<B>(B);
+
+impl<T: Scalar, B: Bearing<T>> ForceModel<T> for ForceOf<B> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.0.reaction(u, at)
+    }
+}
+
+/// A force model turned about X by pi.
+struct MirroredForce<T: Scalar>(AnyForceModel<T>);
+
+impl<T: Scalar> ForceModel<T> for MirroredForce<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        let local = self.0.reaction(&u.mirrored(), &at.reversed());
+        Reaction { wrench: local.wrench.mirrored(), ..local }
+    }
+}
+
+impl<T: Scalar, B: CageFrame<T> + Send + Sync> ForceModel<T> for Dispatched<B> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.force(u, at)
+    }
+}
+
+impl<T: Scalar> ForceModel<T> for Lumped<T, dyn ElementForces<T>> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.force(u, at)
+    }
+}
+
+impl<T: Scalar> BearingHandle<T> for AnyForceModel<T> {
+    type Elements = Box<dyn ElementForces<T>>;
+
+    fn new(bearing: impl Bearing<T> + 'static) -> Self {
+        Self(Arc::new(ForceOf(bearing)))
+    }
+    fn dispatched(bearing: impl Bearing<T> + CageFrame<T> + 'static) -> Self {
+        Self(Arc::new(Dispatched::new(bearing)))
+    }
+    fn mirrored(self) -> Self {
+        Self(Arc::new(MirroredForce(self)))
+    }
+    fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements {
+        Box::new(elements)
+    }
+    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Vec<HousingPoint<T>>) -> Self {
+        Self(Arc::new(Lumped { radial, axial, housing }))
+    }
+}
