@@ -124,6 +124,9 @@ fn rows(columns: &[Vec<String>]) -> Vec<Vec<String>> {
     (0..count).map(|i| columns.iter().filter_map(|column| column.get(i).cloned()).collect()).collect()
 }
 
+/// Smallest 1X amplitude that has a phase, um.
+const SMALLEST_ONE_X: f64 = 1e-4;
+
 fn motion(page: &mut Page, outcome: &Outcome) {
     if outcome.probes.is_empty() {
         return;
@@ -145,13 +148,18 @@ fn motion(page: &mut Page, outcome: &Outcome) {
         figures(|motion| motion.peak_to_peak_um),
         figures(|motion| motion.rms_um),
         figures(|motion| motion.one_x_um),
-        pairs.iter().map(|pair| fixed(pair.2.one_x_phase_lag_deg, 1)).collect(),
+        pairs.iter().map(|pair| phase_lag(pair.2)).collect(),
     ];
     let heads: [&[&str]; 2] = [
         &["probe", "", "mean", "peak-peak", "rms", "1X", "1X phase"],
         &["", "", "um", "um pp", "um rms", "um peak", "deg lag"],
     ];
     page.table(2, &heads, &rows(&columns));
+}
+
+/// The 1X phase lag; none where the amplitude is rounding of the integration or nothing.
+fn phase_lag(motion: &Motion) -> String {
+    if motion.one_x_um < SMALLEST_ONE_X { "-".to_owned() } else { fixed(motion.one_x_phase_lag_deg, 1) }
 }
 
 fn residual(page: &mut Page, outcome: &Outcome) {
