@@ -1,6 +1,6 @@
 //! The kernel on an emulated Cortex-M4F: builds the images of tests/target, runs them, reads what they print.
 //!
-//! `BALLRACE_WRITE=1 cargo test -p ballrace-tests --test target -- --ignored` rewrites the figures of `docs/src/performance.md`.
+//! `BALLRACE_WRITE=1 cargo test -p ballrace-target-tests -- --ignored` rewrites the figures of `docs/src/performance.md`.
 
 mod baked;
 mod bits;
@@ -17,7 +17,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 /// Builds every image once and gives the folder they are in.

@@ -114,6 +114,7 @@ pub mod force;
 pub mod handle;
 pub mod least_squares;
 pub mod motion;
+mod npy_header;
 pub mod observer;
 pub mod outcome;
 pub mod output;

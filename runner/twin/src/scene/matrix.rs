@@ -1,8 +1,7 @@
 //! Matrices of a linear system from files: Matrix Market or NPY, detected by content.
 
+use crate::npy_header::{self, ElementType, NpyHeader};
 use nalgebra::DMatrix;
-use nalgebra_sparse::io::load_coo_from_matrix_market_str;
-use npyz::{NpyFile, Order};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -47,7 +46,7 @@ pub enum MatrixProblem {
     },
     /// The text is no Matrix Market file of real numbers.
     #[error("found no Matrix Market file of real numbers: {0}")]
-    Market(String),
+    Market(&'static str),
     /// The matrix has more rows or columns than the limit.
     #[error("found {rows} x {columns}, allowed: up to {MOST} rows and columns")]
     TooLarge {
@@ -60,7 +59,7 @@ pub enum MatrixProblem {
     #[error("found an NPY file of something else than a plain array, allowed: float64")]
     NotPlain,
     /// The NPY header is invalid.
-    #[error("found no NPY file")]
+    #[error("found no NPY file of float64")]
     Npy(#[source] std::io::Error),
     /// The array is neither a vector nor a matrix.
     #[error("found an array of {0} dimensions, allowed: 1 or 2")]
@@ -70,17 +69,7 @@ pub enum MatrixProblem {
     ElementType,
     /// The data end early.
     #[error("found a file that is cut short")]
-    Truncated(#[source] std::io::Error),
-    /// The count of numbers does not match the shape.
-    #[error("found {found} numbers for {rows} x {columns}")]
-    Count {
-        /// Count of numbers.
-        found: usize,
-        /// Number of rows.
-        rows: usize,
-        /// Number of columns.
-        columns: usize,
-    },
+    Truncated,
     /// The shape exceeds the address space.
     #[error(transparent)]
     Shape(#[from] std::num::TryFromIntError),
@@ -101,7 +90,7 @@ fn content(path: &Path) -> Result<DMatrix<f64>, MatrixProblem> {
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(MatrixProblem::TooLong);
     }
-    let matrix = if bytes.starts_with(b"\x93NUMPY") {
+    let matrix = if bytes.starts_with(npy_header::MAGIC) {
         npy(&bytes)?
     } else {
         match std::str::from_utf8(&bytes) {
@@ -116,48 +105,164 @@ fn content(path: &Path) -> Result<DMatrix<f64>, MatrixProblem> {
     Ok(matrix)
 }
 
+/// Reads a Matrix Market file (Boisvert, Pozo, Remington 1996, NISTIR 5935) of real or integer numbers.
 fn market(text: &str) -> Result<DMatrix<f64>, MatrixProblem> {
-    let entries =
-        load_coo_from_matrix_market_str::<f64>(text).map_err(|e| MatrixProblem::Market(one_line(&e.to_string())))?;
-    let (rows, columns) = (entries.nrows(), entries.ncols());
+    let mut lines = text.lines();
+    let head = lines.next().unwrap_or_default().to_ascii_lowercase();
+    let words: Vec<&str> = head.split_ascii_whitespace().collect();
+    let ["%%matrixmarket", "matrix", format, "real" | "integer", symmetry] = words.as_slice() else {
+        return Err(MatrixProblem::Market("another header"));
+    };
+    // The value of the opposite element over that of the given one.
+    let opposite = match *symmetry {
+        "general" => None,
+        "symmetric" => Some(1.0),
+        "skew-symmetric" => Some(-1.0),
+        _ => return Err(MatrixProblem::Market("another symmetry")),
+    };
+    let mut lines = lines.skip_while(|line| line.starts_with('%')).filter(|line| !line.trim().is_empty());
+    let size = numbers::<usize>(lines.next().unwrap_or_default()).unwrap_or_default();
+    let is_list = match *format {
+        "coordinate" => true,
+        "array" => false,
+        _ => return Err(MatrixProblem::Market("another format")),
+    };
+    let (rows, columns) = match (is_list, size.as_slice()) {
+        (true, [rows, columns, _]) | (false, [rows, columns]) => (*rows, *columns),
+        _ => return Err(MatrixProblem::Market("no size")),
+    };
     if rows.max(columns) > MOST {
         return Err(MatrixProblem::TooLarge { rows, columns });
     }
+    if opposite.is_some() && rows != columns {
+        return Err(MatrixProblem::Market("a symmetric matrix that is not square"));
+    }
     let mut matrix = DMatrix::zeros(rows, columns);
-    for (i, j, x) in entries.triplet_iter() {
+    let mut add = |i: usize, j: usize, x: f64| {
+        let is_stored = match opposite {
+            None => true,
+            Some(sign) => i > j || (i == j && sign > 0.0),
+        };
+        if i >= rows || j >= columns || !is_stored {
+            return Err(MatrixProblem::Market("an element outside the matrix or its lower triangle"));
+        }
         matrix[(i, j)] += x;
-    }
-    Ok(matrix)
+        if let Some(sign) = opposite
+            && i != j
+        {
+            matrix[(j, i)] += sign * x;
+        }
+        Ok(())
+    };
+    let mut found = 0;
+    let expected = if is_list {
+        for line in lines {
+            let mut words = line.split_ascii_whitespace();
+            let mut index = || words.next()?.parse::<usize>().ok()?.checked_sub(1);
+            let (i, j) = (index(), index());
+            match (i, j, words.next().and_then(|word| word.parse().ok()), words.next()) {
+                (Some(i), Some(j), Some(x), None) => add(i, j, x)?,
+                _ => return Err(MatrixProblem::Market("a line that is no row, column and value")),
+            }
+            found += 1;
+        }
+        size.get(2).copied().unwrap_or_default()
+    } else {
+        let first = |j: usize| opposite.map_or(0, |sign| if sign > 0.0 { j } else { j + 1 });
+        let places: Vec<_> = (0..columns).flat_map(|j| (first(j)..rows).map(move |i| (i, j))).collect();
+        for line in lines {
+            let (Some(&(i, j)), Ok(x)) = (places.get(found), line.trim().parse()) else {
+                return Err(MatrixProblem::Market("a line that is no value, or one too many"));
+            };
+            add(i, j, x)?;
+            found += 1;
+        }
+        places.len()
+    };
+    if found == expected { Ok(matrix) } else { Err(MatrixProblem::Market("another number of lines than stated")) }
 }
 
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+fn numbers<X: std::str::FromStr>(line: &str) -> Option<Vec<X>> {
+    line.split_ascii_whitespace().map(|word| word.parse().ok()).collect()
 }
 
-fn npy(bytes: &[u8]) -> Result<DMatrix<f64>, MatrixProblem> {
-    // A plain array's header is one dictionary with one tuple; what nests deeper would keep the parser busy for ages.
-    let text = if bytes.get(6) == Some(&1) { 10 } else { 12 };
-    let header = bytes.get(text..).unwrap_or_default();
-    let header = header.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let count = |bracket: u8| header.iter().filter(|byte| **byte == bracket).count();
-    if count(b'{') > 1 || count(b'(') > 1 || count(b'[') > 0 {
-        return Err(MatrixProblem::NotPlain);
-    }
-    let file = NpyFile::new(bytes).map_err(MatrixProblem::Npy)?;
-    let (shape, order) = (file.shape().to_vec(), file.order());
-    let (rows, columns) = match shape.as_slice() {
+fn npy(mut bytes: &[u8]) -> Result<DMatrix<f64>, MatrixProblem> {
+    let header = NpyHeader::read(&mut bytes).map_err(MatrixProblem::Npy)?;
+    let ElementType::Plain(element) = header.element else { return Err(MatrixProblem::NotPlain) };
+    let (rows, columns) = match header.shape.as_slice() {
         [n] => (*n, 1),
         [rows, columns] => (*rows, *columns),
         other => return Err(MatrixProblem::Dimensions(other.len())),
     };
     let (rows, columns) = (usize::try_from(rows)?, usize::try_from(columns)?);
-    let data = file.data::<f64>().map_err(|_| MatrixProblem::ElementType)?;
-    let numbers = data.collect::<std::io::Result<Vec<f64>>>().map_err(MatrixProblem::Truncated)?;
-    if rows.checked_mul(columns) != Some(numbers.len()) {
-        return Err(MatrixProblem::Count { found: numbers.len(), rows, columns });
+    if (element.kind, element.bytes) != ('f', Some(8)) {
+        return Err(MatrixProblem::ElementType);
     }
-    Ok(match order {
-        Order::C => DMatrix::from_row_slice(rows, columns, &numbers),
-        Order::Fortran => DMatrix::from_column_slice(rows, columns, &numbers),
+    if rows.max(columns) > MOST {
+        return Err(MatrixProblem::TooLarge { rows, columns });
+    }
+    let number = if element.is_big_endian { f64::from_be_bytes } else { f64::from_le_bytes };
+    let (whole, _) = bytes.as_chunks::<8>();
+    let Some(whole) = whole.get(..rows * columns) else { return Err(MatrixProblem::Truncated) };
+    let numbers: Vec<f64> = whole.iter().map(|bytes| number(*bytes)).collect();
+    Ok(if header.is_fortran {
+        DMatrix::from_column_slice(rows, columns, &numbers)
+    } else {
+        DMatrix::from_row_slice(rows, columns, &numbers)
     })
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrix_market_files_of_every_kind() {
+        let rows = |text: &str| {
+            let matrix = market(text).unwrap();
+            matrix.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>()
+        };
+        let general =
+            "%%MatrixMarket Matrix Coordinate Real General\n% of a test\n%\n\n2 3 3\n1 1 1.5\n2 3 -2e-1\n\n2 3 1\n";
+        assert_eq!(rows(general), [[1.5, 0.0, 0.0], [0.0, 0.0, 0.8]]);
+        let symmetric = "%%MatrixMarket matrix coordinate integer symmetric\n2 2 2\n1 1 3\n2 1 -1\n";
+        assert_eq!(rows(symmetric), [[3.0, -1.0], [-1.0, 0.0]]);
+        let skew = "%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 1 4\n";
+        assert_eq!(rows(skew), [[0.0, -4.0], [4.0, 0.0]]);
+        let array = "%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n4\n";
+        assert_eq!(rows(array), [[1.0, 3.0], [2.0, 4.0]]);
+        let half = "%%MatrixMarket matrix array real symmetric\r\n2 2\r\n1\r\n2\r\n3\r\n";
+        assert_eq!(rows(half), [[1.0, 2.0], [2.0, 3.0]]);
+        let below = "%%MatrixMarket matrix array real skew-symmetric\n2 2\n5\n";
+        assert_eq!(rows(below), [[0.0, -5.0], [5.0, 0.0]]);
+    }
+
+    #[test]
+    fn other_matrix_market_files_are_refused() {
+        let good = "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n2 1 4\n";
+        assert!(market(good).is_ok());
+        for (from, to) in [
+            ("real", "complex"),
+            ("real", "pattern"),
+            ("symmetric", "hermitian"),
+            ("symmetric", "skew"),
+            ("coordinate", "dense"),
+            ("matrix", "vector"),
+            ("2 2 1", "2 2"),
+            ("2 2 1", "2 3 1"),
+            ("2 2 1", "2 2 2"),
+            ("2 2 1", "2 2 -1"),
+            ("2 2 1", "5000 5000 1"),
+            ("2 1 4", "1 2 4"),
+            ("2 1 4", "3 1 4"),
+            ("2 1 4", "0 1 4"),
+            ("2 1 4", "2 1"),
+            ("2 1 4", "2 1 4 5"),
+            ("2 1 4", "2 1 four"),
+            ("2 1 4", "% 2 1 4"),
+        ] {
+            assert!(market(&good.replacen(from, to, 1)).is_err(), "{to}");
+        }
+    }
 }

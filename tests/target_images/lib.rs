@@ -1,0 +1,1 @@
+//! Package of the tests of the kernel on emulated microcontrollers, which are in `main.rs`.
