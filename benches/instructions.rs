@@ -3,6 +3,7 @@
 //!
 //! With `-- --check` it holds the table instead: a rise of more than 2 % fails, so does a fall (write the table anew).
 
+mod marks;
 mod section;
 mod subjects;
 

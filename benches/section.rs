@@ -1,5 +1,6 @@
 //! A table between two marks in a Markdown file: written from measurements, checked against the list of subjects.
 
+use crate::marks::Marks;
 use crate::subjects::{COLUMNS, Subject};
 use std::process;
 
@@ -16,7 +17,7 @@ pub struct Section {
 
 impl Section {
     fn marks(&self) -> [String; 2] {
-        ["begin", "end"].map(|which| format!("<!-- {}:{which} -->", self.name))
+        Marks(self.name).pair()
     }
 
     /// The table's first two lines.
@@ -36,10 +37,7 @@ impl Section {
 
     /// `text` with the section's content replaced, if it has the section.
     pub fn replaced(&self, text: &str, content: &str) -> Option<String> {
-        let [begin, end] = self.marks();
-        let (before, rest) = text.split_once(&begin)?;
-        let (_, after) = rest.split_once(&end)?;
-        Some(format!("{before}{begin}\n{content}\n{end}{after}"))
+        Marks(self.name).replaced(text, content)
     }
 
     /// The section is there, and its rows and columns are those expected.

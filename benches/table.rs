@@ -2,6 +2,7 @@
 //!
 //! With `-- --check` it measures nothing and checks that the table has one row for each subject.
 
+mod marks;
 mod measure;
 mod section;
 mod subjects;

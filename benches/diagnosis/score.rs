@@ -1,0 +1,138 @@
+//! Findings against the truth: verdict, errors of place and size, intervals.
+
+use crate::fleet::Fault;
+use crate::program::{Estimate, Finding};
+use std::f64::consts::TAU;
+
+/// The kind of a finding that names no cause.
+const UNEXPLAINED: &str = "other";
+
+/// Verdict on the findings of one recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// The first findings are the faults; a machine in good order has no finding.
+    Right,
+    /// The first findings name some of the faults and nothing else.
+    Partial,
+    /// One of the first findings names another cause or bearing; on a machine in good order any finding does.
+    Wrong,
+    /// No finding, or none that names a cause.
+    NotNamed,
+}
+
+/// Verdict, matches and further findings of one recording.
+pub struct Score {
+    pub verdict: Verdict,
+    /// Pairs of a fault and the finding that names it, by index.
+    pub matches: Vec<(usize, usize)>,
+    /// Findings beyond as many as there are faults.
+    pub further: usize,
+}
+
+impl Score {
+    /// Compares findings, strongest first, with the faults of the machine. As many findings count as there are faults.
+    pub fn new(faults: &[Fault], findings: &[Finding]) -> Self {
+        let considered = &findings[..findings.len().min(faults.len())];
+        let further = findings.len() - considered.len();
+        if faults.is_empty() {
+            let verdict = if findings.is_empty() { Verdict::Right } else { Verdict::Wrong };
+            return Self { verdict, matches: vec![], further: 0 };
+        }
+        let mut matches: Vec<(usize, usize)> = vec![];
+        let mut foreign = 0;
+        for (i, finding) in considered.iter().enumerate() {
+            let is_new = |f: &usize| matches.iter().all(|(fault, _)| fault != f);
+            match (0..faults.len()).filter(is_new).find(|&f| names(finding, &faults[f])) {
+                Some(fault) => matches.push((fault, i)),
+                None => foreign += usize::from(finding.kind != UNEXPLAINED),
+            }
+        }
+        let verdict = match (foreign, matches.len()) {
+            (0, 0) => Verdict::NotNamed,
+            (0, n) if n == faults.len() => Verdict::Right,
+            (0, _) => Verdict::Partial,
+            _ => Verdict::Wrong,
+        };
+        Self { verdict, matches, further }
+    }
+}
+
+/// Returns true where the finding has the cause and the bearing of the fault.
+fn names(finding: &Finding, fault: &Fault) -> bool {
+    finding.kind == fault.kind && (fault.bearing.is_none() || finding.bearing == fault.bearing)
+}
+
+/// How an estimate is compared with the truth.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Comparison {
+    /// Difference of angles, deg.
+    Angle,
+    /// Difference in the unit of the finding.
+    Difference,
+    /// Share of the truth, %.
+    Relative,
+}
+
+/// A quantity of a fault: where the truth and the finding state it.
+pub struct Quantity {
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub comparison: Comparison,
+    truth: fn(&Fault) -> Option<f64>,
+    found: fn(&Finding) -> Option<Estimate>,
+}
+
+/// Returns the value where the fault is of the kind.
+fn of_kind(fault: &Fault, kind: &str, value: Option<f64>) -> Option<f64> {
+    value.filter(|_| fault.kind == kind)
+}
+
+const fn degrees(angle: f64) -> f64 {
+    angle * 360.0 / TAU
+}
+
+/// The quantities of the table.
+#[rustfmt::skip]
+pub const QUANTITIES: [Quantity; 15] = [
+    Quantity { name: "azimuth of a spall, outer race", unit: "deg", comparison: Comparison::Angle, truth: |f| of_kind(f, "outer-race", f.azimuth).map(degrees), found: |f| f.azimuth_deg },
+    Quantity { name: "angle of a spall, inner race", unit: "deg", comparison: Comparison::Angle, truth: |f| of_kind(f, "inner-race", f.azimuth).map(degrees), found: |f| f.azimuth_deg },
+    Quantity { name: "depth of a spall, outer race", unit: "%", comparison: Comparison::Relative, truth: |f| of_kind(f, "outer-race", f.depth).map(|x| 1e6 * x), found: |f| f.depth_um },
+    Quantity { name: "depth of a spall, inner race", unit: "%", comparison: Comparison::Relative, truth: |f| of_kind(f, "inner-race", f.depth).map(|x| 1e6 * x), found: |f| f.depth_um },
+    Quantity { name: "depth of a spall, ball", unit: "%", comparison: Comparison::Relative, truth: |f| of_kind(f, "element", f.depth).map(|x| 1e6 * x), found: |f| f.depth_um },
+    Quantity { name: "half width of a spall, races", unit: "%", comparison: Comparison::Relative, truth: |f| f.half_width.filter(|_| f.kind != "element").map(degrees), found: |f| f.half_width_deg },
+    Quantity { name: "half width of a spall, ball", unit: "%", comparison: Comparison::Relative, truth: |f| of_kind(f, "element", f.half_width).map(degrees), found: |f| f.half_width_deg },
+    Quantity { name: "order of a wave", unit: "", comparison: Comparison::Difference, truth: |f| f.order, found: |f| f.waviness_order },
+    Quantity { name: "amplitude of a wave", unit: "%", comparison: Comparison::Relative, truth: |f| f.amplitude.map(|x| 1e6 * x), found: |f| f.amplitude_um },
+    Quantity { name: "diametral clearance", unit: "%", comparison: Comparison::Relative, truth: |f| f.clearance.map(|x| 1e6 * x), found: |f| f.clearance_um },
+    Quantity { name: "tilt of a ring", unit: "%", comparison: Comparison::Relative, truth: |f| f.tilt.map(|x| 1e3 * x), found: |f| f.tilt_mrad },
+    Quantity { name: "axis of the tilt", unit: "deg", comparison: Comparison::Angle, truth: |f| f.direction.map(degrees), found: |f| f.axis_deg },
+    Quantity { name: "unbalance moment", unit: "%", comparison: Comparison::Relative, truth: |f| f.moment.map(|x| 1e6 * x), found: |f| f.moment_g_mm },
+    Quantity { name: "angle of the unbalance", unit: "deg", comparison: Comparison::Angle, truth: |f| f.angle.map(degrees), found: |f| f.angle_deg },
+    Quantity { name: "station of the unbalance", unit: "mm", comparison: Comparison::Difference, truth: |f| f.station.map(|x| 1e3 * x), found: |f| f.station_mm },
+];
+
+/// Error of an estimate, and whether its interval holds the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuantityError {
+    pub error: f64,
+    pub covered: Option<bool>,
+}
+
+impl Quantity {
+    /// Compares a finding with the fault it names; none where the truth does not state the quantity. A finding that does not
+    /// state it has an infinite error.
+    pub fn error(&self, fault: &Fault, finding: &Finding) -> Option<QuantityError> {
+        let truth = (self.truth)(fault)?;
+        let Some(Estimate { value, low, high }) = (self.found)(finding) else {
+            return Some(QuantityError { error: f64::INFINITY, covered: None });
+        };
+        // The branch of the angle that is nearest to the estimate.
+        let truth = match self.comparison {
+            Comparison::Angle => truth - 360.0 * ((truth - value) / 360.0).round(),
+            Comparison::Difference | Comparison::Relative => truth,
+        };
+        let scale = if self.comparison == Comparison::Relative { 100.0 / truth.abs() } else { 1.0 };
+        let covered = low.zip(high).map(|(low, high)| (low..=high).contains(&truth));
+        Some(QuantityError { error: (value - truth).abs() * scale, covered })
+    }
+}
