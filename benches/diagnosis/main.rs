@@ -20,6 +20,7 @@ use envelope::Signature;
 use fleet::{Fleet, HEALTHY, Recording};
 use marks::Marks;
 use program::{Baseline, Program, Replay};
+use score::Score;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -105,9 +106,12 @@ fn measure(program: &Program, fleet: &Fleet, rough: bool) -> Result<String, Box<
         learning = two_at_a_time(&rigs, |rig| {
             let path = baseline(rig);
             let replay = replay(program, fleet, rig, HEALTHY, folder.path(), rough, &Baseline::Learn(&path));
-            eprintln!("{rig}: learned");
-            replay.map_or(0.0, |replay| replay.seconds)
-        });
+            eprintln!("{rig}: {}", if path.is_file() { "baseline learned" } else { "no baseline was written" });
+            replay.filter(|_| path.is_file()).map(|replay| replay.seconds)
+        })
+        .into_iter()
+        .flatten()
+        .collect();
     }
     // The recording that calibrates the rough scene is not judged.
     let judged = |recording: &Recording| !(rough && recording.recording == HEALTHY);
@@ -119,7 +123,7 @@ fn measure(program: &Program, fleet: &Fleet, rough: bool) -> Result<String, Box<
         let replay = replay(program, fleet, &recording.rig, &recording.recording, folder.path(), rough, &baseline);
         let (words, seconds) =
             replay.as_ref().map_or(("no result".to_owned(), 0.0), |r| (tables::named(&r.findings), r.seconds));
-        let verdict = Judged::new(recording, replay.as_ref().map_or(&[], |r| &r.findings)).score.verdict;
+        let Score { verdict, .. } = judge(recording, replay.as_ref()).score;
         let number = done.fetch_add(1, Ordering::Relaxed) + 1;
         let (all, Recording { rig, .. }) = (recordings.len(), recording);
         eprintln!("[{number}/{all}] {rig} {}: {verdict:?}: {words} ({seconds:.1} s)", recording.title());
@@ -133,9 +137,8 @@ fn measure(program: &Program, fleet: &Fleet, rough: bool) -> Result<String, Box<
             .ok()
     });
     let of_envelope = envelope::findings(&fleet.recordings, &signatures);
-    let findings = replays.iter().map(|replay| replay.as_ref().map_or(&[][..], |replay| &replay.findings[..]));
     let twin: Vec<Judged> =
-        recordings.iter().zip(findings).map(|(recording, found)| Judged::new(recording, found)).collect();
+        recordings.iter().zip(&replays).map(|(recording, replay)| judge(recording, replay.as_ref())).collect();
     let pairs = fleet.recordings.iter().zip(&of_envelope).filter(|(recording, _)| judged(recording));
     let envelope: Vec<Judged> = pairs.map(|(recording, found)| Judged::new(recording, found)).collect();
 
@@ -154,6 +157,11 @@ fn measure(program: &Program, fleet: &Fleet, rough: bool) -> Result<String, Box<
         tables::durations("Duration of a replay, two at a time", seconds),
         tables::comparison(&twin, &envelope).trim_end()
     ))
+}
+
+/// Scores a replay, which may have failed.
+fn judge<'a>(recording: &'a Recording, replay: Option<&'a Replay>) -> Judged<'a> {
+    replay.map_or_else(|| Judged::failed(recording), |replay| Judged::new(recording, &replay.findings))
 }
 
 /// Replays one recording; reports a failure on standard error.

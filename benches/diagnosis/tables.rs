@@ -19,6 +19,12 @@ impl<'a> Judged<'a> {
         Self { recording, findings, score: Score::new(recording.faults(), findings) }
     }
 
+    /// Creates the entry of a recording whose replay failed.
+    pub fn failed(recording: &'a Recording) -> Self {
+        let score = Score { verdict: Verdict::NotNamed, matches: vec![], further: 0 };
+        Self { recording, findings: &[], score }
+    }
+
     /// Pairs of a fault and the finding that names it.
     fn matches(&self) -> impl Iterator<Item = (&Fault, &Finding)> {
         self.score.matches.iter().map(|&(fault, finding)| (&self.recording.faults()[fault], &self.findings[finding]))
