@@ -428,6 +428,7 @@ pub(crate) fn usual() -> Outcome {
     };
     let finding = Finding {
         kind: FindingKind::OuterRace,
+        parameters: FaultParameters::default(),
         bearing: Some("DE".to_owned()),
         line_hz: 179.2,
         order: OUTER,
@@ -470,6 +471,7 @@ pub(crate) fn usual() -> Outcome {
         observer: Some(observer()),
         events: vec![],
         findings: vec![finding],
+        diagnosis: None,
         flaws: flaws(),
         notes: vec![
             "The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(),
@@ -498,6 +500,7 @@ pub(crate) fn bare() -> Outcome {
         observer: None,
         events: vec![],
         findings: Vec::new(),
+        diagnosis: None,
         flaws: Vec::new(),
         notes: Vec::new(),
         learned: ballrace_twin::replay::baseline::Baseline::default(),

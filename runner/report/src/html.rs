@@ -181,8 +181,8 @@ fn finding(finding: &Finding) -> Value {
     context! {
         kind => words::kind(finding.kind),
         bearing => finding.bearing.as_deref().unwrap_or_default(),
-        line => typeset(&fixed(finding.line_hz, 1)),
-        order => typeset(&fixed(finding.order, 3)),
+        line => if finding.order == 0.0 { "\u{2013}".to_owned() } else { typeset(&fixed(finding.line_hz, 1)) },
+        order => if finding.order == 0.0 { "\u{2013}".to_owned() } else { typeset(&fixed(finding.order, 3)) },
         level => typeset(&fixed(finding.level_db, 1)),
         confidence => typeset(&fixed(100.0 * finding.confidence, 0)),
         severity => words::severity(finding),

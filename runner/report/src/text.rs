@@ -286,15 +286,14 @@ fn findings(page: &mut Page, outcome: &Outcome) {
         page.line("  none");
     }
     for finding in &outcome.findings {
-        let place = finding.bearing.as_ref().map_or_else(String::new, |bearing| format!(" of {bearing}"));
-        page.sentence("  * ", &format!("{}{place}: {}", words::kind(finding.kind), finding.sentence));
-        let evidence = format!(
-            "line {} Hz, order {}, {} dB, confidence {} %",
-            fixed(finding.line_hz, 1),
-            fixed(finding.order, 3),
-            fixed(finding.level_db, 1),
-            fixed(100.0 * finding.confidence, 0)
-        );
+        page.sentence("  * ", &finding.sentence);
+        let line = if finding.order == 0.0 {
+            String::new()
+        } else {
+            format!("line {} Hz, order {}, ", fixed(finding.line_hz, 1), fixed(finding.order, 3))
+        };
+        let (level, confidence) = (fixed(finding.level_db, 1), fixed(100.0 * finding.confidence, 0));
+        let evidence = format!("{line}{level} dB, confidence {confidence} %");
         page.sentence("    ", &evidence);
     }
 }

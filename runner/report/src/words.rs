@@ -1,10 +1,10 @@
 //! Texts shared by the HTML page and the terminal.
 
 use super::number::{alone, count, counted, fixed};
-use ballrace_twin::replay::findings;
 use ballrace_twin::replay::outcome::{
     Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, SourceFigures, Standing, Timing,
 };
+use ballrace_twin::replay::verdict;
 
 /// Condition number above which the arrangement of the probes is poor.
 const BADLY_PLACED: f64 = 100.0;
@@ -19,6 +19,7 @@ pub(super) fn kind(kind: FindingKind) -> &'static str {
         FindingKind::Unbalance => "unbalance",
         FindingKind::Misalignment => "misalignment",
         FindingKind::Clearance => "clearance",
+        FindingKind::Load => "load",
         FindingKind::Other => "other",
     }
 }
@@ -31,7 +32,7 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
         return "remove the cause that the verdict states, then measure again.";
     }
-    match (outcome.probes.is_empty(), findings::follows(&outcome.probes)) {
+    match (outcome.probes.is_empty(), verdict::follows(&outcome.probes)) {
         (true, _) => "none; repeat the measurement as planned.",
         (_, true) => "none; keep this recording as the baseline (--learn) for later ones.",
         (_, false) => {
@@ -56,6 +57,9 @@ pub(super) const fn action(kind: FindingKind) -> &'static str {
         }
         FindingKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
         FindingKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene anew.",
+        FindingKind::Load => {
+            "Check belt, gear or thrust loads and what the machine drives; if the load is meant, correct the scene."
+        }
         FindingKind::Other => "Look at the residual's spectrum and orbit, and check mounting and probes.",
     }
 }

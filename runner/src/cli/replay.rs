@@ -9,7 +9,7 @@ use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::replay::outcome::Outcome;
-use ballrace_twin::replay::{Options, Source, replay};
+use ballrace_twin::replay::{Options, Progress, Source, replay};
 use ballrace_twin::scene::{Recording, Scene, Sensor};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
@@ -61,11 +61,15 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
     check_outputs(args, &path)?;
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
     let bar = progress_bar(&name);
-    let progress = |read: u64, total: Option<u64>| {
-        if let Some(total) = total {
-            bar.set_length(total);
+    let progress = |progress: Progress| match progress {
+        Progress::Read(read, total) => {
+            if let Some(total) = total {
+                bar.set_length(total);
+            }
+            bar.set_message(name.clone());
+            bar.set_position(read);
         }
-        bar.set_position(read);
+        Progress::Diagnosis(share) => bar.set_message(format!("Diagnosing {name}: {:.0} %", 100.0 * share)),
     };
     let options = Options {
         live: false,
@@ -74,6 +78,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
         forces: args.forces.as_deref(),
         source: args.force_source,
         baseline: args.baseline.as_deref(),
+        learn: args.learn.is_some(),
         progress: Some(&progress),
     };
     let outcome = replay(&scene, reader, &name, &options);
@@ -93,6 +98,7 @@ fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Resu
         baseline: args.baseline.as_deref(),
         live: true,
         viewed: false,
+        learn: args.learn.is_some(),
         progress: None,
     };
     let options = args.live.options(source, None, replay);

@@ -1,5 +1,7 @@
 //! Baseline: the residual of a sound machine, written by `--learn` and compared with by `--baseline`.
 
+use crate::diagnosis::Calibration;
+use crate::outcome::{FaultForm, Finding, FindingKind};
 use crate::scene::{Probe, Sensor};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -54,10 +56,35 @@ pub struct Baseline {
     pub orders: Vec<f64>,
     /// Probes in the order of the scene.
     pub probes: Vec<BaselineProbe>,
+    /// Parameters of the machine in good order, where the recording determined them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
+    /// Faults that the machine already had.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<KnownFault>,
     /// Vibration sensors.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<BaselineSensor>,
 }
+
+/// A fault that a machine had when its baseline was learned.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KnownFault {
+    /// Kind.
+    pub kind: FindingKind,
+    /// Bearing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<String>,
+    /// Form of a surface fault.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form: Option<FaultForm>,
+    /// Size in the unit of its kind, as [`FaultParameters::size`](crate::outcome::FaultParameters::size).
+    pub size: f64,
+}
+
+/// Growth of a fault beyond which it is reported again.
+const GROWTH: f64 = 1.25;
 
 /// Baseline of one vibration sensor.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -96,7 +123,7 @@ impl Baseline {
     #[must_use]
     pub fn of_probes(scene: &str, recording: &str, orders: Vec<f64>, probes: Vec<BaselineProbe>) -> Self {
         let (scene, recording) = (scene.to_owned(), recording.to_owned());
-        Self { ballrace_baseline: FORMAT, scene, recording, orders, probes, sensors: vec![] }
+        Self { ballrace_baseline: FORMAT, scene, recording, orders, probes, ..Self::default() }
     }
 
     /// Reads the baseline of a scene with these sensors.
@@ -109,13 +136,39 @@ impl Baseline {
         if same { Ok(found) } else { Err(found.of_others(path)) }
     }
 
+    /// Stores the faults of the machine.
+    pub fn set_faults(&mut self, findings: &[Finding]) {
+        let known = |finding: &Finding| {
+            let (bearing, form) = (finding.bearing.clone(), finding.parameters.form);
+            Some(KnownFault { kind: finding.kind, bearing, form, size: finding.parameters.size()? })
+        };
+        self.faults = findings.iter().filter_map(known).collect();
+    }
+
+    /// Returns true for a fault that the machine had when the baseline was learned, and that has not grown.
+    #[must_use]
+    pub fn knows(&self, finding: &Finding) -> bool {
+        let same = |known: &KnownFault| {
+            let is_larger = finding.parameters.size().is_none_or(|size| size > GROWTH * known.size);
+            known.kind == finding.kind
+                && known.bearing == finding.bearing
+                && known.form == finding.parameters.form
+                && !is_larger
+        };
+        self.faults.iter().any(same)
+    }
+
     /// Returns the modulation of family `k` at sensor `i`.
     #[must_use]
     pub fn modulation(&self, i: usize, k: usize) -> f64 {
         self.sensors.get(i).and_then(|s| s.modulations.get(k)).copied().unwrap_or(0.0)
     }
 
-    fn parse(path: &Path) -> Result<Self, BaselineError> {
+    /// Reads a baseline of any scene.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no baseline.
+    pub fn parse(path: &Path) -> Result<Self, BaselineError> {
         let file = || path.to_owned();
         let text = std::fs::read_to_string(path).map_err(|source| BaselineError::Read { file: file(), source })?;
         let found: Self = serde_json::from_str(&text).map_err(|error| BaselineError::Format { file: file(), error })?;
@@ -133,7 +186,8 @@ impl Baseline {
     pub fn read(path: &Path, probes: &[Probe], orders: &[f64]) -> Result<Self, BaselineError> {
         let found = Self::parse(path)?;
         let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));
-        let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-6 * b.abs().max(1.0);
+        // The cages of two recordings slip differently.
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() < 0.1 * b.abs().max(1.0);
         let same_lines = found.orders.len() == orders.len() && found.orders.iter().zip(orders).all(close);
         let whole = found.probes.iter().all(|p| p.lines_um.len() == found.orders.len());
         if same_probes && same_lines && whole { Ok(found) } else { Err(found.of_others(path)) }

@@ -106,6 +106,7 @@
 pub mod bake;
 pub mod baseline;
 pub mod campbell;
+pub mod diagnosis;
 pub mod effect_significance;
 pub mod equilibrium;
 pub mod error;

@@ -13,7 +13,7 @@ pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
 use crate::baseline;
 use crate::recording::flaws::FlawSummary;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Result of one replay.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -46,6 +46,8 @@ pub struct Outcome {
     pub not_judged: Vec<String>,
     /// Findings on the machine, strongest first; empty where there is none.
     pub findings: Vec<Finding>,
+    /// Figures of the diagnosis; none where the recording was not diagnosed.
+    pub diagnosis: Option<DiagnosisOutcome>,
     /// Limits of the scene that were crossed.
     pub events: Vec<Event>,
     /// Flaws of the recording.
@@ -411,8 +413,40 @@ pub struct Event {
     pub sentence: String,
 }
 
+/// Figures of a diagnosis.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct DiagnosisOutcome {
+    /// Samples that were used, the last ones of the recording in a row.
+    pub samples: usize,
+    /// Revolutions of the shaft in them.
+    pub revolutions: f64,
+    /// Mean square of the residual in units of its noise, by the machine in good order: about 1 where that describes the recording.
+    pub chi_square_before: f64,
+    /// The same with the faults found.
+    pub chi_square_after: f64,
+    /// Cages in the order of the bearings.
+    pub cages: Vec<CageOutcome>,
+}
+
+/// Estimate of one cage.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct CageOutcome {
+    /// Bearing.
+    pub bearing: String,
+    /// Whether the passing of the elements can be seen. Where it cannot, no figure depends on the angle of the cage.
+    pub observable: bool,
+    /// Cage speed below that of pure rolling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slip_percent: Option<Estimate>,
+    /// Cage speed over shaft speed.
+    pub cage_ratio: f64,
+    /// Azimuth of the first element with the shaft at its angle 0, between 0 and one pitch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_element_azimuth_deg: Option<Estimate>,
+}
+
 /// Kind of fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {
     /// Damage of an outer race.
@@ -429,8 +463,96 @@ pub enum FindingKind {
     Misalignment,
     /// Too much or too little clearance.
     Clearance,
+    /// Constant load other than the scene's.
+    Load,
     /// Another fault.
     Other,
+}
+
+/// Form of a surface fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultForm {
+    /// Local damage.
+    Spall,
+    /// A wave around the whole surface.
+    Waviness,
+}
+
+/// An estimate with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Most likely value.
+    pub value: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+/// Place and size of a fault, as far as it has them.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct FaultParameters {
+    /// Form of a surface fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<FaultForm>,
+    /// Place of a spall: on the outer ring from +X towards +Y, on the inner ring from the keyphasor mark.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth_deg: Option<Estimate>,
+    /// Number of the damaged element, from 1 at the azimuth of the first element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub element: Option<usize>,
+    /// Half the extent of a spall along its surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_width_deg: Option<Estimate>,
+    /// Greatest depth of a spall.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_um: Option<Estimate>,
+    /// Waves around the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub waviness_order: Option<u32>,
+    /// Amplitude of the wave, zero to peak.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude_um: Option<Estimate>,
+    /// Tilt of the outer ring.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt_mrad: Option<Estimate>,
+    /// Axis of the tilt, from +X towards +Y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis_deg: Option<Estimate>,
+    /// Diametral clearance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance_um: Option<Estimate>,
+    /// Unbalance of the whole rotor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment_g_mm: Option<Estimate>,
+    /// Its angle from the keyphasor mark.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<Estimate>,
+    /// Its station from the centre of mass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub station_mm: Option<Estimate>,
+    /// Constant load on the rotor along X, Y and Z, without its weight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_n: Option<[Estimate; 3]>,
+    /// Logarithm of the likelihood ratio against the machine without this fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log_likelihood_gain: Option<f64>,
+    /// Odds against the next likely cause, at most 1e12.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub odds_to_next: Option<f64>,
+    /// Part of the unexplained residual that this fault explains, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explained: Option<f64>,
+}
+
+impl FaultParameters {
+    /// Returns the size of the fault in the unit of its kind: depth, amplitude, tilt, clearance or moment.
+    #[must_use]
+    pub fn size(&self) -> Option<f64> {
+        let sizes = [self.depth_um, self.amplitude_um, self.tilt_mrad, self.clearance_um, self.moment_g_mm];
+        sizes.into_iter().flatten().next().map(|size| size.value)
+    }
 }
 
 /// Diagnosis of a fault with its evidence.
@@ -441,14 +563,18 @@ pub struct Finding {
     /// Bearing, where the fault has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
-    /// Frequency of the line at the mean speed.
+    /// Frequency of the first line of the fault at the mean speed; 0 where the fault changes the mean position.
     pub line_hz: f64,
     /// Per turn of the shaft.
     pub order: f64,
-    /// Level of the line over the residual around it or over the baseline, dB.
+    /// Of shaft motion: fall of chi-squared by the fault over the least that counts. Of vibration: the line over its
+    /// surroundings or over the baseline. dB.
     pub level_db: f64,
     /// 0 to 1.
     pub confidence: f64,
+    /// Place and size.
+    #[serde(flatten)]
+    pub parameters: FaultParameters,
     /// The finding as a sentence.
     pub sentence: String,
 }

@@ -2,9 +2,11 @@
 
 use super::pipeline::Pipeline;
 use super::standstill::Measured;
-use super::{findings, list, observe, plausibility};
+use super::{list, observe, plausibility, verdict};
+use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Outcome, Record};
+use crate::outcome::{Finding, Outcome, Record};
+use crate::plant::Plant;
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
 use std::f64::consts::TAU;
@@ -49,24 +51,51 @@ impl Pipeline<'_> {
         });
         let not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
-        let evidence = findings::Evidence {
-            probes: self.probes,
-            mounted: bearings,
-            comparison: &self.comparison,
-            attribution: self.attribution.as_ref(),
-            baseline: self.baseline.as_ref(),
-            speed_hz,
-            rate: self.rate,
+        let samples = std::mem::take(&mut self.block).into_samples();
+        let material =
+            Material { scene, plant: &self.plant, probes: self.probes, samples: &samples, period: 1.0 / self.rate };
+        let reason = diagnosis::not_applicable(scene, &samples);
+        let diagnosed = match self.diagnosed.take() {
+            Some(known) => known,
+            None if is_judged && reason.is_none() && !self.startup.is_cancelled() => {
+                diagnosis::diagnose(&material, &|_| {})?
+            }
+            None => None,
         };
-        let findings = if is_judged { findings::findings(&evidence) } else { vec![] };
+        let mut diagnosed = diagnosed.filter(|_| is_judged);
+        let calibration =
+            if self.learn && is_judged && reason.is_none() { diagnosis::calibrate(&material)? } else { None };
+        if let Some(calibration) = &calibration {
+            // What the scene has wrong is no fault of the machine.
+            let scene = calibration.scene(scene);
+            let plant = Plant::try_new(&scene)?;
+            diagnosed = diagnosis::diagnose(&Material { scene: &scene, plant: &plant, ..material }, &|_| {})?;
+        }
+        let (mut findings, mut diagnosis_notes) =
+            diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));
+        if let Some(baseline) = &self.baseline {
+            let (known, new) = findings.into_iter().partition(|finding| baseline.knows(finding));
+            findings = new;
+            let known: Vec<Finding> = known;
+            diagnosis_notes.extend(known.iter().map(|finding| format!("As in the baseline: {}", finding.sentence)));
+        }
         let observer = self.observer.outcome();
         let mut notes = std::mem::take(&mut self.notes);
         notes.extend(self.closing_notes());
+        notes.extend(diagnosis_notes);
+        if diagnosed.is_none() && is_judged {
+            notes.push(format!(
+                "Not diagnosed: {}.",
+                reason.unwrap_or_else(|| "the probes do not determine the motion".to_owned())
+            ));
+        }
         notes.extend(observer.as_ref().map(observe::sentence));
         let limits = self.limits.lines();
         let events = self.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
-        let learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
+        let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
+        learned.calibration = calibration;
+        learned.set_faults(&findings);
         let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
@@ -84,7 +113,7 @@ impl Pipeline<'_> {
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            verdict: findings::verdict(&findings, &probes, &implausible, &not_judged, self.counts.out_of_range()),
+            verdict: verdict::verdict(&findings, &probes, &implausible, &not_judged, self.counts.out_of_range()),
             implausible,
             not_judged,
             record,
@@ -95,6 +124,7 @@ impl Pipeline<'_> {
             timing: self.timing.finish(),
             observer,
             findings,
+            diagnosis: diagnosed.map(|d| d.outcome),
             events,
             flaws: facts.flaws,
             notes,
@@ -127,7 +157,7 @@ impl Pipeline<'_> {
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            verdict: findings::verdict(&[], &[], implausible, not_judged, 0),
+            verdict: verdict::verdict(&[], &[], implausible, not_judged, 0),
             events,
             flaws: facts.flaws,
             notes,

@@ -104,11 +104,6 @@ impl ForceStage {
         &self.evaluated
     }
 
-    /// Returns true where a bearing repeats its last valid force.
-    pub(super) fn is_held(&self) -> bool {
-        self.evaluated.iter().any(|force| force.status.is_held())
-    }
-
     /// Adds the forces of bearing `i` to its sums, with the noise band where `noise` gives one; returns the forces and the load
     /// on element 1.
     pub(super) fn accumulate(

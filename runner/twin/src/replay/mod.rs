@@ -5,6 +5,9 @@
 //! is evaluated at the observer's displacement.
 
 mod options;
+// The beginning of a recording is diagnosed first: angle and slip of the cages.
+mod ahead;
+
 // A row becomes a sample with a shaft angle.
 mod session;
 // The stages, called in this order.
@@ -25,7 +28,6 @@ mod observe;
 mod twin;
 
 // Indicators.
-mod attribution;
 mod cascade;
 mod history;
 mod lines;
@@ -45,22 +47,25 @@ pub mod timing;
 
 // The outcome at the end of the recording.
 mod conclusion;
-pub mod findings;
 mod list;
 mod plausibility;
 mod totals;
+pub mod verdict;
 
 pub use crate::{baseline, outcome};
-pub use options::{Options, Source};
+pub use options::{Options, Progress, Source};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 
-use crate::error::{ReplayError, Result};
+use crate::baseline::Baseline;
+use crate::error::{Error, ReplayError, Result};
 use crate::outcome::Outcome;
+use crate::plant::{Plant, only_rigid};
 use crate::recording::Reader;
 use crate::recording::clock::check_rate;
 use crate::scene::Scene;
 use crate::vibration;
+use ahead::Ahead;
 
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
@@ -74,12 +79,40 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
     if !recording.sensors.is_empty() {
-        return vibration::replay(scene, recording, reader, recording_name, options.baseline, options.progress);
+        let read = |read, total| {
+            if let Some(progress) = options.progress {
+                progress(Progress::Read(read, total));
+            }
+        };
+        return vibration::replay(scene, recording, reader, recording_name, options.baseline, Some(&read));
     }
     check_rate(reader.rate(), recording, scene.shaft.speed).map_err(|e| e.of(scene, recording_name))?;
-    let mut replay = Replay::try_new(scene, reader.rate(), options)?;
+    only_rigid(scene, "replay").map_err(Error::setup)?;
+    let baseline = options.baseline.map(Baseline::parse).transpose().map_err(Error::setup)?;
+    let mut scene = ahead::calibrated(scene, baseline.as_ref());
+    let plant = Plant::try_new(&scene).map_err(Error::setup)?;
+    let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader)?;
+    let advance = |share: f64| {
+        if let Some(progress) = options.progress {
+            progress(Progress::Diagnosis(share));
+        }
+    };
+    let diagnosed = ahead.diagnose(&scene, &plant, recording, &advance)?;
+    drop(plant);
+    if let Some(diagnosis) = &diagnosed {
+        ahead::set_cages(&mut scene, &diagnosis.cages);
+    }
+    let mut replay = Replay::try_new(&scene, reader.rate(), options)?;
+    if ahead.is_whole {
+        replay.set_diagnosis(diagnosed);
+    }
     let mut row = replay.blank();
-    while reader.next_row(&mut row)? {
+    loop {
+        match ahead.rows.pop_front() {
+            Some(first) => row = first,
+            None if !reader.next_row(&mut row)? => break,
+            None => {}
+        }
         replay.push(row)?;
         replay.work(None)?;
         row = replay.blank();
@@ -87,7 +120,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
             && let Some(progress) = options.progress
         {
             let (read, total) = reader.progress();
-            progress(read, total);
+            progress(Progress::Read(read, total));
         }
     }
     replay.finish(recording_name, reader.flaws().summary())

@@ -18,8 +18,10 @@ pub struct Options<'a> {
     pub live: bool,
     /// A display is in use: [`Replay::snapshot`](super::Replay::snapshot) returns the last samples.
     pub viewed: bool,
-    /// Called at intervals with the bytes read and, where known, their total.
-    pub progress: Option<&'a (dyn Fn(u64, Option<u64>) + Sync)>,
+    /// The machine is in good order: its parameters are calibrated for the baseline of the outcome.
+    pub learn: bool,
+    /// Called at intervals.
+    pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
 
 /// Source of the forces in the forces file.
@@ -31,4 +33,13 @@ pub enum Source {
     Observer,
     /// Bearing model at the displacement measured by the probes.
     Displacement,
+}
+
+/// Progress of a replay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Progress {
+    /// Bytes read and, where known, their total.
+    Read(u64, Option<u64>),
+    /// Share of the diagnosis that is done.
+    Diagnosis(f64),
 }

@@ -1,7 +1,6 @@
 //! The stages of a replay in the order in which a sample passes through them.
 
 use super::align::AlignmentStage;
-use super::attribution::LineAttribution;
 use super::comparison::{Comparison, SampleReadings};
 use super::force::{Displacements, ForceStage, element_loads};
 use super::forces_file::ForcesFile;
@@ -23,6 +22,8 @@ use super::timing::Ledger;
 use super::totals::Totals;
 use super::twin::TwinStage;
 use crate::baseline::Baseline;
+use crate::diagnosis::Diagnosis;
+use crate::diagnosis::block::Block;
 use crate::effect_significance;
 use crate::error::{Error, Result};
 use crate::plant::{Plant, only_rigid};
@@ -57,14 +58,20 @@ pub(super) struct Pipeline<'a> {
     pub(super) observer: ObserverStage,
     pub(super) force: ForceStage,
     pub(super) comparison: Comparison,
-    pub(super) attribution: Option<LineAttribution>,
+    /// Samples for the diagnosis at the end.
+    pub(super) block: Block,
+    /// Diagnosis of the whole recording, where it was made before.
+    pub(super) diagnosed: Option<Option<Diagnosis>>,
+    /// The machine is in good order.
+    pub(super) learn: bool,
+    /// The baseline to judge against.
+    pub(super) baseline: Option<Baseline>,
     pub(super) figures: FigureCollector,
     pub(super) limits: LimitMonitor,
     pub(super) seconds: Option<SecondIndicators>,
     recent: Option<RecentSamples>,
     pub(super) forces_file: Option<ForcesFile>,
 
-    pub(super) baseline: Option<Baseline>,
     pub(super) standstill: Standstill,
     pub(super) counts: Counts,
     pub(super) totals: Totals,
@@ -129,13 +136,15 @@ impl<'a> Pipeline<'a> {
             observer: ObserverStage::new(rows.clone()),
             force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.len()),
-            attribution: LineAttribution::new(&plant),
+            block: Block::default(),
+            diagnosed: None,
+            learn: options.learn,
+            baseline,
             figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),
             limits,
             seconds,
             recent: options.viewed.then(RecentSamples::default),
             forces_file,
-            baseline,
             standstill: Standstill::default(),
             counts: Counts::default(),
             totals: Totals::default(),
@@ -317,10 +326,8 @@ impl<'a> Pipeline<'a> {
             let comparison = &self.comparison;
             self.limits.close_residuals(index, time, |line, probe| comparison.block_line(line, probe));
         }
-        let forces = &self.force;
-        if let Some(attribution) = self.attribution.as_mut().filter(|_| !forces.is_held()) {
-            let displacement = &processed.displacements.measured;
-            attribution.add(&self.plant, displacement, forces.evaluated(), angles, sample.speed);
+        if self.diagnosed.is_none() || self.learn {
+            self.block.add(sample);
         }
         self.figures.add(sample, &readings.twin, revolutions);
         if let Some(recent) = &mut self.recent {

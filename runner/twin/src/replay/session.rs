@@ -7,6 +7,7 @@ use super::options::Options;
 use super::pipeline::Pipeline;
 use super::second::Second;
 use super::snapshot::Snapshot;
+use crate::diagnosis::Diagnosis;
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::{Event, Outcome};
 use crate::recording::Row;
@@ -190,6 +191,11 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn limit_state(&self) -> Option<LimitState> {
         self.pipeline.limits.state()
+    }
+
+    /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
+    pub(super) fn set_diagnosis(&mut self, diagnosis: Option<Diagnosis>) {
+        self.pipeline.diagnosed = Some(diagnosis);
     }
 
     /// Ends the recording and returns the outcome. `flaws` are those that the reader found.

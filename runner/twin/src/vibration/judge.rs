@@ -4,7 +4,7 @@ use super::envelope::{Envelope, Line, envelopes};
 use super::picture;
 use super::suspect::Suspect;
 use crate::baseline::{Baseline, BaselineSensor};
-use crate::outcome::{EnvelopeSpectrum, Finding, FindingKind};
+use crate::outcome::{EnvelopeSpectrum, FaultParameters, Finding, FindingKind};
 use crate::scene::Sensor;
 
 /// Largest slip against pure rolling in either direction, and number of steps of its search.
@@ -193,6 +193,7 @@ impl Judge<'_> {
             level_db,
             confidence,
             sentence,
+            parameters: FaultParameters::default(),
         };
         Some((found.score, finding))
     }

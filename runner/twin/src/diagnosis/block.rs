@@ -1,0 +1,72 @@
+//! Collects the block of samples that a diagnosis works on: the last consecutive ones with a reading of every probe.
+
+use crate::recording::Sample;
+use crate::recording::status::SampleStatus;
+use std::collections::VecDeque;
+
+/// Fewest samples of a full block.
+const SAMPLES: usize = 16_384;
+/// Revolutions of the shaft in a full block.
+const REVOLUTIONS: f64 = 80.0;
+/// Most samples of a block.
+const MOST_SAMPLES: usize = 65_536;
+
+/// The last samples without an interruption, and the longest such block before.
+#[derive(Default)]
+pub(crate) struct Block {
+    samples: VecDeque<Sample>,
+    earlier: VecDeque<Sample>,
+}
+
+impl Block {
+    /// Adds a sample.
+    pub(crate) fn add(&mut self, sample: &Sample) {
+        let is_usable = sample.row.probes.iter().all(|x| x.is_finite())
+            && !sample.status.has(SampleStatus::ANGLE_NOT_MEASURED)
+            && !sample.status.has(SampleStatus::READING_OUT_OF_RANGE);
+        let follows = self.samples.back().is_none_or(|last| last.row.index + 1 == sample.row.index);
+        if !is_usable || !follows {
+            if self.samples.len() > self.earlier.len() {
+                self.earlier = std::mem::take(&mut self.samples);
+            }
+            self.samples.clear();
+        }
+        if is_usable {
+            self.samples.push_back(sample.clone());
+        }
+        while self.is_longer_than_full() {
+            self.samples.pop_front();
+        }
+    }
+
+    fn revolutions(&self) -> f64 {
+        match (self.samples.front(), self.samples.back()) {
+            (Some(first), Some(last)) => (last.total_revolutions() - first.total_revolutions()).abs(),
+            _ => 0.0,
+        }
+    }
+
+    fn is_longer_than_full(&self) -> bool {
+        let count = self.samples.len();
+        count > MOST_SAMPLES || (count > SAMPLES && self.revolutions() > REVOLUTIONS)
+    }
+
+    /// Returns true once no further sample makes the block longer.
+    pub(crate) fn is_full(&self) -> bool {
+        let count = self.samples.len();
+        count >= MOST_SAMPLES || (count >= SAMPLES && self.revolutions() >= REVOLUTIONS - 1.0)
+    }
+
+    /// Returns the samples: the last block, or the one before where that is longer. Their number is a product of small factors.
+    pub(crate) fn into_samples(self) -> Vec<Sample> {
+        let block = if self.samples.len() >= self.earlier.len() { self.samples } else { self.earlier };
+        let count = smooth(block.len());
+        let first = block.len() - count;
+        block.into_iter().skip(first).collect()
+    }
+}
+
+/// Returns the largest number up to `n` whose Fourier transform is fast: a multiple of 256, or `n` where it is small.
+fn smooth(n: usize) -> usize {
+    if n < 2048 { n } else { n / 256 * 256 }
+}

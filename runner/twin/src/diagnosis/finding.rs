@@ -1,0 +1,462 @@
+//! Faults in the terms of a user: kind, bearing, place, size, odds and a sentence.
+
+use super::cage::unknowns;
+use super::fit::{Fitted, fit};
+use super::hypothesis::{Cause, Fault, LEAST_GAIN};
+use super::machine::{Machine, Unknown, clearance};
+use super::residual::Evidence;
+use super::surface::Component;
+use super::{Prepared, Result};
+use crate::outcome::{CageOutcome, DiagnosisOutcome, Estimate, FaultForm, FaultParameters, Finding, FindingKind};
+use std::f64::consts::TAU;
+
+/// Deviations within which a normally distributed error lies in 95 of 100 cases.
+const WITHIN_95: f64 = 1.96;
+/// Largest odds that are given: beyond, the model's own error decides.
+const LARGEST_ODDS: f64 = 1e12;
+/// Mean square of the residual, in units of its noise, beyond which a recording is not explained.
+const UNEXPLAINED: f64 = 9.0;
+/// Relative error of chi-squared by the noise of the residual, which is itself estimated from made-up noise.
+const NOISE_ERROR: f64 = 0.01;
+/// Lines listed of an unexplained residual.
+const LISTED: usize = 5;
+
+/// Result of a diagnosis.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// Findings, strongest first.
+    pub findings: Vec<Finding>,
+    /// Cages in the order of the bearings.
+    pub cages: Vec<CageEstimate>,
+    /// Figures.
+    pub outcome: DiagnosisOutcome,
+    /// Remarks.
+    pub notes: Vec<String>,
+}
+
+/// Angle and speed of one cage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CageEstimate {
+    /// Cage speed over shaft speed.
+    pub cage_ratio: f64,
+    /// Azimuth of the first element at shaft angle 0, rad.
+    pub first_element_azimuth: f64,
+    /// The passing of the elements can be seen.
+    pub observable: bool,
+}
+
+/// Returns the cages of a fitted machine.
+pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageEstimate> {
+    let estimate = |(i, bearing): (usize, &super::machine::MachineBearing)| {
+        let mounted = &e.plant.bearings[i];
+        let pitch = TAU / mounted.elements as f64;
+        let azimuth = bearing.scene.first_element_azimuth + TAU * bearing.cage.phase;
+        CageEstimate {
+            cage_ratio: mounted.kinematics.cage_ratio * (1.0 - bearing.cage.slip),
+            first_element_azimuth: azimuth.rem_euclid(pitch),
+            observable: observable[i],
+        }
+    };
+    of.machine.bearings.iter().enumerate().map(estimate).collect()
+}
+
+/// Returns the findings and figures of a diagnosis.
+pub(super) fn diagnosis(of: &mut Prepared, faults: &[Fault]) -> Result<Diagnosis> {
+    let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
+    let last = joint(of, faults)?;
+    let e = &of.evidence;
+    let after = last.chi_square / last.residual.len().max(1) as f64;
+    // The error of the model may lie along the unknowns: each may be off by its share of what chi-squared has too much.
+    let excess = (last.chi_square - (1.0 + NOISE_ERROR) * last.residual.len() as f64).max(0.0);
+    let inflation = (1.0 + excess / last.unknowns.len().max(1) as f64).sqrt();
+    let reported = Reported { e, last: &last, inflation };
+    let mut findings: Vec<Finding> = vec![];
+    let mut seen: Vec<(Cause, usize)> = vec![];
+    for fault in faults {
+        // Index of the spall or wave among those of its bearing.
+        let nth = seen.iter().filter(|(cause, _)| cause.shares_list(fault.cause)).count();
+        seen.push((fault.cause, nth));
+        findings.push(reported.finding(fault, nth));
+    }
+    findings.sort_by(|a, b| b.parameters.log_likelihood_gain.total_cmp_to(&a.parameters.log_likelihood_gain));
+    if after > UNEXPLAINED && faults.is_empty() {
+        findings.push(reported.unexplained(after));
+    }
+    let motion = &e.motion;
+    let outcome = DiagnosisOutcome {
+        samples: motion.len(),
+        revolutions: (motion.turns[motion.len() - 1] - motion.turns[0]).abs(),
+        chi_square_before: before,
+        chi_square_after: after,
+        cages: reported.cages(&of.observable),
+    };
+    let mut notes = vec![];
+    let unseen: Vec<&str> = outcome.cages.iter().filter(|c| !c.observable).map(|c| c.bearing.as_str()).collect();
+    if !unseen.is_empty() {
+        notes.push(format!(
+            "Cage angle and slip of {} are not observable in this recording: no figure depends on them.",
+            unseen.join(" and ")
+        ));
+    }
+    if after > 1.5 && !faults.is_empty() {
+        notes.push(format!(
+            "The residual that the findings leave is {:.1} times its noise: the machine differs from its scene in more than they say.",
+            after.sqrt()
+        ));
+    }
+    let cages = cages(e, &last, &of.observable);
+    Ok(Diagnosis { findings, cages, outcome, notes })
+}
+
+/// Compares two optional numbers.
+trait TotalCmp {
+    fn total_cmp_to(&self, other: &Self) -> std::cmp::Ordering;
+}
+
+impl TotalCmp for Option<f64> {
+    fn total_cmp_to(&self, other: &Self) -> std::cmp::Ordering {
+        self.unwrap_or(0.0).total_cmp(&other.unwrap_or(0.0))
+    }
+}
+
+impl Cause {
+    /// Returns true where both are spalls, or both waves, of one bearing.
+    fn shares_list(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Spall(a, _), Self::Spall(b, _)) | (Self::Waviness(a, ..), Self::Waviness(b, ..)) => a == b,
+            _ => false,
+        }
+    }
+
+    pub(super) fn bearing(self) -> Option<usize> {
+        match self {
+            Self::Unbalance | Self::Load => None,
+            Self::Clearance(b) | Self::Misalignment(b) | Self::Spall(b, _) | Self::Waviness(b, ..) => Some(b),
+        }
+    }
+
+    fn kind(self) -> FindingKind {
+        match self {
+            Self::Unbalance => FindingKind::Unbalance,
+            Self::Load => FindingKind::Load,
+            Self::Clearance(_) => FindingKind::Clearance,
+            Self::Misalignment(_) => FindingKind::Misalignment,
+            Self::Spall(_, component) | Self::Waviness(_, component, _) => match component {
+                Component::Outer => FindingKind::OuterRace,
+                Component::Inner => FindingKind::InnerRace,
+                Component::Ball => FindingKind::Element,
+            },
+        }
+    }
+
+    fn name(self, bearings: &[String]) -> String {
+        let of = |b: usize| &bearings[b];
+        let surface = |component: Component| match component {
+            Component::Outer => "outer race",
+            Component::Inner => "inner race",
+            Component::Ball => "a rolling element",
+        };
+        match self {
+            Self::Unbalance => "unbalance".to_owned(),
+            Self::Load => "another load".to_owned(),
+            Self::Clearance(b) => format!("clearance of {}", of(b)),
+            Self::Misalignment(b) => format!("misalignment of {}", of(b)),
+            Self::Spall(b, component) => format!("a spall on {} of {}", surface(component), of(b)),
+            Self::Waviness(b, component, order) => {
+                format!("waviness of order {order} on {} of {}", surface(component), of(b))
+            }
+        }
+    }
+}
+
+/// Fits the unknowns of all faults together.
+fn joint(of: &Prepared, faults: &[Fault]) -> Result<Fitted> {
+    let Some(last) = faults.last() else { return Ok(of.healthy.clone()) };
+    let mut all = unknowns(&of.observable);
+    for fault in faults {
+        all.extend(fault.fitted.unknowns.iter().copied().filter(|u| !all.contains(u)).collect::<Vec<_>>());
+    }
+    fit(&of.evidence, &last.fitted, &all, 6)
+}
+
+/// A fitted machine whose unknowns are reported.
+struct Reported<'a, 'b> {
+    e: &'a Evidence<'b>,
+    last: &'a Fitted,
+    /// Factor of deviations: residual over noise.
+    inflation: f64,
+}
+
+impl Reported<'_, '_> {
+    fn deviation(&self, unknown: Unknown) -> f64 {
+        let at = self.last.unknowns.iter().position(|u| *u == unknown);
+        let variance = at.map_or(0.0, |i| self.last.covariance.get((i, i)).copied().unwrap_or(0.0));
+        self.inflation * variance.max(0.0).sqrt()
+    }
+
+    /// Deviation of two unknowns along a direction.
+    fn deviation_along(&self, unknowns: [Unknown; 2], direction: [f64; 2]) -> f64 {
+        let at = |u: Unknown| self.last.unknowns.iter().position(|other| *other == u);
+        let [Some(i), Some(j)] = unknowns.map(at) else { return 0.0 };
+        let c = |i: usize, j: usize| self.last.covariance.get((i, j)).copied().unwrap_or(0.0);
+        let [x, y] = direction;
+        let variance = x * x * c(i, i) + 2.0 * x * y * c(i, j) + y * y * c(j, j);
+        self.inflation * variance.max(0.0).sqrt()
+    }
+
+    fn estimate(&self, unknown: Unknown, unit: f64) -> Estimate {
+        around(unknown.get(&self.last.machine) / unit, self.deviation(unknown) / unit.abs())
+    }
+
+    fn angle(&self, unknown: Unknown) -> Estimate {
+        within_turn(self.estimate(unknown, TAU / 360.0))
+    }
+
+    /// Size and direction of a vector of two unknowns.
+    fn vector(&self, [x, y]: [Unknown; 2], unit: f64) -> [Estimate; 2] {
+        let (a, b) = (x.get(&self.last.machine), y.get(&self.last.machine));
+        let size = a.hypot(b).max(1e-30);
+        let (along, across) =
+            (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
+        let across = across / size;
+        [around(size / unit, along / unit), within_turn(around(b.atan2(a).to_degrees(), across.to_degrees()))]
+    }
+
+    fn cages(&self, observable: &[bool]) -> Vec<CageOutcome> {
+        let estimates = cages(self.e, self.last, observable);
+        let outcome = |(b, cage): (usize, &CageEstimate)| {
+            let azimuth = || {
+                let deviation = 360.0 * self.deviation(Unknown::CagePhase(b));
+                around(cage.first_element_azimuth.to_degrees(), deviation)
+            };
+            CageOutcome {
+                bearing: self.e.plant.bearings[b].name.clone(),
+                observable: cage.observable,
+                slip_percent: cage.observable.then(|| self.estimate(Unknown::CageSlip(b), 0.01)),
+                cage_ratio: cage.cage_ratio,
+                first_element_azimuth_deg: cage.observable.then(azimuth),
+            }
+        };
+        estimates.iter().enumerate().map(outcome).collect()
+    }
+
+    fn parameters(&self, cause: Cause, nth: usize) -> FaultParameters {
+        let machine: &Machine = &self.last.machine;
+        match cause {
+            Cause::Unbalance => {
+                let [moment, angle] = self.vector([Unknown::Unbalance(0), Unknown::Unbalance(1)], 1e-6);
+                let [ex, ey, cx, cy] = machine.unbalance;
+                let square = (ex * ex + ey * ey).max(1e-30);
+                let station = (cx * ex + cy * ey) / square;
+                let of_couple = self.deviation(Unknown::Unbalance(2)).max(self.deviation(Unknown::Unbalance(3)));
+                let of_force = self.deviation(Unknown::Unbalance(0)).max(self.deviation(Unknown::Unbalance(1)));
+                let deviation = of_couple.hypot(station * of_force) / square.sqrt();
+                FaultParameters {
+                    moment_g_mm: Some(moment),
+                    angle_deg: Some(angle),
+                    station_mm: Some(around(station * 1e3, deviation * 1e3)),
+                    ..FaultParameters::default()
+                }
+            }
+            Cause::Load => FaultParameters {
+                load_n: Some([0, 1, 2].map(|i| self.estimate(Unknown::Load(i), 1.0))),
+                ..FaultParameters::default()
+            },
+            Cause::Clearance(b) => FaultParameters {
+                clearance_um: Some(self.estimate(Unknown::Clearance(b), 1e-6)),
+                ..FaultParameters::default()
+            },
+            Cause::Misalignment(b) => {
+                let [tilt, axis] = self.vector([Unknown::Tilt(b, 0), Unknown::Tilt(b, 1)], 1e-3);
+                FaultParameters { tilt_mrad: Some(tilt), axis_deg: Some(axis), ..FaultParameters::default() }
+            }
+            Cause::Spall(b, component) => {
+                let element = match machine.bearings[b].scene.defect.get(nth).map(|d| d.surface) {
+                    Some(crate::scene::Surface::Ball(j)) => Some(j + 1),
+                    _ => None,
+                };
+                let on_race = component != Component::Ball;
+                FaultParameters {
+                    form: Some(FaultForm::Spall),
+                    azimuth_deg: on_race.then(|| self.angle(Unknown::SpallAzimuth(b, nth))),
+                    element,
+                    half_width_deg: Some(self.estimate(Unknown::SpallWidth(b, nth), TAU / 360.0)),
+                    depth_um: Some(self.estimate(Unknown::SpallDepth(b, nth), 1e-6)),
+                    ..FaultParameters::default()
+                }
+            }
+            Cause::Waviness(b, _, order) => {
+                let [amplitude, _] = self.vector([Unknown::Wave(b, 2 * nth), Unknown::Wave(b, 2 * nth + 1)], 1e-6);
+                FaultParameters {
+                    form: Some(FaultForm::Waviness),
+                    waviness_order: Some(order),
+                    amplitude_um: Some(amplitude),
+                    ..FaultParameters::default()
+                }
+            }
+        }
+    }
+
+    /// Order of the lines of a cause; 0 where it changes the mean position.
+    fn order(&self, cause: Cause) -> f64 {
+        let cage = |b: usize| {
+            let mounted = &self.e.plant.bearings[b];
+            (mounted.elements as f64, mounted.kinematics.cage_ratio * (1.0 - self.last.machine.bearings[b].cage.slip))
+        };
+        match cause {
+            Cause::Unbalance => 1.0,
+            Cause::Load | Cause::Clearance(_) | Cause::Misalignment(_) => 0.0,
+            Cause::Spall(b, component) | Cause::Waviness(b, component, _) => {
+                let (n, ratio) = cage(b);
+                match component {
+                    Component::Outer => n * ratio,
+                    Component::Inner => n * (1.0 - ratio),
+                    Component::Ball => 2.0 * self.e.plant.bearings[b].kinematics.orders.ball_spin,
+                }
+            }
+        }
+    }
+
+    fn finding(&self, fault: &Fault, nth: usize) -> Finding {
+        let cause = fault.cause;
+        let bearings: Vec<String> = self.e.plant.bearings.iter().map(|b| b.name.clone()).collect();
+        let bearing = cause.bearing().map(|b| bearings[b].clone());
+        let gain = 0.5 * fault.gain;
+        let odds = fault.next.map(|(_, next)| (gain - 0.5 * next).min(LARGEST_ODDS.ln()).exp());
+        let explained =
+            fault.gain / (fault.gain + (fault.fitted.chi_square - fault.fitted.residual.len() as f64).max(0.0));
+        let mut parameters = self.parameters(cause, nth);
+        parameters.log_likelihood_gain = Some(gain);
+        parameters.odds_to_next = Some(odds.unwrap_or(LARGEST_ODDS));
+        parameters.explained = Some(explained.clamp(0.0, 1.0));
+        let order = self.order(cause);
+        let next = fault.next.map_or(String::new(), |(next, _)| {
+            format!(
+                "; odds against {} {}",
+                next.name(&bearings),
+                odds.map_or(String::new(), |odds| if odds >= 1e6 {
+                    "beyond 1e6".to_owned()
+                } else {
+                    format!("{odds:.0}")
+                })
+            )
+        });
+        let place = self.described(cause, &parameters, bearing.as_deref().unwrap_or_default());
+        let sentence = format!(
+            "{place}. It explains {:.0} % of the unexplained residual{next}.",
+            100.0 * explained.clamp(0.0, 1.0)
+        );
+        Finding {
+            kind: cause.kind(),
+            bearing,
+            line_hz: order * self.e.motion.mean_speed().abs() / TAU,
+            order,
+            level_db: 10.0 * (fault.gain / LEAST_GAIN).log10(),
+            confidence: explained.clamp(0.0, 1.0) * odds.map_or(1.0, |odds| odds / (1.0 + odds)),
+            parameters,
+            sentence,
+        }
+    }
+
+    /// Describes a fault with its place and size.
+    fn described(&self, cause: Cause, p: &FaultParameters, bearing: &str) -> String {
+        let value = |estimate: Option<Estimate>| estimate.map_or(0.0, |e| e.value);
+        let size = |estimate: Option<Estimate>, digits: usize| {
+            estimate
+                .map_or(String::new(), |e| format!("{:.digits$} ({:.digits$} to {:.digits$})", e.value, e.low, e.high))
+        };
+        let scene = |b: usize| clearance(&self.e.scene.bearings[b]) * 1e6;
+        match cause {
+            Cause::Unbalance => format!(
+                "Unbalance other than the scene's: {} g mm at {} deg from the keyphasor mark, station {:.1} mm",
+                size(p.moment_g_mm, 1),
+                size(p.angle_deg, 1),
+                value(p.station_mm)
+            ),
+            Cause::Load => {
+                let [x, y, z] = p.load_n.unwrap_or([Estimate { value: 0.0, low: 0.0, high: 0.0 }; 3]);
+                format!(
+                    "Load other than the scene's: {:.1}, {:.1}, {:.1} N along X, Y, Z besides the weight",
+                    x.value, y.value, z.value
+                )
+            }
+            Cause::Clearance(b) => {
+                format!("Clearance of {bearing}: {} um instead of {:.1} um", size(p.clearance_um, 2), scene(b))
+            }
+            Cause::Misalignment(_) => format!(
+                "Misalignment of {bearing}: its outer ring is tilted by {} mrad about an axis at {} deg from +X",
+                size(p.tilt_mrad, 3),
+                size(p.axis_deg, 0)
+            ),
+            Cause::Spall(_, component) => {
+                let (surface, place) = match component {
+                    Component::Outer => ("Outer race", format!("at {} deg from +X", size(p.azimuth_deg, 1))),
+                    Component::Inner => {
+                        ("Inner race", format!("at {} deg from the keyphasor mark", size(p.azimuth_deg, 1)))
+                    }
+                    Component::Ball => ("Rolling element", format!("on element {}", p.element.unwrap_or(1))),
+                };
+                format!(
+                    "{surface} of {bearing}: a spall {place}, {} um deep, half width {:.2} deg",
+                    size(p.depth_um, 2),
+                    value(p.half_width_deg)
+                )
+            }
+            Cause::Waviness(_, component, order) => {
+                let surface = if component == Component::Outer { "Outer race" } else { "Inner race" };
+                format!("{surface} of {bearing}: waviness of order {order}, amplitude {} um", size(p.amplitude_um, 3))
+            }
+        }
+    }
+
+    /// The finding that no hypothesis explains the residual, with its strongest lines.
+    fn unexplained(&self, after: f64) -> Finding {
+        let per = 2 * self.e.rows;
+        let speed = self.e.motion.mean_speed().abs();
+        let mut lines: Vec<(f64, f64)> = self
+            .last
+            .residual
+            .chunks(per)
+            .zip(&self.e.transform.lines)
+            .map(|(values, w)| (values.iter().map(|x| x * x).sum::<f64>() / per as f64, w / speed))
+            .collect();
+        lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut strongest: Vec<f64> = vec![];
+        for (_, order) in &lines {
+            if strongest.iter().all(|other| (other - order).abs() > 0.1) {
+                strongest.push(*order);
+            }
+            if strongest.len() == LISTED {
+                break;
+            }
+        }
+        let order = strongest.first().copied().unwrap_or(0.0);
+        let list: Vec<String> = strongest.iter().map(|order| format!("{order:.2}")).collect();
+        Finding {
+            kind: FindingKind::Other,
+            bearing: None,
+            line_hz: order * speed / TAU,
+            order,
+            level_db: 10.0 * after.max(1.0).log10(),
+            confidence: 0.5,
+            parameters: FaultParameters::default(),
+            sentence: format!(
+                "Unexplained: the residual is {:.1} times its noise, and no fault of a bearing or the rotor explains it. Strongest lines, per turn of the shaft: {}.",
+                after.sqrt(),
+                list.join(", ")
+            ),
+        }
+    }
+}
+
+/// Returns an estimate from its standard deviation.
+fn around(value: f64, deviation: f64) -> Estimate {
+    let half = WITHIN_95 * deviation;
+    Estimate { value, low: value - half, high: value + half }
+}
+
+/// Returns an angle with its value between 0 and 360 degrees.
+fn within_turn(e: Estimate) -> Estimate {
+    let shift = e.value.rem_euclid(360.0) - e.value;
+    Estimate { value: e.value + shift, low: e.low + shift, high: e.high + shift }
+}

@@ -1,0 +1,385 @@
+//! Hypotheses: faults added to the machine, one after the other, as long as the recording asks for them.
+
+use super::Prepared;
+use super::Result;
+use super::cage;
+use super::fit::{Fitted, dot, evaluate, fit};
+use super::machine::{Machine, MachineBearing, Unknown, clearance, waves};
+use super::residual::Evidence;
+use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
+use crate::scene::Surface;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Cause of a departure from the healthy machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cause {
+    Unbalance,
+    Load,
+    Clearance(usize),
+    Misalignment(usize),
+    Spall(usize, Component),
+    Waviness(usize, Component, u32),
+}
+
+/// A candidate: a start and what is free in its fit.
+pub struct Candidate {
+    pub cause: Cause,
+    /// Fall of chi-squared expected before the fit.
+    pub gain: f64,
+    /// Machines to start a fit from, the likeliest first.
+    starts: Vec<Machine>,
+    unknowns: Vec<Unknown>,
+}
+
+/// A fault found, with the machine that contains it and all before it.
+#[derive(Clone)]
+pub struct Fault {
+    pub cause: Cause,
+    /// Fall of chi-squared by it.
+    pub gain: f64,
+    /// Fall of chi-squared by the runner-up in its place, and its cause.
+    pub next: Option<(Cause, f64)>,
+    pub fitted: Fitted,
+    /// Bearings whose cage can be observed with it.
+    observable: Vec<bool>,
+}
+
+/// Range of slips searched.
+pub const SLIPS: [f64; 2] = [-0.01, 0.06];
+
+fn linear(e: &Evidence, now: &Fitted, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
+    let slopes = unknowns.iter().map(|u| e.slope(&now.spectra, &now.machine, *u)).collect::<Result<Vec<_>>>()?;
+    let n = slopes.len();
+    let normal = DMatrix::from_fn(n, n, |i, j| dot(&slopes[i], &slopes[j]));
+    let right = DVector::from_fn(n, |i, _| -dot(&slopes[i], &now.residual));
+    let Some(x) = normal.lu().solve(&right) else { return Ok((0.0, now.machine.clone())) };
+    let mut machine = now.machine.clone();
+    for (u, x) in unknowns.iter().zip(x.iter()) {
+        u.set(&mut machine, u.get(&now.machine) + x);
+    }
+    Ok((x.dot(&right), machine))
+}
+
+/// Tries `machines` and returns the best with its fall of chi-squared.
+fn best_of(
+    e: &Evidence,
+    now: &Fitted,
+    bearing: usize,
+    machines: impl Iterator<Item = Machine>,
+) -> Result<(f64, Machine)> {
+    let mut best = (f64::NEG_INFINITY, now.machine.clone());
+    for machine in machines {
+        let spectra = e.changed(&now.spectra, &machine, super::machine::Part::Bearing(bearing))?;
+        let gain = now.chi_square - super::fit::square(&e.residual(&spectra));
+        if gain > best.0 {
+            best = (gain, machine);
+        }
+    }
+    Ok(best)
+}
+
+/// Clearances that are tried, over the present one.
+const CLEARANCES: [f64; 8] = [0.3, 0.6, 0.85, 1.15, 1.4, 1.8, 2.3, 3.0];
+/// Tilts that are tried, rad, and their number of axes.
+const TILTS: ([f64; 3], u32) = ([0.15e-3, 0.4e-3, 0.8e-3], 8);
+
+/// Where the search for candidates stands.
+struct Search<'a, 'b> {
+    e: &'a Evidence<'b>,
+    band: &'a Baseband,
+    now: &'a Fitted,
+    /// Unknowns of the observable cages, free in every fit.
+    cages: Vec<Unknown>,
+}
+
+impl Search<'_, '_> {
+    /// Returns candidates, best first. The cages of `locked` bearings are known from a fault found before.
+    fn candidates(&self, locked: &[bool]) -> Result<Vec<Candidate>> {
+        let mut all = vec![
+            self.linear(Cause::Unbalance, (0..4).map(Unknown::Unbalance).collect())?,
+            self.linear(Cause::Load, (0..3).map(Unknown::Load).collect())?,
+        ];
+        for (b, &is_locked) in locked.iter().enumerate() {
+            all.extend(self.clearance(b)?);
+            all.push(self.misalignment(b)?);
+            let compliance = Compliance::new(self.e, self.band, b, &self.now.machine.bearings[b])?;
+            for component in [Component::Outer, Component::Inner, Component::Ball] {
+                let family = best_family(self.e, self.band, self.now, &compliance, component, SLIPS, is_locked);
+                all.extend(self.spall(b, &family, is_locked));
+                all.extend(self.waviness(b, &family));
+            }
+        }
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        Ok(all)
+    }
+
+    /// Returns `own` with the unknowns of the observable cages.
+    fn with_cages(&self, own: Vec<Unknown>) -> Vec<Unknown> {
+        let mut unknowns = self.cages.clone();
+        unknowns.extend(own.into_iter().filter(|u| !self.cages.contains(u)));
+        unknowns
+    }
+
+    fn linear(&self, cause: Cause, own: Vec<Unknown>) -> Result<Candidate> {
+        let (gain, start) = linear(self.e, self.now, &own)?;
+        Ok(Candidate { cause, gain, starts: vec![start], unknowns: self.with_cages(own) })
+    }
+
+    fn clearance(&self, b: usize) -> Result<Option<Candidate>> {
+        let given = clearance(&self.now.machine.bearings[b].scene);
+        if given <= 0.0 {
+            return Ok(None);
+        }
+        let machines = CLEARANCES.into_iter().map(|factor| {
+            let mut machine = self.now.machine.clone();
+            Unknown::Clearance(b).set(&mut machine, factor * given);
+            machine
+        });
+        let (gain, start) = best_of(self.e, self.now, b, machines)?;
+        let unknowns = self.with_cages(vec![Unknown::Clearance(b)]);
+        Ok(Some(Candidate { cause: Cause::Clearance(b), gain, starts: vec![start], unknowns }))
+    }
+
+    fn misalignment(&self, b: usize) -> Result<Candidate> {
+        let (sizes, axes) = TILTS;
+        let directions = (0..axes).map(|i| TAU * f64::from(i) / f64::from(axes));
+        let machines =
+            directions.flat_map(|angle| sizes.map(|size| [size * angle.cos(), size * angle.sin()])).map(|tilt| {
+                let mut machine = self.now.machine.clone();
+                machine.bearings[b].tilt = tilt;
+                machine
+            });
+        let (gain, start) = best_of(self.e, self.now, b, machines)?;
+        let unknowns = self.with_cages(vec![Unknown::Tilt(b, 0), Unknown::Tilt(b, 1)]);
+        Ok(Candidate { cause: Cause::Misalignment(b), gain, starts: vec![start], unknowns })
+    }
+
+    fn spall(&self, b: usize, family: &Family, is_locked: bool) -> Option<Candidate> {
+        let bearing = &self.now.machine.bearings[b];
+        let per = if family.component == Component::Ball { 1.0 } else { self.e.plant.bearings[b].elements as f64 };
+        let known = is_locked.then_some((bearing.cage.phase + bearing.scene.first_element_azimuth / TAU) * per);
+        let guesses = family.spalls(known);
+        let gain = guesses.first()?.0;
+        let starts =
+            guesses.iter().take(STARTS).map(|(_, guess)| with_spall(self.now, family, guess, is_locked)).collect();
+        let d = bearing.scene.defect.len();
+        let mut own = vec![
+            Unknown::CagePhase(b),
+            Unknown::CageSlip(b),
+            Unknown::SpallAzimuth(b, d),
+            Unknown::SpallWidth(b, d),
+            Unknown::SpallDepth(b, d),
+        ];
+        if family.component == Component::Ball {
+            own.push(Unknown::SpinSlip(b));
+        }
+        Some(Candidate { cause: Cause::Spall(b, family.component), gain, starts, unknowns: self.with_cages(own) })
+    }
+
+    /// Returns a wave of a race.
+    fn waviness(&self, b: usize, family: &Family) -> Option<Candidate> {
+        let surface = match family.component {
+            Component::Outer => Surface::Outer,
+            Component::Inner => Surface::Inner,
+            Component::Ball => return None,
+        };
+        let (gain, order, _) = family.wave()?;
+        let mut start = self.now.machine.clone();
+        let bearing = &mut start.bearings[b];
+        bearing.cage.slip = family.slip;
+        let w = bearing.scene.waviness.len();
+        bearing.scene.waviness.extend(waves(surface, false, order, [0.0; 2]));
+        let own = vec![Unknown::Wave(b, w), Unknown::Wave(b, w + 1), Unknown::CageSlip(b)];
+        let cause = Cause::Waviness(b, family.component, order);
+        Some(Candidate { cause, gain, starts: vec![start], unknowns: self.with_cages(own) })
+    }
+}
+
+/// Chi-squared of a start, over that before, beyond which a fit does not begin.
+const FAR: f64 = 1.5;
+/// Starts of a fit that are tried for a spall.
+const STARTS: usize = 3;
+
+/// Returns the unknowns of a candidate without those of the cages.
+fn own(candidate: &Candidate) -> Vec<Unknown> {
+    let is_of_cage = |u: &Unknown| matches!(u, Unknown::CagePhase(_) | Unknown::CageSlip(_));
+    candidate.unknowns.iter().copied().filter(|u| !is_of_cage(u)).collect()
+}
+
+/// Fits a candidate from the best of its starts; none where that is not near the recording.
+fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fitted>> {
+    let mut start: Option<Fitted> = None;
+    for machine in &candidate.starts {
+        let tried = evaluate(e, machine)?;
+        if start.as_ref().is_none_or(|best| tried.chi_square < best.chi_square) {
+            start = Some(tried);
+        }
+    }
+    let Some(start) = start.filter(|start| start.chi_square < FAR * now.chi_square) else { return Ok(None) };
+    if let Cause::Spall(..) = candidate.cause {
+        return fit(e, &start, &candidate.unknowns, 30).map(Some);
+    }
+    let first = fit(e, &start, &own(candidate), 8)?;
+    Ok(Some(match candidate.cause {
+        Cause::Waviness(..) => fit(e, &first, &candidate.unknowns, 10)?,
+        _ => first,
+    }))
+}
+
+/// Fits a candidate with all cages searched again: the machine in good order explained as much of the fault as it could by
+/// false angles of its cages.
+fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(Fitted, Vec<bool>)> {
+    let (settled, observable) = cage::settle(&of.evidence, &of.band, &first.machine, SLIPS)?;
+    let mut unknowns = cage::unknowns(&observable);
+    unknowns.extend(own(candidate));
+    let again = fit(&of.evidence, &settled, &unknowns, 10)?;
+    Ok(if again.chi_square < first.chi_square { (again, observable) } else { (first.clone(), of.observable.clone()) })
+}
+
+/// Returns chi-squared without the last fault, all else as fitted.
+fn without(e: &Evidence, before: &Fitted, cause: Cause, fitted: &Fitted) -> Result<f64> {
+    let mut machine = fitted.machine.clone();
+    match cause {
+        Cause::Unbalance => machine.unbalance = before.machine.unbalance,
+        Cause::Load => machine.load = before.machine.load,
+        Cause::Clearance(b) => Unknown::Clearance(b).set(&mut machine, clearance(&before.machine.bearings[b].scene)),
+        Cause::Misalignment(b) => machine.bearings[b].tilt = before.machine.bearings[b].tilt,
+        Cause::Spall(b, _) => {
+            machine.bearings[b].scene.defect.pop();
+        }
+        Cause::Waviness(b, ..) => {
+            let waves = &mut machine.bearings[b].scene.waviness;
+            waves.truncate(waves.len() - 2);
+        }
+    }
+    Ok(evaluate(e, &machine)?.chi_square)
+}
+
+/// Returns true where a fault is larger than what bearings and rotors in good order have.
+fn is_material(before: &Fitted, cause: Cause, after: &Fitted) -> bool {
+    let (old, new) = (&before.machine, &after.machine);
+    match cause {
+        Cause::Unbalance => {
+            let change =
+                |i: usize| (new.unbalance[i] - old.unbalance[i]).hypot(new.unbalance[i + 1] - old.unbalance[i + 1]);
+            let given = |i: usize| old.unbalance[i].hypot(old.unbalance[i + 1]);
+            change(0) > 0.05 * given(0) || change(2) > 0.05 * given(2).max(0.02 * given(0))
+        }
+        Cause::Load => (0..3).any(|i| (new.load[i] - old.load[i]).abs() > 1.0),
+        Cause::Clearance(b) => {
+            let (old, new) = (clearance(&old.bearings[b].scene), clearance(&new.bearings[b].scene));
+            (new - old).abs() > 3e-7_f64.max(0.03 * old)
+        }
+        Cause::Misalignment(b) => new.bearings[b].tilt[0].hypot(new.bearings[b].tilt[1]) > 3e-5,
+        Cause::Spall(b, _) => new.bearings[b].scene.defect.last().is_some_and(|d| d.depth > 1e-7),
+        Cause::Waviness(b, ..) => {
+            let waves = &new.bearings[b].scene.waviness;
+            waves.iter().rev().take(2).map(|w| w.amplitude * w.amplitude).sum::<f64>().sqrt() > 1e-8
+        }
+    }
+}
+
+/// Most faults in one diagnosis.
+const MOST_FAULTS: usize = 3;
+/// Candidates that are fitted, at most, and least share of the gain of the first.
+const FITTED: (usize, f64) = (4, 0.2);
+/// Fitted candidates for which the cages are searched again.
+const SEARCHED: usize = 2;
+/// Fall of chi-squared from which a fault counts: odds of e^50 against chance, with thousands of alternatives tried.
+pub const LEAST_GAIN: f64 = 100.0;
+/// Part of chi-squared by which the residual of a true machine may exceed the number of its values: the force is evaluated at
+/// samples and between them by interpolation.
+const MODEL_ERROR: f64 = 0.03;
+/// A further fault explains at least this share of what the faults before it leave unexplained.
+const LEAST_SHARE: f64 = 0.3;
+
+/// Cage slip as it is in practice, mean and standard deviation: 0 to 3 %, to 6 % under light load (NASA TN D-7870). It decides only
+/// between lines that coincide for different slips.
+const USUAL_SLIP: [f64; 2] = [0.005, 0.01];
+
+/// Adds faults to the healthy machine as long as they explain enough.
+pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>> {
+    let mut locked = vec![false; of.observable.len()];
+    let mut now = of.healthy.clone();
+    let mut faults: Vec<Fault> = vec![];
+    let values = now.residual.len() as f64;
+    while faults.len() < MOST_FAULTS {
+        let excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
+        let least = (LEAST_SHARE * excess).max(LEAST_GAIN);
+        let cages = cage::unknowns(&of.observable);
+        let list = Search { e: &of.evidence, band: &of.band, now: &now, cages }.candidates(&locked)?;
+        progress(0.3 + 0.2 * faults.len() as f64);
+        let Some(top) = list.iter().find(|c| faults.iter().all(|fault| fault.cause != c.cause)).map(|c| c.gain) else {
+            break;
+        };
+        let is_new = |cause: Cause| faults.iter().all(|fault| fault.cause != cause);
+        let worth = |c: &&Candidate| is_new(c.cause) && c.gain > (FITTED.1 * top).max(0.6 * least);
+        let mut fits = vec![];
+        for candidate in list.iter().filter(worth).take(FITTED.0) {
+            fits.extend(fitted(&of.evidence, candidate, &now)?.map(|fitted| (candidate, fitted)));
+        }
+        fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
+        let mut tried: Vec<Fault> = vec![];
+        for (rank, (candidate, fitted)) in fits.iter().enumerate() {
+            tried.push(judged(of, &now, candidate, fitted, rank < SEARCHED)?);
+        }
+        tried.retain(|fault| fault.gain > least && is_material(&now, fault.cause, &fault.fitted));
+        tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let mut tried = tried.into_iter();
+        let Some(mut fault) = tried.next() else { break };
+        fault.next = tried.next().map(|next| (next.cause, next.gain));
+        now = fault.fitted.clone();
+        of.observable.clone_from(&fault.observable);
+        match fault.cause {
+            Cause::Spall(b, _) | Cause::Waviness(b, ..) => locked[b] = true,
+            Cause::Clearance(_) | Cause::Misalignment(_) | Cause::Load => {
+                now = weighed_again(of, &now)?;
+                fault.fitted = now.clone();
+            }
+            Cause::Unbalance => {}
+        }
+        faults.push(fault);
+        progress(0.4 + 0.2 * faults.len() as f64);
+    }
+    Ok(faults)
+}
+
+/// Judges a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
+fn judged(of: &Prepared, now: &Fitted, candidate: &Candidate, first: &Fitted, search: bool) -> Result<Fault> {
+    let e = &of.evidence;
+    let values = now.residual.len() as f64;
+    let is_spall = matches!(candidate.cause, Cause::Spall(..));
+    let (fitted, mut observable) = if search && !is_spall && first.chi_square > (1.0 + MODEL_ERROR) * values {
+        with_cages(of, candidate, first)?
+    } else {
+        (first.clone(), of.observable.clone())
+    };
+    if let Cause::Spall(b, _) | Cause::Waviness(b, ..) = candidate.cause {
+        // The fault shows the cage.
+        observable[b] = true;
+    }
+    let penalty = values.ln() * candidate.unknowns.len() as f64;
+    let unusual = |b: &MachineBearing| ((b.cage.slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2);
+    let slips: f64 = fitted.machine.bearings.iter().map(unusual).sum();
+    // The fault's own part: a cage that goes with it may explain something by itself.
+    let before = without(e, now, candidate.cause, &fitted)?.min(now.chi_square);
+    let gain = before - fitted.chi_square - penalty - slips;
+    Ok(Fault { cause: candidate.cause, gain, next: None, fitted, observable })
+}
+
+/// Weighs the residual by the noise that it has with this machine, whose stiffness is not the healthy one's, and fits again.
+fn weighed_again(of: &mut Prepared, now: &Fitted) -> Result<Fitted> {
+    let is_own = |u: &Unknown| !matches!(u, Unknown::CagePhase(_) | Unknown::CageSlip(_));
+    let own: Vec<Unknown> = now.unknowns.iter().copied().filter(is_own).collect();
+    let mut now = now.clone();
+    for _ in 0..2 {
+        of.evidence.weigh(&now.machine)?;
+        let (settled, seen) = cage::settle(&of.evidence, &of.band, &now.machine, SLIPS)?;
+        let mut unknowns = cage::unknowns(&seen);
+        unknowns.extend(own.iter().copied());
+        now = fit(&of.evidence, &settled, &unknowns, 12)?;
+        of.observable = seen;
+    }
+    Ok(now)
+}

@@ -1,0 +1,472 @@
+//! The machine under a hypothesis: the parameters that a diagnosis varies, and the forces that follow from them.
+
+use super::Result;
+use super::motion::{D, Motion};
+use crate::plant::Plant;
+use crate::scene::build::{self, AnyBearing};
+use crate::scene::{Bearing as BearingScene, Defect, DefectShape, Fit, Linear, Model, Scene, Surface, Unbalance, Wave};
+use ballrace::bearing::Bearing as _;
+use ballrace::{BearingKinematicState, Displacement, Phase};
+use std::f64::consts::TAU;
+
+/// Angle and speed of a cage, and of the balls about their own axes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Cage {
+    /// Angle at total revolution 0, revolutions, beyond the scene's.
+    pub phase: f64,
+    /// Cage speed below pure rolling, as a share of it.
+    pub slip: f64,
+    /// Spin angle of the balls at total revolution 0, revolutions.
+    pub spin_phase: f64,
+    /// Ball spin below pure rolling, as a share of it.
+    pub spin_slip: f64,
+}
+
+/// One bearing of the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineBearing {
+    pub scene: BearingScene,
+    pub cage: Cage,
+    /// Tilt of the outer ring about X and Y, rad.
+    pub tilt: [f64; 2],
+}
+
+/// A machine under a hypothesis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    pub bearings: Vec<MachineBearing>,
+    /// Load on the rotor, N and N m, without weight.
+    pub load: [f64; D],
+    /// Rotor damping, N s/m and N m s/rad.
+    pub damping: [f64; D],
+    /// Static unbalance (kg m) and couple (kg m^2), each along X and Y at shaft angle 0.
+    pub unbalance: [f64; 4],
+}
+
+impl Machine {
+    /// Returns the machine of the scene.
+    pub fn new(scene: &Scene) -> Option<Self> {
+        let rotor = scene.rotor.as_ref()?;
+        let mut unbalance = [0.0; 4];
+        for one in &rotor.unbalance {
+            let (s, c) = one.angle.sin_cos();
+            for (sum, part) in unbalance.iter_mut().zip([c, s, one.station * c, one.station * s]) {
+                *sum += one.moment * part;
+            }
+        }
+        let bearings = scene
+            .bearings
+            .iter()
+            .map(|b| MachineBearing { scene: b.clone(), cage: Cage::default(), tilt: [0.0; 2] })
+            .collect();
+        Some(Self { bearings, load: rotor.load, damping: rotor.damping, unbalance })
+    }
+}
+
+impl Machine {
+    /// Returns the scene with this machine's bearings, damping and unbalance.
+    pub fn scene(&self, scene: &Scene) -> Scene {
+        /// Distance of two planes that carry the unbalance, m.
+        const PLANES: f64 = 0.1;
+        let mut scene = scene.clone();
+        for (to, from) in scene.bearings.iter_mut().zip(&self.bearings) {
+            to.geometry = from.scene.geometry;
+        }
+        if let Some(rotor) = &mut scene.rotor {
+            rotor.damping = self.damping;
+            let [ex, ey, cx, cy] = self.unbalance;
+            let plane = |station: f64| {
+                let (x, y) = (0.5 * ex + cx / (2.0 * station), 0.5 * ey + cy / (2.0 * station));
+                Unbalance { moment: x.hypot(y), angle: y.atan2(x), station }
+            };
+            rotor.unbalance = vec![plane(0.5 * PLANES), plane(-0.5 * PLANES)];
+        }
+        scene
+    }
+}
+
+/// A bearing ready to be evaluated along a motion.
+pub struct Evaluated {
+    /// The bearing without its spalls.
+    bearing: AnyBearing<f64>,
+    /// The bearing with its spalls, where it has any.
+    damaged: Option<AnyBearing<f64>>,
+    spalls: Vec<Defect>,
+    /// Azimuth of each element with the cage at angle 0, rad.
+    azimuths: Vec<f64>,
+    station: f64,
+    /// Displacement by preload.
+    offset: Displacement<f64>,
+    tilt: [f64; 2],
+    cage: Cage,
+    cage_ratio: f64,
+    ball_ratio: f64,
+}
+
+/// Instants per sample period at which a pulse of a spall is evaluated.
+pub const PARTS: usize = 4;
+
+/// Model by which a bearing is evaluated: that of the scene; of a linearised one the model that it stands for.
+fn model(of: &BearingScene) -> Model {
+    match (of.model, &of.linear) {
+        (Model::Linear, Some(Linear::Of(source))) => *source,
+        (model, _) => model,
+    }
+}
+
+impl Evaluated {
+    pub fn new(scene: &Scene, plant: &Plant, i: usize, of: &MachineBearing) -> Result<Self> {
+        let built = |of: &BearingScene| build::bearing(scene, of, model(of));
+        let sound = BearingScene { defect: vec![], ..of.scene.clone() };
+        let damaged = if of.scene.defect.is_empty() { None } else { Some(built(&of.scene)?) };
+        let kinematics = &plant.bearings[i].kinematics;
+        Ok(Self {
+            bearing: built(&sound)?,
+            damaged,
+            spalls: of.scene.defect.clone(),
+            azimuths: plant.bearings[i].element_azimuths.iter().map(|a| a.radians()).collect(),
+            station: of.scene.station,
+            offset: plant.bearings[i].offset,
+            tilt: of.tilt,
+            cage: of.cage,
+            cage_ratio: kinematics.cage_ratio * (1.0 - of.cage.slip),
+            ball_ratio: kinematics.ball_ratio() * (1.0 - of.cage.spin_slip),
+        })
+    }
+
+    /// Returns the kinematic state at sample `t`.
+    pub fn state(&self, motion: &Motion, t: usize) -> BearingKinematicState<f64> {
+        self.state_at(motion.turns[t], motion.speed[t])
+    }
+
+    fn state_at(&self, turns: f64, speed: f64) -> BearingKinematicState<f64> {
+        BearingKinematicState {
+            cage: Phase::from_revolutions(self.cage.phase + self.cage_ratio * turns),
+            inner: Phase::from_revolutions(turns),
+            outer: Phase::ZERO,
+            ball: Phase::from_revolutions(self.cage.spin_phase + self.ball_ratio * turns),
+            inner_speed: speed,
+            outer_speed: 0.0,
+        }
+    }
+
+    /// Displacement of the inner ring against the outer one.
+    pub fn displacement(&self, q: &Displacement<f64>) -> Displacement<f64> {
+        let u = q.at_station(self.station) + self.offset;
+        Displacement { thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
+    }
+
+    /// Returns the force on the rotor of the bearing without its spalls, about the centre of mass, at every sample.
+    pub fn forces(&self, motion: &Motion) -> Vec<[f64; D]> {
+        (0..motion.len()).map(|t| self.force(motion, t)).collect()
+    }
+
+    /// Returns the change of the force by the spalls, at [`PARTS`] instants in each sample period; none without a spall.
+    ///
+    /// A ball passes a spall within a few samples: sampled like the rest, the pulse would appear at false frequencies.
+    pub fn pulses(&self, motion: &Motion) -> Option<Vec<[f64; D]>> {
+        let damaged = self.damaged.as_ref()?;
+        let mut all = vec![[0.0; D]; motion.len() * PARTS];
+        for t in 0..motion.len() - 1 {
+            let (from, to) = (motion.turns[t], motion.turns[t + 1]);
+            if !self.passes(from, to) {
+                continue;
+            }
+            let (q0, q1) = (motion.q[t].to_array(), motion.q[t + 1].to_array());
+            for part in 0..PARTS {
+                let share = part as f64 / PARTS as f64;
+                let turns = from + share * (to - from);
+                let q = Displacement::from_array(std::array::from_fn(|i| q0[i] + share * (q1[i] - q0[i])));
+                let state = self.state_at(turns, motion.speed[t]);
+                let (with, without) = (self.wrench(damaged, &q, &state), self.wrench(&self.bearing, &q, &state));
+                all[t * PARTS + part] = std::array::from_fn(|i| with[i] - without[i]);
+            }
+        }
+        Some(all)
+    }
+
+    /// Returns true where a ball is on a spall between two positions of the shaft.
+    fn passes(&self, from: f64, to: f64) -> bool {
+        let middle = 0.5 * (from + to);
+        let cage = TAU * (self.cage.phase + self.cage_ratio * middle);
+        let ball = TAU * (self.cage.spin_phase + self.ball_ratio * middle);
+        let near = |angle: f64, reach: f64| (angle - TAU * (angle / TAU).round()).abs() < reach;
+        self.spalls.iter().any(|spall| {
+            let moved = |ratio: f64| 0.5 * (TAU * ratio * (to - from)).abs() + spall.half_width;
+            match spall.surface {
+                Surface::Outer => self.azimuths.iter().any(|a| near(cage + a - spall.azimuth, moved(self.cage_ratio))),
+                Surface::Inner => {
+                    let inner = TAU * middle + spall.azimuth;
+                    self.azimuths.iter().any(|a| near(cage + a - inner, moved(1.0 - self.cage_ratio)))
+                }
+                Surface::Ball(_) => {
+                    let reach = moved(self.ball_ratio);
+                    near(ball - spall.azimuth, reach) || near(ball + 0.5 * TAU - spall.azimuth, reach)
+                }
+            }
+        })
+    }
+
+    /// Returns the force at sample `t` with an error of the displacement of the centre of mass.
+    pub fn force_with(&self, motion: &Motion, t: usize, error: &Displacement<f64>) -> [f64; D] {
+        let q = Displacement::from_array(std::array::from_fn(|i| motion.q[t].to_array()[i] + error.to_array()[i]));
+        self.wrench(&self.bearing, &q, &self.state(motion, t))
+    }
+
+    /// Returns the force at sample `t`.
+    pub fn force(&self, motion: &Motion, t: usize) -> [f64; D] {
+        self.force_in(motion, t, &self.state(motion, t))
+    }
+
+    /// Returns the force of the damaged bearing at sample `t` with the cage at another angle.
+    pub fn damaged_at(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
+        let state = BearingKinematicState { cage, ..self.state(motion, t) };
+        self.wrench(self.damaged.as_ref().unwrap_or(&self.bearing), &motion.q[t], &state)
+    }
+
+    /// Returns the force at sample `t` with the cage at another angle.
+    pub fn force_at(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
+        self.force_in(motion, t, &BearingKinematicState { cage, ..self.state(motion, t) })
+    }
+
+    fn force_in(&self, motion: &Motion, t: usize, state: &BearingKinematicState<f64>) -> [f64; D] {
+        self.wrench(&self.bearing, &motion.q[t], state)
+    }
+
+    fn wrench(&self, of: &AnyBearing<f64>, q: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
+        let reaction = of.reaction(&self.displacement(q), state);
+        let [fx, fy, fz, mx, my] = reaction.wrench.to_array();
+        [fx, fy, fz, mx - self.station * fy, my + self.station * fx]
+    }
+
+    /// Adds the tangent stiffness at sample `t`, in the coordinates of the centre of mass.
+    pub fn add_stiffness(&self, motion: &Motion, t: usize, weight: f64, sum: &mut [[f64; D]; D]) {
+        let (_, k) = self.bearing.reaction_and_stiffness(&self.displacement(&motion.q[t]), &self.state(motion, t));
+        // u = T q with T = 1 but for u by thv (+station) and v by thu (-station); K_q = T^T K T.
+        let z = self.station;
+        let mut half = [[0.0; D]; D];
+        for i in 0..D {
+            for j in 0..D {
+                half[i][j] = k[(i, j)];
+            }
+            half[i][4] += z * k[(i, 0)];
+            half[i][3] -= z * k[(i, 1)];
+        }
+        for j in 0..D {
+            for i in 0..D {
+                sum[i][j] += weight * half[i][j];
+            }
+            sum[4][j] += weight * z * half[0][j];
+            sum[3][j] -= weight * z * half[1][j];
+        }
+    }
+}
+
+/// A parameter that a hypothesis varies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unknown {
+    CagePhase(usize),
+    CageSlip(usize),
+    Clearance(usize),
+    Modulus(usize),
+    Tilt(usize, usize),
+    Load(usize),
+    /// Factor of the damping of the translations (0) or rotations (1).
+    Damping(usize),
+    Unbalance(usize),
+    /// Of defect `.1` of bearing `.0`.
+    SpallAzimuth(usize, usize),
+    SpallWidth(usize, usize),
+    SpallDepth(usize, usize),
+    SpinSlip(usize),
+    /// In-phase and quadrature amplitude of the pair of waves at index `.1` and `.1 + 1`.
+    Wave(usize, usize),
+}
+
+/// What a parameter changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Part {
+    Bearing(usize),
+    Rotor,
+}
+
+impl Unknown {
+    pub fn part(self) -> Part {
+        match self {
+            Self::CagePhase(b)
+            | Self::CageSlip(b)
+            | Self::Clearance(b)
+            | Self::Modulus(b)
+            | Self::Tilt(b, _)
+            | Self::SpallAzimuth(b, _)
+            | Self::SpallWidth(b, _)
+            | Self::SpallDepth(b, _)
+            | Self::SpinSlip(b)
+            | Self::Wave(b, _) => Part::Bearing(b),
+            Self::Load(_) | Self::Damping(_) | Self::Unbalance(_) => Part::Rotor,
+        }
+    }
+
+    /// Step of a difference quotient.
+    pub fn step(self) -> f64 {
+        match self {
+            Self::CagePhase(_) => 1e-6,
+            Self::CageSlip(_) | Self::SpinSlip(_) => 1e-8,
+            Self::Clearance(_) => 1e-10,
+            Self::Modulus(_) => 1e6,
+            Self::Tilt(..) => 1e-8,
+            Self::Load(i) => {
+                if i < 3 {
+                    0.1
+                } else {
+                    0.01
+                }
+            }
+            Self::Damping(_) => 0.01,
+            Self::Unbalance(i) => {
+                if i < 2 {
+                    1e-7
+                } else {
+                    1e-9
+                }
+            }
+            Self::SpallAzimuth(..) | Self::SpallWidth(..) => 1e-5,
+            Self::SpallDepth(..) => 1e-10,
+            Self::Wave(..) => 1e-10,
+        }
+    }
+
+    pub fn get(self, machine: &Machine) -> f64 {
+        let bearing = |b: usize| &machine.bearings[b];
+        match self {
+            Self::CagePhase(b) => bearing(b).cage.phase,
+            Self::CageSlip(b) => bearing(b).cage.slip,
+            Self::SpinSlip(b) => bearing(b).cage.spin_slip,
+            Self::Clearance(b) => clearance(&bearing(b).scene),
+            Self::Modulus(b) => bearing(b).scene.geometry.map_or(0.0, |g| g.youngs_modulus),
+            Self::Tilt(b, axis) => bearing(b).tilt[axis],
+            Self::Load(i) => machine.load[i],
+            Self::Damping(i) => machine.damping[3 * i],
+            Self::Unbalance(i) => machine.unbalance[i],
+            Self::SpallAzimuth(b, d) => bearing(b).scene.defect[d].azimuth,
+            Self::SpallWidth(b, d) => bearing(b).scene.defect[d].half_width,
+            Self::SpallDepth(b, d) => bearing(b).scene.defect[d].depth,
+            Self::Wave(b, w) => bearing(b).scene.waviness[w].amplitude,
+        }
+    }
+
+    pub fn set(self, machine: &mut Machine, x: f64) {
+        if let Self::Load(i) = self {
+            machine.load[i] = x;
+            return;
+        }
+        if let Self::Unbalance(i) = self {
+            machine.unbalance[i] = x;
+            return;
+        }
+        if let Self::Damping(i) = self {
+            let range = if i == 0 { 0..3 } else { 3..5 };
+            let factor = x / machine.damping[3 * i];
+            machine.damping[range].iter_mut().for_each(|c| *c *= factor);
+            return;
+        }
+        let Part::Bearing(b) = self.part() else { return };
+        let bearing = &mut machine.bearings[b];
+        match self {
+            Self::CagePhase(_) => bearing.cage.phase = x - x.round(),
+            Self::CageSlip(_) => bearing.cage.slip = x.clamp(-0.02, 0.08),
+            Self::SpinSlip(_) => bearing.cage.spin_slip = x.clamp(-0.05, 0.05),
+            Self::Clearance(_) => {
+                if let Some(g) = &mut bearing.scene.geometry {
+                    g.fit = Fit::DiametralClearance(x.max(0.0));
+                }
+            }
+            Self::Modulus(_) => {
+                if let Some(g) = &mut bearing.scene.geometry {
+                    g.youngs_modulus = x;
+                }
+            }
+            Self::Tilt(_, axis) => bearing.tilt[axis] = x,
+            Self::SpallAzimuth(_, d) => {
+                let spall = &mut bearing.scene.defect[d];
+                let moved = x - spall.azimuth;
+                spall.azimuth = x;
+                // The cage goes with the only spall on a race, so that the balls pass it at the same times as before.
+                if bearing.scene.defect.len() == 1 && !matches!(bearing.scene.defect[0].surface, Surface::Ball(_)) {
+                    bearing.cage.phase += moved / TAU;
+                }
+            }
+            Self::SpallWidth(_, d) => bearing.scene.defect[d].half_width = x.clamp(0.004, 1.0),
+            Self::SpallDepth(_, d) => bearing.scene.defect[d].depth = x.max(1e-9),
+            Self::Wave(_, w) => bearing.scene.waviness[w].amplitude = x,
+            _ => {}
+        }
+    }
+}
+
+/// Returns the diametral clearance of a bearing, m.
+pub fn clearance(of: &BearingScene) -> f64 {
+    let Some(g) = &of.geometry else { return 0.0 };
+    match g.fit {
+        Fit::DiametralClearance(s) => s,
+        Fit::ContactAngle(a) => {
+            2.0 * (g.inner_conformity + g.outer_conformity - 1.0) * g.ball_diameter * (1.0 - a.cos())
+        }
+    }
+}
+
+/// Returns a spall.
+pub fn spall(surface: Surface, azimuth: f64, half_width: f64, depth: f64) -> Defect {
+    Defect { surface, azimuth, half_width, depth, shape: DefectShape::HalfSine }
+}
+
+/// Returns the cosine and the sine wave of an order.
+pub fn waves(surface: Surface, axial: bool, order: u32, amplitudes: [f64; 2]) -> [Wave; 2] {
+    let wave = |amplitude: f64, phase: f64| Wave { surface, axial, order, amplitude, phase };
+    [wave(amplitudes[0], 0.0), wave(amplitudes[1], -0.5 * std::f64::consts::PI)]
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    const SCENE: &str = r#"
+        [shaft]
+        speed = "3000 rpm"
+        [rotor]
+        mass = "6 kg"
+        diametral_inertia = 0.030
+        polar_inertia = 0.006
+        damping = [400, 400, 400, 0.4, 0.4]
+        unbalance = [{ moment = "120 g mm", angle = "17 deg", station = "20 mm" }]
+        [[bearing]]
+        name = "DE"
+        station = "-100 mm"
+        facing = "both"
+        model = "angular"
+        elements = 9
+        ball_diameter = "7.94 mm"
+        pitch_diameter = "39.04 mm"
+        inner_conformity = 0.52
+        outer_conformity = 0.52
+        diametral_clearance = "10 um"
+    "#;
+
+    #[test]
+    fn unbalance_and_clearance_of_a_machine_make_a_scene() {
+        let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
+        let mut machine = Machine::new(&scene).unwrap();
+        Unknown::Clearance(0).set(&mut machine, 14e-6);
+        Unknown::Unbalance(1).set(&mut machine, 2e-4);
+        Unknown::Damping(0).set(&mut machine, 300.0);
+        let again = Machine::new(&machine.scene(&scene)).unwrap();
+        assert!((clearance(&again.bearings[0].scene) - 14e-6).abs() < 1e-15);
+        for (a, b) in machine.unbalance.iter().zip(again.unbalance) {
+            assert!((a - b).abs() < 1e-15, "{a} {b}");
+        }
+        assert_eq!(again.damping, [300.0, 300.0, 300.0, 0.4, 0.4]);
+    }
+}

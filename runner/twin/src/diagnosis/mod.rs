@@ -1,0 +1,142 @@
+//! Diagnosis: which fault, on which bearing, where and how large, from the measured displacement of the shaft
+//! (`docs/src/diagnosis.md`).
+//!
+//! The displacement determines the force that the rotor's motion requires; the bearing models, evaluated at the same
+//! displacement, give the force of the machine under a hypothesis. Their difference is zero but for noise where the hypothesis is
+//! true. It is taken at the probes, in units of their noise, over the lines of a windowed Fourier transform, so that its sum of
+//! squares is a chi-squared. No motion is integrated: a diagnosis holds as well where the motion is chaotic.
+//!
+//! The modules in the order of a diagnosis: [`block`] collects samples, [`motion`] is their displacement and its spectra,
+//! [`machine`] a hypothesis, [`residual`] what it leaves unexplained, [`fit`] the fit of its unknowns, [`cage`] angle and slip of
+//! the cages, [`surface`] spalls and waves from their lines, [`hypothesis`] the choice among the candidates, [`finding`] the result
+//! in the terms of a user, [`calibration`] the machine in good order.
+
+pub(crate) mod block;
+mod cage;
+mod calibration;
+mod finding;
+mod fit;
+mod hypothesis;
+mod machine;
+mod motion;
+mod residual;
+mod surface;
+
+pub use calibration::Calibration;
+pub use finding::{CageEstimate, Diagnosis};
+
+use crate::plant::Plant;
+use crate::probes::PoseSolver;
+use crate::recording::Sample;
+use crate::scene::build::BuildError;
+use crate::scene::{Direction, Probe, Scene};
+use fit::Fitted;
+use machine::Machine;
+use motion::Motion;
+use residual::{Evidence, Weighting};
+use std::f64::consts::TAU;
+use surface::Baseband;
+
+/// Result of a diagnosis step.
+type Result<T> = std::result::Result<T, BuildError>;
+
+/// Fewest revolutions of the shaft in a block.
+pub const FEWEST_REVOLUTIONS: f64 = 16.0;
+/// Highest line over the highest natural frequency: above it the rotor's inertia leaves less of a force than noise.
+const HIGHEST_OVER_NATURAL: f64 = 3.0;
+/// Highest line over the sampling rate: the force is evaluated at the samples, so its spectrum repeats at the rate.
+const HIGHEST_OVER_RATE: f64 = 0.16;
+/// Band about a carrier, in orders of the shaft.
+const BAND_ORDERS: f64 = 3.5;
+/// Sets of made-up noise from which the noise of the residual is estimated.
+const DRAWS: usize = 3;
+
+/// What a diagnosis works on.
+#[derive(Clone, Copy)]
+pub struct Material<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its plant.
+    pub plant: &'a Plant,
+    /// Its probes.
+    pub probes: &'a [Probe],
+    /// Consecutive samples with a reading of every probe.
+    pub samples: &'a [Sample],
+    /// Sample period, s.
+    pub period: f64,
+}
+
+/// A recording made ready, with the machine in good order fitted to it.
+struct Prepared<'a> {
+    evidence: Evidence<'a>,
+    band: Baseband,
+    healthy: Fitted,
+    observable: Vec<bool>,
+}
+
+/// Returns why a scene cannot be diagnosed; none where it can.
+#[must_use]
+pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
+    if scene.rotor.is_none() || scene.bearings.iter().any(|b| b.support.is_some() || !b.element_azimuths.is_empty()) {
+        return Some("the rotor is not a rigid one on fixed, evenly filled bearings".to_owned());
+    }
+    if scene.shaft.outer_speed != 0.0 {
+        return Some("the outer rings turn".to_owned());
+    }
+    let revolutions = match samples {
+        [first, .., last] => (last.total_revolutions() - first.total_revolutions()).abs(),
+        _ => 0.0,
+    };
+    (revolutions < FEWEST_REVOLUTIONS).then(|| {
+        format!(
+            "{revolutions:.1} revolutions in a row have a reading of every probe, expected {FEWEST_REVOLUTIONS:.0} or more"
+        )
+    })
+}
+
+impl<'a> Prepared<'a> {
+    fn new(of: &Material<'a>, machine: &Machine) -> Result<Option<Self>> {
+        let stations: Vec<f64> = of.plant.bearings.iter().map(|b| b.station).collect();
+        let Ok(solver) = PoseSolver::try_new(of.probes, &stations) else { return Ok(None) };
+        let noise: Vec<f64> =
+            of.probes.iter().enumerate().map(|(p, probe)| crate::observer::noise(of.samples, p, probe.noise)).collect();
+        let axial = of.plant.pose(&of.plant.rest).w;
+        let motion = Motion::new(of.samples, of.period, &solver, axial);
+        let rate = TAU / of.period;
+        let highest = (HIGHEST_OVER_NATURAL * of.plant.highest_frequency()).min(HIGHEST_OVER_RATE * rate);
+        let weighting = Weighting {
+            probes: of.probes.to_vec(),
+            noise,
+            solver,
+            has_axial_probe: of.probes.iter().any(|p| p.direction == Direction::Axial),
+            draws: DRAWS,
+        };
+        let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting) else { return Ok(None) };
+        evidence.weigh(machine)?;
+        let band = Baseband::new(&evidence, BAND_ORDERS);
+        let (healthy, observable) = cage::settle(&evidence, &band, machine, hypothesis::SLIPS)?;
+        Ok(Some(Self { evidence, band, healthy, observable }))
+    }
+}
+
+/// Diagnoses a recording; none where the rotor or its probes do not allow it.
+///
+/// # Errors
+/// A bearing that cannot be built.
+pub fn diagnose(of: &Material, progress: &dyn Fn(f64)) -> std::result::Result<Option<Diagnosis>, BuildError> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
+    progress(0.1);
+    let faults = hypothesis::diagnose(&mut prepared, progress)?;
+    Ok(Some(finding::diagnosis(&mut prepared, &faults)?))
+}
+
+/// Calibrates the scene with the recording of a machine in good order; none where that is not possible.
+///
+/// # Errors
+/// A bearing that cannot be built.
+pub fn calibrate(of: &Material) -> std::result::Result<Option<Calibration>, BuildError> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
+    Ok(Some(calibration::calibrate(&mut prepared)?))
+}

@@ -1,0 +1,375 @@
+//! The force that a machine leaves unexplained, as a residual at the probes in units of their noise.
+
+use super::Result;
+use super::machine::{Evaluated, Machine, Part, Unknown};
+use super::motion::{C, D, Motion, Transform};
+use crate::plant::Plant;
+use crate::probes::{self, PoseSolver};
+use crate::scene::{Probe, Scene};
+use ballrace::Displacement;
+use nalgebra::SMatrix;
+
+/// Lines over which the window spreads a mean.
+pub const MEAN_LINES: usize = 5;
+/// Lines on each side over which the noise is estimated.
+const NEIGHBOURS: usize = 6;
+
+type Square = SMatrix<C, D, D>;
+
+/// How residuals are weighted: probes with their noise.
+pub(super) struct Weighting {
+    pub probes: Vec<Probe>,
+    /// Rms noise of each probe, m.
+    pub noise: Vec<f64>,
+    pub solver: PoseSolver,
+    /// Without one, the axial coordinate is not measured and its equation of motion is left out.
+    pub has_axial_probe: bool,
+    /// Sets of made-up noise.
+    pub draws: usize,
+}
+
+/// Everything of a recording that hypotheses are held against.
+pub(super) struct Evidence<'a> {
+    pub scene: &'a Scene,
+    pub plant: &'a Plant,
+    pub motion: Motion,
+    pub transform: Transform,
+    /// Spectra of q, w' q and w'' q.
+    displacement: [[Vec<C>; D]; 3],
+    weighting: Weighting,
+    /// Per line: whitened displacement per unit of force.
+    pub whitening: Vec<Vec<[C; D]>>,
+    /// Values of a residual per line.
+    pub rows: usize,
+    mass: [f64; D],
+    polar: f64,
+    stiffness: [f64; D],
+    gravity: [f64; D],
+}
+
+/// Spectrum of the forces of each part of a machine, and their sum as a residual.
+#[derive(Clone)]
+pub struct Spectra {
+    bearings: Vec<[Vec<C>; D]>,
+    rotor: [Vec<C>; D],
+}
+
+impl Spectra {
+    /// Returns the spectra with another force of one bearing.
+    pub fn replaced(&self, bearing: usize, force: [Vec<C>; D]) -> Self {
+        let mut spectra = self.clone();
+        spectra.bearings[bearing] = force;
+        spectra
+    }
+}
+
+impl<'a> Evidence<'a> {
+    /// Returns none where the scene has no rigid rotor. [`Evidence::weigh`] comes next.
+    pub fn new(scene: &'a Scene, plant: &'a Plant, motion: Motion, highest: f64, weighting: Weighting) -> Option<Self> {
+        let rotor = scene.rotor.as_ref()?;
+        let transform = Transform::new(motion.len(), motion.period, highest);
+        let q: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
+        let displacement = std::array::from_fn(|order| transform.five(order, |t| q[t]));
+        let mass = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
+        let [gx, gy, gz] = rotor.gravity;
+        Some(Self {
+            scene,
+            plant,
+            motion,
+            transform,
+            displacement,
+            weighting,
+            whitening: vec![],
+            rows: 0,
+            mass,
+            polar: rotor.polar_inertia,
+            stiffness: rotor.stiffness,
+            gravity: [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0],
+        })
+    }
+
+    /// Weighs residuals by the noise that they have with this machine.
+    pub fn weigh(&mut self, machine: &Machine) -> Result<()> {
+        self.whiten(machine)?;
+        self.scale_noise(machine)
+    }
+
+    /// Mean tangent stiffness of the machine's bearings along the motion.
+    fn tangent_stiffness(&self, machine: &Machine) -> Result<[[f64; D]; D]> {
+        let stride = (self.motion.len() / 500).max(1);
+        let count = self.motion.len().div_ceil(stride) as f64;
+        let mut sum = [[0.0; D]; D];
+        for (i, k) in self.stiffness.iter().enumerate() {
+            sum[i][i] = *k;
+        }
+        for (i, bearing) in machine.bearings.iter().enumerate() {
+            let evaluated = Evaluated::new(self.scene, self.plant, i, bearing)?;
+            for t in (0..self.motion.len()).step_by(stride) {
+                evaluated.add_stiffness(&self.motion, t, 1.0 / count, &mut sum);
+            }
+        }
+        Ok(sum)
+    }
+
+    /// A force is brought to the displacement that it causes at the mean stiffness, which is then divided by its noise.
+    fn whiten(&mut self, machine: &Machine) -> Result<()> {
+        let mut k = self.tangent_stiffness(machine)?;
+        let speed = self.motion.mean_speed();
+        let unit = (0.5 * self.transform.power).sqrt();
+        // Information on the displacement, and its square root: rows that all have the noise 1.
+        let mut information = SMatrix::<f64, D, D>::zeros();
+        for (probe, noise) in self.weighting.probes.iter().zip(&self.weighting.noise) {
+            let row = nalgebra::SVector::<f64, D>::from_row_slice(&probes::row(probe));
+            information += row * row.transpose() / (noise * noise);
+        }
+        let measured: Vec<usize> = (0..D).filter(|&i| i != 2 || self.weighting.has_axial_probe).collect();
+        if !self.weighting.has_axial_probe {
+            // The axial coordinate is held.
+            k.iter_mut().for_each(|row| row[2] = 0.0);
+            k[2] = [0.0, 0.0, 1e30, 0.0, 0.0];
+            information[(2, 2)] = 1.0;
+        }
+        // Lengths of the unit of translations and tilts differ: the square root is taken with a unit diagonal.
+        let scale: Vec<f64> = (0..D).map(|i| information[(i, i)].max(1e-300).sqrt()).collect();
+        let scaled = SMatrix::<f64, D, D>::from_fn(|i, j| information[(i, j)] / (scale[i] * scale[j]));
+        let root = scaled.cholesky().map_or_else(SMatrix::<f64, D, D>::identity, |c| c.l().transpose());
+        let whitening = |w: f64| {
+            let mut g = Square::from_fn(|i, j| C::new(k[i][j], 0.0));
+            for i in 0..D {
+                g[(i, i)] += C::new(-w * w * self.mass[i], w * machine.damping[i]);
+            }
+            g[(3, 4)] += C::new(0.0, w * self.polar * speed);
+            g[(4, 3)] -= C::new(0.0, w * self.polar * speed);
+            let inverse = g.try_inverse().unwrap_or_else(Square::zeros);
+            let row = |&i: &usize| {
+                std::array::from_fn(|j| (0..D).map(|k| inverse[(k, j)] * (root[(i, k)] * scale[k] / unit)).sum::<C>())
+            };
+            measured.iter().map(row).collect()
+        };
+        self.rows = measured.len();
+        self.whitening = self.transform.lines.iter().map(|w| whitening(*w)).collect();
+        // The offset of a probe is not known better than its noise, however long the record.
+        let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64).sqrt();
+        for rows in self.whitening.iter_mut().take(MEAN_LINES) {
+            rows.iter_mut().flatten().for_each(|a| *a *= mean);
+        }
+        Ok(())
+    }
+
+    /// Scales the noise of each probe, line by line, to that of the residual of a true machine: the noise of the probes also
+    /// enters the displacement at which the bearing forces are evaluated, and resonances amplify it there.
+    ///
+    /// The residual of several sets of made-up noise is averaged over neighbouring lines.
+    fn scale_noise(&mut self, machine: &Machine) -> Result<()> {
+        let Weighting { noise, solver, draws, .. } = &self.weighting;
+        let lines = self.whitening.len();
+        let mut square = vec![vec![0.0; self.rows]; lines];
+        let evaluated: Vec<Evaluated> = machine
+            .bearings
+            .iter()
+            .enumerate()
+            .map(|(i, b)| Evaluated::new(self.scene, self.plant, i, b))
+            .collect::<Result<_>>()?;
+        let mut normal = Normal::new();
+        for _ in 0..*draws {
+            let error: Vec<Displacement<f64>> = (0..self.motion.len())
+                .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0))
+                .collect();
+            let q: Vec<[f64; D]> = error.iter().map(|e| e.to_array()).collect();
+            let spectra: [[Vec<C>; D]; 3] = std::array::from_fn(|order| self.transform.five(order, |t| q[t]));
+            let mut force = self.inertia(machine, &spectra);
+            for one in &evaluated {
+                let change: Vec<[f64; D]> = (0..self.motion.len())
+                    .map(|t| {
+                        let (with, without) = (one.force_with(&self.motion, t, &error[t]), one.force(&self.motion, t));
+                        std::array::from_fn(|i| with[i] - without[i])
+                    })
+                    .collect();
+                for (sum, part) in force.iter_mut().zip(self.transform.five(0, |t| change[t])) {
+                    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+                }
+            }
+            let residual = self.at_probes(&force);
+            for (k, squares) in square.iter_mut().enumerate() {
+                for (p, square) in squares.iter_mut().enumerate() {
+                    let at = 2 * (k * self.rows + p);
+                    *square += 0.5 * (residual[at].powi(2) + residual[at + 1].powi(2)) / *draws as f64;
+                }
+            }
+        }
+        for (k, rows) in self.whitening.iter_mut().enumerate().skip(MEAN_LINES) {
+            let around = &square[k.saturating_sub(NEIGHBOURS).max(MEAN_LINES)..(k + NEIGHBOURS + 1).min(lines)];
+            for (p, row) in rows.iter_mut().enumerate() {
+                let mean = around.iter().map(|squares| squares[p]).sum::<f64>() / around.len() as f64;
+                row.iter_mut().for_each(|a| *a /= mean.sqrt());
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the spectra of a machine.
+    pub fn spectra(&self, machine: &Machine) -> Result<Spectra> {
+        let bearings = (0..machine.bearings.len()).map(|i| self.bearing(machine, i)).collect::<Result<_>>()?;
+        Ok(Spectra { bearings, rotor: self.rotor(machine) })
+    }
+
+    fn bearing(&self, machine: &Machine, i: usize) -> Result<[Vec<C>; D]> {
+        let evaluated = Evaluated::new(self.scene, self.plant, i, &machine.bearings[i])?;
+        let forces = evaluated.forces(&self.motion);
+        let mut spectra = self.transform.five(0, |t| forces[t]);
+        if let Some(pulses) = evaluated.pulses(&self.motion) {
+            for (sum, part) in spectra.iter_mut().zip(self.transform.five_fine(&pulses)) {
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+            }
+        }
+        Ok(spectra)
+    }
+
+    /// Load, unbalance, inertia and damping: what the rotor's motion requires, as a force with the opposite sign.
+    fn rotor(&self, machine: &Machine) -> [Vec<C>; D] {
+        let motion = &self.motion;
+        let [ex, ey, cx, cy] = machine.unbalance;
+        let force = |t: usize| {
+            let (s, c) = motion.angle[t].radians().sin_cos();
+            let (w2, a) = (motion.speed[t] * motion.speed[t], motion.acceleration[t]);
+            let turned = |x: f64, y: f64| {
+                let (rx, ry) = (c * x - s * y, s * x + c * y);
+                (w2 * rx + a * ry, w2 * ry - a * rx)
+            };
+            let ((fx, fy), (mx, my)) = (turned(ex, ey), turned(cx, cy));
+            let mut f = [fx, fy, 0.0, -my, mx];
+            for (f, (load, weight)) in f.iter_mut().zip(machine.load.iter().zip(&self.gravity)) {
+                *f += load + weight;
+            }
+            f
+        };
+        let forces: Vec<[f64; D]> = (0..motion.len()).map(force).collect();
+        let mut out = self.transform.five(0, |t| forces[t]);
+        for (sum, part) in out.iter_mut().zip(self.inertia(machine, &self.displacement)) {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        }
+        out
+    }
+
+    /// Inertia, damping and gyroscopic forces of a displacement with these spectra.
+    fn inertia(&self, machine: &Machine, [q, q1, q2]: &[[Vec<C>; D]; 3]) -> [Vec<C>; D] {
+        let mut out: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
+        let speed = self.motion.mean_speed();
+        for (k, w) in self.transform.lines.iter().enumerate() {
+            let rate = |i: usize| C::new(0.0, *w) * q[i][k] - q1[i][k];
+            for i in 0..D {
+                let acceleration = -w * w * q[i][k] - C::new(0.0, 2.0 * w) * q1[i][k] + q2[i][k];
+                out[i][k] -= acceleration * self.mass[i] + rate(i) * machine.damping[i] + q[i][k] * self.stiffness[i];
+            }
+            let spin = self.polar * speed;
+            let (thu, thv) = (rate(3), rate(4));
+            out[3][k] -= thv * spin;
+            out[4][k] += thu * spin;
+        }
+        out
+    }
+
+    /// Returns the spectra of `machine`, which differs from that of `from` in one part only.
+    pub fn changed(&self, from: &Spectra, machine: &Machine, part: Part) -> Result<Spectra> {
+        let mut spectra = from.clone();
+        match part {
+            Part::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
+            Part::Rotor => spectra.rotor = self.rotor(machine),
+        }
+        Ok(spectra)
+    }
+
+    /// Returns the unexplained force.
+    pub fn force(&self, spectra: &Spectra) -> [Vec<C>; D] {
+        let mut sum = spectra.rotor.clone();
+        for bearing in &spectra.bearings {
+            for (sum, part) in sum.iter_mut().zip(bearing) {
+                for (sum, part) in sum.iter_mut().zip(part) {
+                    *sum += part;
+                }
+            }
+        }
+        sum
+    }
+
+    /// Returns a force as a residual at the probes in units of their noise: line by line, probe by probe, real and imaginary
+    /// part.
+    pub fn at_probes(&self, force: &[Vec<C>; D]) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.whitening.len() * self.rows * 2);
+        for (k, rows) in self.whitening.iter().enumerate() {
+            for row in rows {
+                let sum: C = row.iter().zip(force).map(|(a, f)| a * f[k]).sum();
+                out.push(sum.re);
+                out.push(sum.im);
+            }
+        }
+        out
+    }
+
+    /// Returns the residual of a machine.
+    pub fn residual(&self, spectra: &Spectra) -> Vec<f64> {
+        self.at_probes(&self.force(spectra))
+    }
+
+    /// Returns the longest step of an unknown within which the residual is about linear.
+    pub fn longest_step(&self, unknown: Unknown) -> f64 {
+        let turns = (self.motion.turns[self.motion.len() - 1] - self.motion.turns[0]).abs();
+        match unknown {
+            Unknown::CagePhase(b) => 0.1 / self.plant.bearings[b].elements as f64,
+            Unknown::CageSlip(b) | Unknown::SpinSlip(b) => 0.2 / (self.plant.bearings[b].elements as f64 * 0.4 * turns),
+            Unknown::SpallAzimuth(..) => 0.1,
+            Unknown::SpallWidth(..) => 0.01,
+            Unknown::SpallDepth(..) => 5e-7,
+            Unknown::Clearance(_) => 5e-6,
+            Unknown::Tilt(..) => 2e-4,
+            Unknown::Modulus(_) => 2e10,
+            Unknown::Damping(_) => 1e3,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Returns the change of the residual by one unknown.
+    pub fn slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<Vec<f64>> {
+        let mut other = machine.clone();
+        let h = unknown.step();
+        unknown.set(&mut other, unknown.get(machine) + h);
+        let part = unknown.part();
+        let mut difference = match part {
+            Part::Bearing(i) => self.bearing(&other, i)?,
+            Part::Rotor => self.rotor(&other),
+        };
+        let before = match part {
+            Part::Bearing(i) => &spectra.bearings[i],
+            Part::Rotor => &spectra.rotor,
+        };
+        for (d, b) in difference.iter_mut().zip(before) {
+            for (d, b) in d.iter_mut().zip(b) {
+                *d = (*d - b) / h;
+            }
+        }
+        Ok(self.at_probes(&difference))
+    }
+}
+
+/// Normally distributed numbers, the same in every run (xorshift and Box-Muller).
+struct Normal {
+    state: u64,
+}
+
+impl Normal {
+    fn new() -> Self {
+        Self { state: 0x9e37_79b9_7f4a_7c15 }
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.state ^= self.state << 13;
+        self.state ^= self.state >> 7;
+        self.state ^= self.state << 17;
+        ((self.state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    fn next(&mut self) -> f64 {
+        let (a, b) = (self.uniform(), self.uniform());
+        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+    }
+}

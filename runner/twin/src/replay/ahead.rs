@@ -1,0 +1,98 @@
+//! Look ahead: the first rows of a recording are read and diagnosed before the twin starts, so that twin, observer and residual
+//! have the angle and slip of every cage, which no scene knows.
+
+use super::notices::Notices;
+use super::range::ReadingRange;
+use crate::baseline::Baseline;
+use crate::diagnosis::block::Block;
+use crate::diagnosis::{self, CageEstimate, Diagnosis, Material};
+use crate::error::Result;
+use crate::plant::Plant;
+use crate::recording::rotation::Tracker;
+use crate::recording::{Reader, Row, Sample};
+use crate::scene::{Recording, Scene};
+use std::collections::VecDeque;
+
+/// Most rows that are read before the shaft is found to turn.
+const MOST_ROWS: usize = 1 << 18;
+
+/// The beginning of a recording.
+pub(super) struct Ahead {
+    /// Rows read, in order.
+    pub rows: VecDeque<Row>,
+    /// The recording has no further row.
+    pub is_whole: bool,
+    samples: Vec<Sample>,
+    /// Sample period, s.
+    period: f64,
+}
+
+impl Ahead {
+    /// Reads as many rows as a diagnosis takes.
+    pub fn read(scene: &Scene, plant: &Plant, recording: &Recording, reader: &mut Reader) -> Result<Self> {
+        let rate = reader.rate();
+        let mut tracker = Tracker::of(recording, rate, scene.shaft.speed);
+        let (mut range, mut notices) = (ReadingRange::try_new(scene, plant, &recording.probes)?, Notices::default());
+        let mut block = Block::default();
+        let mut rows = VecDeque::new();
+        let mut is_whole = false;
+        let mut has_angle = true;
+        while !block.is_full() && rows.len() < MOST_ROWS * recording.average as usize {
+            let mut row = Row::default();
+            if !reader.next_row(&mut row)? {
+                is_whole = true;
+                break;
+            }
+            if has_angle {
+                has_angle = tracker.push(row.clone()).is_ok();
+                while let Some(mut sample) = tracker.pop() {
+                    range.check_sample(&mut sample, &mut notices);
+                    block.add(&sample);
+                }
+            }
+            rows.push_back(row);
+        }
+        if is_whole && has_angle && tracker.finish().is_ok() {
+            while let Some(mut sample) = tracker.pop() {
+                range.check_sample(&mut sample, &mut notices);
+                block.add(&sample);
+            }
+        }
+        let period = f64::from(recording.average) / rate;
+        Ok(Self { rows, is_whole, samples: block.into_samples(), period })
+    }
+
+    /// Diagnoses the samples read; none where they do not allow it.
+    pub fn diagnose(
+        &self,
+        scene: &Scene,
+        plant: &Plant,
+        recording: &Recording,
+        progress: &dyn Fn(f64),
+    ) -> Result<Option<Diagnosis>> {
+        if diagnosis::not_applicable(scene, &self.samples).is_some() {
+            return Ok(None);
+        }
+        Ok(diagnosis::diagnose(&self.material(scene, plant, recording), progress)?)
+    }
+
+    fn material<'a>(&'a self, scene: &'a Scene, plant: &'a Plant, recording: &'a Recording) -> Material<'a> {
+        Material { scene, plant, probes: &recording.probes, samples: &self.samples, period: self.period }
+    }
+}
+
+/// Returns the scene with the parameters of its baseline.
+pub(super) fn calibrated(scene: &Scene, baseline: Option<&Baseline>) -> Scene {
+    match baseline.and_then(|baseline| baseline.calibration.as_ref()) {
+        Some(calibration) => calibration.scene(scene),
+        None => scene.clone(),
+    }
+}
+
+/// Sets the cages of a scene to what a recording shows.
+pub(super) fn set_cages(scene: &mut Scene, cages: &[CageEstimate]) {
+    for (bearing, cage) in scene.bearings.iter_mut().zip(cages).filter(|(_, cage)| cage.observable) {
+        bearing.cage_ratio = Some(cage.cage_ratio);
+        bearing.first_element_azimuth = cage.first_element_azimuth;
+    }
+}

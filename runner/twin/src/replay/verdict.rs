@@ -1,0 +1,69 @@
+//! The verdict as a sentence.
+
+use crate::outcome::{Finding, ProbeOutcome, Standing};
+
+/// Returns the root mean square of a figure over the probes; none where a probe lacks it.
+fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
+    let values: Option<Vec<f64>> = probes.iter().map(of).collect();
+    values.map(|values| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt())
+}
+
+/// Returns true where the twin is as good as any simpler predictor, or its residual is noise.
+#[must_use]
+pub fn follows(probes: &[ProbeOutcome]) -> bool {
+    let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
+    let at_noise = rms(probes, |p| p.noise_um).is_some_and(|noise| residual <= 1.5 * noise);
+    at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
+}
+
+/// Returns the verdict as a sentence: why there is none, else the strongest finding, else whether the twin follows.
+#[must_use]
+pub fn verdict(
+    findings: &[Finding],
+    probes: &[ProbeOutcome],
+    implausible: &[String],
+    not_judged: &[String],
+    out_of_range: u64,
+) -> String {
+    if !implausible.is_empty() {
+        return format!(
+            "The recording is not plausible for the scene: {}. Nothing is diagnosed.",
+            implausible.join("; ")
+        );
+    }
+    if !not_judged.is_empty() {
+        return format!("No verdict: {}.", not_judged.join("; "));
+    }
+    let left_out = match out_of_range {
+        0 => String::new(),
+        1 => " 1 sample with a reading out of range is left out.".to_owned(),
+        count => format!(" {count} samples with a reading out of range are left out."),
+    };
+    let verdict = judged(findings, probes);
+    format!("{verdict}{left_out}")
+}
+
+fn judged(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
+    if let Some(worst) = findings.first() {
+        return format!("The machine departs from its twin. {}", worst.sentence);
+    }
+    let (residual, noise) = (rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0), rms(probes, |p| p.noise_um));
+    let against = noise.map_or(String::new(), |noise| format!(", {:.2} times the probe noise", residual / noise));
+    let count = |standing| probes.iter().filter(|p| p.baselines.worst() == standing).count();
+    let (better, worse) = (count(Standing::Better), count(Standing::Worse));
+    let follows = if follows(probes) { "follows" } else { "does not follow" };
+    let rivals = if better == probes.len() {
+        "it beats all four simpler predictors on every probe".to_owned()
+    } else if worse == 0 {
+        format!(
+            "no simpler predictor does better, and on {} of {} probes one does as well",
+            probes.len() - better,
+            probes.len()
+        )
+    } else {
+        format!("a simpler predictor does better on {worse} of {} probes", probes.len())
+    };
+    format!(
+        "The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; no line stands out of the residual."
+    )
+}
