@@ -6,10 +6,10 @@
 //! true. It is taken at the probes, in units of their noise, over the lines of a windowed Fourier transform, so that its sum of
 //! squares is a chi-squared. No motion is integrated: a diagnosis holds as well where the motion is chaotic.
 //!
-//! The modules in the order of a diagnosis: [`block`] collects samples, [`motion`] is their displacement and its spectra,
-//! [`machine`] a hypothesis, [`residual`] what it leaves unexplained, [`fit`] the fit of its unknowns, [`cage`] angle and slip of
-//! the cages, [`surface`] spalls and waves from their lines, [`hypothesis`] the choice among the candidates, [`finding`] the result
-//! in the terms of a user, [`calibration`] the machine in good order.
+//! The modules in the order of a diagnosis: `block` collects samples, `motion` is their displacement and its spectra,
+//! `machine` a hypothesis, `residual` what it leaves unexplained, `fit` the fit of its unknowns, `cage` angle and slip of
+//! the cages, `surface` spalls and waves from their lines, `hypothesis` the choice among the candidates, `finding` the result
+//! in the terms of a user, `calibration` the machine in good order.
 
 pub(crate) mod block;
 mod cage;
