@@ -10,6 +10,7 @@ mod chromium;
 mod completions;
 mod contact_angle;
 mod degraded;
+mod diagnosis;
 mod documented;
 mod documents;
 mod eigenvalues;

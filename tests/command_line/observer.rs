@@ -4,10 +4,10 @@ use crate::support::{Desk, list, number, numbers, swap};
 use serde_json::Value;
 
 const RATE: f64 = 12_800.0;
-const TURN: usize = 256;
+pub const TURN: usize = 256;
 
 /// A 20 kg rotor on two 6309 bearings; `defect` is a line of the first.
-fn rotor(model: &str, defect: &str, axial: &str) -> String {
+pub fn rotor(model: &str, defect: &str, axial: &str) -> String {
     let bearing = |name: &str, station: i32, more: &str| {
         format!(
             "[[bearing]]\nname = \"{name}\"\nstation = \"{station} mm\"\nfacing = \"both\"\nmodel = \"{model}\"\nelements = 8\n\
@@ -37,7 +37,7 @@ fn rotor(model: &str, defect: &str, axial: &str) -> String {
 }
 
 /// The motion that the program computes for a scene: `u, v, w, thu, thv` at each sample of so many turns after the start.
-fn motion(desk: &Desk, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f64>> {
+pub fn motion(desk: &Desk, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f64>> {
     let duration = format!("{} s", (turns.end * TURN) as f64 / RATE);
     desk.done(&["simulate", scene, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
     let (_, rows) = numbers(&desk.read("motion.csv"));
@@ -45,7 +45,7 @@ fn motion(desk: &Desk, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f6
 }
 
 /// The probes' readings of this motion with noise of 0.03 um rms, and a keyphasor.
-fn recording(motion: &[Vec<f64>], turn: usize) -> String {
+pub fn recording(motion: &[Vec<f64>], turn: usize) -> String {
     let mut state = 1_u64;
     let mut noise = || {
         let sum: f64 = (0..12)

@@ -1,0 +1,47 @@
+//! The diagnosis of the release binary: nothing on a machine in good order, cause, place and size of a spall. The scene to
+//! diagnose has neither cage slip nor cage angle nor the spall.
+
+use crate::observer::{TURN, motion, recording, rotor};
+use crate::support::{Desk, list, number, swap};
+use serde_json::Value;
+
+/// Cages of A and B: 0.8 % and 1.5 % slower than pure rolling, at angles that the scene to diagnose does not state.
+const CAGES: [&str; 2] = [
+    "cage_ratio = 0.37739\nfirst_element_azimuth = \"17 deg\"\n",
+    "cage_ratio = 0.37472\nfirst_element_azimuth = \"-31 deg\"\n",
+];
+const AZIMUTH: f64 = -70.0;
+const DEPTH: f64 = 3.0;
+
+/// The findings on 40 turns of the rotor with slipping cages; `defect` is a line of bearing A.
+fn findings(defect: &str) -> Vec<Value> {
+    let desk = Desk::empty();
+    let generating = rotor("angular", &format!("{}{defect}", CAGES[0]), "Z");
+    let of_b = format!("name = \"B\"\n{}", CAGES[1]);
+    desk.put("generating.toml", swap(&generating, "name = \"B\"\n", &of_b));
+    desk.put("scene.toml", rotor("angular", "", "Z"));
+    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
+    list(&desk.replay("scene.toml", &[]), "findings").to_vec()
+}
+
+#[test]
+fn a_machine_in_good_order_with_slipping_cages_has_no_finding() {
+    let findings = findings("");
+    assert!(findings.is_empty(), "{findings:#?}");
+}
+
+#[test]
+fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
+    let findings = findings(&format!(
+        "defect = [{{ surface = \"outer\", azimuth = \"{AZIMUTH} deg\", half_width = \"2.5 deg\", depth = \"{DEPTH} um\", shape = \"half-sine\" }}]\n"
+    ));
+    let [finding] = &findings[..] else { panic!("expected one finding: {findings:#?}") };
+    assert_eq!(
+        (&finding["kind"], &finding["bearing"], &finding["form"]),
+        (&"outer-race".into(), &"A".into(), &"spall".into())
+    );
+    let azimuth = number(finding, "/azimuth_deg/value");
+    assert!(((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs() < 3.0, "{azimuth}: {finding:#}");
+    let depth = number(finding, "/depth_um/value");
+    assert!((depth / DEPTH - 1.0).abs() < 0.25, "{depth}: {finding:#}");
+}
