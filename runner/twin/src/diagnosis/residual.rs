@@ -41,6 +41,8 @@ pub(super) struct Evidence<'a> {
     pub whitening: Vec<Vec<[C; D]>>,
     /// Values of a residual per line.
     pub rows: usize,
+    /// Mean change of the force by the noise of the displacement at which it is evaluated.
+    bias: [Vec<C>; D],
     mass: [f64; D],
     polar: f64,
     stiffness: [f64; D],
@@ -81,6 +83,7 @@ impl<'a> Evidence<'a> {
             weighting,
             whitening: vec![],
             rows: 0,
+            bias: Default::default(),
             mass,
             polar: rotor.polar_inertia,
             stiffness: rotor.stiffness,
@@ -171,6 +174,7 @@ impl<'a> Evidence<'a> {
             .map(|(i, b)| Evaluated::new(self.scene, self.plant, i, b))
             .collect::<Result<_>>()?;
         let mut normal = Normal::new();
+        let mut bias: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); lines]);
         for _ in 0..*draws {
             let error: Vec<Displacement<f64>> = (0..self.motion.len())
                 .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0))
@@ -179,14 +183,22 @@ impl<'a> Evidence<'a> {
             let spectra: [[Vec<C>; D]; 3] = std::array::from_fn(|order| self.transform.five(order, |t| q[t]));
             let mut force = self.inertia(machine, &spectra);
             for one in &evaluated {
-                let change: Vec<[f64; D]> = (0..self.motion.len())
-                    .map(|t| {
-                        let (with, without) = (one.force_with(&self.motion, t, &error[t]), one.force(&self.motion, t));
-                        std::array::from_fn(|i| with[i] - without[i])
-                    })
-                    .collect();
-                for (sum, part) in force.iter_mut().zip(self.transform.five(0, |t| change[t])) {
+                // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
+                let change = |t: usize| {
+                    let opposite = Displacement::from_array(error[t].to_array().map(|x| -x));
+                    let (with, against) =
+                        (one.force_with(&self.motion, t, &error[t]), one.force_with(&self.motion, t, &opposite));
+                    let without = one.force(&self.motion, t);
+                    let odd: [f64; D] = std::array::from_fn(|i| with[i] - without[i]);
+                    let even: [f64; D] = std::array::from_fn(|i| 0.5 * (with[i] + against[i]) - without[i]);
+                    (odd, even)
+                };
+                let changes: Vec<_> = (0..self.motion.len()).map(change).collect();
+                for (sum, part) in force.iter_mut().zip(self.transform.five(0, |t| changes[t].0)) {
                     sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+                }
+                for (sum, part) in bias.iter_mut().zip(self.transform.five(0, |t| changes[t].1)) {
+                    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part / *draws as f64);
                 }
             }
             let residual = self.at_probes(&force);
@@ -204,6 +216,7 @@ impl<'a> Evidence<'a> {
                 row.iter_mut().for_each(|a| *a /= mean.sqrt());
             }
         }
+        self.bias = bias;
         Ok(())
     }
 
@@ -282,6 +295,9 @@ impl<'a> Evidence<'a> {
     /// Returns the unexplained force.
     pub fn force(&self, spectra: &Spectra) -> [Vec<C>; D] {
         let mut sum = spectra.rotor.clone();
+        for (sum, bias) in sum.iter_mut().zip(&self.bias) {
+            sum.iter_mut().zip(bias).for_each(|(sum, bias)| *sum -= bias);
+        }
         for bearing in &spectra.bearings {
             for (sum, part) in sum.iter_mut().zip(bearing) {
                 for (sum, part) in sum.iter_mut().zip(part) {

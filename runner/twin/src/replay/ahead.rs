@@ -5,7 +5,7 @@ use super::notices::Notices;
 use super::range::ReadingRange;
 use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, CageEstimate, Diagnosis, Material};
+use crate::diagnosis::{self, CageEstimate, Calibration, Diagnosis, Material};
 use crate::error::Result;
 use crate::plant::Plant;
 use crate::recording::rotation::Tracker;
@@ -74,6 +74,14 @@ impl Ahead {
             return Ok(None);
         }
         Ok(diagnosis::diagnose(&self.material(scene, plant, recording), progress)?)
+    }
+
+    /// Calibrates the scene; none where the samples do not allow it.
+    pub fn calibrate(&self, scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Option<Calibration>> {
+        if diagnosis::not_applicable(scene, &self.samples).is_some() {
+            return Ok(None);
+        }
+        Ok(diagnosis::calibrate(&self.material(scene, plant, recording))?)
     }
 
     fn material<'a>(&'a self, scene: &'a Scene, plant: &'a Plant, recording: &'a Recording) -> Material<'a> {

@@ -6,7 +6,6 @@ use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
 use crate::outcome::{Finding, Outcome, Record};
-use crate::plant::Plant;
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
 use std::f64::consts::TAU;
@@ -62,15 +61,7 @@ impl Pipeline<'_> {
             }
             None => None,
         };
-        let mut diagnosed = diagnosed.filter(|_| is_judged);
-        let calibration =
-            if self.learn && is_judged && reason.is_none() { diagnosis::calibrate(&material)? } else { None };
-        if let Some(calibration) = &calibration {
-            // What the scene has wrong is no fault of the machine.
-            let scene = calibration.scene(scene);
-            let plant = Plant::try_new(&scene)?;
-            diagnosed = diagnosis::diagnose(&Material { scene: &scene, plant: &plant, ..material }, &|_| {})?;
-        }
+        let diagnosed = diagnosed.filter(|_| is_judged);
         let (mut findings, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));
         if let Some(baseline) = &self.baseline {
@@ -94,7 +85,7 @@ impl Pipeline<'_> {
         let events = self.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
-        learned.calibration = calibration;
+        learned.calibration = self.calibration.take();
         learned.set_faults(&findings);
         let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);

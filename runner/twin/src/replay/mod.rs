@@ -90,19 +90,29 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     only_rigid(scene, "replay").map_err(Error::setup)?;
     let baseline = options.baseline.map(Baseline::parse).transpose().map_err(Error::setup)?;
     let mut scene = ahead::calibrated(scene, baseline.as_ref());
-    let plant = Plant::try_new(&scene).map_err(Error::setup)?;
+    let mut plant = Plant::try_new(&scene).map_err(Error::setup)?;
     let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader)?;
     let advance = |share: f64| {
         if let Some(progress) = options.progress {
             progress(Progress::Diagnosis(share));
         }
     };
+    let mut calibration = None;
+    if options.learn {
+        // What the scene has wrong is no fault of the machine.
+        calibration = ahead.calibrate(&scene, &plant, recording)?;
+        if let Some(calibration) = &calibration {
+            scene = calibration.scene(&scene);
+            plant = Plant::try_new(&scene).map_err(Error::setup)?;
+        }
+    }
     let diagnosed = ahead.diagnose(&scene, &plant, recording, &advance)?;
     drop(plant);
     if let Some(diagnosis) = &diagnosed {
         ahead::set_cages(&mut scene, &diagnosis.cages);
     }
     let mut replay = Replay::try_new(&scene, reader.rate(), options)?;
+    replay.set_calibration(calibration);
     if ahead.is_whole {
         replay.set_diagnosis(diagnosed);
     }

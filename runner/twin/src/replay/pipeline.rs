@@ -22,8 +22,8 @@ use super::timing::Ledger;
 use super::totals::Totals;
 use super::twin::TwinStage;
 use crate::baseline::Baseline;
-use crate::diagnosis::Diagnosis;
 use crate::diagnosis::block::Block;
+use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
 use crate::error::{Error, Result};
 use crate::plant::{Plant, only_rigid};
@@ -62,8 +62,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) block: Block,
     /// Diagnosis of the whole recording, where it was made before.
     pub(super) diagnosed: Option<Option<Diagnosis>>,
-    /// The machine is in good order.
-    pub(super) learn: bool,
+    /// Calibration of the scene by this recording.
+    pub(super) calibration: Option<Calibration>,
     /// The baseline to judge against.
     pub(super) baseline: Option<Baseline>,
     pub(super) figures: FigureCollector,
@@ -138,7 +138,7 @@ impl<'a> Pipeline<'a> {
             comparison: Comparison::new(probes.len(), bearings, planes.len()),
             block: Block::default(),
             diagnosed: None,
-            learn: options.learn,
+            calibration: None,
             baseline,
             figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),
             limits,
@@ -326,7 +326,7 @@ impl<'a> Pipeline<'a> {
             let comparison = &self.comparison;
             self.limits.close_residuals(index, time, |line, probe| comparison.block_line(line, probe));
         }
-        if self.diagnosed.is_none() || self.learn {
+        if self.diagnosed.is_none() {
             self.block.add(sample);
         }
         self.figures.add(sample, &readings.twin, revolutions);

@@ -7,7 +7,7 @@ use super::options::Options;
 use super::pipeline::Pipeline;
 use super::second::Second;
 use super::snapshot::Snapshot;
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{Calibration, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::{Event, Outcome};
 use crate::recording::Row;
@@ -196,6 +196,11 @@ impl<'a> Replay<'a> {
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
     pub(super) fn set_diagnosis(&mut self, diagnosis: Option<Diagnosis>) {
         self.pipeline.diagnosed = Some(diagnosis);
+    }
+
+    /// Sets the calibration of the scene, for the baseline of the outcome.
+    pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>) {
+        self.pipeline.calibration = calibration;
     }
 
     /// Ends the recording and returns the outcome. `flaws` are those that the reader found.
