@@ -49,7 +49,7 @@ struct BearingLines {
     levels: [f64; KINDS.len()],
 }
 
-/// What the envelope spectra of a recording show.
+/// Levels found in the envelope spectra of a recording.
 #[derive(Debug, Clone)]
 pub struct Signature {
     /// Amplitude at the shaft speed of each radial probe, m.

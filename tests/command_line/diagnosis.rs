@@ -2,7 +2,7 @@
 //! diagnose has neither cage slip nor cage angle nor the spall.
 
 use crate::observer::{TURN, motion, recording, rotor};
-use crate::support::{Desk, list, number, swap};
+use crate::support::{DEMO_SCENE, Desk, list, number, short_recording, swap};
 use serde_json::Value;
 
 /// Cages of A and B: 0.8 % and 1.5 % slower than pure rolling, at angles that the scene to diagnose does not state.
@@ -44,4 +44,14 @@ fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
     assert!(((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs() < 3.0, "{azimuth}: {finding:#}");
     let depth = number(finding, "/depth_um/value");
     assert!((depth / DEPTH - 1.0).abs() < 0.25, "{depth}: {finding:#}");
+}
+
+/// Ten revolutions are too few, and the note gives their number.
+#[test]
+fn a_short_recording_is_not_diagnosed() {
+    let text = short_recording(2560);
+    let outcome = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
+    let notes = list(&outcome, "notes");
+    let said = |note: &Value| note.as_str().unwrap().starts_with("Not diagnosed: 10.0 revolutions in a row");
+    assert!(notes.iter().any(said), "{notes:#?}");
 }

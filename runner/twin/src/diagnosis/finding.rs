@@ -61,7 +61,7 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
 }
 
 /// Returns the findings and figures of a diagnosis.
-pub(super) fn diagnosis(of: &mut Prepared, faults: &[Fault]) -> Result<Diagnosis> {
+pub(super) fn diagnosis(of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
     let last = joint(of, faults)?;
     let e = &of.evidence;
@@ -78,7 +78,8 @@ pub(super) fn diagnosis(of: &mut Prepared, faults: &[Fault]) -> Result<Diagnosis
         seen.push((fault.cause, nth));
         findings.push(reported.finding(fault, nth));
     }
-    findings.sort_by(|a, b| b.parameters.log_likelihood_gain.total_cmp_to(&a.parameters.log_likelihood_gain));
+    let strength = |finding: &Finding| finding.parameters.log_likelihood_gain.unwrap_or(0.0);
+    findings.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     if after > UNEXPLAINED && faults.is_empty() {
         findings.push(reported.unexplained(after));
     }
@@ -106,17 +107,6 @@ pub(super) fn diagnosis(of: &mut Prepared, faults: &[Fault]) -> Result<Diagnosis
     }
     let cages = cages(e, &last, &of.observable);
     Ok(Diagnosis { findings, cages, outcome, notes })
-}
-
-/// Compares two optional numbers.
-trait TotalCmp {
-    fn total_cmp_to(&self, other: &Self) -> std::cmp::Ordering;
-}
-
-impl TotalCmp for Option<f64> {
-    fn total_cmp_to(&self, other: &Self) -> std::cmp::Ordering {
-        self.unwrap_or(0.0).total_cmp(&other.unwrap_or(0.0))
-    }
 }
 
 impl Cause {

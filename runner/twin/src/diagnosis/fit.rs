@@ -91,7 +91,7 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
                 normal[(i, j)] = normal[(j, i)];
             }
         }
-        // What the recording does not determine stays where it is.
+        // An unknown that the recording does not determine keeps its value.
         for (i, u) in unknowns.iter().enumerate() {
             normal[(i, i)] += e.longest_step(*u).powi(-2);
         }

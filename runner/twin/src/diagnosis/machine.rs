@@ -283,7 +283,7 @@ pub enum Unknown {
     Wave(usize, usize),
 }
 
-/// What a parameter changes.
+/// Part of the machine whose force a parameter changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Part {
     Bearing(usize),

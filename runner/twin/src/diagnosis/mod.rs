@@ -51,7 +51,7 @@ const BAND_ORDERS: f64 = 3.5;
 /// Sets of made-up noise from which the noise of the residual is estimated.
 const DRAWS: usize = 3;
 
-/// What a diagnosis works on.
+/// Scene, plant and samples of a diagnosis.
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
     /// The scene.
@@ -128,7 +128,7 @@ pub fn diagnose(of: &Material, progress: &dyn Fn(f64)) -> std::result::Result<Op
     let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
     progress(0.1);
     let faults = hypothesis::diagnose(&mut prepared, progress)?;
-    Ok(Some(finding::diagnosis(&mut prepared, &faults)?))
+    Ok(Some(finding::diagnosis(&prepared, &faults)?))
 }
 
 /// Calibrates the scene with the recording of a machine in good order; none where that is not possible.

@@ -55,7 +55,7 @@ impl Pipeline<'_> {
             Material { scene, plant: &self.plant, probes: self.probes, samples: &samples, period: 1.0 / self.rate };
         let reason = diagnosis::not_applicable(scene, &samples);
         let diagnosed = match self.diagnosed.take() {
-            Some(known) => known,
+            Some(known) => Some(known),
             None if is_judged && reason.is_none() && !self.startup.is_cancelled() => {
                 diagnosis::diagnose(&material, &|_| {})?
             }
@@ -64,6 +64,9 @@ impl Pipeline<'_> {
         let diagnosed = diagnosed.filter(|_| is_judged);
         let (mut findings, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));
+        let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
+        learned.calibration = self.calibration.take();
+        learned.set_faults(&findings);
         if let Some(baseline) = &self.baseline {
             let (known, new) = findings.into_iter().partition(|finding| baseline.knows(finding));
             findings = new;
@@ -84,9 +87,6 @@ impl Pipeline<'_> {
         let limits = self.limits.lines();
         let events = self.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
-        let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
-        learned.calibration = self.calibration.take();
-        learned.set_faults(&findings);
         let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;

@@ -113,8 +113,8 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     }
     let mut replay = Replay::try_new(&scene, reader.rate(), options)?;
     replay.set_calibration(calibration);
-    if ahead.is_whole {
-        replay.set_diagnosis(diagnosed);
+    if let (true, Some(diagnosis)) = (ahead.is_whole, diagnosed) {
+        replay.set_diagnosis(diagnosis);
     }
     let mut row = replay.blank();
     loop {

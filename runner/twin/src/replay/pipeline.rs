@@ -61,7 +61,7 @@ pub(super) struct Pipeline<'a> {
     /// Samples for the diagnosis at the end.
     pub(super) block: Block,
     /// Diagnosis of the whole recording, where it was made before.
-    pub(super) diagnosed: Option<Option<Diagnosis>>,
+    pub(super) diagnosed: Option<Diagnosis>,
     /// Calibration of the scene by this recording.
     pub(super) calibration: Option<Calibration>,
     /// The baseline to judge against.

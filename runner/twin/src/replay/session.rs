@@ -194,7 +194,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
-    pub(super) fn set_diagnosis(&mut self, diagnosis: Option<Diagnosis>) {
+    pub(super) fn set_diagnosis(&mut self, diagnosis: Diagnosis) {
         self.pipeline.diagnosed = Some(diagnosis);
     }
 

@@ -63,7 +63,5 @@ fn judged(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
     } else {
         format!("a simpler predictor does better on {worse} of {} probes", probes.len())
     };
-    format!(
-        "The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; no line stands out of the residual."
-    )
+    format!("The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; no fault is found.")
 }
