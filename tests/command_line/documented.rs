@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// Command lines that are not run here, by their beginning, and why.
-const EXCEPTIONS: [(&str, &str); 8] = [
+const EXCEPTIONS: [(&str, &str); 10] = [
     ("cargo deny", "needs a program and a database of others"),
     ("cargo doc", "a part of tests/run"),
     ("cargo install", "installs a program"),
@@ -15,6 +15,8 @@ const EXCEPTIONS: [(&str, &str); 8] = [
     ("tests/fuzz/run", "needs a C++ compiler and runs for the minutes that it is given"),
     ("cargo test", "a part of tests/run"),
     ("cargo bench", "measures for minutes; tests/run checks the instruction counts"),
+    ("cargo build --release && cargo bench", "needs a folder of recordings and replays them for minutes"),
+    ("BALLRACE_WRITE=1 cargo bench", "rewrites a file of the repository"),
     ("BALLRACE_WRITE=1 cargo test", "rewrites a file of the repository"),
 ];
 
