@@ -14,6 +14,7 @@
 pub(crate) mod block;
 mod cage;
 mod calibration;
+mod filter;
 mod finding;
 mod fit;
 mod hypothesis;

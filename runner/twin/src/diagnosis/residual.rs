@@ -1,6 +1,7 @@
 //! The force that a machine leaves unexplained, as a residual at the probes in units of their noise.
 
 use super::Result;
+use super::filter::LineFilter;
 use super::machine::{Evaluated, Machine, Part, Unknown};
 use super::motion::{C, D, Motion, Transform};
 use crate::plant::Plant;
@@ -28,6 +29,20 @@ pub(super) struct Weighting {
     pub draws: usize,
 }
 
+impl Weighting {
+    /// Standard deviation of each coordinate of a pose by the noise of the probes.
+    fn pose_noise(&self) -> [f64; D] {
+        let mut square = [0.0; D];
+        for p in 0..self.noise.len() {
+            let alone: Vec<f64> = self.noise.iter().enumerate().map(|(i, n)| if i == p { *n } else { 0.0 }).collect();
+            for (sum, x) in square.iter_mut().zip(self.solver.pose(&alone, 0.0).to_array()) {
+                *sum += x * x;
+            }
+        }
+        square.map(f64::sqrt)
+    }
+}
+
 /// Everything of a recording that hypotheses are held against.
 pub(super) struct Evidence<'a> {
     pub scene: &'a Scene,
@@ -41,8 +56,11 @@ pub(super) struct Evidence<'a> {
     pub whitening: Vec<Vec<[C; D]>>,
     /// Values of a residual per line.
     pub rows: usize,
-    /// Mean change of the force by the noise of the displacement at which it is evaluated.
-    bias: [Vec<C>; D],
+    filter: LineFilter,
+    /// What the filter took from the displacement at which the bearing forces are evaluated.
+    rest: Vec<[f64; D]>,
+    /// Linear part of the bearing forces for `rest`, less the mean change of the force by noise that passes the filter.
+    correction: [Vec<C>; D],
     mass: [f64; D],
     polar: f64,
     stiffness: [f64; D],
@@ -67,10 +85,20 @@ impl Spectra {
 
 impl<'a> Evidence<'a> {
     /// Returns none where the scene has no rigid rotor. [`Evidence::weigh`] comes next.
-    pub fn new(scene: &'a Scene, plant: &'a Plant, motion: Motion, highest: f64, weighting: Weighting) -> Option<Self> {
+    pub fn new(
+        scene: &'a Scene,
+        plant: &'a Plant,
+        mut motion: Motion,
+        highest: f64,
+        weighting: Weighting,
+    ) -> Option<Self> {
         let rotor = scene.rotor.as_ref()?;
         let transform = Transform::new(motion.len(), motion.period, highest);
         let q: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
+        let filter = LineFilter::new(&q, weighting.pose_noise());
+        let filtered = filter.apply(&q);
+        let rest = q.iter().zip(&filtered).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
+        motion.q = filtered.into_iter().map(Displacement::from_array).collect();
         let displacement = std::array::from_fn(|order| transform.five(order, |t| q[t]));
         let mass = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
         let [gx, gy, gz] = rotor.gravity;
@@ -83,7 +111,9 @@ impl<'a> Evidence<'a> {
             weighting,
             whitening: vec![],
             rows: 0,
-            bias: Default::default(),
+            filter,
+            rest,
+            correction: Default::default(),
             mass,
             polar: rotor.polar_inertia,
             stiffness: rotor.stiffness,
@@ -173,33 +203,47 @@ impl<'a> Evidence<'a> {
             .enumerate()
             .map(|(i, b)| Evaluated::new(self.scene, self.plant, i, b))
             .collect::<Result<_>>()?;
+        let stiffness: Vec<[[f64; D]; D]> = (0..self.motion.len())
+            .map(|t| {
+                let mut sum = [[0.0; D]; D];
+                evaluated.iter().for_each(|one| one.add_stiffness(&self.motion, t, 1.0, &mut sum));
+                sum
+            })
+            .collect();
+        // Force of the bearings by a small displacement.
+        let linear = |t: usize, x: &[f64; D]| stiffness[t].map(|row| -row.iter().zip(x).map(|(k, x)| k * x).sum::<f64>());
+        let mut correction = self.transform.five(0, |t| linear(t, &self.rest[t]));
         let mut normal = Normal::new();
-        let mut bias: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); lines]);
         for _ in 0..*draws {
-            let error: Vec<Displacement<f64>> = (0..self.motion.len())
-                .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0))
+            let error: Vec<[f64; D]> = (0..self.motion.len())
+                .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0).to_array())
                 .collect();
-            let q: Vec<[f64; D]> = error.iter().map(|e| e.to_array()).collect();
-            let spectra: [[Vec<C>; D]; 3] = std::array::from_fn(|order| self.transform.five(order, |t| q[t]));
+            let passed = self.filter.apply(&error);
+            let spectra: [[Vec<C>; D]; 3] = std::array::from_fn(|order| self.transform.five(order, |t| error[t]));
             let mut force = self.inertia(machine, &spectra);
-            for one in &evaluated {
-                // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
-                let change = |t: usize| {
-                    let opposite = Displacement::from_array(error[t].to_array().map(|x| -x));
-                    let (with, against) =
-                        (one.force_with(&self.motion, t, &error[t]), one.force_with(&self.motion, t, &opposite));
+            // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
+            let change = |t: usize| {
+                let rest = std::array::from_fn(|i| error[t][i] - passed[t][i]);
+                let mut odd = linear(t, &rest);
+                let mut even = [0.0; D];
+                let [with, against] = [1.0, -1.0].map(|sign| Displacement::from_array(passed[t].map(|x| sign * x)));
+                for one in &evaluated {
                     let without = one.force(&self.motion, t);
-                    let odd: [f64; D] = std::array::from_fn(|i| with[i] - without[i]);
-                    let even: [f64; D] = std::array::from_fn(|i| 0.5 * (with[i] + against[i]) - without[i]);
-                    (odd, even)
-                };
-                let changes: Vec<_> = (0..self.motion.len()).map(change).collect();
-                for (sum, part) in force.iter_mut().zip(self.transform.five(0, |t| changes[t].0)) {
-                    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+                    let (with, against) =
+                        (one.force_with(&self.motion, t, &with), one.force_with(&self.motion, t, &against));
+                    for i in 0..D {
+                        odd[i] += with[i] - without[i];
+                        even[i] += 0.5 * (with[i] + against[i]) - without[i];
+                    }
                 }
-                for (sum, part) in bias.iter_mut().zip(self.transform.five(0, |t| changes[t].1)) {
-                    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part / *draws as f64);
-                }
+                (odd, even)
+            };
+            let changes: Vec<([f64; D], [f64; D])> = (0..self.motion.len()).map(change).collect();
+            for (sum, part) in force.iter_mut().zip(self.transform.five(0, |t| changes[t].0)) {
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+            }
+            for (sum, part) in correction.iter_mut().zip(self.transform.five(0, |t| changes[t].1)) {
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum -= part / *draws as f64);
             }
             let residual = self.at_probes(&force);
             for (k, squares) in square.iter_mut().enumerate() {
@@ -216,7 +260,7 @@ impl<'a> Evidence<'a> {
                 row.iter_mut().for_each(|a| *a /= mean.sqrt());
             }
         }
-        self.bias = bias;
+        self.correction = correction;
         Ok(())
     }
 
@@ -295,8 +339,8 @@ impl<'a> Evidence<'a> {
     /// Returns the unexplained force.
     pub fn force(&self, spectra: &Spectra) -> [Vec<C>; D] {
         let mut sum = spectra.rotor.clone();
-        for (sum, bias) in sum.iter_mut().zip(&self.bias) {
-            sum.iter_mut().zip(bias).for_each(|(sum, bias)| *sum -= bias);
+        for (sum, part) in sum.iter_mut().zip(&self.correction) {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         }
         for bearing in &spectra.bearings {
             for (sum, part) in sum.iter_mut().zip(bearing) {
@@ -368,12 +412,12 @@ impl<'a> Evidence<'a> {
 }
 
 /// Normally distributed numbers, the same in every run (xorshift and Box-Muller).
-struct Normal {
+pub(super) struct Normal {
     state: u64,
 }
 
 impl Normal {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { state: 0x9e37_79b9_7f4a_7c15 }
     }
 
@@ -384,7 +428,7 @@ impl Normal {
         ((self.state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         let (a, b) = (self.uniform(), self.uniform());
         (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
     }
