@@ -3,10 +3,11 @@
 use super::Prepared;
 use super::Result;
 use super::cage;
-use super::fit::fit;
+use super::fit::{Prior, fit_whole};
 use super::hypothesis::SLIPS;
 use super::machine::{Machine, Unknown};
 use crate::scene::Scene;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 /// Rounds of fit, weighing and search of the cages.
@@ -18,6 +19,8 @@ const ROUNDS: usize = 4;
 pub struct Calibration {
     /// Parameters with their standard deviations.
     pub parameters: Vec<CalibratedParameter>,
+    /// Correlation of each pair of parameters, row by row.
+    pub correlation: Vec<Vec<f64>>,
     /// Sum of squares of the residual per value, in units of the noise: about 1 where the calibrated scene describes the recording.
     pub chi_square_per_value: f64,
 }
@@ -69,6 +72,19 @@ impl Parameter {
         (Self::CoupleY, Unknown::Unbalance(3)),
     ];
 
+    /// Relative standard deviation of a scene's value; none where a scene says nothing about a machine.
+    ///
+    /// Bearing steels differ by 2 % and catalogue dimensions make it 5 % of stiffness; a clearance class spans a factor of two;
+    /// damping is seldom measured; a rotor is balanced anew.
+    fn deviation(self) -> Option<f64> {
+        match self {
+            Self::YoungsModulus => Some(0.05),
+            Self::DiametralClearance => Some(0.3),
+            Self::TranslationDamping | Self::RotationDamping => Some(0.5),
+            Self::UnbalanceX | Self::UnbalanceY | Self::CoupleX | Self::CoupleY => None,
+        }
+    }
+
     fn of_bearing(b: usize) -> [(Self, Unknown); 2] {
         [(Self::DiametralClearance, Unknown::Clearance(b)), (Self::YoungsModulus, Unknown::Modulus(b))]
     }
@@ -95,25 +111,78 @@ impl Calibration {
         machine.scene(scene)
     }
 
-    fn apply(&self, machine: &mut Machine) {
-        for (parameter, b, unknown) in parameters(machine) {
+    /// Returns the parameters that a machine has, with their place in the calibration.
+    fn present(&self, machine: &Machine) -> Vec<(usize, Unknown)> {
+        let place = |(parameter, b, unknown): (Parameter, Option<usize>, Unknown)| {
             let name = b.map(|b| machine.bearings[b].scene.name.as_str());
-            let own = self.parameters.iter().find(|p| p.name == parameter && p.bearing.as_deref() == name);
-            if let Some(own) = own {
-                unknown.set(machine, own.value);
-            }
+            let at = self.parameters.iter().position(|p| p.name == parameter && p.bearing.as_deref() == name)?;
+            Some((at, unknown))
+        };
+        parameters(machine).into_iter().filter_map(place).collect()
+    }
+
+    /// Returns the unknowns that are known by the calibration, with their covariance.
+    pub(super) fn covariance(&self, machine: &Machine) -> (Vec<Unknown>, DMatrix<f64>) {
+        let present = self.present(machine);
+        let of = |i: usize, j: usize| {
+            let (i, j) = (present[i].0, present[j].0);
+            let correlation = self.correlation.get(i).and_then(|row| row.get(j)).copied();
+            let correlation = if i == j { 1.0 } else { correlation.unwrap_or(0.0) };
+            correlation * self.parameters[i].deviation * self.parameters[j].deviation
+        };
+        let covariance = DMatrix::from_fn(present.len(), present.len(), of);
+        (present.into_iter().map(|(_, unknown)| unknown).collect(), covariance)
+    }
+
+    fn prior(&self, machine: &Machine) -> Prior {
+        let (unknowns, covariance) = self.covariance(machine);
+        let mut known = machine.clone();
+        self.apply(&mut known);
+        let mean = DVector::from_iterator(unknowns.len(), unknowns.iter().map(|u| u.get(&known)));
+        let precision = covariance.try_inverse().unwrap_or_else(|| DMatrix::zeros(unknowns.len(), unknowns.len()));
+        Prior { unknowns, mean, precision }
+    }
+
+    fn apply(&self, machine: &mut Machine) {
+        for (at, unknown) in self.present(machine) {
+            unknown.set(machine, self.parameters[at].value);
         }
     }
 }
 
-/// Fits the parameters of the machine in good order.
-pub(super) fn calibrate(of: &mut Prepared) -> Result<Calibration> {
+/// Returns what a scene says about the parameters of its machine.
+fn of_scene(machine: &Machine) -> Prior {
+    let known = parameters(machine).into_iter().filter_map(|(parameter, _, unknown)| {
+        let mean = unknown.get(machine);
+        let deviation = parameter.deviation()? * mean.abs();
+        (deviation > 0.0).then_some((unknown, mean, deviation))
+    });
+    let known: Vec<(Unknown, f64, f64)> = known.collect();
+    Prior {
+        unknowns: known.iter().map(|k| k.0).collect(),
+        mean: DVector::from_iterator(known.len(), known.iter().map(|k| k.1)),
+        precision: DMatrix::from_diagonal(&DVector::from_iterator(known.len(), known.iter().map(|k| k.2.powi(-2)))),
+    }
+}
+
+/// Fits the parameters of the machine in good order, from what the scene or an `earlier` recording says about them.
+pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Result<Calibration> {
     let own = parameters(&of.healthy.machine);
     let mut now = of.healthy.clone();
+    let prior = match earlier {
+        Some(calibration) => calibration.prior(&now.machine),
+        None => of_scene(&now.machine),
+    };
     for _ in 0..ROUNDS {
-        let mut unknowns = cage::unknowns(&of.observable);
-        unknowns.extend(own.iter().map(|(.., unknown)| *unknown));
-        now = fit(&of.evidence, &now, &unknowns, 10)?;
+        let cages = cage::unknowns(&of.observable);
+        let mut unknowns = cages.clone();
+        // Stiffness last: far from the recording, more of everything explains it nearly as well.
+        for last in [false, true] {
+            unknowns.clone_from(&cages);
+            let is_free = |parameter: Parameter| last || parameter != Parameter::YoungsModulus;
+            unknowns.extend(own.iter().filter(|(parameter, ..)| is_free(*parameter)).map(|(.., unknown)| *unknown));
+            now = fit_whole(&of.evidence, &now, &unknowns, &prior, 20)?;
+        }
         of.evidence.weigh(&now.machine)?;
         let (settled, seen) = cage::settle(&of.evidence, &of.band, &now.machine, SLIPS)?;
         of.observable = seen;
@@ -121,9 +190,11 @@ pub(super) fn calibrate(of: &mut Prepared) -> Result<Calibration> {
     }
     let mut unknowns: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
     unknowns.extend(cage::unknowns(&of.observable));
-    let now = fit(&of.evidence, &now, &unknowns, 10)?;
+    let now = fit_whole(&of.evidence, &now, &unknowns, &prior, 10)?;
     let chi_square_per_value = now.chi_square / now.residual.len().max(1) as f64;
     let inflation = chi_square_per_value.max(1.0).sqrt();
+    let deviation = |i: usize| now.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt();
+    let row = |i: usize| (0..own.len()).map(|j| now.covariance[(i, j)] / (deviation(i) * deviation(j))).collect();
     let parameters = own
         .iter()
         .enumerate()
@@ -131,8 +202,8 @@ pub(super) fn calibrate(of: &mut Prepared) -> Result<Calibration> {
             name: *name,
             bearing: b.map(|b| now.machine.bearings[b].scene.name.clone()),
             value: unknown.get(&now.machine),
-            deviation: inflation * now.covariance[(i, i)].max(0.0).sqrt(),
+            deviation: inflation * deviation(i),
         })
         .collect();
-    Ok(Calibration { parameters, chi_square_per_value })
+    Ok(Calibration { parameters, correlation: (0..own.len()).map(row).collect(), chi_square_per_value })
 }

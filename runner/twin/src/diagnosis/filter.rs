@@ -80,8 +80,7 @@ mod tests {
         let noisy: Vec<[f64; D]> = pure.iter().map(|q| q.map(|x| x + noise * normal.next())).collect();
         let filtered = LineFilter::new(&noisy, [noise; D]).apply(&noisy);
         for i in 0..D {
-            let rms =
-                filtered.iter().zip(&pure).map(|(a, b)| (a[i] - b[i]).powi(2)).sum::<f64>() / n as f64;
+            let rms = filtered.iter().zip(&pure).map(|(a, b)| (a[i] - b[i]).powi(2)).sum::<f64>() / n as f64;
             // The trend takes the noise of two samples.
             assert!(rms.sqrt() < noise, "{i}: {}", rms.sqrt());
         }

@@ -74,17 +74,107 @@ const LEAST_SHARE: f64 = 1e-3;
 /// Dampings tried in a step.
 const DAMPINGS: usize = 6;
 
+/// What is known of some unknowns before the recording: a normal distribution.
+pub struct Prior {
+    pub unknowns: Vec<Unknown>,
+    pub mean: DVector<f64>,
+    /// Inverse of the covariance.
+    pub precision: DMatrix<f64>,
+}
+
+impl Prior {
+    fn distance(&self, machine: &Machine) -> DVector<f64> {
+        DVector::from_iterator(self.unknowns.len(), self.unknowns.iter().map(|u| u.get(machine))) - &self.mean
+    }
+
+    /// Returns minus twice the logarithm of the density, but for a constant.
+    fn chi_square(&self, machine: &Machine) -> f64 {
+        let distance = self.distance(machine);
+        distance.dot(&(&self.precision * &distance))
+    }
+
+    /// Adds its part of the normal equations of `unknowns`.
+    fn add(&self, machine: &Machine, unknowns: &[Unknown], normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>) {
+        let pull = &self.precision * self.distance(machine);
+        let at: Vec<Option<usize>> = self.unknowns.iter().map(|own| unknowns.iter().position(|u| u == own)).collect();
+        for (a, i) in at.iter().enumerate().filter_map(|(a, i)| Some((a, (*i)?))) {
+            gradient[i] += pull[a];
+            for (b, j) in at.iter().enumerate().filter_map(|(b, j)| Some((b, (*j)?))) {
+                normal[(i, j)] += self.precision[(a, b)];
+            }
+        }
+    }
+}
+
+/// How machines are held against a recording.
+#[derive(Clone, Copy, PartialEq)]
+enum Weights {
+    /// By the weights of the evidence: differences of the force decide.
+    Given,
+    /// By those of each machine.
+    Own,
+}
+
+impl Weights {
+    fn residual(self, e: &Evidence, machine: &Machine, spectra: &Spectra) -> Result<Vec<f64>> {
+        match self {
+            Self::Given => Ok(e.residual(spectra)),
+            Self::Own => e.own_residual(machine, spectra),
+        }
+    }
+
+    fn slope(self, e: &Evidence, now: &Fitted, unknown: Unknown) -> Result<Vec<f64>> {
+        match self {
+            Self::Given => e.slope(&now.spectra, &now.machine, unknown),
+            Self::Own => e.own_slope(&now.spectra, &now.machine, unknown),
+        }
+    }
+
+    fn changed(self, e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitted> {
+        let mut next = changed(e, before, machine)?;
+        if self == Self::Own {
+            next.residual = e.own_residual(machine, &next.spectra)?;
+            next.chi_square = square(&next.residual);
+        }
+        Ok(next)
+    }
+}
+
 /// Fits `unknowns` from `start`.
 pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize) -> Result<Fitted> {
+    levenberg_marquardt(e, start, unknowns, (Weights::Given, None), iterations)
+}
+
+/// Fits `unknowns` of a machine as a whole, some of which are known in part, in the weights of each machine tried.
+pub fn fit_whole(
+    e: &Evidence,
+    start: &Fitted,
+    unknowns: &[Unknown],
+    prior: &Prior,
+    iterations: usize,
+) -> Result<Fitted> {
+    levenberg_marquardt(e, start, unknowns, (Weights::Own, Some(prior)), iterations)
+}
+
+fn levenberg_marquardt(
+    e: &Evidence,
+    start: &Fitted,
+    unknowns: &[Unknown],
+    (weights, prior): (Weights, Option<&Prior>),
+    iterations: usize,
+) -> Result<Fitted> {
     let n = unknowns.len();
     if n == 0 {
         return evaluate(e, &start.machine);
     }
     let mut now = Fitted { unknowns: unknowns.to_vec(), ..start.clone() };
+    now.residual = weights.residual(e, &now.machine, &now.spectra)?;
+    now.chi_square = square(&now.residual);
+    let objective = |of: &Fitted| of.chi_square + prior.map_or(0.0, |prior| prior.chi_square(&of.machine));
     let mut damping = 1e-4;
     let mut inverse = DMatrix::zeros(n, n);
     for _ in 0..iterations {
-        let slopes = unknowns.iter().map(|u| e.slope(&now.spectra, &now.machine, *u)).collect::<Result<Vec<_>>>()?;
+        let slopes = unknowns.iter().map(|u| weights.slope(e, &now, *u)).collect::<Result<Vec<_>>>()?;
         let mut normal = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
         for i in 0..n {
             for j in 0..i {
@@ -95,7 +185,10 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
         for (i, u) in unknowns.iter().enumerate() {
             normal[(i, i)] += e.longest_step(*u).powi(-2);
         }
-        let gradient = DVector::from_fn(n, |i, _| dot(&slopes[i], &now.residual));
+        let mut gradient = DVector::from_fn(n, |i, _| dot(&slopes[i], &now.residual));
+        if let Some(prior) = prior {
+            prior.add(&now.machine, unknowns, &mut normal, &mut gradient);
+        }
         // Scaled to a unit diagonal.
         let scale: Vec<f64> = (0..n).map(|i| normal[(i, i)].max(1e-300).sqrt()).collect();
         let scaled = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
@@ -112,8 +205,8 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
             for (i, u) in unknowns.iter().enumerate() {
                 u.set(&mut machine, u.get(&now.machine) - shorten * step[i] / scale[i]);
             }
-            let next = changed(e, &now, &machine)?;
-            if next.chi_square < now.chi_square {
+            let next = weights.changed(e, &now, &machine)?;
+            if objective(&next) < objective(&now) {
                 improved = Some(next);
                 damping = (damping * 0.1).max(1e-9);
                 break;
@@ -121,7 +214,7 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
             damping = (damping * 10.0).max(1e-6);
         }
         let Some(next) = improved else { break };
-        let fall = now.chi_square - next.chi_square;
+        let fall = objective(&now) - objective(&next);
         now = Fitted { unknowns: unknowns.to_vec(), ..next };
         // Far from the recording, a small share of what is left decides nothing.
         if fall < LEAST_FALL + LEAST_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0) {

@@ -45,6 +45,13 @@ pub struct Fault {
     observable: Vec<bool>,
 }
 
+/// A fault under judgement.
+struct Judged<'a> {
+    fault: Fault,
+    /// The recording weighed for the machine with the fault, where that differs in stiffness.
+    evidence: Option<Evidence<'a>>,
+}
+
 /// Range of slips searched.
 pub const SLIPS: [f64; 2] = [-0.01, 0.06];
 
@@ -81,6 +88,8 @@ fn best_of(
 
 /// Clearances that are tried, over the present one.
 const CLEARANCES: [f64; 8] = [0.3, 0.6, 0.85, 1.15, 1.4, 1.8, 2.3, 3.0];
+/// Sections of the range about the best of them.
+const CLOSER: usize = 3;
 /// Tilts that are tried, rad, and their number of axes.
 const TILTS: ([f64; 3], u32) = ([0.15e-3, 0.4e-3, 0.8e-3], 8);
 
@@ -137,8 +146,35 @@ impl Search<'_, '_> {
             machine
         });
         let (gain, start) = best_of(self.e, self.now, b, machines)?;
+        let (gain, start) = self.closer(b, given, gain, start)?;
         let unknowns = self.with_cages(vec![Unknown::Clearance(b)]);
         Ok(Some(Candidate { cause: Cause::Clearance(b), gain, starts: vec![start], unknowns }))
+    }
+
+    /// Returns the best clearance between the neighbours of the best one tried: where a clearance is so large that no ball touches
+    /// its race, a fit has no slope.
+    fn closer(&self, b: usize, given: f64, gain: f64, start: Machine) -> Result<(f64, Machine)> {
+        let tried = clearance(&start.bearings[b].scene) / given;
+        let below = CLEARANCES.iter().copied().filter(|c| *c < 0.999 * tried).fold(CLEARANCES[0], f64::max);
+        let above = CLEARANCES.iter().copied().filter(|c| *c > 1.001 * tried).fold(f64::INFINITY, f64::min);
+        let mut range = [below, above.min(CLEARANCES[CLEARANCES.len() - 1])];
+        let mut best = (gain, start);
+        for _ in 0..CLOSER {
+            // Golden section.
+            let inner = [0.382, 0.618].map(|share| range[0] + share * (range[1] - range[0]));
+            let mut gains = [0.0; 2];
+            for (gain, factor) in gains.iter_mut().zip(inner) {
+                let mut machine = self.now.machine.clone();
+                Unknown::Clearance(b).set(&mut machine, factor * given);
+                let (own, machine) = best_of(self.e, self.now, b, std::iter::once(machine))?;
+                *gain = own;
+                if own > best.0 {
+                    best = (own, machine);
+                }
+            }
+            range = if gains[0] >= gains[1] { [range[0], inner[1]] } else { [inner[0], range[1]] };
+        }
+        Ok(best)
     }
 
     fn misalignment(&self, b: usize) -> Result<Candidate> {
@@ -320,24 +356,22 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
             fits.extend(fitted(&of.evidence, candidate, &now)?.map(|fitted| (candidate, fitted)));
         }
         fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
-        let mut tried: Vec<Fault> = vec![];
+        let mut tried: Vec<Judged> = vec![];
         for (rank, (candidate, fitted)) in fits.iter().enumerate() {
             tried.push(judged(of, &now, candidate, fitted, rank < SEARCHED)?);
         }
-        tried.retain(|fault| fault.gain > least && is_material(&now, fault.cause, &fault.fitted));
-        tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        tried.retain(|Judged { fault, .. }| fault.gain > least && is_material(&now, fault.cause, &fault.fitted));
+        tried.sort_by(|a, b| b.fault.gain.total_cmp(&a.fault.gain));
         let mut tried = tried.into_iter();
-        let Some(mut fault) = tried.next() else { break };
-        fault.next = tried.next().map(|next| (next.cause, next.gain));
+        let Some(Judged { mut fault, evidence }) = tried.next() else { break };
+        fault.next = tried.next().map(|next| (next.fault.cause, next.fault.gain));
         now = fault.fitted.clone();
         of.observable.clone_from(&fault.observable);
-        match fault.cause {
-            Cause::Spall(b, _) | Cause::Waviness(b, ..) => locked[b] = true,
-            Cause::Clearance(_) | Cause::Misalignment(_) | Cause::Load => {
-                now = weighed_again(of, &now)?;
-                fault.fitted = now.clone();
-            }
-            Cause::Unbalance => {}
+        if let Some(evidence) = evidence {
+            of.evidence = evidence;
+        }
+        if let Cause::Spall(b, _) | Cause::Waviness(b, ..) = fault.cause {
+            locked[b] = true;
         }
         faults.push(fault);
         progress(0.4 + 0.2 * faults.len() as f64);
@@ -346,16 +380,28 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
 }
 
 /// Judges a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
-fn judged(of: &Prepared, now: &Fitted, candidate: &Candidate, first: &Fitted, search: bool) -> Result<Fault> {
-    let e = &of.evidence;
+fn judged<'a>(
+    of: &Prepared<'a>,
+    now: &Fitted,
+    candidate: &Candidate,
+    first: &Fitted,
+    search: bool,
+) -> Result<Judged<'a>> {
     let values = now.residual.len() as f64;
-    let is_spall = matches!(candidate.cause, Cause::Spall(..));
-    let (fitted, mut observable) = if search && !is_spall && first.chi_square > (1.0 + MODEL_ERROR) * values {
-        with_cages(of, candidate, first)?
-    } else {
-        (first.clone(), of.observable.clone())
-    };
-    if let Cause::Spall(b, _) | Cause::Waviness(b, ..) = candidate.cause {
+    let is_explained = first.chi_square < (1.0 + MODEL_ERROR) * values;
+    let mut evidence = None;
+    let (mut fitted, mut observable) = (first.clone(), of.observable.clone());
+    match candidate.cause {
+        Cause::Clearance(_) | Cause::Misalignment(_) | Cause::Load if search => {
+            let (own, again, seen) = weighed(of, candidate, first)?;
+            (fitted, observable) = (again, seen);
+            evidence = Some(own);
+        }
+        Cause::Spall(b, _) => observable[b] = true,
+        _ if search && !is_explained => (fitted, observable) = with_cages(of, candidate, first)?,
+        _ => {}
+    }
+    if let Cause::Waviness(b, ..) = candidate.cause {
         // The fault shows the cage.
         observable[b] = true;
     }
@@ -363,23 +409,25 @@ fn judged(of: &Prepared, now: &Fitted, candidate: &Candidate, first: &Fitted, se
     let unusual = |b: &MachineBearing| ((b.cage.slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2);
     let slips: f64 = fitted.machine.bearings.iter().map(unusual).sum();
     // The fault's own part: a cage that goes with it may explain something by itself.
-    let before = without(e, now, candidate.cause, &fitted)?.min(now.chi_square);
+    let before = without(&of.evidence, now, candidate.cause, &fitted)?.min(now.chi_square);
     let gain = before - fitted.chi_square - penalty - slips;
-    Ok(Fault { cause: candidate.cause, gain, next: None, fitted, observable })
+    Ok(Judged { fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable }, evidence })
 }
 
-/// Weighs the residual by the noise that it has with this machine, whose stiffness is not the healthy one's, and fits again.
-fn weighed_again(of: &mut Prepared, now: &Fitted) -> Result<Fitted> {
-    let is_own = |u: &Unknown| !matches!(u, Unknown::CagePhase(_) | Unknown::CageSlip(_));
-    let own: Vec<Unknown> = now.unknowns.iter().copied().filter(is_own).collect();
-    let mut now = now.clone();
+/// Fits a candidate that changes the stiffness, weighed by the noise that the residual has with it.
+///
+/// With its own weights each machine has its residual in units of the noise of the probes, so that the likelihoods of machines of
+/// different stiffness can be compared by their chi-squared.
+fn weighed<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+    let own = own(candidate);
+    let (mut now, mut evidence, mut observable) = (first.clone(), of.evidence.clone(), of.observable.clone());
     for _ in 0..2 {
-        of.evidence.weigh(&now.machine)?;
-        let (settled, seen) = cage::settle(&of.evidence, &of.band, &now.machine, SLIPS)?;
+        evidence.weigh(&now.machine)?;
+        let (settled, seen) = cage::settle(&evidence, &of.band, &now.machine, SLIPS)?;
         let mut unknowns = cage::unknowns(&seen);
         unknowns.extend(own.iter().copied());
-        now = fit(&of.evidence, &settled, &unknowns, 12)?;
-        of.observable = seen;
+        now = fit(&evidence, &settled, &unknowns, 12)?;
+        observable = seen;
     }
-    Ok(now)
+    Ok((evidence, now, observable))
 }

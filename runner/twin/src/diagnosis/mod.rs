@@ -65,6 +65,8 @@ pub struct Material<'a> {
     pub samples: &'a [Sample],
     /// Sample period, s.
     pub period: f64,
+    /// Calibration that the scene has its parameters from.
+    pub calibration: Option<&'a Calibration>,
 }
 
 /// A recording made ready, with the machine in good order fitted to it.
@@ -113,6 +115,9 @@ impl<'a> Prepared<'a> {
             draws: DRAWS,
         };
         let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting) else { return Ok(None) };
+        if let Some(calibration) = of.calibration {
+            evidence.set_uncertain(calibration.covariance(machine));
+        }
         evidence.weigh(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
         let (healthy, observable) = cage::settle(&evidence, &band, machine, hypothesis::SLIPS)?;
@@ -138,6 +143,7 @@ pub fn diagnose(of: &Material, progress: &dyn Fn(f64)) -> std::result::Result<Op
 /// A bearing that cannot be built.
 pub fn calibrate(of: &Material) -> std::result::Result<Option<Calibration>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
-    let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
-    Ok(Some(calibration::calibrate(&mut prepared)?))
+    let alone = Material { calibration: None, ..*of };
+    let Some(mut prepared) = Prepared::new(&alone, &machine)? else { return Ok(None) };
+    Ok(Some(calibration::calibrate(&mut prepared, of.calibration)?))
 }

@@ -30,13 +30,22 @@ pub struct Motion {
     pub speed: Vec<f64>,
     /// Shaft acceleration, rad/s^2.
     pub acceleration: Vec<f64>,
+    mean_speed: f64,
 }
 
 impl Motion {
     /// Returns the motion of consecutive samples with a reading of every probe; the axial coordinate is `axial` where no probe
     /// measures it.
     pub fn new(samples: &[Sample], period: f64, solver: &PoseSolver, axial: f64) -> Self {
-        let mut motion = Self { period, q: vec![], turns: vec![], angle: vec![], speed: vec![], acceleration: vec![] };
+        let mut motion = Self {
+            period,
+            q: vec![],
+            turns: vec![],
+            angle: vec![],
+            speed: vec![],
+            acceleration: vec![],
+            mean_speed: samples.iter().map(|s| s.speed).sum::<f64>() / samples.len().max(1) as f64,
+        };
         for sample in samples {
             motion.q.push(solver.pose(&sample.row.probes, axial));
             motion.turns.push(sample.total_revolutions());
@@ -54,7 +63,7 @@ impl Motion {
 
     /// Mean shaft speed, rad/s.
     pub fn mean_speed(&self) -> f64 {
-        self.speed.iter().sum::<f64>() / self.len().max(1) as f64
+        self.mean_speed
     }
 }
 

@@ -2,18 +2,23 @@
 
 use super::Result;
 use super::filter::LineFilter;
+use super::fit::dot;
 use super::machine::{Evaluated, Machine, Part, Unknown};
 use super::motion::{C, D, Motion, Transform};
 use crate::plant::Plant;
 use crate::probes::{self, PoseSolver};
 use crate::scene::{Probe, Scene};
 use ballrace::Displacement;
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, SMatrix, SVector};
+use std::sync::Arc;
 
 /// Lines over which the window spreads a mean.
 pub const MEAN_LINES: usize = 5;
 /// Lines on each side over which the noise is estimated.
 const NEIGHBOURS: usize = 6;
+
+/// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
+const LEAST_TOLERANCE: f64 = 1e-3;
 
 type Square = SMatrix<C, D, D>;
 
@@ -43,28 +48,54 @@ impl Weighting {
     }
 }
 
-/// Everything of a recording that hypotheses are held against.
+/// Everything of a recording that hypotheses are held against, weighed for one machine.
+#[derive(Clone)]
 pub(super) struct Evidence<'a> {
     pub scene: &'a Scene,
     pub plant: &'a Plant,
-    pub motion: Motion,
-    pub transform: Transform,
-    /// Spectra of q, w' q and w'' q.
-    displacement: [[Vec<C>; D]; 3],
-    weighting: Weighting,
+    pub motion: Arc<Motion>,
+    pub transform: Arc<Transform>,
+    /// Spectra of q, w' q and w'' q, with q the lines that stand out.
+    displacement: Arc<[[Vec<C>; D]; 3]>,
+    weighting: Arc<Weighting>,
     /// Per line: whitened displacement per unit of force.
     pub whitening: Vec<Vec<[C; D]>>,
+    /// Per line and row: noise of the whitened residual over that of the displacement.
+    noise_scale: Vec<Vec<f64>>,
+    /// Parameters that are not exactly known, with a root of their covariance.
+    uncertain: Option<(Vec<Unknown>, DMatrix<f64>)>,
+    /// Directions of the whitened residual that they lead to.
+    tolerance: Vec<Direction>,
+    /// Mean dynamic stiffness of the machine by which the residual is weighed.
+    reference: MeanStiffness,
     /// Values of a residual per line.
     pub rows: usize,
-    filter: LineFilter,
-    /// What the filter took from the displacement at which the bearing forces are evaluated.
-    rest: Vec<[f64; D]>,
-    /// Linear part of the bearing forces for `rest`, less the mean change of the force by noise that passes the filter.
+    filter: Arc<LineFilter>,
+    /// What the filter took from the displacement, and its spectrum.
+    rest: Arc<Vec<[f64; D]>>,
+    rest_lines: Arc<[Vec<C>; D]>,
+    /// Forces that `rest` requires and causes in the machine by which the residual is weighed, linearised, less the mean change of
+    /// the force by noise that passes the filter. It is mostly noise, which must not depend on the unknowns of a fit: a fit would
+    /// lower the noise by less damping.
     correction: [Vec<C>; D],
     mass: [f64; D],
     polar: f64,
     stiffness: [f64; D],
     gravity: [f64; D],
+}
+
+/// A direction of the whitened residual with the share of it that is taken from a residual.
+#[derive(Clone)]
+struct Direction {
+    unit: Vec<f64>,
+    share: f64,
+}
+
+/// Mean tangent stiffness of the bearings along a motion, and damping of the rotor.
+#[derive(Clone, Copy, Default)]
+struct MeanStiffness {
+    stiffness: [[f64; D]; D],
+    damping: [f64; D],
 }
 
 /// Spectrum of the forces of each part of a machine, and their sum as a residual.
@@ -97,22 +128,27 @@ impl<'a> Evidence<'a> {
         let q: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
         let filter = LineFilter::new(&q, weighting.pose_noise());
         let filtered = filter.apply(&q);
-        let rest = q.iter().zip(&filtered).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
+        let displacement = std::array::from_fn(|order| transform.five(order, |t| filtered[t]));
+        let rest: Vec<[f64; D]> = q.iter().zip(&filtered).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
         motion.q = filtered.into_iter().map(Displacement::from_array).collect();
-        let displacement = std::array::from_fn(|order| transform.five(order, |t| q[t]));
         let mass = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
         let [gx, gy, gz] = rotor.gravity;
         Some(Self {
             scene,
             plant,
-            motion,
-            transform,
-            displacement,
-            weighting,
+            rest_lines: Arc::new(transform.five(0, |t| rest[t])),
+            motion: Arc::new(motion),
+            transform: Arc::new(transform),
+            displacement: Arc::new(displacement),
+            weighting: Arc::new(weighting),
             whitening: vec![],
+            noise_scale: vec![],
+            uncertain: None,
+            tolerance: vec![],
+            reference: MeanStiffness::default(),
             rows: 0,
-            filter,
-            rest,
+            filter: Arc::new(filter),
+            rest: Arc::new(rest),
             correction: Default::default(),
             mass,
             polar: rotor.polar_inertia,
@@ -123,12 +159,117 @@ impl<'a> Evidence<'a> {
 
     /// Weighs residuals by the noise that they have with this machine.
     pub fn weigh(&mut self, machine: &Machine) -> Result<()> {
-        self.whiten(machine)?;
-        self.scale_noise(machine)
+        self.reference = self.mean_stiffness(machine)?;
+        self.whitening = self.whitening_of(&self.reference);
+        self.rows = self.whitening.first().map_or(0, Vec::len);
+        self.noise_scale = vec![vec![1.0; self.rows]; self.whitening.len()];
+        self.tolerance.clear();
+        self.scale_noise(machine)?;
+        self.tolerate(machine)
     }
 
-    /// Mean tangent stiffness of the machine's bearings along the motion.
-    fn tangent_stiffness(&self, machine: &Machine) -> Result<[[f64; D]; D]> {
+    /// Sets the parameters that are known with a covariance: what they may be off explains no fault. [`Evidence::weigh`] comes next.
+    pub fn set_uncertain(&mut self, (unknowns, covariance): (Vec<Unknown>, DMatrix<f64>)) {
+        let deviations: Vec<f64> = (0..unknowns.len()).map(|i| covariance[(i, i)].sqrt()).collect();
+        let correlation = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
+            covariance[(i, j)] / (deviations[i] * deviations[j])
+        });
+        let root = correlation.cholesky().map_or_else(|| DMatrix::identity(unknowns.len(), unknowns.len()), |c| c.l());
+        let root = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| deviations[i] * root[(i, j)]);
+        self.uncertain = Some((unknowns, root));
+    }
+
+    /// Finds the directions of the residual along which the uncertain parameters move it.
+    ///
+    /// With `U = S L` the changes by one deviation of each independent parameter (S the slopes, `L L^T` the covariance) the
+    /// covariance of the residual is `1 + U U^T`. From the eigenvalues `d^2` of `U^T U` its inverse root is
+    /// `1 - sum q q^T (1 - 1 / sqrt(1 + d^2))`, q the unit vectors `U v / d`.
+    fn tolerate(&mut self, machine: &Machine) -> Result<()> {
+        let Some((unknowns, root)) = &self.uncertain else { return Ok(()) };
+        let n = unknowns.len();
+        let spectra = self.spectra(machine)?;
+        let slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
+        let combined = |j: usize, weights: &dyn Fn(usize) -> f64| {
+            let mut sum = vec![0.0; slopes[j].len()];
+            for (i, slope) in slopes.iter().enumerate() {
+                let weight = weights(i);
+                sum.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight * x);
+            }
+            sum
+        };
+        let products = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
+        let products = DMatrix::from_fn(n, n, |i, j| products[(i.min(j), i.max(j))]);
+        let eigen = (root.transpose() * products * root).symmetric_eigen();
+        let direction = |j: usize| {
+            let square = eigen.eigenvalues[j];
+            let vector = root * eigen.eigenvectors.column(j);
+            let mut unit = combined(j, &|i| vector[i]);
+            unit.iter_mut().for_each(|x| *x /= square.sqrt());
+            Direction { unit, share: 1.0 - 1.0 / (1.0 + square).sqrt() }
+        };
+        self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > LEAST_TOLERANCE).map(direction).collect();
+        Ok(())
+    }
+
+    /// Returns the residual of a machine with these spectra in the weights of its own.
+    ///
+    /// In these the noise of the probes does not depend on the machine, so that the fit of a machine as a whole has no advantage
+    /// from less damping or stiffness. The noise of the bearing forces over that of the probes is taken from the machine by which
+    /// the residual is weighed.
+    pub fn own_residual(&self, machine: &Machine, spectra: &Spectra) -> Result<Vec<f64>> {
+        let own = self.mean_stiffness(machine)?;
+        let mut force = self.force(spectra);
+        self.stiffen(&mut force, &own);
+        Ok(whitened(&self.own_whitening(&own), &force))
+    }
+
+    /// Returns the change of [`Evidence::own_residual`] by one unknown. With `d` the displacement that the unexplained force causes,
+    /// the change of the weights is that of the mean dynamic stiffness times `-d`.
+    pub fn own_slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<Vec<f64>> {
+        if !matches!(unknown, Unknown::Clearance(_) | Unknown::Modulus(_) | Unknown::Damping(_)) {
+            return self.slope(spectra, machine, unknown);
+        }
+        let mut other = machine.clone();
+        let h = unknown.step();
+        unknown.set(&mut other, unknown.get(machine) + h);
+        let (own, other) = (self.mean_stiffness(machine)?, self.mean_stiffness(&other)?);
+        let mut slope = self.force_slope(spectra, machine, unknown)?;
+        let mut force = self.force(spectra);
+        self.stiffen(&mut force, &own);
+        for (k, w) in self.transform.lines.iter().enumerate() {
+            let stiffness = self.dynamic_stiffness(&own, *w);
+            let change = (self.dynamic_stiffness(&other, *w) - stiffness) / C::new(h, 0.0);
+            let unexplained = SVector::<C, D>::from_fn(|i, _| force[i][k]);
+            let caused = stiffness.lu().solve(&unexplained).unwrap_or_else(SVector::zeros);
+            let rest = SVector::<C, D>::from_fn(|i, _| self.rest_lines[i][k]);
+            let own = change * (rest + caused);
+            slope.iter_mut().enumerate().for_each(|(i, slope)| slope[k] -= own[i]);
+        }
+        Ok(whitened(&self.own_whitening(&own), &slope))
+    }
+
+    /// Adds what another mean stiffness requires for the part of the displacement that the filter took.
+    fn stiffen(&self, force: &mut [Vec<C>; D], own: &MeanStiffness) {
+        for (k, w) in self.transform.lines.iter().enumerate() {
+            let change = self.dynamic_stiffness(own, *w) - self.dynamic_stiffness(&self.reference, *w);
+            for (i, force) in force.iter_mut().enumerate() {
+                force[k] -= (0..D).map(|j| change[(i, j)] * self.rest_lines[j][k]).sum::<C>();
+            }
+        }
+    }
+
+    fn own_whitening(&self, own: &MeanStiffness) -> Vec<Vec<[C; D]>> {
+        let mut whitening = self.whitening_of(own);
+        for (rows, scales) in whitening.iter_mut().zip(&self.noise_scale) {
+            for (row, scale) in rows.iter_mut().zip(scales) {
+                row.iter_mut().for_each(|a| *a /= scale);
+            }
+        }
+        whitening
+    }
+
+    /// Mean tangent stiffness along the motion.
+    fn mean_stiffness(&self, machine: &Machine) -> Result<MeanStiffness> {
         let stride = (self.motion.len() / 500).max(1);
         let count = self.motion.len().div_ceil(stride) as f64;
         let mut sum = [[0.0; D]; D];
@@ -141,25 +282,36 @@ impl<'a> Evidence<'a> {
                 evaluated.add_stiffness(&self.motion, t, 1.0 / count, &mut sum);
             }
         }
-        Ok(sum)
+        Ok(MeanStiffness { stiffness: sum, damping: machine.damping })
+    }
+
+    /// Force that a displacement at the angular frequency `w` requires, by the mean stiffness.
+    fn dynamic_stiffness(&self, of: &MeanStiffness, w: f64) -> Square {
+        let spin = w * self.polar * self.motion.mean_speed();
+        let mut g = Square::from_fn(|i, j| C::new(of.stiffness[i][j], 0.0));
+        for i in 0..D {
+            g[(i, i)] += C::new(-w * w * self.mass[i], w * of.damping[i]);
+        }
+        g[(3, 4)] += C::new(0.0, spin);
+        g[(4, 3)] -= C::new(0.0, spin);
+        g
     }
 
     /// A force is brought to the displacement that it causes at the mean stiffness, which is then divided by its noise.
-    fn whiten(&mut self, machine: &Machine) -> Result<()> {
-        let mut k = self.tangent_stiffness(machine)?;
-        let speed = self.motion.mean_speed();
+    fn whitening_of(&self, of: &MeanStiffness) -> Vec<Vec<[C; D]>> {
         let unit = (0.5 * self.transform.power).sqrt();
         // Information on the displacement, and its square root: rows that all have the noise 1.
         let mut information = SMatrix::<f64, D, D>::zeros();
         for (probe, noise) in self.weighting.probes.iter().zip(&self.weighting.noise) {
-            let row = nalgebra::SVector::<f64, D>::from_row_slice(&probes::row(probe));
+            let row = SVector::<f64, D>::from_row_slice(&probes::row(probe));
             information += row * row.transpose() / (noise * noise);
         }
         let measured: Vec<usize> = (0..D).filter(|&i| i != 2 || self.weighting.has_axial_probe).collect();
+        let mut of = *of;
         if !self.weighting.has_axial_probe {
             // The axial coordinate is held.
-            k.iter_mut().for_each(|row| row[2] = 0.0);
-            k[2] = [0.0, 0.0, 1e30, 0.0, 0.0];
+            of.stiffness.iter_mut().for_each(|row| row[2] = 0.0);
+            of.stiffness[2] = [0.0, 0.0, 1e30, 0.0, 0.0];
             information[(2, 2)] = 1.0;
         }
         // Lengths of the unit of translations and tilts differ: the square root is taken with a unit diagonal.
@@ -167,26 +319,19 @@ impl<'a> Evidence<'a> {
         let scaled = SMatrix::<f64, D, D>::from_fn(|i, j| information[(i, j)] / (scale[i] * scale[j]));
         let root = scaled.cholesky().map_or_else(SMatrix::<f64, D, D>::identity, |c| c.l().transpose());
         let whitening = |w: f64| {
-            let mut g = Square::from_fn(|i, j| C::new(k[i][j], 0.0));
-            for i in 0..D {
-                g[(i, i)] += C::new(-w * w * self.mass[i], w * machine.damping[i]);
-            }
-            g[(3, 4)] += C::new(0.0, w * self.polar * speed);
-            g[(4, 3)] -= C::new(0.0, w * self.polar * speed);
-            let inverse = g.try_inverse().unwrap_or_else(Square::zeros);
+            let inverse = self.dynamic_stiffness(&of, w).try_inverse().unwrap_or_else(Square::zeros);
             let row = |&i: &usize| {
                 std::array::from_fn(|j| (0..D).map(|k| inverse[(k, j)] * (root[(i, k)] * scale[k] / unit)).sum::<C>())
             };
             measured.iter().map(row).collect()
         };
-        self.rows = measured.len();
-        self.whitening = self.transform.lines.iter().map(|w| whitening(*w)).collect();
+        let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().map(|w| whitening(*w)).collect();
         // The offset of a probe is not known better than its noise, however long the record.
         let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64).sqrt();
-        for rows in self.whitening.iter_mut().take(MEAN_LINES) {
+        for rows in all.iter_mut().take(MEAN_LINES) {
             rows.iter_mut().flatten().for_each(|a| *a *= mean);
         }
-        Ok(())
+        all
     }
 
     /// Scales the noise of each probe, line by line, to that of the residual of a true machine: the noise of the probes also
@@ -194,7 +339,7 @@ impl<'a> Evidence<'a> {
     ///
     /// The residual of several sets of made-up noise is averaged over neighbouring lines.
     fn scale_noise(&mut self, machine: &Machine) -> Result<()> {
-        let Weighting { noise, solver, draws, .. } = &self.weighting;
+        let Weighting { noise, solver, draws, .. } = &*self.weighting;
         let lines = self.whitening.len();
         let mut square = vec![vec![0.0; self.rows]; lines];
         let evaluated: Vec<Evaluated> = machine
@@ -211,8 +356,13 @@ impl<'a> Evidence<'a> {
             })
             .collect();
         // Force of the bearings by a small displacement.
-        let linear = |t: usize, x: &[f64; D]| stiffness[t].map(|row| -row.iter().zip(x).map(|(k, x)| k * x).sum::<f64>());
-        let mut correction = self.transform.five(0, |t| linear(t, &self.rest[t]));
+        let linear =
+            |t: usize, x: &[f64; D]| stiffness[t].map(|row| -row.iter().zip(x).map(|(k, x)| k * x).sum::<f64>());
+        let rest: [[Vec<C>; D]; 3] = std::array::from_fn(|order| self.transform.five(order, |t| self.rest[t]));
+        let mut correction = self.inertia(machine, &rest);
+        for (sum, part) in correction.iter_mut().zip(self.transform.five(0, |t| linear(t, &self.rest[t]))) {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        }
         let mut normal = Normal::new();
         for _ in 0..*draws {
             let error: Vec<[f64; D]> = (0..self.motion.len())
@@ -256,7 +406,11 @@ impl<'a> Evidence<'a> {
         for (k, rows) in self.whitening.iter_mut().enumerate().skip(MEAN_LINES) {
             let around = &square[k.saturating_sub(NEIGHBOURS).max(MEAN_LINES)..(k + NEIGHBOURS + 1).min(lines)];
             for (p, row) in rows.iter_mut().enumerate() {
-                let mean = around.iter().map(|squares| squares[p]).sum::<f64>() / around.len() as f64;
+                // The mean of the inverse of a sum of n squares is n / (n - 2) times the inverse of its mean.
+                let values = 2.0 * (around.len() * draws) as f64;
+                let mean = around.iter().map(|squares| squares[p]).sum::<f64>() / around.len() as f64 * values
+                    / (values - 2.0);
+                self.noise_scale[k][p] = mean.sqrt();
                 row.iter_mut().for_each(|a| *a /= mean.sqrt());
             }
         }
@@ -355,15 +509,12 @@ impl<'a> Evidence<'a> {
     /// Returns a force as a residual at the probes in units of their noise: line by line, probe by probe, real and imaginary
     /// part.
     pub fn at_probes(&self, force: &[Vec<C>; D]) -> Vec<f64> {
-        let mut out = Vec::with_capacity(self.whitening.len() * self.rows * 2);
-        for (k, rows) in self.whitening.iter().enumerate() {
-            for row in rows {
-                let sum: C = row.iter().zip(force).map(|(a, f)| a * f[k]).sum();
-                out.push(sum.re);
-                out.push(sum.im);
-            }
+        let mut residual = whitened(&self.whitening, force);
+        for Direction { unit, share } in &self.tolerance {
+            let along = share * dot(unit, &residual);
+            residual.iter_mut().zip(unit).for_each(|(r, unit)| *r -= along * unit);
         }
-        out
+        residual
     }
 
     /// Returns the residual of a machine.
@@ -390,6 +541,10 @@ impl<'a> Evidence<'a> {
 
     /// Returns the change of the residual by one unknown.
     pub fn slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<Vec<f64>> {
+        Ok(self.at_probes(&self.force_slope(spectra, machine, unknown)?))
+    }
+
+    fn force_slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<[Vec<C>; D]> {
         let mut other = machine.clone();
         let h = unknown.step();
         unknown.set(&mut other, unknown.get(machine) + h);
@@ -407,8 +562,22 @@ impl<'a> Evidence<'a> {
                 *d = (*d - b) / h;
             }
         }
-        Ok(self.at_probes(&difference))
+        Ok(difference)
     }
+}
+
+/// Returns a force in whitened displacements: line by line, row by row, real and imaginary part.
+fn whitened(whitening: &[Vec<[C; D]>], force: &[Vec<C>; D]) -> Vec<f64> {
+    let rows = whitening.first().map_or(0, Vec::len);
+    let mut out = Vec::with_capacity(whitening.len() * rows * 2);
+    for (k, rows) in whitening.iter().enumerate() {
+        for row in rows {
+            let sum: C = row.iter().zip(force).map(|(a, f)| a * f[k]).sum();
+            out.push(sum.re);
+            out.push(sum.im);
+        }
+    }
+    out
 }
 
 /// Normally distributed numbers, the same in every run (xorshift and Box-Muller).

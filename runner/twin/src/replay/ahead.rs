@@ -68,24 +68,38 @@ impl Ahead {
         scene: &Scene,
         plant: &Plant,
         recording: &Recording,
+        calibration: Option<&Calibration>,
         progress: &dyn Fn(f64),
     ) -> Result<Option<Diagnosis>> {
         if diagnosis::not_applicable(scene, &self.samples).is_some() {
             return Ok(None);
         }
-        Ok(diagnosis::diagnose(&self.material(scene, plant, recording), progress)?)
+        Ok(diagnosis::diagnose(&self.material(scene, plant, recording, calibration), progress)?)
     }
 
     /// Calibrates the scene; none where the samples do not allow it.
-    pub fn calibrate(&self, scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Option<Calibration>> {
+    pub fn calibrate(
+        &self,
+        scene: &Scene,
+        plant: &Plant,
+        recording: &Recording,
+        earlier: Option<&Calibration>,
+    ) -> Result<Option<Calibration>> {
         if diagnosis::not_applicable(scene, &self.samples).is_some() {
             return Ok(None);
         }
-        Ok(diagnosis::calibrate(&self.material(scene, plant, recording))?)
+        Ok(diagnosis::calibrate(&self.material(scene, plant, recording, earlier))?)
     }
 
-    fn material<'a>(&'a self, scene: &'a Scene, plant: &'a Plant, recording: &'a Recording) -> Material<'a> {
-        Material { scene, plant, probes: &recording.probes, samples: &self.samples, period: self.period }
+    fn material<'a>(
+        &'a self,
+        scene: &'a Scene,
+        plant: &'a Plant,
+        recording: &'a Recording,
+        calibration: Option<&'a Calibration>,
+    ) -> Material<'a> {
+        let (probes, samples) = (&recording.probes, &self.samples);
+        Material { scene, plant, probes, samples, period: self.period, calibration }
     }
 }
 

@@ -51,8 +51,14 @@ impl Pipeline<'_> {
         let not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
         let samples = std::mem::take(&mut self.block).into_samples();
-        let material =
-            Material { scene, plant: &self.plant, probes: self.probes, samples: &samples, period: 1.0 / self.rate };
+        let material = Material {
+            scene,
+            plant: &self.plant,
+            probes: self.probes,
+            samples: &samples,
+            period: 1.0 / self.rate,
+            calibration: self.calibration.as_ref(),
+        };
         let reason = diagnosis::not_applicable(scene, &samples);
         let diagnosed = match self.diagnosed.take() {
             Some(known) => Some(known),
@@ -65,7 +71,7 @@ impl Pipeline<'_> {
         let (mut findings, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));
         let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
-        learned.calibration = self.calibration.take();
+        learned.calibration.clone_from(&self.calibration);
         learned.set_faults(&findings);
         if let Some(baseline) = &self.baseline {
             let (known, new) = findings.into_iter().partition(|finding| baseline.knows(finding));

@@ -97,16 +97,16 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
             progress(Progress::Diagnosis(share));
         }
     };
-    let mut calibration = None;
+    let mut calibration = baseline.and_then(|baseline| baseline.calibration);
     if options.learn {
         // What the scene has wrong is no fault of the machine.
-        calibration = ahead.calibrate(&scene, &plant, recording)?;
+        calibration = ahead.calibrate(&scene, &plant, recording, calibration.as_ref())?;
         if let Some(calibration) = &calibration {
             scene = calibration.scene(&scene);
             plant = Plant::try_new(&scene).map_err(Error::setup)?;
         }
     }
-    let diagnosed = ahead.diagnose(&scene, &plant, recording, &advance)?;
+    let diagnosed = ahead.diagnose(&scene, &plant, recording, calibration.as_ref(), &advance)?;
     drop(plant);
     if let Some(diagnosis) = &diagnosed {
         ahead::set_cages(&mut scene, &diagnosis.cages);
