@@ -273,14 +273,14 @@ fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(F
     Ok(if again.chi_square < first.chi_square { (again, observable) } else { (first.clone(), of.observable.clone()) })
 }
 
-/// Returns chi-squared without the last fault, all else as fitted.
-fn without(e: &Evidence, before: &Fitted, cause: Cause, fitted: &Fitted) -> Result<f64> {
-    let mut machine = fitted.machine.clone();
+/// Returns the machine without a fault, as it was `before` in that respect. Of spalls and waves the last one goes.
+fn without(machine: &Machine, cause: Cause, before: &Machine) -> Machine {
+    let mut machine = machine.clone();
     match cause {
-        Cause::Unbalance => machine.unbalance = before.machine.unbalance,
-        Cause::Load => machine.load = before.machine.load,
-        Cause::Clearance(b) => Unknown::Clearance(b).set(&mut machine, clearance(&before.machine.bearings[b].scene)),
-        Cause::Misalignment(b) => machine.bearings[b].tilt = before.machine.bearings[b].tilt,
+        Cause::Unbalance => machine.unbalance = before.unbalance,
+        Cause::Load => machine.load = before.load,
+        Cause::Clearance(b) => Unknown::Clearance(b).set(&mut machine, clearance(&before.bearings[b].scene)),
+        Cause::Misalignment(b) => machine.bearings[b].tilt = before.bearings[b].tilt,
         Cause::Spall(b, _) => {
             machine.bearings[b].scene.defect.pop();
         }
@@ -289,7 +289,7 @@ fn without(e: &Evidence, before: &Fitted, cause: Cause, fitted: &Fitted) -> Resu
             waves.truncate(waves.len() - 2);
         }
     }
-    Ok(evaluate(e, &machine)?.chi_square)
+    machine
 }
 
 /// Returns true where a fault is larger than what bearings and rotors in good order have.
@@ -374,6 +374,7 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
             locked[b] = true;
         }
         faults.push(fault);
+        now = pruned(of, &mut faults, now)?;
         progress(0.4 + 0.2 * faults.len() as f64);
     }
     Ok(faults)
@@ -409,9 +410,39 @@ fn judged<'a>(
     let unusual = |b: &MachineBearing| ((b.cage.slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2);
     let slips: f64 = fitted.machine.bearings.iter().map(unusual).sum();
     // The fault's own part: a cage that goes with it may explain something by itself.
-    let before = without(&of.evidence, now, candidate.cause, &fitted)?.min(now.chi_square);
+    let before = evaluate(&of.evidence, &without(&fitted.machine, candidate.cause, &now.machine))?.chi_square;
+    let before = before.min(now.chi_square);
     let gain = before - fitted.chi_square - penalty - slips;
     Ok(Judged { fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable }, evidence })
+}
+
+/// Removes the faults before the last one that explain nothing beside it: each was the best of its step alone.
+fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fitted> {
+    let mut i = 0;
+    while i + 1 < faults.len() {
+        let cause = faults[i].cause;
+        if matches!(cause, Cause::Spall(..) | Cause::Waviness(..)) {
+            i += 1;
+            continue;
+        }
+        let mut unknowns = cage::unknowns(&of.observable);
+        for fault in faults.iter().filter(|fault| fault.cause != cause) {
+            unknowns
+                .extend(fault.fitted.unknowns.iter().copied().filter(|u| !unknowns.contains(u)).collect::<Vec<_>>());
+        }
+        let start = evaluate(&of.evidence, &without(&now.machine, cause, &of.healthy.machine))?;
+        let fitted = fit(&of.evidence, &start, &unknowns, 20)?;
+        if fitted.chi_square - now.chi_square < LEAST_GAIN {
+            now = fitted;
+            faults.remove(i);
+            if let Some(last) = faults.last_mut() {
+                last.fitted = now.clone();
+            }
+        } else {
+            i += 1;
+        }
+    }
+    Ok(now)
 }
 
 /// Fits a candidate that changes the stiffness, weighed by the noise that the residual has with it.
