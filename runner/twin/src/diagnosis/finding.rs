@@ -3,7 +3,7 @@
 use super::cage::unknowns;
 use super::fit::{Fitted, fit};
 use super::hypothesis::{Cause, Fault, LEAST_GAIN};
-use super::machine::{Machine, Unknown, clearance};
+use super::machine::{Evaluated, Machine, Unknown, clearance};
 use super::residual::Evidence;
 use super::surface::Component;
 use super::{Prepared, Result};
@@ -276,7 +276,10 @@ impl Reported<'_, '_> {
                 }
             }
             Cause::Waviness(b, _, order) => {
-                let [amplitude, _] = self.vector([Unknown::Wave(b, 2 * nth), Unknown::Wave(b, 2 * nth + 1)], 1e-6);
+                let normal = Evaluated::new(self.e.scene, self.e.plant, b, &machine.bearings[b])
+                    .map_or(1.0, |bearing| bearing.contact_cosine(&self.e.motion));
+                let unknowns = [Unknown::Wave(b, 2 * nth), Unknown::Wave(b, 2 * nth + 1)];
+                let [amplitude, _] = self.vector(unknowns, 1e-6 / normal);
                 FaultParameters {
                     form: Some(FaultForm::Waviness),
                     waviness_order: Some(order),

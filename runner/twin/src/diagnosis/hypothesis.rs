@@ -308,7 +308,12 @@ fn is_material(before: &Fitted, cause: Cause, after: &Fitted) -> bool {
             (new - old).abs() > 3e-7_f64.max(0.03 * old)
         }
         Cause::Misalignment(b) => new.bearings[b].tilt[0].hypot(new.bearings[b].tilt[1]) > 3e-5,
-        Cause::Spall(b, _) => new.bearings[b].scene.defect.last().is_some_and(|d| d.depth > 1e-7),
+        Cause::Spall(b, _) => {
+            let depths = (0..after.unknowns.len())
+                .filter(|&i| matches!(after.unknowns[i], Unknown::SpallDepth(of, _) if of == b));
+            let deviation = depths.last().map_or(0.0, |i| after.covariance[(i, i)].max(0.0).sqrt());
+            new.bearings[b].scene.defect.last().is_some_and(|d| d.depth > f64::max(1e-7, SIGNIFICANT * deviation))
+        }
         Cause::Waviness(b, ..) => {
             let waves = &new.bearings[b].scene.waviness;
             waves.iter().rev().take(2).map(|w| w.amplitude * w.amplitude).sum::<f64>().sqrt() > 1e-8
@@ -316,6 +321,8 @@ fn is_material(before: &Fitted, cause: Cause, after: &Fitted) -> bool {
     }
 }
 
+/// Depth of a spall over its standard deviation from which it is one: of 40 without depth, one seems to have it.
+const SIGNIFICANT: f64 = 2.0;
 /// Most faults in one diagnosis.
 const MOST_FAULTS: usize = 3;
 /// Candidates that are fitted, at most, and least share of the gain of the first.
@@ -451,14 +458,13 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
 /// different stiffness can be compared by their chi-squared.
 fn weighed<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     let own = own(candidate);
-    let (mut now, mut evidence, mut observable) = (first.clone(), of.evidence.clone(), of.observable.clone());
-    for _ in 0..2 {
-        evidence.weigh(&now.machine)?;
-        let (settled, seen) = cage::settle(&evidence, &of.band, &now.machine, SLIPS)?;
-        let mut unknowns = cage::unknowns(&seen);
-        unknowns.extend(own.iter().copied());
-        now = fit(&evidence, &settled, &unknowns, 12)?;
-        observable = seen;
-    }
-    Ok((evidence, now, observable))
+    let mut evidence = of.evidence.clone();
+    evidence.weigh(&first.machine)?;
+    let (settled, observable) = cage::settle(&evidence, &of.band, &first.machine, SLIPS)?;
+    let mut unknowns = cage::unknowns(&observable);
+    unknowns.extend(own.iter().copied());
+    let closer = fit(&evidence, &settled, &unknowns, 12)?;
+    evidence.weigh(&closer.machine)?;
+    let fitted = fit(&evidence, &evaluate(&evidence, &closer.machine)?, &unknowns, 12)?;
+    Ok((evidence, fitted, observable))
 }

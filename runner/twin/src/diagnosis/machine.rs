@@ -85,6 +85,10 @@ impl Machine {
     }
 }
 
+/// Square of the radial part of the loads over that of their sum, from which the contact angle follows from the radial force; below, from
+/// the axial one.
+const LEAST_RADIAL: f64 = 0.01;
+
 /// A bearing ready to be evaluated along a motion.
 pub struct Evaluated {
     /// The bearing without its spalls.
@@ -237,6 +241,33 @@ impl Evaluated {
         let reaction = of.reaction(&self.displacement(q), state);
         let [fx, fy, fz, mx, my] = reaction.wrench.to_array();
         [fx, fy, fz, mx - self.station * fy, my + self.station * fx]
+    }
+
+    /// Returns the cosine of the contact angle, weighted by the loads along the motion: the part of a radial deviation of a groove that is normal to
+    /// its surface.
+    pub fn contact_cosine(&self, motion: &Motion) -> f64 {
+        let (mut radial, mut axial, mut projected, mut total) = (0.0, 0.0, 0.0, 0.0);
+        let mut loads = vec![0.0; self.azimuths.len()];
+        for t in (0..motion.len()).step_by((motion.len() / 500).max(1)) {
+            let (u, state) = (self.displacement(&motion.q[t]), self.state(motion, t));
+            self.bearing.element_loads(&u, &state, &mut loads);
+            let force = self.bearing.reaction(&u, &state).wrench;
+            let (mut x, mut y) = (0.0, 0.0);
+            for (load, azimuth) in loads.iter().zip(&self.azimuths) {
+                let (s, c) = (azimuth + state.cage.radians()).sin_cos();
+                (x, y) = (x + load * c, y + load * s);
+                total += load;
+            }
+            // The radial force is the sum of the loads by their azimuth, times the cosine.
+            projected -= force.fx * x + force.fy * y;
+            radial += x * x + y * y;
+            axial += force.fz;
+        }
+        if radial > LEAST_RADIAL * total * total / 500.0 {
+            (projected / radial).clamp(0.0, 1.0)
+        } else {
+            (1.0 - (axial / total.max(f64::MIN_POSITIVE)).powi(2)).max(0.0).sqrt()
+        }
     }
 
     /// Adds the tangent stiffness at sample `t`, in the coordinates of the centre of mass.
