@@ -326,7 +326,7 @@ const SIGNIFICANT: f64 = 2.0;
 /// Most faults in one diagnosis.
 const MOST_FAULTS: usize = 3;
 /// Candidates that are fitted, at most, and least share of the gain of the first.
-const FITTED: (usize, f64) = (4, 0.2);
+const FITTED: (usize, f64) = (6, 0.2);
 /// Fitted candidates for which the cages are searched again.
 const SEARCHED: usize = 2;
 /// Fall of chi-squared from which a fault counts: odds of e^50 against chance, with thousands of alternatives tried.
@@ -458,13 +458,18 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
 /// different stiffness can be compared by their chi-squared.
 fn weighed<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     let own = own(candidate);
+    // In the weights of the machine before, until the cages are found.
+    let (mut fitted, mut observable) = with_cages(of, candidate, first)?;
     let mut evidence = of.evidence.clone();
-    evidence.weigh(&first.machine)?;
-    let (settled, observable) = cage::settle(&evidence, &of.band, &first.machine, SLIPS)?;
-    let mut unknowns = cage::unknowns(&observable);
-    unknowns.extend(own.iter().copied());
-    let closer = fit(&evidence, &settled, &unknowns, 12)?;
-    evidence.weigh(&closer.machine)?;
-    let fitted = fit(&evidence, &evaluate(&evidence, &closer.machine)?, &unknowns, 12)?;
+    for _ in 0..2 {
+        evidence.weigh(&fitted.machine)?;
+        let mut start = evaluate(&evidence, &fitted.machine)?;
+        if observable.contains(&false) {
+            (start, observable) = cage::settle(&evidence, &of.band, &fitted.machine, SLIPS)?;
+        }
+        let mut unknowns = cage::unknowns(&observable);
+        unknowns.extend(own.iter().copied());
+        fitted = fit(&evidence, &start, &unknowns, 12)?;
+    }
     Ok((evidence, fitted, observable))
 }
