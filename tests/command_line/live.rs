@@ -195,7 +195,7 @@ fn killed_and_started_again_it_loses_nothing_that_was_acknowledged() {
     assert!(times.len() >= 4, "{times:?}");
     let kinds = kinds(&desk, "events.jsonl");
     assert!(kinds.contains(&"monitor-resumed".to_owned()) && kinds.contains(&"limit-crossed".to_owned()), "{kinds:?}");
-    desk.put("other.toml", swap(&scene, "name = \"6205 rig, healthy\"", "name = \"another\""));
+    desk.put("other.toml", swap(&scene, "name = \"6205 rig\"", "name = \"another\""));
     let refused = desk.run(&["replay", "other.toml", "--paced", "--state", "state"]);
     assert!(refused.code == Some(2) && refused.err.contains("another"), "{refused:?}");
 }

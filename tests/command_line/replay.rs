@@ -23,18 +23,23 @@ fn demonstration_in_an_empty_folder() {
     let verdict = outcome["verdict"].as_str().unwrap();
     assert!(!verdict.is_empty() && unbroken(&text).contains(verdict), "{text}");
     assert!(report.contains(verdict));
-    assert_eq!(list(&outcome, "findings").len(), 0, "{outcome:#}");
+    let findings = list(&outcome, "findings");
+    assert_eq!(findings.len(), 1, "{outcome:#}");
+    assert_eq!((findings[0]["kind"].as_str(), findings[0]["bearing"].as_str()), (Some("outer-race"), Some("DE")));
+    // The truth of the recording: 270 deg, 3 um.
+    assert!((number(&findings[0], "/azimuth_deg/value") - 270.0).abs() < 3.0, "{outcome:#}");
+    assert!((number(&findings[0], "/depth_um/value") - 3.0).abs() < 0.75, "{outcome:#}");
     assert_eq!(list(&outcome, "flaws").len(), 0, "{outcome:#}");
 }
 
 #[test]
 fn demonstration_is_the_scene_and_recording_of_the_source() {
     let built_in = Desk::empty().replay("", &[]);
-    let own = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    let damaged = recorded("outer-spall.csv");
+    let own = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &["--recording", &damaged]);
     for key in ["probes", "bearings", "findings", "flaws", "verdict"] {
         assert_eq!(built_in[key], own[key], "{key}");
     }
-    assert_eq!(own["recording"], "healthy.csv");
 }
 
 #[test]

@@ -139,7 +139,8 @@ fn long_printed_texts_of_recordings_have_no_slips() {
     for name in ["outer-spall", "unbalanced", "run-up"] {
         let desk = Desk::empty();
         for end in ["toml", "csv"] {
-            desk.put(&format!("{name}.{end}"), fs::read(recorded(&format!("{name}.{end}"))).unwrap());
+            let text = fs::read_to_string(recorded(&format!("{name}.{end}"))).unwrap();
+            desk.put(&format!("{name}.{end}"), text.replace("../../runner/demo/", ""));
         }
         texts.add(&desk, &["replay", &format!("{name}.toml")]);
     }

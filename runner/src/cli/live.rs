@@ -12,9 +12,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The demonstration, part of the program.
+/// The demonstration, part of the program: the scene of a machine in good order, and a recording of it with a spall.
 pub(super) const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
-pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/healthy.csv");
+pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/outer-spall.csv");
+/// Name of the recording.
+pub(super) const DEMO_NAME: &str = "outer-spall.csv (built in)";
 
 /// Options of live monitoring: source, duration, state, outputs and scheduling.
 #[derive(Debug, Clone, clap::Args)]
@@ -90,7 +92,7 @@ impl LiveArgs {
             (Some(source), ..) => source.clone(),
             (None, Some(path), _) => Address::File(path.to_owned()),
             (None, None, Some(recording)) if !is_demo => Address::File(recording.file.clone()),
-            _ => Address::BuiltIn(DEMO_RECORDING, "healthy.csv (built in)"),
+            _ => Address::BuiltIn(DEMO_RECORDING, DEMO_NAME),
         }
     }
 }

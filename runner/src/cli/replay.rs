@@ -1,6 +1,6 @@
 //! `ballrace replay`
 
-use super::live::{self, DEMO_RECORDING, LiveArgs};
+use super::live::{self, DEMO_NAME, DEMO_RECORDING, LiveArgs};
 use super::{Ending, Format, keep_apart};
 use crate::error::UsageError;
 use crate::live as monitor;
@@ -145,7 +145,7 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
         (None, None) => {
             let bytes = Box::new(Cursor::new(DEMO_RECORDING));
             let size = DEMO_RECORDING.len() as u64;
-            let name = PathBuf::from("healthy.csv (built in)");
+            let name = PathBuf::from(DEMO_NAME);
             return Ok((Reader::from_reader(bytes, &name, Some(size), recording)?, name));
         }
     };

@@ -12,7 +12,7 @@ const REVOLUTIONS: f64 = 80.0;
 const MOST_SAMPLES: usize = 65_536;
 
 /// The last samples without an interruption, and the longest such block before.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Block {
     samples: VecDeque<Sample>,
     earlier: VecDeque<Sample>,

@@ -578,3 +578,11 @@ pub struct Finding {
     /// The finding as a sentence.
     pub sentence: String,
 }
+
+impl Finding {
+    /// Returns true where both name the same fault, whatever its size.
+    #[must_use]
+    pub fn is_same_fault(&self, other: &Self) -> bool {
+        self.kind == other.kind && self.bearing == other.bearing && self.parameters.form == other.parameters.form
+    }
+}

@@ -16,6 +16,7 @@ mod pipeline;
 // Readings before the sample waits for the twin.
 pub mod range;
 mod readings;
+mod running_diagnosis;
 mod standstill;
 mod startup;
 

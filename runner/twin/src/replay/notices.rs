@@ -33,6 +33,11 @@ impl Notices {
         self.waiting.push(Notice { kind, time_s, sentence: sentence() });
     }
 
+    /// Adds a notice, whatever came before.
+    pub fn add_always(&mut self, kind: &'static str, time_s: f64, sentence: String) {
+        self.waiting.push(Notice { kind, time_s, sentence });
+    }
+
     /// Returns the notices since the last call.
     pub fn take(&mut self) -> Vec<Notice> {
         std::mem::take(&mut self.waiting)

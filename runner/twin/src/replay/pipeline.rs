@@ -8,6 +8,7 @@ use super::limits::LimitMonitor;
 use super::lines::{Angles, followed_orders};
 use super::locate::LocationStage;
 use super::notices::Notices;
+use super::running_diagnosis::RunningDiagnosis;
 use super::observe::ObserverStage;
 use super::options::Options;
 use super::pictures::{FigureCollector, marked_lines, passes_keyphasor};
@@ -58,10 +59,12 @@ pub(super) struct Pipeline<'a> {
     pub(super) observer: ObserverStage,
     pub(super) force: ForceStage,
     pub(super) comparison: Comparison,
-    /// Samples for the diagnosis at the end.
+    /// Samples for a diagnosis.
     pub(super) block: Block,
     /// Diagnosis of the whole recording, where it was made before.
     pub(super) diagnosed: Option<Diagnosis>,
+    /// Diagnosis in live operation.
+    running_diagnosis: Option<RunningDiagnosis>,
     /// Calibration of the scene by this recording.
     pub(super) calibration: Option<Calibration>,
     /// The baseline to judge against.
@@ -138,6 +141,9 @@ impl<'a> Pipeline<'a> {
             comparison: Comparison::new(probes.len(), bearings, planes.len()),
             block: Block::default(),
             diagnosed: None,
+            running_diagnosis: options
+                .live
+                .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone())),
             calibration: None,
             baseline,
             figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),
@@ -328,6 +334,9 @@ impl<'a> Pipeline<'a> {
         }
         if self.diagnosed.is_none() {
             self.block.add(sample);
+            if let Some(running) = &mut self.running_diagnosis {
+                running.poll(&self.block, time, &mut self.notices);
+            }
         }
         self.figures.add(sample, &readings.twin, revolutions);
         if let Some(recent) = &mut self.recent {

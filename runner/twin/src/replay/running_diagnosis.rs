@@ -1,0 +1,190 @@
+//! Diagnosis while a recording runs: the last block of samples on a thread of its own, with a bounded share of one core.
+
+use super::notices::Notices;
+use crate::baseline::Baseline;
+use crate::diagnosis::block::Block;
+use crate::diagnosis::{self, Calibration, Diagnosis, Material};
+use crate::outcome::{Finding, FindingKind};
+use crate::plant::Plant;
+use crate::recording::Sample;
+use crate::scene::build::BuildError;
+use crate::scene::{Probe, Scene};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Share of one core that diagnoses take: the thread rests four times as long as it worked.
+const SHARE: f64 = 0.2;
+/// Diagnoses in a row without a fault after which it has ended: one may miss a fault near its threshold.
+const MISSED: u32 = 2;
+
+/// What a diagnosis on the thread needs beside its samples.
+struct Machine {
+    scene: Scene,
+    plant: Arc<Plant>,
+    probes: Vec<Probe>,
+    /// Sample period, s.
+    period: f64,
+    calibration: Option<Calibration>,
+}
+
+impl Machine {
+    fn diagnose(&self, samples: &[Sample]) -> Result<Option<Diagnosis>, BuildError> {
+        if diagnosis::not_applicable(&self.scene, samples).is_some() {
+            return Ok(None);
+        }
+        let material = Material {
+            scene: &self.scene,
+            plant: &self.plant,
+            probes: &self.probes,
+            samples,
+            period: self.period,
+            calibration: self.calibration.as_ref(),
+        };
+        diagnosis::diagnose(&material, &|_| {})
+    }
+}
+
+/// A fault that the last diagnoses found.
+struct OpenFault {
+    finding: Finding,
+    /// Diagnoses since the last one that found it.
+    missed: u32,
+}
+
+/// A diagnosis in progress.
+struct Running {
+    thread: JoinHandle<Result<Option<Diagnosis>, BuildError>>,
+    started: Instant,
+    /// Time of the last sample in the recording's time, s.
+    time: f64,
+}
+
+/// Diagnoses one block after another, and reports faults as notices: their start, their size at every diagnosis, their end.
+pub(super) struct RunningDiagnosis {
+    machine: Arc<Machine>,
+    running: Option<Running>,
+    /// No diagnosis begins before.
+    rests_until: Option<Instant>,
+    baseline: Option<Baseline>,
+    faults: OpenFaults,
+}
+
+impl RunningDiagnosis {
+    /// Creates a monitor of samples with `period`, s.
+    pub(super) fn new(
+        scene: &Scene,
+        plant: Arc<Plant>,
+        probes: &[Probe],
+        period: f64,
+        baseline: Option<Baseline>,
+    ) -> Self {
+        let calibration = baseline.as_ref().and_then(|baseline| baseline.calibration.clone());
+        let machine = Machine { scene: scene.clone(), plant, probes: probes.to_vec(), period, calibration };
+        Self {
+            machine: Arc::new(machine),
+            running: None,
+            rests_until: None,
+            baseline,
+            faults: OpenFaults::default(),
+        }
+    }
+
+    /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
+    pub(super) fn poll(&mut self, block: &Block, time: f64, notices: &mut Notices) {
+        if let Some(running) = self.running.take_if(|running| running.thread.is_finished()) {
+            let worked = running.started.elapsed();
+            self.rests_until = Some(Instant::now() + worked.mul_f64(1.0 / SHARE - 1.0));
+            match running.thread.join() {
+                Ok(Ok(Some(diagnosis))) => {
+                    let is_new = |finding: &Finding| {
+                        finding.kind != FindingKind::Other && !self.baseline.as_ref().is_some_and(|b| b.knows(finding))
+                    };
+                    let new = diagnosis.findings.into_iter().filter(is_new).collect();
+                    self.faults.report(new, running.time, notices);
+                }
+                Ok(Ok(None)) => {}
+                // Without a diagnosis the limits stay in force.
+                Ok(Err(_)) | Err(_) => self.rests_until = Some(Instant::now() + Duration::from_secs(3600)),
+            }
+        }
+        let rests = self.rests_until.is_some_and(|until| Instant::now() < until);
+        if self.running.is_some() || rests || !block.is_full() {
+            return;
+        }
+        let (machine, samples) = (self.machine.clone(), block.clone().into_samples());
+        let thread = std::thread::Builder::new().name("diagnosis".to_owned());
+        // Where the system gives no thread, the diagnosis at the end remains.
+        if let Ok(thread) = thread.spawn(move || machine.diagnose(&samples)) {
+            self.running = Some(Running { thread, started: Instant::now(), time });
+        }
+    }
+}
+
+/// Faults that the last diagnoses found.
+#[derive(Default)]
+struct OpenFaults {
+    open: Vec<OpenFault>,
+}
+
+impl OpenFaults {
+    /// Compares the findings of a diagnosis, made of samples up to `time` (s), with those before.
+    fn report(&mut self, findings: Vec<Finding>, time: f64, notices: &mut Notices) {
+        self.open.iter_mut().for_each(|open| open.missed += 1);
+        for finding in findings {
+            match self.open.iter_mut().find(|open| open.finding.is_same_fault(&finding)) {
+                Some(open) => {
+                    notices.add_always("fault-size", time, finding.sentence.clone());
+                    *open = OpenFault { finding, missed: 0 };
+                }
+                None => {
+                    notices.add_always("fault-found", time, finding.sentence.clone());
+                    self.open.push(OpenFault { finding, missed: 0 });
+                }
+            }
+        }
+        for ended in self.open.extract_if(.., |open| open.missed >= MISSED) {
+            notices.add_always("fault-ended", time, format!("No longer found: {}", ended.finding.sentence));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::FaultParameters;
+
+    fn finding(kind: FindingKind, bearing: &str) -> Finding {
+        Finding {
+            kind,
+            bearing: Some(bearing.to_owned()),
+            line_hz: 1.0,
+            order: 1.0,
+            level_db: 1.0,
+            confidence: 1.0,
+            parameters: FaultParameters::default(),
+            sentence: format!("{kind:?} of {bearing}"),
+        }
+    }
+
+    #[test]
+    fn a_fault_is_found_followed_and_ended() {
+        let (mut faults, mut notices) = (OpenFaults::default(), Notices::default());
+        let outer = || finding(FindingKind::OuterRace, "DE");
+        let seen = [vec![outer()], vec![outer(), finding(FindingKind::Unbalance, "DE")], vec![outer()], vec![], vec![]];
+        for (i, findings) in seen.into_iter().enumerate() {
+            faults.report(findings, i as f64, &mut notices);
+        }
+        let events: Vec<(&str, f64)> = notices.take().iter().map(|n| (n.kind, n.time_s)).collect();
+        let expected = [
+            ("fault-found", 0.0),
+            ("fault-size", 1.0),
+            ("fault-found", 1.0),
+            ("fault-size", 2.0),
+            ("fault-ended", 3.0),
+            ("fault-ended", 4.0),
+        ];
+        assert_eq!(events, expected);
+        assert!(faults.open.is_empty());
+    }
+}
