@@ -4,6 +4,7 @@
 use crate::observer::{TURN, motion, recording, rotor};
 use crate::support::{DEMO_SCENE, Desk, list, number, short_recording, swap};
 use serde_json::Value;
+use std::time::Duration;
 
 /// Cages of A and B: 0.8 % and 1.5 % slower than pure rolling, at angles that the scene to diagnose does not state.
 const CAGES: [&str; 2] = [
@@ -13,15 +14,26 @@ const CAGES: [&str; 2] = [
 const AZIMUTH: f64 = -70.0;
 const DEPTH: f64 = 3.0;
 
-/// The findings on 40 turns of the rotor with slipping cages; `defect` is a line of bearing A.
-fn findings(defect: &str) -> Vec<Value> {
+/// `scene.toml` and a recording of `turns` of the rotor with slipping cages; `defect` is a line of bearing A.
+fn desk(defect: &str, turns: usize) -> Desk {
     let desk = Desk::empty();
     let generating = rotor("angular", &format!("{}{defect}", CAGES[0]), "Z");
     let of_b = format!("name = \"B\"\n{}", CAGES[1]);
     desk.put("generating.toml", swap(&generating, "name = \"B\"\n", &of_b));
     desk.put("scene.toml", rotor("angular", "", "Z"));
-    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
-    list(&desk.replay("scene.toml", &[]), "findings").to_vec()
+    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..20 + turns), TURN));
+    desk
+}
+
+fn findings(defect: &str) -> Vec<Value> {
+    list(&desk(defect, 40).replay("scene.toml", &[]), "findings").to_vec()
+}
+
+/// A spall on the outer race.
+fn spall() -> String {
+    format!(
+        "defect = [{{ surface = \"outer\", azimuth = \"{AZIMUTH} deg\", half_width = \"2.5 deg\", depth = \"{DEPTH} um\", shape = \"half-sine\" }}]\n"
+    )
 }
 
 #[test]
@@ -32,9 +44,7 @@ fn a_machine_in_good_order_with_slipping_cages_has_no_finding() {
 
 #[test]
 fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
-    let findings = findings(&format!(
-        "defect = [{{ surface = \"outer\", azimuth = \"{AZIMUTH} deg\", half_width = \"2.5 deg\", depth = \"{DEPTH} um\", shape = \"half-sine\" }}]\n"
-    ));
+    let findings = findings(&spall());
     let [finding] = &findings[..] else { panic!("expected one finding: {findings:#?}") };
     assert_eq!(
         (&finding["kind"], &finding["bearing"], &finding["form"]),
@@ -44,6 +54,26 @@ fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
     assert!(((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs() < 3.0, "{azimuth}: {finding:#}");
     let depth = number(finding, "/depth_um/value");
     assert!((depth / DEPTH - 1.0).abs() < 0.25, "{depth}: {finding:#}");
+}
+
+/// 60 s at 3000 rpm, ended by the event: the first block is full after 1.6 s, and its diagnosis takes some seconds of processor time.
+#[test]
+fn a_spall_is_reported_while_the_monitor_runs() {
+    let desk = desk(&spall(), 3000);
+    let mut monitor = desk.command(&["replay", "scene.toml", "--paced", "--events", "events.jsonl"]).spawn().unwrap();
+    let found = loop {
+        let log = std::fs::read_to_string(desk.path("events.jsonl")).unwrap_or_default();
+        let whole = log.split_inclusive('\n').filter(|line| line.ends_with('\n'));
+        let mut events = whole.map(|line| serde_json::from_str::<Value>(line).unwrap());
+        if let Some(found) = events.find(|event| event["kind"] == "fault-found") {
+            break found;
+        }
+        assert!(monitor.try_wait().unwrap().is_none(), "no fault was found: {log}");
+        std::thread::sleep(Duration::from_millis(100));
+    };
+    monitor.kill().unwrap();
+    monitor.wait().unwrap();
+    assert!(found["sentence"].as_str().unwrap().starts_with("Outer race of A: a spall"), "{found:#}");
 }
 
 /// Ten revolutions are too few, and the note gives their number.

@@ -46,7 +46,8 @@ fn own_target_folder() -> Option<PathBuf> {
 
 /// A file of `tests/recordings`.
 pub fn recorded(name: &str) -> String {
-    let folders = ["/recordings/", "/../runner/demo/"].map(|folder| env!("CARGO_MANIFEST_DIR").to_owned() + folder + name);
+    let folders =
+        ["/recordings/", "/../runner/demo/"].map(|folder| env!("CARGO_MANIFEST_DIR").to_owned() + folder + name);
     folders.into_iter().find(|path| Path::new(path).exists()).unwrap()
 }
 

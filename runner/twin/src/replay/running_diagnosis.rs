@@ -81,13 +81,7 @@ impl RunningDiagnosis {
     ) -> Self {
         let calibration = baseline.as_ref().and_then(|baseline| baseline.calibration.clone());
         let machine = Machine { scene: scene.clone(), plant, probes: probes.to_vec(), period, calibration };
-        Self {
-            machine: Arc::new(machine),
-            running: None,
-            rests_until: None,
-            baseline,
-            faults: OpenFaults::default(),
-        }
+        Self { machine: Arc::new(machine), running: None, rests_until: None, baseline, faults: OpenFaults::default() }
     }
 
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
