@@ -113,7 +113,7 @@ impl Component {
         match self {
             Self::Outer => [outer, n * (cage - outer)],
             Self::Inner => [inner, n * (inner - cage)],
-            Self::Element => [cage, 2.0 * ball],
+            Self::Element => [cage, -2.0 * ball],
         }
     }
 
@@ -136,7 +136,7 @@ impl Component {
 /// Kinematic states of a run-up that ends with the block, from any angles.
 fn run_up(sense: f64, outer: f64) -> Vec<BearingKinematicState<f64>> {
     // A ball spin whose lines are ten cycles per block or more from those of the rings.
-    let ratios = SpeedRatios::<f64>::new(0.398_31).with_ball(2.156_17).with_outer(outer);
+    let ratios = SpeedRatios::<f64>::new(0.398_31).with_ball(-2.156_17).with_outer(outer);
     let mut parts = ComponentAngles { cage: Phase::from_revolutions(0.77), ball: Phase(12), outer: Phase(1 << 61) };
     let (mut shaft, mut states, mut done) = (Phase::from_revolutions(0.3), vec![], 0.0);
     let turns = f64::from(BLOCK) / (1.0 - outer).abs();

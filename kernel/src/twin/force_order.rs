@@ -59,7 +59,7 @@ pub struct ForceOrders<T, const H: usize> {
     /// Inner ring: orders of the ball pass `N (inner - cage)`, directions from the mark of the ring (the keyphasor mark
     /// where the shaft carries it).
     pub inner: [ForceLine<T>; H],
-    /// Rolling elements: orders of `2 ball`, directions from the first element.
+    /// Rolling elements: orders of `-2 ball`, directions from the first element.
     pub element: [ForceLine<T>; H],
 }
 
@@ -104,7 +104,7 @@ impl<T: Scalar, const H: usize> FrameSums<T, H> {
 /// | --- | --- | --- |
 /// | outer ring | `outer` | `N (cage - outer)` |
 /// | inner ring | `inner` | `N (inner - cage)` |
-/// | rolling elements | `cage` | `2 ball` |
+/// | rolling elements | `cage` | `-2 ball`: balls roll against the shaft |
 ///
 /// ```text
 /// F_k = sum(w z e^(-i frame) e^(-i k p))/sum(w),   B_k = sum(w z e^(-i frame) e^(i k p))/sum(w)
@@ -180,7 +180,7 @@ impl<T: Scalar, const H: usize> ForceOrderTracker<T, H> {
         let pass = |to: Phase, from: Phase| to.wrapping_add(from.reversed()).wrapping_mul(self.elements);
         self.outer.add::<M>(force, at.outer, pass(at.cage, at.outer));
         self.inner.add::<M>(force, at.inner, pass(at.inner, at.cage));
-        self.element.add::<M>(force, at.cage, at.ball.wrapping_mul(2));
+        self.element.add::<M>(force, at.cage, at.ball.reversed().wrapping_mul(2));
         complete
     }
 
