@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use crate::support::{Desk, number, scene};
+use crate::observer::{TURN, motion, recording, rotor};
+use crate::support::{Desk, list, number, scene, swap};
 
 /// The rig's scene without its unbalance and with another clearance, modulus and damping.
 fn wrong() -> String {
@@ -66,6 +67,79 @@ fn the_rigs_facts_are_found() {
         // The recording begins with a transient, which a replay does not know: see tests/recordings/README.md.
         let left = number(&outcome, &format!("/probes/{i}/residual_rms_um"));
         assert!(left < 0.036, "probe {i}: {left} um");
+    }
+}
+
+/// Cage speed over shaft speed of the rotor's bearings, 0.5 % below pure rolling at the free contact angle.
+const SLIPPING: f64 = 0.380_434_48 * 0.995;
+/// Cage angles of A and B at the start of the simulation, deg. The scene to fit states none.
+const CAGE_ANGLES: [f64; 2] = [17.0, -31.0];
+const ELEMENTS: f64 = 8.0;
+
+/// The rotor with an axial load that leaves the passing of the elements visible; `of_bearings` are lines of A and B.
+fn light_rotor(of_bearings: [&str; 2]) -> String {
+    let text = swap(&rotor("angular", of_bearings[0], "Z"), "load = [0, 0, 100, 0, 0]", "load = [0, 0, 20, 0, 0]");
+    swap(&text, "name = \"B\"\n", &format!("name = \"B\"\n{}", of_bearings[1]))
+}
+
+/// 40 turns of the rotor with slipping cages; `defect` is a line of bearing A. Young's modulus in the scene to fit is wrong.
+fn slipping(defect: &str) -> Desk {
+    let desk = Desk::empty();
+    let [a, b] = CAGE_ANGLES.map(|deg| format!("cage_ratio = {SLIPPING}\nfirst_element_azimuth = \"{deg} deg\"\n"));
+    desk.put("generating.toml", light_rotor([&(a + defect), &b]));
+    desk.put("scene.toml", light_rotor(["youngs_modulus = \"195 GPa\"\n", "youngs_modulus = \"215 GPa\"\n"]));
+    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
+    desk
+}
+
+#[test]
+fn cages_that_slip_at_an_unknown_angle_leave_the_stiffness_right() {
+    let found: Value =
+        slipping("").done(&["fit", "scene.toml", "--only", "stiffness,unbalance", "--format", "json"]).json();
+    assert_eq!(found["consistent"], true, "{found:#}");
+    let pitch = 360.0 / ELEMENTS;
+    for (bearing, start) in ["A", "B"].iter().zip(CAGE_ANGLES) {
+        let [low, value, high] = interval(&found, &format!("{bearing}: youngs_modulus"));
+        assert!((low..=high).contains(&206.0) && high - low < 2.0, "{bearing}: {value} GPa, {low} to {high}");
+        let [low, value, high] = interval(&found, &format!("{bearing}: cage_ratio"));
+        assert!((low..=high).contains(&SLIPPING) && high - low < 1e-4, "{bearing}: {value}, {low} to {high}");
+        // The recording begins 20 turns after the simulation.
+        let truth = start + 20.0 * 360.0 * SLIPPING;
+        let [low, value, high] = interval(&found, &format!("{bearing}: first_element_azimuth"));
+        let off = (value - truth + 0.5 * pitch).rem_euclid(pitch) - 0.5 * pitch;
+        assert!(off.abs() <= 0.5 * (high - low) && high - low < 1.0, "{bearing}: {value} deg, {truth} is true");
+    }
+}
+
+/// A spall that the scene does not have: chi-squared per reading is above what noise causes, though below 2.
+#[test]
+fn a_recording_that_the_model_does_not_describe_gets_no_intervals() {
+    let spall = "defect = [{ surface = \"outer\", azimuth = \"-70 deg\", half_width = \"2.5 deg\", depth = \"0.05 um\", shape = \"half-sine\" }]\n";
+    let found: Value =
+        slipping(spall).done(&["fit", "scene.toml", "--only", "stiffness,unbalance", "--format", "json"]).json();
+    let [chi_square, largest] = ["", "largest_"].map(|s| number(&found, &format!("/{s}chi_square_per_reading")));
+    assert!((1.0..1.1).contains(&largest) && largest < chi_square && chi_square < 2.0, "{chi_square}, {largest}");
+    assert_eq!(found["consistent"], false);
+    for p in list(&found, "parameters") {
+        assert!(p["value"].is_f64() && p["low"].is_null() && p["high"].is_null(), "{p}");
+    }
+}
+
+/// The demonstration's axial load hides the passing of its elements; eight turns are too few to search it.
+#[test]
+fn cages_that_cannot_be_estimated_are_named() {
+    let desk = Desk::rig();
+    let notes = |desk: &Desk| {
+        let found: Value =
+            desk.done(&["fit", "scene.toml", "--turns", "4", "--only", "clearance", "--format", "json"]).json();
+        found["notes"].to_string()
+    };
+    let short = notes(&desk);
+    assert!(short.contains("The cages are not estimated: 8.0 revolutions in a row"), "{short}");
+    desk.put("healthy.csv", crate::support::DEMO_RECORDING);
+    let whole = notes(&desk);
+    for bearing in ["DE", "NDE"] {
+        assert!(whole.contains(&format!("{bearing}: the cage is not observable in this recording")), "{whole}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The text and CSV of a fit.
 
-use ballrace_twin::fit::{Fitted, LARGEST_CHI_SQUARE};
+use ballrace_twin::fit::Fitted;
 use std::fmt::Write;
 
 /// Returns the fit as text for the terminal.
@@ -13,10 +13,11 @@ pub fn text(found: &Fitted) -> String {
     let _ = writeln!(out, "{:<28} {:>11} {:>11} {:>11} {:>11}  unit", "", "scene", "fitted", "from", "to");
     for p in &found.parameters {
         let mark = if p.identified { "" } else { "  not identifiable" };
-        let end = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
-        let _ = writeln!(
-            out,
-            "{:<28} {:>11.4} {:>11.4} {:>11} {:>11}  {}{mark}",
+        // A ratio has its first digit after the point.
+        let digits = if p.unit.is_empty() { 6 } else { 4 };
+        let end = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"));
+        let line = format!(
+            "{:<28} {:>11.digits$} {:>11.digits$} {:>11} {:>11}  {}{mark}",
             p.name,
             p.given,
             p.value,
@@ -24,6 +25,7 @@ pub fn text(found: &Fitted) -> String {
             end(p.high),
             p.unit
         );
+        let _ = writeln!(out, "{}", line.trim_end());
     }
     if found.consistent {
         let _ = writeln!(out, "\nThe intervals have a joint confidence level of 95 %.");
@@ -31,8 +33,8 @@ pub fn text(found: &Fitted) -> String {
         let _ = writeln!(
             out,
             "\nWARNING: the scene does not describe the recording: chi-squared per reading is {:.3e}, expected about 1 \
-             and at most {LARGEST_CHI_SQUARE}. No intervals are given.",
-            found.chi_square_per_reading
+             and at most {:.3} by the noise of the probes. No intervals are given.",
+            found.chi_square_per_reading, found.largest_chi_square_per_reading
         );
     }
     let _ = writeln!(out, "Chi-squared of the residuals: {:.1} for {} readings.\n", found.chi_square, found.readings);

@@ -137,6 +137,24 @@ pub fn diagnose(of: &Material, progress: &dyn Fn(f64)) -> std::result::Result<Op
     Ok(Some(finding::diagnosis(&prepared, &faults)?))
 }
 
+/// Estimates angle and slip of every cage, without a search for faults; none where the rotor or its probes do not allow it.
+///
+/// # Errors
+/// A bearing that cannot be built.
+pub fn cages(of: &Material) -> std::result::Result<Option<Vec<CageEstimate>>, BuildError> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let Some(prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
+    Ok(Some(finding::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
+}
+
+/// Sets the cages of a scene to what a recording shows.
+pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate]) {
+    for (bearing, cage) in scene.bearings.iter_mut().zip(cages).filter(|(_, cage)| cage.observable) {
+        bearing.cage_ratio = Some(cage.cage_ratio);
+        bearing.first_element_azimuth = cage.first_element_azimuth;
+    }
+}
+
 /// Calibrates the scene with the recording of a machine in good order; none where that is not possible.
 ///
 /// # Errors

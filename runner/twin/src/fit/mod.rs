@@ -1,12 +1,14 @@
 //! Maximum-likelihood estimates of the scene's parameters from a recording.
 //!
-//! The twin runs over the recording from an unknown initial state. The fit minimises the sum of squares of the residuals at
+//! Angle and slip of the cages come first, by the method of the diagnosis. Then the twin runs over the recording from an
+//! unknown initial state. The fit minimises the sum of squares of the residuals at
 //! the probes, in units of their noise, over the scene's unknowns and that state. Intervals come from the Jacobian and the
 //! residuals at the minimum, and are wider where the residuals are correlated.
 
 pub mod parameters;
 mod written;
 
+use crate::diagnosis::{self, block::Block};
 use crate::error::{FitError, Result};
 use crate::least_squares::{self, Bounds, Limits, Solution};
 use crate::observer::{noise, observed_rows};
@@ -17,7 +19,7 @@ use crate::recording::Sample;
 use crate::recording::rotation::Tracker;
 use crate::scene::{RotationSource, Scene};
 use nalgebra::DMatrix;
-use parameters::{Group, Parameter, ParameterKind, parameters, with};
+use parameters::{Group, Parameter, ParameterKind, cage_parameters, parameters, with};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -33,9 +35,11 @@ const NEAR: f64 = 1e-3;
 const THERE: f64 = 1e-7;
 /// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
-/// Chi-squared per reading up to which intervals are given. Above it the error of the model is larger than the noise, so
-/// that an interval from the noise means nothing.
-pub const LARGEST_CHI_SQUARE: f64 = 2.0;
+/// Standard deviations of chi-squared per reading above 1 up to which intervals are given: a true model exceeds them in one of
+/// a thousand recordings.
+const LARGEST_DEVIATION: f64 = 3.09;
+/// Relative standard uncertainty of the noise of a probe that is stated with two digits.
+const NOISE_UNCERTAINTY: f64 = 0.01;
 /// Largest lag of the residual's autocorrelation, samples.
 const MEMORY: usize = 64;
 
@@ -54,15 +58,17 @@ pub struct Fitted {
     pub chi_square: f64,
     /// Number of readings.
     pub readings: usize,
-    /// Chi-squared per reading, about 1 where the scene is true.
+    /// Chi-squared per degree of freedom (readings less unknowns), about 1 where the scene is true.
     pub chi_square_per_reading: f64,
-    /// Whether chi-squared per reading is at most [`LARGEST_CHI_SQUARE`]. Where it is not, no interval is given.
+    /// Largest chi-squared per reading by noise alone.
+    pub largest_chi_square_per_reading: f64,
+    /// Whether chi-squared per reading is at most `largest_chi_square_per_reading`. Where it is not, no interval is given.
     pub consistent: bool,
     /// Residual at each probe before and after the fit, um rms.
     pub residuals: Vec<Residual>,
     /// Estimates.
     pub parameters: Vec<Estimate>,
-    /// Parameters that are not identifiable, with the reason.
+    /// Cages that are not estimated and parameters that are not identifiable, with the reason.
     pub notes: Vec<String>,
     /// Values to write, SI.
     #[serde(skip)]
@@ -76,7 +82,7 @@ pub struct Fitted {
 pub struct Residual {
     /// Column of the probe.
     pub probe: String,
-    /// With the scene's values.
+    /// With the scene's values and the estimated cages.
     pub before_um: f64,
     /// With the fitted values.
     pub after_um: f64,
@@ -113,35 +119,60 @@ pub struct Material<'a> {
     pub recording: &'a str,
     /// The samples, in order.
     pub samples: &'a [Sample],
+    /// Consecutive samples with a reading of every probe, from which the cages are estimated.
+    pub cage_samples: &'a [Sample],
     /// Sample period, s.
     pub period: f64,
 }
 
-/// Reads the first `turns` turns of a recording.
+/// Samples of a recording.
+#[derive(Debug)]
+pub struct RecordingSamples {
+    /// Those of the fit.
+    pub samples: Vec<Sample>,
+    /// Consecutive ones with a reading of every probe, from which the cages are estimated.
+    pub cage_samples: Vec<Sample>,
+}
+
+/// Reads the first `turns` turns of a recording, and as many as the cages need.
 ///
 /// # Errors
 /// Returns an error if the scene is invalid.
-pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<Vec<Sample>> {
+pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<RecordingSamples> {
     let Some(recording) = &scene.recording else {
         return Err(FitError::NoRecording { file: scene.path.clone() }.into());
     };
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
     let mut samples: Vec<Sample> = Vec::new();
+    let mut block = Block::default();
     let mut row = tracker.blank();
     let long = |all: &[Sample]| match all {
         [first, .., last] => (turns_of(last) - turns_of(first)).abs() >= turns || all.len() >= MOST_SAMPLES,
         _ => false,
     };
-    while !long(&samples) && reader.next_row(&mut row)? {
+    let mut take = |tracker: &mut Tracker, samples: &mut Vec<Sample>| {
+        while let Some(sample) = tracker.pop() {
+            if !block.is_full() {
+                block.add(&sample);
+            }
+            if !long(samples) {
+                samples.push(sample);
+            }
+        }
+        block.is_full() && long(samples)
+    };
+    let (mut is_done, mut count) = (false, 0);
+    while !is_done && count < MOST_SAMPLES * recording.average as usize && reader.next_row(&mut row)? {
         tracker.push(row)?;
-        samples.extend(std::iter::from_fn(|| tracker.pop()));
+        is_done = take(&mut tracker, &mut samples);
         row = tracker.blank();
+        count += 1;
     }
-    if !long(&samples) {
+    if !is_done {
         tracker.finish()?;
-        samples.extend(std::iter::from_fn(|| tracker.pop()));
+        take(&mut tracker, &mut samples);
     }
-    Ok(samples)
+    Ok(RecordingSamples { samples, cage_samples: block.into_samples() })
 }
 
 const MOST_SAMPLES: usize = 1 << 17;
@@ -158,19 +189,22 @@ type Tied = Vec<usize>;
 /// # Errors
 /// A scene without rotor or parameters, a parameter that the kernel rejects.
 pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
-    let scene = of.scene;
-    only_rigid(scene, "fit")?;
-    let plant = Plant::try_new(scene)?;
-    let unknown = parameters(scene, &plant, groups);
-    let (Some(first), Some(recording)) = (of.samples.first(), &scene.recording) else {
+    only_rigid(of.scene, "fit")?;
+    let plant = Plant::try_new(of.scene)?;
+    let mut unknown = parameters(of.scene, &plant, groups);
+    let (Some(first), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
         return Err(FitError::NoSample { recording: of.recording.to_owned() }.into());
     };
     if recording.probes.is_empty() {
-        return Err(FitError::NoProbes { file: scene.path.clone() }.into());
+        return Err(FitError::NoProbes { file: of.scene.path.clone() }.into());
     }
     if unknown.is_empty() {
-        return Err(FitError::NothingToFit { file: scene.path.clone() }.into());
+        return Err(FitError::NothingToFit { file: of.scene.path.clone() }.into());
     }
+    let Cages { parameters: of_cages, scene, notes } = cages(of, &plant)?;
+    unknown.extend(of_cages);
+    let plant = Plant::try_new(&scene)?;
+    let of = &Material { scene: &scene, ..*of };
     let rows = observed_rows(&recording.probes);
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
     let total = turns_of(first);
@@ -205,10 +239,12 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     };
     let last = of.samples.last().unwrap_or(first);
     let turns = turns_of(last) - total;
-    let readings = rows.len() * of.samples.len();
+    let readings = of.samples.iter().flat_map(|s| &s.row.probes).filter(|x| x.is_finite()).count();
     let chi_square: f64 = probe_residuals(&solution, rows.len(), of).iter().map(|r| r * r).sum();
-    let chi_square_per_reading = chi_square / readings as f64;
-    let consistent = chi_square_per_reading <= LARGEST_CHI_SQUARE;
+    let freedom = readings.saturating_sub(solution.x.len()).max(1) as f64;
+    let chi_square_per_reading = chi_square / freedom;
+    let largest_chi_square_per_reading = largest_chi_square(freedom);
+    let consistent = chi_square_per_reading <= largest_chi_square_per_reading;
     let interval = |end: Option<f64>| end.filter(|_| consistent);
     let parameters = found.parameters.into_iter();
     let parameters = parameters.map(|p| Estimate { low: interval(p.low), high: interval(p.high), ..p }).collect();
@@ -220,11 +256,57 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
         chi_square,
         readings,
         chi_square_per_reading,
+        largest_chi_square_per_reading,
         consistent,
         parameters,
+        notes: [notes, found.notes].concat(),
         residuals: recording.probes.iter().enumerate().map(residual).collect(),
         ..found
     })
+}
+
+/// Cages of a scene as the recording shows them.
+struct Cages {
+    /// Angle and speed ratio of the observable ones.
+    parameters: Vec<Parameter>,
+    /// The scene with them.
+    scene: Scene,
+    /// Which cages are not estimated, with the reason.
+    notes: Vec<String>,
+}
+
+/// Estimates the cages by the method of the diagnosis.
+fn cages(of: &Material, plant: &Plant) -> Result<Cages> {
+    let (scene, samples) = (of.scene, of.cage_samples);
+    let mut found = Cages { parameters: vec![], scene: scene.clone(), notes: vec![] };
+    let kept = "The scene's first_element_azimuth and cage_ratio are kept.";
+    if let Some(reason) = diagnosis::not_applicable(scene, samples) {
+        found.notes.push(format!("The cages are not estimated: {reason}. {kept}"));
+        return Ok(found);
+    }
+    let probes = scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
+    let material = diagnosis::Material { scene, plant, probes, samples, period: of.period, calibration: None };
+    let Some(estimates) = diagnosis::cages(&material)? else {
+        found.notes.push(format!("The cages are not estimated: the probes do not determine the motion. {kept}"));
+        return Ok(found);
+    };
+    let turns = match samples {
+        [first, .., last] => (turns_of(last) - turns_of(first)).abs(),
+        _ => 0.0,
+    };
+    diagnosis::set_cages(&mut found.scene, &estimates);
+    found.parameters = cage_parameters(scene, plant, &estimates, turns);
+    let hidden = scene.bearings.iter().zip(&estimates).filter(|(_, cage)| !cage.observable);
+    found.notes =
+        hidden.map(|(b, _)| format!("{}: the cage is not observable in this recording. {kept}", b.name)).collect();
+    Ok(found)
+}
+
+/// Returns the largest chi-squared per degree of freedom of a true model.
+///
+/// Chi-squared of `freedom` normal deviates has the variance `2 freedom`; an error of the noise changes it by twice as much.
+fn largest_chi_square(freedom: f64) -> f64 {
+    1.0 + LARGEST_DEVIATION * (2.0 / freedom).sqrt().hypot(2.0 * NOISE_UNCERTAINTY)
 }
 
 /// Returns the residuals at the probes, without the priors.
@@ -253,7 +335,7 @@ impl Model<'_> {
 
     /// Fits a short part of the recording first, then twice as much each time. Over a long part, an error of a natural
     /// frequency shifts the phase by whole periods, and each period is a local minimum. On the first parts the offsets of
-    /// the probes and the damping are fixed and the stiffness of all contacts has a common factor: freed too early, they
+    /// the probes, the damping and the cages are fixed and the stiffness of all contacts has a common factor: freed too early, they
     /// diverge.
     fn search(&self, progress: &mut dyn FnMut(usize)) -> Result<Solution> {
         let first = self.of.samples.first().map_or(0.0, turns_of);
@@ -275,7 +357,10 @@ impl Model<'_> {
     fn early(&self) -> Vec<Tied> {
         let kind = |i: &usize| self.unknown.get(*i).map(|p| p.kind);
         let stiffness = |i: &usize| matches!(kind(i), Some(ParameterKind::Modulus(_) | ParameterKind::Stiffness(_)));
-        let late = |i: &usize| matches!(kind(i), Some(ParameterKind::Damping(_) | ParameterKind::Offset(_)));
+        let late = |i: &usize| {
+            use ParameterKind::{CageAngle, CageRatio, Damping, Offset};
+            matches!(kind(i), Some(Damping(_) | Offset(_) | CageAngle(_) | CageRatio(_)))
+        };
         let indices = 0..self.prior.len();
         let mut free: Vec<Tied> = indices.clone().filter(|i| !late(i) && !stiffness(i)).map(|i| vec![i]).collect();
         free.extend(Some(indices.filter(stiffness).collect::<Tied>()).filter(|tied| !tied.is_empty()));
@@ -375,7 +460,13 @@ impl Model<'_> {
                 continue;
             }
             let (name, unit, size) = parameter.kind.name(scene);
-            let reach = z * covariance[(i, i)].max(0.0).sqrt();
+            let mut reach = z * covariance[(i, i)].max(0.0).sqrt();
+            if let ParameterKind::CageAngle(b) = parameter.kind {
+                // The cage turns with the shaft, whose angle is known to the resolution of the keyphasor: an error that is the
+                // same in all readings.
+                let ratio = scene.bearings.get(b).and_then(|b| b.cage_ratio).unwrap_or(0.0);
+                reach += ratio * self.angle_step() / parameter.scale;
+            }
             let identified = self.identified(covariance, i);
             if !identified {
                 notes.push(format!(
@@ -397,7 +488,7 @@ impl Model<'_> {
         let kept = |i: usize| {
             let parameter = &self.unknown[i];
             let identified = self.identified(covariance, i);
-            (parameter.clone(), if identified { values[i] } else { parameter.given })
+            (parameter.clone(), if identified { values[i] } else { parameter.start })
         };
         Fitted {
             scene: String::new(),
@@ -407,6 +498,7 @@ impl Model<'_> {
             chi_square: 0.0,
             readings: 0,
             chi_square_per_reading: 0.0,
+            largest_chi_square_per_reading: 0.0,
             consistent: true,
             residuals: vec![],
             parameters: all,
@@ -416,10 +508,12 @@ impl Model<'_> {
         }
     }
 
-    /// Returns true where the posterior uncertainty is below [`IDENTIFIABLE`] of the prior one.
+    /// Returns true where the posterior uncertainty is below [`IDENTIFIABLE`] of the prior one. Unbalance always counts, and
+    /// cages, which are free only where the recording shows them.
     fn identified(&self, covariance: &DMatrix<f64>, i: usize) -> bool {
-        let of_unbalance = matches!(self.unknown[i].kind, ParameterKind::Unbalance(_) | ParameterKind::Couple(_));
-        of_unbalance || covariance[(i, i)].max(0.0).sqrt() < IDENTIFIABLE
+        use ParameterKind::{CageAngle, CageRatio, Couple, Unbalance};
+        let always = matches!(self.unknown[i].kind, Unbalance(_) | Couple(_) | CageAngle(_) | CageRatio(_));
+        always || covariance[(i, i)].max(0.0).sqrt() < IDENTIFIABLE
     }
 
     /// Returns the other unknown with the largest correlation with unknown `i`, where it is above 0.7.
@@ -559,6 +653,18 @@ mod tests {
     fn quantiles() {
         for (tail, z) in [(0.025, 1.95996), (0.005, 2.57583), (0.025 / 17.0, 2.97513)] {
             assert!((quantile(tail) - z).abs() < 1e-3, "{tail}");
+        }
+    }
+
+    /// The 99.9 % quantile of chi-squared by Wilson and Hilferty, and by an error of the noise of 1 % alone.
+    #[test]
+    fn largest_chi_squares() {
+        for freedom in [5000.0_f64, 50_000.0] {
+            let part = 2.0 / (9.0 * freedom);
+            let by_readings = (1.0 - part + 3.0902 * part.sqrt()).powi(3) - 1.0;
+            let by_noise = 3.0902 * 0.02;
+            let found = largest_chi_square(freedom) - 1.0;
+            assert!((found / by_readings.hypot(by_noise) - 1.0).abs() < 0.02, "{found}");
         }
     }
 

@@ -1,5 +1,6 @@
 //! Parameters of a scene that can be fitted, with their start values and prior uncertainties.
 
+use crate::diagnosis::CageEstimate;
 use crate::least_squares::Bounds;
 use crate::plant::Plant;
 use crate::scene::{Fit, Linear, Model, Preload, Scene, Unbalance};
@@ -45,6 +46,10 @@ pub enum ParameterKind {
     Damping(usize),
     /// `offset` of a probe, m.
     Offset(usize),
+    /// `first_element_azimuth` of a bearing, rad.
+    CageAngle(usize),
+    /// `cage_ratio` of a bearing.
+    CageRatio(usize),
 }
 
 /// One unknown.
@@ -54,6 +59,8 @@ pub struct Parameter {
     pub kind: ParameterKind,
     /// The scene's value, SI.
     pub given: f64,
+    /// Mean of the prior, SI: the scene's value, for a cage that of the diagnosis.
+    pub start: f64,
     /// Prior standard deviation, SI: unit of the unknown.
     pub scale: f64,
     /// Smallest and largest value allowed, SI.
@@ -64,18 +71,20 @@ pub struct Parameter {
 const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Largest clearance of a search over the groove distance, at which the free contact angle reaches 60 degrees.
 const LARGEST_CLEARANCE: f64 = 0.999;
+/// Largest cage speed over shaft speed: a cage is slower than the shaft.
+const LARGEST_CAGE_RATIO: f64 = 0.999;
 
 impl Parameter {
-    /// Returns the unknown at the scene's value: the mean of the prior, whose standard deviation is 1.
+    /// Returns the unknown at its start value: the mean of the prior, whose standard deviation is 1.
     #[must_use]
     pub fn prior_mean(&self) -> f64 {
-        if self.spread().is_some() { 0.0 } else { self.given / self.scale }
+        if self.spread().is_some() { 0.0 } else { self.start / self.scale }
     }
 
     /// Returns the value, SI, of an unknown, within its bounds.
     #[must_use]
     pub fn value(&self, unknown: f64) -> f64 {
-        let of = |spread: f64| self.given.max(1e-2 * self.scale) * (spread * unknown).clamp(-12.0, 12.0).exp();
+        let of = |spread: f64| self.start.max(1e-2 * self.scale) * (spread * unknown).clamp(-12.0, 12.0).exp();
         self.spread().map_or(self.scale * unknown, of).clamp(self.bounds[0], self.bounds[1])
     }
 
@@ -100,7 +109,9 @@ impl Parameter {
 #[must_use]
 pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Parameter> {
     let mut all = Vec::new();
-    let mut add = |kind, given, scale: f64| all.push(Parameter { kind, given, scale, bounds: bounds(scene, kind) });
+    let mut add = |kind, given, scale: f64| {
+        all.push(Parameter { kind, given, start: given, scale, bounds: bounds(scene, kind) });
+    };
     let Some(rotor) = &scene.rotor else { return all };
     if groups.contains(&Group::Unbalance) {
         // An eccentricity of 20 um.
@@ -146,6 +157,34 @@ pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Paramet
         probes.for_each(|(i, probe)| add(ParameterKind::Offset(i), probe.offset, 5e-6));
     }
     all
+}
+
+/// Share of the pitch of the elements that a cage of the diagnosis may be off at either end of its samples.
+const CAGE_ERROR: f64 = 0.05;
+
+/// Returns the angle and the speed ratio of every observable cage; `turns` is the number of revolutions that show it.
+#[must_use]
+pub fn cage_parameters(scene: &Scene, plant: &Plant, cages: &[CageEstimate], turns: f64) -> Vec<Parameter> {
+    let of = |(b, cage): (usize, &CageEstimate)| {
+        let mounted = &plant.bearings[b];
+        let error = CAGE_ERROR / mounted.elements as f64;
+        let angle = Parameter {
+            kind: ParameterKind::CageAngle(b),
+            given: scene.bearings[b].first_element_azimuth,
+            start: cage.first_element_azimuth,
+            scale: error * TAU,
+            bounds: OPEN,
+        };
+        let ratio = Parameter {
+            kind: ParameterKind::CageRatio(b),
+            given: mounted.kinematics.cage_ratio,
+            start: cage.cage_ratio,
+            scale: error / turns.max(1.0),
+            bounds: [0.0, LARGEST_CAGE_RATIO],
+        };
+        [angle, ratio]
+    };
+    cages.iter().enumerate().filter(|(_, cage)| cage.observable).flat_map(of).collect()
 }
 
 /// Returns the bounds that the scene's checks allow: a clearance leaves a free contact angle of 0 to 60 degrees, or, with the `lumped`
@@ -241,6 +280,8 @@ pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
                     probe.offset = value;
                 }
             }
+            ParameterKind::CageAngle(b) => scene.bearings[b].first_element_azimuth = value,
+            ParameterKind::CageRatio(b) => scene.bearings[b].cage_ratio = Some(value),
         }
     }
     if turned {
@@ -277,6 +318,8 @@ impl ParameterKind {
                 let probe = scene.recording.as_ref().and_then(|r| r.probes.get(p));
                 (format!("{}: offset", probe.map_or("", |p| p.column.as_str())), "um", 1e-6)
             }
+            Self::CageAngle(b) => (format!("{}: first_element_azimuth", bearing(b)), "deg", TAU / 360.0),
+            Self::CageRatio(b) => (format!("{}: cage_ratio", bearing(b)), "", 1.0),
         }
     }
 }

@@ -26,6 +26,8 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, Fit
             ParameterKind::Clearance(b) => put(&mut document, b, "diametral_clearance", shown).map_err(form)?,
             ParameterKind::Play(b) => put(&mut document, b, "radial_play", shown).map_err(form)?,
             ParameterKind::Modulus(b) => put(&mut document, b, "youngs_modulus", shown).map_err(form)?,
+            ParameterKind::CageAngle(b) => put(&mut document, b, "first_element_azimuth", shown).map_err(form)?,
+            ParameterKind::CageRatio(b) => put(&mut document, b, "cage_ratio", value(*found)).map_err(form)?,
             ParameterKind::Stiffness(b) => put(&mut document, b, "stiffness", value(*found)).map_err(form)?,
             ParameterKind::Preload(b) => {
                 let key = match scene.bearings.get(b).and_then(|b| b.preload) {

@@ -5,7 +5,7 @@ use super::notices::Notices;
 use super::range::ReadingRange;
 use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, CageEstimate, Calibration, Diagnosis, Material};
+use crate::diagnosis::{self, Calibration, Diagnosis, Material};
 use crate::error::Result;
 use crate::plant::Plant;
 use crate::recording::rotation::Tracker;
@@ -108,13 +108,5 @@ pub(super) fn calibrated(scene: &Scene, baseline: Option<&Baseline>) -> Scene {
     match baseline.and_then(|baseline| baseline.calibration.as_ref()) {
         Some(calibration) => calibration.scene(scene),
         None => scene.clone(),
-    }
-}
-
-/// Sets the cages of a scene to what a recording shows.
-pub(super) fn set_cages(scene: &mut Scene, cages: &[CageEstimate]) {
-    for (bearing, cage) in scene.bearings.iter_mut().zip(cages).filter(|(_, cage)| cage.observable) {
-        bearing.cage_ratio = Some(cage.cage_ratio);
-        bearing.first_element_azimuth = cage.first_element_azimuth;
     }
 }

@@ -59,6 +59,7 @@ pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 
 use crate::baseline::Baseline;
+use crate::diagnosis::set_cages;
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::Outcome;
 use crate::plant::{Plant, only_rigid};
@@ -110,7 +111,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     let diagnosed = ahead.diagnose(&scene, &plant, recording, calibration.as_ref(), &advance)?;
     drop(plant);
     if let Some(diagnosis) = &diagnosed {
-        ahead::set_cages(&mut scene, &diagnosis.cages);
+        set_cages(&mut scene, &diagnosis.cages);
     }
     let mut replay = Replay::try_new(&scene, reader.rate(), options)?;
     replay.set_calibration(calibration);

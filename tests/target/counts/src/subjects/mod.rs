@@ -2,6 +2,7 @@
 
 mod balls;
 mod bearings;
+mod indicators;
 mod rotor;
 
 use crate::inputs::input;
@@ -16,6 +17,8 @@ pub fn all(bench: &Bench) {
     bearings::all::<f64, Exact>(bench, "f64", "exact");
     bearings::all::<f64, Fast>(bench, "f64", "fast");
     balls::all(bench);
+    indicators::all::<f32>(bench, "f32");
+    indicators::all::<f64>(bench, "f64");
     rotor::all::<f32>(bench, "f32");
     rotor::all::<f64>(bench, "f64");
 }

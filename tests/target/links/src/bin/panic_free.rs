@@ -20,7 +20,7 @@ use ballrace::rotor::{
     AttachedBearing, BearingAtStation, ForceElement, Integrator, LinearSystem, MovingBalls, Newmark, RigidRotor,
     RotorBearingSystem, RotorState, RungeKutta4, SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
 };
-use ballrace::twin::{Envelope, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
+use ballrace::twin::{Envelope, ForceOrderTracker, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
 use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Fast, Math, Phase, Scalar, Stiffness, Wrench};
 use core::hint::black_box;
 use panic_never as _;
@@ -126,6 +126,11 @@ fn twin<T: Scalar, M: Math<T>>() {
     let (mut orders, mut figures, mut envelope, mut life): (OrderTracker<T, 4>, Statistics<T>, Envelope<T>, Life<T>) =
         given();
     black_box((orders.add::<M>(given(), given(), &given()), figures.add::<M>(given()), envelope.add::<M>(given())));
+    let mut force_orders: ForceOrderTracker<T, 4> = given();
+    black_box(force_orders.add::<M>(given(), &given()));
+    for line in force_orders.close().inner {
+        black_box((line.polarisation(), line.double_direction()));
+    }
     life.add::<M>(given::<&[T]>());
     black_box((life.close::<M>(given()), life.used(), figures.close::<M>(), orders));
 }
