@@ -10,8 +10,11 @@ mod campbell;
 mod canvas;
 mod cascade;
 mod centreline;
+mod damaged_bearing;
 mod envelope;
+mod fault_motion;
 mod force;
+mod force_spectrum;
 mod full_spectrum;
 mod line;
 mod mark;
@@ -33,8 +36,11 @@ pub(super) use trade::{Dot, front};
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{Outcome, Pictures};
 
-/// Figures of the replay's report in its order: shape, time, frequency, force.
+/// Figures of the replay's report in its order: findings, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[
+    &damaged_bearing::DamagedBearings,
+    &fault_motion::FaultMotions,
+    &force_spectrum::ForceSpectra,
     &orbit::Orbits,
     &centreline::Centrelines,
     &polar::PolarPlots,

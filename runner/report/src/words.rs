@@ -2,7 +2,8 @@
 
 use super::number::{alone, count, counted, fixed};
 use ballrace_twin::replay::outcome::{
-    Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, SourceFigures, Standing, Timing,
+    FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, SourceFigures,
+    Standing, Timing,
 };
 use ballrace_twin::replay::verdict;
 
@@ -22,6 +23,37 @@ pub(super) fn kind(kind: FindingKind) -> &'static str {
         FindingKind::Load => "load",
         FindingKind::Other => "other",
     }
+}
+
+/// Names the cause of a finding, without its place and size: "Spall on the outer race", "Unbalance".
+pub(super) fn cause(finding: &Finding) -> String {
+    let surface = match finding.kind {
+        FindingKind::OuterRace => "the outer race",
+        FindingKind::InnerRace => "the inner race",
+        FindingKind::Element => "a rolling element",
+        other => return capitalised(kind(other)),
+    };
+    match (finding.parameters.form, finding.parameters.waviness_order) {
+        (Some(FaultForm::Waviness), Some(order)) => format!("Waviness of order {order} on {surface}"),
+        (Some(FaultForm::Waviness), None) => format!("Waviness on {surface}"),
+        (Some(FaultForm::Spall), _) => format!("Spall on {surface}"),
+        (None, _) => format!("Damage of {surface}"),
+    }
+}
+
+/// Names the cause of a finding with its place: "Spall on the outer race at 290 deg".
+pub(super) fn place(finding: &Finding) -> String {
+    let parameters = &finding.parameters;
+    match (parameters.azimuth_deg, parameters.element) {
+        (Some(azimuth), _) => format!("{} at {} deg", cause(finding), fixed(azimuth.value, 0)),
+        (None, Some(element)) => format!("Spall on element {element}"),
+        _ => cause(finding),
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Recommended action after a limit was crossed.

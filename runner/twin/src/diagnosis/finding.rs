@@ -1,13 +1,16 @@
 //! Faults in the terms of a user: kind, bearing, place, size, odds and a sentence.
 
 use super::cage::unknowns;
+use super::fault_figures::fault_figures;
 use super::fit::{Fitted, fit};
 use super::hypothesis::{Cause, Fault, LEAST_GAIN};
 use super::machine::{Machine, Unknown, clearance};
 use super::residual::Evidence;
 use super::surface::Component;
-use super::{Prepared, Result};
-use crate::outcome::{CageOutcome, DiagnosisOutcome, Estimate, FaultForm, FaultParameters, Finding, FindingKind};
+use super::{Material, Prepared, Result};
+use crate::outcome::{
+    CageOutcome, DiagnosisOutcome, Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind,
+};
 use std::f64::consts::TAU;
 
 /// Deviations within which a normally distributed error lies in 95 of 100 cases.
@@ -61,7 +64,7 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
 }
 
 /// Returns the findings and figures of a diagnosis.
-pub(super) fn diagnosis(of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
+pub(super) fn diagnosis(material: &Material, of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
     let last = joint(of, faults)?;
     let e = &of.evidence;
@@ -76,7 +79,8 @@ pub(super) fn diagnosis(of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
         // Index of the spall or wave among those of its bearing.
         let nth = seen.iter().filter(|(cause, _)| cause.shares_list(fault.cause)).count();
         seen.push((fault.cause, nth));
-        findings.push(reported.finding(fault, nth));
+        let figures = fault_figures(material, e, &of.healthy.machine, &last, (fault.cause, nth))?;
+        findings.push(reported.finding(fault, nth).with_figures(figures));
     }
     let strength = |finding: &Finding| finding.parameters.log_likelihood_gain.unwrap_or(0.0);
     findings.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -345,6 +349,7 @@ impl Reported<'_, '_> {
             confidence: explained.clamp(0.0, 1.0) * odds.map_or(1.0, |odds| odds / (1.0 + odds)),
             parameters,
             sentence,
+            figures: FaultFigures::default(),
         }
     }
 
@@ -435,6 +440,7 @@ impl Reported<'_, '_> {
                 after.sqrt(),
                 list.join(", ")
             ),
+            figures: FaultFigures::default(),
         }
     }
 }
