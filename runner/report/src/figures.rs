@@ -11,6 +11,7 @@ mod canvas;
 mod cascade;
 mod centreline;
 mod damaged_bearing;
+mod diagnosis;
 mod envelope;
 mod fault_motion;
 mod force;
@@ -38,9 +39,7 @@ use ballrace_twin::replay::outcome::{Outcome, Pictures};
 
 /// Figures of the replay's report in its order: findings, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[
-    &damaged_bearing::DamagedBearings,
-    &fault_motion::FaultMotions,
-    &force_spectrum::ForceSpectra,
+    &diagnosis::Diagnoses,
     &orbit::Orbits,
     &centreline::Centrelines,
     &polar::PolarPlots,

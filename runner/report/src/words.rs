@@ -2,8 +2,8 @@
 
 use super::number::{alone, count, counted, fixed};
 use ballrace_twin::replay::outcome::{
-    FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, SourceFigures,
-    Standing, Timing,
+    Estimate, FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record,
+    SourceFigures, Standing, Timing,
 };
 use ballrace_twin::replay::verdict;
 
@@ -49,6 +49,50 @@ pub(super) fn place(finding: &Finding) -> String {
         (None, Some(element)) => format!("Spall on element {element}"),
         _ => cause(finding),
     }
+}
+
+/// Returns a finding for a terminal: its cause with the bearing, then place, size with 95 % interval, and odds.
+pub fn finding(finding: &Finding) -> [String; 2] {
+    let p = &finding.parameters;
+    let head = match &finding.bearing {
+        Some(bearing) => format!("{}, bearing {bearing}", cause(finding)),
+        None => cause(finding),
+    };
+    let azimuth = match finding.kind {
+        FindingKind::InnerRace => "deg from the keyphasor mark",
+        _ => "deg from +X",
+    };
+    let sizes = [
+        ("at", p.azimuth_deg, 1, azimuth),
+        ("depth", p.depth_um, 2, "um"),
+        ("half width", p.half_width_deg, 2, "deg"),
+        ("amplitude", p.amplitude_um, 3, "um"),
+        ("tilt", p.tilt_mrad, 3, "mrad"),
+        ("axis at", p.axis_deg, 0, "deg from +X"),
+        ("diametral clearance", p.clearance_um, 2, "um"),
+        ("moment", p.moment_g_mm, 1, "g mm"),
+        ("at", p.angle_deg, 1, "deg from the keyphasor mark"),
+        ("station", p.station_mm, 1, "mm"),
+    ];
+    let interval = |(name, estimate, digits, unit): (&str, Option<Estimate>, usize, &str)| {
+        let of = |value: f64| fixed(value, digits);
+        estimate.map(|e| format!("{name} {} ({} to {}) {unit}", of(e.value), of(e.low), of(e.high)))
+    };
+    let load = p.load_n.map(|load| load.map(|e| fixed(e.value, 1)).join(", "));
+    let odds = p.odds_to_next.map(|odds| match odds {
+        odds if odds >= 1e6 => "odds beyond 1e6".to_owned(),
+        odds => format!("odds {}", fixed(odds, 0)),
+    });
+    let facts: Vec<String> = p
+        .element
+        .map(|element| format!("element {element}"))
+        .into_iter()
+        .chain(sizes.into_iter().filter_map(interval))
+        .chain(load.map(|load| format!("{load} N along X, Y, Z")))
+        .chain(odds)
+        .chain([format!("confidence {} %", fixed(100.0 * finding.confidence, 0))])
+        .collect();
+    [head, facts.join("; ")]
 }
 
 fn capitalised(text: &str) -> String {

@@ -1,28 +1,37 @@
-//! Drawings of damaged bearings: place of the damage, and the direction of the unexplained force around it.
+//! Drawings of damaged bearings: place of the damage, the direction of the unexplained force around it, and beside it the force
+//! while an element passes.
 
+use super::Picture;
+use super::axis::{Axis, extent};
 use super::canvas::{
-    Anchor, Canvas, Dashes, GRID, INK, Key, MARK, MEASURED, PAPER, SMALL, Stroke, TWIN, picture, text_width,
+    Anchor, Canvas, Dashes, Frame, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, SMALL, Stroke, TWIN, gutter,
+    picture, text_width,
 };
 use super::line::Point;
-use super::{Context, Figure, Picture, Shape};
 use crate::number::{alone, count, fixed, shortened};
 use crate::words;
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{Estimate, FaultParameters, Finding, ForceRose, ReferenceFrame};
+use plotters::prelude::RGBColor;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-const SIDE: f64 = 372.0;
-/// Room for the legend above the drawing.
-const TOP: f64 = 40.0;
-const MIDDLE: Point = (0.5 * SIDE, TOP + 0.5 * SIDE - 8.0);
+const WIDTH: f64 = 620.0;
+const HEIGHT: f64 = 356.0;
+/// Right edge of the drawing.
+const SIDE: f64 = 308.0;
+const MIDDLE: Point = (0.5 * SIDE + 2.0, 192.0);
 /// Pitch circle of the elements.
-const PITCH: f64 = 60.0;
+const PITCH: f64 = 52.0;
 /// Thickness of the rings beyond the races.
-const RING: f64 = 9.0;
+const RING: f64 = 8.0;
 /// Inner and outer end of the bars of the rose.
-const ROSE: [f64; 2] = [96.0, 146.0];
+const ROSE: [f64; 2] = [84.0, 126.0];
 /// Radius of the angles.
-const ANGLES: f64 = 160.0;
+const ANGLES: f64 = 138.0;
+/// Extent of the damage.
+const SHADE: RGBColor = RGBColor(0xf6, 0xdf, 0xcc);
+const ALONG: Stroke = Stroke(MEASURED, 1.7);
+const ACROSS: Stroke = Stroke(RESIDUAL, 1.4);
 /// Largest radius of an element over its share of the pitch circle.
 const LARGEST_ELEMENT: f64 = 0.92;
 /// Step of a drawn arc, rad.
@@ -30,68 +39,80 @@ const ARC_STEP: f64 = 0.02;
 /// Least extent of a drawn spall, pixels.
 const LEAST_SPALL: f64 = 5.0;
 
-/// Drawings of damaged bearings, one per finding that has a force rose.
-pub(super) struct DamagedBearings;
-
-impl Figure for DamagedBearings {
-    fn heading(&self) -> &'static str {
-        "Place of the damage"
-    }
-
-    fn shape(&self) -> Shape {
-        Shape::Square
-    }
-
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
-        let findings = context.outcome.findings.iter();
-        let drawn = findings.filter_map(|finding| finding.figures.rose.as_ref().map(|rose| (finding, rose)));
-        drawn.map(|(finding, rose)| damaged_bearing(finding, rose, context.forward)).collect()
-    }
-}
-
-/// Draws one bearing; `forward` is the sense of rotation, +1 from +X towards +Y.
+/// Draws the damaged bearing of a finding; `forward` is the sense of rotation, +1 from +X towards +Y.
 pub(super) fn damaged_bearing(finding: &Finding, rose: &ForceRose, forward: f64) -> Result<Picture> {
     let drawing = Drawing::new(&finding.parameters, rose);
-    let svg = picture((SIDE, TOP + SIDE - 16.0), Dashes::None, |canvas| {
+    let svg = picture((WIDTH, HEIGHT), Dashes::None, |canvas| {
         canvas.legend(8.0, 0.0, &legend(rose.frame))?;
         drawing.angles(canvas)?;
         drawing.bars(canvas)?;
         drawing.rings(canvas)?;
         drawing.elements(canvas)?;
         drawing.damage(canvas)?;
-        sense(canvas, forward)
+        sense(canvas, forward)?;
+        mean_pass(canvas, &finding.parameters, rose)
     })?;
     let bearing = shortened(finding.bearing.as_deref().unwrap_or_default(), 30);
-    let title = format!("{}: {}", bearing, words::place(finding));
-    Ok(Picture { title, note: note(rose), svg })
+    Ok(Picture { title: format!("Bearing {bearing}: {}", words::place(finding)), note: note(rose), svg })
 }
 
-fn legend(frame: ReferenceFrame) -> [(Key, &'static str); 2] {
+fn legend(frame: ReferenceFrame) -> [(Key, &'static str); 4] {
     let place = match frame {
-        ReferenceFrame::Cage => "damaged element (fit)",
-        _ => "damage (fit), arc: 95 % interval",
+        ReferenceFrame::Cage => "damaged element",
+        _ => "damage, with its 95 % interval",
     };
-    [(Key::Band(MEASURED), "direction of the force"), (Key::Line(Stroke(TWIN, 3.0)), place)]
+    [
+        (Key::Band(MEASURED), "direction of the force"),
+        (Key::Line(Stroke(TWIN, 3.0)), place),
+        (Key::Line(ALONG), "force along its direction"),
+        (Key::Line(ACROSS), "across it"),
+    ]
 }
 
 fn note(rose: &ForceRose) -> String {
     let seen = match rose.frame {
-        ReferenceFrame::Fixed => "Angles from +X towards +Y",
-        ReferenceFrame::Shaft => "Angles on the shaft, from the keyphasor mark",
-        ReferenceFrame::Cage => "Angles in the cage, from element 1",
-    };
-    let elements = match rose.frame {
-        ReferenceFrame::Cage => "",
-        _ => ", elements as at a keyphasor pulse",
+        ReferenceFrame::Fixed => "Angles from +X towards +Y, Z towards the reader, elements as at a keyphasor pulse.",
+        ReferenceFrame::Shaft => {
+            "Angles on the shaft from the keyphasor mark (triangle), Z towards the reader, elements as at a keyphasor pulse."
+        }
+        ReferenceFrame::Cage => "Angles in the cage from element 1, Z towards the reader.",
     };
     format!(
-        "{seen}; Z towards the reader{elements}. An element over the damage carries less, which the twin without damage cannot \
-         explain. The bars are the energy of this unexplained force by its direction, mean of {} passes, from the measured \
-         motion alone: they confirm the place where they point at it. Direction {}\u{b0}, largest force {} N.",
+        "{seen} Over the damage an element carries less, and the twin without the damage leaves this force unexplained. Left: \
+         energy of the force by its direction; bars that point at the damage confirm its place. Right: the force, up to {} N, \
+         of a pass. Both are the mean of {} passes and come from the measured motion; direction {}\u{b0}.",
+        alone(rose.peak_n),
         count(rose.passes.max(0.0).round() as u64),
-        fixed(rose.direction_deg, 0),
-        alone(rose.peak_n)
+        fixed(rose.direction_deg, 0)
     )
+}
+
+/// The force while an element passes the damage, whose extent is shaded.
+fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose) -> Result<()> {
+    let curve = |i: usize| -> Vec<Point> { rose.pass.iter().map(|point| (point[0], point[i])).collect() };
+    let (along, across) = (curve(1), curve(2));
+    let y = Axis::padded(extent(along.iter().chain(&across).map(|point| point.1)), 7, "Force, N");
+    let title = match rose.frame {
+        ReferenceFrame::Cage => "Contact from the damage, deg",
+        _ => "Element from the damage, deg",
+    };
+    let x = Axis::exact(extent(along.iter().map(|point| point.0)), 7, title);
+    let start = SIDE + 14.0;
+    let frame =
+        Frame { start, left: start + gutter(&[&y]), top: 62.0, right: WIDTH - 14.0, bottom: HEIGHT - 42.0, x, y };
+    let half = parameters.half_width_deg.map_or(f64::NAN, |half| half.value);
+    if half.is_finite() {
+        let [from, to] = [-half, half].map(|x| frame.at(&(x, 0.0)).0);
+        let corners = [(from, frame.top), (to, frame.top), (to, frame.bottom), (from, frame.bottom)];
+        canvas.polygon(&corners, SHADE)?;
+    }
+    frame.axes(canvas, true)?;
+    frame.curve(canvas, &across, ACROSS)?;
+    frame.curve(canvas, &along, ALONG)?;
+    if half.is_finite() {
+        canvas.text("extent of the damage", (frame.at(&(0.0, 0.0)).0, frame.top - 9.0), Anchor::Middle, INK)?;
+    }
+    frame.say_if_empty(canvas, &[&along])
 }
 
 /// Geometry of one drawing, pixels.
@@ -155,9 +176,8 @@ impl<'a> Drawing<'a> {
             canvas.polygon(&corners, MEASURED)?;
         }
         if largest > 0.0 {
-            let label = format!("{} % of the energy", fixed(100.0 * largest, 0));
-            canvas.text(&label, (8.0, TOP + SIDE - 26.0), Anchor::Start, MARK)?;
-            canvas.text("outer circle:", (8.0, TOP + SIDE - 40.0), Anchor::Start, MARK)?;
+            let label = format!("outer circle: {} % of the energy", fixed(100.0 * largest, 0));
+            canvas.text(&label, (8.0, HEIGHT - 8.0), Anchor::Start, MARK)?;
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use super::axis::{Axis, extent};
 use super::canvas::{Canvas, Dashes, Frame, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
 use super::line::{Point, decimated, zipped};
-use super::{Context, Figure, Picture, PointBudget};
+use super::{Picture, PointBudget};
 use crate::number::{alone, shortened};
 use crate::words;
 use anyhow::Result;
@@ -12,21 +12,6 @@ use ballrace_twin::replay::outcome::{FaultMotion, Finding};
 const WIDTH: f64 = 620.0;
 const WITHOUT: Stroke = Stroke(MARK, 1.3);
 const WITH: Stroke = Stroke(TWIN, 1.5);
-
-/// Motions with and without a fault, one per finding.
-pub(super) struct FaultMotions;
-
-impl Figure for FaultMotions {
-    fn heading(&self) -> &'static str {
-        "Motion with and without the fault"
-    }
-
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
-        let findings = context.outcome.findings.iter();
-        let drawn = findings.filter_map(|finding| finding.figures.motion.as_ref().map(|motion| (finding, motion)));
-        drawn.map(|(finding, motion)| fault_motion(finding, motion, context.budget)).collect()
-    }
-}
 
 /// Draws the motion of one finding.
 pub(super) fn fault_motion(finding: &Finding, motion: &FaultMotion, budget: PointBudget) -> Result<Picture> {
@@ -51,11 +36,15 @@ pub(super) fn fault_motion(finding: &Finding, motion: &FaultMotion, budget: Poin
     })?;
     let [before, after] = left.each_ref().map(|left| rms(left));
     Ok(Picture {
-        title: format!("{} at {}", words::cause(finding), shortened(&motion.probe, 30)),
+        title: format!(
+            "Motion at {} with and without the fault: {}",
+            shortened(&motion.probe, 30),
+            words::cause(finding).to_lowercase()
+        ),
         note: format!(
-            "Two revolutions in the middle of the diagnosed block. Without the fault the twin misses {} um rms of the motion, \
-             with it {} um (lower frame). Both are estimates from the forces at the measured position, so that the motion may \
-             be chaotic.",
+            "Two revolutions of the recording. Lower frame: measured less twin, {} um rms without the fault and {} um with it. The \
+             twin's motion is estimated from the forces at the measured position, without integration: it holds for chaotic \
+             motion too.",
             alone(before),
             alone(after)
         ),
@@ -79,7 +68,7 @@ fn rms(values: &[f64]) -> f64 {
 fn frames(above: [&Vec<Point>; 3], below: [&Vec<Point>; 2]) -> (Frame, Frame) {
     let range = |curves: &[&Vec<Point>]| extent(curves.iter().flat_map(|curve| curve.iter().map(|point| point.1)));
     let position = Axis::padded(range(&above), 7, "Position, um");
-    let difference = Axis::padded(range(&below), 5, "Missed, um");
+    let difference = Axis::padded(range(&below), 5, "Diff., um");
     let x = Axis::exact(Some((0.0, 2.0)), 9, "Revolutions of the shaft, from the keyphasor mark");
     let left = gutter(&[&position, &difference]);
     let right = WIDTH - 18.0;

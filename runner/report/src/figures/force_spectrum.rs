@@ -5,7 +5,7 @@ use super::canvas::{
     Anchor, Canvas, Dashes, FAINT, Frame, INK, Key, MARK, MEASURED, SMALL, Stroke, TWIN, gutter, picture, text_width,
 };
 use super::line::{Point, peaks};
-use super::{Context, Figure, Picture, PointBudget};
+use super::{Picture, PointBudget};
 use crate::number::shortened;
 use crate::words;
 use anyhow::Result;
@@ -17,20 +17,6 @@ const HEIGHT: f64 = 112.0;
 const ABOVE: f64 = 32.0;
 const UNEXPLAINED: Stroke = Stroke(MEASURED, 1.1);
 const EXPLAINED: Stroke = Stroke(TWIN, 2.8);
-
-/// Spectra of the unexplained force, one picture per finding.
-pub(super) struct ForceSpectra;
-
-impl Figure for ForceSpectra {
-    fn heading(&self) -> &'static str {
-        "Spectra of the unexplained force"
-    }
-
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
-        let findings = context.outcome.findings.iter().filter(|finding| !finding.figures.spectra.is_empty());
-        findings.map(|finding| force_spectra(finding, context.budget)).collect()
-    }
-}
 
 /// Draws the spectra of one finding.
 pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Result<Picture> {
@@ -59,7 +45,7 @@ pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Result<Pi
         ""
     };
     Ok(Picture {
-        title: format!("Unexplained force {at}: {}", words::cause(finding)),
+        title: format!("Unexplained force {at}: {}", words::cause(finding).to_lowercase()),
         note: format!(
             "Force that the twin without the fault leaves unexplained, and the part that the fault adds; amplitude zero to \
              peak, mean left out. Numbers: orders of the strongest lines of the fault, per turn of the shaft.{own}"

@@ -4,7 +4,7 @@
 //! line in use.
 
 use super::fit::{Fitted, changed};
-use super::force_rose::{direction_deg, energy, mean_pass};
+use super::force_rose::{STEPS, direction_deg, energy, mean_pass};
 use super::hypothesis::Cause;
 use super::machine::{Machine, Unknown, clearance};
 use super::motion::{C, D};
@@ -22,6 +22,8 @@ use std::sync::Arc;
 const SPECTRUM_POINTS: usize = 600;
 /// Points of a motion, at most.
 const MOTION_POINTS: usize = 1200;
+/// Points of the mean pass.
+const PASS_POINTS: usize = 360;
 /// Harmonics of the mean pass, at most.
 const HARMONICS: usize = 40;
 /// Harmonics of the family that a spectrum shows.
@@ -41,6 +43,8 @@ struct Contrast<'a, 'b> {
     e: &'a Evidence<'b>,
     machine: &'a Machine,
     cause: Cause,
+    /// Index of the fault among the spalls or waves of its bearing.
+    nth: usize,
     grid: Grid,
     /// Unexplained force without and with the fault, as spectra about the centre of mass.
     without: [Vec<C>; D],
@@ -63,6 +67,7 @@ pub(super) fn fault_figures(
         e,
         machine: &last.machine,
         cause,
+        nth,
         grid: Grid::new(e),
         without: missing(&lacking),
         with: missing(last),
@@ -183,11 +188,26 @@ impl Contrast<'_, '_> {
             frame,
             energy: energy(&pass),
             direction_deg: direction_deg(&pass),
+            pass: self.pass_by_angle(&pass, b, if component == Component::Ball { 2.0 } else { n }),
             peak_n: pass.iter().map(|f| f.norm()).fold(0.0, f64::max),
             passes: order * (self.grid.turns[self.grid.turns.len() - 1] - self.grid.turns[0]).abs(),
             element_azimuths: mounted.element_azimuths.iter().map(|a| start + a.radians() - first).collect(),
             ball_over_pitch: geometry.map_or(USUAL_BALL, |g| g.ball_diameter / g.pitch_diameter),
         })
+    }
+
+    /// Returns the mean pass by the angle from the damage, with `per_turn` passes in a turn.
+    fn pass_by_angle(&self, pass: &[C], b: usize, per_turn: f64) -> Vec<[f64; 3]> {
+        let azimuth = self.machine.bearings[b].scene.defect.get(self.nth).map_or(0.0, |d| d.azimuth);
+        let towards = C::from_polar(1.0, -direction_deg(pass).to_radians());
+        let point = |i: usize| {
+            // From half a period before the damage to half a period after it.
+            let share = i as f64 / PASS_POINTS as f64 - 0.5;
+            let step = (share + azimuth * per_turn / TAU).rem_euclid(1.0) * STEPS as f64;
+            let force = pass[step as usize % pass.len()] * towards;
+            [360.0 * share / per_turn, force.re, force.im]
+        };
+        (0..=PASS_POINTS).map(point).collect()
     }
 
     fn spectra(&self) -> Vec<ForceSpectrum> {
@@ -388,7 +408,7 @@ fn strongest(points: &[(f64, f64)]) -> Vec<f64> {
         if lines.len() == MARKED.0 {
             break;
         }
-        if lines.iter().all(|other| (other - order).abs() > APART) {
+        if order.abs() > APART && lines.iter().all(|other| (other - order).abs() > APART) {
             lines.push(order);
         }
     }

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// Sectors of a rose.
 pub const SECTORS: usize = 72;
 /// Instants of the mean pass.
-const STEPS: usize = 1440;
+pub const STEPS: usize = 1440;
 /// Distances from a harmonic at which the noise is estimated, in periods of the passing.
 const BESIDE: [f64; 6] = [-0.42, -0.31, -0.21, 0.19, 0.29, 0.44];
 /// Mean of the squares of noise over their median (exponential distribution).

@@ -506,7 +506,10 @@ impl<'a> Evidence<'a> {
         sum
     }
 
-    /// Returns the displacement that a force causes at the mean stiffness; the axial coordinate is held where it is not measured.
+    /// Returns the displacement that a force causes at the mean stiffness, over the noise scale of its line; the axial coordinate
+    /// is held where it is not measured.
+    ///
+    /// The stiffness changes along the motion: at a resonance of its mean, the displacement alone would be too large.
     pub fn displacement_by(&self, force: &[Vec<C>; D]) -> [Vec<C>; D] {
         let mut out: [Vec<C>; D] = Default::default();
         for (k, w) in self.transform.lines.iter().enumerate() {
@@ -517,7 +520,8 @@ impl<'a> Evidence<'a> {
             }
             let force = SVector::<C, D>::from_fn(|i, _| force[i][k]);
             let caused = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
-            out.iter_mut().zip(caused.iter()).for_each(|(out, x)| out.push(*x));
+            let scale = self.noise_scale[k].iter().sum::<f64>() / self.rows.max(1) as f64;
+            out.iter_mut().zip(caused.iter()).for_each(|(out, x)| out.push(*x / scale));
         }
         out
     }

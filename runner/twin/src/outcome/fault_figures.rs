@@ -36,6 +36,9 @@ pub struct ForceRose {
     pub peak_n: f64,
     /// Passes in the mean.
     pub passes: f64,
+    /// The mean pass: angle of the element (of its surface, for a damaged element) from the damage, deg; force along the direction
+    /// and 90 deg ahead of it, N.
+    pub pass: Vec<[f64; 3]>,
     /// Angle of each element at a keyphasor pulse, rad in `frame`.
     pub element_azimuths: Vec<f64>,
     /// Ball diameter over pitch diameter.
