@@ -13,26 +13,28 @@ const CAGES: [&str; 2] = [
 const AZIMUTH: f64 = -70.0;
 const DEPTH: f64 = 3.0;
 
-/// The findings on 40 turns of the rotor with slipping cages; `defect` is a line of bearing A.
-fn findings(defect: &str) -> Vec<Value> {
+/// The findings and the HTML report on 40 turns of the rotor with slipping cages; `defect` is a line of bearing A.
+fn findings(defect: &str) -> (Vec<Value>, String) {
     let desk = Desk::empty();
     let generating = rotor("angular", &format!("{}{defect}", CAGES[0]), "Z");
     let of_b = format!("name = \"B\"\n{}", CAGES[1]);
     desk.put("generating.toml", swap(&generating, "name = \"B\"\n", &of_b));
     desk.put("scene.toml", rotor("angular", "", "Z"));
     desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
-    list(&desk.replay("scene.toml", &[]), "findings").to_vec()
+    let findings = list(&desk.replay("scene.toml", &["--report", "report.html"]), "findings").to_vec();
+    (findings, desk.read("report.html"))
 }
 
 #[test]
 fn a_machine_in_good_order_with_slipping_cages_has_no_finding() {
-    let findings = findings("");
+    let (findings, report) = findings("");
     assert!(findings.is_empty(), "{findings:#?}");
+    assert!(!report.contains("<h2>Diagnosis</h2>"));
 }
 
 #[test]
 fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
-    let findings = findings(&format!(
+    let (findings, report) = findings(&format!(
         "defect = [{{ surface = \"outer\", azimuth = \"{AZIMUTH} deg\", half_width = \"2.5 deg\", depth = \"{DEPTH} um\", shape = \"half-sine\" }}]\n"
     ));
     let [finding] = &findings[..] else { panic!("expected one finding: {findings:#?}") };
@@ -40,10 +42,20 @@ fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
         (&finding["kind"], &finding["bearing"], &finding["form"]),
         (&"outer-race".into(), &"A".into(), &"spall".into())
     );
+    let error = |azimuth: f64| ((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs();
     let azimuth = number(finding, "/azimuth_deg/value");
-    assert!(((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs() < 3.0, "{azimuth}: {finding:#}");
+    assert!(error(azimuth) < 3.0, "{azimuth}: {finding:#}");
     let depth = number(finding, "/depth_um/value");
     assert!((depth / DEPTH - 1.0).abs() < 0.25, "{depth}: {finding:#}");
+    // The force rose points at the spall.
+    let direction = number(finding, "/force_direction_deg");
+    assert!(error(direction) < 5.0, "{direction}: {finding:#}");
+    assert!(number(finding, "/force_n") > 0.0, "{finding:#}");
+    let place = format!("Bearing A: Spall on the outer race at {azimuth:.0} deg");
+    for figure in ["<h2>Diagnosis</h2>", &place, "Unexplained force at A", "with and without the fault"] {
+        assert!(report.contains(figure), "{figure} is not in the report");
+    }
+    assert!(report.len() < 3_000_000, "{}", report.len());
 }
 
 /// Ten revolutions are too few, and the note gives their number.

@@ -16,10 +16,10 @@ use plotters::prelude::RGBColor;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const WIDTH: f64 = 620.0;
-const HEIGHT: f64 = 356.0;
+const HEIGHT: f64 = 346.0;
 /// Right edge of the drawing.
-const SIDE: f64 = 308.0;
-const MIDDLE: Point = (0.5 * SIDE + 2.0, 192.0);
+const SIDE: f64 = 328.0;
+const MIDDLE: Point = (0.5 * SIDE - 4.0, 182.0);
 /// Pitch circle of the elements.
 const PITCH: f64 = 52.0;
 /// Thickness of the rings beyond the races.
@@ -27,7 +27,7 @@ const RING: f64 = 8.0;
 /// Inner and outer end of the bars of the rose.
 const ROSE: [f64; 2] = [84.0, 126.0];
 /// Radius of the angles.
-const ANGLES: f64 = 138.0;
+const ANGLES: f64 = 140.0;
 /// Extent of the damage.
 const SHADE: RGBColor = RGBColor(0xf6, 0xdf, 0xcc);
 const ALONG: Stroke = Stroke(MEASURED, 1.7);
@@ -59,12 +59,12 @@ pub(super) fn damaged_bearing(finding: &Finding, rose: &ForceRose, forward: f64)
 fn legend(frame: ReferenceFrame) -> [(Key, &'static str); 4] {
     let place = match frame {
         ReferenceFrame::Cage => "damaged element",
-        _ => "damage, with its 95 % interval",
+        _ => "damage, 95 % interval",
     };
     [
         (Key::Band(MEASURED), "direction of the force"),
         (Key::Line(Stroke(TWIN, 3.0)), place),
-        (Key::Line(ALONG), "force along its direction"),
+        (Key::Line(ALONG), "force along it"),
         (Key::Line(ACROSS), "across it"),
     ]
 }
@@ -93,13 +93,13 @@ fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose
     let (along, across) = (curve(1), curve(2));
     let y = Axis::padded(extent(along.iter().chain(&across).map(|point| point.1)), 7, "Force, N");
     let title = match rose.frame {
-        ReferenceFrame::Cage => "Contact from the damage, deg",
+        ReferenceFrame::Cage => "Contact point from the damage, deg",
         _ => "Element from the damage, deg",
     };
     let x = Axis::exact(extent(along.iter().map(|point| point.0)), 7, title);
-    let start = SIDE + 14.0;
+    let start = SIDE + 8.0;
     let frame =
-        Frame { start, left: start + gutter(&[&y]), top: 62.0, right: WIDTH - 14.0, bottom: HEIGHT - 42.0, x, y };
+        Frame { start, left: start + gutter(&[&y]), top: 48.0, right: WIDTH - 14.0, bottom: HEIGHT - 42.0, x, y };
     let half = parameters.half_width_deg.map_or(f64::NAN, |half| half.value);
     if half.is_finite() {
         let [from, to] = [-half, half].map(|x| frame.at(&(x, 0.0)).0);
@@ -155,10 +155,11 @@ impl<'a> Drawing<'a> {
             let angle = FRAC_PI_2 * quarter as f64;
             canvas.line(&[around(angle, ROSE[0]), around(angle, ROSE[1])], Stroke(GRID, 0.9))?;
             let (x, y) = around(angle, ANGLES);
-            // Names beside the drawing stay inside the sheet, above the line of the damage.
-            let half = 0.5 * text_width(name, SMALL) + 2.0;
-            let y = if quarter % 2 == 0 { y - 12.0 } else { y };
-            canvas.text(name, (x.clamp(half, SIDE - half), y), Anchor::Middle, INK)?;
+            let (at, anchor) = match quarter {
+                0 => ((x - ANGLES + ROSE[1] + 8.0, y), Anchor::Start),
+                _ => ((x, y), Anchor::Middle),
+            };
+            canvas.text(name, at, anchor, INK)?;
         }
         Ok(())
     }

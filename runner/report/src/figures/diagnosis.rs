@@ -1,4 +1,4 @@
-//! Evidence of the findings: the damaged bearing, the motion with and without the fault, the unexplained force.
+//! Evidence of the findings: the damaged bearing, the unexplained force, the motion with and without the fault.
 
 use super::damaged_bearing::damaged_bearing;
 use super::fault_motion::fault_motion;
@@ -21,7 +21,7 @@ impl Figure for Diagnoses {
             let bearing = figures.rose.as_ref().map(|rose| damaged_bearing(finding, rose, context.forward));
             let motion = figures.motion.as_ref().map(|motion| fault_motion(finding, motion, context.budget));
             let spectra = (!figures.spectra.is_empty()).then(|| force_spectra(finding, context.budget));
-            [bearing, motion, spectra].into_iter().flatten().collect()
+            [bearing, spectra, motion].into_iter().flatten().collect()
         };
         let drawn = context.outcome.findings.iter().map(one).collect::<Result<Vec<_>>>()?;
         Ok(drawn.into_iter().flatten().collect())

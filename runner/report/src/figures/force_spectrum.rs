@@ -37,10 +37,9 @@ pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Result<Pi
         frames.last().map_or(Ok(()), |frame| name_sides(canvas, frame))
     })?;
     let at = finding.bearing.as_deref().map_or("on the rotor".to_owned(), |name| format!("at {}", shortened(name, 30)));
-    let component = spectra.iter().any(|spectrum| spectrum.is_of_component);
-    let own = if component {
-        " In the frame of a component with local damage its lines are multiples of one order, equal on both sides: the force \
-         keeps its direction there."
+    let own = if finding.figures.rose.is_some() {
+        " In the frame of the damaged component the force keeps its direction: its lines are multiples of one order, equal on \
+         both sides."
     } else {
         ""
     };
