@@ -4,8 +4,7 @@
 use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{
-    Anchor, Canvas, Dashes, Frame, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, SMALL, Stroke, TWIN, gutter,
-    picture, text_width,
+    Anchor, Canvas, Dashes, Frame, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, Stroke, TWIN, gutter, picture,
 };
 use super::line::Point;
 use crate::number::{alone, count, fixed, shortened};
@@ -169,7 +168,8 @@ impl<'a> Drawing<'a> {
         let energy = &self.rose.energy;
         let largest = energy.iter().copied().filter(|share| share.is_finite()).fold(0.0, f64::max);
         let half = 0.5 * TAU / energy.len().max(1) as f64;
-        for (i, share) in energy.iter().enumerate().filter(|(_, share)| **share > 0.002 * largest) {
+        for (i, share) in energy.iter().enumerate().filter(|(_, share)| share.is_finite() && **share > 0.002 * largest)
+        {
             let end = ROSE[0] + (ROSE[1] - ROSE[0]) * share / largest;
             let middle = 2.0 * half * i as f64;
             let (from, to) = (middle - 0.86 * half, middle + 0.86 * half);

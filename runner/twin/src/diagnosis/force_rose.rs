@@ -84,46 +84,58 @@ mod tests {
     use super::*;
     use crate::diagnosis::residual::Normal;
 
-    /// Nine elements, a cage at 0.4 of the shaft speed, a pulse at -70 deg in each pass, 1X ten times as large and noise twice
-    /// as large.
-    fn made_up(azimuth: f64, half_width: f64) -> (Vec<C>, Vec<f64>) {
+    const SAMPLES: usize = 80 * 128;
+    const HARMONICS: usize = 12;
+
+    /// Mean pass of nine elements, with a cage at 0.4 of the shaft speed: in each pass a pulse of 1 N as long as the damage, besides
+    /// it 10 N at 1X and noise of 1 N along X and Y, all under a Hann window.
+    fn made_up(azimuth: f64, half_width: f64) -> Vec<C> {
         let mut normal = Normal::new();
-        let turns = (0..80 * 128).map(|t| t as f64 / 128.0);
-        turns
-            .map(|turns| {
+        let mut window = 0.0;
+        let (force, passing): (Vec<C>, Vec<f64>) = (0..SAMPLES)
+            .map(|t| {
+                let turns = t as f64 / 128.0;
                 let passing = 9.0 * TAU * 0.4 * turns + 1.0;
-                // Distance of the nearest element from the damage.
+                // Angle of the nearest element from the damage.
                 let distance = ((passing / TAU - 0.5).rem_euclid(1.0) - 0.5) * TAU / 9.0;
                 let pulse = if distance.abs() < half_width { (0.25 * TAU * distance / half_width).cos() } else { 0.0 };
-                let one_x = C::from_polar(10.0, TAU * turns);
-                let noise = C::new(normal.next(), normal.next()) * 2.0;
-                (C::from_polar(pulse, azimuth + distance) + one_x + noise, passing)
+                let force = C::from_polar(pulse, azimuth + distance) + C::from_polar(10.0, TAU * turns);
+                let hann = 1.0 - (TAU * t as f64 / SAMPLES as f64).cos();
+                window += hann;
+                ((force + C::new(normal.next(), normal.next())) * hann, passing)
             })
-            .unzip()
+            .unzip();
+        mean_pass(&force, &passing, window, HARMONICS)
+    }
+
+    fn peak(pass: &[C]) -> f64 {
+        pass.iter().map(|f| f.norm()).fold(0.0, f64::max)
+    }
+
+    /// Standard deviation of the mean pass by the noise without the Wiener filter, N.
+    fn noise() -> f64 {
+        // Sum of the squares of a Hann window over the square of its sum: 1.5 / n.
+        (2.0 * HARMONICS as f64 * 2.0 * 1.5 / SAMPLES as f64).sqrt()
     }
 
     #[test]
     fn the_rose_points_at_the_pulse() {
         let azimuth = -70.0_f64;
-        let (force, passing) = made_up(azimuth.to_radians(), 0.06);
-        let pass = mean_pass(&force, &passing, force.len() as f64, 12);
+        let pass = made_up(azimuth.to_radians(), 0.06);
         let direction = direction_deg(&pass);
-        assert!((direction - (azimuth + 360.0)).abs() < 4.0, "{direction}");
+        assert!((direction - (azimuth + 360.0)).abs() < 3.0, "{direction}");
         let energy = energy(&pass);
         assert!((energy.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        // Sectors of 5 deg about -70 deg.
+        // Sectors of 5 deg about -70 deg. The pulse is half a wave over 0.12 of `TAU / 9`; the noise lies in all directions.
+        let signal = 0.5 * 2.0 * 0.06 / (TAU / 9.0);
         let near: f64 = energy[58 - 3..=58 + 3].iter().sum();
-        assert!(near > 0.7, "{near}: {energy:?}");
-        // Within a fifth: harmonics above the twelfth are missing, noise is left.
-        let peak = pass.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        assert!((peak - 1.0).abs() < 0.2, "{peak}");
+        assert!(near > signal / (signal + noise().powi(2)) - 0.05, "{near}: {energy:?}");
+        assert!((peak(&pass) - 1.0).abs() < 3.0 * noise(), "{}", peak(&pass));
     }
 
     #[test]
     fn noise_alone_has_no_force() {
-        let (force, passing) = made_up(0.0, 0.0);
-        let pass = mean_pass(&force, &passing, force.len() as f64, 12);
-        let peak = pass.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        assert!(peak < 0.35, "{peak}");
+        let peak = peak(&made_up(0.0, 0.0));
+        assert!(peak < 4.0 * noise(), "{peak}");
     }
 }
