@@ -25,8 +25,11 @@ fn desk(defect: &str, turns: usize) -> Desk {
     desk
 }
 
-fn findings(defect: &str) -> Vec<Value> {
-    list(&desk(defect, 40).replay("scene.toml", &[]), "findings").to_vec()
+/// The findings on 40 turns, and the HTML report.
+fn findings(defect: &str) -> (Vec<Value>, String) {
+    let desk = desk(defect, 40);
+    let findings = list(&desk.replay("scene.toml", &["--report", "report.html"]), "findings").to_vec();
+    (findings, desk.read("report.html"))
 }
 
 /// A spall on the outer race.
@@ -38,22 +41,33 @@ fn spall() -> String {
 
 #[test]
 fn a_machine_in_good_order_with_slipping_cages_has_no_finding() {
-    let findings = findings("");
+    let (findings, report) = findings("");
     assert!(findings.is_empty(), "{findings:#?}");
+    assert!(!report.contains("<h2>Diagnosis</h2>"));
 }
 
 #[test]
 fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
-    let findings = findings(&spall());
+    let (findings, report) = findings(&spall());
     let [finding] = &findings[..] else { panic!("expected one finding: {findings:#?}") };
     assert_eq!(
         (&finding["kind"], &finding["bearing"], &finding["form"]),
         (&"outer-race".into(), &"A".into(), &"spall".into())
     );
+    let error = |azimuth: f64| ((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs();
     let azimuth = number(finding, "/azimuth_deg/value");
-    assert!(((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs() < 3.0, "{azimuth}: {finding:#}");
+    assert!(error(azimuth) < 3.0, "{azimuth}: {finding:#}");
     let depth = number(finding, "/depth_um/value");
     assert!((depth / DEPTH - 1.0).abs() < 0.25, "{depth}: {finding:#}");
+    // The force rose points at the spall.
+    let direction = number(finding, "/force_direction_deg");
+    assert!(error(direction) < 5.0, "{direction}: {finding:#}");
+    assert!(number(finding, "/force_n") > 0.0, "{finding:#}");
+    let place = format!("Bearing A: Spall on the outer race at {azimuth:.0} deg");
+    for figure in ["<h2>Diagnosis</h2>", &place, "Unexplained force at A", "with and without the fault"] {
+        assert!(report.contains(figure), "{figure} is not in the report");
+    }
+    assert!(report.len() < 3_000_000, "{}", report.len());
 }
 
 /// 60 s at 3000 rpm, ended by the event: the first block is full after 1.6 s, and its diagnosis takes some seconds of processor time.

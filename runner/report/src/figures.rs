@@ -10,8 +10,12 @@ mod campbell;
 mod canvas;
 mod cascade;
 mod centreline;
+mod damaged_bearing;
+mod diagnosis;
 mod envelope;
+mod fault_motion;
 mod force;
+mod force_spectrum;
 mod full_spectrum;
 mod line;
 mod mark;
@@ -33,8 +37,9 @@ pub(super) use trade::{Dot, front};
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{Outcome, Pictures};
 
-/// Figures of the replay's report in its order: shape, time, frequency, force.
+/// Figures of the replay's report in its order: findings, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[
+    &diagnosis::Diagnoses,
     &orbit::Orbits,
     &centreline::Centrelines,
     &polar::PolarPlots,

@@ -411,6 +411,55 @@ fn timing() -> Timing {
     }
 }
 
+/// A spall at 290 deg.
+fn spall() -> FaultParameters {
+    let around = |value: f64, half: f64| Some(Estimate { value, low: value - half, high: value + half });
+    FaultParameters {
+        form: Some(FaultForm::Spall),
+        azimuth_deg: around(290.0, 2.0),
+        half_width_deg: around(2.5, 0.3),
+        depth_um: around(3.0, 0.4),
+        odds_to_next: Some(1e12),
+        ..FaultParameters::default()
+    }
+}
+
+/// Figures of a finding of these data, which may be anything.
+fn fault_figures(values: &[f64]) -> FaultFigures {
+    let pairs: Vec<(f64, f64)> = values.iter().enumerate().map(|(i, x)| (i as f64 - 2.0, *x)).collect();
+    let spectrum = |frame, is_of_component| ForceSpectrum {
+        frame,
+        is_of_component,
+        unexplained: pairs.clone(),
+        explained: pairs.iter().copied().take(3).collect(),
+        lines: values.to_vec(),
+    };
+    FaultFigures {
+        rose: Some(ForceRose {
+            frame: ReferenceFrame::Fixed,
+            energy: values.to_vec(),
+            direction_deg: values.first().copied().unwrap_or(0.0),
+            peak_n: values.last().copied().unwrap_or(0.0),
+            passes: 240.0,
+            pass: values.iter().map(|x| [*x, *x, -*x]).collect(),
+            element_azimuths: values.to_vec(),
+            ball_over_pitch: 0.2,
+        }),
+        spectra: vec![
+            spectrum(ReferenceFrame::Fixed, true),
+            spectrum(ReferenceFrame::Shaft, false),
+            spectrum(ReferenceFrame::Cage, false),
+        ],
+        motion: Some(FaultMotion {
+            probe: "DE_X".to_owned(),
+            revolutions: values.to_vec(),
+            measured: values.to_vec(),
+            without: values.to_vec(),
+            with: values.iter().take(2).copied().collect(),
+        }),
+    }
+}
+
 /// Two bearings, four radial probes and an axial one, 3000 rpm.
 pub(crate) fn usual() -> Outcome {
     let record = Record {
@@ -428,7 +477,8 @@ pub(crate) fn usual() -> Outcome {
     };
     let finding = Finding {
         kind: FindingKind::OuterRace,
-        parameters: FaultParameters::default(),
+        parameters: spall(),
+        figures: fault_figures(&[0.0, 2.0, -1.0, 0.5, 3.0]),
         bearing: Some("DE".to_owned()),
         line_hz: 179.2,
         order: OUTER,
@@ -612,14 +662,19 @@ pub(crate) fn broken() -> Outcome {
     outcome.bearings[0].orders = BearingOrders::default();
     outcome.bearings[0].force_measured[0] = ForceFigures { mean: nan, min: 1e200, max: -1e200, noise_sigma: Some(nan) };
     outcome.findings[0].confidence = nan;
+    outcome.findings[0].parameters.azimuth_deg = Some(Estimate { value: nan, low: nan, high: 1e300 });
     outcome.observation.condition_number = f64::INFINITY;
-    outcome.pictures = broken_pictures(&[1.0, nan, 1e308, -1e308, 0.0, f64::INFINITY]);
+    let values = [1.0, nan, 1e308, -1e308, 0.0, f64::INFINITY];
+    outcome.findings[0].figures = fault_figures(&values);
+    outcome.pictures = broken_pictures(&values);
     outcome
 }
 
 /// [`usual`] with pictures of the data given, which may be anything.
 pub(crate) fn with_data(values: &[f64]) -> Outcome {
-    Outcome { pictures: broken_pictures(values), ..usual() }
+    let mut outcome = Outcome { pictures: broken_pictures(values), ..usual() };
+    outcome.findings[0].figures = fault_figures(values);
+    outcome
 }
 
 /// Many probes with long names, and names that are mark-up.

@@ -20,7 +20,7 @@ use ballrace_twin::replay::outcome::Outcome;
 pub use csv::csv;
 pub use html::html;
 pub use text::text;
-pub use words::pacing;
+pub use words::{finding, pacing};
 
 /// Returns the outcome as JSON, without the data of the figures. A number that is not finite becomes `null`.
 ///

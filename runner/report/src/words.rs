@@ -2,7 +2,8 @@
 
 use super::number::{alone, count, counted, fixed};
 use ballrace_twin::replay::outcome::{
-    Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, SourceFigures, Standing, Timing,
+    Estimate, FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record,
+    SourceFigures, Standing, Timing,
 };
 use ballrace_twin::replay::verdict;
 
@@ -22,6 +23,81 @@ pub(super) fn kind(kind: FindingKind) -> &'static str {
         FindingKind::Load => "load",
         FindingKind::Other => "other",
     }
+}
+
+/// Names the cause of a finding, without its place and size: "Spall on the outer race", "Unbalance".
+pub(super) fn cause(finding: &Finding) -> String {
+    let surface = match finding.kind {
+        FindingKind::OuterRace => "the outer race",
+        FindingKind::InnerRace => "the inner race",
+        FindingKind::Element => "a rolling element",
+        other => return capitalised(kind(other)),
+    };
+    match (finding.parameters.form, finding.parameters.waviness_order) {
+        (Some(FaultForm::Waviness), Some(order)) => format!("Waviness of order {order} on {surface}"),
+        (Some(FaultForm::Waviness), None) => format!("Waviness on {surface}"),
+        (Some(FaultForm::Spall), _) => format!("Spall on {surface}"),
+        (None, _) => format!("Damage of {surface}"),
+    }
+}
+
+/// Names the cause of a finding with its place: "Spall on the outer race at 290 deg".
+pub(super) fn place(finding: &Finding) -> String {
+    let parameters = &finding.parameters;
+    match (parameters.azimuth_deg, parameters.element) {
+        (Some(azimuth), _) => format!("{} at {} deg", cause(finding), fixed(azimuth.value, 0)),
+        (None, Some(element)) => format!("Spall on element {element}"),
+        _ => cause(finding),
+    }
+}
+
+/// Returns a finding for a terminal: its cause with the bearing, then place, size with 95 % interval, and odds.
+pub fn finding(finding: &Finding) -> [String; 2] {
+    let p = &finding.parameters;
+    let head = match &finding.bearing {
+        Some(bearing) => format!("{}, bearing {bearing}", cause(finding)),
+        None => cause(finding),
+    };
+    let azimuth = match finding.kind {
+        FindingKind::InnerRace => "deg from the keyphasor mark",
+        _ => "deg from +X",
+    };
+    let sizes = [
+        ("at", p.azimuth_deg, 1, azimuth),
+        ("depth", p.depth_um, 2, "um"),
+        ("half width", p.half_width_deg, 2, "deg"),
+        ("amplitude", p.amplitude_um, 3, "um"),
+        ("tilt", p.tilt_mrad, 3, "mrad"),
+        ("axis at", p.axis_deg, 0, "deg from +X"),
+        ("diametral clearance", p.clearance_um, 2, "um"),
+        ("moment", p.moment_g_mm, 1, "g mm"),
+        ("at", p.angle_deg, 1, "deg from the keyphasor mark"),
+        ("station", p.station_mm, 1, "mm"),
+    ];
+    let interval = |(name, estimate, digits, unit): (&str, Option<Estimate>, usize, &str)| {
+        let of = |value: f64| fixed(value, digits);
+        estimate.map(|e| format!("{name} {} ({} to {}) {unit}", of(e.value), of(e.low), of(e.high)))
+    };
+    let load = p.load_n.map(|load| load.map(|e| fixed(e.value, 1)).join(", "));
+    let odds = p.odds_to_next.map(|odds| match odds {
+        odds if odds >= 1e6 => "odds beyond 1e6".to_owned(),
+        odds => format!("odds {}", fixed(odds, 0)),
+    });
+    let facts: Vec<String> = p
+        .element
+        .map(|element| format!("element {element}"))
+        .into_iter()
+        .chain(sizes.into_iter().filter_map(interval))
+        .chain(load.map(|load| format!("{load} N along X, Y, Z")))
+        .chain(odds)
+        .chain([format!("confidence {} %", fixed(100.0 * finding.confidence, 0))])
+        .collect();
+    [head, facts.join("; ")]
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Recommended action after a limit was crossed.

@@ -6,7 +6,7 @@ use crate::dashboard;
 use crate::error::UsageError;
 use crate::live as monitor;
 use crate::live::source::lock;
-use crate::live::view::Shared;
+use crate::live::view::{Conclusion, Shared};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
@@ -54,7 +54,12 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
             let outcome = monitor::monitor(&scene, &options, &stop);
             match &outcome {
                 // The last picture stays until a key is pressed.
-                Ok(_) => lock(&view).state = "over: press q",
+                Ok(outcome) => {
+                    let mut view = lock(&view);
+                    view.state = "over: press q";
+                    view.conclusion =
+                        Some(Conclusion { verdict: outcome.verdict.clone(), findings: outcome.findings.clone() });
+                }
                 Err(_) => over.store(true, Ordering::Relaxed),
             }
             outcome

@@ -1,5 +1,6 @@
-//! The live view in the terminal: orbits, spectrum, trends, loads, the ledger and the events.
+//! The live view in the terminal: orbits, spectrum, trends, loads, the ledger and the events; at the end, the findings.
 
+mod findings;
 mod input;
 mod ledger;
 mod loads;
@@ -50,6 +51,7 @@ enum Panel {
     Trend,
     Loads,
     Events,
+    Findings,
 }
 
 /// Data that are constant during a run.
@@ -116,6 +118,7 @@ impl Choice {
             KeyCode::Char('3') => panel(Panel::Trend),
             KeyCode::Char('4') => panel(Panel::Loads),
             KeyCode::Char('5') => panel(Panel::Events),
+            KeyCode::Char('6') => panel(Panel::Findings),
             _ => self,
         }
     }
@@ -144,13 +147,12 @@ fn overview(frame: &mut Frame, area: Rect, machine: &Machine, view: &View, choic
     let rows = Layout::vertical(heights).split(area);
     let halves = |row: Rect| Layout::horizontal([Constraint::Percentage(50), Constraint::Percentage(50)]).split(row);
     let (upper, middle, last) = (halves(rows[0]), halves(rows[1]), halves(rows[2]));
-    let places = [
-        (Panel::Orbits, upper[0]),
-        (Panel::Spectrum, upper[1]),
-        (Panel::Trend, middle[0]),
-        (Panel::Loads, middle[1]),
-        (Panel::Events, last[1]),
-    ];
+    let mut places = vec![(Panel::Orbits, upper[0]), (Panel::Spectrum, upper[1]), (Panel::Events, last[1])];
+    if view.conclusion.is_some() {
+        places.push((Panel::Findings, rows[1]));
+    } else {
+        places.extend([(Panel::Trend, middle[0]), (Panel::Loads, middle[1])]);
+    }
     for (panel, place) in places {
         one(frame, place, panel, machine, view, choice);
     }
@@ -164,6 +166,7 @@ fn one(frame: &mut Frame, area: Rect, panel: Panel, machine: &Machine, view: &Vi
         Panel::Trend => trend::draw(frame, area, machine, view, choice),
         Panel::Loads => loads::draw(frame, area, view, choice.bearing),
         Panel::Events => ledger::events(frame, area, view),
+        Panel::Findings => findings::draw(frame, area, view),
     }
 }
 
@@ -184,7 +187,7 @@ fn header(machine: &Machine, view: &View, held: bool) -> Paragraph<'static> {
 
 fn keys() -> Paragraph<'static> {
     let keys =
-        [("q", "quit"), ("p", "probe"), ("b", "bearing"), ("i", "indicator"), ("1-5", "one panel"), ("space", "hold")];
+        [("q", "quit"), ("p", "probe"), ("b", "bearing"), ("i", "indicator"), ("1-6", "one panel"), ("space", "hold")];
     let spans = keys.into_iter().flat_map(|(key, does)| {
         [
             Span::styled(format!(" {key} "), Style::new().add_modifier(Modifier::REVERSED)),
@@ -212,9 +215,12 @@ fn empty(frame: &mut Frame, area: Rect, block: Block<'static>, why: &str) {
 mod tests {
     use super::*;
     use crate::live::out::EventRecord;
+    use crate::live::view::Conclusion;
     use ballrace_twin::probes::planes;
     use ballrace_twin::replay::Snapshot;
-    use ballrace_twin::replay::outcome::MarkedLine;
+    use ballrace_twin::replay::outcome::{
+        Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind, MarkedLine,
+    };
     use ballrace_twin::replay::second::{ProbeSecond, Second};
     use ballrace_twin::replay::snapshot::SnapshotSample;
     use ballrace_twin::scene::read::read_str;
@@ -313,12 +319,48 @@ mod tests {
     }
 
     #[test]
+    fn the_findings_come_with_place_size_and_odds_at_the_end() {
+        let scene = read_str(DEMO, Path::new("demo")).unwrap();
+        let around = |value: f64, half: f64| Some(Estimate { value, low: value - half, high: value + half });
+        let finding = Finding {
+            kind: FindingKind::OuterRace,
+            bearing: Some("DE".to_owned()),
+            line_hz: 179.2,
+            order: 3.58,
+            level_db: 30.0,
+            confidence: 0.97,
+            parameters: FaultParameters {
+                form: Some(FaultForm::Spall),
+                azimuth_deg: around(290.0, 1.5),
+                depth_um: around(3.0, 0.2),
+                odds_to_next: Some(1e12),
+                ..FaultParameters::default()
+            },
+            sentence: String::new(),
+            figures: FaultFigures::default(),
+        };
+        let conclusion = Conclusion { verdict: "DE: damage of the outer race.".to_owned(), findings: vec![finding] };
+        let view = View { conclusion: Some(conclusion), ..running(&scene) };
+        for keys in [&[][..], &[KeyCode::Char('6')]] {
+            let shown = screen(120, 24, &view, keys);
+            for text in [
+                "Spall on the outer race, bearing DE",
+                "at 290.0 (288.5 to 291.5) deg from +X; depth 3.00 (2.80 to 3.20) um; odds beyond 1e6",
+                "DE: damage of the outer race.",
+            ] {
+                assert!(shown.contains(text), "{text} is not on\n{shown}");
+            }
+        }
+        assert!(screen(80, 24, &running(&scene), &[KeyCode::Char('6')]).contains("at the end of the run"));
+    }
+
+    #[test]
     fn nothing_yet_and_no_room_are_said() {
         assert!(screen(80, 24, &View::default(), &[]).contains("no samples yet"));
         assert!(screen(40, 10, &View::default(), &[]).contains("too small"));
         for (width, height) in [(60, 20), (200, 60), (61, 21), (300, 20)] {
             let scene = read_str(DEMO, Path::new("demo")).unwrap();
-            for key in ['0', '1', '2', '3', '4', '5'] {
+            for key in ['0', '1', '2', '3', '4', '5', '6'] {
                 screen(width, height, &running(&scene), &[KeyCode::Char(key)]);
             }
         }

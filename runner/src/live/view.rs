@@ -2,7 +2,7 @@
 
 use super::out::EventRecord;
 use ballrace_twin::replay::Snapshot;
-use ballrace_twin::replay::outcome::{Quantiles, SourceFigures};
+use ballrace_twin::replay::outcome::{Finding, Quantiles, SourceFigures};
 use ballrace_twin::replay::second::Second;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -33,6 +33,17 @@ pub struct View {
     pub idle_percent: Option<f64>,
     /// Counts of samples received and lost.
     pub source: SourceFigures,
+    /// Verdict and findings at the end of the run.
+    pub conclusion: Option<Conclusion>,
+}
+
+/// Verdict and findings of a run.
+#[derive(Debug, Clone, Default)]
+pub struct Conclusion {
+    /// Verdict as a sentence.
+    pub verdict: String,
+    /// Findings, strongest first.
+    pub findings: Vec<Finding>,
 }
 
 /// Between the loop and the screen.

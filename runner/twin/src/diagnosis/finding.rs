@@ -1,13 +1,16 @@
 //! Faults in the terms of a user: kind, bearing, place, size, odds and a sentence.
 
 use super::cage::unknowns;
+use super::fault_figures::fault_figures;
 use super::fit::{Fitted, fit};
 use super::hypothesis::{Cause, Fault, LEAST_GAIN};
 use super::machine::{Evaluated, Machine, Unknown, clearance};
 use super::residual::Evidence;
 use super::surface::Component;
-use super::{Prepared, Result};
-use crate::outcome::{CageOutcome, DiagnosisOutcome, Estimate, FaultForm, FaultParameters, Finding, FindingKind};
+use super::{Material, Prepared, Result};
+use crate::outcome::{
+    CageOutcome, DiagnosisOutcome, Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind,
+};
 use std::f64::consts::TAU;
 
 /// Deviations within which a normally distributed error lies in 95 of 100 cases.
@@ -18,6 +21,10 @@ const LARGEST_ODDS: f64 = 1e12;
 const UNEXPLAINED: f64 = 9.0;
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from made-up noise.
 const NOISE_ERROR: f64 = 0.01;
+/// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
+const MODEL_ERROR: f64 = 0.005;
+/// The same for depth and width of a spall: only their product shows well, and a real spall has no half-sine profile.
+const PROFILE_ERROR: f64 = 0.05;
 /// Lines listed of an unexplained residual.
 const LISTED: usize = 5;
 
@@ -61,7 +68,7 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
 }
 
 /// Returns the findings and figures of a diagnosis.
-pub(super) fn diagnosis(of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
+pub(super) fn diagnosis(material: &Material, of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
     let last = joint(of, faults)?;
     let e = &of.evidence;
@@ -76,7 +83,8 @@ pub(super) fn diagnosis(of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
         // Index of the spall or wave among those of its bearing.
         let nth = seen.iter().filter(|(cause, _)| cause.shares_list(fault.cause)).count();
         seen.push((fault.cause, nth));
-        findings.push(reported.finding(fault, nth));
+        let figures = fault_figures(material, e, &of.healthy.machine, &last, (fault.cause, nth))?;
+        findings.push(reported.finding(fault, nth).with_figures(figures));
     }
     let strength = |finding: &Finding| finding.parameters.log_likelihood_gain.unwrap_or(0.0);
     findings.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -195,7 +203,13 @@ impl Reported<'_, '_> {
     }
 
     fn estimate(&self, unknown: Unknown, unit: f64) -> Estimate {
-        around(unknown.get(&self.last.machine) / unit, self.deviation(unknown) / unit.abs())
+        let value = unknown.get(&self.last.machine) / unit;
+        let known = match unknown {
+            Unknown::SpallWidth(..) | Unknown::SpallDepth(..) => PROFILE_ERROR,
+            Unknown::Clearance(_) => MODEL_ERROR,
+            _ => 0.0,
+        };
+        around(value, (self.deviation(unknown) / unit.abs()).hypot(known * value))
     }
 
     fn angle(&self, unknown: Unknown) -> Estimate {
@@ -209,7 +223,10 @@ impl Reported<'_, '_> {
         let (along, across) =
             (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
         let across = across / size;
-        [around(size / unit, along / unit), within_turn(around(b.atan2(a).to_degrees(), across.to_degrees()))]
+        [
+            around(size / unit, (along / unit).hypot(MODEL_ERROR * size / unit)),
+            within_turn(around(b.atan2(a).to_degrees(), across.to_degrees())),
+        ]
     }
 
     fn cages(&self, observable: &[bool]) -> Vec<CageOutcome> {
@@ -348,6 +365,7 @@ impl Reported<'_, '_> {
             confidence: explained.clamp(0.0, 1.0) * odds.map_or(1.0, |odds| odds / (1.0 + odds)),
             parameters,
             sentence,
+            figures: FaultFigures::default(),
         }
     }
 
@@ -438,6 +456,7 @@ impl Reported<'_, '_> {
                 after.sqrt(),
                 list.join(", ")
             ),
+            figures: FaultFigures::default(),
         }
     }
 }

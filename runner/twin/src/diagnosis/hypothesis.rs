@@ -457,19 +457,28 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
 /// With its own weights each machine has its residual in units of the noise of the probes, so that the likelihoods of machines of
 /// different stiffness can be compared by their chi-squared.
 fn weighed<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
-    let own = own(candidate);
-    // In the weights of the machine before, until the cages are found.
-    let (mut fitted, mut observable) = with_cages(of, candidate, first)?;
-    let mut evidence = of.evidence.clone();
-    for _ in 0..2 {
-        evidence.weigh(&fitted.machine)?;
-        let mut start = evaluate(&evidence, &fitted.machine)?;
-        if observable.contains(&false) {
-            (start, observable) = cage::settle(&evidence, &of.band, &fitted.machine, SLIPS)?;
-        }
-        let mut unknowns = cage::unknowns(&observable);
-        unknowns.extend(own.iter().copied());
-        fitted = fit(&evidence, &start, &unknowns, 12)?;
+    // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
+    let (found, _) = with_cages(of, candidate, first)?;
+    let best = weighed_from(of, candidate, &found.machine)?;
+    if best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64 {
+        return Ok(best);
     }
+    let other = weighed_from(of, candidate, &first.machine)?;
+    Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
+}
+
+fn weighed_from<'a>(
+    of: &Prepared<'a>,
+    candidate: &Candidate,
+    start: &Machine,
+) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+    let mut evidence = of.evidence.clone();
+    evidence.weigh(start)?;
+    let (settled, observable) = cage::settle(&evidence, &of.band, start, SLIPS)?;
+    let mut unknowns = cage::unknowns(&observable);
+    unknowns.extend(own(candidate));
+    let closer = fit(&evidence, &settled, &unknowns, 12)?;
+    evidence.weigh(&closer.machine)?;
+    let fitted = fit(&evidence, &evaluate(&evidence, &closer.machine)?, &unknowns, 12)?;
     Ok((evidence, fitted, observable))
 }

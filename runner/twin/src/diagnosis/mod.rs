@@ -9,14 +9,16 @@
 //! The modules in the order of a diagnosis: `block` collects samples, `motion` is their displacement and its spectra,
 //! `machine` a hypothesis, `residual` what it leaves unexplained, `fit` the fit of its unknowns, `cage` angle and slip of
 //! the cages, `surface` spalls and waves from their lines, `hypothesis` the choice among the candidates, `finding` the result
-//! in the terms of a user, `calibration` the machine in good order.
+//! in the terms of a user with the data of its figures in `fault_figures` and `force_rose`, `calibration` the machine in good order.
 
 pub(crate) mod block;
 mod cage;
 mod calibration;
+mod fault_figures;
 mod filter;
 mod finding;
 mod fit;
+mod force_rose;
 mod hypothesis;
 mod machine;
 mod motion;
@@ -134,7 +136,7 @@ pub fn diagnose(of: &Material, progress: &dyn Fn(f64)) -> std::result::Result<Op
     let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
     progress(0.1);
     let faults = hypothesis::diagnose(&mut prepared, progress)?;
-    Ok(Some(finding::diagnosis(&prepared, &faults)?))
+    Ok(Some(finding::diagnosis(of, &prepared, &faults)?))
 }
 
 /// Estimates angle and slip of every cage, without a search for faults; none where the rotor or its probes do not allow it.

@@ -106,6 +106,11 @@ impl Transform {
         Self { fft, fine, window, lines, power }
     }
 
+    /// Returns the sum of the window.
+    pub fn sum(&self) -> f64 {
+        self.window[0].iter().sum()
+    }
+
     /// Transforms two real series under derivative `order` of the window.
     fn pair(&self, order: usize, a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> [Vec<C>; 2] {
         let n = self.window[0].len();

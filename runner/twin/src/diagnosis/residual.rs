@@ -506,6 +506,26 @@ impl<'a> Evidence<'a> {
         sum
     }
 
+    /// Returns the displacement that a force causes at the mean stiffness, over the noise scale of its line; the axial coordinate
+    /// is held where it is not measured.
+    ///
+    /// The stiffness changes along the motion: at a resonance of its mean, the displacement alone would be too large.
+    pub fn displacement_by(&self, force: &[Vec<C>; D]) -> [Vec<C>; D] {
+        let mut out: [Vec<C>; D] = Default::default();
+        for (k, w) in self.transform.lines.iter().enumerate() {
+            let mut stiffness = self.dynamic_stiffness(&self.reference, *w);
+            if !self.weighting.has_axial_probe {
+                (0..D).for_each(|i| (stiffness[(2, i)], stiffness[(i, 2)]) = (C::new(0.0, 0.0), C::new(0.0, 0.0)));
+                stiffness[(2, 2)] = C::new(1e30, 0.0);
+            }
+            let force = SVector::<C, D>::from_fn(|i, _| force[i][k]);
+            let caused = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
+            let scale = self.noise_scale[k].iter().sum::<f64>() / self.rows.max(1) as f64;
+            out.iter_mut().zip(caused.iter()).for_each(|(out, x)| out.push(*x / scale));
+        }
+        out
+    }
+
     /// Returns a force as a residual at the probes in units of their noise: line by line, probe by probe, real and imaginary
     /// part.
     pub fn at_probes(&self, force: &[Vec<C>; D]) -> Vec<f64> {

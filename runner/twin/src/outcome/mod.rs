@@ -2,9 +2,11 @@
 //!
 //! `--format json` prints [`Outcome`] with these field names. The types are plain data.
 
+mod fault_figures;
 mod pictures;
 mod timing;
 
+pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, ElementLoads, EnvelopeSpectrum, FilteredOrbit, ForceTrace, FullSpectrum,
     HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Trace,
@@ -532,6 +534,13 @@ pub struct FaultParameters {
     /// Its station from the centre of mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub station_mm: Option<Estimate>,
+    /// Direction of the force of a spall, in the frame of its component: from +X, from the keyphasor mark, from element 1. It is
+    /// taken from the measured motion without the fit of the spall, 0 to 360.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_direction_deg: Option<f64>,
+    /// Largest force of the mean pass of an element over a spall.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
     /// Constant load on the rotor along X, Y and Z, without its weight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load_n: Option<[Estimate; 3]>,
@@ -577,6 +586,20 @@ pub struct Finding {
     pub parameters: FaultParameters,
     /// The finding as a sentence.
     pub sentence: String,
+    /// Data of its figures, not part of the JSON.
+    #[serde(skip)]
+    pub figures: FaultFigures,
+}
+
+impl Finding {
+    /// Adds the data of the figures, with the numbers of the force rose.
+    #[must_use]
+    pub fn with_figures(mut self, figures: FaultFigures) -> Self {
+        self.parameters.force_direction_deg = figures.rose.as_ref().map(|rose| rose.direction_deg);
+        self.parameters.force_n = figures.rose.as_ref().map(|rose| rose.peak_n);
+        self.figures = figures;
+        self
+    }
 }
 
 impl Finding {

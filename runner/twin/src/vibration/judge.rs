@@ -4,7 +4,7 @@ use super::envelope::{Envelope, Line, envelopes};
 use super::picture;
 use super::suspect::Suspect;
 use crate::baseline::{Baseline, BaselineSensor};
-use crate::outcome::{EnvelopeSpectrum, FaultParameters, Finding, FindingKind};
+use crate::outcome::{EnvelopeSpectrum, FaultFigures, FaultParameters, Finding, FindingKind};
 use crate::scene::Sensor;
 
 /// Largest slip against pure rolling in either direction, and number of steps of its search.
@@ -194,6 +194,7 @@ impl Judge<'_> {
             confidence,
             sentence,
             parameters: FaultParameters::default(),
+            figures: FaultFigures::default(),
         };
         Some((found.score, finding))
     }
