@@ -151,7 +151,8 @@ fn overview(frame: &mut Frame, area: Rect, machine: &Machine, view: &View, choic
     if view.conclusion.is_some() {
         places.push((Panel::Findings, rows[1]));
     } else {
-        places.extend([(Panel::Trend, middle[0]), (Panel::Loads, middle[1])]);
+        let second = if view.glance.findings.is_empty() { Panel::Loads } else { Panel::Findings };
+        places.extend([(Panel::Trend, middle[0]), (second, middle[1])]);
     }
     for (panel, place) in places {
         one(frame, place, panel, machine, view, choice);
@@ -249,6 +250,7 @@ mod tests {
             planes,
             loads: vec![("DE".to_owned(), loads)],
             lines: vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: 50.0 }],
+            findings: vec![],
         };
         let second = |i: i32| Second {
             time_s: f64::from(i),

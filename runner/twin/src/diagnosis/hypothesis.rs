@@ -311,7 +311,7 @@ fn is_material(before: &Fitted, cause: Cause, after: &Fitted) -> bool {
         Cause::Spall(b, _) => {
             let depths = (0..after.unknowns.len())
                 .filter(|&i| matches!(after.unknowns[i], Unknown::SpallDepth(of, _) if of == b));
-            let deviation = depths.last().map_or(0.0, |i| after.covariance[(i, i)].max(0.0).sqrt());
+            let deviation = depths.max().map_or(0.0, |i| after.covariance[(i, i)].max(0.0).sqrt());
             new.bearings[b].scene.defect.last().is_some_and(|d| d.depth > f64::max(1e-7, SIGNIFICANT * deviation))
         }
         Cause::Waviness(b, ..) => {

@@ -391,6 +391,7 @@ impl<'a> Pipeline<'a> {
             planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
             loads: loads.collect(),
             lines: marked_lines(&self.plant.bearings, shaft.speed.abs() / TAU),
+            findings: self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
         })
     }
 }

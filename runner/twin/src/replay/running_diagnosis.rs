@@ -4,7 +4,7 @@ use super::notices::Notices;
 use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, Calibration, Diagnosis, Material};
-use crate::outcome::{Finding, FindingKind};
+use crate::outcome::{FaultFigures, Finding, FindingKind};
 use crate::plant::Plant;
 use crate::recording::Sample;
 use crate::scene::build::BuildError;
@@ -84,6 +84,11 @@ impl RunningDiagnosis {
         Self { machine: Arc::new(machine), running: None, rests_until: None, baseline, faults: OpenFaults::default() }
     }
 
+    /// Returns the faults that the last diagnoses found.
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        self.faults.open.iter().map(|open| open.finding.clone()).collect()
+    }
+
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
     pub(super) fn poll(&mut self, block: &Block, time: f64, notices: &mut Notices) {
         if let Some(running) = self.running.take_if(|running| running.thread.is_finished()) {
@@ -126,6 +131,8 @@ impl OpenFaults {
     fn report(&mut self, findings: Vec<Finding>, time: f64, notices: &mut Notices) {
         self.open.iter_mut().for_each(|open| open.missed += 1);
         for finding in findings {
+            // The figures belong to a report.
+            let finding = Finding { figures: FaultFigures::default(), ..finding };
             match self.open.iter_mut().find(|open| open.finding.is_same_fault(&finding)) {
                 Some(open) => {
                     notices.add_always("fault-size", time, finding.sentence.clone());
@@ -157,6 +164,7 @@ mod tests {
             level_db: 1.0,
             confidence: 1.0,
             parameters: FaultParameters::default(),
+            figures: FaultFigures::default(),
             sentence: format!("{kind:?} of {bearing}"),
         }
     }
