@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn the_findings_come_with_place_size_and_odds_at_the_end() {
+    fn findings_come_with_place_size_and_odds_in_the_run_and_at_its_end() {
         let scene = read_str(DEMO, Path::new("demo")).unwrap();
         let around = |value: f64, half: f64| Some(Estimate { value, low: value - half, high: value + half });
         let finding = Finding {
@@ -341,6 +341,9 @@ mod tests {
             sentence: String::new(),
             figures: FaultFigures::default(),
         };
+        let mut view = running(&scene);
+        view.glance.findings.push(finding.clone());
+        assert!(screen(120, 24, &view, &[]).contains("Spall on the outer race, bearing DE"));
         let conclusion = Conclusion { verdict: "DE: damage of the outer race.".to_owned(), findings: vec![finding] };
         let view = View { conclusion: Some(conclusion), ..running(&scene) };
         for keys in [&[][..], &[KeyCode::Char('6')]] {
@@ -353,7 +356,7 @@ mod tests {
                 assert!(shown.contains(text), "{text} is not on\n{shown}");
             }
         }
-        assert!(screen(80, 24, &running(&scene), &[KeyCode::Char('6')]).contains("at the end of the run"));
+        assert!(screen(80, 24, &running(&scene), &[KeyCode::Char('6')]).contains("no fault is found so far"));
     }
 
     #[test]
