@@ -1,6 +1,6 @@
 //! README, the chapters under `docs/src` and the help texts: structure, links, names, and figures that the program prints.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, program};
+use crate::support::{Desk, program};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

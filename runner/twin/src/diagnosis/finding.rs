@@ -11,6 +11,7 @@ use super::{Material, Prepared, Result};
 use crate::outcome::{
     CageOutcome, DiagnosisOutcome, Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind,
 };
+use crate::scene::RotationSource;
 use std::f64::consts::TAU;
 
 /// Deviations within which a normally distributed error lies in 95 of 100 cases.
@@ -212,8 +213,20 @@ impl Reported<'_, '_> {
         around(value, (self.deviation(unknown) / unit.abs()).hypot(known * value))
     }
 
-    fn angle(&self, unknown: Unknown) -> Estimate {
-        within_turn(self.estimate(unknown, TAU / 360.0))
+    /// Angle on a component; on the inner race it is counted from the keyphasor mark.
+    fn angle(&self, unknown: Unknown, component: Component) -> Estimate {
+        let angle = self.estimate(unknown, TAU / 360.0);
+        within_turn(if component == Component::Inner { self.with_pulse_error(angle) } else { angle })
+    }
+
+    /// Widens an angle from the keyphasor mark: its pulse is seen at the first sample after it, up to one sample late.
+    fn with_pulse_error(&self, angle: Estimate) -> Estimate {
+        let rotation = self.e.scene.recording.as_ref().map(|recording| &recording.rotation);
+        if !matches!(rotation, Some(RotationSource::Keyphasor { .. })) {
+            return angle;
+        }
+        let late = (self.e.motion.mean_speed() * self.e.motion.period).to_degrees() / 3.0_f64.sqrt();
+        around(angle.value, ((angle.high - angle.value) / WITHIN_95).hypot(late))
     }
 
     /// Size and direction of a vector of two unknowns.
@@ -252,6 +265,7 @@ impl Reported<'_, '_> {
         match cause {
             Cause::Unbalance => {
                 let [moment, angle] = self.vector([Unknown::Unbalance(0), Unknown::Unbalance(1)], 1e-6);
+                let angle = self.with_pulse_error(angle);
                 let [ex, ey, cx, cy] = machine.unbalance;
                 let square = (ex * ex + ey * ey).max(1e-30);
                 let station = (cx * ex + cy * ey) / square;
@@ -285,7 +299,7 @@ impl Reported<'_, '_> {
                 let on_race = component != Component::Ball;
                 FaultParameters {
                     form: Some(FaultForm::Spall),
-                    azimuth_deg: on_race.then(|| self.angle(Unknown::SpallAzimuth(b, nth))),
+                    azimuth_deg: on_race.then(|| self.angle(Unknown::SpallAzimuth(b, nth), component)),
                     element,
                     half_width_deg: Some(self.estimate(Unknown::SpallWidth(b, nth), TAU / 360.0)),
                     depth_um: Some(self.estimate(Unknown::SpallDepth(b, nth), 1e-6)),
