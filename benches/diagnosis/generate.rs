@@ -58,11 +58,15 @@ struct Bearing {
 }
 
 impl Bearing {
+    /// Cosine of the free contact angle.
+    fn contact_cosine(&self) -> f64 {
+        let groove_distance = (self.conformities[0] + self.conformities[1] - 1.0) * self.ball_diameter;
+        1.0 - self.clearance / (2.0 * groove_distance)
+    }
+
     /// Cage speed over shaft speed.
     fn cage_ratio(&self) -> f64 {
-        let groove_distance = (self.conformities[0] + self.conformities[1] - 1.0) * self.ball_diameter;
-        let cosine = 1.0 - self.clearance / (2.0 * groove_distance);
-        0.5 * (1.0 - self.ball_diameter * cosine / self.pitch_diameter) * (1.0 - self.slip)
+        0.5 * (1.0 - self.ball_diameter * self.contact_cosine() / self.pitch_diameter) * (1.0 - self.slip)
     }
 }
 
@@ -255,7 +259,9 @@ impl Machine {
                     surface.name(),
                     random.angle()
                 );
-                Fault { order: Some(order), amplitude: Some(amplitude), ..of_kind(surface.kind()) }
+                // A scene has the radial amplitude, a diagnosis that normal to the race.
+                let normal = amplitude * mounted.contact_cosine();
+                Fault { order: Some(order), amplitude: Some(normal), ..of_kind(surface.kind()) }
             }
         }
     }

@@ -70,6 +70,43 @@ fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
     assert!(report.len() < 3_000_000, "{}", report.len());
 }
 
+/// A wave that the scene has is no fault, and is not taken for the one that is.
+#[test]
+fn a_wave_beside_one_of_the_scene_has_its_own_size() {
+    let wave = |order: i32, amplitude: f64| {
+        format!("{{ surface = \"outer\", order = {order}, amplitude = \"{amplitude} um\", phase = \"40 deg\" }}")
+    };
+    let desk = desk(&format!("waviness = [{}, {}]\n", wave(9, 0.1), wave(16, 0.4)), 40);
+    desk.put("scene.toml", rotor("angular", &format!("waviness = [{}]\n", wave(9, 0.1)), "Z"));
+    let outcome = desk.replay("scene.toml", &[]);
+    let [finding] = list(&outcome, "findings") else { panic!("expected one finding: {outcome:#}") };
+    assert_eq!((&finding["form"], &finding["waviness_order"]), (&"waviness".into(), &16.into()), "{finding:#}");
+    // Normal to the race: the free contact angle of 10 um clearance is 9.7 deg.
+    let amplitude = number(finding, "/amplitude_um/value");
+    assert!((amplitude / (0.4 * 0.986) - 1.0).abs() < 0.02, "{finding:#}");
+}
+
+/// Deviations of the calibrated parameters in a baseline.
+fn deviations(desk: &Desk, baseline: &str) -> Vec<f64> {
+    let baseline: Value = serde_json::from_str(&desk.read(baseline)).unwrap();
+    list(&baseline["calibration"], "parameters").iter().map(|p| number(p, "/deviation")).collect()
+}
+
+#[test]
+fn a_further_recording_refines_the_calibration_of_a_baseline() {
+    let desk = desk("", 40);
+    desk.done(&["replay", "scene.toml", "--learn", "first.json"]);
+    desk.done(&["replay", "scene.toml", "--baseline", "first.json", "--learn", "second.json"]);
+    let (first, second) = (deviations(&desk, "first.json"), deviations(&desk, "second.json"));
+    assert!(first.len() == 10 && first.len() == second.len());
+    for (first, second) in first.iter().zip(&second) {
+        // Two recordings of the same content halve the variance.
+        assert!((second / first - 0.5_f64.sqrt()).abs() < 0.05, "{first} {second}");
+    }
+    let outcome = desk.replay("scene.toml", &["--baseline", "second.json"]);
+    assert!(list(&outcome, "findings").is_empty(), "{outcome:#}");
+}
+
 /// 60 s at 3000 rpm, ended by the event: the first block is full after 1.6 s, and its diagnosis takes some seconds of processor time.
 #[test]
 fn a_spall_is_reported_while_the_monitor_runs() {

@@ -44,7 +44,7 @@ fn own_target_folder() -> Option<PathBuf> {
     folders.find(|folder| folder.join(".rustc_info.json").is_file()).map(Path::to_owned)
 }
 
-/// A file of `tests/recordings`.
+/// A file of `tests/recordings` or of the demonstration.
 pub fn recorded(name: &str) -> String {
     let folders =
         ["/recordings/", "/../runner/demo/"].map(|folder| env!("CARGO_MANIFEST_DIR").to_owned() + folder + name);

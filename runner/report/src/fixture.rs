@@ -1,4 +1,8 @@
-//! Outcomes for the tests: a usual one, an empty one, one with everything wrong, one with too much of everything.
+//! Outcomes for the tests: a usual one, an empty one, one with too much of everything; `broken` has everything wrong.
+
+mod broken;
+
+pub(crate) use broken::{broken, with_data};
 
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::replay::outcome::*;
@@ -556,125 +560,6 @@ pub(crate) fn bare() -> Outcome {
         learned: ballrace_twin::replay::baseline::Baseline::default(),
         pictures: Pictures::default(),
     }
-}
-
-fn broken_pictures(values: &[f64]) -> Pictures {
-    let pairs: Vec<(f64, f64)> = values.iter().map(|value| (*value, *value)).collect();
-    let values = values.to_vec();
-    let three = || [values.clone(), Vec::new(), values.clone()];
-    Pictures {
-        traces: vec![Trace {
-            name: "A".into(),
-            time: values.clone(),
-            measured: values.clone(),
-            twin: Vec::new(),
-            keyphasor: values.clone(),
-        }],
-        orbits: vec![Orbit {
-            name: "A".into(),
-            station_mm: f64::NAN,
-            measured: pairs.clone(),
-            twin: pairs.iter().take(1).copied().collect(),
-            keyphasor: vec![0, 0, 5, 3, usize::MAX],
-            probes: vec![("A".into(), f64::NAN), ("B".into(), 1e9)],
-            one_x: values.first().map(|x| FilteredOrbit {
-                speed_rpm: *x,
-                measured: [(*x, *x), (f64::NAN, 0.0)],
-                twin: [(*x, *x), (*x, *x)],
-            }),
-        }],
-        half_spectra: vec![HalfSpectrum {
-            name: "A".into(),
-            bin_hz: 0.0,
-            measured: values.clone(),
-            twin: values.clone(),
-            residual: Vec::new(),
-        }],
-        full_spectra: vec![FullSpectrum {
-            name: "A".into(),
-            bin_hz: f64::NAN,
-            measured: values.clone(),
-            twin: Vec::new(),
-        }],
-        lines: vec![
-            MarkedLine { label: String::new(), order: f64::NAN, hz: f64::NAN },
-            MarkedLine { label: "1X".into(), order: 1.0, hz: 1e300 },
-        ],
-        forces: vec![ForceTrace {
-            name: "B".into(),
-            time: values.clone(),
-            measured: three(),
-            twin: three(),
-            sigma: three(),
-        }],
-        element_loads: vec![ElementLoads {
-            name: "B".into(),
-            azimuth: values.clone(),
-            mean: values.clone(),
-            largest: Vec::new(),
-            twin_mean: values.clone(),
-            first_element: pairs,
-        }],
-        blocks: values.iter().map(|x| broken_block(*x)).collect(),
-        cascades: vec![Cascade {
-            name: "A".into(),
-            two_sided: true,
-            bin_hz: f64::NAN,
-            slices: values.iter().map(|x| Slice { time_s: *x, speed_rpm: *x, amplitude_um: values.clone() }).collect(),
-        }],
-        clearances: vec![Some(Clearance { bearing: "B".into(), distance_mm: f64::NAN, radius_um: 1e300 })],
-        limits: vec![LimitLine { indicator: "1X", probe: "A".into(), max: f64::INFINITY }],
-        envelopes: vec![EnvelopeSpectrum { name: "A".into(), modulation: values, ..EnvelopeSpectrum::default() }],
-    }
-}
-
-fn broken_block(x: f64) -> Block {
-    let figures = BlockFigures {
-        mean_um: x,
-        greatest_um_pp: x,
-        one_x_um: [x, x],
-        twin_one_x_um: [0.0, x],
-        residual_rms_um: x,
-        kurtosis: x,
-        ..BlockFigures::default()
-    };
-    Block { start_s: x, end_s: x, speed_rpm: x, probes: vec![figures; 2], smax_um: vec![x] }
-}
-
-/// Numbers that are none, and data that do not fit together.
-pub(crate) fn broken() -> Outcome {
-    let nan = f64::NAN;
-    let motion = Motion {
-        mean_um: nan,
-        peak_to_peak_um: f64::INFINITY,
-        rms_um: -1e300,
-        one_x_um: nan,
-        one_x_phase_lag_deg: nan,
-    };
-    let mut outcome = usual();
-    outcome.record =
-        Record { rate_hz: nan, duration_s: nan, turns: f64::INFINITY, mean_speed_rpm: nan, ..Record::default() };
-    for probe in &mut outcome.probes {
-        (probe.measured, probe.twin) = (motion, motion);
-        (probe.residual_rms_um, probe.one_x_error_um, probe.nrmse_percent) = (nan, nan, nan);
-        probe.noise_um = None;
-    }
-    outcome.bearings[0].orders = BearingOrders::default();
-    outcome.bearings[0].force_measured[0] = ForceFigures { mean: nan, min: 1e200, max: -1e200, noise_sigma: Some(nan) };
-    outcome.findings[0].confidence = nan;
-    outcome.findings[0].parameters.azimuth_deg = Some(Estimate { value: nan, low: nan, high: 1e300 });
-    outcome.observation.condition_number = f64::INFINITY;
-    let values = [1.0, nan, 1e308, -1e308, 0.0, f64::INFINITY];
-    outcome.findings[0].figures = fault_figures(&values);
-    outcome.pictures = broken_pictures(&values);
-    outcome
-}
-
-/// [`usual`] with pictures of the data given, which may be anything.
-pub(crate) fn with_data(values: &[f64]) -> Outcome {
-    let mut outcome = Outcome { pictures: broken_pictures(values), ..usual() };
-    outcome.findings[0].figures = fault_figures(values);
-    outcome
 }
 
 /// Many probes with long names, and names that are mark-up.

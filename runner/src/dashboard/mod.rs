@@ -1,4 +1,4 @@
-//! The live view in the terminal: orbits, spectrum, trends, loads, the ledger and the events; at the end, the findings.
+//! The live view in the terminal: orbits, spectrum, trends, loads, the ledger, the events and the findings.
 
 mod findings;
 mod input;

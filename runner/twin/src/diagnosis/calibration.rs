@@ -136,10 +136,15 @@ impl Calibration {
 
     fn prior(&self, machine: &Machine) -> Prior {
         let (unknowns, covariance) = self.covariance(machine);
+        let n = unknowns.len();
+        // Inverted with a unit diagonal: the units of the parameters differ by 20 orders of magnitude.
+        let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt()).collect();
+        let scaled = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
+        let inverse = scaled.try_inverse().unwrap_or_else(|| DMatrix::identity(n, n));
         let mut known = machine.clone();
         self.apply(&mut known);
         let mean = DVector::from_iterator(unknowns.len(), unknowns.iter().map(|u| u.get(&known)));
-        let precision = covariance.try_inverse().unwrap_or_else(|| DMatrix::zeros(unknowns.len(), unknowns.len()));
+        let precision = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j]));
         Prior { unknowns, mean, precision }
     }
 
@@ -150,7 +155,7 @@ impl Calibration {
     }
 }
 
-/// Returns what a scene says about the parameters of its machine.
+/// Returns the parameters of a machine as its scene states them.
 fn of_scene(machine: &Machine) -> Prior {
     let known = parameters(machine).into_iter().filter_map(|(parameter, _, unknown)| {
         let mean = unknown.get(machine);
@@ -165,31 +170,28 @@ fn of_scene(machine: &Machine) -> Prior {
     }
 }
 
-/// Fits the parameters of the machine in good order, from what the scene or an `earlier` recording says about them.
+/// Fits the parameters of the machine in good order, starting from the scene or an `earlier` recording.
 pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Result<Calibration> {
     let own = parameters(&of.healthy.machine);
-    let mut now = of.healthy.clone();
     let prior = match earlier {
-        Some(calibration) => calibration.prior(&now.machine),
-        None => of_scene(&now.machine),
+        Some(calibration) => calibration.prior(&of.healthy.machine),
+        None => of_scene(&of.healthy.machine),
     };
+    let all: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
+    // Stiffness waits: far from the recording, more of everything explains it nearly as well.
+    let mut first = all.clone();
+    first.retain(|unknown| !matches!(unknown, Unknown::Modulus(_)));
+    first.extend(cage::unknowns(&of.observable));
+    let mut now = fit_whole(&of.evidence, &of.healthy, &first, &prior, 20)?;
     for _ in 0..ROUNDS {
-        let cages = cage::unknowns(&of.observable);
-        let mut unknowns = cages.clone();
-        // Stiffness last: far from the recording, more of everything explains it nearly as well.
-        for last in [false, true] {
-            unknowns.clone_from(&cages);
-            let is_free = |parameter: Parameter| last || parameter != Parameter::YoungsModulus;
-            unknowns.extend(own.iter().filter(|(parameter, ..)| is_free(*parameter)).map(|(.., unknown)| *unknown));
-            now = fit_whole(&of.evidence, &now, &unknowns, &prior, 20)?;
-        }
-        of.evidence.weigh(&now.machine)?;
+        let unknowns = [all.clone(), cage::unknowns(&of.observable)].concat();
+        now = fit_whole(&of.evidence, &now, &unknowns, &prior, 20)?;
+        of.evidence.weight_for(&now.machine)?;
         let (settled, seen) = cage::settle(&of.evidence, &of.band, &now.machine, SLIPS)?;
         of.observable = seen;
         now = settled;
     }
-    let mut unknowns: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
-    unknowns.extend(cage::unknowns(&of.observable));
+    let unknowns = [all, cage::unknowns(&of.observable)].concat();
     let now = fit_whole(&of.evidence, &now, &unknowns, &prior, 10)?;
     let chi_square_per_value = now.chi_square / now.residual.len().max(1) as f64;
     let inflation = chi_square_per_value.max(1.0).sqrt();

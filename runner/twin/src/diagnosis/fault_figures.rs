@@ -5,8 +5,8 @@
 
 use super::fit::{Fitted, changed};
 use super::force_rose::{STEPS, direction_deg, energy, mean_pass};
-use super::hypothesis::Cause;
-use super::machine::{Machine, Unknown, clearance};
+use super::hypothesis::{Cause, without};
+use super::machine::Machine;
 use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};
 use super::surface::Component;
@@ -43,23 +43,23 @@ struct Contrast<'a, 'b> {
     e: &'a Evidence<'b>,
     machine: &'a Machine,
     cause: Cause,
-    /// Index of the fault among the spalls or waves of its bearing.
-    nth: usize,
+    /// Index of its spall or first wave.
+    at: usize,
     grid: Grid,
     /// Unexplained force without and with the fault, as spectra about the centre of mass.
     without: [Vec<C>; D],
     with: [Vec<C>; D],
 }
 
-/// Returns the data of the figures of a fault of `last`; `nth` is its index among the spalls or waves of its bearing.
+/// Returns the data of the figures of a fault of `last`; `at` is the index of its spall or first wave.
 pub(super) fn fault_figures(
     material: &Material,
     e: &Evidence,
     healthy: &Machine,
     last: &Fitted,
-    (cause, nth): (Cause, usize),
+    (cause, at): (Cause, usize),
 ) -> Result<FaultFigures> {
-    let lacking = changed(e, last, &without(&last.machine, healthy, cause, nth))?;
+    let lacking = changed(e, last, &without(&last.machine, cause, at, healthy))?;
     // The force that is missing has the opposite sign of the force that is left over.
     let missing = |of: &Fitted| e.force(&of.spectra).map(|line| line.iter().map(|f| -f).collect::<Vec<C>>());
     let contrast = Contrast {
@@ -67,34 +67,12 @@ pub(super) fn fault_figures(
         e,
         machine: &last.machine,
         cause,
-        nth,
+        at,
         grid: Grid::new(e),
         without: missing(&lacking),
         with: missing(last),
     };
     Ok(FaultFigures { rose: contrast.rose(), spectra: contrast.spectra(), motion: contrast.motion() })
-}
-
-/// Returns `machine` without a fault.
-fn without(machine: &Machine, healthy: &Machine, cause: Cause, nth: usize) -> Machine {
-    let mut machine = machine.clone();
-    match cause {
-        Cause::Unbalance => machine.unbalance = healthy.unbalance,
-        Cause::Load => machine.load = healthy.load,
-        Cause::Clearance(b) => Unknown::Clearance(b).set(&mut machine, clearance(&healthy.bearings[b].scene)),
-        Cause::Misalignment(b) => machine.bearings[b].tilt = healthy.bearings[b].tilt,
-        Cause::Spall(b, _) => {
-            let spalls = &mut machine.bearings[b].scene.defect;
-            if nth < spalls.len() {
-                spalls.remove(nth);
-            }
-        }
-        Cause::Waviness(b, ..) => {
-            let waves = &mut machine.bearings[b].scene.waviness;
-            waves.drain(waves.len().min(2 * nth)..waves.len().min(2 * nth + 2));
-        }
-    }
-    machine
 }
 
 impl Contrast<'_, '_> {
@@ -198,7 +176,7 @@ impl Contrast<'_, '_> {
 
     /// Returns the mean pass by the angle from the damage, with `per_turn` passes in a turn.
     fn pass_by_angle(&self, pass: &[C], b: usize, per_turn: f64) -> Vec<[f64; 3]> {
-        let azimuth = self.machine.bearings[b].scene.defect.get(self.nth).map_or(0.0, |d| d.azimuth);
+        let azimuth = self.machine.bearings[b].scene.defect.get(self.at).map_or(0.0, |d| d.azimuth);
         let towards = C::from_polar(1.0, -direction_deg(pass).to_radians());
         let point = |i: usize| {
             // From half a period before the damage to half a period after it.

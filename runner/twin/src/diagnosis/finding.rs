@@ -23,7 +23,7 @@ const UNEXPLAINED: f64 = 9.0;
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from made-up noise.
 const NOISE_ERROR: f64 = 0.01;
 /// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
-const MODEL_ERROR: f64 = 0.005;
+const STIFFNESS_ERROR: f64 = 0.005;
 /// The same for depth and width of a spall: only their product shows well, and a real spall has no half-sine profile.
 const PROFILE_ERROR: f64 = 0.05;
 /// Lines listed of an unexplained residual.
@@ -79,13 +79,13 @@ pub(super) fn diagnosis(material: &Material, of: &Prepared, faults: &[Fault]) ->
     let inflation = (1.0 + excess / last.unknowns.len().max(1) as f64).sqrt();
     let reported = Reported { e, last: &last, inflation };
     let mut findings: Vec<Finding> = vec![];
-    let mut seen: Vec<(Cause, usize)> = vec![];
-    for fault in faults {
-        // Index of the spall or wave among those of its bearing.
-        let nth = seen.iter().filter(|(cause, _)| cause.shares_list(fault.cause)).count();
-        seen.push((fault.cause, nth));
-        let figures = fault_figures(material, e, &of.healthy.machine, &last, (fault.cause, nth))?;
-        findings.push(reported.finding(fault, nth).with_figures(figures));
+    for (i, fault) in faults.iter().enumerate() {
+        // Faults are added behind those of the scene, a wave as two.
+        let earlier = faults[..i].iter().filter(|earlier| earlier.cause.shares_list(fault.cause)).count();
+        let each = if matches!(fault.cause, Cause::Waviness(..)) { 2 } else { 1 };
+        let at = fault.cause.next_index(&of.healthy.machine) + each * earlier;
+        let figures = fault_figures(material, e, &of.healthy.machine, &last, (fault.cause, at))?;
+        findings.push(reported.finding(fault, at).with_figures(figures));
     }
     let strength = |finding: &Finding| finding.parameters.log_likelihood_gain.unwrap_or(0.0);
     findings.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -207,7 +207,7 @@ impl Reported<'_, '_> {
         let value = unknown.get(&self.last.machine) / unit;
         let known = match unknown {
             Unknown::SpallWidth(..) | Unknown::SpallDepth(..) => PROFILE_ERROR,
-            Unknown::Clearance(_) => MODEL_ERROR,
+            Unknown::Clearance(_) => STIFFNESS_ERROR,
             _ => 0.0,
         };
         around(value, (self.deviation(unknown) / unit.abs()).hypot(known * value))
@@ -237,7 +237,7 @@ impl Reported<'_, '_> {
             (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
         let across = across / size;
         [
-            around(size / unit, (along / unit).hypot(MODEL_ERROR * size / unit)),
+            around(size / unit, (along / unit).hypot(STIFFNESS_ERROR * size / unit)),
             within_turn(around(b.atan2(a).to_degrees(), across.to_degrees())),
         ]
     }
@@ -260,7 +260,7 @@ impl Reported<'_, '_> {
         estimates.iter().enumerate().map(outcome).collect()
     }
 
-    fn parameters(&self, cause: Cause, nth: usize) -> FaultParameters {
+    fn parameters(&self, cause: Cause, at: usize) -> FaultParameters {
         let machine: &Machine = &self.last.machine;
         match cause {
             Cause::Unbalance => {
@@ -292,24 +292,24 @@ impl Reported<'_, '_> {
                 FaultParameters { tilt_mrad: Some(tilt), axis_deg: Some(axis), ..FaultParameters::default() }
             }
             Cause::Spall(b, component) => {
-                let element = match machine.bearings[b].scene.defect.get(nth).map(|d| d.surface) {
+                let element = match machine.bearings[b].scene.defect.get(at).map(|d| d.surface) {
                     Some(crate::scene::Surface::Ball(j)) => Some(j + 1),
                     _ => None,
                 };
                 let on_race = component != Component::Ball;
                 FaultParameters {
                     form: Some(FaultForm::Spall),
-                    azimuth_deg: on_race.then(|| self.angle(Unknown::SpallAzimuth(b, nth), component)),
+                    azimuth_deg: on_race.then(|| self.angle(Unknown::SpallAzimuth(b, at), component)),
                     element,
-                    half_width_deg: Some(self.estimate(Unknown::SpallWidth(b, nth), TAU / 360.0)),
-                    depth_um: Some(self.estimate(Unknown::SpallDepth(b, nth), 1e-6)),
+                    half_width_deg: Some(self.estimate(Unknown::SpallWidth(b, at), TAU / 360.0)),
+                    depth_um: Some(self.estimate(Unknown::SpallDepth(b, at), 1e-6)),
                     ..FaultParameters::default()
                 }
             }
             Cause::Waviness(b, _, order) => {
                 let normal = Evaluated::new(self.e.scene, self.e.plant, b, &machine.bearings[b])
                     .map_or(1.0, |bearing| bearing.contact_cosine(&self.e.motion));
-                let unknowns = [Unknown::Wave(b, 2 * nth), Unknown::Wave(b, 2 * nth + 1)];
+                let unknowns = [Unknown::Wave(b, at), Unknown::Wave(b, at + 1)];
                 let [amplitude, _] = self.vector(unknowns, 1e-6 / normal);
                 FaultParameters {
                     form: Some(FaultForm::Waviness),
@@ -341,7 +341,7 @@ impl Reported<'_, '_> {
         }
     }
 
-    fn finding(&self, fault: &Fault, nth: usize) -> Finding {
+    fn finding(&self, fault: &Fault, at: usize) -> Finding {
         let cause = fault.cause;
         let bearings: Vec<String> = self.e.plant.bearings.iter().map(|b| b.name.clone()).collect();
         let bearing = cause.bearing().map(|b| bearings[b].clone());
@@ -349,7 +349,7 @@ impl Reported<'_, '_> {
         let odds = fault.next.map(|(_, next)| (gain - 0.5 * next).min(LARGEST_ODDS.ln()).exp());
         let explained =
             fault.gain / (fault.gain + (fault.fitted.chi_square - fault.fitted.residual.len() as f64).max(0.0));
-        let mut parameters = self.parameters(cause, nth);
+        let mut parameters = self.parameters(cause, at);
         parameters.log_likelihood_gain = Some(gain);
         parameters.odds_to_next = Some(odds.unwrap_or(LARGEST_ODDS));
         parameters.explained = Some(explained.clamp(0.0, 1.0));

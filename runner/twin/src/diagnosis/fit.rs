@@ -74,7 +74,7 @@ const LEAST_SHARE: f64 = 1e-3;
 /// Dampings tried in a step.
 const DAMPINGS: usize = 6;
 
-/// What is known of some unknowns before the recording: a normal distribution.
+/// A normal distribution of some unknowns, known before the recording.
 pub struct Prior {
     pub unknowns: Vec<Unknown>,
     pub mean: DVector<f64>,
@@ -123,10 +123,10 @@ impl Weights {
         }
     }
 
-    fn slope(self, e: &Evidence, now: &Fitted, unknown: Unknown) -> Result<Vec<f64>> {
+    fn slopes(self, e: &Evidence, now: &Fitted, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
         match self {
-            Self::Given => e.slope(&now.spectra, &now.machine, unknown),
-            Self::Own => e.own_slope(&now.spectra, &now.machine, unknown),
+            Self::Given => unknowns.iter().map(|u| e.slope(&now.spectra, &now.machine, *u)).collect(),
+            Self::Own => e.own_slopes(&now.spectra, &now.machine, unknowns),
         }
     }
 
@@ -174,7 +174,7 @@ fn levenberg_marquardt(
     let mut damping = 1e-4;
     let mut inverse = DMatrix::zeros(n, n);
     for _ in 0..iterations {
-        let slopes = unknowns.iter().map(|u| weights.slope(e, &now, *u)).collect::<Result<Vec<_>>>()?;
+        let slopes = weights.slopes(e, &now, unknowns)?;
         let mut normal = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
         for i in 0..n {
             for j in 0..i {

@@ -48,7 +48,7 @@ pub struct Fault {
 /// A fault under judgement.
 struct Judged<'a> {
     fault: Fault,
-    /// The recording weighed for the machine with the fault, where that differs in stiffness.
+    /// The recording weighted for the machine with the fault, where that differs in stiffness.
     evidence: Option<Evidence<'a>>,
 }
 
@@ -273,8 +273,8 @@ fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(F
     Ok(if again.chi_square < first.chi_square { (again, observable) } else { (first.clone(), of.observable.clone()) })
 }
 
-/// Returns the machine without a fault, as it was `before` in that respect. Of spalls and waves the last one goes.
-fn without(machine: &Machine, cause: Cause, before: &Machine) -> Machine {
+/// Returns the machine without a fault, as it was `before` in that respect; `at` is the index of its spall or first wave.
+pub(super) fn without(machine: &Machine, cause: Cause, at: usize, before: &Machine) -> Machine {
     let mut machine = machine.clone();
     match cause {
         Cause::Unbalance => machine.unbalance = before.unbalance,
@@ -282,14 +282,24 @@ fn without(machine: &Machine, cause: Cause, before: &Machine) -> Machine {
         Cause::Clearance(b) => Unknown::Clearance(b).set(&mut machine, clearance(&before.bearings[b].scene)),
         Cause::Misalignment(b) => machine.bearings[b].tilt = before.bearings[b].tilt,
         Cause::Spall(b, _) => {
-            machine.bearings[b].scene.defect.pop();
+            machine.bearings[b].scene.defect.remove(at);
         }
         Cause::Waviness(b, ..) => {
-            let waves = &mut machine.bearings[b].scene.waviness;
-            waves.truncate(waves.len() - 2);
+            machine.bearings[b].scene.waviness.drain(at..at + 2);
         }
     }
     machine
+}
+
+impl Cause {
+    /// Returns the index at which `machine` takes a further spall or first wave of this cause.
+    pub(super) fn next_index(self, machine: &Machine) -> usize {
+        match self {
+            Self::Spall(b, _) => machine.bearings[b].scene.defect.len(),
+            Self::Waviness(b, ..) => machine.bearings[b].scene.waviness.len(),
+            _ => 0,
+        }
+    }
 }
 
 /// Returns true where a fault is larger than what bearings and rotors in good order have.
@@ -401,7 +411,7 @@ fn judged<'a>(
     let (mut fitted, mut observable) = (first.clone(), of.observable.clone());
     match candidate.cause {
         Cause::Clearance(_) | Cause::Misalignment(_) | Cause::Load if search => {
-            let (own, again, seen) = weighed(of, candidate, first)?;
+            let (own, again, seen) = weighted(of, candidate, first)?;
             (fitted, observable) = (again, seen);
             evidence = Some(own);
         }
@@ -417,7 +427,8 @@ fn judged<'a>(
     let unusual = |b: &MachineBearing| ((b.cage.slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2);
     let slips: f64 = fitted.machine.bearings.iter().map(unusual).sum();
     // The fault's own part: a cage that goes with it may explain something by itself.
-    let before = evaluate(&of.evidence, &without(&fitted.machine, candidate.cause, &now.machine))?.chi_square;
+    let at = candidate.cause.next_index(&now.machine);
+    let before = evaluate(&of.evidence, &without(&fitted.machine, candidate.cause, at, &now.machine))?.chi_square;
     let before = before.min(now.chi_square);
     let gain = before - fitted.chi_square - penalty - slips;
     Ok(Judged { fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable }, evidence })
@@ -437,7 +448,7 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
             unknowns
                 .extend(fault.fitted.unknowns.iter().copied().filter(|u| !unknowns.contains(u)).collect::<Vec<_>>());
         }
-        let start = evaluate(&of.evidence, &without(&now.machine, cause, &of.healthy.machine))?;
+        let start = evaluate(&of.evidence, &without(&now.machine, cause, 0, &of.healthy.machine))?;
         let fitted = fit(&of.evidence, &start, &unknowns, 20)?;
         if fitted.chi_square - now.chi_square < LEAST_GAIN {
             now = fitted;
@@ -452,33 +463,33 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
     Ok(now)
 }
 
-/// Fits a candidate that changes the stiffness, weighed by the noise that the residual has with it.
+/// Fits a candidate that changes the stiffness, weighted by the noise that the residual has with it.
 ///
 /// With its own weights each machine has its residual in units of the noise of the probes, so that the likelihoods of machines of
 /// different stiffness can be compared by their chi-squared.
-fn weighed<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+fn weighted<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
     let (found, _) = with_cages(of, candidate, first)?;
-    let best = weighed_from(of, candidate, &found.machine)?;
+    let best = weighted_from(of, candidate, &found.machine)?;
     if best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64 {
         return Ok(best);
     }
-    let other = weighed_from(of, candidate, &first.machine)?;
+    let other = weighted_from(of, candidate, &first.machine)?;
     Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
 }
 
-fn weighed_from<'a>(
+fn weighted_from<'a>(
     of: &Prepared<'a>,
     candidate: &Candidate,
     start: &Machine,
 ) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     let mut evidence = of.evidence.clone();
-    evidence.weigh(start)?;
+    evidence.weight_for(start)?;
     let (settled, observable) = cage::settle(&evidence, &of.band, start, SLIPS)?;
     let mut unknowns = cage::unknowns(&observable);
     unknowns.extend(own(candidate));
     let closer = fit(&evidence, &settled, &unknowns, 12)?;
-    evidence.weigh(&closer.machine)?;
+    evidence.weight_for(&closer.machine)?;
     let fitted = fit(&evidence, &evaluate(&evidence, &closer.machine)?, &unknowns, 12)?;
     Ok((evidence, fitted, observable))
 }

@@ -51,8 +51,6 @@ const HIGHEST_OVER_NATURAL: f64 = 3.0;
 const HIGHEST_OVER_RATE: f64 = 0.16;
 /// Band about a carrier, in orders of the shaft.
 const BAND_ORDERS: f64 = 3.5;
-/// Sets of made-up noise from which the noise of the residual is estimated.
-const DRAWS: usize = 3;
 
 /// Scene, plant and samples of a diagnosis.
 #[derive(Clone, Copy)]
@@ -114,13 +112,12 @@ impl<'a> Prepared<'a> {
             noise,
             solver,
             has_axial_probe: of.probes.iter().any(|p| p.direction == Direction::Axial),
-            draws: DRAWS,
         };
         let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting) else { return Ok(None) };
         if let Some(calibration) = of.calibration {
             evidence.set_uncertain(calibration.covariance(machine));
         }
-        evidence.weigh(machine)?;
+        evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
         let (healthy, observable) = cage::settle(&evidence, &band, machine, hypothesis::SLIPS)?;
         Ok(Some(Self { evidence, band, healthy, observable }))

@@ -16,7 +16,8 @@ use std::sync::Arc;
 pub const MEAN_LINES: usize = 5;
 /// Lines on each side over which the noise is estimated.
 const NEIGHBOURS: usize = 6;
-
+/// Sets of made-up noise from which the noise of the residual is estimated.
+const DRAWS: usize = 3;
 /// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
 const LEAST_TOLERANCE: f64 = 1e-3;
 
@@ -30,8 +31,6 @@ pub(super) struct Weighting {
     pub solver: PoseSolver,
     /// Without one, the axial coordinate is not measured and its equation of motion is left out.
     pub has_axial_probe: bool,
-    /// Sets of made-up noise.
-    pub draws: usize,
 }
 
 impl Weighting {
@@ -48,7 +47,7 @@ impl Weighting {
     }
 }
 
-/// Everything of a recording that hypotheses are held against, weighed for one machine.
+/// Everything of a recording that hypotheses are held against, weighted for one machine.
 #[derive(Clone)]
 pub(super) struct Evidence<'a> {
     pub scene: &'a Scene,
@@ -66,15 +65,15 @@ pub(super) struct Evidence<'a> {
     uncertain: Option<(Vec<Unknown>, DMatrix<f64>)>,
     /// Directions of the whitened residual that they lead to.
     tolerance: Vec<Direction>,
-    /// Mean dynamic stiffness of the machine by which the residual is weighed.
+    /// Mean dynamic stiffness of the machine by which the residual is weighted.
     reference: MeanStiffness,
     /// Values of a residual per line.
     pub rows: usize,
     filter: Arc<LineFilter>,
-    /// What the filter took from the displacement, and its spectrum.
+    /// The part of the displacement that the filter took, and its spectrum.
     rest: Arc<Vec<[f64; D]>>,
     rest_lines: Arc<[Vec<C>; D]>,
-    /// Forces that `rest` requires and causes in the machine by which the residual is weighed, linearised, less the mean change of
+    /// Forces that `rest` requires and causes in the machine by which the residual is weighted, linearised, less the mean change of
     /// the force by noise that passes the filter. It is mostly noise, which must not depend on the unknowns of a fit: a fit would
     /// lower the noise by less damping.
     correction: [Vec<C>; D],
@@ -115,7 +114,7 @@ impl Spectra {
 }
 
 impl<'a> Evidence<'a> {
-    /// Returns none where the scene has no rigid rotor. [`Evidence::weigh`] comes next.
+    /// Returns none where the scene has no rigid rotor. [`Evidence::weight_for`] comes next.
     pub fn new(
         scene: &'a Scene,
         plant: &'a Plant,
@@ -157,8 +156,8 @@ impl<'a> Evidence<'a> {
         })
     }
 
-    /// Weighs residuals by the noise that they have with this machine.
-    pub fn weigh(&mut self, machine: &Machine) -> Result<()> {
+    /// Weights residuals by the noise that they have with this machine.
+    pub fn weight_for(&mut self, machine: &Machine) -> Result<()> {
         self.reference = self.mean_stiffness(machine)?;
         self.whitening = self.whitening_of(&self.reference);
         self.rows = self.whitening.first().map_or(0, Vec::len);
@@ -168,7 +167,7 @@ impl<'a> Evidence<'a> {
         self.tolerate(machine)
     }
 
-    /// Sets the parameters that are known with a covariance: what they may be off explains no fault. [`Evidence::weigh`] comes next.
+    /// Sets the parameters that are known with a covariance: what they may be off explains no fault. [`Evidence::weight_for`] comes next.
     pub fn set_uncertain(&mut self, (unknowns, covariance): (Vec<Unknown>, DMatrix<f64>)) {
         let deviations: Vec<f64> = (0..unknowns.len()).map(|i| covariance[(i, i)].sqrt()).collect();
         let correlation = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
@@ -189,22 +188,16 @@ impl<'a> Evidence<'a> {
         let n = unknowns.len();
         let spectra = self.spectra(machine)?;
         let slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
-        let combined = |j: usize, weights: &dyn Fn(usize) -> f64| {
-            let mut sum = vec![0.0; slopes[j].len()];
-            for (i, slope) in slopes.iter().enumerate() {
-                let weight = weights(i);
-                sum.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight * x);
-            }
-            sum
-        };
         let products = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
         let products = DMatrix::from_fn(n, n, |i, j| products[(i.min(j), i.max(j))]);
         let eigen = (root.transpose() * products * root).symmetric_eigen();
         let direction = |j: usize| {
             let square = eigen.eigenvalues[j];
             let vector = root * eigen.eigenvectors.column(j);
-            let mut unit = combined(j, &|i| vector[i]);
-            unit.iter_mut().for_each(|x| *x /= square.sqrt());
+            let mut unit = vec![0.0; self.rows * self.whitening.len() * 2];
+            for (slope, weight) in slopes.iter().zip(vector.iter()) {
+                unit.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight / square.sqrt() * x);
+            }
             Direction { unit, share: 1.0 - 1.0 / (1.0 + square).sqrt() }
         };
         self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > LEAST_TOLERANCE).map(direction).collect();
@@ -215,7 +208,7 @@ impl<'a> Evidence<'a> {
     ///
     /// In these the noise of the probes does not depend on the machine, so that the fit of a machine as a whole has no advantage
     /// from less damping or stiffness. The noise of the bearing forces over that of the probes is taken from the machine by which
-    /// the residual is weighed.
+    /// the residual is weighted.
     pub fn own_residual(&self, machine: &Machine, spectra: &Spectra) -> Result<Vec<f64>> {
         let own = self.mean_stiffness(machine)?;
         let mut force = self.force(spectra);
@@ -223,29 +216,35 @@ impl<'a> Evidence<'a> {
         Ok(whitened(&self.own_whitening(&own), &force))
     }
 
-    /// Returns the change of [`Evidence::own_residual`] by one unknown. With `d` the displacement that the unexplained force causes,
-    /// the change of the weights is that of the mean dynamic stiffness times `-d`.
-    pub fn own_slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<Vec<f64>> {
-        if !matches!(unknown, Unknown::Clearance(_) | Unknown::Modulus(_) | Unknown::Damping(_)) {
-            return self.slope(spectra, machine, unknown);
-        }
-        let mut other = machine.clone();
-        let h = unknown.step();
-        unknown.set(&mut other, unknown.get(machine) + h);
-        let (own, other) = (self.mean_stiffness(machine)?, self.mean_stiffness(&other)?);
-        let mut slope = self.force_slope(spectra, machine, unknown)?;
+    /// Returns the changes of [`Evidence::own_residual`] by each unknown. With `d` the displacement that the unexplained force
+    /// causes, the change of the weights is that of the mean dynamic stiffness times `-d`.
+    pub fn own_slopes(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
+        let own = self.mean_stiffness(machine)?;
+        let whitening = self.own_whitening(&own);
         let mut force = self.force(spectra);
         self.stiffen(&mut force, &own);
-        for (k, w) in self.transform.lines.iter().enumerate() {
-            let stiffness = self.dynamic_stiffness(&own, *w);
-            let change = (self.dynamic_stiffness(&other, *w) - stiffness) / C::new(h, 0.0);
+        let moved = |(k, w): (usize, &f64)| {
             let unexplained = SVector::<C, D>::from_fn(|i, _| force[i][k]);
-            let caused = stiffness.lu().solve(&unexplained).unwrap_or_else(SVector::zeros);
-            let rest = SVector::<C, D>::from_fn(|i, _| self.rest_lines[i][k]);
-            let own = change * (rest + caused);
-            slope.iter_mut().enumerate().for_each(|(i, slope)| slope[k] -= own[i]);
-        }
-        Ok(whitened(&self.own_whitening(&own), &slope))
+            let caused = self.dynamic_stiffness(&own, *w).lu().solve(&unexplained).unwrap_or_else(SVector::zeros);
+            caused + SVector::<C, D>::from_fn(|i, _| self.rest_lines[i][k])
+        };
+        let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
+        let slope = |unknown: &Unknown| {
+            let mut slope = self.force_slope(spectra, machine, *unknown)?;
+            if matches!(unknown, Unknown::Clearance(_) | Unknown::Modulus(_) | Unknown::Damping(_)) {
+                let mut other = machine.clone();
+                let h = unknown.step();
+                unknown.set(&mut other, unknown.get(machine) + h);
+                let other = self.mean_stiffness(&other)?;
+                for ((k, w), moved) in self.transform.lines.iter().enumerate().zip(&moved) {
+                    let change = self.dynamic_stiffness(&other, *w) - self.dynamic_stiffness(&own, *w);
+                    let by_stiffness = change * moved / C::new(h, 0.0);
+                    slope.iter_mut().zip(by_stiffness.iter()).for_each(|(slope, x)| slope[k] -= x);
+                }
+            }
+            Ok(whitened(&whitening, &slope))
+        };
+        unknowns.iter().map(slope).collect()
     }
 
     /// Adds what another mean stiffness requires for the part of the displacement that the filter took.
@@ -339,7 +338,7 @@ impl<'a> Evidence<'a> {
     ///
     /// The residual of several sets of made-up noise is averaged over neighbouring lines.
     fn scale_noise(&mut self, machine: &Machine) -> Result<()> {
-        let Weighting { noise, solver, draws, .. } = &*self.weighting;
+        let Weighting { noise, solver, .. } = &*self.weighting;
         let lines = self.whitening.len();
         let mut square = vec![vec![0.0; self.rows]; lines];
         let evaluated: Vec<Evaluated> = machine
@@ -364,7 +363,7 @@ impl<'a> Evidence<'a> {
             sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         }
         let mut normal = Normal::new();
-        for _ in 0..*draws {
+        for _ in 0..DRAWS {
             let error: Vec<[f64; D]> = (0..self.motion.len())
                 .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0).to_array())
                 .collect();
@@ -393,13 +392,13 @@ impl<'a> Evidence<'a> {
                 sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
             }
             for (sum, part) in correction.iter_mut().zip(self.transform.five(0, |t| changes[t].1)) {
-                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum -= part / *draws as f64);
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum -= part / DRAWS as f64);
             }
             let residual = self.at_probes(&force);
             for (k, squares) in square.iter_mut().enumerate() {
                 for (p, square) in squares.iter_mut().enumerate() {
                     let at = 2 * (k * self.rows + p);
-                    *square += 0.5 * (residual[at].powi(2) + residual[at + 1].powi(2)) / *draws as f64;
+                    *square += 0.5 * (residual[at].powi(2) + residual[at + 1].powi(2)) / DRAWS as f64;
                 }
             }
         }
@@ -407,7 +406,7 @@ impl<'a> Evidence<'a> {
             let around = &square[k.saturating_sub(NEIGHBOURS).max(MEAN_LINES)..(k + NEIGHBOURS + 1).min(lines)];
             for (p, row) in rows.iter_mut().enumerate() {
                 // The mean of the inverse of a sum of n squares is n / (n - 2) times the inverse of its mean.
-                let values = 2.0 * (around.len() * draws) as f64;
+                let values = 2.0 * (around.len() * DRAWS) as f64;
                 let mean = around.iter().map(|squares| squares[p]).sum::<f64>() / around.len() as f64 * values
                     / (values - 2.0);
                 self.noise_scale[k][p] = mean.sqrt();

@@ -101,7 +101,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     };
     let mut calibration = baseline.and_then(|baseline| baseline.calibration);
     if options.learn {
-        // What the scene has wrong is no fault of the machine.
+        // An error of the scene is no fault of the machine.
         calibration = ahead.calibrate(&scene, &plant, recording, calibration.as_ref())?;
         if let Some(calibration) = &calibration {
             scene = calibration.scene(&scene);

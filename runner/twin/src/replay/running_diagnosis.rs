@@ -11,14 +11,14 @@ use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Share of one core that diagnoses take: the thread rests four times as long as it worked.
 const SHARE: f64 = 0.2;
 /// Diagnoses in a row without a fault after which it has ended: one may miss a fault near its threshold.
 const MISSED: u32 = 2;
 
-/// What a diagnosis on the thread needs beside its samples.
+/// Machine and probes of a diagnosis on the thread.
 struct Machine {
     scene: Scene,
     plant: Arc<Plant>,
@@ -30,9 +30,6 @@ struct Machine {
 
 impl Machine {
     fn diagnose(&self, samples: &[Sample]) -> Result<Option<Diagnosis>, BuildError> {
-        if diagnosis::not_applicable(&self.scene, samples).is_some() {
-            return Ok(None);
-        }
         let material = Material {
             scene: &self.scene,
             plant: &self.plant,
@@ -66,6 +63,8 @@ pub(super) struct RunningDiagnosis {
     running: Option<Running>,
     /// No diagnosis begins before.
     rests_until: Option<Instant>,
+    /// No diagnosis begins any more.
+    has_ended: bool,
     baseline: Option<Baseline>,
     faults: OpenFaults,
 }
@@ -81,7 +80,14 @@ impl RunningDiagnosis {
     ) -> Self {
         let calibration = baseline.as_ref().and_then(|baseline| baseline.calibration.clone());
         let machine = Machine { scene: scene.clone(), plant, probes: probes.to_vec(), period, calibration };
-        Self { machine: Arc::new(machine), running: None, rests_until: None, baseline, faults: OpenFaults::default() }
+        Self {
+            machine: Arc::new(machine),
+            running: None,
+            rests_until: None,
+            has_ended: false,
+            baseline,
+            faults: OpenFaults::default(),
+        }
     }
 
     /// Returns the faults that the last diagnoses found.
@@ -102,21 +108,31 @@ impl RunningDiagnosis {
                     let new = diagnosis.findings.into_iter().filter(is_new).collect();
                     self.faults.report(new, running.time, notices);
                 }
-                Ok(Ok(None)) => {}
-                // Without a diagnosis the limits stay in force.
-                Ok(Err(_)) | Err(_) => self.rests_until = Some(Instant::now() + Duration::from_secs(3600)),
+                Ok(Ok(None)) => self.end("the probes do not determine the motion", running.time, notices),
+                Ok(Err(error)) => self.end(&error.to_string(), running.time, notices),
+                Err(_) => self.end("its thread ended", running.time, notices),
             }
         }
         let rests = self.rests_until.is_some_and(|until| Instant::now() < until);
-        if self.running.is_some() || rests || !block.is_full() {
+        if self.has_ended || self.running.is_some() || rests || !block.is_full() {
             return;
         }
         let (machine, samples) = (self.machine.clone(), block.clone().into_samples());
-        let thread = std::thread::Builder::new().name("diagnosis".to_owned());
-        // Where the system gives no thread, the diagnosis at the end remains.
-        if let Ok(thread) = thread.spawn(move || machine.diagnose(&samples)) {
-            self.running = Some(Running { thread, started: Instant::now(), time });
+        if let Some(reason) = diagnosis::not_applicable(&machine.scene, &samples) {
+            self.end(&reason, time, notices);
+            return;
         }
+        let thread = std::thread::Builder::new().name("diagnosis".to_owned());
+        match thread.spawn(move || machine.diagnose(&samples)) {
+            Ok(thread) => self.running = Some(Running { thread, started: Instant::now(), time }),
+            Err(error) => self.end(&error.to_string(), time, notices),
+        }
+    }
+
+    /// Ends the diagnoses; limits stay in force.
+    fn end(&mut self, reason: &str, time: f64, notices: &mut Notices) {
+        self.has_ended = true;
+        notices.add_always("diagnosis-ended", time, format!("The monitor makes no diagnosis any more: {reason}."));
     }
 }
 
