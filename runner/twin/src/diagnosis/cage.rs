@@ -1,7 +1,7 @@
 //! Angle and speed of a cage from the variable compliance of its bearing.
 
 use super::Result;
-use super::fit::{Fitted, changed, evaluate, fit};
+use super::fit::{Fitted, LEAST_FALL, changed, evaluate, fit};
 use super::machine::{Cage, Evaluated, Machine, Unknown};
 use super::motion::{C, D};
 use super::residual::Evidence;
@@ -112,7 +112,9 @@ pub fn settle(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 2])
             now = fit(e, &now, &[Unknown::CagePhase(bearing), Unknown::CageSlip(bearing)], 6)?;
         }
         now = fit(e, &now, &unknowns(&observable), 8)?;
-        if round > 0 && before - now.chi_square < 0.01 * now.chi_square {
+        // The second round finds what the other bearings' cages hid in the first, unless the first has found nothing.
+        let fall = before - now.chi_square;
+        if fall < LEAST_FALL || (round > 0 && fall < 0.01 * now.chi_square) {
             break;
         }
     }

@@ -68,7 +68,7 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
 }
 
 /// Fall of chi-squared in a step below which a fit ends.
-const LEAST_FALL: f64 = 0.5;
+pub const LEAST_FALL: f64 = 0.5;
 /// The same, over the excess of chi-squared.
 const LEAST_SHARE: f64 = 1e-3;
 /// Dampings tried in a step.

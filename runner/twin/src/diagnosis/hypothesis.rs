@@ -3,7 +3,7 @@
 use super::Prepared;
 use super::Result;
 use super::cage;
-use super::fit::{Fitted, dot, evaluate, fit};
+use super::fit::{Fitted, LEAST_FALL, dot, evaluate, fit};
 use super::machine::{Machine, MachineBearing, Unknown, clearance, waves};
 use super::residual::Evidence;
 use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
@@ -471,7 +471,8 @@ fn weighted<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Res
     // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
     let (found, _) = with_cages(of, candidate, first)?;
     let best = weighted_from(of, candidate, &found.machine)?;
-    if best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64 {
+    let is_explained = best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64;
+    if is_explained || first.chi_square - found.chi_square < LEAST_FALL {
         return Ok(best);
     }
     let other = weighted_from(of, candidate, &first.machine)?;

@@ -362,6 +362,7 @@ impl<'a> Evidence<'a> {
         for (sum, part) in correction.iter_mut().zip(self.transform.five(0, |t| linear(t, &self.rest[t]))) {
             sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         }
+        let exact: Vec<Vec<[f64; D]>> = evaluated.iter().map(|one| one.forces(&self.motion)).collect();
         let mut normal = Normal::new();
         for _ in 0..DRAWS {
             let error: Vec<[f64; D]> = (0..self.motion.len())
@@ -376,8 +377,8 @@ impl<'a> Evidence<'a> {
                 let mut odd = linear(t, &rest);
                 let mut even = [0.0; D];
                 let [with, against] = [1.0, -1.0].map(|sign| Displacement::from_array(passed[t].map(|x| sign * x)));
-                for one in &evaluated {
-                    let without = one.force(&self.motion, t);
+                for (one, exact) in evaluated.iter().zip(&exact) {
+                    let without = exact[t];
                     let (with, against) =
                         (one.force_with(&self.motion, t, &with), one.force_with(&self.motion, t, &against));
                     for i in 0..D {
