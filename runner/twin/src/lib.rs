@@ -111,6 +111,7 @@ pub mod effect_significance;
 pub mod equilibrium;
 pub mod error;
 pub mod fit;
+pub mod flexible_rotor;
 pub mod force;
 pub mod handle;
 pub mod least_squares;

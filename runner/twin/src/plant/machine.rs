@@ -126,11 +126,12 @@ impl Plant {
             (RIGID, 1) => self.rigid::<R, 1>(hold, task),
             (RIGID, 2) => self.rigid::<R, 2>(hold, task),
             (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
-            (..=9, _) => self.general::<R, 9>(hold, task),
-            (..=16, _) => self.general::<R, 16>(hold, task),
-            (..=32, _) => self.general::<R, 32>(hold, task),
-            (..=64, _) => self.general::<R, 64>(hold, task),
-            (..=LARGEST, _) => self.general::<R, LARGEST>(hold, task),
+            (..=9, _) => self.general::<R, 9, MOST_BEARINGS>(hold, task),
+            (..=12, ..=2) => self.general::<R, 12, 2>(hold, task),
+            (..=16, _) => self.general::<R, 16, MOST_BEARINGS>(hold, task),
+            (..=32, _) => self.general::<R, 32, MOST_BEARINGS>(hold, task),
+            (..=64, _) => self.general::<R, 64, MOST_BEARINGS>(hold, task),
+            (..=LARGEST, _) => self.general::<R, LARGEST, MOST_BEARINGS>(hold, task),
             (found, _) => Err(PlantError::Coordinates { found, most: LARGEST }),
         }
     }
@@ -171,7 +172,7 @@ impl Plant {
     }
 
     #[inline(never)]
-    fn general<R, const D: usize>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
+    fn general<R, const D: usize, const N: usize>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         let matrices = self.layout.matrices::<D>(self.rotor.as_ref(), &self.bearings, &self.damping)?;
         let rotor =
             LinearSystem::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).map_err(PlantError::System)?;
@@ -183,16 +184,16 @@ impl Plant {
                 speed_ratios: SpeedRatios::new(0.0),
             })),
         };
-        let all = (0..MOST_BEARINGS).map(fitted).collect::<Result<Vec<_>>>()?;
-        let Ok(bearings) = <[Fitted<D>; MOST_BEARINGS]>::try_from(all) else {
+        let all = (0..N).map(fitted).collect::<Result<Vec<_>>>()?;
+        let Ok(bearings) = <[Fitted<D>; N]>::try_from(all) else {
             return Err(PlantError::NoSystem);
         };
-        Ok(task.run::<_, _, D, MOST_BEARINGS>(RotorBearingSystem { rotor, bearings }))
+        Ok(task.run::<_, _, D, N>(RotorBearingSystem { rotor, bearings }))
     }
 
     fn fitted<const D: usize>(&self, i: usize, mounted: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
         let (attachment, speed_ratios) =
-            (self.layout.attachment::<D>(i, mounted.station), mounted.kinematics.speed_ratios());
+            (self.layout.attachment::<D>(i), mounted.kinematics.speed_ratios());
         let first = self.layout.balls.get(i).copied().flatten();
         Ok(match (&mounted.balls, first) {
             (Some(balls), Some(first)) => {

@@ -5,6 +5,7 @@ mod error;
 mod given;
 mod machine;
 mod mounted;
+mod reduction;
 mod run_in;
 mod system;
 mod twin;
@@ -17,7 +18,9 @@ use machine::Fit;
 pub use machine::{LARGEST, MOST_BEARINGS, RigidSystem, RigidTask};
 pub use mounted::{Balls, MountedBearing};
 pub use run_in::RunIn;
-pub use system::{Layout, Scales, only_rigid};
+pub use reduction::{ReductionError, response};
+use system::Body;
+pub use system::{Layout, Rows, Scales, only_rigid};
 pub use twin::{Step, Twin, first_five};
 
 use crate::scene::build;
@@ -57,6 +60,8 @@ pub struct Plant {
     pub residual: f64,
     highest_frequency: f64,
     damping: DMatrix<f64>,
+    /// Error of the reduction of a flexible rotor.
+    pub reduction: Option<ReductionError>,
     /// Shaft speed of the equilibrium, rad/s.
     speed: f64,
     /// Remarks for the user.
@@ -80,10 +85,13 @@ impl Plant {
             .iter()
             .map(|b| MountedBearing::new(scene, &at_one_speed(scene, b)))
             .collect::<Result<Vec<_>>>()?;
-        let layout = match &scene.system {
-            Some(system) => Layout::given(Given::read(scene, system)?, mounted.len()),
-            None => Layout::new(&scene.bearings, &mounted),
+        let flexible = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref());
+        let body = match (&scene.system, flexible) {
+            (Some(system), _) => Body::Given(Given::read(scene, system)?),
+            (None, Some(rotor)) => Body::Flexible(reduction::first(scene, rotor, &mounted)?),
+            (None, None) => Body::Rigid,
         };
+        let layout = Layout::new(body, &scene.bearings, &mounted);
         let by_rotor = scene.rotor.as_ref().map(|r| r.proportional_damping);
         let proportional_damping = by_rotor.or(scene.system.as_ref().map(|s| s.proportional_damping)).unwrap_or(0.0);
         let none = DMatrix::zeros(layout.order, layout.order);
@@ -98,10 +106,12 @@ impl Plant {
             residual: 0.0,
             highest_frequency: 0.0,
             damping: none,
+            reduction: None,
             speed: scene.shaft.speed.nominal(),
             notes: vec![],
         };
         plant.settle()?;
+        plant.refine(scene)?;
         let linearised: Vec<bool> = scene
             .bearings
             .iter()
@@ -232,22 +242,16 @@ impl Plant {
     /// Returns the displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
     #[must_use]
     pub fn displacement(&self, i: usize, coordinates: &[f64]) -> Displacement<f64> {
-        if let Some(extended) = self.layout.given.as_ref().and_then(|given| given.extended.get(i)) {
-            let product = |row: &Vec<f64>| row.iter().zip(coordinates).map(|(t, q)| t * q).sum();
-            return Displacement::from_array(extended.each_ref().map(product));
-        }
-        let station = self.bearings.get(i).map_or(0.0, |s| s.station);
-        let u = first_five(coordinates).at_station(station);
-        let housing = self.layout.housings.get(i).copied().flatten();
-        let outer = |k: usize| housing.and_then(|first| coordinates.get(first + k)).copied().unwrap_or(0.0);
-        Displacement { u: u.u - outer(0), v: u.v - outer(1), ..u }
+        let Some(rows) = self.layout.attached(i) else { return Displacement::default() };
+        let product = |row: &Vec<f64>| row.iter().zip(coordinates).map(|(t, q)| t * q).sum();
+        Displacement::from_array(rows.each_ref().map(product))
     }
 
     /// Returns the displacement that represents the rotor: that of the centre of mass of a rigid rotor, that of the first
     /// bearing of a given system.
     #[must_use]
     pub fn pose(&self, coordinates: &[f64]) -> Displacement<f64> {
-        if self.layout.given.is_some() { self.displacement(0, coordinates) } else { first_five(coordinates) }
+        if self.layout.is_given() { self.displacement(0, coordinates) } else { first_five(coordinates) }
     }
 
     /// Returns the scene's rotor, where it has one.
@@ -277,7 +281,7 @@ impl Plant {
     }
 
     fn find_highest_frequency(&self) -> Result<f64> {
-        let square = if self.layout.given.is_some() {
+        let square = if self.layout.is_given() || self.layout.flexible().is_some() {
             // The trace of many coordinates is a poor bound: the largest eigenvalue with a margin.
             1.5 * largest_real(&self.frequency_squares()?)
         } else {
@@ -295,7 +299,7 @@ impl Plant {
     #[must_use]
     pub fn settling_time(&self) -> f64 {
         let Ok(scales) = self.scales() else { return 0.2 };
-        let coordinates = if self.layout.given.is_some() { self.layout.order } else { system::RIGID };
+        let coordinates = if self.layout.is_given() { self.layout.order } else { self.layout.rotor_order() };
         let rate =
             (0..coordinates).map(|i| 0.5 * scales.damping[(i, i)] / scales.mass[(i, i)]).fold(f64::INFINITY, f64::min);
         (1e5_f64.ln() / rate).clamp(0.2, 10.0)

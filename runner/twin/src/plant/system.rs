@@ -5,60 +5,124 @@ use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
 use nalgebra::{DMatrix, SMatrix};
+use crate::flexible_rotor::ReducedRotor;
 use std::sync::Arc;
 
 /// Coordinates of a rigid rotor.
 pub const RIGID: usize = 5;
 
-/// The coordinates in order: five of the rotor, two of each support, one of each moving ball.
+/// The rotor without its bearings.
+pub(super) enum Body {
+    /// A rigid rotor.
+    Rigid,
+    /// A flexible rotor in a few coordinates.
+    Flexible(ReducedRotor),
+    /// A system that the scene gives by its matrices.
+    Given(Given),
+}
+
+/// The coordinates in order: those of the rotor, two of each support, one of each moving ball.
+///
+/// A rotor has five coordinates of its centre of mass first, a flexible one then its elastic coordinates.
 #[derive(Clone)]
 pub struct Layout {
-    /// First coordinate of each bearing's support, where it has one.
-    pub housings: Vec<Option<usize>>,
     /// First coordinate of each bearing's moving balls, where it has them.
     pub balls: Vec<Option<usize>>,
     /// Number of coordinates.
     pub order: usize,
-    /// The system, where the scene gives its matrices instead of a rotor.
-    pub given: Option<Arc<Given>>,
+    /// Displacement of each bearing, inner ring against outer ring, per unit of each coordinate: a row for each of `u v w thu thv`.
+    attachments: Arc<Vec<Rows>>,
+    /// Number of coordinates of the rotor alone.
+    rotor_order: usize,
+    body: Arc<Body>,
+    /// First coordinate of each bearing's support, where it has one.
+    housings: Vec<Option<usize>>,
     supports: Vec<Support>,
 }
 
+/// Rows of a linear map to `u v w thu thv`.
+pub type Rows = [Vec<f64>; 5];
+
 impl Layout {
-    /// Creates the layout of a scene with a rigid rotor.
-    pub fn new(bearings: &[BearingScene], mounted: &[MountedBearing]) -> Self {
-        let mut order = RIGID;
+    /// Creates the layout of a scene with a rotor.
+    pub(super) fn new(body: Body, bearings: &[BearingScene], mounted: &[MountedBearing]) -> Self {
+        let rotor_order = match &body {
+            Body::Rigid => RIGID,
+            Body::Flexible(rotor) => rotor.order(),
+            Body::Given(given) => given.order(),
+        };
+        let mut layout = Self {
+            housings: vec![None; mounted.len()],
+            balls: vec![None; mounted.len()],
+            order: rotor_order,
+            rotor_order,
+            attachments: Arc::default(),
+            supports: vec![],
+            body: Arc::new(body),
+        };
+        if let Body::Given(given) = &*layout.body {
+            layout.attachments = Arc::new(given.extended.clone());
+            return layout;
+        }
         let mut next = |count: usize| {
-            let first = order;
-            order += count;
+            let first = layout.order;
+            layout.order += count;
             first
         };
-        let housings = bearings.iter().map(|b| b.support.map(|_| next(2))).collect();
-        let balls = mounted.iter().map(|s| s.balls.as_ref().map(|_| next(s.elements))).collect();
-        let supports = bearings.iter().filter_map(|b| b.support).collect();
-        Self { housings, balls, order, given: None, supports }
-    }
-
-    /// Creates the layout of a scene with matrices.
-    pub fn given(given: Given, bearings: usize) -> Self {
-        let none = vec![None; bearings];
-        let order = given.order();
-        Self { housings: none.clone(), balls: none, order, given: Some(Arc::new(given)), supports: vec![] }
+        layout.housings = bearings.iter().map(|b| b.support.map(|_| next(2))).collect();
+        layout.balls = mounted.iter().map(|s| s.balls.as_ref().map(|_| next(s.elements))).collect();
+        layout.supports = bearings.iter().filter_map(|b| b.support).collect();
+        let attachments = mounted.iter().zip(&layout.housings).map(|(bearing, housing)| {
+            let mut rows = layout.rows(bearing.station);
+            if let Some(first) = *housing {
+                rows[0][first] -= 1.0;
+                rows[1][first + 1] -= 1.0;
+            }
+            rows
+        });
+        layout.attachments = Arc::new(attachments.collect());
+        layout
     }
 
     /// Returns true for the five coordinates of a rigid rotor alone.
     #[must_use]
     pub fn is_rigid(&self) -> bool {
-        self.order == RIGID && self.given.is_none()
+        self.order == RIGID && matches!(*self.body, Body::Rigid)
     }
 
-    /// Returns the names of the coordinates: `u v w thu thv`, `DE_support_u`, `DE_element_1`; of given matrices `q1`, `q2`.
+    /// Returns true for a system that the scene gives by its matrices: no coordinate has a meaning that is known.
+    #[must_use]
+    pub fn is_given(&self) -> bool {
+        matches!(*self.body, Body::Given(_))
+    }
+
+    /// Returns the flexible rotor, where it is one.
+    #[must_use]
+    pub fn flexible(&self) -> Option<&ReducedRotor> {
+        match &*self.body {
+            Body::Flexible(rotor) => Some(rotor),
+            _ => None,
+        }
+    }
+
+    /// Number of coordinates of the rotor, without those of supports and balls.
+    #[must_use]
+    pub const fn rotor_order(&self) -> usize {
+        self.rotor_order
+    }
+
+    /// Returns the names of the coordinates: `u v w thu thv`, `bending_1_x`, `DE_support_u`, `DE_element_1`; of given matrices
+    /// `q1`, `q2`.
     #[must_use]
     pub fn names(&self, mounted: &[MountedBearing]) -> Vec<String> {
-        if self.given.is_some() {
+        if self.is_given() {
             return (1..=self.order).map(|i| format!("q{i}")).collect();
         }
         let mut names: Vec<String> = ["u", "v", "w", "thu", "thv"].map(str::to_owned).to_vec();
+        if let Body::Flexible(rotor) = &*self.body {
+            names.extend((1..=rotor.elastic()).flat_map(|j| ["x", "y"].map(|along| format!("bending_{j}_{along}"))));
+            names.extend((1..=rotor.axial_stiffness.len()).map(|j| format!("axial_{j}")));
+        }
         for (mounted, housing) in mounted.iter().zip(&self.housings) {
             if housing.is_some() {
                 names.extend(["u", "v"].map(|along| format!("{}_support_{along}", mounted.name)));
@@ -72,14 +136,36 @@ impl Layout {
         names
     }
 
-    /// Returns the attachment of bearing `i` at `station`.
+    /// Returns the displacement of the rotor at `station` per unit of each coordinate. Of a system of matrices, that of its first
+    /// bearing.
     #[must_use]
-    pub fn attachment<const D: usize>(&self, i: usize, station: f64) -> Attachment<f64, D> {
-        if let Some(extended) = self.given.as_ref().and_then(|given| given.extended.get(i)) {
-            let row = |k: usize| std::array::from_fn(|j| extended[k].get(j).copied().unwrap_or(0.0));
-            return Attachment::new(&std::array::from_fn(row));
+    pub fn rows(&self, station: f64) -> Rows {
+        match &*self.body {
+            Body::Given(given) => given.extended.first().cloned().unwrap_or_default(),
+            Body::Flexible(rotor) => rotor.rows(station, self.order),
+            Body::Rigid => {
+                let mut rows: Rows = std::array::from_fn(|i| {
+                    let mut row = vec![0.0; self.order];
+                    row[i] = 1.0;
+                    row
+                });
+                (rows[0][4], rows[1][3]) = (station, -station);
+                rows
+            }
         }
-        Attachment::on_rigid_rotor(station, self.housings.get(i).copied().flatten())
+    }
+
+    /// Returns the displacement of bearing `i` per unit of each coordinate.
+    #[must_use]
+    pub fn attached(&self, i: usize) -> Option<&Rows> {
+        self.attachments.get(i)
+    }
+
+    /// Returns the attachment of bearing `i`.
+    #[must_use]
+    pub fn attachment<const D: usize>(&self, i: usize) -> Attachment<f64, D> {
+        let entry = |row: usize, j: usize| self.attached(i).and_then(|rows| rows[row].get(j)).copied().unwrap_or(0.0);
+        Attachment::new(&std::array::from_fn(|row| std::array::from_fn(|j| entry(row, j))))
     }
 
     /// Returns the system's matrices for `D` coordinates, with the damping matrix `extra` besides the scene's own.
@@ -112,10 +198,11 @@ impl Layout {
     /// # Errors
     /// As [`Layout::matrices`].
     pub fn scales(&self, rotor: Option<&Rotor>, mounted: &[MountedBearing], extra: &DMatrix<f64>) -> Result<Scales> {
-        let mut scales = match (&self.given, rotor) {
-            (Some(given), _) => given.scales(),
-            (None, Some(rotor)) => self.rigid_rotor_in_supports(rotor)?,
-            (None, None) => return Err(PlantError::NoSystem),
+        let mut scales = match (&*self.body, rotor) {
+            (Body::Given(given), _) => given.scales(),
+            (Body::Rigid, Some(rotor)) => self.rigid_rotor_in_supports(rotor)?,
+            (Body::Flexible(reduced), Some(rotor)) => self.flexible_rotor_in_supports(reduced, rotor),
+            (_, None) => return Err(PlantError::NoSystem),
         };
         for (mounted, first) in mounted.iter().zip(&self.balls) {
             let (Some(balls), Some(first)) = (&mounted.balls, *first) else { continue };
@@ -126,6 +213,60 @@ impl Layout {
         }
         scales.damping += extra;
         Ok(scales)
+    }
+
+    fn flexible_rotor_in_supports(&self, reduced: &ReducedRotor, rotor: &Rotor) -> Scales {
+        let n = self.order;
+        let whole = |part: DMatrix<f64>| {
+            let mut whole = DMatrix::zeros(n, n);
+            whole.view_mut((0, 0), part.shape()).copy_from(&part);
+            whole
+        };
+        let [mut mass, gyroscopic, mut stiffness] = reduced.matrices().map(whole);
+        let mut damping = DMatrix::zeros(n, n);
+        let mut load = vec![0.0; n];
+        let mut unbalance = vec![[0.0; 2]; n];
+        if let Some(drawn) = &rotor.flexible {
+            let [by_mass, by_stiffness] = drawn.proportional_damping;
+            damping = by_mass * &mass + by_stiffness * &stiffness;
+            for i in RIGID..self.rotor_order {
+                damping[(i, i)] += 2.0 * drawn.modal_damping * (mass[(i, i)] * stiffness[(i, i)]).sqrt();
+            }
+            // The load as it is at its own station.
+            let z = drawn.load_station;
+            let [fx, fy, fz, mx, my] = rotor.load;
+            let local = [fx, fy, fz, mx + z * fy, my - z * fx];
+            for (row, force) in self.rows(z).iter().zip(local) {
+                load.iter_mut().zip(row).for_each(|(load, shape)| *load += shape * force);
+            }
+        }
+        for (i, load) in load.iter_mut().enumerate().take(3) {
+            *load += rotor.gravity[i] * reduced.mass;
+        }
+        for i in 0..RIGID {
+            damping[(i, i)] += rotor.damping[i];
+            stiffness[(i, i)] += rotor.stiffness[i];
+        }
+        for given in &rotor.unbalance {
+            let plane = SystemMatrices::<2>::unit_mass().with_unbalance((0, 1), given.moment, given.angle);
+            let rows = self.rows(given.station);
+            for (row, [cos, sin]) in rows.iter().zip(plane.unbalance) {
+                for (entry, shape) in unbalance.iter_mut().zip(row) {
+                    *entry = [entry[0] + shape * cos, entry[1] + shape * sin];
+                }
+            }
+        }
+        for (support, first) in self.supports.iter().zip(self.housings.iter().flatten()) {
+            let at = *first;
+            for i in [at, at + 1] {
+                mass[(i, i)] = support.mass;
+                damping[(i, i)] = support.damping;
+                load[i] += rotor.gravity[i - at] * support.mass;
+            }
+            (stiffness[(at, at)], stiffness[(at + 1, at + 1)]) = support.stiffness.into();
+            (stiffness[(at, at + 1)], stiffness[(at + 1, at)]) = (support.cross_stiffness, support.cross_stiffness);
+        }
+        Scales { mass, damping, gyroscopic, stiffness, load, unbalance }
     }
 
     fn rigid_rotor_in_supports(&self, rotor: &Rotor) -> Result<Scales> {

@@ -5,12 +5,14 @@
 
 pub mod bounded;
 pub mod build;
+mod flexible_rotor;
 pub mod matrix;
 pub mod read;
 mod recording;
 mod table;
 pub mod units;
 
+pub use flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use recording::{Clock, Direction, Probe, Recording, RotationSource, Sensor};
 
 use std::path::PathBuf;
@@ -38,6 +40,14 @@ pub struct Scene {
     pub observer: Observer,
     /// `[[limit]]`
     pub limits: Vec<Limit>,
+}
+
+impl Scene {
+    /// Returns a station from the centre of mass as the scene's drawing has it, m.
+    #[must_use]
+    pub fn drawn_station(&self, station: f64) -> f64 {
+        station + self.rotor.as_ref().map_or(0.0, |rotor| rotor.centre_of_mass)
+    }
 }
 
 /// One `[[limit]]`.
@@ -231,7 +241,7 @@ impl Speed {
     }
 }
 
-/// `[rotor]`: the rigid rotor about its centre of mass.
+/// `[rotor]`: a rotor about its centre of mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor {
     /// kg, above 0
@@ -248,10 +258,14 @@ pub struct Rotor {
     pub stiffness: [f64; 5],
     /// m/s^2
     pub gravity: [f64; 3],
-    /// N (three) and N m (two): constant load on the rotor
+    /// N (three) and N m (two): constant load on the rotor, as one at the centre of mass
     pub load: [f64; 5],
     /// Unbalances; empty when the rotor is balanced.
     pub unbalance: Vec<Unbalance>,
+    /// Station of the centre of mass as drawn, m; 0 of a rigid rotor
+    pub centre_of_mass: f64,
+    /// Drawing of a shaft that bends; none of a rigid rotor
+    pub flexible: Option<FlexibleRotor>,
 }
 
 /// `[system]`: any linear system by its matrices, such as a reduced finite-element rotor.

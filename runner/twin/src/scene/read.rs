@@ -1,9 +1,10 @@
 //! Reader of scenes: from TOML text to a [`Scene`] in SI units. Unknown content is an error.
 //!
-//! This module reads the file, `[shaft]`, `[rotor]` and `[recording]`; `bearing` reads each `[[bearing]]`.
+//! This module reads the file, `[shaft]`, `[system]` and `[recording]`; `rotor` reads `[rotor]`, `bearing` each `[[bearing]]`.
 
 mod bearing;
 mod effects;
+mod rotor;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
@@ -19,14 +20,14 @@ use super::table::{Node, Read, Source, Table, line_of};
 use super::units::{self, Dimension};
 use super::{
     Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording,
-    RotationSource, Rotor, Scene, Sensor, Shaft, Speed, System, SystemUnbalance, Unbalance,
+    RotationSource, Scene, Sensor, Shaft, Speed, System, SystemUnbalance,
 };
 
 /// Largest size of a scene, bytes: a larger file is most likely a recording.
 const LARGEST_FILE: u64 = 4 << 20;
 
-/// Standard gravity along -Y, the default of `gravity`.
-const GRAVITY: [f64; 3] = [0.0, -9.806_65, 0.0];
+/// Distance beyond the end of the shaft that is taken for rounding, m.
+const ROUNDING: f64 = 1e-6;
 
 /// Values allowed for `speed`.
 const SPEEDS: &str = "a speed of rotation, such as \"3000 rpm\", or { from, to, over }, \
@@ -89,18 +90,52 @@ fn syntax_error(text: &str, path: &Path, error: &TomlError) -> SceneError {
 
 fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
     let name = root.read("name", |n| n.text("a name for the scene"))?;
-    Ok(Scene {
+    let scene = Scene {
         name: name.map_or_else(|| stem(path), str::to_owned),
         path: path.to_owned(),
         shaft: shaft(&root.required("shaft", "a table [shaft] with speed")?)?,
-        rotor: root.read("rotor", rotor)?,
+        rotor: root.read("rotor", rotor::read)?,
         system: root.read("system", |n| system(n, root, path))?,
         bearings: bearings(root)?,
         recording: root.read("recording", |n| recording(n, path))?,
         integration: root.read("integration", integration)?.unwrap_or_default(),
         observer: root.read("observer", observer)?.unwrap_or_default(),
         limits: root.read("limit", limits)?.unwrap_or_default(),
-    })
+    };
+    about_centre_of_mass(scene, root)
+}
+
+/// Moves the stations of bearings and probes from the origin of the drawing to the centre of mass; those of the rotor are there
+/// already.
+fn about_centre_of_mass(mut scene: Scene, root: &Table<'_>) -> Read<Scene> {
+    let Some(drawn) = scene.rotor.as_ref().and_then(|r| Some((r.centre_of_mass, r.flexible.as_ref()?.ends()))) else {
+        return Ok(scene);
+    };
+    let (centre, ends) = drawn;
+    let beyond = |station: f64| station - centre < ends[0] - ROUNDING || station - centre > ends[1] + ROUNDING;
+    let [from, to] = ends.map(|z| (z + centre) * 1e3);
+    let range = Dimension::Length.allowed(&format!("between the ends of the shaft, {from:.3} and {to:.3} mm"));
+    let refuse = |node: Option<Node<'_>>, i: usize| {
+        let node = node.and_then(|n| n.list("").ok()?.into_iter().nth(i));
+        let station = node.and_then(|n| n.any_table().ok()?.optional("station"));
+        station.map_or_else(|| root.fail("a station beyond the shaft", &range), |n| n.refuse(&range))
+    };
+    for (i, bearing) in scene.bearings.iter_mut().enumerate() {
+        if beyond(bearing.station) {
+            return Err(refuse(root.optional("bearing"), i));
+        }
+        bearing.station -= centre;
+    }
+    let probes = scene.recording.iter_mut().flat_map(|recording| &mut recording.probes);
+    for (i, probe) in probes.enumerate() {
+        let is_radial = matches!(probe.direction, Direction::Radial(_));
+        if is_radial && beyond(probe.station) {
+            let list = root.optional("recording").and_then(|n| n.any_table().ok()?.optional("probes"));
+            return Err(refuse(list, i));
+        }
+        probe.station -= if is_radial { centre } else { 0.0 };
+    }
+    Ok(scene)
 }
 
 fn integration(node: &Node<'_>) -> Read<Integration> {
@@ -244,80 +279,6 @@ fn system_unbalance(node: &Node<'_>) -> Read<SystemUnbalance> {
         moment: table.not_negative("moment", Dimension::Unbalance)?,
         angle: table.quantity("angle", Dimension::Angle)?,
         at: [coordinate("x")?, coordinate("y")?],
-    })
-}
-
-fn rotor(node: &Node<'_>) -> Read<Rotor> {
-    let table = node.table(&[
-        "mass",
-        "diametral_inertia",
-        "polar_inertia",
-        "damping",
-        "proportional_damping",
-        "stiffness",
-        "gravity",
-        "load",
-        "unbalance",
-    ])?;
-    let mass = table.positive("mass", Dimension::Mass)?;
-    let (diametral_inertia, polar_inertia) = inertias(&table)?;
-    let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
-    Ok(Rotor {
-        mass,
-        diametral_inertia,
-        polar_inertia,
-        damping: five(&table, "damping", Node::not_negative, [Dimension::Damping, Dimension::AngularDamping])?,
-        proportional_damping: table.read("proportional_damping", time)?.unwrap_or(0.0),
-        stiffness: five(&table, "stiffness", Node::not_negative, [Dimension::Stiffness, Dimension::AngularStiffness])?,
-        gravity: table.read("gravity", gravity)?.unwrap_or(GRAVITY),
-        load: five(&table, "load", Node::quantity, [Dimension::Force, Dimension::ResponseSample])?,
-        unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
-    })
-}
-
-/// Diametral and polar moment. No body has a polar moment above twice its diametral one: the mass would need a negative
-/// spread along the axis. The two are most often swapped.
-fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
-    let diametral = table.positive("diametral_inertia", Dimension::Inertia)?;
-    let polar = table.not_negative("polar_inertia", Dimension::Inertia)?;
-    if polar <= 2.0 * diametral {
-        return Ok((diametral, polar));
-    }
-    let most = format!("at most twice diametral_inertia, here {} kg m^2 (are the two swapped?)", 2.0 * diametral);
-    let node = table.required("polar_inertia", &most)?;
-    Err(node.fail(node.shown_quantity(Dimension::Inertia), most))
-}
-
-/// Three values along X, Y, Z and two about X, Y, zeros where the key is absent.
-fn five<'a>(
-    table: &Table<'a>,
-    key: &str,
-    read: impl Fn(&Node<'a>, Dimension) -> Read<f64>,
-    [along, about]: [Dimension; 2],
-) -> Read<[f64; 5]> {
-    let allowed =
-        format!("a list of 5: along X, Y, Z each {} and about X, Y each {}", along.allowed(""), about.allowed(""));
-    let entry = |i: usize, node: &Node<'a>| read(node, if i < 3 { along } else { about });
-    let values = table.read(key, |node| node.array(&allowed, entry))?;
-    Ok(values.unwrap_or_default())
-}
-
-fn gravity(node: &Node<'_>) -> Read<[f64; 3]> {
-    let allowed = "a list of 3: the acceleration of gravity along X, Y, Z, such as [0, -9.81, 0]";
-    node.array(allowed, |_, entry| entry.quantity(Dimension::Acceleration))
-}
-
-fn unbalances(node: &Node<'_>) -> Read<Vec<Unbalance>> {
-    let list = node.list("a list of tables { moment, angle, station }")?;
-    list.iter().map(unbalance).collect()
-}
-
-fn unbalance(node: &Node<'_>) -> Read<Unbalance> {
-    let table = node.table(&["moment", "angle", "station"])?;
-    Ok(Unbalance {
-        moment: table.not_negative("moment", Dimension::Unbalance)?,
-        angle: table.quantity("angle", Dimension::Angle)?,
-        station: table.quantity("station", Dimension::Length)?,
     })
 }
 

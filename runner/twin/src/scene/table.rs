@@ -280,12 +280,18 @@ impl<'a> Node<'a> {
         Ok(values)
     }
 
+    /// Returns the table with whatever keys it has: they have been checked before.
+    pub fn any_table(&self) -> Read<Table<'a>> {
+        let Content::Table(content) = self.content else { return Err(self.refuse("a table")) };
+        Ok(Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content })
+    }
+
     /// Returns the table after a check that it has only these keys.
     pub fn table(&self, keys: &[&str]) -> Read<Table<'a>> {
-        let Content::Table(content) = self.content else {
+        if !self.is_table() {
             return Err(self.refuse(format!("a table with the keys {}", keys.join(", "))));
-        };
-        let table = Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content };
+        }
+        let table = self.any_table()?;
         table.check_keys(keys)?;
         Ok(table)
     }

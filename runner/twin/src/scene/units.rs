@@ -43,6 +43,8 @@ pub enum Dimension {
     Angle,
     /// Hz
     Frequency,
+    /// 1/s, of a decay
+    Rate,
     /// rad/s, of a shaft or ring
     Speed,
     /// m/s^2
@@ -50,7 +52,7 @@ pub enum Dimension {
     /// N
     Force,
     /// N m
-    ResponseSample,
+    Moment,
     /// kg m^2
     Inertia,
     /// kg m, mass times radius
@@ -101,7 +103,7 @@ pub struct Mismatch {
 }
 
 /// Every dimension that has a fixed form, the more usual name first where two share their powers.
-const FIXED: [Dimension; 20] = [
+const FIXED: [Dimension; 21] = [
     Dimension::Length,
     Dimension::Mass,
     Dimension::Time,
@@ -110,7 +112,7 @@ const FIXED: [Dimension; 20] = [
     Dimension::Speed,
     Dimension::Acceleration,
     Dimension::Force,
-    Dimension::ResponseSample,
+    Dimension::Moment,
     Dimension::Inertia,
     Dimension::Unbalance,
     Dimension::Damping,
@@ -122,6 +124,7 @@ const FIXED: [Dimension; 20] = [
     Dimension::Density,
     Dimension::Viscosity,
     Dimension::PressureViscosity,
+    Dimension::Rate,
 ];
 
 impl Dimension {
@@ -135,10 +138,11 @@ impl Dimension {
             Self::Time => row("a time", "2 s", "s", TIME),
             Self::Angle => row("an angle", "40 deg", "rad", ANGLE),
             Self::Frequency => row("a frequency", "25.6 kHz", "Hz", FREQUENCY),
+            Self::Rate => row("a rate of decay", "60 1/s", "1/s", [0.0, 0.0, -1.0, 0.0]),
             Self::Speed => row("a speed of rotation", "3000 rpm", "rad/s", SPEED),
             Self::Acceleration => row("an acceleration", "9.81 m/s^2", "m/s^2", [1.0, 0.0, -2.0, 0.0]),
             Self::Force => row("a force", "500 N", "N", FORCE),
-            Self::ResponseSample => row("a moment", "2 N m", "N m", MOMENT),
+            Self::Moment => row("a moment", "2 N m", "N m", MOMENT),
             Self::Inertia => row("a moment of inertia", "0.030 kg m^2", "kg m^2", [2.0, 1.0, 0.0, 0.0]),
             Self::Unbalance => row("an unbalance, mass times radius", "30 g mm", "kg m", UNBALANCE),
             Self::Damping => row("a damping", "400 N s/m", "N s/m", [0.0, 1.0, -1.0, 0.0]),

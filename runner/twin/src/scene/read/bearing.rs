@@ -71,13 +71,13 @@ const LUMPED: [&str; 5] = ["stiffness", "exponent", "radial_play", "axial", "hou
 const LINEAR: [&str; 3] = ["stiffness_matrix", "two_spring", "linearise"];
 
 /// Bearing steel, Pa.
-const YOUNGS_MODULUS: f64 = 206e9;
+pub(super) const YOUNGS_MODULUS: f64 = 206e9;
 /// Bearing steel.
-const POISSONS_RATIO: f64 = 0.3;
+pub(super) const POISSONS_RATIO: f64 = 0.3;
 /// Exponent of the point contact of Hertz, which is also the default of a law given directly.
 const HERTZ_EXPONENT: f64 = 1.5;
 /// Bearing steel, kg/m^3.
-const DENSITY: f64 = 7800.0;
+pub(super) const DENSITY: f64 = 7800.0;
 /// Number of rolling elements that the kernel has room for.
 const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 

@@ -58,7 +58,7 @@ fn units_of_the_scene_format() {
         ("2 s", Time, 2.0),
         ("6 kg", Mass, 6.0),
         ("60 N", Force, 60.0),
-        ("2 Nm", ResponseSample, 2.0),
+        ("2 Nm", Moment, 2.0),
         ("1.2e10 N/m^1.5", ContactStiffness(1.5), 1.2e10),
         ("1 N/mm^1.5", ContactStiffness(1.5), 1000f64.powf(1.5)),
         ("1 kN/mm^1.5", ContactStiffness(1.5), 1000f64.powf(2.5)),
@@ -88,7 +88,7 @@ fn wrong_dimension_says_what_was_found_and_what_is_allowed() {
     assert!(refusal("3000 1/min", Dimension::Speed).contains("a frequency"));
     assert!(refusal("3000 rpm", Dimension::Frequency).contains("a speed of rotation"));
     assert!(refusal("1 g", Dimension::Acceleration).contains("a mass"));
-    assert!(refusal("1 N m/rad", Dimension::ResponseSample).contains("a stiffness of rotation"));
+    assert!(refusal("1 N m/rad", Dimension::Moment).contains("a stiffness of rotation"));
     assert!(refusal("1 kg m^3", Dimension::Mass).contains("a quantity in m^3 kg"));
     assert!(refusal("1 m/m", Dimension::Mass).contains("a number without dimension"));
     assert!(refusal("1 1", Dimension::Mass).contains("a number without dimension"));

@@ -1,0 +1,308 @@
+//! Number of elastic coordinates of a flexible rotor: as many as the scene requires, with the error that is left.
+
+use super::error::Result;
+use super::system::{Body, Rows};
+use super::{Layout, MountedBearing, Plant};
+use crate::flexible_rotor::{FreeRotor, Modes, ReducedRotor};
+use crate::scene::{Direction, FlexibleRotor, Scene};
+use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Elastic coordinates in each plane, at most.
+const MOST_ELASTIC: usize = 5;
+/// Largest relative errors of frequencies, static deflection and response.
+const ALLOWED: [f64; 3] = [5e-3, 1e-2, 1e-2];
+/// Highest line of interest: harmonics of the shaft speed, and of the balls' pass over the inner race.
+const SHAFT_HARMONICS: f64 = 20.0;
+const PASS_HARMONICS: f64 = 3.0;
+
+/// Error of a reduced rotor against its finite-element model, on the tangent stiffness of its bearings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReductionError {
+    /// Number of coordinates of the finite-element model.
+    pub full_coordinates: usize,
+    /// Highest line of interest, Hz.
+    pub highest_line: f64,
+    /// Largest relative error of the natural frequencies up to it.
+    pub frequency: f64,
+    /// Largest error of the static displacement of bearings and probes over the largest displacement.
+    pub deflection: f64,
+    /// The same of the response to the unbalance at the nominal speed.
+    pub response: f64,
+}
+
+impl ReductionError {
+    fn is_allowed(&self) -> bool {
+        let all = [self.frequency, self.deflection, self.response];
+        all.iter().zip(ALLOWED).all(|(error, allowed)| *error <= allowed)
+    }
+}
+
+/// Returns the reduction with the fewest elastic coordinates, or with those that the scene gives.
+pub(super) fn first(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBearing]) -> Result<ReducedRotor> {
+    let count = rotor.coordinates.map_or(1, |n| n.saturating_sub(5) / 2);
+    reduced(scene, rotor, mounted, count)
+}
+
+fn reduced(
+    scene: &Scene,
+    rotor: &FlexibleRotor,
+    mounted: &[MountedBearing],
+    count: usize,
+) -> Result<ReducedRotor> {
+    let highest = highest_line(scene, mounted);
+    let free = FreeRotor::try_new(rotor, &stations(scene, rotor), highest)?;
+    let forces: Vec<f64> = mounted.iter().map(|b| b.station).collect();
+    Ok(ReducedRotor::try_new(free, count, &forces, highest)?)
+}
+
+/// Returns the stations at which the displacement or a force is needed.
+fn stations(scene: &Scene, rotor: &FlexibleRotor) -> Vec<f64> {
+    let mut all: Vec<f64> = scene.bearings.iter().map(|b| b.station).collect();
+    all.extend(scene.rotor.iter().flat_map(|r| &r.unbalance).map(|u| u.station));
+    all.extend(radial_probes(scene));
+    all.push(rotor.load_station);
+    all
+}
+
+fn radial_probes(scene: &Scene) -> impl Iterator<Item = f64> {
+    let probes = scene.recording.iter().flat_map(|r| &r.probes);
+    probes.filter(|p| matches!(p.direction, Direction::Radial(_))).map(|p| p.station)
+}
+
+/// Returns the highest line of interest at the highest speed, Hz.
+fn highest_line(scene: &Scene, mounted: &[MountedBearing]) -> f64 {
+    let (from, to) = scene.shaft.speed.range();
+    let orders = mounted.iter().map(|b| PASS_HARMONICS * b.kinematics.orders.inner_race.abs());
+    let order = orders.fold(SHAFT_HARMONICS, f64::max);
+    order * from.abs().max(to.abs()) / TAU
+}
+
+impl Plant {
+    /// Adds elastic coordinates to a flexible rotor until its error is small.
+    pub(super) fn refine(&mut self, scene: &Scene) -> Result<()> {
+        let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else { return Ok(()) };
+        loop {
+            let Some(rotor) = self.layout.flexible() else { return Ok(()) };
+            let error = self.reduction_error(scene, rotor)?;
+            self.reduction = Some(error);
+            let count = rotor.elastic();
+            if drawn.coordinates.is_some() || error.is_allowed() || count >= MOST_ELASTIC {
+                return Ok(());
+            }
+            let body = Body::Flexible(reduced(scene, drawn, &self.bearings, count + 1)?);
+            self.layout = Layout::new(body, &scene.bearings, &self.bearings);
+            self.damping = DMatrix::zeros(self.layout.order, self.layout.order);
+            self.settle()?;
+        }
+    }
+
+    /// Compares the reduced rotor with the finite-element model, both on the bearings' tangents at equilibrium.
+    fn reduction_error(&self, scene: &Scene, rotor: &ReducedRotor) -> Result<ReductionError> {
+        let full = Full::new(self, scene, rotor)?;
+        let scales = self.scales()?;
+        let highest_line = highest_line(scene, &self.bearings);
+        let n = self.layout.order;
+        let small = [&scales.mass, &self.stiffness].map(symmetric);
+        let whole = [&full.mass, &full.stiffness].map(symmetric);
+        let (few, many) = (Modes::try_new(&small[0], &small[1])?, Modes::try_new(&whole[0], &whole[1])?);
+        let frequency = few
+            .frequencies(0)
+            .zip(many.frequencies(0))
+            .take_while(|(_, of_full)| *of_full < highest_line)
+            .map(|(few, many)| if many > 1.0 { (few / many - 1.0).abs() } else { 0.0 })
+            .fold(0.0, f64::max);
+        let load = DVector::from_vec(scales.load.clone());
+        let deflected = self.stiffness.clone().lu().solve(&load).unwrap_or_else(|| DVector::zeros(n));
+        let deflected_full = full.stiffness.clone().lu().solve(&full.load);
+        let deflection = deflected_full.map_or(0.0, |all| {
+            let points = full.points.iter().zip(&full.observed);
+            let radial = |rows: &Rows, q: &DVector<f64>| [0, 1].map(|i| product(&rows[i], q));
+            difference(points.flat_map(|(whole, own)| {
+                let (whole, own) = (radial(whole, &all), radial(own, &deflected));
+                [0, 1].map(|i| (Complex::from(whole[i]), Complex::from(own[i])))
+            }))
+        });
+        let speed = self.speed;
+        let small_response = response(
+            [&scales.mass, &scales.damping, &scales.gyroscopic, &self.stiffness],
+            &scales.unbalance,
+            speed,
+        );
+        let full_response =
+            response([&full.mass, &full.damping, &full.gyroscopic, &full.stiffness], &full.unbalance, speed);
+        let response = difference(full.points.iter().zip(&full.observed).flat_map(|(whole, own)| {
+            [0, 1].map(|i| (complex_product(&whole[i], &full_response), complex_product(&own[i], &small_response)))
+        }));
+        Ok(ReductionError {
+            full_coordinates: full.mass.nrows() - (n - self.layout.rotor_order()),
+            highest_line,
+            frequency,
+            deflection,
+            response,
+        })
+    }
+}
+
+/// Returns the largest difference of the pairs over the largest of their first values.
+fn difference(pairs: impl Iterator<Item = (Complex<f64>, Complex<f64>)>) -> f64 {
+    let (mut off, mut largest) = (0.0, 0.0);
+    for (whole, own) in pairs {
+        (off, largest) = (f64::max(off, (whole - own).norm()), f64::max(largest, whole.norm()));
+    }
+    if largest > 0.0 { off / largest } else { 0.0 }
+}
+
+fn product(row: &[f64], q: &DVector<f64>) -> f64 {
+    row.iter().zip(q.iter()).map(|(a, x)| a * x).sum()
+}
+
+fn complex_product(row: &[f64], q: &DVector<Complex<f64>>) -> Complex<f64> {
+    row.iter().zip(q.iter()).map(|(a, x)| x * *a).sum()
+}
+
+fn symmetric(m: &DMatrix<f64>) -> DMatrix<f64> {
+    0.5 * (m + m.transpose())
+}
+
+/// Returns the complex amplitude of the response to the unbalance at `speed` (rad/s).
+pub fn response(
+    [mass, damping, gyroscopic, stiffness]: [&DMatrix<f64>; 4],
+    unbalance: &[[f64; 2]],
+    speed: f64,
+) -> DVector<Complex<f64>> {
+    let n = mass.nrows();
+    let dynamic = DMatrix::from_fn(n, n, |i, j| {
+        Complex::new(
+            stiffness[(i, j)] - speed * speed * mass[(i, j)],
+            speed * (damping[(i, j)] + speed * gyroscopic[(i, j)]),
+        )
+    });
+    // w^2 (c cos + s sin) is the real part of w^2 (c - i s) e^(i w t).
+    let force = DVector::from_fn(n, |i, _| speed * speed * Complex::new(unbalance[i][0], -unbalance[i][1]));
+    dynamic.lu().solve(&force).unwrap_or_else(|| DVector::zeros(n))
+}
+
+/// The finite-element model on the tangents of the bearings: coordinates of both planes, along the axis, then supports and balls.
+struct Full {
+    mass: DMatrix<f64>,
+    damping: DMatrix<f64>,
+    gyroscopic: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+    load: DVector<f64>,
+    unbalance: Vec<[f64; 2]>,
+    /// Displacement at bearings and radial probes by its coordinates, and by those of the reduced rotor.
+    points: Vec<Rows>,
+    observed: Vec<Rows>,
+}
+
+impl Full {
+    fn new(plant: &Plant, scene: &Scene, reduced: &ReducedRotor) -> Result<Self> {
+        let mesh = &reduced.free.mesh;
+        let nodes = mesh.stations.len();
+        let (own, first) = (5 * nodes, plant.layout.rotor_order());
+        let n = own + plant.layout.order - first;
+        let scales = plant.scales()?;
+        // Supports and balls have the same equations in both models.
+        let whole = |part: &DMatrix<f64>| {
+            let mut whole = DMatrix::zeros(n, n);
+            let rest = plant.layout.order - first;
+            whole.view_mut((own, own), (rest, rest)).copy_from(&part.view((first, first), (rest, rest)));
+            whole
+        };
+        let [mut mass, mut damping, mut gyroscopic] =
+            [&scales.mass, &scales.damping, &scales.gyroscopic].map(whole);
+        let mut stiffness = whole(&scales.stiffness);
+        for (i, j) in (0..2 * nodes).flat_map(|i| (0..2 * nodes).map(move |j| (i, j))) {
+            for plane in [0, 2 * nodes] {
+                mass[(plane + i, plane + j)] = mesh.mass[(i, j)];
+                stiffness[(plane + i, plane + j)] = mesh.stiffness[(i, j)];
+            }
+            gyroscopic[(i, 2 * nodes + j)] = mesh.polar[(i, j)];
+            gyroscopic[(2 * nodes + i, j)] = -mesh.polar[(i, j)];
+        }
+        for (i, j) in (0..nodes).flat_map(|i| (0..nodes).map(move |j| (i, j))) {
+            mass[(4 * nodes + i, 4 * nodes + j)] = mesh.axial_mass[(i, j)];
+            stiffness[(4 * nodes + i, 4 * nodes + j)] = mesh.axial_stiffness[(i, j)];
+        }
+        let rows = |station: f64| {
+            let node = mesh.node(station);
+            let mut rows: Rows = std::array::from_fn(|_| vec![0.0; n]);
+            (rows[0][2 * node], rows[4][2 * node + 1]) = (1.0, 1.0);
+            (rows[1][2 * nodes + 2 * node], rows[3][2 * nodes + 2 * node + 1]) = (1.0, -1.0);
+            rows[2][4 * nodes + node] = 1.0;
+            rows
+        };
+        let mut load = DVector::zeros(n);
+        let mut unbalance = vec![[0.0; 2]; n];
+        if let Some(rotor) = &scene.rotor
+            && let Some(drawn) = &rotor.flexible
+        {
+            let [by_mass, by_stiffness] = drawn.proportional_damping;
+            for (i, j) in (0..own).flat_map(|i| (0..own).map(move |j| (i, j))) {
+                damping[(i, j)] = by_mass * mass[(i, j)] + by_stiffness * stiffness[(i, j)];
+            }
+            let mut uniform = [DVector::zeros(n), DVector::zeros(n), DVector::zeros(n)];
+            for node in 0..nodes {
+                uniform[0][2 * node] = rotor.gravity[0];
+                uniform[1][2 * nodes + 2 * node] = rotor.gravity[1];
+                uniform[2][4 * nodes + node] = rotor.gravity[2];
+            }
+            for one in uniform {
+                load += &mass * one;
+            }
+            let z = drawn.load_station;
+            let [fx, fy, fz, mx, my] = rotor.load;
+            let local = [fx, fy, fz, mx + z * fy, my - z * fx];
+            for (row, force) in rows(z).iter().zip(local) {
+                load.iter_mut().zip(row).for_each(|(load, shape)| *load += shape * force);
+            }
+            for given in &rotor.unbalance {
+                let (s, c) = given.angle.sin_cos();
+                let at = rows(given.station);
+                for (row, [cos, sin]) in at.iter().zip([[c, -s], [s, c]]) {
+                    for (entry, shape) in unbalance.iter_mut().zip(row) {
+                        entry[0] += shape * given.moment * cos;
+                        entry[1] += shape * given.moment * sin;
+                    }
+                }
+            }
+        }
+        let rest = plant.layout.order - first;
+        load.rows_mut(own, rest).copy_from_slice(&scales.load[first..]);
+        let mut points = vec![];
+        let mut observed = vec![];
+        for (i, bearing) in plant.bearings.iter().enumerate() {
+            let mut at = rows(bearing.station);
+            let Some(own_rows) = plant.layout.attached(i) else { continue };
+            for (row, of) in at.iter_mut().zip(own_rows) {
+                row[own..].copy_from_slice(&of[first..]);
+            }
+            let u = plant.displacement(i, &plant.rest);
+            let state = plant.resting(bearing, ballrace::Phase::ZERO);
+            let (_, tangent) =
+                ballrace::bearing::Bearing::reaction_and_stiffness(&bearing.bearing, &u, &state);
+            // Few rows are not zero.
+            let entries: Vec<Vec<(usize, f64)>> = at
+                .iter()
+                .map(|row| row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect())
+                .collect();
+            for (a, row_a) in entries.iter().enumerate() {
+                for (b, row_b) in entries.iter().enumerate() {
+                    for &(i, x) in row_a {
+                        for &(j, y) in row_b {
+                            stiffness[(i, j)] += x * tangent[(a, b)] * y;
+                        }
+                    }
+                }
+            }
+            points.push(at);
+            observed.push(own_rows.clone());
+        }
+        for station in radial_probes(scene) {
+            points.push(rows(station));
+            observed.push(plant.layout.rows(station));
+        }
+        Ok(Self { mass, damping, gyroscopic, stiffness, load, unbalance, points, observed })
+    }
+}

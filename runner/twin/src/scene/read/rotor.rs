@@ -1,0 +1,238 @@
+//! `[rotor]`: a rigid rotor by its mass and inertia, or a flexible one by its drawing.
+
+use super::super::table::{Node, Read, Table};
+use super::super::units::Dimension;
+use super::super::{Disk, FlexibleRotor, Rotor, Section, Unbalance};
+use crate::flexible_rotor::rigid_body;
+use super::bearing::{DENSITY, POISSONS_RATIO, YOUNGS_MODULUS};
+
+/// Standard gravity along -Y, the default of `gravity`.
+const GRAVITY: [f64; 3] = [0.0, -9.806_65, 0.0];
+
+/// Keys of every rotor, of a rigid one alone, and of a flexible one alone.
+const COMMON: [&str; 8] =
+    ["damping", "proportional_damping", "stiffness", "gravity", "load", "load_station", "unbalance", "coordinates"];
+const RIGID: [&str; 3] = ["mass", "diametral_inertia", "polar_inertia"];
+const FLEXIBLE: [&str; 6] = ["sections", "disks", "youngs_modulus", "poissons_ratio", "density", "modal_damping"];
+
+/// Largest gap between two sections that is taken for rounding, m.
+const ROUNDING: f64 = 1e-6;
+
+/// Reads the rotor with stations as drawn; returns it with the station of its centre of mass, 0 of a rigid rotor.
+pub fn read(node: &Node<'_>) -> Read<Rotor> {
+    let keys: Vec<&str> = COMMON.iter().chain(&RIGID).chain(&FLEXIBLE).copied().collect();
+    let table = node.table(&keys)?;
+    let load = five(&table, "load", Node::quantity, [Dimension::Force, Dimension::Moment])?;
+    let given_station = table.read("load_station", |n| n.quantity(Dimension::Length))?;
+    let mut rotor = Rotor {
+        mass: 0.0,
+        diametral_inertia: 0.0,
+        polar_inertia: 0.0,
+        damping: five(&table, "damping", Node::not_negative, [Dimension::Damping, Dimension::AngularDamping])?,
+        proportional_damping: 0.0,
+        stiffness: five(&table, "stiffness", Node::not_negative, [Dimension::Stiffness, Dimension::AngularStiffness])?,
+        gravity: table.read("gravity", gravity)?.unwrap_or(GRAVITY),
+        load,
+        unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
+        centre_of_mass: 0.0,
+        flexible: None,
+    };
+    if table.has("sections") {
+        if let Some(given) = RIGID.iter().find_map(|key| table.optional(key)) {
+            return Err(given.refuse("no mass or inertia beside sections: they follow from the drawing"));
+        }
+        flexible(&table, &mut rotor, given_station)?;
+    } else {
+        if let Some(given) = FLEXIBLE.iter().chain(&["coordinates"]).find_map(|key| table.optional(key)) {
+            return Err(given.refuse("only with sections, the drawing of a flexible rotor"));
+        }
+        rotor.mass = table.positive("mass", Dimension::Mass)?;
+        (rotor.diametral_inertia, rotor.polar_inertia) = inertias(&table)?;
+        let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
+        rotor.proportional_damping = table.read("proportional_damping", time)?.unwrap_or(0.0);
+        rotor.load = at_centre(load, given_station.unwrap_or(0.0));
+    }
+    Ok(rotor)
+}
+
+/// Returns a load at `station` from the centre of mass as one at the centre of mass.
+fn at_centre([fx, fy, fz, mx, my]: [f64; 5], station: f64) -> [f64; 5] {
+    [fx, fy, fz, mx - station * fy, my + station * fx]
+}
+
+/// Reads a drawing and moves its stations to the centre of mass.
+fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> Read<()> {
+    let wants = "a list of tables { from, to, outer_diameter }";
+    let sections = sections(&table.required("sections", wants)?, wants)?;
+    let ratio = "0 or more and below 0.5";
+    let density = table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(DENSITY);
+    let damping = table.read("proportional_damping", proportional_damping)?.unwrap_or_default();
+    let share = "0 or more and below 1 (of the critical damping)";
+    let mut drawn = FlexibleRotor {
+        disks: table.read("disks", |n| disks(n, &sections, density))?.unwrap_or_default(),
+        sections,
+        youngs_modulus: table
+            .read("youngs_modulus", |n| n.positive(Dimension::Pressure))?
+            .unwrap_or(YOUNGS_MODULUS),
+        poissons_ratio: table
+            .read("poissons_ratio", |n| n.number(ratio, |x| (0.0..0.5).contains(&x)))?
+            .unwrap_or(POISSONS_RATIO),
+        density,
+        proportional_damping: damping,
+        modal_damping: table
+            .read("modal_damping", |n| n.number(share, |x| (0.0..1.0).contains(&x)))?
+            .unwrap_or(0.0),
+        load_station: 0.0,
+        coordinates: table
+            .read("coordinates", |n| n.integer(7, 31, "a whole number from 7 to 31"))?
+            .and_then(|n| usize::try_from(n).ok()),
+    };
+    let [mass, centre, diametral, polar] = rigid_body(&drawn);
+    drawn.load_station = load_station.unwrap_or(centre);
+    let drawn = drawn.moved(-centre);
+    (rotor.mass, rotor.diametral_inertia, rotor.polar_inertia) = (mass, diametral, polar);
+    rotor.centre_of_mass = centre;
+    rotor.load = at_centre(rotor.load, drawn.load_station);
+    rotor.unbalance.iter_mut().for_each(|u| u.station -= centre);
+    rotor.flexible = Some(drawn);
+    Ok(())
+}
+
+fn sections(node: &Node<'_>, wants: &str) -> Read<Vec<Section>> {
+    let list = node.list(wants)?;
+    let mut sections: Vec<Section> = Vec::new();
+    for node in &list {
+        let table = node.table(&["from", "to", "outer_diameter", "outer_diameter_to", "inner_diameter"])?;
+        let from = table.quantity("from", Dimension::Length)?;
+        let beyond = Dimension::Length.allowed(&format!("beyond from, {} mm", from * 1e3));
+        let to = table.required("to", &beyond)?.limited(Dimension::Length, &beyond, |to| to > from)?;
+        let bore = table.read("inner_diameter", |n| n.not_negative(Dimension::Length))?.unwrap_or(0.0);
+        let above = Dimension::Length.allowed(&format!("above the inner diameter, {} mm", bore * 1e3));
+        let diameter = |n: &Node<'_>| n.limited(Dimension::Length, &above, |d| d > bore);
+        let outer = diameter(&table.required("outer_diameter", &above)?)?;
+        let end = table.read("outer_diameter_to", diameter)?.unwrap_or(outer);
+        if let Some(last) = sections.last() {
+            let [before, here] = [last.to, from].map(|z| z * 1e3);
+            if (from - last.to).abs() > ROUNDING {
+                let what = if from > last.to { "a gap" } else { "an overlap" };
+                return Err(table
+                    .required("from", "")?
+                    .fail(format!("{what}: from {here} mm after a section to {before} mm"), format!("{before} mm, the end of the section before")));
+            }
+        }
+        let from = sections.last().map_or(from, |last| last.to);
+        sections.push(Section { from, to, outer_diameter: outer, outer_diameter_to: end, inner_diameter: bore });
+    }
+    if sections.is_empty() {
+        return Err(node.refuse(wants));
+    }
+    Ok(sections)
+}
+
+fn disks(node: &Node<'_>, sections: &[Section], density: f64) -> Read<Vec<Disk>> {
+    let list = node.list("a list of tables { station, mass, diametral_inertia, polar_inertia }")?;
+    list.iter().map(|node| disk(node, sections, density)).collect()
+}
+
+fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk> {
+    let by_size = ["outer_diameter", "width", "density"];
+    let table = node.table(&["station", "mass", "diametral_inertia", "polar_inertia", "outer_diameter", "width", "density"])?;
+    let station = station(&table, "station", sections)?;
+    if table.has("mass") {
+        if let Some(given) = by_size.iter().find_map(|key| table.optional(key)) {
+            return Err(given.refuse("mass and inertias, or outer_diameter and width"));
+        }
+        let mass = table.positive("mass", Dimension::Mass)?;
+        let (diametral_inertia, polar_inertia) = inertias(&table)?;
+        return Ok(Disk { station, mass, diametral_inertia, polar_inertia, size: None });
+    }
+    if !table.has("outer_diameter") {
+        return Err(table.missing("mass", "mass and inertias, or outer_diameter and width"));
+    }
+    if let Some(given) = ["diametral_inertia", "polar_inertia"].iter().find_map(|key| table.optional(key)) {
+        return Err(given.refuse("no inertia beside outer_diameter and width, from which it follows"));
+    }
+    let bore = sections
+        .iter()
+        .find(|s| s.from <= station && station <= s.to)
+        .map_or(0.0, |s| s.outer_diameter_at(station));
+    let above = Dimension::Length.allowed(&format!("above that of the shaft, {} mm", bore * 1e3));
+    let outer = table.required("outer_diameter", &above)?.limited(Dimension::Length, &above, |d| d > bore)?;
+    let width = table.positive("width", Dimension::Length)?;
+    let density = table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(shaft_density);
+    let mass = 0.25 * std::f64::consts::PI * (outer * outer - bore * bore) * width * density;
+    let squares = outer * outer + bore * bore;
+    Ok(Disk {
+        station,
+        mass,
+        diametral_inertia: mass * (squares / 16.0 + width * width / 12.0),
+        polar_inertia: mass * squares / 8.0,
+        size: Some([outer, width]),
+    })
+}
+
+/// Reads a station between the ends of the shaft.
+fn station(table: &Table<'_>, key: &str, sections: &[Section]) -> Read<f64> {
+    let (from, to) = (sections.first().map_or(0.0, |s| s.from), sections.last().map_or(0.0, |s| s.to));
+    let range = Dimension::Length.allowed(&format!("between the ends of the shaft, {} and {} mm", from * 1e3, to * 1e3));
+    table
+        .required(key, &range)?
+        .limited(Dimension::Length, &range, |z| (from - ROUNDING..=to + ROUNDING).contains(&z))
+}
+
+/// Reads the factors of mass and stiffness; a plain number is that of the stiffness.
+fn proportional_damping(node: &Node<'_>) -> Read<[f64; 2]> {
+    if !node.is_table() {
+        return Ok([0.0, node.not_negative(Dimension::Time)?]);
+    }
+    let table = node.table(&["mass", "stiffness"])?;
+    let mass = table.read("mass", |n| n.not_negative(Dimension::Rate))?.unwrap_or(0.0);
+    let stiffness = table.read("stiffness", |n| n.not_negative(Dimension::Time))?.unwrap_or(0.0);
+    Ok([mass, stiffness])
+}
+
+/// Diametral and polar moment. No body has a polar moment above twice its diametral one: the mass would need a negative
+/// spread along the axis. The two are most often swapped.
+fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
+    let diametral = table.positive("diametral_inertia", Dimension::Inertia)?;
+    let polar = table.not_negative("polar_inertia", Dimension::Inertia)?;
+    if polar <= 2.0 * diametral {
+        return Ok((diametral, polar));
+    }
+    let most = format!("at most twice diametral_inertia, here {} kg m^2 (are the two swapped?)", 2.0 * diametral);
+    let node = table.required("polar_inertia", &most)?;
+    Err(node.fail(node.shown_quantity(Dimension::Inertia), most))
+}
+
+/// Three values along X, Y, Z and two about X, Y, zeros where the key is absent.
+fn five<'a>(
+    table: &Table<'a>,
+    key: &str,
+    read: impl Fn(&Node<'a>, Dimension) -> Read<f64>,
+    [along, about]: [Dimension; 2],
+) -> Read<[f64; 5]> {
+    let allowed =
+        format!("a list of 5: along X, Y, Z each {} and about X, Y each {}", along.allowed(""), about.allowed(""));
+    let entry = |i: usize, node: &Node<'a>| read(node, if i < 3 { along } else { about });
+    let values = table.read(key, |node| node.array(&allowed, entry))?;
+    Ok(values.unwrap_or_default())
+}
+
+fn gravity(node: &Node<'_>) -> Read<[f64; 3]> {
+    let allowed = "a list of 3: the acceleration of gravity along X, Y, Z, such as [0, -9.81, 0]";
+    node.array(allowed, |_, entry| entry.quantity(Dimension::Acceleration))
+}
+
+fn unbalances(node: &Node<'_>) -> Read<Vec<Unbalance>> {
+    let list = node.list("a list of tables { moment, angle, station }")?;
+    list.iter().map(unbalance).collect()
+}
+
+fn unbalance(node: &Node<'_>) -> Read<Unbalance> {
+    let table = node.table(&["moment", "angle", "station"])?;
+    Ok(Unbalance {
+        moment: table.not_negative("moment", Dimension::Unbalance)?,
+        angle: table.quantity("angle", Dimension::Angle)?,
+        station: table.quantity("station", Dimension::Length)?,
+    })
+}
