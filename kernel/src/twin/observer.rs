@@ -7,12 +7,9 @@ use crate::rotor::{ForceElement, Integrator, RotorBearingSystem, RotorState, Sec
 use crate::scalar::{LatticeIndex, Scalar};
 use crate::status::Status;
 
-/// Number of coordinates of a rigid rotor, `[u v w thu thv]`.
-const D: usize = 5;
-
 /// Kalman gains at one shaft speed: change of the state per unit innovation of each probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpeedGain<T, const P: usize> {
+pub struct SpeedGain<T, const D: usize, const P: usize> {
     /// Gains of the coordinates, per metre.
     pub position: [[T; D]; P],
     /// Gains of the velocities, 1/s.
@@ -28,7 +25,9 @@ pub struct SpeedGain<T, const P: usize> {
 /// Parameters of the observer: system, probes and gains.
 ///
 /// The state is `x = [q, q', d, r]`: coordinates, velocities, an unmodelled constant load `d`, and an unmodelled load `r`
-/// that rotates with the shaft, such as an unbalance and its couple. The prediction is a step of the integrator with the
+/// that rotates with the shaft, such as an unbalance and its couple. The `D` coordinates are the five of a rigid rotor,
+/// `[u v w thu thv]`, and in a flexible one pairs of elastic coordinates along X and Y; coordinates without a partner, along the
+/// axis or of a support, have no rotating load. The prediction is a step of the integrator with the
 /// nonlinear bearing forces and `d + r`; the correction is `x += L (y - C q)` with the steady-state Kalman gain `L` of the
 /// model linearised at static equilibrium. Gains may be given at several evenly spaced speeds; between them they are
 /// interpolated, outside the nearest ones apply.
@@ -36,7 +35,7 @@ pub struct SpeedGain<T, const P: usize> {
 /// Source: Kalman 1960; disturbances as states: Johnson 1971. Cost: the steps of the integrator, a sine and cosine, and `P
 /// (5 D + P)` multiplications, twice that with gains at several speeds.
 #[derive(Debug, Clone, Copy)]
-pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
+pub struct Observer<T, R, C, I, A, const D: usize, const N: usize, const P: usize> {
     /// Model of the rotor on its bearings.
     pub system: RotorBearingSystem<R, C, N>,
     /// Integrator; its time step must be `step`.
@@ -65,12 +64,12 @@ pub struct Observer<T, R, C, I, A, const N: usize, const P: usize> {
 
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ObserverState<T, const N: usize> {
+pub struct ObserverState<T, const D: usize, const N: usize> {
     /// Motion of the rotor.
     pub motion: RotorState<T, D, N>,
     /// Unmodelled constant load on the coordinates, N and N m.
     pub load: [T; D],
-    /// Unmodelled rotating load at the present shaft angle: `FX FY`, 0, `MX MY`.
+    /// Unmodelled rotating load at the present shaft angle: `FX FY`, 0, `MX MY`, then pairs along X and Y.
     pub rotating_load: [T; D],
 }
 
@@ -87,20 +86,20 @@ pub struct Estimate<T, const P: usize> {
     pub status: Status,
 }
 
-impl<T: Scalar, const N: usize> ObserverState<T, N> {
+impl<T: Scalar, const D: usize, const N: usize> ObserverState<T, D, N> {
     /// Creates a state without unmodelled loads.
     pub fn new(motion: RotorState<T, D, N>) -> Self {
         Self { motion, load: [T::ZERO; D], rotating_load: [T::ZERO; D] }
     }
 }
 
-impl<T, R, C, I, A, const N: usize, const P: usize> Observer<T, R, C, I, A, N, P>
+impl<T, R, C, I, A, const D: usize, const N: usize, const P: usize> Observer<T, R, C, I, A, D, N, P>
 where
     T: Scalar,
     R: SecondOrderSystem<T, D>,
     C: ForceElement<T, D>,
     I: Integrator<T>,
-    A: AsRef<[SpeedGain<T, P>]>,
+    A: AsRef<[SpeedGain<T, D, P>]>,
 {
     /// Processes one sample: `shaft` is the motion of the shaft at the last sample, `readings` are the present probe
     /// readings (m).
@@ -109,7 +108,7 @@ where
     /// state is then the prediction. The number of instructions is constant.
     pub fn sample<M: Math<T>>(
         &self,
-        state: &mut ObserverState<T, N>,
+        state: &mut ObserverState<T, D, N>,
         shaft: &ShaftMotion<T>,
         readings: &[T; P],
     ) -> Estimate<T, P> {
@@ -136,7 +135,7 @@ where
         Estimate { innovation, nis, status: status.union(Status::INNOVATION_REJECTED.when(!accepted)) }
     }
 
-    fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, N>, shaft: &ShaftMotion<T>) -> Status {
+    fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, D, N>, shaft: &ShaftMotion<T>) -> Status {
         let (mut status, mut now) = (Status::OK, *shaft);
         let (sin, cos) = M::sin_cos(Phase::ZERO.advanced(shaft.delta_after(self.step)));
         for _ in 0..self.substeps {
@@ -181,9 +180,9 @@ struct Weights<T> {
     of_each: [T; 2],
 }
 
-impl<T: Scalar, const P: usize> SpeedGain<T, P> {
+impl<T: Scalar, const D: usize, const P: usize> SpeedGain<T, D, P> {
     /// Adds `weight` times the correction of this innovation to the state.
-    fn apply<const N: usize>(&self, state: &mut ObserverState<T, N>, weight: T, innovation: &[T; P]) {
+    fn apply<const N: usize>(&self, state: &mut ObserverState<T, D, N>, weight: T, innovation: &[T; P]) {
         let motion = &mut state.motion;
         let states = [&mut motion.q, &mut motion.velocity, &mut state.load, &mut state.rotating_load];
         for (to, gains) in states.into_iter().zip([&self.position, &self.rate, &self.load, &self.rotating_load]) {
@@ -207,7 +206,17 @@ impl<T: Scalar, const P: usize> SpeedGain<T, P> {
     }
 }
 
-/// Rotates the pairs `FX FY` and `MX MY` by the angle with this sine and cosine.
-fn rotated<T: Scalar>(&[x, y, z, mx, my]: &[T; D], sin: T, cos: T) -> [T; D] {
-    [cos * x - sin * y, cos * y + sin * x, z, cos * mx - sin * my, cos * my + sin * mx]
+/// Rotates the pairs `FX FY` and `MX MY`, and those of the elastic coordinates, by the angle with this sine and cosine.
+fn rotated<T: Scalar, const D: usize>(load: &[T; D], sin: T, cos: T) -> [T; D] {
+    let mut out = *load;
+    let rotate = |x: &mut T, y: &mut T| (*x, *y) = (cos * *x - sin * *y, cos * *y + sin * *x);
+    if let [x, y, _, mx, my, elastic @ ..] = out.as_mut_slice() {
+        rotate(x, y);
+        rotate(mx, my);
+        for pair in elastic.as_chunks_mut::<2>().0 {
+            let [x, y] = pair;
+            rotate(x, y);
+        }
+    }
+    out
 }

@@ -1,9 +1,10 @@
 //! The scene's rotor and observer as constants.
 
 use crate::error::{BakeError, Error, Result};
-use crate::observer::{Gains, Uncertainty, gate, memory, observed_rows, weight};
-use crate::plant::{Plant, only_rigid};
+use crate::observer::{Gains, Uncertainty, gate, memory, weight};
+use crate::plant::{Plant, only_observable};
 use crate::scene::{Clock, Scene, build};
+use nalgebra::DMatrix;
 use std::fmt::Write;
 
 /// Writes the module `observer`, where the scene has an `[observer]`.
@@ -25,11 +26,11 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let Some(noise) = noise else {
         return Err(undetermined("a probe without noise", "noise = \"0.03 um\" for each probe"));
     };
-    only_rigid(scene, "bake")?;
+    only_observable(scene, "bake")?;
     let plant = Plant::try_new(scene)?;
     let Some(rotor) = plant.rotor() else { return Err(undetermined("no [rotor]", "a rotor")) };
     let linear = plant.linearised(&vec![true; plant.bearings.len()])?;
-    let rows = observed_rows(&recording.probes);
+    let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.probe_row(probe)).collect();
     let of = Uncertainty::new(&noise, process_noise, weight(&plant));
     let gains = Gains::try_new(&linear, &rows, scene.shaft.speed, 1.0 / rate, &of)?;
     let p = rows.len();
@@ -52,7 +53,7 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let names: Vec<&str> = recording.probes.iter().map(|p| p.column.as_str()).collect();
     writeln!(out, "    /// Reading of each probe per unit of each coordinate: {}.", names.join(", "))?;
     writeln!(out, "    pub const PROBES: [[f32; 5]; {p}] = {};", table(&rows))?;
-    writeln!(out, "    /// By speed.\n    pub static GAINS: [SpeedGain<f32, {p}>; {}] = [", gains.all.len())?;
+    writeln!(out, "    /// By speed.\n    pub static GAINS: [SpeedGain<f32, 5, {p}>; {}] = [", gains.all.len())?;
     for gain in &gains.all {
         writeln!(out, "        SpeedGain {{")?;
         let parts = [
@@ -62,9 +63,9 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
             ("rotating_load", &gain.rotating_load),
         ];
         for (name, entries) in parts {
-            writeln!(out, "            {name}: {},", table(&entries[..p]))?;
+            writeln!(out, "            {name}: {},", table(&columns(entries)))?;
         }
-        let white: Vec<&[f64]> = gain.whitening[..p].iter().map(|row| &row[..p]).collect();
+        let white = columns(&gain.whitening.transpose());
         writeln!(out, "            whitening: {},\n        }},", table(&white))?;
     }
     writeln!(out, "    ];\n    /// The rotor.\n    pub const ROTOR: RotorParams = {:?};", build::rotor_params(rotor))?;
@@ -75,6 +76,11 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
         unbalances.len()
     )?;
     Ok(())
+}
+
+/// Returns the columns of a matrix.
+fn columns(of: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    of.column_iter().map(|column| column.iter().copied().collect()).collect()
 }
 
 fn table<R: AsRef<[f64]>>(rows: &[R]) -> String {

@@ -80,7 +80,9 @@ struct Prepared<'a> {
 /// Returns why a scene cannot be diagnosed; none where it can.
 #[must_use]
 pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
-    if scene.rotor.is_none() || scene.bearings.iter().any(|b| b.support.is_some() || !b.element_azimuths.is_empty()) {
+    if scene.rotor.as_ref().is_none_or(|rotor| rotor.flexible.is_some())
+        || scene.bearings.iter().any(|b| b.support.is_some() || !b.element_azimuths.is_empty())
+    {
         return Some("the rotor is not a rigid one on fixed, evenly filled bearings".to_owned());
     }
     if scene.shaft.outer_speed != 0.0 {

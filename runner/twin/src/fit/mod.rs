@@ -11,8 +11,8 @@ mod written;
 use crate::diagnosis::{self, block::Block};
 use crate::error::{FitError, Result};
 use crate::least_squares::{self, Bounds, Limits, Solution};
-use crate::observer::{noise, observed_rows};
-use crate::plant::{Plant, only_rigid};
+use crate::observer::noise;
+use crate::plant::{Plant, only_observable};
 use crate::probes::reading;
 use crate::recording::Reader;
 use crate::recording::Sample;
@@ -26,7 +26,7 @@ use std::f64::consts::TAU;
 pub use written::written;
 
 /// Units of the unknowns of the initial state: m, rad, m/s, rad/s.
-const STATE: [f64; 10] = [50e-6, 50e-6, 50e-6, 5e-4, 5e-4, 0.05, 0.05, 0.05, 0.5, 0.5];
+const STATE: [f64; 4] = [50e-6, 5e-4, 0.05, 0.5];
 /// Largest posterior uncertainty of an identifiable parameter, over the prior one.
 const IDENTIFIABLE: f64 = 0.3;
 /// Relative decrease of the sum of squares at which an early search ends, and at which the last one ends.
@@ -181,6 +181,14 @@ const FIRST_TURNS: f64 = 0.5;
 /// Turns from which all unknowns are free.
 const EARLY_TURNS: f64 = 5.0;
 
+/// Returns the unit of each entry of the first state.
+fn state_units(plant: &Plant) -> Vec<f64> {
+    let [position, tilt, rate, tilt_rate] = STATE;
+    let of =
+        |along: f64, about: f64| (0..plant.layout.order).map(move |i| if i == 3 || i == 4 { about } else { along });
+    of(position, tilt).chain(of(rate, tilt_rate)).collect()
+}
+
 /// Unknowns that move together, at least one.
 type Tied = Vec<usize>;
 
@@ -189,7 +197,7 @@ type Tied = Vec<usize>;
 /// # Errors
 /// A scene without rotor or parameters, a parameter that the kernel rejects.
 pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
-    only_rigid(of.scene, "fit")?;
+    only_observable(of.scene, "fit")?;
     let plant = Plant::try_new(of.scene)?;
     let mut unknown = parameters(of.scene, &plant, groups);
     let (Some(first), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
@@ -205,14 +213,14 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     unknown.extend(of_cages);
     let plant = Plant::try_new(&scene)?;
     let of = &Material { scene: &scene, ..*of };
-    let rows = observed_rows(&recording.probes);
+    let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.probe_row(probe)).collect();
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
     let total = turns_of(first);
     let drive = first.shaft_motion();
     let twin = plant.run_in(of.period, total, &drive)?;
-    let start = [twin.pose().to_array(), twin.rate().to_array()].concat();
+    let start = [twin.coordinates(), twin.rates()].concat();
     let given: Vec<f64> = unknown.iter().map(Parameter::prior_mean).collect();
-    let state: Vec<f64> = start.iter().zip(STATE).map(|(x, unit)| x / unit).collect();
+    let state: Vec<f64> = start.iter().zip(state_units(&plant)).map(|(x, unit)| x / unit).collect();
     let at = [given, state].concat();
     let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at };
     let before = model.residuals(&at)?;
@@ -321,7 +329,7 @@ fn turns_of(sample: &Sample) -> f64 {
 #[derive(Clone, Copy)]
 struct Model<'a> {
     of: &'a Material<'a>,
-    rows: &'a [[f64; 5]],
+    rows: &'a [Vec<f64>],
     sigma: &'a [f64],
     unknown: &'a [Parameter],
     /// Prior mean of every unknown, each with a standard deviation of 1.
@@ -418,16 +426,16 @@ impl Model<'_> {
         let given = self.of.scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
         let Some(first) = self.of.samples.first() else { return Ok(vec![]) };
         let mut twin = plant.start(self.of.period, turns_of(first))?;
-        let first_state: Vec<f64> = state.iter().zip(STATE).map(|(x, unit)| x * unit).collect();
-        let (q, rate) = first_state.split_at(5);
+        let first_state: Vec<f64> = state.iter().zip(state_units(&plant)).map(|(x, unit)| x * unit).collect();
+        let (q, rate) = first_state.split_at(first_state.len() / 2);
         twin.place(q, rate);
         let mut left = Vec::with_capacity(self.of.samples.len() * self.rows.len());
         for (i, sample) in self.of.samples.iter().enumerate() {
-            let pose = twin.pose();
+            let coordinates = twin.coordinates();
             for (p, (row, measured)) in self.rows.iter().zip(&sample.row.probes).enumerate() {
                 // The reader has taken the scene's own offset off.
                 let more = probes[p].offset - given[p].offset;
-                let off = (measured - more - reading(row, &pose)) / self.sigma[p];
+                let off = (measured - more - reading(row, coordinates)) / self.sigma[p];
                 left.push(if off.is_finite() { off.clamp(-1e6, 1e6) } else { 0.0 });
             }
             let steps = self.of.samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);

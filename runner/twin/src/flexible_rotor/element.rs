@@ -166,8 +166,8 @@ mod tests {
         let (area, moment) = (0.25 * PI * 0.04_f64.powi(2), PI / 64.0 * 0.04_f64.powi(4));
         let shear_modulus = STEEL.youngs_modulus / 2.6;
         // The coefficient of the full section: 6 (1 + nu) / (7 + 6 nu).
-        let expected = 0.05_f64.powi(3) / (3.0 * STEEL.youngs_modulus * moment)
-            + 0.05 / (7.8 / 8.8 * shear_modulus * area);
+        let expected =
+            0.05_f64.powi(3) / (3.0 * STEEL.youngs_modulus * moment) + 0.05 / (7.8 / 8.8 * shear_modulus * area);
         assert!((deflection / expected - 1.0).abs() < 1e-12, "{deflection} {expected}");
     }
 }

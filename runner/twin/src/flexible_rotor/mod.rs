@@ -65,10 +65,10 @@ impl FreeRotor {
         Ok(Self { mesh, bending, axial })
     }
 
-    /// Returns the shape under a unit force at `station`, in a plane, without the rigid motion and without the first `without` elastic modes:
-    /// what these lack in static flexibility.
-    fn residual_shape(&self, station: f64, without: usize) -> DVector<f64> {
-        let at = 2 * self.mesh.node(station);
+    /// Returns the shape under a unit force (`moment` false) or moment at `station`, in a plane, without the rigid motion and without
+    /// the first `without` elastic modes: what these lack in static flexibility.
+    fn residual_shape(&self, station: f64, moment: bool, without: usize) -> DVector<f64> {
+        let at = 2 * self.mesh.node(station) + usize::from(moment);
         let mut shape = DVector::zeros(2 * self.mesh.stations.len());
         for j in RIGID + without..self.bending.squares.len() {
             let mode = self.bending.shapes.column(j);
@@ -118,11 +118,14 @@ impl ReducedRotor {
         }
         let inertia = rigid.transpose() * &free.mesh.mass * &rigid;
         let mass = inertia[(0, 0)];
-        let residual = forces.len().min(count.saturating_sub(1));
+        let loads: Vec<(f64, bool)> =
+            [false, true].into_iter().flat_map(|m| forces.iter().map(move |z| (*z, m))).collect();
+        // Moments of rolling bearings are small: their shapes come once there is a mode beside all of them.
+        let residual = if count > loads.len() { loads.len() } else { forces.len().min(count.saturating_sub(1)) };
         let modes = count - residual;
         let mut columns: Vec<DVector<f64>> =
             (0..modes).map(|j| free.bending.shapes.column(RIGID + j).into_owned()).collect();
-        columns.extend(forces.iter().take(residual).map(|z| free.residual_shape(*z, modes)));
+        columns.extend(loads.iter().take(residual).map(|(z, moment)| free.residual_shape(*z, *moment, modes)));
         for column in &mut columns {
             let size = column.dot(&(&free.mesh.mass * &*column)).sqrt();
             *column /= size.max(f64::MIN_POSITIVE);
@@ -139,9 +142,14 @@ impl ReducedRotor {
         }
         let polar = shapes.transpose() * &free.mesh.polar * &shapes;
         let along = free.axial.frequencies(1).take_while(|f| *f < highest).count();
-        let axial_shapes = DMatrix::from_fn(nodes, 1 + along, |i, j| {
-            if j == 0 { 1.0 } else { free.axial.shapes[(i, j)] * mass.sqrt() }
-        });
+        let axial_shapes =
+            DMatrix::from_fn(
+                nodes,
+                1 + along,
+                |i, j| {
+                    if j == 0 { 1.0 } else { free.axial.shapes[(i, j)] * mass.sqrt() }
+                },
+            );
         let axial_stiffness = (1..=along).map(|j| free.axial.squares[j] * mass).collect();
         Ok(Self {
             mass,

@@ -30,13 +30,11 @@ impl Modes {
         let half = solved(&scaled(stiffness))?;
         let whole = solved(&half.transpose())?;
         let symmetric = 0.5 * (&whole + whole.transpose());
-        let found =
-            SymmetricEigen::try_new(symmetric, f64::EPSILON, ITERATIONS * n).ok_or(failed)?;
+        let found = SymmetricEigen::try_new(symmetric, f64::EPSILON, ITERATIONS * n).ok_or(failed)?;
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| found.eigenvalues[a].total_cmp(&found.eigenvalues[b]));
         let sorted = DMatrix::from_fn(n, n, |i, j| found.eigenvectors[(i, order[j])]);
-        let mut shapes =
-            factor.transpose().solve_upper_triangular(&sorted).ok_or(failed)?;
+        let mut shapes = factor.transpose().solve_upper_triangular(&sorted).ok_or(failed)?;
         for (mut row, scale) in shapes.row_iter_mut().zip(scale.iter()) {
             row /= *scale;
         }

@@ -96,8 +96,7 @@ fn on_springs(rotor: &ReducedRotor, case: &Value, centre: f64) -> [DMatrix<f64>;
 /// Reduces with nodes at all stations of a case.
 fn reduced(case: &Value, count: usize) -> (ReducedRotor, f64) {
     let (drawn, centre) = drawing(case);
-    let bearings: Vec<f64> =
-        case["rotor"]["bz"].as_array().unwrap().iter().map(|z| number(z) - centre).collect();
+    let bearings: Vec<f64> = case["rotor"]["bz"].as_array().unwrap().iter().map(|z| number(z) - centre).collect();
     let mut kept = bearings.clone();
     kept.push(number(&case["on_springs"]["unbalance"]["station"]) - centre);
     kept.extend(case["on_springs"]["x_response"].as_array().unwrap().iter().map(|r| number(&r["station"]) - centre));

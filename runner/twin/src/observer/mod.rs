@@ -14,22 +14,32 @@ pub use running::{Correction, RunningObserver};
 pub use tune::{IdentificationData, TunedObserver, estimator, identify, noise};
 
 use crate::error::Result;
-use crate::plant::{Plant, RigidSystem, RigidTask, Step};
-use crate::probes::row;
-use crate::scene::build::AnyBearing;
-use crate::scene::{Probe, Speed};
-use ballrace::rotor::{BearingAtStation, ComponentAngles, RigidRotor, RotorState, ShaftMotion};
+use crate::plant::{Fit, Plant, Step, SystemTask};
+use crate::scene::Speed;
+use ballrace::rotor::{ComponentAngles, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion};
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
-use ballrace::{Displacement, Exact, Phase, Status};
+use ballrace::{Exact, Phase, Status};
+use nalgebra::DMatrix;
 
 /// Largest number of probes of an observer.
 pub const MOST_PROBES: usize = 16;
-const D: usize = 5;
 /// Number of speeds with gains, for a shaft speed that changes.
 const SPEEDS: usize = 5;
 
-/// Gains at one speed, in the form of the kernel.
-pub type Gain = SpeedGain<f64, MOST_PROBES>;
+/// Gains at one speed: change of the state per unit of innovation of each probe, one probe per column.
+#[derive(Clone)]
+pub struct Gain {
+    /// Of the coordinates.
+    pub position: DMatrix<f64>,
+    /// Of their rates.
+    pub rate: DMatrix<f64>,
+    /// Of the unknown load on each coordinate.
+    pub load: DMatrix<f64>,
+    /// Of the unknown load that rotates with the shaft.
+    pub rotating_load: DMatrix<f64>,
+    /// `W`, a lower triangular matrix with `W^T W = S^-1`, the inverse covariance of the innovations.
+    pub whitening: DMatrix<f64>,
+}
 
 /// Gains of a scene's observer.
 #[derive(Clone)]
@@ -42,53 +52,67 @@ pub struct Gains {
     log_determinant: f64,
 }
 
-/// State at which an observer starts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// State at which an observer starts; all by coordinates.
+#[derive(Debug, Clone, PartialEq)]
 pub struct InitialState {
     /// Coordinates.
-    pub q: [f64; D],
+    pub q: Vec<f64>,
     /// Their rates.
-    pub rate: [f64; D],
+    pub rate: Vec<f64>,
     /// The unknown load, N and N m.
-    pub load: [f64; D],
+    pub load: Vec<f64>,
     /// The unknown load that rotates with the shaft, N and N m.
-    pub turning: [f64; D],
+    pub turning: Vec<f64>,
 }
 
 impl InitialState {
     /// Creates a state without unknown loads.
     #[must_use]
-    pub fn new(position: &Displacement<f64>, rate: &Displacement<f64>) -> Self {
-        Self { q: position.to_array(), rate: rate.to_array(), load: [0.0; D], turning: [0.0; D] }
+    pub fn new(coordinates: &[f64], rates: &[f64]) -> Self {
+        let none = vec![0.0; coordinates.len()];
+        Self { q: coordinates.to_vec(), rate: rates.to_vec(), load: none.clone(), turning: none }
     }
 }
 
-/// Returns the reading of each probe per unit of each coordinate.
-#[must_use]
-pub fn observed_rows(probes: &[Probe]) -> Vec<[f64; D]> {
-    probes.iter().map(row).collect()
+impl Gain {
+    /// Returns the gains of zero for `order` coordinates.
+    fn none(order: usize) -> Self {
+        let zero = DMatrix::zeros(order, 0);
+        Self {
+            position: zero.clone(),
+            rate: zero.clone(),
+            load: zero.clone(),
+            rotating_load: zero,
+            whitening: DMatrix::zeros(0, 0),
+        }
+    }
+
+    /// Returns the gains in the form of the kernel, with zeros for coordinates and probes beyond the scene's.
+    fn of_kernel<const D: usize>(&self) -> SpeedGain<f64, D, MOST_PROBES> {
+        let entry = |of: &DMatrix<f64>, i: usize, j: usize| of.get((i, j)).copied().unwrap_or(0.0);
+        let part = |of: &DMatrix<f64>| std::array::from_fn(|p| std::array::from_fn(|i| entry(of, i, p)));
+        SpeedGain {
+            position: part(&self.position),
+            rate: part(&self.rate),
+            load: part(&self.load),
+            rotating_load: part(&self.rotating_load),
+            whitening: std::array::from_fn(|i| std::array::from_fn(|j| entry(&self.whitening, i, j))),
+        }
+    }
 }
 
 impl Gains {
     /// Returns gains of zero: the observer predicts and never corrects.
     #[must_use]
-    pub fn none() -> Self {
-        let zero = [[0.0; D]; MOST_PROBES];
-        let gain = Gain {
-            position: zero,
-            rate: zero,
-            load: zero,
-            rotating_load: zero,
-            whitening: [[0.0; MOST_PROBES]; MOST_PROBES],
-        };
-        Self { all: vec![gain], speeds: [0.0; 2], log_determinant: 0.0 }
+    pub fn none(order: usize) -> Self {
+        Self { all: vec![Gain::none(order)], speeds: [0.0; 2], log_determinant: 0.0 }
     }
 
     /// Computes the gains for probes with these rows.
     ///
     /// # Errors
     /// A system whose filter has no steady state.
-    pub fn try_new(plant: &Plant, rows: &[[f64; D]], speed: Speed, period: f64, of: &Uncertainty) -> Result<Self> {
+    pub fn try_new(plant: &Plant, rows: &[Vec<f64>], speed: Speed, period: f64, of: &Uncertainty) -> Result<Self> {
         let (from, to) = match speed {
             Speed::Ramp { from, to, .. } => (from, to),
             other => (other.nominal(), other.nominal()),
@@ -99,17 +123,17 @@ impl Gains {
         let mut all = Vec::with_capacity(count);
         for i in 0..count {
             let steady = model::steady(plant, rows, from + i as f64 * stride, period, of)?;
-            let entry = |p: usize, i: usize| if p < rows.len() { steady.gain[(i, p)] } else { 0.0 };
-            let part = |first: usize| std::array::from_fn(|p| std::array::from_fn(|i| entry(p, first + i)));
-            let white = |i: usize, j: usize| if i.max(j) < rows.len() { steady.whitening[(i, j)] } else { 0.0 };
-            all.push(Gain {
-                position: part(0),
-                rate: part(D),
-                load: part(2 * D),
-                rotating_load: part(3 * D),
-                whitening: std::array::from_fn(|i| std::array::from_fn(|j| white(i, j))),
-            });
             log_determinant = -2.0 * (0..rows.len()).map(|i| steady.whitening[(i, i)].ln()).sum::<f64>();
+            let n = plant.layout.order;
+            let loads = model::loads(plant);
+            let part = |first: usize, rows: usize| steady.gain.rows(first, rows).into_owned();
+            all.push(Gain {
+                position: part(0, n),
+                rate: part(n, n),
+                load: &loads * part(2 * n, model::LOADS),
+                rotating_load: &loads * part(2 * n + model::LOADS, model::LOADS),
+                whitening: steady.whitening,
+            });
         }
         if stride < 0.0 {
             all.reverse();
@@ -126,20 +150,18 @@ pub trait StateEstimator {
     fn step(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status);
     /// Sets the validation gate; infinity disables it.
     fn set_gate(&mut self, gate: f64);
-    /// Restarts at a displacement and its rate, without unknown loads.
-    fn restart(&mut self, position: &Displacement<f64>, rate: &Displacement<f64>);
-    /// Returns the estimated displacement of the rotor.
-    fn position(&self) -> Displacement<f64>;
-    /// Returns the estimated unknown load.
-    fn load(&self) -> [f64; D];
-    /// Returns the estimated unknown load that rotates with the shaft.
-    fn turning(&self) -> [f64; D];
+    /// Restarts at coordinates and their rates, without unknown loads.
+    fn restart(&mut self, coordinates: &[f64], rates: &[f64]);
+    /// Returns the estimated coordinates.
+    fn coordinates(&self) -> &[f64];
+    /// Returns the estimated unknown force and moment on the rotor, about its centre of mass.
+    fn load(&self) -> [f64; 5];
 }
 
 /// Task that starts an estimator.
 pub struct EstimatorTask<'a> {
     /// Reading of each probe per unit of each coordinate.
-    pub rows: &'a [[f64; D]],
+    pub rows: &'a [Vec<f64>],
     /// Gains of the correction.
     pub gains: &'a Gains,
     /// Initial state.
@@ -150,49 +172,67 @@ pub struct EstimatorTask<'a> {
     pub parts: Vec<ComponentAngles>,
     /// Sample period, s.
     pub period: f64,
+    /// Integrator with its step, and number of steps in a sample period.
+    pub step: (Step, u32),
 }
 
-type KernelObserver<const N: usize> =
-    Observer<f64, RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, Step, Vec<Gain>, N, MOST_PROBES>;
+type KernelObserver<S, C, const D: usize, const N: usize> =
+    Observer<f64, S, C, Step, Vec<SpeedGain<f64, D, MOST_PROBES>>, D, N, MOST_PROBES>;
 
-struct Estimator<const N: usize> {
-    observer: KernelObserver<N>,
-    state: ObserverState<f64, N>,
+struct Estimator<S, C, const D: usize, const N: usize> {
+    observer: KernelObserver<S, C, D, N>,
+    state: ObserverState<f64, D, N>,
     readings: [f64; MOST_PROBES],
     /// Number of probes in use.
     probes: usize,
+    /// Number of coordinates in use.
+    order: usize,
 }
 
-impl RigidTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
-    fn run<const N: usize>(self, machine: RigidSystem<N>, step: Step, substeps: u32) -> Box<dyn StateEstimator> {
-        let mut probes = [[0.0; D]; MOST_PROBES];
-        for (to, row) in probes.iter_mut().zip(self.rows) {
-            *to = *row;
-        }
+/// Returns the first `N` of `all`, the rest zero.
+fn array<const N: usize>(all: &[f64]) -> [f64; N] {
+    std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
+}
+
+impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
+    fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Box<dyn StateEstimator>
+    where
+        S: SecondOrderSystem<f64, D> + 'static,
+        C: Fit<D> + 'static,
+    {
+        let probes = std::array::from_fn(|p| self.rows.get(p).map_or([0.0; D], |row| array(row)));
         let parts: [ComponentAngles; N] = std::array::from_fn(|i| self.parts.get(i).copied().unwrap_or_default());
-        let motion =
-            RotorState { velocity: self.start.rate, ..RotorState::stationary(self.start.q, self.shaft, parts) };
+        let motion = RotorState {
+            velocity: array(&self.start.rate),
+            ..RotorState::stationary(array::<D>(&self.start.q), self.shaft, parts)
+        };
+        let (step, substeps) = self.step;
         let observer = Observer {
             system: machine,
             integrator: step,
             step: step.length,
             substeps,
             probes,
-            gains: self.gains.all.clone(),
+            gains: self.gains.all.iter().map(Gain::of_kernel).collect(),
             speeds: self.gains.speeds,
             load_retention: memory(self.period),
             gate: f64::INFINITY,
         };
         Box::new(Estimator {
             observer,
-            state: ObserverState { motion, load: self.start.load, rotating_load: self.start.turning },
+            state: ObserverState { motion, load: array(&self.start.load), rotating_load: array(&self.start.turning) },
             readings: [0.0; MOST_PROBES],
             probes: self.rows.len(),
+            order: self.start.q.len(),
         })
     }
 }
 
-impl<const N: usize> StateEstimator for Estimator<N> {
+impl<S, C, const D: usize, const N: usize> StateEstimator for Estimator<S, C, D, N>
+where
+    S: SecondOrderSystem<f64, D>,
+    C: Fit<D>,
+{
     fn step(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status) {
         for (to, &reading) in self.readings.iter_mut().zip(readings).take(self.probes) {
             *to = reading;
@@ -203,19 +243,16 @@ impl<const N: usize> StateEstimator for Estimator<N> {
     fn set_gate(&mut self, gate: f64) {
         self.observer.gate = gate;
     }
-    fn restart(&mut self, position: &Displacement<f64>, rate: &Displacement<f64>) {
-        self.state.motion.q = position.to_array();
-        self.state.motion.velocity = rate.to_array();
+    fn restart(&mut self, coordinates: &[f64], rates: &[f64]) {
+        self.state.motion.q = array(coordinates);
+        self.state.motion.velocity = array(rates);
         self.state.load = [0.0; D];
         self.state.rotating_load = [0.0; D];
     }
-    fn position(&self) -> Displacement<f64> {
-        self.state.motion.displacement()
+    fn coordinates(&self) -> &[f64] {
+        self.state.motion.q.get(..self.order).unwrap_or_default()
     }
-    fn load(&self) -> [f64; D] {
-        self.state.load
-    }
-    fn turning(&self) -> [f64; D] {
-        self.state.rotating_load
+    fn load(&self) -> [f64; 5] {
+        array(&self.state.load)
     }
 }

@@ -5,11 +5,8 @@ use crate::error::Result;
 use crate::plant::{Plant, PlantError};
 use nalgebra::DMatrix;
 
-/// Coordinates of a rigid rotor.
-const D: usize = 5;
-
-/// q, q', d, r of the kernel's observer.
-const STATES: usize = 4 * D;
+/// Number of unknown loads: force and moment on a rigid rotor, or forces at two bearings of another one.
+pub const LOADS: usize = 5;
 
 /// Measurement noise and process noise of the filter.
 pub struct Uncertainty<'a> {
@@ -38,17 +35,33 @@ pub fn memory(period: f64) -> f64 {
     (-period / MEMORY).exp()
 }
 
-/// Returns units in which all states are of similar size: um, um at the bearings, their rates, N.
-fn scales(plant: &Plant) -> [f64; STATES] {
-    let lever = lever(plant);
-    std::array::from_fn(|i| {
-        let by = if i % D < 3 { 1.0 } else { lever };
-        match i / D {
-            0 => 1e-6 / by,
-            1 => 1e-3 / by,
-            _ => by,
+/// Returns the force on each coordinate by each unknown load: of a rigid rotor, on its five coordinates, also about its supports; of
+/// a flexible one, along X and Y at the two outermost bearings and along Z, where the forces of its faults act.
+#[must_use]
+pub fn loads(plant: &Plant) -> DMatrix<f64> {
+    let n = plant.layout.order;
+    let by_station =
+        |a: &&crate::plant::MountedBearing, b: &&crate::plant::MountedBearing| a.station.total_cmp(&b.station);
+    let ends = (plant.bearings.iter().min_by(by_station), plant.bearings.iter().max_by(by_station));
+    match ends {
+        (Some(first), Some(last)) if plant.layout.flexible().is_some() && last.station > first.station => {
+            let (first, last) = (plant.layout.rows(first.station), plant.layout.rows(last.station));
+            let rows = [&first[0], &first[1], &first[2], &last[0], &last[1]];
+            DMatrix::from_fn(n, LOADS, |i, j| rows[j][i])
         }
-    })
+        _ => DMatrix::identity(n, LOADS),
+    }
+}
+
+/// Returns units in which all states are of similar size: um, um at the bearings, their rates, N.
+fn scales(plant: &Plant) -> Vec<f64> {
+    let (n, lever) = (plant.layout.order, lever(plant));
+    let is_tilt = |i: usize| i == 3 || i == 4;
+    let are_moments = plant.layout.flexible().is_none();
+    let by = |i: usize| if is_tilt(i) { lever } else { 1.0 };
+    let lengths = |size: f64| (0..n).map(move |i| size / by(i));
+    let forces = || (0..LOADS).map(|i| if are_moments { by(i) } else { 1.0 });
+    lengths(1e-6).chain(lengths(1e-3)).chain(forces()).chain(forces()).collect()
 }
 
 /// Returns the rms distance of the bearings from the centre of mass, m.
@@ -68,11 +81,13 @@ pub fn weight(plant: &Plant) -> f64 {
 ///
 /// # Errors
 /// As [`Sampled::steady`].
-pub fn steady(plant: &Plant, rows: &[[f64; D]], speed: f64, period: f64, of: &Uncertainty) -> Result<Steady> {
+pub fn steady(plant: &Plant, rows: &[Vec<f64>], speed: f64, period: f64, of: &Uncertainty) -> Result<Steady> {
     let scale = scales(plant);
     let (transition, disturbance) = sampled(plant, speed, period, of, &scale)?;
+    let n = plant.layout.order;
     // Readings in um.
-    let probes = DMatrix::from_fn(rows.len(), STATES, |p, i| if i < D { rows[p][i] * scale[i] * 1e6 } else { 0.0 });
+    let probes =
+        DMatrix::from_fn(rows.len(), scale.len(), |p, i| if i < n { rows[p][i] * scale[i] * 1e6 } else { 0.0 });
     let noise = DMatrix::from_fn(rows.len(), rows.len(), |i, j| if i == j { (of.noise[i] * 1e6).powi(2) } else { 0.0 });
     let mut found = Sampled { transition, probes, disturbance, noise }.steady()?;
     for (i, unit) in scale.iter().enumerate() {
@@ -88,25 +103,25 @@ fn sampled(
     speed: f64,
     period: f64,
     of: &Uncertainty,
-    scale: &[f64; STATES],
+    scale: &[f64],
 ) -> Result<(DMatrix<f64>, DMatrix<f64>)> {
     let system = plant.scales()?;
     let inverse = system.mass.try_inverse().ok_or(PlantError::SingularMass)?;
     let by_position = -&inverse * &plant.stiffness;
     let by_rate = -&inverse * (system.damping + system.gyroscopic * speed);
-    let mut f = DMatrix::<f64>::zeros(STATES, STATES);
-    for i in 0..D {
-        f[(i, D + i)] = 1.0;
-        f[(2 * D + i, 2 * D + i)] = -1.0 / MEMORY;
-        for j in 0..D {
-            f[(D + i, j)] = by_position[(i, j)];
-            f[(D + i, D + j)] = by_rate[(i, j)];
-            f[(D + i, 2 * D + j)] = inverse[(i, j)];
-            f[(D + i, 3 * D + j)] = inverse[(i, j)];
-        }
-        f[(3 * D + i, 3 * D + i)] = -1.0 / MEMORY;
+    let by_load = &inverse * loads(plant);
+    let (order, n) = (plant.layout.order, scale.len());
+    let (load, rotating) = (2 * order, 2 * order + LOADS);
+    let mut f = DMatrix::<f64>::zeros(n, n);
+    f.view_mut((0, order), (order, order)).fill_with_identity();
+    f.view_mut((order, 0), (order, order)).copy_from(&by_position);
+    f.view_mut((order, order), (order, order)).copy_from(&by_rate);
+    f.view_mut((order, load), (order, LOADS)).copy_from(&by_load);
+    f.view_mut((order, rotating), (order, LOADS)).copy_from(&by_load);
+    for i in load..n {
+        f[(i, i)] = -1.0 / MEMORY;
     }
-    for (x, y) in [(3 * D, 3 * D + 1), (3 * D + 3, 3 * D + 4)] {
+    for (x, y) in [(rotating, rotating + 1), (rotating + 3, rotating + 4)] {
         (f[(x, y)], f[(y, x)]) = (-speed, speed);
     }
     for (i, to) in scale.iter().enumerate() {
@@ -114,15 +129,14 @@ fn sampled(
             f[(i, j)] *= from / to;
         }
     }
-    let n = STATES;
     let mut both = DMatrix::<f64>::zeros(2 * n, 2 * n);
     both.view_mut((0, 0), (n, n)).copy_from(&(-&f * period));
     both.view_mut((n, n), (n, n)).copy_from(&(f.transpose() * period));
-    for i in 2 * D..n {
+    for i in load..n {
         // The unit of moments contains the lever. The rotating load has no axial component.
         let process_noise = match i {
-            _ if i < 3 * D => of.process_noise,
-            _ if i == 3 * D + 2 => 0.0,
+            _ if i < rotating => of.process_noise,
+            _ if i == rotating + 2 => 0.0,
             _ => of.turning_process_noise,
         };
         both[(i, n + i)] = process_noise * process_noise * period;

@@ -1,8 +1,8 @@
 //! An observer in operation: its step from sample to sample, the consistency test, and the restart.
 
 use super::{Consistency, MOST_PROBES, StateEstimator, Verdict};
+use ballrace::Status;
 use ballrace::rotor::ShaftMotion;
-use ballrace::{Displacement, Status};
 
 /// An observer that follows the samples of a recording.
 pub struct RunningObserver {
@@ -33,14 +33,14 @@ impl RunningObserver {
     /// Advances over the sample periods `motion` (the shaft at the start of each) and corrects with the readings at the end
     /// of the last period. Readings are NaN where missing.
     ///
-    /// `is_possible` tests the estimate; `restart_state` returns displacement and rate for a restart. Returns the flags of all
+    /// `is_possible` tests the estimated coordinates; `restart_state` returns coordinates and rates for a restart. Returns the flags of all
     /// periods, and the correction where every probe has a reading.
     pub fn step(
         &mut self,
         motion: impl Iterator<Item = ShaftMotion<f64>>,
         readings: &[f64],
-        is_possible: impl Fn(&Displacement<f64>) -> bool,
-        restart_state: impl FnOnce() -> (Displacement<f64>, Displacement<f64>),
+        is_possible: impl Fn(&[f64]) -> bool,
+        restart_state: impl FnOnce() -> (Vec<f64>, Vec<f64>),
     ) -> (Status, Option<Correction>) {
         let missing = [f64::NAN; MOST_PROBES];
         let mut motion = motion.peekable();
@@ -53,7 +53,7 @@ impl RunningObserver {
             last = is_last.then_some((nis, status));
         }
         let Some((nis, status)) = last.filter(|_| !readings.iter().any(|y| y.is_nan())) else { return (all, None) };
-        let is_possible = !status.contains(Status::INPUT_NOT_FINITE) && is_possible(&self.estimator.position());
+        let is_possible = !status.contains(Status::INPUT_NOT_FINITE) && is_possible(self.estimator.coordinates());
         let was_trusted = self.consistency.is_trusted();
         let verdict = self.consistency.test(nis, is_possible);
         if verdict == Verdict::Restart {
@@ -64,10 +64,10 @@ impl RunningObserver {
         (all, Some(Correction { nis: self.consistency.bounded(nis), status, verdict, lost_trust }))
     }
 
-    /// Returns the estimated displacement of the rotor; none where the observer is not trusted.
+    /// Returns the estimated coordinates; none where the observer is not trusted.
     #[must_use]
-    pub fn position(&self) -> Option<Displacement<f64>> {
-        self.consistency.is_trusted().then(|| self.estimator.position())
+    pub fn coordinates(&self) -> Option<&[f64]> {
+        self.consistency.is_trusted().then(|| self.estimator.coordinates())
     }
 
     /// Returns the estimated unknown load; none where the observer is not trusted.

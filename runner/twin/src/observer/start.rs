@@ -1,10 +1,11 @@
 //! Initial state of the observer: the state from which the model follows the first revolutions best.
 
-use super::{D, Gains, IdentificationData, InitialState, model, tune};
+use super::{Gains, IdentificationData, InitialState, model, tune};
 use crate::error::Result;
 use crate::least_squares;
 use crate::plant::Plant;
 use crate::probes::reading;
+use nalgebra::DVector;
 
 /// Number of samples in the fit.
 const SAMPLES: usize = 1024;
@@ -12,7 +13,6 @@ const SAMPLES: usize = 1024;
 const PRIOR: [f64; 4] = [50e-6, 50e-3, 1.0, 1.0];
 /// Share of the sum of squares by which an iteration reduces it at least: about 0.5 of the few thousand that noise alone leaves, which decides nothing.
 const LEAST_FALL: f64 = 1e-4;
-const STATES: usize = 4 * D;
 
 /// Finds the state at the first sample, starting from `guess`.
 ///
@@ -22,30 +22,36 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
     let IdentificationData { samples, rows, period, .. } = *data;
     let samples = samples.get(..SAMPLES.min(samples.len())).unwrap_or_default();
     let Some(first) = samples.first() else { return Ok(guess) };
-    let (lever, weight) = (model::lever(plant), model::weight(plant));
-    let unit = |i: usize| {
-        let size = PRIOR[i / D] * if i < 2 * D { 1.0 } else { weight };
-        let by = if i % D < 3 { 1.0 } else { lever };
-        if i < 2 * D { size / by } else { size * by }
+    let (lever, weight, loads) = (model::lever(plant), model::weight(plant), model::loads(plant));
+    let (n, are_moments) = (plant.layout.order, plant.layout.flexible().is_none());
+    let by = |i: usize| if i == 3 || i == 4 { lever } else { 1.0 };
+    let lengths = |size: f64| (0..n).map(move |i| size / by(i));
+    let forces = |size: f64| (0..model::LOADS).map(move |i| size * weight * if are_moments { by(i) } else { 1.0 });
+    let [position, rate, load, turning] = PRIOR;
+    let units: Vec<f64> = lengths(position).chain(lengths(rate)).chain(forces(load)).chain(forces(turning)).collect();
+    let at = |x: &[f64]| {
+        let x: Vec<f64> = x.iter().zip(&units).map(|(x, unit)| x * unit).collect();
+        let (q, x) = x.split_at(n);
+        let (rate, x) = x.split_at(n);
+        let (load, turning) = x.split_at(model::LOADS);
+        let sum = |from: &[f64], x: &[f64]| from.iter().zip(x).map(|(a, b)| a + b).collect();
+        let spread = |x: &[f64]| (&loads * DVector::from_column_slice(x)).as_slice().to_vec();
+        InitialState {
+            q: sum(&guess.q, q),
+            rate: sum(&guess.rate, rate),
+            load: sum(&guess.load, &spread(load)),
+            turning: sum(&guess.turning, &spread(turning)),
+        }
     };
-    let part = |x: &[f64], from: &[f64; D], first: usize| {
-        std::array::from_fn(|i| from[i] + unit(first + i) * x.get(first + i).copied().unwrap_or(0.0))
-    };
-    let at = |x: &[f64]| InitialState {
-        q: part(x, &guess.q, 0),
-        rate: part(x, &guess.rate, D),
-        load: part(x, &guess.load, 2 * D),
-        turning: part(x, &guess.turning, 3 * D),
-    };
-    let none = Gains::none();
+    let none = Gains::none(n);
     let residuals = |x: &[f64]| -> Result<Vec<f64>> {
         data.check_cancelled()?;
         let mut estimator = tune::estimator(plant, rows, &none, at(x), first, period)?;
         let mut left = Vec::with_capacity(samples.len() * rows.len() + x.len());
         for (i, sample) in samples.iter().enumerate() {
-            let position = estimator.position();
+            let position = estimator.coordinates();
             for ((row, measured), sigma) in rows.iter().zip(&sample.row.probes).zip(noise) {
-                let off = (measured - reading(row, &position)) / sigma;
+                let off = (measured - reading(row, position)) / sigma;
                 left.push(if off.is_finite() { off } else { 0.0 });
             }
             let steps = samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
@@ -57,5 +63,5 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
         left.extend_from_slice(x);
         Ok(left)
     };
-    Ok(at(&least_squares::solve(vec![0.0; STATES], &residuals, LEAST_FALL, &mut |_| {})?.x))
+    Ok(at(&least_squares::solve(vec![0.0; units.len()], &residuals, LEAST_FALL, &mut |_| {})?.x))
 }

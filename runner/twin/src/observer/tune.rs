@@ -1,7 +1,7 @@
 //! Identification of the observer: the process noise of the unknown force under which the first revolutions are most likely.
 
 use super::model::{self, Uncertainty};
-use super::{D, EstimatorTask, Gains, InitialState, MOST_PROBES, StateEstimator, start};
+use super::{EstimatorTask, Gains, InitialState, MOST_PROBES, StateEstimator, start};
 use crate::error::{ObserverError, Result};
 use crate::plant::{MountedBearing, Plant};
 use crate::recording::Sample;
@@ -13,7 +13,7 @@ pub struct IdentificationData<'a> {
     /// Samples of the first revolutions, in order.
     pub samples: &'a [Sample],
     /// Reading of each probe per unit of each coordinate.
-    pub rows: &'a [[f64; D]],
+    pub rows: &'a [Vec<f64>],
     /// Rms noise of each probe where the scene gives it, m.
     pub given_noise: &'a [Option<f64>],
     /// Sample period, s.
@@ -83,7 +83,7 @@ pub fn identify(
         data.check_cancelled()?;
         let of = Uncertainty::new(&noise, process_noise, weight);
         let Ok(gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { continue };
-        let cost = negative_log_likelihood(plant, data, &gains, start)?;
+        let cost = negative_log_likelihood(plant, data, &gains, &start)?;
         if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
             best = Some((cost, process_noise, gains));
         }
@@ -96,10 +96,10 @@ fn negative_log_likelihood(
     plant: &Plant,
     data: &IdentificationData,
     gains: &Gains,
-    start: InitialState,
+    start: &InitialState,
 ) -> Result<f64> {
     let Some((first, rest)) = data.samples.split_first() else { return Ok(0.0) };
-    let mut estimator = estimator(plant, data.rows, gains, start, first, data.period)?;
+    let mut estimator = estimator(plant, data.rows, gains, start.clone(), first, data.period)?;
     let mut sum = 0.0;
     let mut last = first;
     for sample in rest.iter().take(SAMPLES) {
@@ -121,7 +121,7 @@ fn negative_log_likelihood(
 /// A plant that the kernel rejects.
 pub fn estimator(
     plant: &Plant,
-    rows: &[[f64; D]],
+    rows: &[Vec<f64>],
     gains: &Gains,
     start: InitialState,
     sample: &Sample,
@@ -130,8 +130,9 @@ pub fn estimator(
     let revolutions = sample.total_revolutions();
     let parts =
         plant.bearings.iter().map(|bearing: &MountedBearing| bearing.kinematics.parts_at(revolutions)).collect();
-    let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period };
-    Ok(plant.with_rigid(period, task)?)
+    let step = plant.step(period)?;
+    let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period, step };
+    Ok(plant.observed(task)?)
 }
 
 /// Returns the rms noise of a probe: the given one, or that of the third differences where it is clearly larger.

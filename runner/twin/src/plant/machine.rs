@@ -2,7 +2,7 @@
 
 use super::error::{PlantError, Result, rejected};
 use super::system::{OnHeap, RIGID};
-use super::{MountedBearing, Plant, Step};
+use super::{MountedBearing, Plant};
 use crate::scene::build::{self, AnyBearing, Shared};
 use ballrace::bearing::{Bearing, ElementPosition, Reaction};
 use ballrace::rotor::{
@@ -17,6 +17,8 @@ use std::sync::Arc;
 pub const MOST_BEARINGS: usize = 8;
 /// Largest number of coordinates of a system.
 pub const LARGEST: usize = 128;
+/// Largest number of coordinates that an observer follows.
+pub const MOST_OBSERVED: usize = 32;
 
 /// A force element that also returns the reaction of its bearing.
 pub trait Fit<const D: usize>: ForceElement<f64, D> {
@@ -33,18 +35,12 @@ pub trait SystemTask<R> {
         C: Fit<D> + 'static;
 }
 
-/// Task with a rigid rotor on its bearings in motion.
-pub trait RigidTask<R> {
-    /// Runs the task with the system, the integrator and its number of steps in a sample period.
-    fn run<const N: usize>(self, machine: RigidSystem<N>, step: Step, substeps: u32) -> R;
-}
-
 /// A rigid rotor on bearings.
 pub type RigidSystem<const N: usize> =
     RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, N>;
 
 /// Selection of the bearing of a mounted bearing: cold or moving.
-pub(super) type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
+pub type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
 
 /// An unused position of the system: no force.
 struct Nothing;
@@ -126,9 +122,8 @@ impl Plant {
             (RIGID, 1) => self.rigid::<R, 1>(hold, task),
             (RIGID, 2) => self.rigid::<R, 2>(hold, task),
             (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
-            (..=9, _) => self.general::<R, 9, MOST_BEARINGS>(hold, task),
             (..=12, ..=2) => self.general::<R, 12, 2>(hold, task),
-            (..=16, _) => self.general::<R, 16, MOST_BEARINGS>(hold, task),
+            (..=16, ..=2) => self.general::<R, 16, 2>(hold, task),
             (..=32, _) => self.general::<R, 32, MOST_BEARINGS>(hold, task),
             (..=64, _) => self.general::<R, 64, MOST_BEARINGS>(hold, task),
             (..=LARGEST, _) => self.general::<R, LARGEST, MOST_BEARINGS>(hold, task),
@@ -136,13 +131,18 @@ impl Plant {
         }
     }
 
-    /// Runs `task` with the system of a rigid rotor.
-    pub(super) fn rigid_machine<R>(&self, step: Step, substeps: u32, task: impl RigidTask<R>) -> Result<R> {
-        Ok(match self.bearings.len() {
-            1 => task.run::<1>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
-            2 => task.run::<2>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
-            _ => task.run::<MOST_BEARINGS>(self.rotor_on_bearings(MountedBearing::moving)?, step, substeps),
-        })
+    /// Runs `task` as [`Plant::with_machine`], with at most [`MOST_OBSERVED`] coordinates.
+    pub(super) fn with_observed_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
+        let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
+        match (order, self.bearings.len()) {
+            (RIGID, 1) => self.rigid::<R, 1>(hold, task),
+            (RIGID, 2) => self.rigid::<R, 2>(hold, task),
+            (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
+            (..=12, ..=2) => self.general::<R, 12, 2>(hold, task),
+            (..=16, ..=2) => self.general::<R, 16, 2>(hold, task),
+            (..=MOST_OBSERVED, _) => self.general::<R, MOST_OBSERVED, MOST_BEARINGS>(hold, task),
+            (found, _) => Err(PlantError::Coordinates { found, most: MOST_OBSERVED }),
+        }
     }
 
     #[inline(never)]
@@ -192,8 +192,7 @@ impl Plant {
     }
 
     fn fitted<const D: usize>(&self, i: usize, mounted: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
-        let (attachment, speed_ratios) =
-            (self.layout.attachment::<D>(i), mounted.kinematics.speed_ratios());
+        let (attachment, speed_ratios) = (self.layout.attachment::<D>(i), mounted.kinematics.speed_ratios());
         let first = self.layout.balls.get(i).copied().flatten();
         Ok(match (&mounted.balls, first) {
             (Some(balls), Some(first)) => {

@@ -14,23 +14,22 @@ mod warm;
 pub use crate::scene::build::PRESSURE_LIMIT;
 pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
-use machine::Fit;
-pub use machine::{LARGEST, MOST_BEARINGS, RigidSystem, RigidTask};
+pub use machine::Fit;
+pub use machine::{LARGEST, MOST_BEARINGS, MOST_OBSERVED, SystemTask};
 pub use mounted::{Balls, MountedBearing};
-pub use run_in::RunIn;
 pub use reduction::{ReductionError, response};
+pub use run_in::RunIn;
 use system::Body;
-pub use system::{Layout, Rows, Scales, only_rigid};
+pub use system::{Layout, Rows, Scales, only_observable};
 pub use twin::{Step, Twin, first_five};
 
 use crate::scene::build;
-use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
+use crate::scene::{Bearing, Direction, Integration, Linear, Method, Model, Probe, Rotor, Scene, Speed};
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Equilibrium, RotorBearingSystem, SecondOrderSystem, ShaftMotion, equilibrium};
 use ballrace::{BearingKinematicState, Displacement, Phase};
 pub use error::{PlantError, Result};
-use machine::SystemTask;
 use nalgebra::{Complex, DMatrix};
 use system::array;
 use twin::StartTask;
@@ -242,6 +241,10 @@ impl Plant {
     /// Returns the displacement of bearing `i`, inner ring against outer ring, at `coordinates`.
     #[must_use]
     pub fn displacement(&self, i: usize, coordinates: &[f64]) -> Displacement<f64> {
+        if self.layout.is_rigid() {
+            let station = self.bearings.get(i).map_or(0.0, |s| s.station);
+            return first_five(coordinates).at_station(station);
+        }
         let Some(rows) = self.layout.attached(i) else { return Displacement::default() };
         let product = |row: &Vec<f64>| row.iter().zip(coordinates).map(|(t, q)| t * q).sum();
         Displacement::from_array(rows.each_ref().map(product))
@@ -333,14 +336,32 @@ impl Plant {
         Ok(steps as u32)
     }
 
-    /// Runs `task` with the system of a rigid rotor, the integrator and its number of steps in a sample period.
+    /// Runs `task` with the system on moving bearings.
     ///
     /// # Errors
-    /// A scene of another system, a parameter that the kernel rejects.
-    pub fn with_rigid<R>(&self, sample_period: f64, task: impl RigidTask<R>) -> Result<R> {
+    /// More than [`MOST_OBSERVED`] coordinates, a parameter that the kernel rejects.
+    pub fn observed<R>(&self, task: impl SystemTask<R>) -> Result<R> {
+        self.with_observed_machine(MountedBearing::moving, task)
+    }
+
+    /// Returns the integrator and its number of steps in a sample period.
+    ///
+    /// # Errors
+    /// As [`Plant::substeps`].
+    pub fn step(&self, sample_period: f64) -> Result<(Step, u32)> {
         let substeps = self.substeps(sample_period)?;
-        let step = Step { method: self.integration.method, length: sample_period / f64::from(substeps) };
-        self.rigid_machine(step, substeps, task)
+        Ok((Step { method: self.integration.method, length: sample_period / f64::from(substeps) }, substeps))
+    }
+
+    /// Returns the change of a probe's reading per unit of each coordinate.
+    #[must_use]
+    pub fn probe_row(&self, probe: &Probe) -> Vec<f64> {
+        let rows = self.layout.rows(probe.station);
+        let [x, y, z] = match probe.direction {
+            Direction::Axial => [0.0, 0.0, 1.0],
+            Direction::Radial(angle) => [angle.cos(), angle.sin(), 0.0],
+        };
+        (0..self.layout.order).map(|i| x * rows[0][i] + y * rows[1][i] + z * rows[2][i]).collect()
     }
 
     /// Returns a twin at the given revolutions of the shaft, run in at that speed from rest.
@@ -358,12 +379,12 @@ impl Plant {
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
     pub fn start(&self, sample_period: f64, revolutions: f64) -> Result<Box<dyn Twin>> {
-        let substeps = self.substeps(sample_period)?;
+        let (step, substeps) = self.step(sample_period)?;
         let task = StartTask {
             rest: self.rest.clone(),
             shaft: Phase::from_revolutions(revolutions),
             parts: self.bearings.iter().map(|s| s.kinematics.parts_at(revolutions)).collect(),
-            step: Step { method: self.integration.method, length: sample_period / f64::from(substeps) },
+            step,
             substeps,
         };
         self.with_machine(MountedBearing::moving, task)

@@ -44,12 +44,7 @@ pub(super) fn first(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBear
     reduced(scene, rotor, mounted, count)
 }
 
-fn reduced(
-    scene: &Scene,
-    rotor: &FlexibleRotor,
-    mounted: &[MountedBearing],
-    count: usize,
-) -> Result<ReducedRotor> {
+fn reduced(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBearing], count: usize) -> Result<ReducedRotor> {
     let highest = highest_line(scene, mounted);
     let free = FreeRotor::try_new(rotor, &stations(scene, rotor), highest)?;
     let forces: Vec<f64> = mounted.iter().map(|b| b.station).collect();
@@ -124,11 +119,8 @@ impl Plant {
             }))
         });
         let speed = self.speed;
-        let small_response = response(
-            [&scales.mass, &scales.damping, &scales.gyroscopic, &self.stiffness],
-            &scales.unbalance,
-            speed,
-        );
+        let small_response =
+            response([&scales.mass, &scales.damping, &scales.gyroscopic, &self.stiffness], &scales.unbalance, speed);
         let full_response =
             response([&full.mass, &full.damping, &full.gyroscopic, &full.stiffness], &full.unbalance, speed);
         let response = difference(full.points.iter().zip(&full.observed).flat_map(|(whole, own)| {
@@ -210,8 +202,7 @@ impl Full {
             whole.view_mut((own, own), (rest, rest)).copy_from(&part.view((first, first), (rest, rest)));
             whole
         };
-        let [mut mass, mut damping, mut gyroscopic] =
-            [&scales.mass, &scales.damping, &scales.gyroscopic].map(whole);
+        let [mut mass, mut damping, mut gyroscopic] = [&scales.mass, &scales.damping, &scales.gyroscopic].map(whole);
         let mut stiffness = whole(&scales.stiffness);
         for (i, j) in (0..2 * nodes).flat_map(|i| (0..2 * nodes).map(move |j| (i, j))) {
             for plane in [0, 2 * nodes] {
@@ -280,13 +271,10 @@ impl Full {
             }
             let u = plant.displacement(i, &plant.rest);
             let state = plant.resting(bearing, ballrace::Phase::ZERO);
-            let (_, tangent) =
-                ballrace::bearing::Bearing::reaction_and_stiffness(&bearing.bearing, &u, &state);
+            let (_, tangent) = ballrace::bearing::Bearing::reaction_and_stiffness(&bearing.bearing, &u, &state);
             // Few rows are not zero.
-            let entries: Vec<Vec<(usize, f64)>> = at
-                .iter()
-                .map(|row| row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect())
-                .collect();
+            let entries: Vec<Vec<(usize, f64)>> =
+                at.iter().map(|row| row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect()).collect();
             for (a, row_a) in entries.iter().enumerate() {
                 for (b, row_b) in entries.iter().enumerate() {
                     for &(i, x) in row_a {
@@ -304,5 +292,57 @@ impl Full {
             observed.push(plant.layout.rows(station));
         }
         Ok(Self { mass, damping, gyroscopic, stiffness, load, unbalance, points, observed })
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    const SCENE: &str = r#"
+        [shaft]
+        speed = "3400 rpm"
+        [rotor]
+        sections = [
+          { from = "0 mm", to = "60 mm", outer_diameter = "25 mm" },
+          { from = "60 mm", to = "420 mm", outer_diameter = "30 mm" },
+          { from = "420 mm", to = "480 mm", outer_diameter = "25 mm" },
+        ]
+        disks = [{ station = "200 mm", mass = "5 kg", diametral_inertia = 0.008, polar_inertia = 0.014 }]
+        proportional_damping = { mass = "60 1/s", stiffness = "2e-6 s" }
+        unbalance = [{ moment = "50 g mm", angle = "30 deg", station = "200 mm" }]
+        [[bearing]]
+        name = "DE"
+        station = "30 mm"
+        facing = "both"
+        model = "linear"
+        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 1e7, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
+        [[bearing]]
+        name = "NDE"
+        station = "450 mm"
+        facing = "both"
+        model = "linear"
+        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
+    "#;
+
+    fn error(coordinates: &str) -> (ReductionError, usize) {
+        let text = SCENE.replace("unbalance =", &format!("{coordinates}\nunbalance ="));
+        let plant = Plant::try_new(&read_str(&text, Path::new("scene.toml")).unwrap()).unwrap();
+        (plant.reduction.unwrap(), plant.layout.order)
+    }
+
+    /// The fewest coordinates with the allowed error are taken, and more of them have a smaller one.
+    #[test]
+    fn as_many_coordinates_as_the_scene_requires() {
+        let (chosen, order) = error("");
+        assert!(chosen.is_allowed(), "{chosen:?}");
+        let (fewer, _) = error(&format!("coordinates = {}", order - 2));
+        assert!(!fewer.is_allowed(), "{fewer:?}");
+        let (more, _) = error("coordinates = 25");
+        assert!(more.frequency < chosen.frequency && more.frequency < 1e-4, "{more:?}");
+        assert!(more.deflection < 2e-3 && more.response < 2e-3, "{more:?}");
     }
 }

@@ -2,10 +2,10 @@
 
 use super::error::{PlantError, Result, rejected};
 use super::{Given, MOST_BEARINGS, MountedBearing};
+use crate::flexible_rotor::ReducedRotor;
 use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
 use nalgebra::{DMatrix, SMatrix};
-use crate::flexible_rotor::ReducedRotor;
 use std::sync::Arc;
 
 /// Coordinates of a rigid rotor.
@@ -321,16 +321,15 @@ pub struct Scales {
     pub unbalance: Vec<[f64; 2]>,
 }
 
-/// Rejects a scene whose system has more than the five coordinates of a rigid rotor.
+/// Rejects a scene whose motion cannot be compared with a recording: a system without probes by coordinates, moving balls.
 ///
 /// # Errors
 /// Such a scene.
-pub fn only_rigid(scene: &Scene, command: &str) -> Result<()> {
+pub fn only_observable(scene: &Scene, command: &str) -> Result<()> {
     if scene.system.is_some() {
         return Err(PlantError::SystemNotRigid { file: scene.path.clone(), command: command.to_owned() });
     }
-    let more = |b: &&BearingScene| b.support.is_some() || b.model == crate::scene::Model::Dynamic;
-    match scene.bearings.iter().find(more) {
+    match scene.bearings.iter().find(|b| b.model == crate::scene::Model::Dynamic) {
         Some(b) => Err(PlantError::BearingNotRigid {
             file: scene.path.clone(),
             bearing: b.name.clone(),

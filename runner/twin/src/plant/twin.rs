@@ -22,15 +22,6 @@ pub trait Twin {
     fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64>;
     /// Sets the first coordinates and rates.
     fn place(&mut self, coordinates: &[f64], rates: &[f64]);
-
-    /// Returns the displacement of a rigid rotor's centre of mass.
-    fn pose(&self) -> Displacement<f64> {
-        first_five(self.coordinates())
-    }
-    /// Returns its rate.
-    fn rate(&self) -> Displacement<f64> {
-        first_five(self.rates())
-    }
 }
 
 /// Returns the displacement of a rigid rotor from its coordinates.

@@ -12,7 +12,7 @@ use crate::scene::{Direction, Probe};
 use ballrace::Displacement;
 use nalgebra::{DMatrix, DVector};
 
-/// Returns the change of a probe's reading per unit of each coordinate of the position.
+/// Returns the change of a probe's reading per unit of each coordinate of a rigid shaft.
 #[must_use]
 pub fn row(probe: &Probe) -> [f64; 5] {
     match probe.direction {
@@ -24,10 +24,10 @@ pub fn row(probe: &Probe) -> [f64; 5] {
     }
 }
 
-/// Returns the reading of a probe with the shaft's centre of mass at `q`, m.
+/// Returns the reading of a probe at `coordinates`, m; `row` is its change per unit of each.
 #[must_use]
-pub fn reading(row: &[f64; 5], q: &Displacement<f64>) -> f64 {
-    row.iter().zip(q.to_array()).map(|(a, x)| a * x).sum()
+pub fn reading(row: &[f64], coordinates: &[f64]) -> f64 {
+    row.iter().zip(coordinates).map(|(a, x)| a * x).sum()
 }
 
 /// Error returned for probes that do not determine the displacement of the shaft.

@@ -7,7 +7,6 @@
 use crate::plant::Twin;
 use crate::probes::reading;
 use crate::recording::Sample;
-use ballrace::Displacement;
 use ballrace::phase::PhaseDelta;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -61,14 +60,13 @@ pub fn shifted(mut sample: Sample, lag: f64) -> Sample {
 /// Returns the lag in seconds from the first samples; positive where the machine is ahead of its keyphasor.
 ///
 /// `twin` is at the first sample. Samples after `cancelled` is set are not used.
-pub fn lag(samples: &[Sample], twin: &mut dyn Twin, rows: &[[f64; 5]], period: f64, cancelled: &AtomicBool) -> f64 {
+pub fn lag(samples: &[Sample], twin: &mut dyn Twin, rows: &[Vec<f64>], period: f64, cancelled: &AtomicBool) -> f64 {
     let mut sums = Sums::default();
     for (i, sample) in samples.iter().enumerate() {
         if cancelled.load(Ordering::Relaxed) {
             break;
         }
-        let (pose, rate) = (twin.pose(), twin.rate());
-        sums.add(sample, rows, &pose, &rate);
+        sums.add(sample, rows, twin.coordinates(), twin.rates());
         let steps = samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
         let drive = sample.shaft_motion();
         for k in 0..steps {
@@ -87,9 +85,9 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, sample: &Sample, rows: &[[f64; 5]], pose: &Displacement<f64>, rate: &Displacement<f64>) {
+    fn add(&mut self, sample: &Sample, rows: &[Vec<f64>], coordinates: &[f64], rates: &[f64]) {
         for (row, measured) in rows.iter().zip(&sample.row.probes).filter(|(_, y)| y.is_finite()) {
-            let (error, rate) = (measured - reading(row, pose), reading(row, rate));
+            let (error, rate) = (measured - reading(row, coordinates), reading(row, rates));
             self.n += 1.0;
             self.error_rate += error * rate;
             self.rate_square += rate * rate;

@@ -8,8 +8,8 @@ use crate::plant::MountedBearing;
 use crate::probes::{Plane, reading};
 use crate::scene::{Direction, Probe};
 use crate::spectrum::Welch;
+use ballrace::Exact;
 use ballrace::math::Math;
-use ballrace::{Displacement, Exact};
 
 const UM: f64 = 1e6;
 
@@ -27,12 +27,12 @@ pub struct SampleReadings {
 }
 
 impl SampleReadings {
-    /// Computes the readings of a sample. `measured` is absent where the sample is not judged.
+    /// Computes the readings of a sample from the coordinates of the twins. `measured` is absent where the sample is not judged.
     pub fn evaluate(
         &mut self,
         measured: Option<&[f64]>,
-        [twin, linear]: [&Displacement<f64>; 2],
-        rows: &[[f64; 5]],
+        [twin, linear]: [&[f64]; 2],
+        rows: &[Vec<f64>],
         planes: &[Plane],
     ) {
         self.measured.clear();

@@ -32,14 +32,14 @@ pub struct EvaluatedForce {
     pub status: Status,
 }
 
-/// Displacements of the rotor's centre of mass at one sample.
+/// Displacements of one bearing at one sample, inner ring against outer ring.
 #[derive(Clone, Copy)]
 pub(super) struct Displacements {
-    /// From the probes; NaN where a reading is missing.
+    /// From the probes, on a straight line between their planes; NaN where a reading is missing.
     pub(super) measured: Displacement<f64>,
-    /// Displacement of the twin.
+    /// In the twin.
     pub(super) twin: Displacement<f64>,
-    /// Position that the observer estimates; none where it is not trusted.
+    /// As the observer estimates it; none where it is not trusted.
     pub(super) observer: Option<Displacement<f64>>,
 }
 
@@ -73,7 +73,7 @@ impl ForceStage {
         bearings: &[MountedBearing],
         parts: &[ComponentAngles],
         shaft: &ShaftMotion<f64>,
-        displacements: &Displacements,
+        displacements: &[Displacements],
     ) -> SampleStatus {
         self.evaluated.clear();
         let mut status = SampleStatus::default();
@@ -81,7 +81,8 @@ impl ForceStage {
             return status;
         }
         let with_all = self.is_reported(index);
-        for ((bearing, forces), &parts) in bearings.iter().zip(&mut self.bearings).zip(parts) {
+        let all = bearings.iter().zip(&mut self.bearings).zip(parts).zip(displacements);
+        for (((bearing, forces), &parts), displacements) in all {
             let force = forces.evaluate(bearing, displacements, with_all, &bearing.rotation(parts, shaft));
             status = status.and(force.status.into());
             self.evaluated.push(force);
@@ -183,8 +184,7 @@ impl BearingForces {
         with_all: bool,
         at: &BearingKinematicState<f64>,
     ) -> EvaluatedForce {
-        let displacement = displacements.measured.at_station(bearing.station);
-        let (wrench, status) = bearing.bearing.sample(&mut self.held, &displacement, at);
+        let (wrench, status) = bearing.bearing.sample(&mut self.held, &displacements.measured, at);
         let measured = wrench.to_array();
         let (twin, estimated) = if with_all {
             let estimated = displacements.observer.map_or(measured, |q| force_at(bearing, &q, at));
@@ -241,7 +241,7 @@ impl BearingForces {
         which: usize,
     ) -> f64 {
         self.loads.fill(0.0);
-        bearing.bearing.element_loads(&displacement.at_station(bearing.station), at, &mut self.loads);
+        bearing.bearing.element_loads(displacement, at, &mut self.loads);
         for (&load, azimuth) in self.loads.iter().zip(bearing.azimuths(at.cage)) {
             let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
             self.around[bin][which].add(load);
@@ -289,7 +289,7 @@ pub fn element_loads(
     at: &BearingKinematicState<f64>,
 ) -> Vec<(f64, f64)> {
     let mut loads = vec![0.0; bearing.elements];
-    bearing.bearing.element_loads(&displacement.at_station(bearing.station), at, &mut loads);
+    bearing.bearing.element_loads(displacement, at, &mut loads);
     bearing.azimuths(at.cage).map(Phase::radians).zip(loads).collect()
 }
 
@@ -308,7 +308,7 @@ fn noise_band(
     let mut variance = [0.0; 5];
     for (i, probe) in probes.iter().enumerate() {
         let noise = probe.noise?;
-        let column = solver.column(i).to_array();
+        let column = solver.column(i).at_station(bearing.station).to_array();
         let moved = |sign: f64| {
             let mut q = displacement.to_array();
             for (x, c) in q.iter_mut().zip(column) {
@@ -326,7 +326,7 @@ fn noise_band(
 }
 
 fn force_at(bearing: &MountedBearing, displacement: &Displacement<f64>, at: &BearingKinematicState<f64>) -> [f64; 5] {
-    bearing.bearing.reaction(&displacement.at_station(bearing.station), at).wrench.to_array()
+    bearing.bearing.reaction(displacement, at).wrench.to_array()
 }
 
 #[cfg(test)]

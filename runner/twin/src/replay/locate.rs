@@ -2,7 +2,7 @@
 
 use super::range::ReadingRange;
 use crate::outcome::Observation;
-use crate::probes::PoseSolver;
+use crate::probes::{PoseSolver, reading};
 use crate::recording::Sample;
 use ballrace::Displacement;
 
@@ -32,6 +32,17 @@ impl LocationStage {
     /// reading is missing.
     pub(super) fn displacement(&self, w: f64) -> Displacement<f64> {
         self.solver.pose(&self.readings, w)
+    }
+
+    /// Returns `coordinates` with the rigid motion added that brings the readings of the probes to those of the sample; `rows`
+    /// are the readings per unit of each coordinate.
+    pub(super) fn displaced(&self, coordinates: &[f64], rows: &[Vec<f64>]) -> Vec<f64> {
+        let off: Vec<f64> = self.readings.iter().zip(rows).map(|(y, row)| y - reading(row, coordinates)).collect();
+        let mut moved = coordinates.to_vec();
+        for (entry, by) in moved.iter_mut().zip(self.solver.pose(&off, 0.0).to_array()) {
+            *entry += by;
+        }
+        moved
     }
 
     pub(super) const fn solver(&self) -> &PoseSolver {

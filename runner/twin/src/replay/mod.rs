@@ -62,7 +62,7 @@ use crate::baseline::Baseline;
 use crate::diagnosis::set_cages;
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::Outcome;
-use crate::plant::{Plant, only_rigid};
+use crate::plant::{Plant, only_observable};
 use crate::recording::Reader;
 use crate::recording::clock::check_rate;
 use crate::scene::Scene;
@@ -89,7 +89,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         return vibration::replay(scene, recording, reader, recording_name, options.baseline, Some(&read));
     }
     check_rate(reader.rate(), recording, scene.shaft.speed).map_err(|e| e.of(scene, recording_name))?;
-    only_rigid(scene, "replay").map_err(Error::setup)?;
+    only_observable(scene, "replay").map_err(Error::setup)?;
     let baseline = options.baseline.map(Baseline::parse).transpose().map_err(Error::setup)?;
     let mut scene = ahead::calibrated(scene, baseline.as_ref());
     let mut plant = Plant::try_new(&scene).map_err(Error::setup)?;

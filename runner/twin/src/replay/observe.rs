@@ -1,9 +1,10 @@
 //! Observer stage: the Kalman filter follows the readings, and its innovations are summed.
 
+use super::locate::LocationStage;
 use super::notices::Notices;
 use super::range::ReadingRange;
 use super::statistics::Running;
-use super::twin::{SampleInterval, TwinMotion, TwinStart};
+use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
 use crate::observer::{Consistency, InitialState, RunningObserver, TunedObserver, Verdict, estimator, gate};
 use crate::outcome::ObserverOutcome;
@@ -11,16 +12,18 @@ use crate::plant::Plant;
 use crate::probes::reading;
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
-use ballrace::{Displacement, Status};
+use ballrace::Status;
 
 /// Two-sided 99 % quantile of the normal distribution.
 const QUANTILE_99: f64 = 2.576;
 const UM: f64 = 1e6;
+/// Coordinate of the centre of mass along the axis.
+const AXIAL: usize = 2;
 
 /// Observer of a replay, where it has one.
 pub(super) struct ObserverStage {
     /// Reading of each probe per unit of each coordinate.
-    rows: Vec<[f64; 5]>,
+    rows: Vec<Vec<f64>>,
     tuned: Option<TunedObserver>,
     running: Option<RunningObserver>,
     innovations: Innovations,
@@ -31,12 +34,10 @@ pub(super) struct ObserverSample {
     pub(super) status: SampleStatus,
     /// Normalised innovation squared; none where a reading is missing.
     pub(super) nis: Option<f64>,
-    /// Displacement of the rotor; none where the observer is not trusted.
-    pub(super) position: Option<Displacement<f64>>,
 }
 
 impl ObserverStage {
-    pub(super) fn new(rows: Vec<[f64; 5]>) -> Self {
+    pub(super) fn new(rows: Vec<Vec<f64>>) -> Self {
         Self { rows, tuned: None, running: None, innovations: Innovations::default() }
     }
 
@@ -49,7 +50,7 @@ impl ObserverStage {
     pub(super) fn start(
         &mut self,
         plant: &Plant,
-        twin: &TwinMotion,
+        twin: &TwinStage,
         start: TwinStart,
         sample: &Sample,
         period: f64,
@@ -57,33 +58,34 @@ impl ObserverStage {
         let Some(tuned) = &self.tuned else { return Ok(()) };
         let probes = self.rows.len();
         let (state, consistency) = match start {
-            TwinStart::First => (tuned.start, Consistency::new(probes)),
-            TwinStart::Restart => (InitialState::new(&twin.position, &twin.rate), Consistency::restarted(probes)),
+            TwinStart::First => (tuned.start.clone(), Consistency::new(probes)),
+            TwinStart::Restart => (InitialState::new(twin.coordinates(), twin.rates()), Consistency::restarted(probes)),
         };
         let estimator = estimator(plant, &self.rows, &tuned.gains, state, sample, period)?;
         self.running = Some(RunningObserver::new(estimator, consistency));
         Ok(())
     }
 
-    /// Advances the observer over `interval` to `sample`. `readings` are NaN where missing; `displacement` returns the
-    /// measured displacement for a restart.
+    /// Advances the observer over `interval` to `sample`. It restarts at the motion of the twin, displaced to the readings.
     pub(super) fn advance(
         &mut self,
         (sample, interval): (&Sample, &SampleInterval),
-        readings: &[f64],
-        twin: &TwinMotion,
+        twin: &TwinStage,
         range: &ReadingRange,
-        displacement: impl FnOnce() -> Displacement<f64>,
+        location: &LocationStage,
         notices: &mut Notices,
     ) -> ObserverSample {
         let untrusted = SampleStatus::FROM_DISPLACEMENT;
         let Some(running) = &mut self.running else {
-            return ObserverSample { status: untrusted, nis: None, position: None };
+            return ObserverSample { status: untrusted, nis: None };
         };
         let rows = &self.rows;
-        let is_possible = |q: &Displacement<f64>| range.allows(rows.iter().map(|row| reading(row, q)), q.w);
-        let restart_state = || (displacement(), twin.rate);
-        let (flags, correction) = running.step(interval.motion(), readings, is_possible, restart_state);
+        let is_possible = |q: &[f64]| {
+            let axial = q.get(AXIAL).copied().unwrap_or_default();
+            range.allows(rows.iter().map(|row| reading(row, q)), axial)
+        };
+        let restart_state = || (location.displaced(twin.coordinates(), rows), twin.rates().to_vec());
+        let (flags, correction) = running.step(interval.motion(), location.readings(), is_possible, restart_state);
         let mut status = SampleStatus::from(flags);
         if let Some(correction) = correction {
             self.innovations.add(correction.nis, correction.status, correction.verdict);
@@ -98,14 +100,13 @@ impl ObserverStage {
         if let Some(load) = running.load() {
             self.innovations.add_load(load);
         }
-        let position = running.position();
-        status = status.and(untrusted.when(position.is_none()));
-        ObserverSample { status, nis: correction.map(|c| c.nis), position }
+        status = status.and(untrusted.when(running.coordinates().is_none()));
+        ObserverSample { status, nis: correction.map(|c| c.nis) }
     }
 
-    /// Returns the estimated displacement of the rotor; none where the observer is not trusted.
-    pub(super) fn position(&self) -> Option<Displacement<f64>> {
-        self.running.as_ref().and_then(RunningObserver::position)
+    /// Returns the estimated coordinates; none where the observer is not trusted.
+    pub(super) fn coordinates(&self) -> Option<&[f64]> {
+        self.running.as_ref().and_then(RunningObserver::coordinates)
     }
 
     /// Returns the outcome; none without an observer or without a sample in which every probe had a reading.

@@ -27,7 +27,7 @@ use crate::diagnosis::block::Block;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
 use crate::error::{Error, Result};
-use crate::plant::{Plant, only_rigid};
+use crate::plant::{MountedBearing, Plant, only_observable};
 use crate::probes::{self, Plane, PoseSolver};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
@@ -37,13 +37,16 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+/// Coordinate of the centre of mass along the axis.
+const AXIAL: usize = 2;
+
 /// The stages of a replay.
 pub(super) struct Pipeline<'a> {
     pub(super) plant: Arc<Plant>,
     pub(super) probes: &'a [Probe],
     pub(super) planes: Vec<Plane>,
     /// Reading of each probe per unit of each coordinate.
-    rows: Vec<[f64; 5]>,
+    rows: Vec<Vec<f64>>,
     /// Shaft speed of the scene.
     scene_speed: Speed,
     /// Samples per second.
@@ -92,12 +95,12 @@ struct ProcessedSample<'a> {
     status: SampleStatus,
     /// Revolutions since the last sample.
     revolutions: f64,
-    displacements: Displacements,
+    displacements: Vec<Displacements>,
 }
 
 impl<'a> Pipeline<'a> {
     pub(super) fn try_new(scene: &Scene, probes: &'a [Probe], rate: f64, options: &Options) -> Result<Self> {
-        only_rigid(scene, "replay")?;
+        only_observable(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
         let mut notes = plant.notes.clone();
         notes.extend(effect_significance::describe(
@@ -107,7 +110,7 @@ impl<'a> Pipeline<'a> {
         let linear = Arc::new(plant.linearised(&vec![true; plant.bearings.len()])?);
         let plant = Arc::new(plant);
         let bearings = plant.bearings.as_slice();
-        let rows: Vec<[f64; 5]> = probes.iter().map(probes::row).collect();
+        let rows: Vec<Vec<f64>> = probes.iter().map(|probe| plant.probe_row(probe)).collect();
         let search = Search {
             plant: plant.clone(),
             linear,
@@ -266,26 +269,19 @@ impl<'a> Pipeline<'a> {
         let (index, time) = (sample.row.index, sample.row.time);
         let interval = self.twin.interval(sample, || self.startup.take_settled())?;
         if let Some(start) = interval.start {
-            self.observer.start(&self.plant, &self.twin.motion(), start, sample, 1.0 / self.rate)?;
+            self.observer.start(&self.plant, &self.twin, start, sample, 1.0 / self.rate)?;
         }
         self.timing.sample(time);
         let begun = Instant::now();
         self.location.set_sample(&self.range, sample);
-        let twin = self.twin.advance(sample, &interval);
-        let measured = || self.location.displacement(twin.position.w);
-        let observed = self.observer.advance(
-            (sample, &interval),
-            self.location.readings(),
-            &twin,
-            &self.range,
-            measured,
-            &mut self.notices,
-        );
-        let displacements = Displacements { measured: measured(), twin: twin.position, observer: observed.position };
+        self.twin.advance(sample, &interval);
+        let observed =
+            self.observer.advance((sample, &interval), &self.twin, &self.range, &self.location, &mut self.notices);
+        let displacements = self.displacements();
         let shaft = sample.shaft_motion();
         let force = self.force.evaluate(index, &self.plant.bearings, self.twin.parts(), &shaft, &displacements);
         self.timing.worked(begun);
-        let linear = self.twin.advance_linear(&interval);
+        self.twin.advance_linear(&interval);
         let is_restart = interval.start == Some(super::twin::TwinStart::Restart);
         let status = sample
             .status
@@ -300,7 +296,8 @@ impl<'a> Pipeline<'a> {
         // An extrapolated angle is not judged, except in live operation, where limits stay in force.
         let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let readings = is_judged.then_some(sample.row.probes.as_slice());
-        self.sample_readings.evaluate(readings, [&twin.position, &linear], &self.rows, &self.planes);
+        let twins = [self.twin.coordinates(), self.twin.linear_coordinates()];
+        self.sample_readings.evaluate(readings, twins, &self.rows, &self.planes);
         let processed = ProcessedSample { sample, status, revolutions: interval.revolutions, displacements };
         self.compare(&processed);
         self.record(&processed)?;
@@ -312,9 +309,22 @@ impl<'a> Pipeline<'a> {
         Ok(())
     }
 
+    /// Returns the displacements of every bearing at the current sample.
+    fn displacements(&self) -> Vec<Displacements> {
+        let (twin, observer) = (self.twin.coordinates(), self.observer.coordinates());
+        let axial = twin.get(AXIAL).copied().unwrap_or_default();
+        let straight = self.location.displacement(axial);
+        let of = |(i, bearing): (usize, &MountedBearing)| Displacements {
+            measured: straight.at_station(bearing.station),
+            twin: self.plant.displacement(i, twin),
+            observer: observer.map(|q| self.plant.displacement(i, q)),
+        };
+        self.plant.bearings.iter().enumerate().map(of).collect()
+    }
+
     /// Compares a sample with the twin, and evaluates indicators and limits.
     fn compare(&mut self, processed: &ProcessedSample) {
-        let ProcessedSample { sample, revolutions, .. } = *processed;
+        let (sample, revolutions) = (processed.sample, processed.revolutions);
         let readings = &self.sample_readings;
         let (index, time) = (sample.row.index, sample.row.time);
         let angles = Angles { shaft: sample.angle, parts: self.twin.parts(), revolutions };
@@ -351,7 +361,8 @@ impl<'a> Pipeline<'a> {
         if self.force.is_reported(index) {
             let shaft = sample.shaft_motion();
             let with_noise = ForceStage::is_noise_band_due(index) || self.figures.shows_forces();
-            for (i, (bearing, &parts)) in self.plant.bearings.iter().zip(self.twin.parts()).enumerate() {
+            let all = self.plant.bearings.iter().zip(self.twin.parts()).zip(displacements);
+            for (i, ((bearing, &parts), displacements)) in all.enumerate() {
                 let at = bearing.rotation(parts, &shaft);
                 let noise = with_noise.then_some((self.location.solver(), self.probes));
                 let Some((force, first_load)) = self.force.accumulate(i, bearing, displacements, &at, noise) else {
@@ -378,9 +389,10 @@ impl<'a> Pipeline<'a> {
     /// Returns the present state for a live display; none where no display is in use or the twin does not run.
     pub(super) fn snapshot(&self) -> Option<Snapshot> {
         let (recent, shaft) = (self.recent.as_ref()?, self.twin.shaft()?);
-        let position = self.observer.position().unwrap_or_else(|| self.twin.motion().position);
-        let loads = self.plant.bearings.iter().zip(self.twin.parts()).map(|(bearing, &parts)| {
-            (bearing.name.clone(), element_loads(bearing, &position, &bearing.rotation(parts, &shaft)))
+        let coordinates = self.observer.coordinates().unwrap_or_else(|| self.twin.coordinates());
+        let loads = self.plant.bearings.iter().zip(self.twin.parts()).enumerate().map(|(i, (bearing, &parts))| {
+            let displacement = self.plant.displacement(i, coordinates);
+            (bearing.name.clone(), element_loads(bearing, &displacement, &bearing.rotation(parts, &shaft)))
         });
         let name = |plane: &Plane| plane.probes.map(|i| self.probes[i].column.as_str()).join(" / ");
         Some(Snapshot {

@@ -222,7 +222,7 @@ pub(super) struct Search {
     pub(super) plant: Arc<Plant>,
     pub(super) linear: Arc<Plant>,
     /// Readings of each probe per unit of each coordinate.
-    pub(super) rows: Vec<[f64; 5]>,
+    pub(super) rows: Vec<Vec<f64>>,
     /// Noise of each probe where the scene states it, m.
     pub(super) noise: Vec<Option<f64>>,
     /// Sample period, s.
@@ -281,7 +281,7 @@ impl Search {
             process_noise: self.process_noise,
             cancelled: &self.cancelled,
         };
-        identify(&self.plant, &self.linear, &data, InitialState::new(&twin.pose(), &twin.rate()))
+        identify(&self.plant, &self.linear, &data, InitialState::new(twin.coordinates(), twin.rates()))
     }
 
     /// Runs the twin in up to a sample.

@@ -3,8 +3,8 @@
 use crate::error::{ReplayError, Result};
 use crate::plant::{MountedBearing, Plant, Twin};
 use crate::recording::Sample;
+use ballrace::Phase;
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
-use ballrace::{Displacement, Phase};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -59,13 +59,6 @@ impl SampleInterval {
     }
 }
 
-/// Motion of the rotor's centre of mass in the twin.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct TwinMotion {
-    pub(super) position: Displacement<f64>,
-    pub(super) rate: Displacement<f64>,
-}
-
 /// The twin of a replay.
 pub(super) struct TwinStage {
     plant: Arc<Plant>,
@@ -91,12 +84,6 @@ struct TwinState {
     parts: Vec<ComponentAngles>,
     shaft: ShaftMotion<f64>,
     index: u64,
-}
-
-impl TwinState {
-    fn motion(&self) -> TwinMotion {
-        TwinMotion { position: self.twin.pose(), rate: self.twin.rate() }
-    }
 }
 
 impl TwinStage {
@@ -150,9 +137,9 @@ impl TwinStage {
         Ok(SampleInterval { from: state.shaft, steps, period, revolutions, start: None })
     }
 
-    /// Advances the twin and the bearing parts to `sample`; returns the motion there.
-    pub(super) fn advance(&mut self, sample: &Sample, interval: &SampleInterval) -> TwinMotion {
-        let Some(state) = &mut self.state else { return TwinMotion::default() };
+    /// Advances the twin and the bearing parts to `sample`.
+    pub(super) fn advance(&mut self, sample: &Sample, interval: &SampleInterval) {
+        let Some(state) = &mut self.state else { return };
         for shaft in interval.motion() {
             let is_held = state.twin.step(&shaft).is_held();
             self.held_samples += u64::from(is_held);
@@ -163,21 +150,29 @@ impl TwinStage {
         }
         (state.shaft, state.index) = (sample.shaft_motion(), sample.row.index);
         self.has_run = true;
-        state.motion()
     }
 
-    /// Advances the twin on linear springs; returns its position.
-    pub(super) fn advance_linear(&mut self, interval: &SampleInterval) -> Displacement<f64> {
-        let Some(state) = &mut self.state else { return Displacement::default() };
+    /// Advances the twin on linear springs.
+    pub(super) fn advance_linear(&mut self, interval: &SampleInterval) {
+        let Some(state) = &mut self.state else { return };
         for shaft in interval.motion() {
             state.linear.step(&shaft);
         }
-        state.linear.pose()
     }
 
-    /// Returns the motion of the twin now; zero before it starts.
-    pub(super) fn motion(&self) -> TwinMotion {
-        self.state.as_ref().map(TwinState::motion).unwrap_or_default()
+    /// Returns the coordinates of the twin now; empty before it starts.
+    pub(super) fn coordinates(&self) -> &[f64] {
+        self.state.as_ref().map_or(&[], |state| state.twin.coordinates())
+    }
+
+    /// Returns the rates of the coordinates; empty before it starts.
+    pub(super) fn rates(&self) -> &[f64] {
+        self.state.as_ref().map_or(&[], |state| state.twin.rates())
+    }
+
+    /// Returns the coordinates of the twin on linear springs; empty before it starts.
+    pub(super) fn linear_coordinates(&self) -> &[f64] {
+        self.state.as_ref().map_or(&[], |state| state.linear.coordinates())
     }
 
     /// Returns the angles of the parts of every bearing; empty before the twin starts.

@@ -3,8 +3,8 @@
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{Disk, FlexibleRotor, Rotor, Section, Unbalance};
-use crate::flexible_rotor::rigid_body;
 use super::bearing::{DENSITY, POISSONS_RATIO, YOUNGS_MODULUS};
+use crate::flexible_rotor::rigid_body;
 
 /// Standard gravity along -Y, the default of `gravity`.
 const GRAVITY: [f64; 3] = [0.0, -9.806_65, 0.0];
@@ -71,17 +71,13 @@ fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> 
     let mut drawn = FlexibleRotor {
         disks: table.read("disks", |n| disks(n, &sections, density))?.unwrap_or_default(),
         sections,
-        youngs_modulus: table
-            .read("youngs_modulus", |n| n.positive(Dimension::Pressure))?
-            .unwrap_or(YOUNGS_MODULUS),
+        youngs_modulus: table.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?.unwrap_or(YOUNGS_MODULUS),
         poissons_ratio: table
             .read("poissons_ratio", |n| n.number(ratio, |x| (0.0..0.5).contains(&x)))?
             .unwrap_or(POISSONS_RATIO),
         density,
         proportional_damping: damping,
-        modal_damping: table
-            .read("modal_damping", |n| n.number(share, |x| (0.0..1.0).contains(&x)))?
-            .unwrap_or(0.0),
+        modal_damping: table.read("modal_damping", |n| n.number(share, |x| (0.0..1.0).contains(&x)))?.unwrap_or(0.0),
         load_station: 0.0,
         coordinates: table
             .read("coordinates", |n| n.integer(7, 31, "a whole number from 7 to 31"))?
@@ -115,9 +111,10 @@ fn sections(node: &Node<'_>, wants: &str) -> Read<Vec<Section>> {
             let [before, here] = [last.to, from].map(|z| z * 1e3);
             if (from - last.to).abs() > ROUNDING {
                 let what = if from > last.to { "a gap" } else { "an overlap" };
-                return Err(table
-                    .required("from", "")?
-                    .fail(format!("{what}: from {here} mm after a section to {before} mm"), format!("{before} mm, the end of the section before")));
+                return Err(table.required("from", "")?.fail(
+                    format!("{what}: from {here} mm after a section to {before} mm"),
+                    format!("{before} mm, the end of the section before"),
+                ));
             }
         }
         let from = sections.last().map_or(from, |last| last.to);
@@ -136,7 +133,8 @@ fn disks(node: &Node<'_>, sections: &[Section], density: f64) -> Read<Vec<Disk>>
 
 fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk> {
     let by_size = ["outer_diameter", "width", "density"];
-    let table = node.table(&["station", "mass", "diametral_inertia", "polar_inertia", "outer_diameter", "width", "density"])?;
+    let table =
+        node.table(&["station", "mass", "diametral_inertia", "polar_inertia", "outer_diameter", "width", "density"])?;
     let station = station(&table, "station", sections)?;
     if table.has("mass") {
         if let Some(given) = by_size.iter().find_map(|key| table.optional(key)) {
@@ -152,10 +150,8 @@ fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk>
     if let Some(given) = ["diametral_inertia", "polar_inertia"].iter().find_map(|key| table.optional(key)) {
         return Err(given.refuse("no inertia beside outer_diameter and width, from which it follows"));
     }
-    let bore = sections
-        .iter()
-        .find(|s| s.from <= station && station <= s.to)
-        .map_or(0.0, |s| s.outer_diameter_at(station));
+    let bore =
+        sections.iter().find(|s| s.from <= station && station <= s.to).map_or(0.0, |s| s.outer_diameter_at(station));
     let above = Dimension::Length.allowed(&format!("above that of the shaft, {} mm", bore * 1e3));
     let outer = table.required("outer_diameter", &above)?.limited(Dimension::Length, &above, |d| d > bore)?;
     let width = table.positive("width", Dimension::Length)?;
@@ -174,10 +170,9 @@ fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk>
 /// Reads a station between the ends of the shaft.
 fn station(table: &Table<'_>, key: &str, sections: &[Section]) -> Read<f64> {
     let (from, to) = (sections.first().map_or(0.0, |s| s.from), sections.last().map_or(0.0, |s| s.to));
-    let range = Dimension::Length.allowed(&format!("between the ends of the shaft, {} and {} mm", from * 1e3, to * 1e3));
-    table
-        .required(key, &range)?
-        .limited(Dimension::Length, &range, |z| (from - ROUNDING..=to + ROUNDING).contains(&z))
+    let range =
+        Dimension::Length.allowed(&format!("between the ends of the shaft, {} and {} mm", from * 1e3, to * 1e3));
+    table.required(key, &range)?.limited(Dimension::Length, &range, |z| (from - ROUNDING..=to + ROUNDING).contains(&z))
 }
 
 /// Reads the factors of mass and stiffness; a plain number is that of the stiffness.

@@ -117,12 +117,12 @@ fn functions<T: Scalar, M: Math<T>>() {
 
 fn twin<T: Scalar, M: Math<T>>() {
     type SampleReadings<T, M> = BearingAtStation<T, Angular<T, M, ElementPositions<T, 9>>>;
-    type Gains<T> = &'static [SpeedGain<T, 5>];
-    type OfFive<T, M> = Observer<T, RigidRotor<T, M>, SampleReadings<T, M>, Verlet<T>, Gains<T>, 2, 5>;
+    type Gains<T> = &'static [SpeedGain<T, 5, 5>];
+    type OfFive<T, M> = Observer<T, RigidRotor<T, M>, SampleReadings<T, M>, Verlet<T>, Gains<T>, 5, 2, 5>;
     let observer: OfFive<T, M> = given();
-    let mut state: ObserverState<T, 2> = given();
+    let mut state: ObserverState<T, 5, 2> = given();
     black_box(observer.sample::<M>(&mut state, &given(), &given()));
-    black_box(ObserverState::<T, 2>::new(given()));
+    black_box(ObserverState::<T, 5, 2>::new(given()));
     let (mut orders, mut figures, mut envelope, mut life): (OrderTracker<T, 4>, Statistics<T>, Envelope<T>, Life<T>) =
         given();
     black_box((orders.add::<M>(given(), given(), &given()), figures.add::<M>(given()), envelope.add::<M>(given())));
