@@ -30,7 +30,7 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let plant = Plant::try_new(scene)?;
     let Some(rotor) = plant.rotor() else { return Err(undetermined("no [rotor]", "a rotor")) };
     let linear = plant.linearised(&vec![true; plant.bearings.len()])?;
-    let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.probe_row(probe)).collect();
+    let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.layout.probe_row(probe)).collect();
     let of = Uncertainty::new(&noise, process_noise, weight(&plant));
     let gains = Gains::try_new(&linear, &rows, scene.shaft.speed, 1.0 / rate, &of)?;
     let p = rows.len();

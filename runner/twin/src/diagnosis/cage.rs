@@ -2,7 +2,7 @@
 
 use super::Result;
 use super::fit::{Fitted, LEAST_FALL, changed, evaluate, fit};
-use super::machine::{Cage, Evaluated, Machine, Unknown};
+use super::machine::{Cage, Machine, Unknown};
 use super::motion::{C, D};
 use super::residual::Evidence;
 use super::surface::Baseband;
@@ -35,7 +35,7 @@ pub fn search(
     let of = &start.machine.bearings[bearing];
     let len = e.motion.len();
     // Mean and first harmonic of the force by the cage angle.
-    let evaluated = Evaluated::new(e.scene, e.plant, bearing, of)?;
+    let evaluated = e.evaluated(&start.machine, bearing)?;
     let mut mean = vec![[0.0; D]; len];
     let mut first = vec![[C::new(0.0, 0.0); D]; len];
     for p in 0..PHASES {
@@ -51,13 +51,13 @@ pub fn search(
         }
     }
     // Residual with the mean force of this bearing.
-    let force = e.force(&start.spectra.replaced(bearing, e.transform.five(0, |t| mean[t])));
+    let force = e.force(&start.spectra.replaced(bearing, e.about_centre(bearing, &|t| mean[t])));
     let residual = e.at_probes(&force);
     let series = band.thin(e, |t| first[t]);
     let mut found = Vec::new();
     for slip in slips(e, bearing, range) {
         let order = n * ratio * (1.0 - slip);
-        let Some((line, column)) = band.column(e, &series, order, |turns| order * turns) else { continue };
+        let Some((line, column)) = band.column(e, &series, bearing, order, |turns| order * turns) else { continue };
         let part = band.part(e, &residual, line);
         // The residual is -F1 e^(i psi)/2 at positive frequencies.
         let square: f64 = column.iter().map(|c| c.norm_sqr()).sum();

@@ -4,7 +4,7 @@ use super::cage::unknowns;
 use super::fault_figures::fault_figures;
 use super::fit::{Fitted, fit};
 use super::hypothesis::{Cause, Fault, LEAST_GAIN};
-use super::machine::{Evaluated, Machine, Unknown, clearance};
+use super::machine::{Machine, Unknown, clearance};
 use super::residual::Evidence;
 use super::surface::Component;
 use super::{Material, Prepared, Result};
@@ -307,7 +307,9 @@ impl Reported<'_, '_> {
                 }
             }
             Cause::Waviness(b, _, order) => {
-                let normal = Evaluated::new(self.e.scene, self.e.plant, b, &machine.bearings[b])
+                let normal = self
+                    .e
+                    .evaluated(machine, b)
                     .map_or(1.0, |bearing| bearing.contact_cosine(&self.e.motion));
                 let unknowns = [Unknown::Wave(b, at), Unknown::Wave(b, at + 1)];
                 let [amplitude, _] = self.vector(unknowns, 1e-6 / normal);

@@ -60,6 +60,7 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
     }
     let of_rotor = |m: &Machine| (m.load, m.damping, m.unbalance);
     if of_rotor(&before.machine) != of_rotor(machine) {
+        // It may move the bearings.
         spectra = e.changed(&spectra, machine, Part::Rotor)?;
     }
     let residual = e.residual(&spectra);

@@ -112,7 +112,7 @@ impl Search<'_, '_> {
         for (b, &is_locked) in locked.iter().enumerate() {
             all.extend(self.clearance(b)?);
             all.push(self.misalignment(b)?);
-            let compliance = Compliance::new(self.e, self.band, b, &self.now.machine.bearings[b])?;
+            let compliance = Compliance::new(self.e, self.band, b, &self.now.machine)?;
             for component in [Component::Outer, Component::Inner, Component::Ball] {
                 let family = best_family(self.e, self.band, self.now, &compliance, component, SLIPS, is_locked);
                 all.extend(self.spall(b, &family, is_locked));

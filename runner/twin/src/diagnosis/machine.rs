@@ -5,9 +5,11 @@ use super::motion::{D, Motion};
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing as BearingScene, Defect, DefectShape, Fit, Linear, Model, Scene, Surface, Unbalance, Wave};
+use super::dynamics::{Tangent, planes};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Angle and speed of a cage, and of the balls about their own axes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -59,30 +61,45 @@ impl Machine {
             .iter()
             .map(|b| MachineBearing { scene: b.clone(), cage: Cage::default(), tilt: [0.0; 2] })
             .collect();
-        Some(Self { bearings, load: rotor.load, damping: rotor.damping, unbalance })
+        // The damping of another rotor than a rigid one on fixed bearings is part of its equations.
+        let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
+        Some(Self { bearings, load: rotor.load, damping, unbalance })
     }
 }
 
 impl Machine {
     /// Returns the scene with this machine's bearings, damping and unbalance.
     pub fn scene(&self, scene: &Scene) -> Scene {
-        /// Distance of two planes that carry the unbalance, m.
-        const PLANES: f64 = 0.1;
+        /// Planes that carry the unbalance of a rigid rotor, m.
+        const PLANES: [f64; 2] = [0.05, -0.05];
+        let is_rigid = is_rigid(scene);
         let mut scene = scene.clone();
         for (to, from) in scene.bearings.iter_mut().zip(&self.bearings) {
             to.geometry = from.scene.geometry;
         }
         if let Some(rotor) = &mut scene.rotor {
-            rotor.damping = self.damping;
+            let [a, b] = match self.bearings.as_slice() {
+                [first, second] if !is_rigid => planes(rotor, [first.scene.station, second.scene.station]),
+                _ => PLANES,
+            };
+            if is_rigid {
+                rotor.damping = self.damping;
+            }
             let [ex, ey, cx, cy] = self.unbalance;
-            let plane = |station: f64| {
-                let (x, y) = (0.5 * ex + cx / (2.0 * station), 0.5 * ey + cy / (2.0 * station));
+            let plane = |station: f64, other: f64| {
+                let span = station - other;
+                let (x, y) = ((cx - other * ex) / span, (cy - other * ey) / span);
                 Unbalance { moment: x.hypot(y), angle: y.atan2(x), station }
             };
-            rotor.unbalance = vec![plane(0.5 * PLANES), plane(-0.5 * PLANES)];
+            rotor.unbalance = vec![plane(a, b), plane(b, a)];
         }
         scene
     }
+}
+
+/// Returns true for a rigid rotor on fixed bearings.
+fn is_rigid(scene: &Scene) -> bool {
+    scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none()) && scene.bearings.iter().all(|b| b.support.is_none())
 }
 
 /// Square of the radial part of the loads over that of their sum, from which the contact angle follows from the radial force; below, from
@@ -98,7 +115,8 @@ pub struct Evaluated {
     spalls: Vec<Defect>,
     /// Azimuth of each element with the cage at angle 0, rad.
     azimuths: Vec<f64>,
-    station: f64,
+    /// Displacement of the rotor at the bearing, sample by sample.
+    displaced: Arc<Vec<Displacement<f64>>>,
     /// Displacement by preload.
     offset: Displacement<f64>,
     tilt: [f64; 2],
@@ -119,7 +137,14 @@ fn model(of: &BearingScene) -> Model {
 }
 
 impl Evaluated {
-    pub fn new(scene: &Scene, plant: &Plant, i: usize, of: &MachineBearing) -> Result<Self> {
+    /// Creates the bearing with the displacement of the rotor there, sample by sample.
+    pub fn new(
+        scene: &Scene,
+        plant: &Plant,
+        i: usize,
+        of: &MachineBearing,
+        displaced: Arc<Vec<Displacement<f64>>>,
+    ) -> Result<Self> {
         let built = |of: &BearingScene| build::bearing(scene, of, model(of));
         let sound = BearingScene { defect: vec![], ..of.scene.clone() };
         let damaged = if of.scene.defect.is_empty() { None } else { Some(built(&of.scene)?) };
@@ -129,9 +154,9 @@ impl Evaluated {
             damaged,
             spalls: of.scene.defect.clone(),
             azimuths: plant.bearings[i].element_azimuths.iter().map(|a| a.radians()).collect(),
-            station: of.scene.station,
             offset: plant.bearings[i].offset,
             tilt: of.tilt,
+            displaced,
             cage: of.cage,
             cage_ratio: kinematics.cage_ratio * (1.0 - of.cage.slip),
             ball_ratio: kinematics.ball_ratio() * (1.0 - of.cage.spin_slip),
@@ -154,13 +179,13 @@ impl Evaluated {
         }
     }
 
-    /// Displacement of the inner ring against the outer one.
-    pub fn displacement(&self, q: &Displacement<f64>) -> Displacement<f64> {
-        let u = q.at_station(self.station) + self.offset;
+    /// Displacement of the inner ring against the outer one, from that of the rotor.
+    fn displacement(&self, of_rotor: &Displacement<f64>) -> Displacement<f64> {
+        let u = *of_rotor + self.offset;
         Displacement { thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
     }
 
-    /// Returns the force on the rotor of the bearing without its spalls, about the centre of mass, at every sample.
+    /// Returns the force on the rotor of the bearing without its spalls, at its own station, at every sample.
     pub fn forces(&self, motion: &Motion) -> Vec<[f64; D]> {
         (0..motion.len()).map(|t| self.force(motion, t)).collect()
     }
@@ -176,7 +201,7 @@ impl Evaluated {
             if !self.passes(from, to) {
                 continue;
             }
-            let (q0, q1) = (motion.q[t].to_array(), motion.q[t + 1].to_array());
+            let (q0, q1) = (self.displaced[t].to_array(), self.displaced[t + 1].to_array());
             for part in 0..PARTS {
                 let share = part as f64 / PARTS as f64;
                 let turns = from + share * (to - from);
@@ -211,36 +236,33 @@ impl Evaluated {
         })
     }
 
-    /// Returns the force at sample `t` with an error of the displacement of the centre of mass.
+    /// Returns the force at sample `t` with an error of the displacement of the rotor.
     pub fn force_with(&self, motion: &Motion, t: usize, error: &Displacement<f64>) -> [f64; D] {
-        let q = Displacement::from_array(std::array::from_fn(|i| motion.q[t].to_array()[i] + error.to_array()[i]));
-        self.wrench(&self.bearing, &q, &self.state(motion, t))
+        self.wrench(&self.bearing, &(self.displaced[t] + *error), &self.state(motion, t))
     }
 
     /// Returns the force at sample `t`.
     pub fn force(&self, motion: &Motion, t: usize) -> [f64; D] {
-        self.force_in(motion, t, &self.state(motion, t))
+        self.force_in(t, &self.state(motion, t))
     }
 
     /// Returns the force of the damaged bearing at sample `t` with the cage at another angle.
     pub fn damaged_at(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
         let state = BearingKinematicState { cage, ..self.state(motion, t) };
-        self.wrench(self.damaged.as_ref().unwrap_or(&self.bearing), &motion.q[t], &state)
+        self.wrench(self.damaged.as_ref().unwrap_or(&self.bearing), &self.displaced[t], &state)
     }
 
     /// Returns the force at sample `t` with the cage at another angle.
     pub fn force_at(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
-        self.force_in(motion, t, &BearingKinematicState { cage, ..self.state(motion, t) })
+        self.force_in(t, &BearingKinematicState { cage, ..self.state(motion, t) })
     }
 
-    fn force_in(&self, motion: &Motion, t: usize, state: &BearingKinematicState<f64>) -> [f64; D] {
-        self.wrench(&self.bearing, &motion.q[t], state)
+    fn force_in(&self, t: usize, state: &BearingKinematicState<f64>) -> [f64; D] {
+        self.wrench(&self.bearing, &self.displaced[t], state)
     }
 
-    fn wrench(&self, of: &AnyBearing<f64>, q: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
-        let reaction = of.reaction(&self.displacement(q), state);
-        let [fx, fy, fz, mx, my] = reaction.wrench.to_array();
-        [fx, fy, fz, mx - self.station * fy, my + self.station * fx]
+    fn wrench(&self, of: &AnyBearing<f64>, at: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
+        of.reaction(&self.displacement(at), state).wrench.to_array()
     }
 
     /// Returns the cosine of the contact angle, weighted by the loads along the motion: the part of a radial deviation of a groove that is normal to
@@ -249,7 +271,7 @@ impl Evaluated {
         let (mut radial, mut axial, mut projected, mut total) = (0.0, 0.0, 0.0, 0.0);
         let mut loads = vec![0.0; self.azimuths.len()];
         for t in (0..motion.len()).step_by((motion.len() / 500).max(1)) {
-            let (u, state) = (self.displacement(&motion.q[t]), self.state(motion, t));
+            let (u, state) = (self.displacement(&self.displaced[t]), self.state(motion, t));
             self.bearing.element_loads(&u, &state, &mut loads);
             let force = self.bearing.reaction(&u, &state).wrench;
             let (mut x, mut y) = (0.0, 0.0);
@@ -270,26 +292,11 @@ impl Evaluated {
         }
     }
 
-    /// Adds the tangent stiffness at sample `t`, in the coordinates of the centre of mass.
-    pub fn add_stiffness(&self, motion: &Motion, t: usize, weight: f64, sum: &mut [[f64; D]; D]) {
-        let (_, k) = self.bearing.reaction_and_stiffness(&self.displacement(&motion.q[t]), &self.state(motion, t));
-        // u = T q with T = 1 but for u by thv (+station) and v by thu (-station); K_q = T^T K T.
-        let z = self.station;
-        let mut half = [[0.0; D]; D];
-        for i in 0..D {
-            for j in 0..D {
-                half[i][j] = k[(i, j)];
-            }
-            half[i][4] += z * k[(i, 0)];
-            half[i][3] -= z * k[(i, 1)];
-        }
-        for j in 0..D {
-            for i in 0..D {
-                sum[i][j] += weight * half[i][j];
-            }
-            sum[4][j] += weight * z * half[0][j];
-            sum[3][j] -= weight * z * half[1][j];
-        }
+    /// Returns the tangent stiffness at sample `t`, at the bearing's own station.
+    pub fn tangent(&self, motion: &Motion, t: usize) -> Tangent {
+        let u = self.displacement(&self.displaced[t]);
+        let (_, k) = self.bearing.reaction_and_stiffness(&u, &self.state(motion, t));
+        Tangent::from_fn(|i, j| k[(i, j)])
     }
 }
 

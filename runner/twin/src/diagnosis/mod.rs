@@ -14,6 +14,7 @@
 pub(crate) mod block;
 mod cage;
 mod calibration;
+mod dynamics;
 mod fault_figures;
 mod filter;
 mod finding;
@@ -80,10 +81,13 @@ struct Prepared<'a> {
 /// Returns why a scene cannot be diagnosed; none where it can.
 #[must_use]
 pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
-    if scene.rotor.as_ref().is_none_or(|rotor| rotor.flexible.is_some())
-        || scene.bearings.iter().any(|b| b.support.is_some() || !b.element_azimuths.is_empty())
-    {
-        return Some("the rotor is not a rigid one on fixed, evenly filled bearings".to_owned());
+    if scene.rotor.is_none() || scene.bearings.iter().any(|b| !b.element_azimuths.is_empty()) {
+        return Some("the scene has no rotor on evenly filled bearings".to_owned());
+    }
+    let is_elastic = scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_some())
+        || scene.bearings.iter().any(|b| b.support.is_some());
+    if is_elastic && scene.bearings.len() != 2 {
+        return Some("a rotor that bends or has supports is diagnosed on two bearings only".to_owned());
     }
     if scene.shaft.outer_speed != 0.0 {
         return Some("the outer rings turn".to_owned());
@@ -115,7 +119,9 @@ impl<'a> Prepared<'a> {
             solver,
             has_axial_probe: of.probes.iter().any(|p| p.direction == Direction::Axial),
         };
-        let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting) else { return Ok(None) };
+        let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting, machine)? else {
+            return Ok(None);
+        };
         if let Some(calibration) = of.calibration {
             evidence.set_uncertain(calibration.covariance(machine));
         }

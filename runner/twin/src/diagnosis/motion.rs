@@ -20,7 +20,7 @@ const TAPER: f64 = 0.12;
 pub struct Motion {
     /// Sample period, s.
     pub period: f64,
-    /// Displacement of the centre of mass.
+    /// Pose: displacement of the centre of mass of a rigid shaft with these readings.
     pub q: Vec<Displacement<f64>>,
     /// Total revolutions of the shaft.
     pub turns: Vec<f64>,
@@ -34,6 +34,16 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Returns the force along X and Y of a unit unbalance at angle 0, sample by sample.
+    pub fn unit_unbalance(&self) -> Vec<[f64; 2]> {
+        let force = |t: usize| {
+            let (s, c) = self.angle[t].radians().sin_cos();
+            let (w2, a) = (self.speed[t] * self.speed[t], self.acceleration[t]);
+            [w2 * c + a * s, w2 * s - a * c]
+        };
+        (0..self.len()).map(force).collect()
+    }
+
     /// Returns the motion of consecutive samples with a reading of every probe; the axial coordinate is `axial` where no probe
     /// measures it.
     pub fn new(samples: &[Sample], period: f64, solver: &PoseSolver, axial: f64) -> Self {
@@ -112,7 +122,7 @@ impl Transform {
     }
 
     /// Transforms two real series under derivative `order` of the window.
-    fn pair(&self, order: usize, a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> [Vec<C>; 2] {
+    pub fn pair(&self, order: usize, a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> [Vec<C>; 2] {
         let n = self.window[0].len();
         let mut both: Vec<C> = (0..n).map(|i| C::new(a(i), b(i)) * self.window[order][i]).collect();
         self.fft.process(&mut both);

@@ -1,9 +1,10 @@
 //! The force that a machine leaves unexplained, as a residual at the probes in units of their noise.
 
 use super::Result;
+use super::dynamics::{Dynamics, Square, Tangent};
 use super::filter::LineFilter;
 use super::fit::dot;
-use super::machine::{Evaluated, Machine, Part, Unknown};
+use super::machine::{Evaluated, Machine, MachineBearing, Part, Unknown};
 use super::motion::{C, D, Motion, Transform};
 use crate::plant::Plant;
 use crate::probes::{self, PoseSolver};
@@ -18,10 +19,10 @@ pub const MEAN_LINES: usize = 5;
 const NEIGHBOURS: usize = 6;
 /// Sets of made-up noise from which the noise of the residual is estimated.
 const DRAWS: usize = 3;
+/// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
+const MOMENT_ROUNDS: usize = 2;
 /// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
 const LEAST_TOLERANCE: f64 = 1e-3;
-
-type Square = SMatrix<C, D, D>;
 
 /// How residuals are weighted: probes with their noise.
 pub(super) struct Weighting {
@@ -57,8 +58,20 @@ pub(super) struct Evidence<'a> {
     /// Spectra of q, w' q and w'' q, with q the lines that stand out.
     displacement: Arc<[[Vec<C>; D]; 3]>,
     weighting: Arc<Weighting>,
-    /// Per line: whitened displacement per unit of force.
-    pub whitening: Vec<Vec<[C; D]>>,
+    dynamics: Arc<Dynamics>,
+    /// Displacement of the rotor at each bearing, with unbalance and load of the scene.
+    displaced: Vec<Arc<Vec<Displacement<f64>>>>,
+    /// Unbalance and load of the scene.
+    given: ([f64; 4], [f64; D]),
+    /// Force along X and Y of a unit unbalance at angle 0, and its spectra.
+    unit_unbalance: Arc<Vec<[f64; 2]>>,
+    unit_unbalance_lines: Arc<[Vec<C>; 2]>,
+    /// Spectrum of 1.
+    constant: Arc<Vec<C>>,
+    /// Per line: whitened displacement per unit of force about the centre of mass.
+    whitening: Vec<Vec<[C; D]>>,
+    /// The same per unit of force at each bearing.
+    pub whitening_of_bearing: Vec<Vec<Vec<[C; D]>>>,
     /// Per line and row: noise of the whitened residual over that of the displacement.
     noise_scale: Vec<Vec<f64>>,
     /// Parameters that are not exactly known, with a root of their covariance.
@@ -77,9 +90,6 @@ pub(super) struct Evidence<'a> {
     /// the force by noise that passes the filter. It is mostly noise, which must not depend on the unknowns of a fit: a fit would
     /// lower the noise by less damping.
     correction: [Vec<C>; D],
-    mass: [f64; D],
-    polar: f64,
-    stiffness: [f64; D],
     gravity: [f64; D],
 }
 
@@ -90,10 +100,10 @@ struct Direction {
     share: f64,
 }
 
-/// Mean tangent stiffness of the bearings along a motion, and damping of the rotor.
-#[derive(Clone, Copy, Default)]
+/// Mean tangent stiffness of each bearing along a motion, and damping of the rotor.
+#[derive(Clone, Default)]
 struct MeanStiffness {
-    stiffness: [[f64; D]; D],
+    tangents: Vec<Tangent>,
     damping: [f64; D],
 }
 
@@ -114,33 +124,57 @@ impl Spectra {
 }
 
 impl<'a> Evidence<'a> {
-    /// Returns none where the scene has no rigid rotor. [`Evidence::weight_for`] comes next.
+    /// Returns none where the rotor cannot be diagnosed. [`Evidence::weight_for`] comes next.
+    ///
+    /// # Errors
+    /// A bearing that cannot be built, a rotor that cannot be reduced.
     pub fn new(
         scene: &'a Scene,
         plant: &'a Plant,
         mut motion: Motion,
         highest: f64,
         weighting: Weighting,
-    ) -> Option<Self> {
-        let rotor = scene.rotor.as_ref()?;
+        machine: &Machine,
+    ) -> Result<Option<Self>> {
+        let Some(rotor) = scene.rotor.as_ref() else { return Ok(None) };
         let transform = Transform::new(motion.len(), motion.period, highest);
+        let of_probes = (weighting.probes.as_slice(), &weighting.solver);
+        // A rotor that the plant is made of can be reduced.
+        let Ok(Some(dynamics)) = Dynamics::new(scene, plant, of_probes, &transform.lines, motion.mean_speed()) else {
+            return Ok(None);
+        };
         let q: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
         let filter = LineFilter::new(&q, weighting.pose_noise());
         let filtered = filter.apply(&q);
         let displacement = std::array::from_fn(|order| transform.five(order, |t| filtered[t]));
         let rest: Vec<[f64; D]> = q.iter().zip(&filtered).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
-        motion.q = filtered.into_iter().map(Displacement::from_array).collect();
-        let mass = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
         let [gx, gy, gz] = rotor.gravity;
-        Some(Self {
+        let gravity = [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0];
+        let unit_unbalance = motion.unit_unbalance();
+        let mut displaced = dynamics.displacements(&filtered);
+        for (b, displaced) in displaced.iter_mut().enumerate() {
+            let by_loads = dynamics.by_loads(b, machine.unbalance, [&machine.load, &gravity], &unit_unbalance);
+            for (sum, part) in displaced.iter_mut().zip(by_loads.into_iter().flatten()) {
+                *sum = *sum + part;
+            }
+        }
+        motion.q = filtered.into_iter().map(Displacement::from_array).collect();
+        let mut evidence = Self {
             scene,
             plant,
             rest_lines: Arc::new(transform.five(0, |t| rest[t])),
+            unit_unbalance_lines: Arc::new(transform.pair(0, |t| unit_unbalance[t][0], |t| unit_unbalance[t][1])),
+            constant: Arc::new(transform.pair(0, |_| 1.0, |_| 0.0)[0].clone()),
             motion: Arc::new(motion),
             transform: Arc::new(transform),
             displacement: Arc::new(displacement),
             weighting: Arc::new(weighting),
+            dynamics: Arc::new(dynamics),
+            displaced: displaced.iter().cloned().map(Arc::new).collect(),
+            given: (machine.unbalance, machine.load),
+            unit_unbalance: Arc::new(unit_unbalance),
             whitening: vec![],
+            whitening_of_bearing: vec![],
             noise_scale: vec![],
             uncertain: None,
             tolerance: vec![],
@@ -149,22 +183,78 @@ impl<'a> Evidence<'a> {
             filter: Arc::new(filter),
             rest: Arc::new(rest),
             correction: Default::default(),
-            mass,
-            polar: rotor.polar_inertia,
-            stiffness: rotor.stiffness,
-            gravity: [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0],
-        })
+            gravity,
+        };
+        if evidence.dynamics.is_elastic() {
+            evidence.add_moments(machine, displaced)?;
+        }
+        Ok(Some(evidence))
+    }
+
+    /// Adds the displacement of the bearings by their moments, which no pair of forces replaces; `displaced` is that without moments.
+    fn add_moments(&mut self, machine: &Machine, displaced: Vec<Vec<Displacement<f64>>>) -> Result<()> {
+        for _ in 0..MOMENT_ROUNDS {
+            let moments = (0..machine.bearings.len())
+                .map(|b| {
+                    let of = |[_, _, _, mx, my]: [f64; D]| [0.0, 0.0, 0.0, mx, my];
+                    Ok(self.evaluated(machine, b)?.forces(&self.motion).into_iter().map(of).collect())
+                })
+                .collect::<Result<Vec<Vec<[f64; D]>>>>()?;
+            let mut next = displaced.clone();
+            self.dynamics.add_by_bearings(&moments, &mut next);
+            self.displaced = next.into_iter().map(Arc::new).collect();
+        }
+        Ok(())
+    }
+
+    /// Returns bearing `b` of a machine along the motion.
+    pub fn evaluated(&self, machine: &Machine, b: usize) -> Result<Evaluated> {
+        self.evaluated_as(machine, b, &machine.bearings[b])
+    }
+
+    /// Returns another bearing in the place of bearing `b` of a machine.
+    pub fn evaluated_as(&self, machine: &Machine, b: usize, of: &MachineBearing) -> Result<Evaluated> {
+        Evaluated::new(self.scene, self.plant, b, of, self.displaced(machine, b))
+    }
+
+    /// Displacement of the rotor at bearing `b`: unbalance and load of the machine bend an elastic rotor.
+    fn displaced(&self, machine: &Machine, b: usize) -> Arc<Vec<Displacement<f64>>> {
+        let (unbalance, load) = &self.given;
+        if (machine.unbalance, machine.load) == (*unbalance, *load) {
+            return self.displaced[b].clone();
+        }
+        let more_unbalance = std::array::from_fn(|i| machine.unbalance[i] - unbalance[i]);
+        let more_load: [f64; D] = std::array::from_fn(|i| machine.load[i] - load[i]);
+        match self.dynamics.by_loads(b, more_unbalance, [&more_load, &[0.0; D]], &self.unit_unbalance) {
+            Some(more) => Arc::new(self.displaced[b].iter().zip(more).map(|(u, more)| *u + more).collect()),
+            None => self.displaced[b].clone(),
+        }
     }
 
     /// Weights residuals by the noise that they have with this machine.
     pub fn weight_for(&mut self, machine: &Machine) -> Result<()> {
         self.reference = self.mean_stiffness(machine)?;
         self.whitening = self.whitening_of(&self.reference);
+        self.whiten_bearings();
         self.rows = self.whitening.first().map_or(0, Vec::len);
         self.noise_scale = vec![vec![1.0; self.rows]; self.whitening.len()];
         self.tolerance.clear();
         self.scale_noise(machine)?;
+        self.whiten_bearings();
         self.tolerate(machine)
+    }
+
+    /// Brings the weights of forces about the centre of mass to forces at each bearing.
+    fn whiten_bearings(&mut self) {
+        let of = |b: usize| {
+            let line = |(k, rows): (usize, &Vec<[C; D]>)| {
+                let from = self.dynamics.from_bearing(b, k);
+                let row = |row: &[C; D]| std::array::from_fn(|j| (0..D).map(|i| row[i] * from[(i, j)]).sum());
+                rows.iter().map(row).collect()
+            };
+            self.whitening.iter().enumerate().map(line).collect()
+        };
+        self.whitening_of_bearing = (0..self.plant.bearings.len()).map(of).collect();
     }
 
     /// Sets the parameters that are known with a covariance: what they may be off explains no fault. [`Evidence::weight_for`] comes next.
@@ -225,7 +315,7 @@ impl<'a> Evidence<'a> {
         self.stiffen(&mut force, &own);
         let moved = |(k, w): (usize, &f64)| {
             let unexplained = SVector::<C, D>::from_fn(|i, _| force[i][k]);
-            let caused = self.dynamic_stiffness(&own, *w).lu().solve(&unexplained).unwrap_or_else(SVector::zeros);
+            let caused = self.dynamic_stiffness(&own, k, *w).lu().solve(&unexplained).unwrap_or_else(SVector::zeros);
             caused + SVector::<C, D>::from_fn(|i, _| self.rest_lines[i][k])
         };
         let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
@@ -237,7 +327,7 @@ impl<'a> Evidence<'a> {
                 unknown.set(&mut other, unknown.get(machine) + h);
                 let other = self.mean_stiffness(&other)?;
                 for ((k, w), moved) in self.transform.lines.iter().enumerate().zip(&moved) {
-                    let change = self.dynamic_stiffness(&other, *w) - self.dynamic_stiffness(&own, *w);
+                    let change = self.dynamic_stiffness(&other, k, *w) - self.dynamic_stiffness(&own, k, *w);
                     let by_stiffness = change * moved / C::new(h, 0.0);
                     slope.iter_mut().zip(by_stiffness.iter()).for_each(|(slope, x)| slope[k] -= x);
                 }
@@ -250,7 +340,7 @@ impl<'a> Evidence<'a> {
     /// Adds what another mean stiffness requires for the part of the displacement that the filter took.
     fn stiffen(&self, force: &mut [Vec<C>; D], own: &MeanStiffness) {
         for (k, w) in self.transform.lines.iter().enumerate() {
-            let change = self.dynamic_stiffness(own, *w) - self.dynamic_stiffness(&self.reference, *w);
+            let change = self.dynamic_stiffness(own, k, *w) - self.dynamic_stiffness(&self.reference, k, *w);
             for (i, force) in force.iter_mut().enumerate() {
                 force[k] -= (0..D).map(|j| change[(i, j)] * self.rest_lines[j][k]).sum::<C>();
             }
@@ -271,29 +361,19 @@ impl<'a> Evidence<'a> {
     fn mean_stiffness(&self, machine: &Machine) -> Result<MeanStiffness> {
         let stride = (self.motion.len() / 500).max(1);
         let count = self.motion.len().div_ceil(stride) as f64;
-        let mut sum = [[0.0; D]; D];
-        for (i, k) in self.stiffness.iter().enumerate() {
-            sum[i][i] = *k;
-        }
-        for (i, bearing) in machine.bearings.iter().enumerate() {
-            let evaluated = Evaluated::new(self.scene, self.plant, i, bearing)?;
-            for t in (0..self.motion.len()).step_by(stride) {
-                evaluated.add_stiffness(&self.motion, t, 1.0 / count, &mut sum);
-            }
-        }
-        Ok(MeanStiffness { stiffness: sum, damping: machine.damping })
+        let tangents = (0..machine.bearings.len())
+            .map(|b| {
+                let evaluated = self.evaluated(machine, b)?;
+                let all = (0..self.motion.len()).step_by(stride).map(|t| evaluated.tangent(&self.motion, t));
+                Ok(all.fold(Tangent::zeros(), |sum, tangent| sum + tangent) / count)
+            })
+            .collect::<Result<_>>()?;
+        Ok(MeanStiffness { tangents, damping: machine.damping })
     }
 
-    /// Force that a displacement at the angular frequency `w` requires, by the mean stiffness.
-    fn dynamic_stiffness(&self, of: &MeanStiffness, w: f64) -> Square {
-        let spin = w * self.polar * self.motion.mean_speed();
-        let mut g = Square::from_fn(|i, j| C::new(of.stiffness[i][j], 0.0));
-        for i in 0..D {
-            g[(i, i)] += C::new(-w * w * self.mass[i], w * of.damping[i]);
-        }
-        g[(3, 4)] += C::new(0.0, spin);
-        g[(4, 3)] -= C::new(0.0, spin);
-        g
+    /// Force that a displacement at line `k`, the angular frequency `w`, requires, by the mean stiffness.
+    fn dynamic_stiffness(&self, of: &MeanStiffness, k: usize, w: f64) -> Square {
+        self.dynamics.stiffness(k, w, &of.damping, &of.tangents)
     }
 
     /// A force is brought to the displacement that it causes at the mean stiffness, which is then divided by its noise.
@@ -306,31 +386,36 @@ impl<'a> Evidence<'a> {
             information += row * row.transpose() / (noise * noise);
         }
         let measured: Vec<usize> = (0..D).filter(|&i| i != 2 || self.weighting.has_axial_probe).collect();
-        let mut of = *of;
         if !self.weighting.has_axial_probe {
-            // The axial coordinate is held.
-            of.stiffness.iter_mut().for_each(|row| row[2] = 0.0);
-            of.stiffness[2] = [0.0, 0.0, 1e30, 0.0, 0.0];
             information[(2, 2)] = 1.0;
         }
         // Lengths of the unit of translations and tilts differ: the square root is taken with a unit diagonal.
         let scale: Vec<f64> = (0..D).map(|i| information[(i, i)].max(1e-300).sqrt()).collect();
         let scaled = SMatrix::<f64, D, D>::from_fn(|i, j| information[(i, j)] / (scale[i] * scale[j]));
         let root = scaled.cholesky().map_or_else(SMatrix::<f64, D, D>::identity, |c| c.l().transpose());
-        let whitening = |w: f64| {
-            let inverse = self.dynamic_stiffness(&of, w).try_inverse().unwrap_or_else(Square::zeros);
+        let whitening = |(k, w): (usize, &f64)| {
+            let inverse = self.held(self.dynamic_stiffness(of, k, *w)).try_inverse().unwrap_or_else(Square::zeros);
             let row = |&i: &usize| {
                 std::array::from_fn(|j| (0..D).map(|k| inverse[(k, j)] * (root[(i, k)] * scale[k] / unit)).sum::<C>())
             };
             measured.iter().map(row).collect()
         };
-        let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().map(|w| whitening(*w)).collect();
+        let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().enumerate().map(whitening).collect();
         // The offset of a probe is not known better than its noise, however long the record.
         let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64).sqrt();
         for rows in all.iter_mut().take(MEAN_LINES) {
             rows.iter_mut().flatten().for_each(|a| *a *= mean);
         }
         all
+    }
+
+    /// Holds the axial coordinate where it is not measured.
+    fn held(&self, mut stiffness: Square) -> Square {
+        if !self.weighting.has_axial_probe {
+            (0..D).for_each(|i| (stiffness[(2, i)], stiffness[(i, 2)]) = (C::new(0.0, 0.0), C::new(0.0, 0.0)));
+            stiffness[(2, 2)] = C::new(1e30, 0.0);
+        }
+        stiffness
     }
 
     /// Scales the noise of each probe, line by line, to that of the residual of a true machine: the noise of the probes also
@@ -341,26 +426,27 @@ impl<'a> Evidence<'a> {
         let Weighting { noise, solver, .. } = &*self.weighting;
         let lines = self.whitening.len();
         let mut square = vec![vec![0.0; self.rows]; lines];
-        let evaluated: Vec<Evaluated> = machine
-            .bearings
+        let evaluated: Vec<Evaluated> =
+            (0..machine.bearings.len()).map(|b| self.evaluated(machine, b)).collect::<Result<_>>()?;
+        let tangents: Vec<Vec<Tangent>> = evaluated
             .iter()
-            .enumerate()
-            .map(|(i, b)| Evaluated::new(self.scene, self.plant, i, b))
-            .collect::<Result<_>>()?;
-        let stiffness: Vec<[[f64; D]; D]> = (0..self.motion.len())
-            .map(|t| {
-                let mut sum = [[0.0; D]; D];
-                evaluated.iter().for_each(|one| one.add_stiffness(&self.motion, t, 1.0, &mut sum));
-                sum
-            })
+            .map(|one| (0..self.motion.len()).map(|t| one.tangent(&self.motion, t)).collect())
             .collect();
-        // Force of the bearings by a small displacement.
-        let linear =
-            |t: usize, x: &[f64; D]| stiffness[t].map(|row| -row.iter().zip(x).map(|(k, x)| k * x).sum::<f64>());
-        let rest: [[Vec<C>; D]; 3] = std::array::from_fn(|order| self.transform.five(order, |t| self.rest[t]));
-        let mut correction = self.inertia(machine, &rest);
-        for (sum, part) in correction.iter_mut().zip(self.transform.five(0, |t| linear(t, &self.rest[t]))) {
-            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        // Force of a bearing by a small displacement.
+        let linear = |b: usize, t: usize, x: &Displacement<f64>| -> [f64; D] {
+            let force = tangents[b][t] * SVector::from(x.to_array());
+            std::array::from_fn(|i| -force[i])
+        };
+        let inertia = |series: &[[f64; D]]| {
+            let spectra = std::array::from_fn(|order| self.transform.five(order, |t| series[t]));
+            self.dynamics.required(&self.transform.lines, &machine.damping, &spectra)
+        };
+        let add = |sum: &mut [Vec<C>; D], b: usize, of: &dyn Fn(usize) -> [f64; D]| {
+            self.dynamics.add(b, &self.transform.five(0, of), sum);
+        };
+        let mut correction = inertia(&self.rest);
+        for (b, rest) in self.dynamics.displacements(&self.rest).iter().enumerate() {
+            add(&mut correction, b, &|t| linear(b, t, &rest[t]));
         }
         let exact: Vec<Vec<[f64; D]>> = evaluated.iter().map(|one| one.forces(&self.motion)).collect();
         let mut normal = Normal::new();
@@ -369,31 +455,28 @@ impl<'a> Evidence<'a> {
                 .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0).to_array())
                 .collect();
             let passed = self.filter.apply(&error);
-            let spectra: [[Vec<C>; D]; 3] = std::array::from_fn(|order| self.transform.five(order, |t| error[t]));
-            let mut force = self.inertia(machine, &spectra);
-            // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
-            let change = |t: usize| {
-                let rest = std::array::from_fn(|i| error[t][i] - passed[t][i]);
-                let mut odd = linear(t, &rest);
-                let mut even = [0.0; D];
-                let [with, against] = [1.0, -1.0].map(|sign| Displacement::from_array(passed[t].map(|x| sign * x)));
-                for (one, exact) in evaluated.iter().zip(&exact) {
-                    let without = exact[t];
-                    let (with, against) =
-                        (one.force_with(&self.motion, t, &with), one.force_with(&self.motion, t, &against));
+            let rest: Vec<[f64; D]> =
+                error.iter().zip(&passed).map(|(e, p)| std::array::from_fn(|i| e[i] - p[i])).collect();
+            let (passed, rest) = (self.dynamics.displacements(&passed), self.dynamics.displacements(&rest));
+            let mut force = inertia(&error);
+            for (b, one) in evaluated.iter().enumerate() {
+                // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
+                let change = |t: usize| {
+                    let mut odd = linear(b, t, &rest[b][t]);
+                    let mut even = [0.0; D];
+                    let [with, against] = [1.0, -1.0]
+                        .map(|sign| Displacement::from_array(passed[b][t].to_array().map(|x| sign * x)))
+                        .map(|error| one.force_with(&self.motion, t, &error));
+                    let without = exact[b][t];
                     for i in 0..D {
                         odd[i] += with[i] - without[i];
                         even[i] += 0.5 * (with[i] + against[i]) - without[i];
                     }
-                }
-                (odd, even)
-            };
-            let changes: Vec<([f64; D], [f64; D])> = (0..self.motion.len()).map(change).collect();
-            for (sum, part) in force.iter_mut().zip(self.transform.five(0, |t| changes[t].0)) {
-                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-            }
-            for (sum, part) in correction.iter_mut().zip(self.transform.five(0, |t| changes[t].1)) {
-                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum -= part / DRAWS as f64);
+                    (odd, even)
+                };
+                let changes: Vec<([f64; D], [f64; D])> = (0..self.motion.len()).map(change).collect();
+                add(&mut force, b, &|t| changes[t].0);
+                add(&mut correction, b, &|t| changes[t].1.map(|x| -x / DRAWS as f64));
             }
             let residual = self.at_probes(&force);
             for (k, squares) in square.iter_mut().enumerate() {
@@ -424,8 +507,15 @@ impl<'a> Evidence<'a> {
         Ok(Spectra { bearings, rotor: self.rotor(machine) })
     }
 
+    /// Returns the spectra of a force at bearing `b`, sample by sample, as one about the centre of mass.
+    pub fn about_centre(&self, b: usize, of: &dyn Fn(usize) -> [f64; D]) -> [Vec<C>; D] {
+        let mut sum: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
+        self.dynamics.add(b, &self.transform.five(0, of), &mut sum);
+        sum
+    }
+
     fn bearing(&self, machine: &Machine, i: usize) -> Result<[Vec<C>; D]> {
-        let evaluated = Evaluated::new(self.scene, self.plant, i, &machine.bearings[i])?;
+        let evaluated = self.evaluated(machine, i)?;
         let forces = evaluated.forces(&self.motion);
         let mut spectra = self.transform.five(0, |t| forces[t]);
         if let Some(pulses) = evaluated.pulses(&self.motion) {
@@ -433,51 +523,23 @@ impl<'a> Evidence<'a> {
                 sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
             }
         }
-        Ok(spectra)
+        let mut about_centre: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); spectra[0].len()]);
+        self.dynamics.add(i, &spectra, &mut about_centre);
+        Ok(about_centre)
     }
 
     /// Load, unbalance, inertia and damping: what the rotor's motion requires, as a force with the opposite sign.
     fn rotor(&self, machine: &Machine) -> [Vec<C>; D] {
-        let motion = &self.motion;
-        let [ex, ey, cx, cy] = machine.unbalance;
-        let force = |t: usize| {
-            let (s, c) = motion.angle[t].radians().sin_cos();
-            let (w2, a) = (motion.speed[t] * motion.speed[t], motion.acceleration[t]);
-            let turned = |x: f64, y: f64| {
-                let (rx, ry) = (c * x - s * y, s * x + c * y);
-                (w2 * rx + a * ry, w2 * ry - a * rx)
-            };
-            let ((fx, fy), (mx, my)) = (turned(ex, ey), turned(cx, cy));
-            let mut f = [fx, fy, 0.0, -my, mx];
-            for (f, (load, weight)) in f.iter_mut().zip(machine.load.iter().zip(&self.gravity)) {
-                *f += load + weight;
+        let mut sum = self.dynamics.required(&self.transform.lines, &machine.damping, &self.displacement);
+        for part in [
+            self.dynamics.unbalance(machine.unbalance, &self.unit_unbalance_lines),
+            self.dynamics.load(&machine.load, &self.gravity, &self.constant),
+        ] {
+            for (sum, part) in sum.iter_mut().zip(part) {
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
             }
-            f
-        };
-        let forces: Vec<[f64; D]> = (0..motion.len()).map(force).collect();
-        let mut out = self.transform.five(0, |t| forces[t]);
-        for (sum, part) in out.iter_mut().zip(self.inertia(machine, &self.displacement)) {
-            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         }
-        out
-    }
-
-    /// Inertia, damping and gyroscopic forces of a displacement with these spectra.
-    fn inertia(&self, machine: &Machine, [q, q1, q2]: &[[Vec<C>; D]; 3]) -> [Vec<C>; D] {
-        let mut out: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
-        let speed = self.motion.mean_speed();
-        for (k, w) in self.transform.lines.iter().enumerate() {
-            let rate = |i: usize| C::new(0.0, *w) * q[i][k] - q1[i][k];
-            for i in 0..D {
-                let acceleration = -w * w * q[i][k] - C::new(0.0, 2.0 * w) * q1[i][k] + q2[i][k];
-                out[i][k] -= acceleration * self.mass[i] + rate(i) * machine.damping[i] + q[i][k] * self.stiffness[i];
-            }
-            let spin = self.polar * speed;
-            let (thu, thv) = (rate(3), rate(4));
-            out[3][k] -= thv * spin;
-            out[4][k] += thu * spin;
-        }
-        out
+        sum
     }
 
     /// Returns the spectra of `machine`, which differs from that of `from` in one part only.
@@ -485,7 +547,14 @@ impl<'a> Evidence<'a> {
         let mut spectra = from.clone();
         match part {
             Part::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
-            Part::Rotor => spectra.rotor = self.rotor(machine),
+            Part::Rotor => {
+                spectra.rotor = self.rotor(machine);
+                if self.dynamics.is_elastic() {
+                    for i in 0..machine.bearings.len() {
+                        spectra.bearings[i] = self.bearing(machine, i)?;
+                    }
+                }
+            }
         }
         Ok(spectra)
     }
@@ -513,11 +582,7 @@ impl<'a> Evidence<'a> {
     pub fn displacement_by(&self, force: &[Vec<C>; D]) -> [Vec<C>; D] {
         let mut out: [Vec<C>; D] = Default::default();
         for (k, w) in self.transform.lines.iter().enumerate() {
-            let mut stiffness = self.dynamic_stiffness(&self.reference, *w);
-            if !self.weighting.has_axial_probe {
-                (0..D).for_each(|i| (stiffness[(2, i)], stiffness[(i, 2)]) = (C::new(0.0, 0.0), C::new(0.0, 0.0)));
-                stiffness[(2, 2)] = C::new(1e30, 0.0);
-            }
+            let stiffness = self.held(self.dynamic_stiffness(&self.reference, k, *w));
             let force = SVector::<C, D>::from_fn(|i, _| force[i][k]);
             let caused = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
             let scale = self.noise_scale[k].iter().sum::<f64>() / self.rows.max(1) as f64;
@@ -568,18 +633,21 @@ impl<'a> Evidence<'a> {
         let mut other = machine.clone();
         let h = unknown.step();
         unknown.set(&mut other, unknown.get(machine) + h);
-        let part = unknown.part();
-        let mut difference = match part {
-            Part::Bearing(i) => self.bearing(&other, i)?,
-            Part::Rotor => self.rotor(&other),
+        let changed = self.changed(spectra, &other, unknown.part())?;
+        let mut difference: [Vec<C>; D] = Default::default();
+        let pairs = changed.bearings.iter().zip(&spectra.bearings);
+        let all = match unknown.part() {
+            Part::Bearing(i) => vec![(&changed.bearings[i], &spectra.bearings[i])],
+            Part::Rotor if self.dynamics.is_elastic() => {
+                pairs.chain(std::iter::once((&changed.rotor, &spectra.rotor))).collect()
+            }
+            Part::Rotor => vec![(&changed.rotor, &spectra.rotor)],
         };
-        let before = match part {
-            Part::Bearing(i) => &spectra.bearings[i],
-            Part::Rotor => &spectra.rotor,
-        };
-        for (d, b) in difference.iter_mut().zip(before) {
-            for (d, b) in d.iter_mut().zip(b) {
-                *d = (*d - b) / h;
+        for (i, difference) in difference.iter_mut().enumerate() {
+            *difference = vec![C::new(0.0, 0.0); self.transform.lines.len()];
+            for (after, before) in &all {
+                let parts = after[i].iter().zip(&before[i]);
+                difference.iter_mut().zip(parts).for_each(|(d, (a, b))| *d += (a - b) / h);
             }
         }
         Ok(difference)

@@ -14,7 +14,7 @@
 
 use super::Result;
 use super::fit::Fitted;
-use super::machine::{Evaluated, Machine, MachineBearing, spall};
+use super::machine::{Machine, spall};
 use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};
 use crate::scene::{DefectShape, Surface};
@@ -99,12 +99,13 @@ impl Baseband {
         Coarse { values }
     }
 
-    /// Returns the line nearest to `order` of the shaft, and the residual at the probes of a series times `e^(2 pi i turns)`,
-    /// for lines about it; none where the band leaves the lines in use.
+    /// Returns the line nearest to `order` of the shaft, and the residual at the probes of a force at a bearing, a series times
+    /// `e^(2 pi i turns)`, for lines about it; none where the band leaves the lines in use.
     pub fn column(
         &self,
         e: &Evidence,
         series: &Coarse,
+        bearing: usize,
         order: f64,
         carrier: impl Fn(f64) -> f64,
     ) -> Option<(usize, Vec<C>)> {
@@ -135,7 +136,7 @@ impl Baseband {
             if line >= e.transform.lines.len() || line < MEAN_LINES {
                 continue;
             }
-            for row in &e.whitening[line] {
+            for row in &e.whitening_of_bearing[bearing][line] {
                 out.push(row.iter().zip(&spectra).map(|(a, s)| a * s[at]).sum());
             }
         }
@@ -158,14 +159,13 @@ pub struct Compliance {
 }
 
 impl Compliance {
-    pub fn new(e: &Evidence, band: &Baseband, bearing: usize, of: &MachineBearing) -> Result<Self> {
+    pub fn new(e: &Evidence, band: &Baseband, bearing: usize, machine: &Machine) -> Result<Self> {
         const DEPTH: f64 = 1e-8;
         let zero = C::new(0.0, 0.0);
         let mut harmonics = vec![[[zero; D]; WIDTH]; e.motion.len()];
-        let mut sound = of.clone();
-        sound.scene.defect.clear();
-        let of = &sound;
-        let sound = Evaluated::new(e.scene, e.plant, bearing, of)?;
+        let mut of = machine.bearings[bearing].clone();
+        of.scene.defect.clear();
+        let sound = e.evaluated_as(machine, bearing, &of)?;
         let first = e.plant.bearings[bearing].element_azimuths[0].revolutions();
         for a in 0..AZIMUTHS {
             let azimuth = TAU * a as f64 / AZIMUTHS as f64;
@@ -173,7 +173,7 @@ impl Compliance {
             let mut dent = spall(Surface::Outer, azimuth, 0.01, DEPTH);
             dent.shape = DefectShape::Rectangular;
             damaged.scene.defect.push(dent);
-            let damaged = Evaluated::new(e.scene, e.plant, bearing, &damaged)?;
+            let damaged = e.evaluated_as(machine, bearing, &damaged)?;
             let cage = Phase::from_revolutions(a as f64 / AZIMUTHS as f64 - first);
             let turns: [C; WIDTH] =
                 std::array::from_fn(|l| C::from_polar(1.0 / AZIMUTHS as f64, -(l as f64 - f64::from(L)) * azimuth));
@@ -301,7 +301,7 @@ impl Family {
             for (l, series) in compliance.harmonics.iter().enumerate() {
                 let l = l as i32 - L;
                 let own = order(e, bearing, component, slip, cage_slip, k, l);
-                if let Some((at, column)) = band.column(e, series, centre, |turns| own * turns) {
+                if let Some((at, column)) = band.column(e, series, bearing, centre, |turns| own * turns) {
                     line = Some(at);
                     columns.push(column);
                 }

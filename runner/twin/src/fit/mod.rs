@@ -213,7 +213,7 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     unknown.extend(of_cages);
     let plant = Plant::try_new(&scene)?;
     let of = &Material { scene: &scene, ..*of };
-    let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.probe_row(probe)).collect();
+    let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.layout.probe_row(probe)).collect();
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
     let total = turns_of(first);
     let drive = first.shaft_motion();

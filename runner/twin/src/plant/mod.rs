@@ -24,7 +24,7 @@ pub use system::{Layout, Rows, Scales, only_observable};
 pub use twin::{Step, Twin, first_five};
 
 use crate::scene::build;
-use crate::scene::{Bearing, Direction, Integration, Linear, Method, Model, Probe, Rotor, Scene, Speed};
+use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Equilibrium, RotorBearingSystem, SecondOrderSystem, ShaftMotion, equilibrium};
@@ -353,16 +353,6 @@ impl Plant {
         Ok((Step { method: self.integration.method, length: sample_period / f64::from(substeps) }, substeps))
     }
 
-    /// Returns the change of a probe's reading per unit of each coordinate.
-    #[must_use]
-    pub fn probe_row(&self, probe: &Probe) -> Vec<f64> {
-        let rows = self.layout.rows(probe.station);
-        let [x, y, z] = match probe.direction {
-            Direction::Axial => [0.0, 0.0, 1.0],
-            Direction::Radial(angle) => [angle.cos(), angle.sin(), 0.0],
-        };
-        (0..self.layout.order).map(|i| x * rows[0][i] + y * rows[1][i] + z * rows[2][i]).collect()
-    }
 
     /// Returns a twin at the given revolutions of the shaft, run in at that speed from rest.
     ///

@@ -74,6 +74,16 @@ fn highest_line(scene: &Scene, mounted: &[MountedBearing]) -> f64 {
 }
 
 impl Plant {
+    /// Returns the coordinates with `elastic` of them in each plane of a flexible rotor; those of another rotor as they are.
+    ///
+    /// # Errors
+    /// A rotor that cannot be reduced.
+    pub fn finer_layout(&self, scene: &Scene, elastic: usize) -> Result<Layout> {
+        let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else { return Ok(self.layout.clone()) };
+        let body = Body::Flexible(reduced(scene, drawn, &self.bearings, elastic)?);
+        Ok(Layout::new(body, &scene.bearings, &self.bearings))
+    }
+
     /// Adds elastic coordinates to a flexible rotor until its error is small.
     pub(super) fn refine(&mut self, scene: &Scene) -> Result<()> {
         let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else { return Ok(()) };

@@ -3,7 +3,7 @@
 use super::error::{PlantError, Result, rejected};
 use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::flexible_rotor::ReducedRotor;
-use crate::scene::{Bearing as BearingScene, Rotor, Scene, Support, build};
+use crate::scene::{Bearing as BearingScene, Direction, Probe, Rotor, Scene, Support, build};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
 use nalgebra::{DMatrix, SMatrix};
 use std::sync::Arc;
@@ -153,6 +153,17 @@ impl Layout {
                 rows
             }
         }
+    }
+
+    /// Returns the change of a probe's reading per unit of each coordinate.
+    #[must_use]
+    pub fn probe_row(&self, probe: &Probe) -> Vec<f64> {
+        let rows = self.rows(probe.station);
+        let [x, y, z] = match probe.direction {
+            Direction::Axial => [0.0, 0.0, 1.0],
+            Direction::Radial(angle) => [angle.cos(), angle.sin(), 0.0],
+        };
+        (0..self.order).map(|i| x * rows[0][i] + y * rows[1][i] + z * rows[2][i]).collect()
     }
 
     /// Returns the displacement of bearing `i` per unit of each coordinate.

@@ -110,7 +110,7 @@ impl<'a> Pipeline<'a> {
         let linear = Arc::new(plant.linearised(&vec![true; plant.bearings.len()])?);
         let plant = Arc::new(plant);
         let bearings = plant.bearings.as_slice();
-        let rows: Vec<Vec<f64>> = probes.iter().map(|probe| plant.probe_row(probe)).collect();
+        let rows: Vec<Vec<f64>> = probes.iter().map(|probe| plant.layout.probe_row(probe)).collect();
         let search = Search {
             plant: plant.clone(),
             linear,
