@@ -4,7 +4,7 @@ use crate::live as monitor;
 use crate::live::address::Address;
 use crate::live::out::RequestedOutputs;
 use crate::live::source::Encoding;
-use crate::live::view::Shared;
+use crate::live::view::SharedView;
 use anyhow::{Context, Result};
 use ballrace_twin::scene::read::{read_file, read_str};
 use ballrace_twin::scene::{Scene, units};
@@ -35,7 +35,7 @@ pub struct LiveArgs {
     #[arg(long, value_name = "FOLDER")]
     pub state: Option<PathBuf>,
     #[command(flatten)]
-    pub asked: RequestedOutputs,
+    pub outputs: RequestedOutputs,
     /// Request first-in-first-out scheduling (SCHED_FIFO) and locked memory (Linux).
     #[arg(long)]
     pub realtime: bool,
@@ -53,11 +53,11 @@ impl LiveArgs {
             (self.encoding != Encoding::Csv, "--encoding"),
             (self.duration.is_some(), "--for"),
             (self.state.is_some(), "--state"),
-            (self.asked.events.is_some(), "--events"),
-            (self.asked.indicators.is_some(), "--indicators"),
-            (self.asked.prometheus.is_some(), "--prometheus"),
+            (self.outputs.events.is_some(), "--events"),
+            (self.outputs.indicators.is_some(), "--indicators"),
+            (self.outputs.prometheus.is_some(), "--prometheus"),
             #[cfg(feature = "mqtt")]
-            (self.asked.mqtt.is_some(), "--mqtt"),
+            (self.outputs.mqtt.is_some(), "--mqtt"),
             (self.realtime, "--realtime"),
             (self.core.is_some(), "--core"),
         ];
@@ -69,7 +69,7 @@ impl LiveArgs {
     pub fn options<'a>(
         &'a self,
         source: Address,
-        view: Option<Shared>,
+        view: Option<SharedView>,
         replay: ballrace_twin::replay::Options<'a>,
     ) -> monitor::Options<'a> {
         monitor::Options {
@@ -77,7 +77,7 @@ impl LiveArgs {
             encoding: self.encoding,
             duration: self.duration,
             state: self.state.as_deref(),
-            outputs: &self.asked,
+            outputs: &self.outputs,
             realtime: self.realtime,
             core: self.core,
             view,

@@ -123,7 +123,7 @@ fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
     let mut outputs = vec![("--report", args.report.as_path())];
     outputs.extend(args.forces.as_deref().map(|path| ("--forces", path)));
     outputs.extend(args.learn.as_deref().map(|path| ("--learn", path)));
-    outputs.extend(args.live.asked.events.as_deref().map(|path| ("--events", path)));
+    outputs.extend(args.live.outputs.events.as_deref().map(|path| ("--events", path)));
     let given = args.scene.as_deref().into_iter().chain(args.baseline.as_deref());
     let inputs: Vec<&Path> = given.chain([recording]).collect();
     keep_apart(&outputs, &inputs)?;

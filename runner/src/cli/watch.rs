@@ -6,7 +6,7 @@ use crate::dashboard;
 use crate::error::UsageError;
 use crate::live as monitor;
 use crate::live::source::lock;
-use crate::live::view::{Conclusion, Shared};
+use crate::live::view::{Conclusion, SharedView};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
@@ -43,7 +43,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
         ));
     }
     let scene = live::scene(args.scene.as_deref())?;
-    let view = Shared::default();
+    let view = SharedView::default();
     let source = args.live.source(&scene, None, args.scene.is_none());
     let name = source.to_string();
     let replay = Options { error, baseline: args.baseline.as_deref(), live: true, viewed: true, ..Options::default() };
@@ -56,7 +56,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
                 // The last picture stays until a key is pressed.
                 Ok(outcome) => {
                     let mut view = lock(&view);
-                    view.state = "over: press q";
+                    view.state = "ended: press q";
                     view.conclusion =
                         Some(Conclusion { verdict: outcome.verdict.clone(), findings: outcome.findings.clone() });
                 }
