@@ -1,6 +1,6 @@
-//! Errors of usage, as opposed to work that could not be done.
+//! Usage errors, as opposed to errors at run time.
 
-/// The command or the scene is wrong, as opposed to work that could not be done.
+/// Error returned when the command or the scene is invalid; the exit code is 2.
 #[derive(Debug)]
 pub struct UsageError(pub String);
 
@@ -13,7 +13,7 @@ impl std::fmt::Display for UsageError {
 impl std::error::Error for UsageError {}
 
 impl UsageError {
-    /// Returns `error` as an error of usage, with the messages of all its causes.
+    /// Creates a usage error from `error` with the messages of all its causes.
     pub fn new(error: impl Into<anyhow::Error>) -> Self {
         Self(format!("{:#}", error.into()))
     }

@@ -1,6 +1,6 @@
 //! The program `ballrace`: command line, live monitor and terminal dashboard.
 //!
-//! Everything that it computes is in `ballrace-twin`, every report that it writes in `ballrace-report`.
+//! The computations are in the crate `ballrace-twin`, the reports in `ballrace-report`.
 #![forbid(unsafe_code)]
 
 pub mod cli;

@@ -1,4 +1,4 @@
-//! The program `ballrace`: see [`ballrace_runner::cli`].
+//! Entry point of the program `ballrace`; the commands are in [`ballrace_runner::cli`].
 #![forbid(unsafe_code)]
 
 use clap::Parser;

@@ -79,9 +79,9 @@ fn model_that_the_scene_does_not_allow() {
 fn replay_without_what_it_needs() {
     let (bare, _) = DEMO_SCENE.split_once("[recording]").unwrap();
     let replay = ["replay", "scene.toml", "--forces", "forces.csv"];
-    desk_with(bare).refused(&replay, 2, &["scene.toml: [recording]: found none, allowed: the table that defines"]);
+    desk_with(bare).refused(&replay, 2, &["scene.toml: missing table [recording], expected the columns"]);
     let with_recording = [&replay[..], &["--recording", "healthy.csv"]].concat();
-    desk_with(bare).refused(&with_recording, 2, &["scene.toml: [recording]: found none"]);
+    desk_with(bare).refused(&with_recording, 2, &["scene.toml: missing table [recording]"]);
     let loose = without_rotor();
     desk_with(&loose).refused(&replay, 2, &["scene.toml: [rotor]: found none, allowed: a rotor"]);
     let simulate = ["simulate", "scene.toml", "--duration", "1 s", "--rate", "1 kHz", "-o", "motion.csv"];
@@ -101,13 +101,13 @@ fn duration_and_rate() {
     for (duration, rate, parts) in [
         ("5 mm", "1 kHz", "--duration: found \"5 mm\", a length, allowed: a time, such as \"2 s\""),
         ("soon", "1 kHz", "--duration: found \"soon\", "),
-        ("0 s", "1 kHz", "--duration: found \"0 s\", allowed: a time above 0"),
-        ("inf", "1 kHz", "--duration: found \"inf\", allowed: a time above 0"),
+        ("0 s", "1 kHz", "--duration: value out of range: \"0 s\", expected a time above 0"),
+        ("inf", "1 kHz", "--duration: value out of range: \"inf\", expected a time above 0"),
         ("1 s", "3000 rpm", "--rate: found \"3000 rpm\", a speed of rotation, allowed: a frequency"),
-        ("1 s", "0", "--rate: found \"0\", allowed: a frequency above 0"),
-        ("1 s", "NaN", "--rate: found \"NaN\", allowed: a frequency above 0"),
-        ("1 ms", "100 Hz", "--duration, --rate: found 0 samples, allowed: 1 to 1e9"),
-        ("1e9 s", "1e9", "--duration, --rate: found 1000000000000000000 samples, allowed: 1 to 1e9"),
+        ("1 s", "0", "--rate: value out of range: \"0\", expected a frequency above 0"),
+        ("1 s", "NaN", "--rate: value out of range: \"NaN\", expected a frequency above 0"),
+        ("1 ms", "100 Hz", "--duration, --rate: number of samples out of range: 0, expected 1 to 1e9"),
+        ("1e9 s", "1e9", "--duration, --rate: number of samples out of range: 1000000000000000000, expected 1 to 1e9"),
     ] {
         desk.refused(
             &["simulate", "scene.toml", "--duration", duration, "--rate", rate, "-o", "motion.csv"],
@@ -118,7 +118,7 @@ fn duration_and_rate() {
     desk.refused(
         &["simulate", "scene.toml", "--duration=-1 s", "--rate", "1 kHz", "-o", "motion.csv"],
         2,
-        &["--duration: found \"-1 s\", allowed: a time above 0"],
+        &["--duration: value out of range: \"-1 s\", expected a time above 0"],
     );
 }
 
@@ -126,17 +126,21 @@ fn duration_and_rate() {
 fn displacements_that_cannot_be_read() {
     let force = [&FORCE[..], &["--bearing", "DE"]].concat();
     for (text, code, part) in [
-        ("", 1, "u.csv: found an empty file, allowed: a CSV file with the columns u,v,w,thu,thv"),
+        ("", 1, "u.csv: file is empty, expected a CSV file with the columns u,v,w,thu,thv"),
         (
             "u,v,w,thu\n0,0,0,0\n",
             2,
-            "u.csv:1: column thv: found none among `u`, `v`, `w`, `thu`, allowed: u,v,w,thu,thv and",
+            "u.csv:1: missing column thv among `u`, `v`, `w`, `thu`, expected u,v,w,thu,thv and",
         ),
-        ("u,v,w,thu,thv,t,cage_angle\n0,0,0,0,0,0,0\n", 2, "u.csv:1: found both t and cage_angle, allowed: one"),
-        ("u,v,w,thu,thv\n0,0,0,0,0\n0,0,0,0,x\n", 1, "u.csv:3: column thv: found `x`, allowed: a number"),
-        ("u,v,w,thu,thv\n0,0,,0,0\n", 1, "u.csv:2: column w: found ``, allowed: a number"),
-        ("u,v,w,thu,thv\n0,0,0,0\n", 1, "u.csv:2: found 4 cells, allowed: 5, as many as the header has names"),
-        ("u,v,w,thu,thv\n0,0,0,0,0,0\n", 1, "u.csv:2: found 6 cells, allowed: 5"),
+        (
+            "u,v,w,thu,thv,t,cage_angle\n0,0,0,0,0,0,0\n",
+            2,
+            "u.csv:1: both t and cage_angle are given, expected at most one",
+        ),
+        ("u,v,w,thu,thv\n0,0,0,0,0\n0,0,0,0,x\n", 1, "u.csv:3: column thv: invalid value: `x`, expected a number"),
+        ("u,v,w,thu,thv\n0,0,,0,0\n", 1, "u.csv:2: column w: invalid value: ``, expected a number"),
+        ("u,v,w,thu,thv\n0,0,0,0\n", 1, "u.csv:2: wrong number of cells: 4, expected 5 as in the header"),
+        ("u,v,w,thu,thv\n0,0,0,0,0,0\n", 1, "u.csv:2: wrong number of cells: 6, expected 5"),
     ] {
         let desk = desk_with(DEMO_SCENE);
         desk.put("u.csv", text);
@@ -150,7 +154,7 @@ fn displacements_that_cannot_be_read() {
     desk.refused(
         &["force", "scene.toml", "--bearing", "DE", "--displacements", "."],
         1,
-        &[".: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv"],
+        &[".: path is a folder, expected a CSV file with the columns u,v,w,thu,thv"],
     );
 }
 

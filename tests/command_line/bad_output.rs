@@ -35,12 +35,16 @@ fn file_that_is_read() {
     for (command, option) in OUTPUTS {
         let args = [command, &[option, "./scene.toml"]].concat();
         let desk = Desk::rig();
-        desk.refused(&args, 2, &[option, "found ./scene.toml, which this command reads or writes already"]);
+        desk.refused(&args, 2, &[option, "this command already reads or writes this file: ./scene.toml"]);
         assert_eq!(desk.read("scene.toml"), DEMO_SCENE);
     }
     for option in ["--report", "--forces"] {
         let desk = Desk::rig();
-        desk.refused(&["replay", "scene.toml", option, "healthy.csv"], 2, &[option, "found healthy.csv, which"]);
+        desk.refused(
+            &["replay", "scene.toml", option, "healthy.csv"],
+            2,
+            &[option, "this file: healthy.csv, expected another file"],
+        );
         assert_eq!(desk.read("healthy.csv"), short_recording(SHORT));
     }
 }
@@ -48,7 +52,7 @@ fn file_that_is_read() {
 #[test]
 fn two_outputs_in_one_file() {
     let args = ["replay", "scene.toml", "--report", "out", "--forces", "./out"];
-    Desk::rig().refused(&args, 2, &["--forces: found ./out, which this command reads or writes already"]);
+    Desk::rig().refused(&args, 2, &["--forces: this command already reads or writes this file: ./out"]);
 }
 
 #[test]

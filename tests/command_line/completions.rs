@@ -85,7 +85,10 @@ fn manual_pages_describe_the_options_as_the_help_does() {
 fn an_unknown_command_has_no_manual_page() {
     let answer = Desk::empty().run(&["man", "nonsense"]);
     assert_eq!(answer.code, Some(2), "{answer:?}");
-    assert!(answer.err.starts_with("ballrace: man: found \"nonsense\", allowed: replay, "), "{answer:?}");
+    assert!(
+        answer.err.starts_with("ballrace: man: unknown command: \"nonsense\", expected one of replay, "),
+        "{answer:?}"
+    );
     assert!(answer.out.is_empty(), "{answer:?}");
     assert!(program().exists());
 }

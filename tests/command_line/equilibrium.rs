@@ -123,7 +123,7 @@ fn what_cannot_settle() {
     desk.refused(
         &["equilibrium", "scene.toml", "--load", "1,2,3"],
         2,
-        &["--load: found \"1,2,3\", allowed: five numbers"],
+        &["--load: invalid load: \"1,2,3\", expected five numbers"],
     );
 }
 

@@ -341,5 +341,5 @@ fn all_of_them_run() {
             assert_eq!(Response::of(&text, 25_600.0, 256, 0.01).rows.len(), 256, "{name}");
         }
     }
-    Desk::empty().refused(&["scenes", "tiwary"], 2, &["found \"tiwary\"", "tiwari-balanced"]);
+    Desk::empty().refused(&["scenes", "tiwary"], 2, &["unknown scene: \"tiwary\"", "tiwari-balanced"]);
 }

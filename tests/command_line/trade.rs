@@ -224,7 +224,7 @@ fn goals_that_say_nothing_are_refused() {
     };
     for error in ["--error=some", "--error=-1%", "--error=0"] {
         let answer = desk.run(&["trade", "scene.toml", error]);
-        assert!(answer.code == Some(2) && answer.err.contains("allowed: a share above 0"), "{answer:?}");
+        assert!(answer.code == Some(2) && answer.err.contains("expected a fraction above 0"), "{answer:?}");
     }
     refused(&["--deadline", "20 us"], &["--deadline", "20 us at 168 MHz"]);
     refused(&["--deadline", "20 um at 168 MHz"], &["--deadline"]);

@@ -1,6 +1,6 @@
-//! `ballrace bake`: a scene as constants for firmware.
+//! `ballrace bake`: writes the bearings of a scene as Rust constants for firmware.
 
-use super::{Format, keep_apart, print_effects};
+use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::Result;
 use ballrace_twin::bake::{Baked, bake};
@@ -29,7 +29,7 @@ pub struct Args {
 /// Returns an error if the scene is invalid or the output cannot be written.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
-    keep_apart(&[("--output", &args.output)], &[&args.scene])?;
+    check_distinct_paths(&[("--output", &args.output)], &[&args.scene])?;
     let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(UsageError::new)?;
     AtomicFile::write(&args.output, &source)?;
     let significance = effect_significance::of_scene(&scene)?;

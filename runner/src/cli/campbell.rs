@@ -1,6 +1,6 @@
-//! `ballrace campbell`: natural frequencies over the shaft's speed.
+//! `ballrace campbell`: natural frequencies, damping ratios and whirl directions over the shaft speed.
 
-use super::{Format, keep_apart, print_effects};
+use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report as report;
@@ -33,19 +33,19 @@ pub struct Args {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     if let Some(path) = &args.report {
-        keep_apart(&[("--report", path)], &[&args.scene])?;
+        check_distinct_paths(&[("--report", path)], &[&args.scene])?;
     }
-    let speeds = speeds(&args.speeds)?;
-    let all = campbell(&scene, &speeds).map_err(UsageError::new)?;
+    let speeds = parse_speeds(&args.speeds)?;
+    let diagram = campbell(&scene, &speeds).map_err(UsageError::new)?;
     if let Some(path) = &args.report {
-        AtomicFile::write(path, &report::campbell::html(&scene.name, &all)?)?;
+        AtomicFile::write(path, &report::campbell::html(&scene.name, &diagram)?)?;
     }
     let mut out = super::standard_output(format);
     match format {
-        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&all)?)?,
-        Format::Csv => csv(&mut out, &all)?,
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&diagram)?)?,
+        Format::Csv => csv(&mut out, &diagram)?,
         Format::Text => {
-            out.write_all(report::campbell::text(&scene.name, &all).as_bytes())?;
+            out.write_all(report::campbell::text(&scene.name, &diagram).as_bytes())?;
             if let Some(path) = &args.report {
                 writeln!(out, "Written: {}", path.display())?;
             }
@@ -55,33 +55,34 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     Ok(out.flush()?)
 }
 
-fn speeds(text: &str) -> Result<Vec<f64>> {
+/// Parses shaft speeds, rad/s.
+fn parse_speeds(text: &str) -> Result<Vec<f64>> {
     let axis =
         Axis::parse(&format!("speed={text}")).map_err(|e| UsageError(e.to_string().replace("--over", "--speeds")))?;
-    let one = |value: &f64| {
+    let to_si = |value: &f64| {
         if axis.unit.is_empty() {
             return Ok(*value);
         }
         parse(&format!("{value} {}", axis.unit), Dimension::Speed)
     };
-    match axis.values.iter().map(one).collect() {
+    match axis.values.iter().map(to_si).collect() {
         Ok(speeds) => Ok(speeds),
         Err(e) => bail!(UsageError(format!("--speeds: {e}"))),
     }
 }
 
 /// Writes one row for each mode.
-fn csv(out: &mut impl Write, all: &[AtSpeed]) -> Result<()> {
+fn csv(out: &mut impl Write, diagram: &[AtSpeed]) -> Result<()> {
     writeln!(out, "speed_rpm,mode,frequency_hz,damping_ratio,whirl")?;
-    for at in all {
-        for (i, mode) in at.modes.iter().enumerate() {
+    for at_speed in diagram {
+        for (i, mode) in at_speed.modes.iter().enumerate() {
             let whirl = match mode.whirl {
                 Whirl::Forward => "forward",
                 Whirl::Backward => "backward",
                 Whirl::Straight => "straight",
             };
-            let (f, d) = (mode.frequency_hz, mode.damping_ratio);
-            writeln!(out, "{:.16e},{},{f:.16e},{d:.16e},{whirl}", at.speed_rpm, i + 1)?;
+            let (number, speed) = (i + 1, at_speed.speed_rpm);
+            writeln!(out, "{speed:.16e},{number},{:.16e},{:.16e},{whirl}", mode.frequency_hz, mode.damping_ratio)?;
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! `ballrace completions`: completion script of a shell.
+//! `ballrace completions`: completion script for a shell.
 
 use super::Cli;
 use anyhow::Result;

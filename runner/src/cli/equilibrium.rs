@@ -1,6 +1,6 @@
 //! `ballrace equilibrium`: static equilibrium of the rotor or of one bearing.
 
-use super::{Format, keep_apart, print_effects};
+use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report as report;
@@ -30,27 +30,27 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// An invalid scene or load; after the result is printed, a load that nothing balances.
+/// Returns an error if the scene or the load is invalid, and, after the result is printed, if no equilibrium exists.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     if let Some(path) = &args.report {
-        keep_apart(&[("--report", path)], &[&args.scene])?;
+        check_distinct_paths(&[("--report", path)], &[&args.scene])?;
     }
-    let load = args.load.as_deref().map(load).transpose().map_err(UsageError::new)?;
-    let settled = settle(&scene, args.bearing.as_deref(), load).map_err(UsageError::new)?;
+    let load = args.load.as_deref().map(parse_load).transpose().map_err(UsageError::new)?;
+    let equilibrium = settle(&scene, args.bearing.as_deref(), load).map_err(UsageError::new)?;
     if let Some(path) = &args.report {
-        AtomicFile::write(path, &report::equilibrium::html(&settled)?)?;
+        AtomicFile::write(path, &report::equilibrium::html(&equilibrium)?)?;
     }
     let mut out = super::standard_output(format);
     match format {
         Format::Json => {
-            serde_json::to_writer_pretty(&mut out, &settled)?;
+            serde_json::to_writer_pretty(&mut out, &equilibrium)?;
             writeln!(out)?;
         }
-        Format::Csv => csv(&mut out, &settled.elements)?,
+        Format::Csv => csv(&mut out, &equilibrium.elements)?,
         Format::Text => {
-            out.write_all(report::equilibrium::text(&settled).as_bytes())?;
-            print_effects(&mut out, &settled.significance, error)?;
+            out.write_all(report::equilibrium::text(&equilibrium).as_bytes())?;
+            print_effects(&mut out, &equilibrium.significance, error)?;
         }
     }
     if format == Format::Text
@@ -59,22 +59,24 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         writeln!(out, "Written: {}", path.display())?;
     }
     out.flush()?;
-    if !settled.is_in_equilibrium() {
+    if !equilibrium.is_in_equilibrium() {
         bail!(
             "{}: no equilibrium: {:.2e} of the load is not balanced, expected at most {LARGEST_RESIDUAL:.0e}",
             scene.path.display(),
-            settled.residual
+            equilibrium.residual
         );
     }
     Ok(())
 }
 
-fn load(text: &str) -> Result<[f64; 5]> {
+fn parse_load(text: &str) -> Result<[f64; 5]> {
     let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
     match <[f64; 5]>::try_from(numbers) {
         Ok(load) if load.iter().all(|x| x.is_finite()) && text.split(',').count() == 5 => Ok(load),
         _ => {
-            bail!("--load: found {text:?}, allowed: five numbers FX,FY,FZ,MX,MY in N and N m, such as 0,-500,1000,0,0")
+            bail!(
+                "--load: invalid load: {text:?}, expected five numbers FX,FY,FZ,MX,MY in N and N m, such as 0,-500,1000,0,0"
+            )
         }
     }
 }
@@ -84,7 +86,7 @@ fn csv(out: &mut impl Write, elements: &[Element]) -> Result<()> {
         out,
         "bearing,number,azimuth,inner_load,outer_load,inner_angle,outer_angle,inner_pressure,outer_pressure,inner_film,outer_film,film_ratio"
     )?;
-    let maybe = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.16e}"));
+    let optional = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.16e}"));
     for e in elements {
         writeln!(
             out,
@@ -94,13 +96,13 @@ fn csv(out: &mut impl Write, elements: &[Element]) -> Result<()> {
             e.azimuth,
             e.inner_load,
             e.outer_load,
-            maybe(e.inner_angle),
-            maybe(e.outer_angle),
-            maybe(e.inner_pressure),
-            maybe(e.outer_pressure),
+            optional(e.inner_angle),
+            optional(e.outer_angle),
+            optional(e.inner_pressure),
+            optional(e.outer_pressure),
             e.inner_film,
             e.outer_film,
-            maybe(e.film_ratio)
+            optional(e.film_ratio)
         )?;
     }
     Ok(())

@@ -1,6 +1,6 @@
-//! `ballrace fit`: the scene's numbers from a recording.
+//! `ballrace fit`: estimates parameters of the scene from a recording.
 
-use super::{Format, keep_apart};
+use super::{Format, check_distinct_paths};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
@@ -40,16 +40,16 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let Some(recording) = &scene.recording else {
         bail!(UsageError(format!(
-            "{}: [recording]: found none, allowed: the recording to fit to",
+            "{}: missing table [recording], expected the recording to fit to",
             scene.path.display()
         )));
     };
     if !(args.turns >= 1.0 && args.turns.is_finite()) {
-        bail!(UsageError(format!("--turns: found {}, allowed: 1 or more", args.turns)));
+        bail!(UsageError(format!("--turns: value out of range: {}, expected 1 or more", args.turns)));
     }
     let path = args.recording.as_ref().unwrap_or(&recording.file);
-    let output = args.output.clone().unwrap_or_else(|| beside(&args.scene));
-    keep_apart(&[("--output", &output)], &[&args.scene, path])?;
+    let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
+    check_distinct_paths(&[("--output", &output)], &[&args.scene, path])?;
     let reader = Reader::open(path, recording)?;
     let rate = reader.rate() / f64::from(recording.average);
     let samples = read(&scene, reader, args.turns)?;
@@ -58,29 +58,30 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let RecordingSamples { samples, cage_samples } = &samples;
     let material = Material { scene: &scene, recording: &name, samples, cage_samples, period: 1.0 / rate };
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
-    let found = fit(&material, &groups, &mut |i| {
-        bar.set_message(format!("Fitting, round {}", i + 1));
+    let fitted = fit(&material, &groups, &mut |i| {
+        bar.set_message(format!("Fitting, iteration {}", i + 1));
         bar.tick();
     });
     bar.finish_and_clear();
-    let found = found.map_err(UsageError::new)?;
+    let fitted = fitted.map_err(UsageError::new)?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
-    AtomicFile::write(&output, &written(&found, &scene, &text)?)?;
-    print(&found, &output, format)
+    AtomicFile::write(&output, &written(&fitted, &scene, &text)?)?;
+    print(&fitted, &output, format)
 }
 
-fn beside(scene: &Path) -> PathBuf {
+/// Returns the path of the fitted scene: the name of `scene` with the ending -fitted.toml.
+fn default_output(scene: &Path) -> PathBuf {
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
     scene.with_file_name(format!("{stem}-fitted.toml"))
 }
 
-fn print(found: &Fitted, output: &Path, format: Format) -> Result<()> {
+fn print(fitted: &Fitted, output: &Path, format: Format) -> Result<()> {
     let mut out = super::standard_output(format);
     match format {
-        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(found)?)?,
-        Format::Csv => out.write_all(report::fit::csv(found).as_bytes())?,
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(fitted)?)?,
+        Format::Csv => out.write_all(report::fit::csv(fitted).as_bytes())?,
         Format::Text => {
-            out.write_all(report::fit::text(found).as_bytes())?;
+            out.write_all(report::fit::text(fitted).as_bytes())?;
             writeln!(out, "\nWritten: {}", output.display())?;
         }
     }

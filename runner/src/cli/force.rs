@@ -1,4 +1,4 @@
-//! `ballrace force`: ring displacements in, forces out.
+//! `ballrace force`: forces of a bearing for given ring displacements.
 
 use super::{Format, print_effects};
 use crate::error::UsageError;
@@ -19,10 +19,10 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Longest line of displacements, bytes.
-const LONGEST_LINE: usize = 1 << 20;
-/// Most rows of displacements; their forces take 2 GB.
-const MOST_ROWS: usize = 10_000_000;
+/// Maximum length of a line of the displacement file, bytes.
+const MAX_LINE_LENGTH: usize = 1 << 20;
+/// Maximum number of rows of the displacement file; the forces of this many rows take 2 GB.
+const MAX_ROWS: usize = 10_000_000;
 
 /// Arguments of `force`.
 #[derive(Debug, clap::Args)]
@@ -32,7 +32,7 @@ pub struct Args {
     /// CSV file with the columns u,v,w,thu,thv (SI), optionally t (s) or cage_angle (rad).
     #[arg(long, value_name = "F.csv")]
     displacements: PathBuf,
-    /// Bearing to evaluate, where the scene has several.
+    /// Bearing to evaluate; required if the scene has several.
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
     /// Model to use instead of the scene's.
@@ -70,11 +70,12 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         Some(ModelName::QuasiStatic) => Model::QuasiStatic,
         Some(ModelName::Tabulated) => Model::Tabulated,
     };
-    let turning = |time| Ok(build::rotation_at(&scene, bearing, time).map_err(UsageError::new)?);
-    turning(0.0)?;
-    let rows = read_displacements(&args.displacements, &turning)?;
-    let found = forces(&scene, bearing, model, (args.precision, args.math), &rows)?;
-    let forces: Vec<Force> = found.into_iter().map(Force::from).collect();
+    let kinematics_at = |time| Ok(build::rotation_at(&scene, bearing, time).map_err(UsageError::new)?);
+    // An invalid scene is reported before an invalid file of displacements.
+    kinematics_at(0.0)?;
+    let rows = read_displacements(&args.displacements, &kinematics_at)?;
+    let reactions = forces(&scene, bearing, model, (args.precision, args.math), &rows)?;
+    let forces: Vec<Force> = reactions.into_iter().map(Force::from).collect();
     let digits = match args.precision {
         Precision::F64 => 16,
         Precision::F32 => 8,
@@ -88,15 +89,15 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     }
 }
 
-/// Returns the effect significance at the largest displacement.
+/// Computes the significance of each effect at the largest finite displacement.
 fn significance(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -> Result<Vec<EffectSignificance>> {
     let size = |row: &&Pose| row.u.iter().take(3).map(|x| x * x).sum::<f64>();
     let finite = rows.iter().filter(|row| size(row).is_finite());
     let Some(row) = finite.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(vec![]) };
-    // The displacements include the preload.
-    let of = Bearing { model, preload: None, ..bearing.clone() };
+    // The displacements already include the preload.
+    let without_preload = Bearing { model, preload: None, ..bearing.clone() };
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..row.at };
-    Ok(effect_significance::of_bearing(scene, &of, &Displacement::from_array(row.u), &at)?)
+    Ok(effect_significance::of_bearing(scene, &without_preload, &Displacement::from_array(row.u), &at)?)
 }
 
 #[derive(Serialize)]
@@ -117,11 +118,12 @@ struct Force {
 impl From<(Wrench<f64>, Status)> for Force {
     fn from((wrench, status): (Wrench<f64>, Status)) -> Self {
         let Wrench { fx, fy, fz, mx, my } = wrench;
-        Self { fx, fy, fz, mx, my, status: words(status) }
+        Self { fx, fy, fz, mx, my, status: status_text(status) }
     }
 }
 
-fn words(status: Status) -> String {
+/// Returns the names of the set status flags, joined by `+`, or `ok`.
+fn status_text(status: Status) -> String {
     let flags = [
         (Status::INPUT_NOT_FINITE, "input-not-finite"),
         (Status::RESULT_NOT_FINITE, "result-not-finite"),
@@ -130,24 +132,28 @@ fn words(status: Status) -> String {
         (Status::GYROSCOPIC_SLIP, "gyroscopic-slip"),
         (Status::OUT_OF_TABLE, "out-of-table"),
     ];
-    let set: Vec<&str> = flags.iter().filter(|(flag, _)| status.contains(*flag)).map(|(_, word)| *word).collect();
+    let set: Vec<&str> = flags.iter().filter(|(flag, _)| status.contains(*flag)).map(|(_, name)| *name).collect();
     if set.is_empty() { "ok".to_owned() } else { set.join("+") }
 }
 
-fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<BearingKinematicState<f64>>) -> Result<Vec<Pose>> {
+/// Reads the displacements; `kinematics_at` returns the kinematic state of the bearing at a time.
+fn read_displacements(
+    path: &Path,
+    kinematics_at: &impl Fn(f64) -> Result<BearingKinematicState<f64>>,
+) -> Result<Vec<Pose>> {
     let name = path.display();
     if path.is_dir() {
-        bail!("{name}: found a folder, allowed: a CSV file with the columns u,v,w,thu,thv");
+        bail!("{name}: path is a folder, expected a CSV file with the columns u,v,w,thu,thv");
     }
     let file = File::open(path).with_context(|| format!("{name}: this file cannot be read"))?;
     let mut reader = ::csv::ReaderBuilder::new()
         .trim(::csv::Trim::All)
         .flexible(true)
-        .from_reader(BoundedLines::new(file, LONGEST_LINE));
+        .from_reader(BoundedLines::new(file, MAX_LINE_LENGTH));
     let header: Vec<String> =
         reader.headers().map_err(|e| anyhow::anyhow!("{name}: {e}"))?.iter().map(str::to_owned).collect();
     if header.is_empty() {
-        bail!("{name}: found an empty file, allowed: a CSV file with the columns u,v,w,thu,thv");
+        bail!("{name}: file is empty, expected a CSV file with the columns u,v,w,thu,thv");
     }
     let column = |wanted: &str| -> Result<Option<usize>> {
         let named = |(i, h): (usize, &String)| (h.trim_start_matches('\u{feff}') == wanted).then_some(i);
@@ -161,31 +167,31 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<BearingKinem
     for (index, wanted) in indices.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
         *index = column(wanted)?.ok_or_else(|| {
             UsageError(format!(
-                "{name}:1: column {wanted}: found none among {}, allowed: u,v,w,thu,thv and optionally t or cage_angle",
+                "{name}:1: missing column {wanted} among {}, expected u,v,w,thu,thv and optionally t or cage_angle",
                 listed(&header)
             ))
         })?;
     }
     let (time, angle) = (column("t")?, column("cage_angle")?);
     if time.is_some() && angle.is_some() {
-        bail!(UsageError(format!("{name}:1: found both t and cage_angle, allowed: one of them")));
+        bail!(UsageError(format!("{name}:1: both t and cage_angle are given, expected at most one")));
     }
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
         let line = record.position().map_or(0, ::csv::Position::line);
-        if rows.len() == MOST_ROWS {
-            bail!("{name}:{line}: too many rows, expected at most {MOST_ROWS}");
+        if rows.len() == MAX_ROWS {
+            bail!("{name}:{line}: too many rows, expected at most {MAX_ROWS}");
         }
         if record.len() != header.len() {
-            let (found, allowed) = (record.len(), header.len());
-            bail!("{name}:{line}: found {found} cells, allowed: {allowed}, as many as the header has names");
+            let (found, expected) = (record.len(), header.len());
+            bail!("{name}:{line}: wrong number of cells: {found}, expected {expected} as in the header");
         }
         let cell = |i: usize| -> Result<f64> {
             let text = record.get(i).unwrap_or("");
             text.parse().map_err(|_| {
                 anyhow::anyhow!(
-                    "{name}:{line}: column {}: found `{}`, allowed: a number",
+                    "{name}:{line}: column {}: invalid value: `{}`, expected a number",
                     printable::name(header.get(i).map_or("", String::as_str)),
                     printable::name(text)
                 )
@@ -196,13 +202,13 @@ fn read_displacements(path: &Path, turning: &impl Fn(f64) -> Result<BearingKinem
             *x = cell(index)?;
         }
         let t = time.map_or(Ok(0.0), cell)?;
-        let given = angle.map(cell).transpose()?;
-        if !t.is_finite() || given.is_some_and(|a| !a.is_finite()) {
-            // The kernel's angles are finite by type; a NaN displacement makes it report an invalid row.
+        let cage_angle = angle.map(cell).transpose()?;
+        if !t.is_finite() || cage_angle.is_some_and(|a| !a.is_finite()) {
+            // The kernel's angles are finite by type; a NaN displacement marks the row as invalid instead.
             u = [f64::NAN; 5];
         }
-        let at = turning(if t.is_finite() { t } else { 0.0 })?;
-        let cage = given.map_or(at.cage, Phase::from_radians);
+        let at = kinematics_at(if t.is_finite() { t } else { 0.0 })?;
+        let cage = cage_angle.map_or(at.cage, Phase::from_radians);
         rows.push(Pose { u, at: BearingKinematicState { cage, ..at } });
     }
     Ok(rows)

@@ -4,7 +4,7 @@ use crate::live as monitor;
 use crate::live::address::Address;
 use crate::live::out::RequestedOutputs;
 use crate::live::source::Encoding;
-use crate::live::view::Shared;
+use crate::live::view::SharedView;
 use anyhow::{Context, Result};
 use ballrace_twin::scene::read::{read_file, read_str};
 use ballrace_twin::scene::{Scene, units};
@@ -12,10 +12,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The demonstration, part of the program: the scene of a machine in good order, and a recording of it with a spall.
+/// Scene of the built-in demonstration: a healthy machine.
 pub(super) const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
+/// Recording of the built-in demonstration: the same machine with a spall on an outer race.
 pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/outer-spall.csv");
-/// Name of the recording.
+/// Name of the demonstration's recording.
 pub(super) const DEMO_NAME: &str = "outer-spall.csv (built in)";
 
 /// Options of live monitoring: source, duration, state, outputs and scheduling.
@@ -29,13 +30,13 @@ pub struct LiveArgs {
     #[arg(long, value_enum, default_value_t = Encoding::Csv)]
     pub encoding: Encoding,
     /// Stop after this much recorded time, e.g. "10 min".
-    #[arg(long = "for", value_name = "DURATION", value_parser = duration)]
+    #[arg(long = "for", value_name = "DURATION", value_parser = parse_duration)]
     pub duration: Option<f64>,
-    /// Folder for the monitor's state: after a restart the monitor continues at the first unprocessed sample.
+    /// Folder for the monitor's state; a restarted monitor continues at the first unprocessed sample.
     #[arg(long, value_name = "FOLDER")]
     pub state: Option<PathBuf>,
     #[command(flatten)]
-    pub asked: RequestedOutputs,
+    pub outputs: RequestedOutputs,
     /// Request first-in-first-out scheduling (SCHED_FIFO) and locked memory (Linux).
     #[arg(long)]
     pub realtime: bool,
@@ -45,7 +46,7 @@ pub struct LiveArgs {
 }
 
 impl LiveArgs {
-    /// Returns the first given option that applies to real time only.
+    /// Returns the name of the first given option that requires real-time monitoring.
     #[must_use]
     pub fn first_given(&self) -> Option<&'static str> {
         let given = [
@@ -53,11 +54,11 @@ impl LiveArgs {
             (self.encoding != Encoding::Csv, "--encoding"),
             (self.duration.is_some(), "--for"),
             (self.state.is_some(), "--state"),
-            (self.asked.events.is_some(), "--events"),
-            (self.asked.indicators.is_some(), "--indicators"),
-            (self.asked.prometheus.is_some(), "--prometheus"),
+            (self.outputs.events.is_some(), "--events"),
+            (self.outputs.indicators.is_some(), "--indicators"),
+            (self.outputs.prometheus.is_some(), "--prometheus"),
             #[cfg(feature = "mqtt")]
-            (self.asked.mqtt.is_some(), "--mqtt"),
+            (self.outputs.mqtt.is_some(), "--mqtt"),
             (self.realtime, "--realtime"),
             (self.core.is_some(), "--core"),
         ];
@@ -69,7 +70,7 @@ impl LiveArgs {
     pub fn options<'a>(
         &'a self,
         source: Address,
-        view: Option<Shared>,
+        view: Option<SharedView>,
         replay: ballrace_twin::replay::Options<'a>,
     ) -> monitor::Options<'a> {
         monitor::Options {
@@ -77,7 +78,7 @@ impl LiveArgs {
             encoding: self.encoding,
             duration: self.duration,
             state: self.state.as_deref(),
-            outputs: &self.asked,
+            outputs: &self.outputs,
             realtime: self.realtime,
             core: self.core,
             view,
@@ -85,10 +86,10 @@ impl LiveArgs {
         }
     }
 
-    /// Returns the address of the source: the option's, else the scene's recording, else the demonstration's.
+    /// Returns the address of the source: `--source`, else `recording`, else the scene's recording, else the demonstration's.
     #[must_use]
-    pub fn source(&self, scene: &Scene, given: Option<&Path>, is_demo: bool) -> Address {
-        match (&self.source, given, &scene.recording) {
+    pub fn source(&self, scene: &Scene, recording: Option<&Path>, is_demo: bool) -> Address {
+        match (&self.source, recording, &scene.recording) {
             (Some(source), ..) => source.clone(),
             (None, Some(path), _) => Address::File(path.to_owned()),
             (None, None, Some(recording)) if !is_demo => Address::File(recording.file.clone()),
@@ -97,30 +98,31 @@ impl LiveArgs {
     }
 }
 
-fn duration(text: &str) -> Result<f64, String> {
-    let allowed = || format!("found {text:?}, allowed: a time above 0 with its unit, such as \"10 s\"");
-    let seconds = units::parse(text, units::Dimension::Time).map_err(|_| allowed())?;
-    if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(allowed()) }
+fn parse_duration(text: &str) -> Result<f64, String> {
+    let expected = || "expected a time above 0 with its unit, such as \"10 s\"".to_owned();
+    let seconds = units::parse(text, units::Dimension::Time).map_err(|_| expected())?;
+    if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(expected()) }
 }
 
-/// Reads the scene, or the demonstration's where none is given.
+/// Reads the scene file at `path`, or the demonstration's scene without a path.
 ///
 /// # Errors
 /// Returns an error if the scene is invalid.
-pub fn scene(path: Option<&Path>) -> Result<Scene> {
+pub fn read_scene(path: Option<&Path>) -> Result<Scene> {
     match path {
         Some(path) => Ok(read_file(path)?),
         None => Ok(read_str(DEMO_SCENE, Path::new("built-in demonstration"))?),
     }
 }
 
-/// Returns a flag that Ctrl-C or a termination signal sets.
+/// Installs a signal handler and returns the flag that it sets on Ctrl-C or a termination signal.
 ///
 /// # Errors
-/// Returns an error if the handler of signals cannot be installed.
+/// Returns an error if the signal handler cannot be installed.
 pub fn stop_on_signal() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
-    let set = stop.clone();
-    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)).context("signals cannot be received")?;
+    let handler_flag = stop.clone();
+    ctrlc::set_handler(move || handler_flag.store(true, Ordering::Relaxed))
+        .context("signal handler cannot be installed")?;
     Ok(stop)
 }

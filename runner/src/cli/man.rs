@@ -17,7 +17,7 @@ pub struct Args {
 /// Prints a manual page to standard output.
 ///
 /// # Errors
-/// Returns an error if there is no such subcommand or standard output cannot be written.
+/// Returns an error if the subcommand does not exist or standard output cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let mut program = Cli::command();
     program.build();
@@ -26,10 +26,10 @@ pub fn run(args: &Args) -> Result<()> {
         Some(name) => {
             let names: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
             let names = names.join(", ");
-            let Some(found) = program.find_subcommand(name) else {
-                bail!(UsageError(format!("man: found {name:?}, allowed: {names}")));
+            let Some(subcommand) = program.find_subcommand(name) else {
+                bail!(UsageError(format!("man: unknown command: {name:?}, expected one of {names}")));
             };
-            found.clone()
+            subcommand.clone()
         }
     };
     let mut roff = Vec::new();

@@ -1,4 +1,4 @@
-//! The commands, one file each, and the exit codes of their errors.
+//! Subcommands, one file each, and the exit codes of the program.
 
 pub mod bake;
 pub mod campbell;
@@ -39,23 +39,23 @@ pub struct Cli {
     /// Format of standard output.
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     pub format: Format,
-    /// Acceptable error of force, e.g. 1%: warns about a neglected effect that is predicted to exceed it; `trade` chooses
-    /// the cheapest model within it.
-    #[arg(long, global = true, value_name = "E", value_parser = share)]
+    /// Acceptable relative force error, e.g. 1%: warns about neglected effects with a larger predicted error; `trade`
+    /// chooses the cheapest model within it.
+    #[arg(long, global = true, value_name = "E", value_parser = parse_fraction)]
     pub error: Option<f64>,
 }
 
-/// A share such as `1%` or `0.01`, above 0.
-fn share(text: &str) -> Result<f64, String> {
+/// Parses a fraction above 0 such as `1%` or `0.01`.
+fn parse_fraction(text: &str) -> Result<f64, String> {
     let (number, scale) = text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |number| (number.trim(), 0.01));
     match number.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number * scale),
-        _ => Err(format!("found {text:?}, allowed: a share above 0, such as \"1%\" or 0.01")),
+        _ => Err("expected a fraction above 0, such as 1% or 0.01".to_owned()),
     }
 }
 
-/// Prints which effects are significant in a scene and which are neglected, with a warning where their error exceeds
-/// `error`.
+/// Prints the significant and the neglected effects of a scene, with a warning for each neglected effect whose predicted
+/// error exceeds `error`.
 fn print_effects(out: &mut impl Write, effects: &[EffectSignificance], error: Option<f64>) -> Result<()> {
     for line in effect_significance::describe(effects, error.unwrap_or(effect_significance::GOOD_ENOUGH)) {
         writeln!(out, "{line}")?;
@@ -63,7 +63,7 @@ fn print_effects(out: &mut impl Write, effects: &[EffectSignificance], error: Op
     Ok(())
 }
 
-/// The commands.
+/// Subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Replay a recording through the digital twin, compare measured and computed motion, write a report.
@@ -95,22 +95,22 @@ pub enum Command {
 }
 
 impl Command {
-    /// Whether the command handles signals itself, so that it can end with a report.
+    /// Returns `true` if the command handles signals itself, so that it can write its report.
     const fn is_live(&self) -> bool {
         matches!(self, Self::Watch(_) | Self::Replay(replay::Args { paced: true, .. }))
     }
 }
 
-/// Exit code of a process that a signal ended, as shells give it for an interrupt.
+/// Exit code after a signal: 128 + SIGINT, as shells report it.
 const INTERRUPTED: i32 = 130;
 
-/// Removes temporary files when a signal ends the process.
+/// Installs a signal handler that removes temporary files and exits.
 fn exit_on_signal() -> Result<()> {
     ctrlc::set_handler(|| ballrace_twin::output::exit_without_temporary_files(INTERRUPTED))
-        .context("signals cannot be received")
+        .context("signal handler cannot be installed")
 }
 
-/// `--format`
+/// Values of `--format`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// Plain text.
@@ -121,7 +121,7 @@ pub enum Format {
     Csv,
 }
 
-/// Returns standard output. In text, control characters in names from files are replaced.
+/// Returns standard output. In text format, control characters in names from files are replaced.
 fn standard_output(format: Format) -> Box<dyn Write> {
     let out = BufWriter::new(std::io::stdout().lock());
     if format == Format::Text { Box::new(Printable(out)) } else { Box::new(out) }
@@ -131,22 +131,22 @@ fn standard_output(format: Format) -> Box<dyn Write> {
 ///
 /// # Errors
 /// Returns an error that names the option.
-fn keep_apart(outputs: &[(&str, &Path)], inputs: &[&Path]) -> Result<()> {
+fn check_distinct_paths(outputs: &[(&str, &Path)], inputs: &[&Path]) -> Result<()> {
     let real = inputs.iter().filter_map(|path| path.canonicalize().ok());
-    let mut taken: Vec<PathBuf> = inputs.iter().map(|path| place(path)).chain(real).collect();
+    let mut used: Vec<PathBuf> = inputs.iter().map(|path| canonical_path(path)).chain(real).collect();
     for (option, path) in outputs {
-        let place = place(path);
-        if taken.contains(&place) {
-            let found = format!("{option}: found {}, which this command reads or writes already", path.display());
-            bail!(UsageError(format!("{found}, allowed: another file")));
+        let canonical = canonical_path(path);
+        if used.contains(&canonical) {
+            let problem = "this command already reads or writes this file";
+            bail!(UsageError(format!("{option}: {problem}: {}, expected another file", path.display())));
         }
-        taken.push(place);
+        used.push(canonical);
     }
     Ok(())
 }
 
-/// Returns a canonical form of a path, also of a file that does not exist yet.
-fn place(path: &Path) -> PathBuf {
+/// Returns the canonical form of a path, also for a file that does not exist yet.
+fn canonical_path(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match (folder.canonicalize(), path.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
@@ -154,19 +154,19 @@ fn place(path: &Path) -> PathBuf {
     }
 }
 
-/// Runs the command; errors go to standard error as one line.
+/// Runs the command, prints an error as one line to standard error, and returns the exit code.
 #[must_use]
 pub fn run(cli: &Cli) -> ExitCode {
     if !cli.command.is_live()
         && let Err(error) = exit_on_signal()
     {
-        return code(Err(error));
+        return exit_code(Err(error));
     }
-    let done = match &cli.command {
+    let result = match &cli.command {
         Command::Replay(args) => {
-            return ended(replay::run(args, cli.format, cli.error));
+            return replay_exit_code(replay::run(args, cli.format, cli.error));
         }
-        Command::Watch(args) => return ended(watch::run(args, cli.error)),
+        Command::Watch(args) => return replay_exit_code(watch::run(args, cli.error)),
         Command::Force(args) => force::run(args, cli.format, cli.error),
         Command::Bake(args) => bake::run(args, cli.format, cli.error),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),
@@ -179,45 +179,45 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     };
-    code(done)
+    exit_code(result)
 }
 
-/// Exit code of a replay in which a limit of the scene was crossed.
+/// Exit code of a replay in which a limit of the scene was exceeded.
 const LIMIT_CROSSED: u8 = 3;
 /// Exit code of a replay whose recording is not plausible for the scene.
 const IMPLAUSIBLE: u8 = 4;
 
-/// Result of a replay that the exit code reports.
+/// Result of a replay, reported by the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ending {
-    /// Completed: exit code 0.
-    Done,
-    /// A limit of the scene was crossed: exit code 3.
+pub enum ReplayStatus {
+    /// Completed without an exceeded limit: exit code 0.
+    Completed,
+    /// A limit of the scene was exceeded: exit code 3.
     LimitCrossed,
     /// The recording is not plausible for the scene: exit code 4.
     Implausible,
 }
 
-impl From<&Outcome> for Ending {
+impl From<&Outcome> for ReplayStatus {
     fn from(outcome: &Outcome) -> Self {
         match (outcome.implausible.is_empty(), outcome.events.is_empty()) {
             (false, _) => Self::Implausible,
             (true, false) => Self::LimitCrossed,
-            (true, true) => Self::Done,
+            (true, true) => Self::Completed,
         }
     }
 }
 
-fn ended(ending: Result<Ending>) -> ExitCode {
-    match ending {
-        Ok(Ending::LimitCrossed) => ExitCode::from(LIMIT_CROSSED),
-        Ok(Ending::Implausible) => ExitCode::from(IMPLAUSIBLE),
-        other => code(other.map(|_| ())),
+fn replay_exit_code(status: Result<ReplayStatus>) -> ExitCode {
+    match status {
+        Ok(ReplayStatus::LimitCrossed) => ExitCode::from(LIMIT_CROSSED),
+        Ok(ReplayStatus::Implausible) => ExitCode::from(IMPLAUSIBLE),
+        other => exit_code(other.map(|_| ())),
     }
 }
 
-fn code(done: Result<()>) -> ExitCode {
-    match done {
+fn exit_code(result: Result<()>) -> ExitCode {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
@@ -242,7 +242,7 @@ fn is_usage_error(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Whether the reader of standard output has closed the pipe: `ballrace ... | head`.
+/// Returns `true` if the reader of standard output has closed the pipe, as in `ballrace ... | head`.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error
         .chain()

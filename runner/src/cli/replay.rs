@@ -1,7 +1,7 @@
-//! `ballrace replay`
+//! `ballrace replay`: compares a recording with the digital twin and diagnoses the machine.
 
 use super::live::{self, DEMO_NAME, DEMO_RECORDING, LiveArgs};
-use super::{Ending, Format, keep_apart};
+use super::{Format, ReplayStatus, check_distinct_paths};
 use crate::error::UsageError;
 use crate::live as monitor;
 use anyhow::{Context, Result, bail};
@@ -29,10 +29,10 @@ pub struct Args {
     /// Write the force of every bearing at every sample.
     #[arg(long, value_name = "FILE.csv")]
     forces: Option<PathBuf>,
-    /// Displacement at which --forces evaluates the bearings: filtered by the observer, or as measured.
+    /// Displacement at which --forces evaluates the bearings: estimated by the observer, or as measured.
     #[arg(long, value_enum, default_value_t = Source::Observer, requires = "forces")]
     force_source: Source,
-    /// Store this recording's levels as the baseline of a healthy machine.
+    /// Store this recording's levels as the baseline of the healthy machine.
     #[arg(long, value_name = "BASELINE.json")]
     learn: Option<PathBuf>,
     /// Compare with a baseline stored by --learn.
@@ -45,17 +45,17 @@ pub struct Args {
     live: LiveArgs,
 }
 
-/// Runs the command; returns what the exit code reports.
+/// Runs the command and returns the status for the exit code.
 ///
 /// # Errors
 /// Returns an error if scene, recording or outputs are invalid.
-pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
-    let scene = live::scene(args.scene.as_deref())?;
+pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStatus> {
+    let scene = live::read_scene(args.scene.as_deref())?;
     if args.paced {
-        return paced(args, &scene, format, error);
+        return replay_paced(args, &scene, format, error);
     }
     if let Some(option) = args.live.first_given() {
-        bail!(UsageError(format!("{option}: found without --paced, allowed: --paced, or `ballrace watch`")));
+        bail!(UsageError(format!("{option}: requires --paced or `ballrace watch`")));
     }
     let (reader, path) = open(args, &scene)?;
     check_outputs(args, &path)?;
@@ -83,11 +83,11 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<Ending> {
     };
     let outcome = replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
-    deliver(args, &outcome?, format)
+    write_results(args, &outcome?, format)
 }
 
 /// Replays in real time.
-fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<Ending> {
+fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<ReplayStatus> {
     let source = args.live.source(scene, args.recording.as_deref(), args.scene.is_none());
     let path = PathBuf::from(source.to_string());
     check_outputs(args, &path)?;
@@ -104,39 +104,40 @@ fn paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Resu
     let options = args.live.options(source, None, replay);
     let stop = live::stop_on_signal()?;
     let outcome = monitor::monitor(scene, &options, &stop)?;
-    deliver(args, &outcome, format)
+    write_results(args, &outcome, format)
 }
 
-/// Writes report and baseline, prints the outcome. A recording that is not plausible for the scene is no baseline.
-fn deliver(args: &Args, outcome: &Outcome, format: Format) -> Result<Ending> {
+/// Writes the report and the baseline, and prints the outcome. A recording that is not plausible for the scene is not stored
+/// as a baseline.
+fn write_results(args: &Args, outcome: &Outcome, format: Format) -> Result<ReplayStatus> {
     AtomicFile::write(&args.report, &report::html(outcome)?)?;
-    let fits = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
-    if let Some(path) = args.learn.as_ref().filter(|_| fits) {
+    let is_plausible = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
+    if let Some(path) = args.learn.as_ref().filter(|_| is_plausible) {
         AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
     }
     print(outcome, &args.report, format)?;
-    Ok(Ending::from(outcome))
+    Ok(ReplayStatus::from(outcome))
 }
 
-/// Checks before a long replay that all outputs can be written.
+/// Checks that all outputs can be written, before a long replay starts.
 fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
     let mut outputs = vec![("--report", args.report.as_path())];
     outputs.extend(args.forces.as_deref().map(|path| ("--forces", path)));
     outputs.extend(args.learn.as_deref().map(|path| ("--learn", path)));
-    outputs.extend(args.live.asked.events.as_deref().map(|path| ("--events", path)));
-    let given = args.scene.as_deref().into_iter().chain(args.baseline.as_deref());
-    let inputs: Vec<&Path> = given.chain([recording]).collect();
-    keep_apart(&outputs, &inputs)?;
-    // Opening a pipe for a trial would end it for its reader.
-    let special = |path: &Path| path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());
-    let trial = |path: &Path| if special(path) { Ok(()) } else { AtomicFile::create(path).map(|_| ()) };
-    Ok(outputs.iter().try_for_each(|(_, path)| trial(path))?)
+    outputs.extend(args.live.outputs.events.as_deref().map(|path| ("--events", path)));
+    let optional = args.scene.as_deref().into_iter().chain(args.baseline.as_deref());
+    let inputs: Vec<&Path> = optional.chain([recording]).collect();
+    check_distinct_paths(&outputs, &inputs)?;
+    // A pipe is not opened for the check: closing it again would end the input of its reader.
+    let is_special = |path: &Path| path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());
+    let check = |path: &Path| if is_special(path) { Ok(()) } else { AtomicFile::create(path).map(|_| ()) };
+    Ok(outputs.iter().try_for_each(|(_, path)| check(path))?)
 }
 
-/// The recording to replay and its path.
+/// Opens the recording and returns its reader and its path.
 fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
     let recording = scene.recording.as_ref().with_context(|| {
-        format!("{}: [recording]: found none, allowed: the table that defines the columns", scene.path.display())
+        format!("{}: missing table [recording], expected the columns of a recording", scene.path.display())
     });
     let recording = recording.map_err(UsageError::new)?;
     let path = match (&args.recording, &args.scene) {
@@ -157,7 +158,7 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
     Ok((Reader::open(path, &columns)?, path.clone()))
 }
 
-/// Returns a progress bar on standard error, hidden where that is no terminal.
+/// Returns a progress bar on standard error, hidden if standard error is not a terminal.
 fn progress_bar(name: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

@@ -13,14 +13,14 @@ pub struct Args {
     name: Option<String>,
 }
 
-macro_rules! shipped {
+macro_rules! built_in {
     ($($name:literal),* $(,)?) => {
         [$(($name, include_str!(concat!("../../scenes/", $name, ".toml")))),*]
     };
 }
 
-/// Names and texts of the scenes.
-pub const SCENES: [(&str, &str); 12] = shipped![
+/// Name and text of each scene.
+pub const SCENES: [(&str, &str); 12] = built_in![
     "jones-1960",
     "tiwari-balanced",
     "tiwari-unbalanced",
@@ -35,8 +35,8 @@ pub const SCENES: [(&str, &str); 12] = shipped![
     "wang-angular-pair",
 ];
 
-/// Returns the first sentence of a scene's opening comment, which describes the scene.
-fn shows(text: &str) -> String {
+/// Returns the description of a scene: the first sentence of its opening comment.
+fn description(text: &str) -> String {
     let comment: Vec<&str> = text.lines().map_while(|line| line.strip_prefix("# ")).collect();
     let comment = comment.join(" ");
     let end = [". ", ": "].iter().filter_map(|stop| comment.find(stop)).min();
@@ -44,9 +44,10 @@ fn shows(text: &str) -> String {
 }
 
 #[derive(Serialize)]
-struct Shipped {
+struct SceneEntry {
     name: &'static str,
-    shows: String,
+    #[serde(rename = "shows")]
+    description: String,
 }
 
 /// Runs the command.
@@ -55,27 +56,27 @@ struct Shipped {
 /// Returns an error if no scene has that name.
 pub fn run(args: &Args, format: Format) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    if let Some(wanted) = &args.name {
-        let Some((_, text)) = SCENES.iter().find(|(name, _)| name == wanted) else {
+    if let Some(requested) = &args.name {
+        let Some((_, text)) = SCENES.iter().find(|(name, _)| name == requested) else {
             let names: Vec<&str> = SCENES.iter().map(|(name, _)| *name).collect();
-            bail!(UsageError(format!("scenes: found {wanted:?}, allowed: {}", names.join(", "))));
+            bail!(UsageError(format!("scenes: unknown scene: {requested:?}, expected one of {}", names.join(", "))));
         };
         write!(out, "{text}")?;
         return Ok(out.flush()?);
     }
-    let all = SCENES.map(|(name, text)| Shipped { name, shows: shows(text) });
+    let entries = SCENES.map(|(name, text)| SceneEntry { name, description: description(text) });
     match format {
-        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&all)?)?,
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&entries)?)?,
         Format::Csv => {
             writeln!(out, "name,shows")?;
-            for one in &all {
-                writeln!(out, "{},\"{}\"", one.name, one.shows.replace('"', "\"\""))?;
+            for entry in &entries {
+                writeln!(out, "{},\"{}\"", entry.name, entry.description.replace('"', "\"\""))?;
             }
         }
         Format::Text => {
-            writeln!(out, "Scenes that come with the program; `ballrace scenes NAME > NAME.toml` writes one down.\n")?;
-            for one in &all {
-                writeln!(out, "{:24}{}", one.name, one.shows)?;
+            writeln!(out, "Scenes that come with the program; `ballrace scenes NAME > NAME.toml` copies a scene.\n")?;
+            for entry in &entries {
+                writeln!(out, "{:24}{}", entry.name, entry.description)?;
             }
         }
     }

@@ -1,6 +1,6 @@
-//! `ballrace simulate`: the time response of the scene's rotor from its rest position.
+//! `ballrace simulate`: time response of the scene's rotor from its static equilibrium.
 
-use super::{Format, keep_apart, print_effects};
+use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
@@ -60,30 +60,33 @@ struct Summary {
 /// Returns an error if scene, duration, rate or output is invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
-    let duration = option("--duration", &args.duration, Dimension::Time)?;
-    let rate = option("--rate", &args.rate, Dimension::Frequency)?;
-    let settle = args.settle.as_ref().map(|text| option("--settle", text, Dimension::Time)).transpose()?;
+    let duration = parse_option("--duration", &args.duration, Dimension::Time)?;
+    let rate = parse_option("--rate", &args.rate, Dimension::Frequency)?;
+    let settle = args.settle.as_ref().map(|text| parse_option("--settle", text, Dimension::Time)).transpose()?;
     let (samples, settle) = ((duration * rate).round(), (settle.unwrap_or(0.0) * rate).round());
     let total = samples + settle;
     if samples < 1.0 || total > MOST_SAMPLES {
         let options = if settle > 0.0 { "--duration, --settle, --rate" } else { "--duration, --rate" };
-        bail!(UsageError(format!("{options}: found {total} samples, allowed: 1 to {MOST_SAMPLES:e}")));
+        bail!(UsageError(format!(
+            "{options}: number of samples out of range: {total}, expected 1 to {MOST_SAMPLES:e}"
+        )));
     }
-    keep_apart(&[("--output", &args.output)], &[&args.scene])?;
+    check_distinct_paths(&[("--output", &args.output)], &[&args.scene])?;
     let plant = Plant::try_new(&scene).map_err(UsageError::new)?;
     let span = Span { rate, settle: settle as u64, samples: samples as u64 };
     let summary = simulate(&scene, &plant, span, &args.output)?;
     print(&summary, &plant.notes, format, error)
 }
 
-fn option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
-    let fault = |why: String| UsageError(format!("{name}: {why}"));
+/// Parses the value of the option `name`: a quantity above 0 with a unit, or a number in SI units.
+fn parse_option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
+    let invalid = |reason: String| UsageError(format!("{name}: {reason}"));
     let value = match text.parse::<f64>() {
         Ok(si) => si,
-        Err(_) => parse(text, dimension).map_err(|e| fault(e.to_string()))?,
+        Err(_) => parse(text, dimension).map_err(|e| invalid(e.to_string()))?,
     };
     if !(value > 0.0 && value.is_finite()) {
-        bail!(fault(format!("found {text:?}, allowed: {}", dimension.allowed("above 0"))));
+        bail!(invalid(format!("value out of range: {text:?}, expected {}", dimension.allowed("above 0"))));
     }
     Ok(value)
 }
@@ -91,15 +94,15 @@ fn option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
 fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Summary> {
     let steps_per_sample = plant.substeps(1.0 / span.rate)?;
     let mut file = AtomicFile::create(path)?;
-    let failed = || format!("{}: this file cannot be written", path.display());
-    writeln!(file, "{}", header(plant)).with_context(failed)?;
+    let cannot_write = || format!("{}: this file cannot be written", path.display());
+    writeln!(file, "{}", header(plant)).with_context(cannot_write)?;
     let total = span.settle + span.samples;
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new(total) } else { ProgressBar::hidden() };
     let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
-    let mut finished = span.settle;
-    let begun = Instant::now();
-    let (held, file, waited) = std::thread::scope(|scope| {
-        let mut rows = Rows::new(scope, file);
+    let mut position = span.settle;
+    let start = Instant::now();
+    let (held, file, waiting_time) = std::thread::scope(|scope| {
+        let mut rows = RowWriter::new(scope, file);
         let run = motion::run(
             scene,
             plant,
@@ -109,17 +112,17 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
                 for (i, x) in now.plant.pose(now.twin.coordinates()).to_array().into_iter().take(3).enumerate() {
                     (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
                 }
-                finished += 1;
-                if finished.is_multiple_of(4096) {
-                    bar.set_position(finished);
+                position += 1;
+                if position.is_multiple_of(4096) {
+                    bar.set_position(position);
                 }
                 rows.add(row(now))
             },
         );
-        let (file, waited) = rows.finish().with_context(failed)?;
-        Ok::<_, anyhow::Error>((run?.0, file, waited))
+        let (file, waiting_time) = rows.finish().with_context(cannot_write)?;
+        Ok::<_, anyhow::Error>((run?.0, file, waiting_time))
     })?;
-    let seconds = (begun.elapsed() - waited).as_secs_f64();
+    let seconds = (start.elapsed() - waiting_time).as_secs_f64();
     bar.finish_and_clear();
     file.finish()?;
     Ok(Summary {
@@ -137,29 +140,32 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
     })
 }
 
-/// Writer of rows. Printing numbers takes longer than computing them, so a second thread prints.
-struct Rows<'s> {
-    block: Block,
-    /// `None` after an error of the writer.
-    sender: Option<SyncSender<Block>>,
-    writer: ScopedJoinHandle<'s, std::io::Result<AtomicFile>>,
-    waited: Duration,
+/// Writer of rows on a thread of its own, because formatting numbers takes longer than computing them.
+struct RowWriter<'s> {
+    block: RowBlock,
+    /// `None` after an error of the writer thread.
+    sender: Option<SyncSender<RowBlock>>,
+    thread: ScopedJoinHandle<'s, std::io::Result<AtomicFile>>,
+    /// Time for which the computation has waited for the writer thread.
+    waiting_time: Duration,
 }
 
-/// Consecutive rows, and the count of numbers in each.
+/// Consecutive rows of `width` numbers each.
 #[derive(Default)]
-struct Block {
+struct RowBlock {
     numbers: Vec<f64>,
     width: usize,
 }
 
-/// Numbers in a full block, and capacity of the queue of blocks.
-const BLOCK: (usize, usize) = (1 << 15, 8);
+/// Numbers in a full block.
+const BLOCK_NUMBERS: usize = 1 << 15;
+/// Maximum number of blocks that wait for the writer thread.
+const QUEUE_CAPACITY: usize = 8;
 
-impl<'s> Rows<'s> {
+impl<'s> RowWriter<'s> {
     fn new(scope: &'s Scope<'s, '_>, mut file: AtomicFile) -> Self {
-        let (sender, receiver) = sync_channel::<Block>(BLOCK.1);
-        let writer = scope.spawn(move || {
+        let (sender, receiver) = sync_channel::<RowBlock>(QUEUE_CAPACITY);
+        let thread = scope.spawn(move || {
             for block in receiver {
                 for row in block.numbers.chunks(block.width.max(1)) {
                     write_row(&mut file, row)?;
@@ -167,52 +173,52 @@ impl<'s> Rows<'s> {
             }
             Ok(file)
         });
-        Self { block: Block::default(), sender: Some(sender), writer, waited: Duration::ZERO }
+        Self { block: RowBlock::default(), sender: Some(sender), thread, waiting_time: Duration::ZERO }
     }
 
     fn add(&mut self, row: impl Iterator<Item = f64>) -> Result<()> {
         let before = self.block.numbers.len();
         self.block.numbers.extend(row);
         self.block.width = self.block.numbers.len() - before;
-        if self.block.numbers.len() >= BLOCK.0 {
+        if self.block.numbers.len() >= BLOCK_NUMBERS {
             self.send();
         }
-        if self.sender.is_none() { bail!("the writer has failed") } else { Ok(()) }
+        if self.sender.is_none() { bail!("the writer thread has stopped") } else { Ok(()) }
     }
 
     fn send(&mut self) {
-        let empty = Block { numbers: Vec::with_capacity(BLOCK.0 + self.block.width), width: 0 };
+        let empty = RowBlock { numbers: Vec::with_capacity(BLOCK_NUMBERS + self.block.width), width: 0 };
         let block = std::mem::replace(&mut self.block, empty);
-        let begun = Instant::now();
+        let start = Instant::now();
         self.sender = self.sender.take().filter(|sender| sender.send(block).is_ok());
-        self.waited += begun.elapsed();
+        self.waiting_time += start.elapsed();
     }
 
-    /// Returns the file with all rows, and the time for which the computation waited for the writer.
+    /// Returns the file with all rows, and the time for which the computation has waited for the writer thread.
     fn finish(mut self) -> std::io::Result<(AtomicFile, Duration)> {
         self.send();
         self.sender = None;
-        let begun = Instant::now();
-        let file = self.writer.join().map_err(|_| std::io::Error::other("the thread that writes has ended"))??;
-        Ok((file, self.waited + begun.elapsed()))
+        let start = Instant::now();
+        let file = self.thread.join().map_err(|_| std::io::Error::other("the writer thread panicked"))??;
+        Ok((file, self.waiting_time + start.elapsed()))
     }
 }
 
 fn header(plant: &Plant) -> String {
-    let mut head = "t".to_owned();
+    let mut header = "t".to_owned();
     for rate in ["", "_dot"] {
         for name in plant.layout.names(&plant.bearings) {
-            head += ",";
-            head += &quoted(&format!("{name}{rate}"));
+            header += ",";
+            header += &quoted(&format!("{name}{rate}"));
         }
     }
     for mounted in &plant.bearings {
         for entry in ["FX", "FY", "FZ", "MX", "MY"] {
-            head += ",";
-            head += &quoted(&format!("{}_{entry}", mounted.name));
+            header += ",";
+            header += &quoted(&format!("{}_{entry}", mounted.name));
         }
     }
-    head
+    header
 }
 
 fn row(now: &ResponseSample<'_>) -> impl Iterator<Item = f64> {
@@ -259,11 +265,11 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
             writeln!(out, "                um mean:         X {mean_x:.4}, Y {mean_y:.4}, Z {mean_z:.4}")?;
             writeln!(
                 out,
-                "Computed in {:.2} s, {:.1} times as fast as the machine turns.",
+                "Computed in {:.2} s, {:.1} times real time.",
                 summary.computing_seconds, summary.times_real_time
             )?;
             if summary.held_samples > 0 {
-                writeln!(out, "The motion overflowed and was held for {} samples.", summary.held_samples)?;
+                writeln!(out, "Overflow in {}: the last valid state is held.", counted(summary.held_samples, "step"))?;
             }
             for note in notes {
                 writeln!(out, "{note}")?;

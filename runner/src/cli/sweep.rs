@@ -1,6 +1,6 @@
-//! `ballrace sweep`: a scene over ranges of its keys.
+//! `ballrace sweep`: simulates a scene over ranges of its keys.
 
-use super::{Format, keep_apart, print_effects};
+use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// A key of the scene and its values: a range with a count, e.g. shaft.speed=500rpm..10000rpm:200, or with a step, e.g.
-    /// 500rpm..10000rpm:50rpm, or a list 7,9,11. May be given several times; the first key varies fastest.
+    /// Key of the scene and its values: a range with a count, e.g. shaft.speed=500rpm..10000rpm:200, or with a step, e.g.
+    /// 500rpm..10000rpm:50rpm, or a list, e.g. 7,9,11. May be given several times; the first key varies fastest.
     #[arg(long, value_name = "KEY=VALUES", required = true)]
     over: Vec<String>,
     /// Base name of the results: NAME.csv, NAME.parquet, NAME-sections.csv, NAME.html; NAME.journal while the sweep runs.
@@ -39,7 +39,7 @@ pub struct Args {
     /// Start each point from the final state of its neighbour along the first key: upwards, downwards, or both.
     #[arg(long, value_enum, default_value_t = Follow::None)]
     follow: Follow,
-    /// Compute the largest Lyapunov exponent too, at twice the cost.
+    /// Compute the largest Lyapunov exponent as well, at twice the cost.
     #[arg(long)]
     lyapunov: bool,
     /// Compute this part of the points only, e.g. 3/16, into NAME.shard-3-of-16, for --merge.
@@ -53,7 +53,7 @@ pub struct Args {
     jobs: Option<usize>,
 }
 
-/// `--section`
+/// Values of `--section`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Section {
     /// Once per ball pass of the first bearing.
@@ -67,9 +67,10 @@ struct Summary {
     scene: String,
     points: usize,
     computed: usize,
+    /// Points read from journals of earlier runs.
     taken_over: usize,
     written: Vec<String>,
-    /// Each effect, at the point of its largest change.
+    /// Significance of each effect at the point where its removal changes the result most.
     #[serde(rename = "needs")]
     significance: Vec<EffectSignificance>,
 }
@@ -82,7 +83,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
     let axes = args.over.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>()?;
-    let settle = args.settle.as_ref().map(|text| time(text)).transpose()?;
+    let settle = args.settle.as_ref().map(|text| parse_settling_time(text)).transpose()?;
     let measure = Measure {
         settle,
         periods: args.periods as usize,
@@ -90,32 +91,33 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         lyapunov: args.lyapunov,
     };
     let plan = Plan { text, path: args.scene.clone(), axes, follow: args.follow, measure }.checked()?;
-    // Errors are reported before hours of computation.
+    // An invalid end of a range is reported before the computation, which may take hours.
     for point in [0, plan.points() - 1] {
         plan.scene(&plan.values(point))?;
     }
-    let [table, columns, section, page] = ["csv", "parquet", "sections", "html"].map(|end| named(&args.output, end));
+    let [table, columns, section, page] =
+        ["csv", "parquet", "sections", "html"].map(|ending| output_path(&args.output, ending));
     let outputs = [&table, &columns, &section, &page].map(|path| ("--output", path.as_path()));
-    keep_apart(&outputs, &[&args.scene])?;
+    check_distinct_paths(&outputs, &[&args.scene])?;
     if let Some(shard) = &args.shard {
-        return one_shard(args, &plan, shard, format);
+        return run_shard(args, &plan, shard, format);
     }
-    let (done, computed, journal) = if args.merge {
-        (merged(&args.output, &plan)?, 0, None)
+    let (chains, computed, journal) = if args.merge {
+        (read_shards(&args.output, &plan)?, 0, None)
     } else {
-        let path = named(&args.output, "journal");
-        let all: Vec<usize> = (0..plan.chains()).collect();
-        let (journal, computed) = work(args, &plan, &all, &path)?;
+        let path = output_path(&args.output, "journal");
+        let numbers: Vec<usize> = (0..plan.chains()).collect();
+        let (journal, computed) = run_chains(args, &plan, &numbers, &path)?;
         (journal.done, computed, Some(path))
     };
-    let rows: Vec<&Row> = done.values().flat_map(|chain: &Chain| &chain.rows).collect();
-    write(&table, |out| sweep::csv(out, &plan.axes, &rows))?;
-    write(&section, |out| sweep::sections(out, &rows))?;
+    let rows: Vec<&Row> = chains.values().flat_map(|chain: &Chain| &chain.rows).collect();
+    write_file(&table, |out| sweep::csv(out, &plan.axes, &rows))?;
+    write_file(&section, |out| sweep::sections(out, &rows))?;
     let mut bytes = Vec::new();
     sweep::parquet(&mut bytes, &plan.axes, &rows)?;
-    write(&columns, |out| out.write_all(&bytes))?;
+    write_file(&columns, |out| out.write_all(&bytes))?;
     let html = report::sweep::html(&scene.name, &plan.axes, &rows)?;
-    write(&page, |out| out.write_all(html.as_bytes()))?;
+    write_file(&page, |out| out.write_all(html.as_bytes()))?;
     if let Some(journal) = journal {
         std::fs::remove_file(&journal).with_context(|| journal.display().to_string())?;
     }
@@ -136,29 +138,32 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     }
 }
 
-fn time(text: &str) -> Result<f64> {
-    let allowed = || UsageError(format!("--settle: found {text:?}, allowed: {}", Dimension::Time.allowed("0 or more")));
-    let value = text.parse::<f64>().or_else(|_| parse(text, Dimension::Time)).map_err(|_| allowed())?;
+fn parse_settling_time(text: &str) -> Result<f64> {
+    let invalid = || {
+        UsageError(format!("--settle: invalid duration: {text:?}, expected {}", Dimension::Time.allowed("0 or more")))
+    };
+    let value = text.parse::<f64>().or_else(|_| parse(text, Dimension::Time)).map_err(|_| invalid())?;
     if !(value >= 0.0 && value.is_finite()) {
-        bail!(allowed());
+        bail!(invalid());
     }
     Ok(value)
 }
 
-/// Returns NAME with an ending, which replaces one of the known endings.
-fn named(output: &Path, end: &str) -> PathBuf {
+/// Returns the path of NAME with `ending`; an ending .csv, .parquet or .html of NAME is replaced.
+fn output_path(output: &Path, ending: &str) -> PathBuf {
     let name = output.to_string_lossy();
-    let stem = [".csv", ".parquet", ".html"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
-    PathBuf::from(if end == "sections" { format!("{stem}-sections.csv") } else { format!("{stem}.{end}") })
+    let stem = [".csv", ".parquet", ".html"].iter().find_map(|known| name.strip_suffix(known)).unwrap_or(&name);
+    PathBuf::from(if ending == "sections" { format!("{stem}-sections.csv") } else { format!("{stem}.{ending}") })
 }
 
-fn write(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> std::io::Result<()>) -> Result<()> {
+fn write_file(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> std::io::Result<()>) -> Result<()> {
     let mut file = AtomicFile::create(path)?;
     fill(&mut file).with_context(|| format!("{}: this file cannot be written", path.display()))?;
     Ok(file.finish()?)
 }
 
-fn work(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Journal, usize)> {
+/// Computes the chains that the journal at `path` does not contain; returns the journal and the number of new points.
+fn run_chains(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Journal, usize)> {
     let journal = Journal::open(path, plan.identity()?)?;
     let before: usize = journal.done.values().map(|chain| chain.rows.len()).sum();
     let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok().map(Into::into)).unwrap_or(1);
@@ -170,7 +175,7 @@ fn work(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Jour
     bar.set_position(journal.done.len() as u64);
     let run = plan.run(chains, journal, jobs, || bar.inc(1));
     bar.finish_and_clear();
-    // A sweep without results leaves no journal.
+    // A sweep that failed without a result leaves no journal behind.
     if run.is_err() && sweep::read(path, &plan.identity()?).is_ok_and(|done| done.is_empty()) {
         std::fs::remove_file(path).with_context(|| path.display().to_string())?;
     }
@@ -180,17 +185,18 @@ fn work(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result<(Jour
 }
 
 fn shard_path(output: &Path, k: usize, n: usize) -> PathBuf {
-    named(output, &format!("shard-{k}-of-{n}"))
+    output_path(output, &format!("shard-{k}-of-{n}"))
 }
 
-fn one_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()> {
+/// Computes every `n`-th chain, starting with chain `k - 1`, for `shard` = `k/n`.
+fn run_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()> {
     let parsed = shard.split_once('/').and_then(|(k, n)| Some((k.parse::<usize>().ok()?, n.parse::<usize>().ok()?)));
     let Some((k, n)) = parsed.filter(|(k, n)| (1..=*n).contains(k)) else {
-        bail!(UsageError(format!("--shard: found {shard:?}, allowed: K/N with K from 1 to N, such as 3/16")));
+        bail!(UsageError(format!("--shard: invalid part: {shard:?}, expected K/N with K from 1 to N, such as 3/16")));
     };
-    let mine: Vec<usize> = (0..plan.chains()).filter(|number| number % n == k - 1).collect();
+    let chains: Vec<usize> = (0..plan.chains()).filter(|number| number % n == k - 1).collect();
     let path = shard_path(&args.output, k, n);
-    let (journal, computed) = work(args, plan, &mine, &path)?;
+    let (journal, computed) = run_chains(args, plan, &chains, &path)?;
     let points: usize = journal.done.values().map(|chain| chain.rows.len()).sum();
     let summary = Summary {
         scene: args.scene.display().to_string(),
@@ -203,29 +209,28 @@ fn one_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()
     print(&summary, &plan.axes, &[], format)
 }
 
-/// Reads the rows of all shards of NAME.
-fn merged(output: &Path, plan: &Plan) -> Result<BTreeMap<usize, Chain>> {
-    let start = named(output, "shard-");
+/// Reads the chains of all shards of NAME.
+///
+/// # Errors
+/// Returns an error if a shard cannot be read or a chain is missing.
+fn read_shards(output: &Path, plan: &Plan) -> Result<BTreeMap<usize, Chain>> {
+    let start = output_path(output, "shard-");
     let folder = start.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let prefix = start.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let mut all = BTreeMap::new();
+    let mut chains = BTreeMap::new();
     let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     for entry in entries {
         let path = entry?.path();
         if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix)) {
-            all.extend(sweep::read(&path, &plan.identity()?)?);
+            chains.extend(sweep::read(&path, &plan.identity()?)?);
         }
     }
-    let missing = (0..plan.chains()).filter(|number| !all.contains_key(number)).count();
+    let missing = (0..plan.chains()).filter(|number| !chains.contains_key(number)).count();
     if missing > 0 {
-        bail!(
-            "{}: found {} of {} parts in files {prefix}K-of-N, allowed: all of them; {missing} are missing",
-            folder.display(),
-            plan.chains() - missing,
-            plan.chains()
-        );
+        let total = plan.chains();
+        bail!("{}: missing {missing} of {total} parts in the files {prefix}K-of-N", folder.display());
     }
-    Ok(all)
+    Ok(chains)
 }
 
 fn print(summary: &Summary, axes: &[Axis], rows: &[&Row], format: Format) -> Result<()> {
@@ -235,7 +240,7 @@ fn print(summary: &Summary, axes: &[Axis], rows: &[&Row], format: Format) -> Res
         Format::Csv => sweep::csv(&mut out, axes, rows)?,
         Format::Text => {
             let Summary { scene, points, computed, taken_over, .. } = summary;
-            writeln!(out, "{scene}: {points} points, {computed} computed now, {taken_over} taken over")?;
+            writeln!(out, "{scene}: {points} points, {computed} computed, {taken_over} from an earlier run")?;
             for path in &summary.written {
                 writeln!(out, "Written: {path}")?;
             }

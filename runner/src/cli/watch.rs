@@ -1,12 +1,12 @@
-//! `ballrace watch`
+//! `ballrace watch`: live monitoring in the terminal.
 
-use super::Ending;
+use super::ReplayStatus;
 use super::live::{self, LiveArgs};
 use crate::dashboard;
 use crate::error::UsageError;
 use crate::live as monitor;
 use crate::live::source::lock;
-use crate::live::view::{Conclusion, Shared};
+use crate::live::view::{Conclusion, SharedView};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
@@ -31,54 +31,54 @@ pub struct Args {
     live: LiveArgs,
 }
 
-/// Runs the command; returns what the exit code reports.
+/// Runs the command and returns the status for the exit code.
 ///
 /// # Errors
-/// Returns an error if scene, source or outputs are invalid, or standard output is no terminal.
-pub fn run(args: &Args, error: Option<f64>) -> Result<Ending> {
+/// Returns an error if scene, source or outputs are invalid, or if standard output is not a terminal.
+pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
     if !std::io::stdout().is_terminal() {
         bail!(UsageError(
-            "watch: found a standard output that is no terminal, allowed: a terminal, or `ballrace replay --paced`"
+            "watch: standard output is not a terminal, expected a terminal; use `ballrace replay --paced` without one"
                 .to_owned()
         ));
     }
-    let scene = live::scene(args.scene.as_deref())?;
-    let view = Shared::default();
+    let scene = live::read_scene(args.scene.as_deref())?;
+    let view = SharedView::default();
     let source = args.live.source(&scene, None, args.scene.is_none());
     let name = source.to_string();
     let replay = Options { error, baseline: args.baseline.as_deref(), live: true, viewed: true, ..Options::default() };
     let options = args.live.options(source, Some(view.clone()), replay);
-    let (stop, over) = (live::stop_on_signal()?, AtomicBool::new(false));
-    let (outcome, shown) = std::thread::scope(|scope| {
-        let work = || {
+    let (stop, failed) = (live::stop_on_signal()?, AtomicBool::new(false));
+    let (outcome, view_result) = std::thread::scope(|scope| {
+        let run_monitor = || {
             let outcome = monitor::monitor(&scene, &options, &stop);
             match &outcome {
-                // The last picture stays until a key is pressed.
+                // The final state is displayed until the user presses q.
                 Ok(outcome) => {
                     let mut view = lock(&view);
-                    view.state = "over: press q";
+                    view.state = "ended: press q";
                     view.conclusion =
                         Some(Conclusion { verdict: outcome.verdict.clone(), findings: outcome.findings.clone() });
                 }
-                Err(_) => over.store(true, Ordering::Relaxed),
+                Err(_) => failed.store(true, Ordering::Relaxed),
             }
             outcome
         };
-        let work = std::thread::Builder::new().name("monitor".to_owned()).spawn_scoped(scope, work)?;
-        let shown = dashboard::show(&scene, &name, &view, &stop, &over);
+        let thread = std::thread::Builder::new().name("monitor".to_owned()).spawn_scoped(scope, run_monitor)?;
+        let view_result = dashboard::show(&scene, &name, &view, &stop, &failed);
         stop.store(true, Ordering::Relaxed);
-        Ok::<_, std::io::Error>((work.join(), shown))
+        Ok::<_, std::io::Error>((thread.join(), view_result))
     })?;
-    let Ok(outcome) = outcome else { bail!("the monitor failed") };
+    let Ok(outcome) = outcome else { bail!("the monitor thread panicked") };
     let outcome = outcome?;
-    shown?;
+    view_result?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::html(&outcome)?)?;
     }
-    // The terminal may have gone; report and state are written.
+    // The terminal may be closed; report and state have been written.
     let mut out = std::io::stdout().lock();
     for sentence in std::iter::once(outcome.verdict.clone()).chain(report::pacing(&outcome.timing)) {
         let _ = writeln!(out, "{}", printable::lines(&sentence));
     }
-    Ok(Ending::from(&outcome))
+    Ok(ReplayStatus::from(&outcome))
 }

@@ -1,6 +1,6 @@
-//! The findings of the last diagnosis; at the end of a run, those of the whole with the verdict.
+//! Findings of the last diagnosis; at the end of a run, the findings of the whole run and the verdict.
 
-use super::{ALARM, QUIET, empty, panel};
+use super::{ALARM, MUTED, draw_empty, panel_block};
 use crate::live::view::View;
 use ballrace_report as report;
 use ballrace_twin::printable;
@@ -11,21 +11,21 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Wrap};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
-    let findings = view.conclusion.as_ref().map_or(&view.glance.findings, |conclusion| &conclusion.findings);
+    let findings = view.conclusion.as_ref().map_or(&view.snapshot.findings, |conclusion| &conclusion.findings);
     if findings.is_empty() && view.conclusion.is_none() {
-        return empty(frame, area, panel(" Findings ".to_owned()), "no fault is found so far");
+        return draw_empty(frame, area, panel_block(" Findings ".to_owned()), "no fault found so far");
     }
     let mut lines = vec![];
     for finding in findings {
-        let [head, facts] = report::finding(finding);
-        let strong = Style::new().fg(ALARM).add_modifier(Modifier::BOLD);
-        lines.push(Line::styled(printable::lines(&head).into_owned(), strong));
-        lines.push(Line::raw(printable::lines(&facts).into_owned()));
+        let [title, details] = report::finding(finding);
+        let emphasis = Style::new().fg(ALARM).add_modifier(Modifier::BOLD);
+        lines.push(Line::styled(printable::lines(&title).into_owned(), emphasis));
+        lines.push(Line::raw(printable::lines(&details).into_owned()));
     }
     if let Some(conclusion) = &view.conclusion {
         lines
-            .push(Line::from(Span::styled(printable::lines(&conclusion.verdict).into_owned(), Style::new().fg(QUIET))));
+            .push(Line::from(Span::styled(printable::lines(&conclusion.verdict).into_owned(), Style::new().fg(MUTED))));
     }
-    let block = panel(format!(" Findings, {} ", findings.len()));
+    let block = panel_block(format!(" Findings, {} ", findings.len()));
     frame.render_widget(Paragraph::new(lines).wrap(Wrap { trim: true }).block(block), area);
 }

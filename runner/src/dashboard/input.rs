@@ -1,32 +1,32 @@
-//! Keys of the terminal, read on their own thread.
+//! Keyboard input, read on a thread of its own.
 //!
-//! After the other side of a terminal has closed, a read of the event library may never return: the view must not depend on
-//! it. The thread ends with the program.
+//! A read of the event library may block forever after the terminal was closed; on its own thread it does not block the
+//! display. The thread ends with the program.
 
 use ratatui::crossterm::event::{self, Event, KeyEvent, KeyEventKind};
 use std::io;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-/// Interval at which the terminal is checked.
+/// Interval at which the thread checks whether the terminal was closed.
 const INTERVAL: Duration = Duration::from_millis(250);
 
 /// Input from the terminal.
 pub(super) enum Input {
     /// A key was pressed.
     Key(KeyEvent),
-    /// The size may have changed.
+    /// The size of the terminal may have changed.
     Resized,
 }
 
-/// Starts the thread. The channel closes when the terminal goes away.
+/// Starts the thread and returns its channel, which closes when the terminal is closed.
 ///
 /// # Errors
-/// No thread can be started.
+/// Returns an error if no thread can be started.
 pub(super) fn start() -> io::Result<Receiver<Input>> {
     let (sender, receiver) = channel();
     std::thread::Builder::new().name("keys".to_owned()).spawn(move || {
-        // An error is the end of the terminal: the channel closes.
+        // After an error the terminal cannot be used; dropping the sender closes the channel.
         let _ = read(&sender);
     })?;
     Ok(receiver)
@@ -49,7 +49,7 @@ fn read(sender: &Sender<Input>) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns true where the other side of the terminal at standard input has closed.
+/// Returns `true` if the terminal at standard input was closed.
 #[cfg(unix)]
 fn has_hung_up() -> io::Result<bool> {
     use nix::errno::Errno;

@@ -1,15 +1,15 @@
-//! The live view in the terminal: orbits, spectrum, trends, loads, the ledger, the events and the findings.
+//! Live display in the terminal: orbits, spectrum, trends, loads, counters, events and findings.
 
+mod counters;
 mod findings;
 mod input;
-mod ledger;
 mod loads;
 mod orbit;
 mod spectrum;
 mod trend;
 
 use crate::live::source::lock;
-use crate::live::view::{Shared, View};
+use crate::live::view::{SharedView, View};
 use anyhow::Result;
 use ballrace_twin::scene::{Limit, Scene};
 use input::Input;
@@ -23,25 +23,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
-/// From one picture to the next. Only cells that changed are sent.
+/// Interval at which the display is updated. Only changed cells are sent to the terminal.
 const REFRESH: Duration = Duration::from_millis(250);
-/// Narrower or lower than this there is no room.
-const SMALLEST: (u16, u16) = (60, 20);
+/// Minimum size of the terminal: columns, rows.
+const MIN_SIZE: (u16, u16) = (60, 20);
 
 const MEASURED: Color = Color::Cyan;
 const TWIN: Color = Color::Yellow;
 const ALARM: Color = Color::Red;
-const QUIET: Color = Color::DarkGray;
+const MUTED: Color = Color::DarkGray;
 
-/// Settings chosen by keys.
+/// Display settings that keys change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Choice {
+struct DisplaySettings {
     probe: usize,
     bearing: usize,
     indicator: usize,
-    /// One panel over the whole screen.
+    /// The panel that fills the screen; all panels are shown without one.
     panel: Option<Panel>,
-    held: bool,
+    is_paused: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,23 +55,23 @@ enum Panel {
 }
 
 /// Data that are constant during a run.
-struct Machine<'a> {
+struct RunInfo<'a> {
     name: &'a str,
     source: &'a str,
     probes: Vec<String>,
     limits: &'a [Limit],
 }
 
-/// Shows `view` until a key, the end of the terminal, `stop` or `over` ends it; the terminal is then as it was.
+/// Displays `view` until the user quits, the terminal is closed, or `stop` or `failed` is set; then restores the terminal.
 ///
 /// # Errors
-/// A terminal that cannot be set up. One that goes away later ends the view without an error.
-pub fn show(scene: &Scene, source: &str, view: &Shared, stop: &AtomicBool, over: &AtomicBool) -> Result<()> {
+/// Returns an error if the terminal cannot be set up. A terminal that is closed later is not an error.
+pub fn show(scene: &Scene, source: &str, view: &SharedView, stop: &AtomicBool, failed: &AtomicBool) -> Result<()> {
     let probes = scene.recording.iter().flat_map(|r| &r.probes).map(|p| p.column.clone()).collect();
-    let machine = Machine { name: &scene.name, source, probes, limits: &scene.limits };
+    let info = RunInfo { name: &scene.name, source, probes, limits: &scene.limits };
     let mut terminal = ratatui::try_init()?;
-    run(&mut terminal, &machine, view, [stop, over]);
-    // There may be no terminal left to restore, nor one on which the drop could report that.
+    run(&mut terminal, &info, view, [stop, failed]);
+    // If the terminal is closed, the destructor fails as well and would print an error.
     if terminal.show_cursor().is_err() {
         std::mem::forget(terminal);
     }
@@ -79,15 +79,15 @@ pub fn show(scene: &Scene, source: &str, view: &Shared, stop: &AtomicBool, over:
     Ok(())
 }
 
-fn run(terminal: &mut DefaultTerminal, machine: &Machine, view: &Shared, ends: [&AtomicBool; 2]) {
-    let mut choice = Choice { probe: 0, bearing: 0, indicator: 0, panel: None, held: false };
-    let mut seen = View::default();
+fn run(terminal: &mut DefaultTerminal, info: &RunInfo, view: &SharedView, end_flags: [&AtomicBool; 2]) {
+    let mut settings = DisplaySettings { probe: 0, bearing: 0, indicator: 0, panel: None, is_paused: false };
+    let mut shown = View::default();
     let Ok(inputs) = input::start() else { return };
-    while !ends.iter().any(|end| end.load(Ordering::Relaxed)) {
-        if !choice.held {
-            seen = lock(view).clone();
+    while !end_flags.iter().any(|flag| flag.load(Ordering::Relaxed)) {
+        if !settings.is_paused {
+            shown = lock(view).clone();
         }
-        if terminal.draw(|frame| draw(frame, machine, &seen, choice)).is_err() {
+        if terminal.draw(|frame| draw(frame, info, &shown, settings)).is_err() {
             return;
         }
         match inputs.recv_timeout(REFRESH) {
@@ -96,7 +96,7 @@ fn run(terminal: &mut DefaultTerminal, machine: &Machine, view: &Shared, ends: [
                 if interrupt || matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) {
                     return;
                 }
-                choice = choice.after(key.code, machine.probes.len(), seen.glance.loads.len());
+                settings = settings.after_key(key.code, info.probes.len(), shown.snapshot.loads.len());
             }
             Ok(Input::Resized) | Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return,
@@ -104,15 +104,16 @@ fn run(terminal: &mut DefaultTerminal, machine: &Machine, view: &Shared, ends: [
     }
 }
 
-impl Choice {
-    fn after(self, key: KeyCode, probes: usize, bearings: usize) -> Self {
+impl DisplaySettings {
+    /// Returns the settings after a key was pressed.
+    fn after_key(self, key: KeyCode, probes: usize, bearings: usize) -> Self {
         let next = |i: usize, count: usize| (i + 1) % count.max(1);
         let panel = |panel| Self { panel: if self.panel == Some(panel) { None } else { Some(panel) }, ..self };
         match key {
             KeyCode::Char('p') | KeyCode::Tab => Self { probe: next(self.probe, probes), ..self },
             KeyCode::Char('b') => Self { bearing: next(self.bearing, bearings), ..self },
             KeyCode::Char('i') => Self { indicator: next(self.indicator, trend::INDICATORS.len()), ..self },
-            KeyCode::Char(' ') => Self { held: !self.held, ..self },
+            KeyCode::Char(' ') => Self { is_paused: !self.is_paused, ..self },
             KeyCode::Char('1') => panel(Panel::Orbits),
             KeyCode::Char('2') => panel(Panel::Spectrum),
             KeyCode::Char('3') => panel(Panel::Trend),
@@ -124,90 +125,91 @@ impl Choice {
     }
 }
 
-fn draw(frame: &mut Frame, machine: &Machine, view: &View, choice: Choice) {
+fn draw(frame: &mut Frame, info: &RunInfo, view: &View, settings: DisplaySettings) {
     let area = frame.area();
-    if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
+    if area.width < MIN_SIZE.0 || area.height < MIN_SIZE.1 {
+        let (columns, rows) = MIN_SIZE;
         let message =
-            format!("{} x {} is too small: {} x {} or more, please.", area.width, area.height, SMALLEST.0, SMALLEST.1);
+            format!("terminal is too small: {} x {}, expected at least {columns} x {rows}", area.width, area.height);
         return frame.render_widget(Paragraph::new(message), area);
     }
     let rows = Layout::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).split(area);
-    frame.render_widget(header(machine, view, choice.held), rows[0]);
-    frame.render_widget(keys(), rows[2]);
-    match choice.panel {
-        Some(panel) => one(frame, rows[1], panel, machine, view, choice),
-        None => overview(frame, rows[1], machine, view, choice),
+    frame.render_widget(header(info, view, settings.is_paused), rows[0]);
+    frame.render_widget(key_help(), rows[2]);
+    match settings.panel {
+        Some(panel) => draw_panel(frame, rows[1], panel, info, view, settings),
+        None => draw_overview(frame, rows[1], info, view, settings),
     }
 }
 
-fn overview(frame: &mut Frame, area: Rect, machine: &Machine, view: &View, choice: Choice) {
-    let lower = 5;
-    let half = area.height.saturating_sub(lower) / 2;
-    let heights = [Constraint::Min(half), Constraint::Length(half), Constraint::Length(lower)];
+fn draw_overview(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, settings: DisplaySettings) {
+    let counter_rows = 5;
+    let half = area.height.saturating_sub(counter_rows) / 2;
+    let heights = [Constraint::Min(half), Constraint::Length(half), Constraint::Length(counter_rows)];
     let rows = Layout::vertical(heights).split(area);
     let halves = |row: Rect| Layout::horizontal([Constraint::Percentage(50), Constraint::Percentage(50)]).split(row);
     let (upper, middle, last) = (halves(rows[0]), halves(rows[1]), halves(rows[2]));
-    let mut places = vec![(Panel::Orbits, upper[0]), (Panel::Spectrum, upper[1]), (Panel::Events, last[1])];
+    let mut panels = vec![(Panel::Orbits, upper[0]), (Panel::Spectrum, upper[1]), (Panel::Events, last[1])];
     if view.conclusion.is_some() {
-        places.push((Panel::Findings, rows[1]));
+        panels.push((Panel::Findings, rows[1]));
     } else {
-        let second = if view.glance.findings.is_empty() { Panel::Loads } else { Panel::Findings };
-        places.extend([(Panel::Trend, middle[0]), (second, middle[1])]);
+        let second = if view.snapshot.findings.is_empty() { Panel::Loads } else { Panel::Findings };
+        panels.extend([(Panel::Trend, middle[0]), (second, middle[1])]);
     }
-    for (panel, place) in places {
-        one(frame, place, panel, machine, view, choice);
+    for (panel, area) in panels {
+        draw_panel(frame, area, panel, info, view, settings);
     }
-    ledger::draw(frame, last[0], view);
+    counters::draw(frame, last[0], view);
 }
 
-fn one(frame: &mut Frame, area: Rect, panel: Panel, machine: &Machine, view: &View, choice: Choice) {
+fn draw_panel(frame: &mut Frame, area: Rect, panel: Panel, info: &RunInfo, view: &View, settings: DisplaySettings) {
     match panel {
         Panel::Orbits => orbit::draw(frame, area, view),
-        Panel::Spectrum => spectrum::draw(frame, area, machine, view, choice.probe),
-        Panel::Trend => trend::draw(frame, area, machine, view, choice),
-        Panel::Loads => loads::draw(frame, area, view, choice.bearing),
-        Panel::Events => ledger::events(frame, area, view),
+        Panel::Spectrum => spectrum::draw(frame, area, info, view, settings.probe),
+        Panel::Trend => trend::draw(frame, area, info, view, settings),
+        Panel::Loads => loads::draw(frame, area, view, settings.bearing),
+        Panel::Events => counters::draw_events(frame, area, view),
         Panel::Findings => findings::draw(frame, area, view),
     }
 }
 
-fn header(machine: &Machine, view: &View, held: bool) -> Paragraph<'static> {
+fn header(info: &RunInfo, view: &View, is_paused: bool) -> Paragraph<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
-    let state = if held { "display paused" } else { view.state };
-    let alarm = view.state.contains("silent") || held;
+    let state = if is_paused { "display paused" } else { view.state };
+    let alarm = view.state.contains("silent") || is_paused;
     let mut spans = vec![
-        Span::styled(format!(" {} ", machine.name), bold.add_modifier(Modifier::REVERSED)),
-        Span::raw(format!(" {}  ", machine.source)),
+        Span::styled(format!(" {} ", info.name), bold.add_modifier(Modifier::REVERSED)),
+        Span::raw(format!(" {}  ", info.source)),
         Span::styled(state.to_owned(), if alarm { bold.fg(ALARM) } else { bold.fg(Color::Green) }),
     ];
-    if view.glance.rate_hz > 0.0 {
-        spans.push(Span::raw(format!("  {:.1} rpm  {:.1} s", view.glance.speed_rpm, view.glance.time_s)));
+    if view.snapshot.rate_hz > 0.0 {
+        spans.push(Span::raw(format!("  {:.1} rpm  {:.1} s", view.snapshot.speed_rpm, view.snapshot.time_s)));
     }
     Paragraph::new(Line::from(spans))
 }
 
-fn keys() -> Paragraph<'static> {
+fn key_help() -> Paragraph<'static> {
     let keys =
-        [("q", "quit"), ("p", "probe"), ("b", "bearing"), ("i", "indicator"), ("1-6", "one panel"), ("space", "hold")];
-    let spans = keys.into_iter().flat_map(|(key, does)| {
+        [("q", "quit"), ("p", "probe"), ("b", "bearing"), ("i", "indicator"), ("1-6", "one panel"), ("space", "pause")];
+    let spans = keys.into_iter().flat_map(|(key, action)| {
         [
             Span::styled(format!(" {key} "), Style::new().add_modifier(Modifier::REVERSED)),
-            Span::raw(format!(" {does}  ")),
+            Span::raw(format!(" {action}  ")),
         ]
     });
     Paragraph::new(Line::from(spans.collect::<Vec<_>>()))
 }
 
-/// The frame of a panel.
-fn panel(title: String) -> Block<'static> {
+/// Returns the border of a panel with its title.
+fn panel_block(title: String) -> Block<'static> {
     Block::bordered()
         .title(Span::styled(title, Style::new().add_modifier(Modifier::BOLD)))
-        .border_style(Style::new().fg(QUIET))
+        .border_style(Style::new().fg(MUTED))
 }
 
-/// Writes a message in the middle of an empty panel.
-fn empty(frame: &mut Frame, area: Rect, block: Block<'static>, why: &str) {
-    let message = Paragraph::new(why.to_owned()).style(Style::new().fg(QUIET)).centered().block(block);
+/// Draws an empty panel with a message at its centre.
+fn draw_empty(frame: &mut Frame, area: Rect, block: Block<'static>, message: &str) {
+    let message = Paragraph::new(message.to_owned()).style(Style::new().fg(MUTED)).centered().block(block);
     frame.render_widget(message, area);
 }
 
@@ -232,17 +234,24 @@ mod tests {
 
     const DEMO: &str = include_str!("../../demo/healthy.toml");
 
+    /// Returns the view of a running monitor.
     fn running(scene: &Scene) -> View {
         let probes = &scene.recording.as_ref().unwrap().probes;
-        let turn = |i: usize| TAU * i as f64 / 256.0;
+        let angle = |i: usize| TAU * i as f64 / 256.0;
         let sample = |i: usize| SnapshotSample {
-            measured: vec![8e-6 * turn(i).cos(), 5e-6 * turn(i).sin(), 3e-6 * turn(i).cos(), 3e-6 * turn(i).sin(), 0.0],
-            twin: vec![8e-6 * turn(i).cos(), 5e-6 * turn(i).sin(), 3e-6 * turn(i).cos(), 3e-6 * turn(i).sin(), 0.0],
+            measured: vec![
+                8e-6 * angle(i).cos(),
+                5e-6 * angle(i).sin(),
+                3e-6 * angle(i).cos(),
+                3e-6 * angle(i).sin(),
+                0.0,
+            ],
+            twin: vec![8e-6 * angle(i).cos(), 5e-6 * angle(i).sin(), 3e-6 * angle(i).cos(), 3e-6 * angle(i).sin(), 0.0],
             passed: i.is_multiple_of(256),
         };
         let planes = planes(probes).into_iter().map(|p| (format!("plane {:.0}", p.station * 1e3), p)).collect();
         let loads = (0..9).map(|j| (TAU * f64::from(j) / 9.0, 10.0 * f64::from(j))).collect();
-        let glance = Snapshot {
+        let snapshot = Snapshot {
             time_s: 12.5,
             speed_rpm: 3000.0,
             rate_hz: 12_800.0,
@@ -264,31 +273,33 @@ mod tests {
                 .collect(),
             ..Second::default()
         };
-        let note = crate::live::feed::Note { kind: "source-silent", sentence: "The source sends no data.".to_owned() };
+        let message =
+            crate::live::feed::EventMessage { kind: "source-silent", sentence: "The source sends no data.".to_owned() };
         View {
             state: "running",
-            glance,
+            snapshot,
             seconds: (0..60).map(second).collect(),
-            events: [EventRecord::note(note, 3.0)].into(),
+            events: [EventRecord::new(message, 3.0)].into(),
             ..View::default()
         }
     }
 
+    /// Returns the screen after `keys` were pressed.
     fn screen(width: u16, height: u16, view: &View, keys: &[KeyCode]) -> String {
         let scene = read_str(DEMO, Path::new("demo")).unwrap();
         let probes = scene.recording.iter().flat_map(|r| &r.probes).map(|p| p.column.clone()).collect();
-        let machine = Machine { name: &scene.name, source: "tcp:127.0.0.1:9000", probes, limits: &scene.limits };
-        let mut choice = Choice { probe: 0, bearing: 0, indicator: 0, panel: None, held: false };
+        let info = RunInfo { name: &scene.name, source: "tcp:127.0.0.1:9000", probes, limits: &scene.limits };
+        let mut settings = DisplaySettings { probe: 0, bearing: 0, indicator: 0, panel: None, is_paused: false };
         for &key in keys {
-            choice = choice.after(key, machine.probes.len(), view.glance.loads.len());
+            settings = settings.after_key(key, info.probes.len(), view.snapshot.loads.len());
         }
         let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
-        terminal.draw(|frame| draw(frame, &machine, view, choice)).unwrap();
+        terminal.draw(|frame| draw(frame, &info, view, settings)).unwrap();
         terminal.backend().to_string()
     }
 
     #[test]
-    fn everything_fits_on_80_by_24() {
+    fn all_panels_fit_on_80_by_24_cells() {
         let scene = read_str(DEMO, Path::new("demo")).unwrap();
         let shown = screen(80, 24, &running(&scene), &[]);
         for text in [
@@ -304,13 +315,13 @@ mod tests {
             "quit",
             "3000.0 rpm",
         ] {
-            assert!(shown.contains(text), "{text} is not on\n{shown}");
+            assert!(shown.contains(text), "missing {text} in\n{shown}");
         }
         assert!(shown.contains("The source sends no data"), "{shown}");
     }
 
     #[test]
-    fn keys_choose_probe_indicator_and_panel() {
+    fn keys_select_probe_indicator_and_panel() {
         let scene = read_str(DEMO, Path::new("demo")).unwrap();
         let view = running(&scene);
         assert!(screen(80, 24, &view, &[KeyCode::Char('p')]).contains("DE_Y_um"));
@@ -321,9 +332,10 @@ mod tests {
     }
 
     #[test]
-    fn findings_come_with_place_size_and_odds_in_the_run_and_at_its_end() {
+    fn findings_are_shown_with_location_size_and_odds_during_and_after_the_run() {
         let scene = read_str(DEMO, Path::new("demo")).unwrap();
-        let around = |value: f64, half: f64| Some(Estimate { value, low: value - half, high: value + half });
+        let interval =
+            |value: f64, half_width: f64| Some(Estimate { value, low: value - half_width, high: value + half_width });
         let finding = Finding {
             kind: FindingKind::OuterRace,
             bearing: Some("DE".to_owned()),
@@ -333,8 +345,8 @@ mod tests {
             confidence: 0.97,
             parameters: FaultParameters {
                 form: Some(FaultForm::Spall),
-                azimuth_deg: around(290.0, 1.5),
-                depth_um: around(3.0, 0.2),
+                azimuth_deg: interval(290.0, 1.5),
+                depth_um: interval(3.0, 0.2),
                 odds_to_next: Some(1e12),
                 ..FaultParameters::default()
             },
@@ -342,7 +354,7 @@ mod tests {
             figures: FaultFigures::default(),
         };
         let mut view = running(&scene);
-        view.glance.findings.push(finding.clone());
+        view.snapshot.findings.push(finding.clone());
         assert!(screen(120, 24, &view, &[]).contains("Spall on the outer race, bearing DE"));
         let conclusion = Conclusion { verdict: "DE: damage of the outer race.".to_owned(), findings: vec![finding] };
         let view = View { conclusion: Some(conclusion), ..running(&scene) };
@@ -353,14 +365,14 @@ mod tests {
                 "at 290.0 (288.5 to 291.5) deg from +X; depth 3.00 (2.80 to 3.20) um; odds beyond 1e6",
                 "DE: damage of the outer race.",
             ] {
-                assert!(shown.contains(text), "{text} is not on\n{shown}");
+                assert!(shown.contains(text), "missing {text} in\n{shown}");
             }
         }
-        assert!(screen(80, 24, &running(&scene), &[KeyCode::Char('6')]).contains("no fault is found so far"));
+        assert!(screen(80, 24, &running(&scene), &[KeyCode::Char('6')]).contains("no fault found so far"));
     }
 
     #[test]
-    fn nothing_yet_and_no_room_are_said() {
+    fn missing_samples_and_a_small_terminal_are_reported() {
         assert!(screen(80, 24, &View::default(), &[]).contains("no samples yet"));
         assert!(screen(40, 10, &View::default(), &[]).contains("too small"));
         for (width, height) in [(60, 20), (200, 60), (61, 21), (300, 20)] {

@@ -1,7 +1,7 @@
-//! TCP connections: those that begin as a source does are followed one after the other; the others are refused.
+//! TCP connections: connections with a valid preamble are read one after the other; the others are refused.
 
-use super::feed::{Notes, Stopped};
-use super::frames::Layout;
+use super::feed::{EventSender, StopFlag};
+use super::frames::FrameLayout;
 use super::source::{is_wait, lock};
 use socket2::{SockRef, TcpKeepalive};
 use std::io::{ErrorKind, Read};
@@ -10,46 +10,49 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// A source that is silent for this long gives way to a successor.
-pub const SILENT: Duration = Duration::from_secs(1);
-/// A beginning that is not complete within this time is refused.
-const BEGINNING: Duration = Duration::from_secs(2);
-/// Most connections that wait.
-const WAITING: usize = 16;
-/// Longest first line, bytes.
-const LONGEST_LINE: usize = 1 << 16;
+/// A source that is silent for this long is replaced by a waiting source.
+pub const REPLACEMENT_TIMEOUT: Duration = Duration::from_secs(1);
+/// Time limit for a complete preamble after the connection.
+const PREAMBLE_TIMEOUT: Duration = Duration::from_secs(2);
+/// Maximum number of waiting connections.
+const MAX_CANDIDATES: usize = 16;
+/// Maximum length of the first line, bytes.
+const MAX_LINE_LENGTH: usize = 1 << 16;
 /// Idle time before the first TCP keepalive probe, and the interval of the probes.
 const PROBE_INTERVAL: Duration = Duration::from_secs(5);
-/// Keepalive probes without an answer after which the peer has vanished.
+/// Number of unanswered keepalive probes that end a connection.
 const PROBES: u32 = 3;
 
-/// First bytes of a source.
-pub enum Beginning {
-    /// A line with the names of these columns.
+/// First bytes that a source has to send.
+pub enum Preamble {
+    /// Header line with the names of these columns.
     Columns(Vec<String>),
-    /// A frame.
-    Frame(Layout),
+    /// Valid frame.
+    Frame(FrameLayout),
 }
 
-impl Beginning {
-    /// Returns the first line where it is the header of a source.
+impl Preamble {
+    /// Returns the first line if it is a header with the columns of the scene.
     pub fn header<'a>(&self, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let end = bytes.iter().position(|byte| *byte == b'\n')?;
         let line = bytes.get(..=end)?;
-        (!line.trim_ascii().is_empty() && self.judge(bytes)?.is_ok()).then_some(line)
+        (!line.trim_ascii().is_empty() && self.check(bytes)?.is_ok()).then_some(line)
     }
 
-    /// Judges the first bytes: none where there are too few of them, else why they are not those of a source.
-    fn judge(&self, bytes: &[u8]) -> Option<Result<(), String>> {
+    /// Checks the first bytes; returns `None` while they are incomplete.
+    ///
+    /// # Errors
+    /// Returns the reason if they are not the preamble of a source.
+    fn check(&self, bytes: &[u8]) -> Option<Result<(), String>> {
         match self {
             Self::Frame(layout) => {
                 let frame = bytes.get(..layout.size())?;
-                Some(if layout.is_whole(frame) { Ok(()) } else { Err("found a frame with a wrong CRC-32".to_owned()) })
+                Some(if layout.is_valid(frame) { Ok(()) } else { Err("the first frame has a wrong CRC-32".to_owned()) })
             }
             Self::Columns(names) => {
                 let Some(end) = bytes.iter().position(|byte| *byte == b'\n') else {
-                    let long = bytes.len() >= LONGEST_LINE;
-                    return long.then(|| Err(format!("found a first line of more than {LONGEST_LINE} bytes")));
+                    let is_too_long = bytes.len() >= MAX_LINE_LENGTH;
+                    return is_too_long.then(|| Err(format!("the first line has more than {MAX_LINE_LENGTH} bytes")));
                 };
                 let line = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
                 if line.trim().is_empty() {
@@ -57,147 +60,150 @@ impl Beginning {
                     return Some(Ok(()));
                 }
                 let missing = names.iter().find(|name| !has_name(&line, name.trim()));
-                Some(missing.map_or(Ok(()), |name| Err(format!("its first line has no column `{name}`"))))
+                Some(missing.map_or(Ok(()), |name| Err(format!("missing column `{name}` in the first line"))))
             }
         }
     }
 }
 
-/// Returns true where `name` stands in `line` by itself, not as a part of a longer name.
+/// Returns `true` if `line` contains `name`, not as a part of a longer name.
 fn has_name(line: &str, name: &str) -> bool {
-    let is_inner = |c: char| c.is_alphanumeric() || c == '_';
+    let is_name_char = |c: char| c.is_alphanumeric() || c == '_';
     line.match_indices(name).any(|(start, _)| {
         let (before, after) = (line.get(..start), line.get(start + name.len()..));
-        !before.is_some_and(|text| text.ends_with(is_inner)) && !after.is_some_and(|text| text.starts_with(is_inner))
+        !before.is_some_and(|text| text.ends_with(is_name_char))
+            && !after.is_some_and(|text| text.starts_with(is_name_char))
     })
 }
 
-/// Ends the connection of a peer that no longer answers, whether or not data for it are under way.
+/// Configures the connection to end when the peer no longer answers, with or without unacknowledged data.
 fn detect_vanished_peer(stream: &TcpStream) -> std::io::Result<()> {
     let socket = SockRef::from(stream);
     let keepalive = TcpKeepalive::new().with_time(PROBE_INTERVAL).with_interval(PROBE_INTERVAL).with_retries(PROBES);
     socket.set_tcp_keepalive(&keepalive)?;
-    // Keepalive pauses while an acknowledgement waits for its confirmation.
+    // Keepalive probes pause while sent data are unacknowledged; the user timeout covers that case.
     #[cfg(target_os = "linux")]
     socket.set_tcp_user_timeout(Some(PROBE_INTERVAL * (PROBES + 1)))?;
     Ok(())
 }
 
+/// Connection that waits to be read.
 struct Candidate {
     stream: TcpStream,
     peer: SocketAddr,
-    since: Instant,
-    /// It has sent something.
-    speaks: bool,
+    connected_at: Instant,
+    has_sent: bool,
 }
 
-/// Accepts connections.
+/// Listener that accepts connections and checks their preambles.
 pub struct Connections {
     listener: TcpListener,
-    beginning: Beginning,
+    preamble: Preamble,
     candidates: Vec<Candidate>,
-    notes: Notes,
+    events: EventSender,
     buffer: Vec<u8>,
 }
 
 impl Connections {
-    /// Connections to `listener` that begin with `beginning`; refused ones are reported to `notes`.
+    /// Creates the listener for sources with this `preamble`; refused connections are reported to `events`.
     ///
     /// # Errors
-    /// A listener that cannot be polled.
-    pub fn new(listener: TcpListener, beginning: Beginning, notes: Notes) -> std::io::Result<Self> {
+    /// Returns an error if the listener cannot be set to non-blocking mode.
+    pub fn try_new(listener: TcpListener, preamble: Preamble, events: EventSender) -> std::io::Result<Self> {
         listener.set_nonblocking(true)?;
-        Ok(Self { listener, beginning, candidates: vec![], notes, buffer: vec![0; LONGEST_LINE] })
+        Ok(Self { listener, preamble, candidates: vec![], events, buffer: vec![0; MAX_LINE_LENGTH] })
     }
 
-    /// Accepts and judges what has come; returns true where a source waits.
+    /// Accepts new connections and checks their preambles; returns `true` if a source is waiting.
     pub fn poll(&mut self) -> bool {
-        self.first().is_some()
+        self.find_source().is_some()
     }
 
-    /// The first source that waits.
+    /// Removes and returns the first waiting source.
     pub fn take(&mut self) -> Option<(TcpStream, SocketAddr)> {
-        let Candidate { stream, peer, .. } = self.first().map(|i| self.candidates.remove(i))?;
+        let Candidate { stream, peer, .. } = self.find_source().map(|i| self.candidates.remove(i))?;
         Some((stream, peer))
     }
 
-    /// Place of the first source that waits.
-    fn first(&mut self) -> Option<usize> {
+    /// Returns the index of the first candidate with a valid preamble, and refuses those with an invalid one.
+    fn find_source(&mut self) -> Option<usize> {
         self.accept();
         let mut i = 0;
         while let Some(candidate) = self.candidates.get_mut(i) {
-            let judged = match candidate.stream.peek(&mut self.buffer) {
-                Ok(0) => Some(Err("it closed without a sample".to_owned())),
+            let check = match candidate.stream.peek(&mut self.buffer) {
+                Ok(0) => Some(Err("it was closed without a sample".to_owned())),
                 Ok(read) => {
-                    candidate.speaks = true;
-                    self.beginning.judge(self.buffer.get(..read).unwrap_or_default())
+                    candidate.has_sent = true;
+                    self.preamble.check(self.buffer.get(..read).unwrap_or_default())
                 }
                 Err(error) if is_wait(&error) => None,
                 Err(error) => Some(Err(error.to_string())),
             };
-            match judged {
+            match check {
                 Some(Ok(())) => return Some(i),
-                Some(Err(why)) => self.refuse(i, &why),
-                None if candidate.speaks && candidate.since.elapsed() > BEGINNING => {
-                    self.refuse(i, "its beginning is incomplete");
+                Some(Err(reason)) => self.refuse(i, &reason),
+                None if candidate.has_sent && candidate.connected_at.elapsed() > PREAMBLE_TIMEOUT => {
+                    self.refuse(i, "its first line or frame is incomplete");
                 }
                 None => i += 1,
             }
         }
-        if self.candidates.len() == WAITING {
-            self.refuse(0, "too many connections wait");
+        if self.candidates.len() == MAX_CANDIDATES {
+            self.refuse(0, "too many connections are waiting");
         }
         None
     }
 
     fn accept(&mut self) {
-        while self.candidates.len() < WAITING
+        while self.candidates.len() < MAX_CANDIDATES
             && let Ok((stream, peer)) = self.listener.accept()
         {
             if detect_vanished_peer(&stream).and_then(|()| stream.set_nonblocking(true)).is_ok() {
-                self.candidates.push(Candidate { stream, peer, since: Instant::now(), speaks: false });
+                self.candidates.push(Candidate { stream, peer, connected_at: Instant::now(), has_sent: false });
             }
         }
     }
 
-    fn refuse(&mut self, i: usize, why: &str) {
+    fn refuse(&mut self, i: usize, reason: &str) {
         let candidate = self.candidates.remove(i);
-        self.notes.send("source-refused", format!("Connection {} is refused: {why}.", candidate.peer));
+        self.events.send("source-refused", format!("Connection {} was refused: {reason}.", candidate.peer));
     }
 }
 
-/// The connection of the present source. A read waits until something comes, the other side closes, the monitor ends, or
-/// the source is silent while a successor waits.
-pub struct Followed {
-    /// The connection.
+/// Connection of the current source.
+///
+/// A read blocks until data arrive, and returns 0 when the peer closes the connection, the monitor ends, or the source is
+/// silent while another source is waiting.
+pub struct SourceStream {
+    /// Connection.
     pub stream: TcpStream,
-    /// Others.
+    /// Waiting connections.
     pub connections: Arc<Mutex<Connections>>,
-    /// Set where a successor takes over.
-    pub replaced: Arc<AtomicBool>,
-    /// Set where the monitor ends.
-    pub stopped: Stopped,
-    /// Last arrival.
-    pub heard: Instant,
+    /// Set when a waiting source replaces this one.
+    pub is_replaced: Arc<AtomicBool>,
+    /// Set when the monitor ends.
+    pub stop: StopFlag,
+    /// Time at which the last data arrived.
+    pub last_arrival: Instant,
 }
 
-impl Read for Followed {
+impl Read for SourceStream {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         loop {
             match self.stream.read(buffer) {
                 Err(error) if is_wait(&error) => {
-                    if self.stopped.is_stopped() {
+                    if self.stop.is_stopped() {
                         return Ok(0);
                     }
-                    if lock(&self.connections).poll() && self.heard.elapsed() >= SILENT {
-                        self.replaced.store(true, Ordering::Relaxed);
+                    if lock(&self.connections).poll() && self.last_arrival.elapsed() >= REPLACEMENT_TIMEOUT {
+                        self.is_replaced.store(true, Ordering::Relaxed);
                         return Ok(0);
                     }
                 }
-                // A connection that is reset has ended.
+                // A reset by the peer is an end of the connection, not an error.
                 Err(error) if error.kind() == ErrorKind::ConnectionReset => return Ok(0),
                 Ok(read) => {
-                    self.heard = Instant::now();
+                    self.last_arrival = Instant::now();
                     return Ok(read);
                 }
                 other => return other,
@@ -213,7 +219,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_vanished_peer_is_given_up_after_20_seconds() {
+    fn the_connection_of_a_vanished_peer_ends_after_20_seconds() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let stream = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
         detect_vanished_peer(&stream).unwrap();
@@ -226,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_is_not_a_part_of_another() {
+    fn a_name_inside_a_longer_name_is_not_found() {
         for header in ["t,DE_X", "\"DE_X\";t", "DE_X [um]\tt", " DE_X "] {
             assert!(has_name(header, "DE_X"), "{header}");
         }

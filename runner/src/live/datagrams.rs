@@ -1,44 +1,44 @@
-//! Datagrams of text: a sender whose datagram begins with the header is followed; the datagrams of others are ignored.
+//! UDP datagrams of CSV lines: one sender whose first datagram starts with the header is read; other senders are ignored.
 
-use super::connections::{Beginning, SILENT};
-use super::feed::{Notes, Stopped};
+use super::connections::{Preamble, REPLACEMENT_TIMEOUT};
+use super::feed::{EventSender, StopFlag};
 use super::source::{is_wait, lock};
 use std::io::Read;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// Largest datagram.
-pub const LARGEST: usize = 1 << 16;
+/// Maximum length of a datagram, bytes.
+pub const MAX_DATAGRAM_LENGTH: usize = 1 << 16;
 
-/// Datagrams at a socket, sorted by sender.
+/// Receiver of datagrams that selects the sender to read.
 pub struct Datagrams {
     socket: UdpSocket,
-    beginning: Beginning,
-    notes: Notes,
+    preamble: Preamble,
+    events: EventSender,
     buffer: Vec<u8>,
-    /// Bytes to read next.
-    waiting: Vec<u8>,
-    /// The sender that is followed, and its last arrival.
-    present: Option<(SocketAddr, Instant)>,
-    /// The sender whose first datagram waits.
+    /// Received bytes that are not read yet.
+    pending: Vec<u8>,
+    /// Current sender, and the time of its last datagram.
+    current: Option<(SocketAddr, Instant)>,
+    /// Next sender, whose first datagram is in `pending`.
     next: Option<SocketAddr>,
-    /// The sender followed last, and its header: after an error its rows are read on.
-    last: Option<(SocketAddr, Vec<u8>)>,
+    /// Last accepted sender and its header: after an error its rows are read without a new header.
+    last_accepted: Option<(SocketAddr, Vec<u8>)>,
 }
 
 impl Datagrams {
-    /// Datagrams at `socket`, which has a read time-out; senders that are refused are reported to `notes`.
+    /// Creates the receiver of `socket`, which has a read time-out; refused senders are reported to `events`.
     #[must_use]
-    pub fn new(socket: UdpSocket, beginning: Beginning, notes: Notes) -> Self {
-        let buffer = vec![0; LARGEST];
-        Self { socket, beginning, notes, buffer, waiting: vec![], present: None, next: None, last: None }
+    pub fn new(socket: UdpSocket, preamble: Preamble, events: EventSender) -> Self {
+        let buffer = vec![0; MAX_DATAGRAM_LENGTH];
+        Self { socket, preamble, events, buffer, pending: vec![], current: None, next: None, last_accepted: None }
     }
 
-    /// Receives for the length of the time-out and returns the sender whose first datagram waits.
+    /// Receives at most one datagram within the read time-out and returns the next sender.
     ///
     /// # Errors
-    /// A socket that cannot be read.
+    /// Returns an error if the socket cannot be read.
     pub fn poll(&mut self) -> std::io::Result<Option<SocketAddr>> {
         if self.next.is_none() {
             self.receive()?;
@@ -46,20 +46,20 @@ impl Datagrams {
         Ok(self.next)
     }
 
-    /// Follows the sender whose first datagram waits.
-    pub fn follow(&mut self) {
-        self.present = self.next.take().map(|peer| (peer, Instant::now()));
+    /// Makes the next sender the current one.
+    pub fn start_next(&mut self) {
+        self.current = self.next.take().map(|peer| (peer, Instant::now()));
     }
 
-    /// The sender that is followed has ended or failed; what waits of its datagram is left out.
-    pub fn leave(&mut self) {
-        self.present = None;
+    /// Ends the current sender and discards its pending bytes.
+    pub fn end_current(&mut self) {
+        self.current = None;
         if self.next.is_none() {
-            self.waiting.clear();
+            self.pending.clear();
         }
     }
 
-    /// Receives one datagram, or none within the time-out.
+    /// Receives at most one datagram within the read time-out.
     fn receive(&mut self) -> std::io::Result<()> {
         let (length, peer) = match self.socket.recv_from(&mut self.buffer) {
             Ok(received) => received,
@@ -67,56 +67,60 @@ impl Datagrams {
             Err(error) => return Err(error),
         };
         let datagram = self.buffer.get(..length).unwrap_or_default();
-        let is_present = self.present.is_some_and(|(present, _)| present == peer);
-        if let Some(header) = self.beginning.header(datagram) {
-            let gives_way = self.present.is_none_or(|(_, heard)| is_present || heard.elapsed() >= SILENT);
-            if gives_way {
-                self.last = Some((peer, header.to_vec()));
-                self.waiting = datagram.to_vec();
+        let is_current = self.current.is_some_and(|(current, _)| current == peer);
+        if let Some(header) = self.preamble.header(datagram) {
+            let is_accepted = self
+                .current
+                .is_none_or(|(_, last_arrival)| is_current || last_arrival.elapsed() >= REPLACEMENT_TIMEOUT);
+            if is_accepted {
+                self.last_accepted = Some((peer, header.to_vec()));
+                self.pending = datagram.to_vec();
                 self.next = Some(peer);
             } else {
-                self.refuse(peer, "another source is followed");
+                self.refuse(peer, "another source is active");
             }
             return Ok(());
         }
-        match &self.last {
-            _ if is_present => {
-                self.present = Some((peer, Instant::now()));
-                self.waiting.extend_from_slice(datagram);
+        match &self.last_accepted {
+            _ if is_current => {
+                self.current = Some((peer, Instant::now()));
+                self.pending.extend_from_slice(datagram);
             }
-            Some((last, header)) if *last == peer && self.present.is_none() => {
-                self.waiting = [header, datagram].concat();
+            Some((sender, header)) if *sender == peer && self.current.is_none() => {
+                self.pending = [header, datagram].concat();
                 self.next = Some(peer);
             }
-            _ => self.refuse(peer, "its datagram does not begin with a line of the scene's columns"),
+            _ => self.refuse(peer, "its first line does not have the columns of the scene"),
         }
         Ok(())
     }
 
-    fn refuse(&self, peer: SocketAddr, why: &str) {
-        self.notes.send("source-refused", format!("Datagram of {peer} is refused: {why}."));
+    fn refuse(&self, peer: SocketAddr, reason: &str) {
+        self.events.send("source-refused", format!("Datagram of {peer} was refused: {reason}."));
     }
 }
 
-/// The rows of the sender that is followed. A read waits until something comes, the sender begins anew, another one takes
-/// its place, or the monitor ends.
-pub struct Lines {
-    /// All datagrams.
+/// Byte stream of the current sender.
+///
+/// A read blocks until data arrive, and returns 0 when the sender sends a new header, another sender replaces it, or the
+/// monitor ends.
+pub struct DatagramStream {
+    /// Receiver of the datagrams.
     pub datagrams: Arc<Mutex<Datagrams>>,
-    /// Set where the monitor ends.
-    pub stopped: Stopped,
+    /// Set when the monitor ends.
+    pub stop: StopFlag,
 }
 
-impl Read for Lines {
+impl Read for DatagramStream {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let mut datagrams = lock(&self.datagrams);
         loop {
-            if datagrams.next.is_some() || self.stopped.is_stopped() {
+            if datagrams.next.is_some() || self.stop.is_stopped() {
                 return Ok(0);
             }
-            if !datagrams.waiting.is_empty() {
-                let read = datagrams.waiting.as_slice().read(buffer)?;
-                datagrams.waiting.drain(..read);
+            if !datagrams.pending.is_empty() {
+                let read = datagrams.pending.as_slice().read(buffer)?;
+                datagrams.pending.drain(..read);
                 return Ok(read);
             }
             datagrams.receive()?;

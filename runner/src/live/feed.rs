@@ -1,4 +1,4 @@
-//! From the reader's thread to the loop: a ring of rows that never grows, and counts of all that came and did not.
+//! Channel from the reader thread to the monitor loop: a bounded ring of rows, events, and counters.
 
 use ballrace_twin::recording::Row;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -7,58 +7,58 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-/// Rows between reader and loop: some seconds at 51.2 kHz, during which a twin starts.
+/// Capacity of the ring, rows: several seconds at 51.2 kHz, the time in which the twin starts.
 pub const CAPACITY: usize = 1 << 18;
-/// How long a reader sleeps that has to wait for room.
+/// Interval at which a reader checks a full ring for free space.
 const PAUSE: Duration = Duration::from_millis(20);
-/// Events of one kind that are passed on at once.
+/// Maximum number of consecutive events of one kind that pass without delay.
 const BURST: u32 = 10;
-/// Interval at which further events of the same kind are passed on.
+/// Interval at which further events of the same kind pass.
 const INTERVAL: Duration = Duration::from_secs(10);
 
-/// Message of a reader.
-pub enum Item {
-    /// A sample.
+/// Item in the ring.
+pub enum FeedItem {
+    /// Sample.
     Row(Row),
-    /// Something that happened to the source, in words.
-    Note(Note),
+    /// Event between two samples.
+    Event(EventMessage),
 }
 
-/// Something that happened to the source.
+/// Kind and text of an event.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Note {
-    /// For programs, such as `source-connected`.
+pub struct EventMessage {
+    /// Identifier for programs, such as `source-connected`.
     pub kind: &'static str,
-    /// For people.
+    /// Description for users.
     pub sentence: String,
 }
 
-/// Counters of a reader; other threads may read them at any time.
+/// Counters of a source, which other threads may read at any time.
 #[derive(Debug)]
-pub struct Counts {
-    /// Rows handed on.
+pub struct SourceCounters {
+    /// Rows pushed into the ring.
     pub rows: AtomicU64,
-    /// Frames that never came.
+    /// Frames that are missing between two received frames.
     pub lost: AtomicU64,
-    /// Frames that came twice or too late.
+    /// Frames that arrived twice or too late.
     pub repeated: AtomicU64,
     /// Frames or datagrams of a wrong size.
     pub malformed: AtomicU64,
-    /// Rows that came while the ring was full and could not be held back.
+    /// Rows of a source without flow control that arrived while the ring was full.
     pub dropped: AtomicU64,
-    /// Most rows that ever waited in the ring.
-    pub highest: AtomicU64,
-    /// Connections accepted.
+    /// Highest number of items in the ring.
+    pub ring_highest: AtomicU64,
+    /// Accepted connections.
     pub connections: AtomicU64,
-    /// Sequence number less sample number of the last frame, above `1 << 32`; 0 where there are no frames.
-    pub offset: AtomicU64,
-    /// Number of the first sample that `offset` holds for.
-    pub since: AtomicU64,
-    /// Number of the first sample that is not acknowledged; [`u64::MAX`] where nothing is acknowledged.
+    /// Difference of sequence number and sample number of the last frame, plus `1 << 32`; 0 before the first frame.
+    pub sequence_offset: AtomicU64,
+    /// Number of the first sample to which `sequence_offset` applies.
+    pub offset_since: AtomicU64,
+    /// Number of the first sample that is not acknowledged; [`u64::MAX`] for a monitor without a state.
     pub acknowledged: AtomicU64,
 }
 
-impl Default for Counts {
+impl Default for SourceCounters {
     fn default() -> Self {
         let zero = AtomicU64::default;
         Self {
@@ -67,265 +67,274 @@ impl Default for Counts {
             repeated: zero(),
             malformed: zero(),
             dropped: zero(),
-            highest: zero(),
+            ring_highest: zero(),
             connections: zero(),
-            offset: zero(),
-            since: zero(),
+            sequence_offset: zero(),
+            offset_since: zero(),
             acknowledged: AtomicU64::new(u64::MAX),
         }
     }
 }
 
-/// Limits the number of events of each kind: `BURST` at once, then one in `INTERVAL` with the count of those left out.
+/// Limits the rate of the events of each kind: `BURST` without delay, then one in each `INTERVAL`, with the number of omitted
+/// events.
 #[derive(Debug, Default)]
 pub struct EventLimiter {
-    kinds: BTreeMap<&'static str, Passed>,
+    budgets: BTreeMap<&'static str, EventBudget>,
 }
 
+/// Token bucket of one kind of event.
 #[derive(Debug)]
-struct Passed {
+struct EventBudget {
     /// Events that may still pass.
-    left: u32,
+    tokens: u32,
     refilled: Instant,
-    /// Events left out since the last one that passed.
-    left_out: u64,
+    /// Events omitted since the last event that passed.
+    omitted: u64,
 }
 
 impl EventLimiter {
-    /// Returns the event where it passes, with the count of those left out before it.
-    pub fn pass(&mut self, mut note: Note) -> Option<Note> {
+    /// Returns the event, with the number of events omitted before it, or `None` if the event is omitted.
+    pub fn pass(&mut self, mut message: EventMessage) -> Option<EventMessage> {
         let now = Instant::now();
-        let passed = self.kinds.entry(note.kind).or_insert(Passed { left: BURST, refilled: now, left_out: 0 });
-        let refills = (now.saturating_duration_since(passed.refilled).as_secs() / INTERVAL.as_secs()) as u32;
+        let budget =
+            self.budgets.entry(message.kind).or_insert(EventBudget { tokens: BURST, refilled: now, omitted: 0 });
+        let refills = (now.saturating_duration_since(budget.refilled).as_secs() / INTERVAL.as_secs()) as u32;
         if refills > 0 {
-            passed.left = passed.left.saturating_add(refills).min(BURST);
-            passed.refilled = now;
+            budget.tokens = budget.tokens.saturating_add(refills).min(BURST);
+            budget.refilled = now;
         }
-        let Some(left) = passed.left.checked_sub(1) else {
-            passed.left_out += 1;
+        let Some(tokens) = budget.tokens.checked_sub(1) else {
+            budget.omitted += 1;
             return None;
         };
-        passed.left = left;
-        let left_out = std::mem::take(&mut passed.left_out);
-        if left_out > 0 {
-            note.sentence += &format!(" {left_out} events of this kind before it were not logged.");
+        budget.tokens = tokens;
+        let omitted = std::mem::take(&mut budget.omitted);
+        if omitted > 0 {
+            message.sentence += &format!(" {omitted} events of this kind before it were not logged.");
         }
-        Some(note)
+        Some(message)
     }
 
-    /// Returns the counts of events left out since the last one of their kind, in words.
+    /// Returns one sentence for each kind with omitted events since the last event that passed.
     #[must_use]
-    pub fn left_out(&self) -> Vec<String> {
-        let words = |(kind, passed): (&&str, &Passed)| {
-            (passed.left_out > 0).then(|| format!("{} further events of kind {kind} were not logged.", passed.left_out))
+    pub fn omitted(&self) -> Vec<String> {
+        let sentence = |(kind, budget): (&&str, &EventBudget)| {
+            (budget.omitted > 0).then(|| format!("{} further events of kind {kind} were not logged.", budget.omitted))
         };
-        self.kinds.iter().filter_map(words).collect()
+        self.budgets.iter().filter_map(sentence).collect()
     }
 }
 
-/// A handle on the events of a source that do not follow the order of its samples.
+/// Sender of events that are not ordered with respect to the samples.
 #[derive(Clone)]
-pub struct Notes {
+pub struct EventSender {
     limiter: Arc<Mutex<EventLimiter>>,
-    sender: mpsc::Sender<Note>,
+    sender: mpsc::Sender<EventMessage>,
 }
 
-impl Notes {
-    /// Passes an event on.
+impl EventSender {
+    /// Sends an event unless the rate limit omits it.
     pub fn send(&self, kind: &'static str, sentence: String) {
-        if let Some(note) = limiter(&self.limiter).pass(Note { kind, sentence }) {
-            // Nobody reads events after the end of the monitor.
-            let _ = self.sender.send(note);
+        if let Some(message) = lock_limiter(&self.limiter).pass(EventMessage { kind, sentence }) {
+            // The receiver is dropped at the end of the monitor.
+            let _ = self.sender.send(message);
         }
     }
 }
 
-fn limiter(mutex: &Mutex<EventLimiter>) -> MutexGuard<'_, EventLimiter> {
+fn lock_limiter(mutex: &Mutex<EventLimiter>) -> MutexGuard<'_, EventLimiter> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Adds to a count.
-pub fn count(counter: &AtomicU64, by: u64) {
-    counter.fetch_add(by, Ordering::Relaxed);
+/// Adds `increment` to a counter.
+pub fn add(counter: &AtomicU64, increment: u64) {
+    counter.fetch_add(increment, Ordering::Relaxed);
 }
 
-/// Whether the loop has ended.
-pub struct Stopped(Arc<AtomicBool>);
+/// Flag that is set when the monitor loop has ended.
+pub struct StopFlag(Arc<AtomicBool>);
 
-impl Stopped {
-    /// It does not.
+impl StopFlag {
+    /// Returns `true` if the monitor loop has ended.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// The reader's end.
-pub struct Sender {
-    ring: Producer<Item>,
+/// End of the channel for the reader thread.
+pub struct FeedSender {
+    ring: Producer<FeedItem>,
     spare: Consumer<Row>,
-    /// Counters of this feed.
-    pub counts: Arc<Counts>,
+    /// Counters of the source.
+    pub counters: Arc<SourceCounters>,
     stop: Arc<AtomicBool>,
-    notes: Notes,
+    events: EventSender,
 }
 
-/// The loop's end.
-pub struct Receiver {
-    ring: Consumer<Item>,
+/// End of the channel for the monitor loop.
+pub struct FeedReceiver {
+    ring: Consumer<FeedItem>,
     spare: Producer<Row>,
-    /// Counters of this feed.
-    pub counts: Arc<Counts>,
+    /// Counters of the source.
+    pub counters: Arc<SourceCounters>,
     stop: Arc<AtomicBool>,
     limiter: Arc<Mutex<EventLimiter>>,
-    notes: mpsc::Receiver<Note>,
+    events: mpsc::Receiver<EventMessage>,
 }
 
-/// Both ends.
+/// Creates the channel with a ring of `capacity` items, and a ring of the same size that returns used rows for reuse.
 #[must_use]
-pub fn feed(capacity: usize) -> (Sender, Receiver) {
-    let (to, from) = RingBuffer::new(capacity);
-    let (give, take) = RingBuffer::new(capacity);
-    let counts = Arc::new(Counts::default());
+pub fn feed(capacity: usize) -> (FeedSender, FeedReceiver) {
+    let (ring_producer, ring_consumer) = RingBuffer::new(capacity);
+    let (spare_producer, spare_consumer) = RingBuffer::new(capacity);
+    let counters = Arc::new(SourceCounters::default());
     let stop = Arc::new(AtomicBool::new(false));
     let limiter = Arc::new(Mutex::default());
-    let (send, notes) = mpsc::channel();
-    let send = Notes { limiter: limiter.clone(), sender: send };
-    let sender = Sender { ring: to, spare: take, counts: counts.clone(), stop: stop.clone(), notes: send };
-    (sender, Receiver { ring: from, spare: give, counts, stop, limiter, notes })
+    let (event_sender, events) = mpsc::channel();
+    let sender = FeedSender {
+        ring: ring_producer,
+        spare: spare_consumer,
+        counters: counters.clone(),
+        stop: stop.clone(),
+        events: EventSender { limiter: limiter.clone(), sender: event_sender },
+    };
+    let receiver = FeedReceiver { ring: ring_consumer, spare: spare_producer, counters, stop, limiter, events };
+    (sender, receiver)
 }
 
-impl Sender {
-    /// A row to read into, used before where there is one.
+impl FeedSender {
+    /// Returns a row to fill: a returned one if available, else a new one.
     #[must_use]
-    pub fn blank(&mut self) -> Row {
+    pub fn spare_row(&mut self) -> Row {
         self.spare.pop().unwrap_or_default()
     }
 
-    /// The loop has ended.
+    /// Returns `true` if the monitor loop has ended.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.ring.is_abandoned()
     }
 
-    /// The same for those who wait elsewhere.
+    /// Returns the flag that is set when the monitor loop has ended.
     #[must_use]
-    pub fn stopped(&self) -> Stopped {
-        Stopped(self.stop.clone())
+    pub fn stop_flag(&self) -> StopFlag {
+        StopFlag(self.stop.clone())
     }
 
-    /// A handle on events that do not follow the order of samples.
+    /// Returns a sender of events that are not ordered with respect to the samples.
     #[must_use]
-    pub fn notes(&self) -> Notes {
-        self.notes.clone()
+    pub fn event_sender(&self) -> EventSender {
+        self.events.clone()
     }
 
-    /// Passes an event on in the order of samples.
-    pub fn note(&mut self, kind: &'static str, sentence: String) {
-        let note = limiter(&self.notes.limiter).pass(Note { kind, sentence });
-        if let Some(note) = note {
-            self.push(Item::Note(note));
+    /// Pushes an event into the ring, between the samples before and after it, unless the rate limit omits it.
+    pub fn push_event(&mut self, kind: &'static str, sentence: String) {
+        let message = lock_limiter(&self.events.limiter).pass(EventMessage { kind, sentence });
+        if let Some(message) = message {
+            self.push(FeedItem::Event(message));
         }
     }
 
-    /// Hands an item on; waits for room.
-    pub fn push(&mut self, mut item: Item) {
-        let is_row = matches!(item, Item::Row(_));
-        while let Err(rtrb::PushError::Full(back)) = self.ring.push(item) {
+    /// Pushes an item; blocks while the ring is full.
+    pub fn push(&mut self, mut item: FeedItem) {
+        let is_row = matches!(item, FeedItem::Row(_));
+        while let Err(rtrb::PushError::Full(rejected)) = self.ring.push(item) {
             if self.is_stopped() {
                 return;
             }
-            item = back;
+            item = rejected;
             std::thread::sleep(PAUSE);
         }
         if is_row {
-            self.note_level();
+            self.count_row();
         }
     }
 
-    /// Hands a row on that cannot wait; one that finds the ring full is dropped and counted.
+    /// Pushes a row; drops and counts it if the ring is full.
     pub fn push_or_drop(&mut self, row: Row) {
-        match self.ring.push(Item::Row(row)) {
-            Ok(()) => self.note_level(),
-            Err(_) => count(&self.counts.dropped, 1),
+        match self.ring.push(FeedItem::Row(row)) {
+            Ok(()) => self.count_row(),
+            Err(_) => add(&self.counters.dropped, 1),
         }
     }
 
-    fn note_level(&self) {
-        count(&self.counts.rows, 1);
+    fn count_row(&self) {
+        add(&self.counters.rows, 1);
         let level = (self.ring.buffer().capacity() - self.ring.slots()) as u64;
-        self.counts.highest.fetch_max(level, Ordering::Relaxed);
+        self.counters.ring_highest.fetch_max(level, Ordering::Relaxed);
     }
 }
 
-impl Receiver {
-    /// The next item, if it is a note or a row for which `wanted` holds.
-    pub fn pop_if(&mut self, wanted: impl Fn(&Row) -> bool) -> Option<Item> {
+impl FeedReceiver {
+    /// Returns the next item if it is an event, or a row that satisfies `condition`.
+    pub fn pop_if(&mut self, condition: impl Fn(&Row) -> bool) -> Option<FeedItem> {
         match self.ring.peek().ok()? {
-            Item::Row(row) if !wanted(row) => None,
+            FeedItem::Row(row) if !condition(row) => None,
             _ => self.ring.pop().ok(),
         }
     }
 
-    /// Takes back a row's memory.
+    /// Returns a row to the sender for reuse.
     pub fn recycle(&mut self, row: Row) {
-        // With the ring of spares full there are enough of them.
+        // A row that does not fit is freed.
         let _ = self.spare.push(row);
     }
 
-    /// The next event that does not follow the order of samples.
-    pub fn note(&self) -> Option<Note> {
-        self.notes.try_recv().ok()
+    /// Returns the next event that is not ordered with respect to the samples.
+    pub fn next_event(&self) -> Option<EventMessage> {
+        self.events.try_recv().ok()
     }
 
-    /// Returns an event of the loop itself where it passes the limit.
+    /// Applies the rate limit to an event of the monitor loop itself; returns `None` if the event is omitted.
     #[must_use]
-    pub fn limited(&self, note: Note) -> Option<Note> {
-        limiter(&self.limiter).pass(note)
+    pub fn limited(&self, message: EventMessage) -> Option<EventMessage> {
+        lock_limiter(&self.limiter).pass(message)
     }
 
-    /// Returns the counts of events left out, in words.
+    /// Returns one sentence for each kind with omitted events.
     #[must_use]
-    pub fn left_out(&self) -> Vec<String> {
-        limiter(&self.limiter).left_out()
+    pub fn omitted_events(&self) -> Vec<String> {
+        lock_limiter(&self.limiter).omitted()
     }
 
-    /// Ends the reader.
+    /// Requests the end of the reader thread.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Returns the share of the ring that is in use, 0 to 1.
+    /// Returns the fill level of the ring, 0 to 1.
     #[must_use]
     pub fn fill(&self) -> f64 {
         self.ring.slots() as f64 / self.ring.buffer().capacity() as f64
     }
 
-    /// The next item is a row.
+    /// Returns `true` if the next item is a row.
     #[must_use]
     pub fn has_row(&self) -> bool {
-        matches!(self.ring.peek(), Ok(Item::Row(_)))
+        matches!(self.ring.peek(), Ok(FeedItem::Row(_)))
     }
 
-    /// Sequence number of the frame that has or will have the sample number `index`; none where the source has counted anew
-    /// since then.
+    /// Returns the sequence number of the frame with sample number `index`, also of a future one; `None` if the source has
+    /// restarted its sequence numbers since that sample, or sends no frames.
     #[must_use]
     pub fn sequence_at(&self, index: u64) -> Option<u32> {
-        if index < self.counts.since.load(Ordering::Acquire) {
+        if index < self.counters.offset_since.load(Ordering::Acquire) {
             return None;
         }
-        let offset = self.counts.offset.load(Ordering::Relaxed);
+        let offset = self.counters.sequence_offset.load(Ordering::Relaxed);
         (offset >> 32 != 0).then(|| (offset as u32).wrapping_add(index as u32))
     }
 
-    /// The reader has ended and nothing waits any more.
+    /// Returns `true` if the reader thread has ended and the ring is empty.
     #[must_use]
-    pub fn is_over(&self) -> bool {
+    pub fn is_finished(&self) -> bool {
         self.ring.is_abandoned() && self.ring.is_empty()
     }
 }
 
-impl Drop for Receiver {
+impl Drop for FeedReceiver {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
     }
@@ -341,12 +350,12 @@ mod tests {
     }
 
     #[test]
-    fn a_source_that_can_wait_loses_nothing() {
+    fn push_loses_no_row() {
         let (mut sender, mut receiver) = feed(16);
-        let reader = std::thread::spawn(move || (0..10_000).for_each(|i| sender.push(Item::Row(row(i)))));
+        let reader = std::thread::spawn(move || (0..10_000).for_each(|i| sender.push(FeedItem::Row(row(i)))));
         let mut next = 0;
-        while !receiver.is_over() {
-            while let Some(Item::Row(row)) = receiver.pop_if(|_| true) {
+        while !receiver.is_finished() {
+            while let Some(FeedItem::Row(row)) = receiver.pop_if(|_| true) {
                 assert_eq!(row.index, next);
                 next += 1;
                 receiver.recycle(row);
@@ -354,14 +363,14 @@ mod tests {
         }
         reader.join().unwrap();
         assert_eq!(next, 10_000);
-        assert!(receiver.counts.highest.load(Ordering::Relaxed) <= 16);
+        assert!(receiver.counters.ring_highest.load(Ordering::Relaxed) <= 16);
     }
 
     #[test]
-    fn one_that_cannot_wait_has_its_losses_counted() {
+    fn push_or_drop_counts_dropped_rows() {
         let (mut sender, mut receiver) = feed(16);
         (0..100).for_each(|i| sender.push_or_drop(row(i)));
-        assert_eq!(sender.counts.dropped.load(Ordering::Relaxed), 84);
+        assert_eq!(sender.counters.dropped.load(Ordering::Relaxed), 84);
         assert!(receiver.pop_if(|row| row.index > 0).is_none());
         assert_eq!(std::iter::from_fn(|| receiver.pop_if(|_| true)).count(), 16);
     }

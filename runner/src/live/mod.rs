@@ -1,20 +1,20 @@
-//! The monitor: samples from a source, in real time, through kernel and twin.
+//! Live monitor: processes the samples of a source with kernel and twin in real time.
 //!
-//! A thread reads the source into a ring buffer; the loop wakes at absolute times, processes the samples that are due, and
+//! A thread reads the source into a ring. The monitor loop wakes at absolute times, processes the samples that are due, and
 //! passes indicators and events to the outputs.
 //!
-//! With a state, the order of writing makes every second and every limit event appear once, whenever the process is killed:
-//! first the indicators, then the state with the positions of indicators and limits and with the new event lines, then
-//! these lines in the event log, and then the acknowledgement. A restart appends the lines of the state that the log does not
-//! have, and ignores samples before either position.
+//! With a state folder, every second and every limit event is written exactly once, even if the process is killed. The order
+//! of writing ensures this: first the indicators, then the state with the positions of indicators and limits and with the new
+//! event lines, then these lines in the event log, then the acknowledgement. A restart appends the lines of the state that
+//! are missing in the log, and ignores samples before the positions.
 
 pub mod address;
 mod backlog;
 mod connections;
 mod datagrams;
 pub mod feed;
+mod folder_lock;
 pub mod frames;
-mod lock;
 pub mod out;
 pub mod pace;
 pub mod realtime;
@@ -31,85 +31,85 @@ use ballrace_twin::recording::flaws::FlawSummary;
 use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
 use ballrace_twin::replay::{self, Replay};
 use ballrace_twin::scene::{Recording, Scene};
-use feed::{CAPACITY, Counts, Item, Receiver};
+use feed::{CAPACITY, EventMessage, FeedItem, FeedReceiver, SourceCounters};
 use out::{EventRecord, Network, Outputs};
-use pace::{BLOCK, Pace};
-use source::{Encoding, Reading, Resume, lock};
+use pace::{BLOCK_PERIOD, BlockSchedule};
+use source::{Encoding, ReaderHandle, Resume, lock};
 use state::{State, StateFile};
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use view::Shared;
+use view::SharedView;
 
-/// A source from which nothing came for so long is silent.
-const SILENT: Duration = Duration::from_secs(1);
-/// Between two pictures for those who look on.
-const GLANCE: Duration = Duration::from_millis(200);
-/// How long the end waits for a reader.
-const FAREWELL: Duration = Duration::from_millis(500);
-/// Longest time for which the twin works at once.
-const SLICE: Duration = Duration::from_millis(50);
+/// Time without samples after which a source is silent.
+const SILENCE_TIMEOUT: Duration = Duration::from_secs(1);
+/// Interval at which the data of the live display are updated.
+const VIEW_INTERVAL: Duration = Duration::from_millis(200);
+/// Time limit for the end of the reader thread, which may be blocked by standard input.
+const READER_TIMEOUT: Duration = Duration::from_millis(500);
+/// Longest time for which the twin processes samples in one block.
+const WORK_LIMIT: Duration = Duration::from_millis(50);
 
 /// Options of a monitor.
 pub struct Options<'a> {
-    /// Where samples come from.
+    /// Source of the samples.
     pub source: Address,
-    /// Their form on a stream.
+    /// Encoding of the samples on a stream.
     pub encoding: Encoding,
-    /// Seconds of the recording after which it ends; as long as the source where absent.
+    /// Recorded time after which the monitor ends, s; `None` for the end of the source.
     pub duration: Option<f64>,
-    /// Where its state is kept.
+    /// Folder of the state.
     pub state: Option<&'a Path>,
-    /// Outputs.
+    /// Requested outputs.
     pub outputs: &'a out::RequestedOutputs,
-    /// Ask for real-time scheduling and locked memory.
+    /// Request real-time scheduling and locked memory.
     pub realtime: bool,
-    /// Ask for this processor only.
+    /// Request to run on this processor.
     pub core: Option<usize>,
-    /// Who looks on.
-    pub view: Option<Shared>,
+    /// Data of the live display.
+    pub view: Option<SharedView>,
     /// Options of the replay.
     pub replay: replay::Options<'a>,
 }
 
-/// Runs until the source, the duration or `stop` ends it.
+/// Runs the monitor until the source or the duration ends, or `stop` is set.
 ///
 /// # Errors
-/// A scene without probes, a source that cannot be opened or understood, an output that cannot be written.
+/// Returns an error if the scene has no displacement probes, the source cannot be read, or an output cannot be opened.
 pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Outcome> {
-    let recording = probed(scene)?;
-    // The state is locked and every port bound before a file is touched: a start that fails changes nothing.
+    let recording = probe_recording(scene)?;
+    // The state is locked and the ports are bound before any file is changed, so that a failed start changes nothing.
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
     let network = Network::bind(options.outputs)?;
     let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();
-    let before = state.as_ref().map_or_else(State::default, |file| file.state.clone());
-    let (resume, done, goes_on) = (before.resume(can_repeat), before.time_s, before.starts > 0);
+    let previous = state.as_ref().map_or_else(State::default, |file| file.state.clone());
+    let (resume, start_time, is_resumed) = (previous.resume(can_repeat), previous.time_s, previous.starts > 0);
     let (sender, mut receiver) = feed::feed(CAPACITY);
     if state.is_some() {
-        receiver.counts.acknowledged.store(resume.index, Ordering::Relaxed);
+        receiver.counters.acknowledged.store(resume.index, Ordering::Relaxed);
     }
-    let reading = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
+    let reader = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
     let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
     state.as_mut().map_or(Ok(()), StateFile::begin)?;
-    show(options, |view| view.state = "waiting for the source");
-    let rate = first_rate(&reading, &mut receiver, stop, |note| {
-        let told = EventRecord::note(note, done);
-        show(options, |view| view.add_event(&told));
-        outputs.event(&told)?;
+    update_view(options, |view| view.state = "waiting for the source");
+    let rate = wait_for_rate(&reader, &mut receiver, stop, |message| {
+        let event = EventRecord::new(message, start_time);
+        update_view(options, |view| view.add_event(&event));
+        outputs.add_event(&event)?;
         outputs.save_events();
         Ok(())
     });
-    let Some(rate) = rate? else { bail!("{}: stopped before a sample came", options.source) };
+    let Some(rate) = rate? else { bail!("{}: stopped before the first sample arrived", options.source) };
     let scheduling = realtime::request(options.realtime, options.core);
     let mut replay = Replay::try_new(scene, rate, &options.replay)?;
     let average = u64::from(recording.average);
-    if let Some(limits) = &before.limits {
+    if let Some(limits) = &previous.limits {
         replay.restore_limits(&limits.clone().map_positions(|index| index.div_ceil(average)));
     }
-    if goes_on {
-        let sentence = format!("Started again, at sample {} ({:.3} s).", resume.index, done);
-        outputs.event(&EventRecord::note(feed::Note { kind: "monitor-resumed", sentence }, done))?;
+    if is_resumed {
+        let sentence = format!("The monitor resumed at sample {} ({:.3} s).", resume.index, start_time);
+        outputs.add_event(&EventRecord::new(EventMessage { kind: "monitor-resumed", sentence }, start_time))?;
     }
     let mut monitor = Monitor {
         options,
@@ -117,243 +117,254 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         receiver,
         outputs,
         state: state.as_mut(),
-        back: &reading.back,
+        ack_channel: &reader.ack_channel,
         rate,
         average,
-        seconds: (before.seconds_index, done),
+        seconds_index: previous.seconds_index,
+        seconds_time: start_time,
         acknowledged: None,
-        first: None,
-        time: done,
-        heard_at: Instant::now(),
-        heard: 0,
-        shown: f64::NEG_INFINITY,
-        silent: false,
+        first_time: None,
+        time: start_time,
+        last_arrival: Instant::now(),
+        arrived_rows: 0,
+        published_time: f64::NEG_INFINITY,
+        is_silent: false,
         backlog: Backlog::new(matches!(options.source, Address::Udp(_))),
         source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
-        pace: Pace::begin()?,
-        glanced: Instant::now(),
+        schedule: BlockSchedule::try_new()?,
+        view_updated: Instant::now(),
     };
-    let end = monitor.run(stop);
-    // Also after an error, what was found until then is written.
-    monitor.save_the_rest();
-    end?;
-    let Monitor { replay, receiver, outputs, pace, mut source, .. } = monitor;
-    let counts = receiver.counts.clone();
-    let left_out = receiver.left_out();
+    let result = monitor.run(stop);
+    // After an error, the results up to the error are written.
+    monitor.save_remaining();
+    result?;
+    let Monitor { replay, receiver, outputs, schedule, mut source, .. } = monitor;
+    let counters = receiver.counters.clone();
+    let omitted_events = receiver.omitted_events();
     drop(receiver);
-    let not_written = outputs.finish();
-    let flaws = flaws(reading.end)?;
-    let told = flaws.is_some();
+    let output_figures = outputs.finish();
+    let flaws = join_reader(reader.thread)?;
+    let has_reader_ended = flaws.is_some();
     let mut outcome = replay.finish(&options.source.to_string(), flaws.unwrap_or_default())?;
-    if !told {
+    if !has_reader_ended {
         outcome
             .notes
-            .push("The reader still waited for its source: what it found wrong with it is not listed.".to_owned());
+            .push("The reader was still waiting for its source: flaws of the samples are not listed.".to_owned());
     }
-    outcome.notes.extend(left_out);
-    read_counts(&counts, &mut source);
+    outcome.notes.extend(omitted_events);
+    copy_counters(&counters, &mut source);
     outcome.timing.paced = true;
-    outcome.timing.pacing = Some(pace.finish(scheduling));
+    outcome.timing.pacing = Some(schedule.statistics(scheduling));
     outcome.timing.source = Some(source);
-    outcome.timing.outputs = Some(not_written);
+    outcome.timing.outputs = Some(output_figures);
     Ok(outcome)
 }
 
-fn probed(scene: &Scene) -> Result<&Recording> {
-    let lacking = |found: &str| {
-        let told =
-            format!("{}: [recording]: found {found}, allowed: probes of the shaft's motion", scene.path.display());
-        UsageError(told).into()
-    };
+/// Returns the scene's recording of displacement probes.
+///
+/// # Errors
+/// Returns an error if the scene has no recording, or one of vibration sensors.
+fn probe_recording(scene: &Scene) -> Result<&Recording> {
+    let file = scene.path.display();
     match &scene.recording {
-        None => Err(lacking("none")),
-        Some(recording) if !recording.sensors.is_empty() => Err(lacking("sensors, which are judged as a whole")),
+        None => bail!(UsageError(format!("{file}: missing table [recording], expected probes of the shaft's motion"))),
+        Some(recording) if !recording.sensors.is_empty() => bail!(UsageError(format!(
+            "{file}: [recording]: sensors cannot be monitored in real time, expected probes of the shaft's motion"
+        ))),
         Some(recording) => Ok(recording),
     }
 }
 
-/// Returns the source's rate as soon as it is known, none where the monitor was stopped before; `tell` takes the events that
-/// come before it.
-fn first_rate(
-    reading: &Reading,
-    receiver: &mut Receiver,
+/// Waits for the sampling rate of the source; returns `None` if the monitor is stopped first. Events that arrive before it are
+/// passed to `record`.
+fn wait_for_rate(
+    reader: &ReaderHandle,
+    receiver: &mut FeedReceiver,
     stop: &AtomicBool,
-    mut tell: impl FnMut(feed::Note) -> Result<()>,
+    mut record: impl FnMut(EventMessage) -> Result<()>,
 ) -> Result<Option<f64>> {
     loop {
-        while let Some(Item::Note(note)) = receiver.pop_if(|_| false) {
-            tell(note)?;
+        while let Some(FeedItem::Event(message)) = receiver.pop_if(|_| false) {
+            record(message)?;
         }
-        while let Some(note) = receiver.note() {
-            tell(note)?;
+        while let Some(message) = receiver.next_event() {
+            record(message)?;
         }
-        match reading.rate.recv_timeout(Duration::from_millis(50)) {
+        match reader.rate.recv_timeout(Duration::from_millis(50)) {
             Ok(rate) => return rate.map(Some),
             Err(std::sync::mpsc::RecvTimeoutError::Timeout) if !stop.load(Ordering::Relaxed) => {}
             Err(std::sync::mpsc::RecvTimeoutError::Timeout) => return Ok(None),
-            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => bail!("the source ended before a sample came"),
+            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => {
+                bail!("the source ended before the first sample arrived")
+            }
         }
     }
 }
 
-/// Result of the reader; `None` while it waits for standard input.
-fn flaws(end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Result<Option<Vec<FlawSummary>>> {
-    let since = Instant::now();
-    while !end.is_finished() && since.elapsed() < FAREWELL {
-        std::thread::sleep(BLOCK);
+/// Returns the result of the reader thread, or `None` if it is still blocked by standard input.
+fn join_reader(thread: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Result<Option<Vec<FlawSummary>>> {
+    let start = Instant::now();
+    while !thread.is_finished() && start.elapsed() < READER_TIMEOUT {
+        std::thread::sleep(BLOCK_PERIOD);
     }
-    if !end.is_finished() {
+    if !thread.is_finished() {
         return Ok(None);
     }
-    end.join().unwrap_or_else(|_| bail!("the reader of the source broke")).map(Some)
+    thread.join().unwrap_or_else(|_| bail!("the reader thread panicked")).map(Some)
 }
 
-fn show(options: &Options, change: impl FnOnce(&mut view::View)) {
+fn update_view(options: &Options, change: impl FnOnce(&mut view::View)) {
     if let Some(view) = &options.view {
         change(&mut lock(view));
     }
 }
 
-fn read_counts(counts: &Counts, figures: &mut SourceFigures) {
+fn copy_counters(counters: &SourceCounters, figures: &mut SourceFigures) {
     let read = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
-    figures.rows = read(&counts.rows);
-    figures.lost_frames = read(&counts.lost);
-    figures.repeated_frames = read(&counts.repeated);
-    figures.malformed_frames = read(&counts.malformed);
-    figures.dropped_rows = read(&counts.dropped);
-    figures.ring_highest = read(&counts.highest);
-    figures.connections = read(&counts.connections);
+    figures.rows = read(&counters.rows);
+    figures.lost_frames = read(&counters.lost);
+    figures.repeated_frames = read(&counters.repeated);
+    figures.malformed_frames = read(&counters.malformed);
+    figures.dropped_rows = read(&counters.dropped);
+    figures.ring_highest = read(&counters.ring_highest);
+    figures.connections = read(&counters.connections);
 }
 
+/// State of the monitor loop.
 struct Monitor<'a, 'o> {
     options: &'a Options<'o>,
     replay: Replay<'a>,
-    receiver: Receiver,
+    receiver: FeedReceiver,
     outputs: Outputs,
     state: Option<&'a mut StateFile>,
-    back: &'a source::AckChannel,
-    /// Hz
+    ack_channel: &'a source::AckChannel,
+    /// Sampling rate of the source, Hz.
     rate: f64,
+    /// Number of samples of the source in one sample of the replay.
     average: u64,
-    /// The first sample after the last second that was handed to the outputs, and that second's end, s.
-    seconds: (u64, f64),
-    /// The sequence number that was acknowledged last.
+    /// First sample after the last second that was passed to the outputs.
+    seconds_index: u64,
+    /// End of that second, s.
+    seconds_time: f64,
+    /// Last acknowledged sequence number.
     acknowledged: Option<u32>,
     /// Time of the first row, s.
-    first: Option<f64>,
-    /// Time of the last row, s.
+    first_time: Option<f64>,
+    /// Time of the latest row, s.
     time: f64,
-    heard_at: Instant,
-    /// Rows that had come when the source was last looked at.
-    heard: u64,
-    /// End of the last second shown, s.
-    shown: f64,
-    silent: bool,
+    /// Time at which new rows were last seen.
+    last_arrival: Instant,
+    /// Number of rows that had arrived at that time.
+    arrived_rows: u64,
+    /// End of the last published second, s.
+    published_time: f64,
+    is_silent: bool,
     backlog: Backlog,
     source: SourceFigures,
-    pace: Pace,
-    glanced: Instant,
+    schedule: BlockSchedule,
+    view_updated: Instant,
 }
 
 impl Monitor<'_, '_> {
     fn run(&mut self, stop: &AtomicBool) -> Result<()> {
-        while !stop.load(Ordering::Relaxed) && !self.receiver.is_over() && !self.is_long_enough() {
-            let until = self.pace.wait();
-            let begun = Instant::now();
-            let caught_up = self.block(until)?;
-            self.tell()?;
-            self.listen()?;
+        while !stop.load(Ordering::Relaxed) && !self.receiver.is_finished() && !self.has_reached_duration() {
+            let block_time = self.schedule.wait();
+            let block_start = Instant::now();
+            let caught_up = self.process_block(block_time)?;
+            self.publish()?;
+            self.check_silence()?;
             self.report_backlog()?;
-            self.glance();
-            self.pace.done(begun, caught_up);
+            self.update_view();
+            self.schedule.finish_block(block_start, caught_up);
         }
         self.receiver.stop();
         if stop.load(Ordering::Relaxed) && !self.options.source.is_recording() {
-            self.take_rest()?;
+            self.drain_ring()?;
         }
         self.replay.end()?;
-        self.work_off(stop)
+        self.process_queue(stop)
     }
 
-    /// Takes what was read until the reader has ended, which may wait for standard input for ever.
-    fn take_rest(&mut self) -> Result<()> {
-        let since = Instant::now();
-        while !self.receiver.is_over() && since.elapsed() < FAREWELL {
+    /// Processes the items in the ring until the reader thread has ended, or until the time limit.
+    fn drain_ring(&mut self) -> Result<()> {
+        let start = Instant::now();
+        while !self.receiver.is_finished() && start.elapsed() < READER_TIMEOUT {
             match self.receiver.pop_if(|_| true) {
-                Some(item) => self.item(item)?,
-                None => std::thread::sleep(BLOCK),
+                Some(item) => self.process_item(item)?,
+                None => std::thread::sleep(BLOCK_PERIOD),
             }
         }
         while let Some(item) = self.receiver.pop_if(|_| true) {
-            self.item(item)?;
+            self.process_item(item)?;
         }
-        self.tell()
+        self.publish()
     }
 
-    /// Passes the samples that still wait to the twin.
-    fn work_off(&mut self, stop: &AtomicBool) -> Result<()> {
+    /// Processes the samples that are queued for the twin.
+    fn process_queue(&mut self, stop: &AtomicBool) -> Result<()> {
         loop {
             if stop.load(Ordering::Relaxed) {
                 self.replay.cancel_search();
             }
             if self.replay.is_searching() {
-                std::thread::sleep(BLOCK);
+                std::thread::sleep(BLOCK_PERIOD);
             }
-            self.replay.work(Some(Instant::now() + SLICE))?;
-            self.tell()?;
-            self.glance();
+            self.replay.work(Some(Instant::now() + WORK_LIMIT))?;
+            self.publish()?;
+            self.update_view();
             if self.replay.is_idle() {
                 return Ok(());
             }
         }
     }
 
-    fn is_long_enough(&self) -> bool {
-        self.options.duration.zip(self.first).is_some_and(|(duration, first)| self.time - first >= duration)
+    fn has_reached_duration(&self) -> bool {
+        self.options.duration.zip(self.first_time).is_some_and(|(duration, first)| self.time - first >= duration)
     }
 
-    /// Works off what is due; true where nothing that is due waits any more.
-    fn block(&mut self, until: Duration) -> Result<bool> {
-        let own_time = self.options.source.is_recording();
+    /// Processes the samples that are due at `block_time` since the start of the schedule; returns `true` if none of them is
+    /// left.
+    fn process_block(&mut self, block_time: Duration) -> Result<bool> {
+        let is_recording = self.options.source.is_recording();
         let has_started = self.replay.has_started();
-        let end = self.first.map_or(f64::INFINITY, |first| first + until.as_secs_f64());
-        let due = |row: &Row| !own_time || !has_started || row.time < end;
-        let mut worked = 0_u64;
-        // No more at once than comes in while they are worked off several times over, so that others get their turn.
-        let most = if self.first.is_none() { 1 } else { (self.rate * 0.25) as u64 + 1 };
-        // A recording waits while its twin is started.
-        while worked < most
-            && !(own_time && self.replay.is_searching())
+        let end = self.first_time.map_or(f64::INFINITY, |first| first + block_time.as_secs_f64());
+        let is_due = |row: &Row| !is_recording || !has_started || row.time < end;
+        let mut processed = 0_u64;
+        // A quarter of a second of samples per block: many times the real-time rate, but outputs and view stay up to date.
+        let max_items = if self.first_time.is_none() { 1 } else { (self.rate * 0.25) as u64 + 1 };
+        // A recording is paused while the twin starts.
+        while processed < max_items
+            && !(is_recording && self.replay.is_searching())
             && self.replay.waiting() < CAPACITY
-            && let Some(item) = self.receiver.pop_if(due)
+            && let Some(item) = self.receiver.pop_if(is_due)
         {
-            worked += 1;
-            self.item(item)?;
+            processed += 1;
+            self.process_item(item)?;
         }
-        while let Some(note) = self.receiver.note() {
-            self.event(&EventRecord::note(note, self.time))?;
+        while let Some(message) = self.receiver.next_event() {
+            self.record_event(&EventRecord::new(message, self.time))?;
         }
-        self.replay.work(Some(Instant::now() + SLICE))?;
-        if own_time && !has_started && self.replay.has_started() {
-            // Its time begins now.
-            self.pace.restart();
+        self.replay.work(Some(Instant::now() + WORK_LIMIT))?;
+        if is_recording && !has_started && self.replay.has_started() {
+            // The recording is replayed in real time from here on.
+            self.schedule.restart();
             return Ok(false);
         }
-        Ok(worked < most && self.replay.has_started() && self.replay.is_idle())
+        Ok(processed < max_items && self.replay.has_started() && self.replay.is_idle())
     }
 
-    fn item(&mut self, item: Item) -> Result<()> {
+    fn process_item(&mut self, item: FeedItem) -> Result<()> {
         match item {
-            Item::Row(row) => self.row(row),
-            Item::Note(note) => self.event(&EventRecord::note(note, self.time)),
+            FeedItem::Row(row) => self.process_row(row),
+            FeedItem::Event(message) => self.record_event(&EventRecord::new(message, self.time)),
         }
     }
 
-    fn row(&mut self, row: Row) -> Result<()> {
-        if self.first.is_none() {
-            self.first = Some(row.time);
-            // A source's time begins with its first sample.
-            self.pace = Pace::begin()?;
+    fn process_row(&mut self, row: Row) -> Result<()> {
+        if self.first_time.is_none() {
+            self.first_time = Some(row.time);
+            // The time before the first sample is not part of the statistics.
+            self.schedule = BlockSchedule::try_new()?;
         }
         self.time = row.time;
         let spare = self.replay.blank();
@@ -361,62 +372,62 @@ impl Monitor<'_, '_> {
         Ok(self.replay.push(row)?)
     }
 
-    fn event(&mut self, told: &EventRecord) -> Result<()> {
-        show(self.options, |view| view.add_event(told));
-        self.outputs.event(told)
+    fn record_event(&mut self, event: &EventRecord) -> Result<()> {
+        update_view(self.options, |view| view.add_event(event));
+        self.outputs.add_event(event)
     }
 
-    /// Hands events and seconds to the outputs, and writes them.
-    fn tell(&mut self) -> Result<()> {
-        let news = self.replay.take_update();
-        let is_new = !news.events.is_empty() || !news.seconds.is_empty();
-        for event in news.events {
-            self.event(&EventRecord::limit(event))?;
+    /// Passes new events and seconds to the outputs, and writes them.
+    fn publish(&mut self) -> Result<()> {
+        let update = self.replay.take_update();
+        let is_state_changed = !update.events.is_empty() || !update.seconds.is_empty();
+        for event in update.events {
+            self.record_event(&EventRecord::limit(event))?;
         }
-        for notice in news.notices {
-            let note = feed::Note { kind: notice.kind, sentence: notice.sentence };
-            self.event(&EventRecord::note(note, notice.time_s))?;
+        for notice in update.notices {
+            let message = EventMessage { kind: notice.kind, sentence: notice.sentence };
+            self.record_event(&EventRecord::new(message, notice.time_s))?;
         }
-        for second in &news.seconds {
+        for second in &update.seconds {
             let next_index = second.next_index * self.average;
-            if next_index <= self.seconds.0 {
-                // On disk since before a restart; the limits alone needed its samples again.
+            if next_index <= self.seconds_index {
+                // Written before a restart; its samples are processed again for the limits only.
                 continue;
             }
-            self.seconds = (next_index, second.time_s);
-            self.outputs.second(second, next_index)?;
+            (self.seconds_index, self.seconds_time) = (next_index, second.time_s);
+            self.outputs.add_second(second, next_index)?;
         }
-        // While the twin catches up, its seconds are behind those of the readings.
-        for second in news.preliminary.iter().chain(&news.seconds) {
-            show(self.options, |view| view.add_second(second));
-            if second.time_s >= self.shown {
-                self.shown = second.time_s;
-                self.outputs.show(second, &self.receiver.counts, self.pace.misses());
+        // While the twin catches up, its seconds are older than the preliminary ones, which have readings only.
+        for second in update.preliminary.iter().chain(&update.seconds) {
+            update_view(self.options, |view| view.add_second(second));
+            if second.time_s >= self.published_time {
+                self.published_time = second.time_s;
+                self.outputs.publish(second, &self.receiver.counters, self.schedule.misses());
             }
         }
-        if is_new || self.outputs.is_retry_due() {
+        if is_state_changed || self.outputs.is_retry_due() {
             self.save();
         } else {
-            // Events of the source are in no state.
+            // Events of the source are not part of the state.
             self.outputs.save_events();
         }
-        for note in self.outputs.take_notes() {
-            self.event(&EventRecord::note(note, self.time))?;
+        for message in self.outputs.take_events() {
+            self.record_event(&EventRecord::new(message, self.time))?;
         }
         Ok(())
     }
 
-    /// Writes indicators, then the state with the events that wait, then these events, and only then acknowledges.
+    /// Writes the indicators, then the state with the pending events, then these events, and acknowledges only afterwards.
     fn save(&mut self) {
         let has_indicators = self.outputs.save_indicators();
         if let Some(StateFile { state, .. }) = self.state.as_deref_mut() {
             if has_indicators {
-                (state.seconds_index, state.time_s) = self.seconds;
+                (state.seconds_index, state.time_s) = (self.seconds_index, self.seconds_time);
             }
             let average = self.average;
             state.limits = self.replay.limit_state().map(|limits| limits.map_positions(|index| index * average));
             let index = state.first_unprocessed();
-            // The distance in samples is the distance in frames, whatever was lost between.
+            // Sequence numbers count lost samples too, so that differences of sample numbers apply to them.
             let sequence = self.receiver.sequence_at(index).or(state.resume.sequence);
             state.resume = Resume { index, sequence };
         }
@@ -427,98 +438,100 @@ impl Monitor<'_, '_> {
         }
     }
 
-    /// Writes what waits for the last time.
-    fn save_the_rest(&mut self) {
+    /// Writes everything that is pending at the end.
+    fn save_remaining(&mut self) {
         self.outputs.retry_now();
-        if let Some(note) = self.backlog.dropped(&self.receiver) {
-            let _ = self.event(&EventRecord::note(note, self.time));
+        if let Some(message) = self.backlog.dropped(&self.receiver) {
+            let _ = self.record_event(&EventRecord::new(message, self.time));
         }
-        // The limits' state is that after these events.
-        let _ = self.tell();
+        // The state of the limits already includes these events.
+        let _ = self.publish();
         self.save();
-        for note in self.outputs.take_notes() {
-            let _ = self.event(&EventRecord::note(note, self.time));
+        for message in self.outputs.take_events() {
+            let _ = self.record_event(&EventRecord::new(message, self.time));
         }
         self.outputs.save_events();
-        // Without the events that are in the log now.
+        // The final state does not repeat events that are in the log.
         self.outputs.save_state(self.state.as_deref_mut());
     }
 
-    /// Tells the source which frames it need not keep.
+    /// Sends the source the sequence number up to which it may discard frames.
     fn acknowledge(&mut self) {
         let Some(file) = &self.state else { return };
         let Some(last) = file.state.resume.sequence.map(|sequence| sequence.wrapping_sub(1)) else { return };
         if self.acknowledged == Some(last) || file.state.resume.index == 0 {
             return;
         }
-        self.receiver.counts.acknowledged.store(file.state.resume.index, Ordering::Relaxed);
-        if let Some(stream) = lock(self.back).as_mut() {
+        self.receiver.counters.acknowledged.store(file.state.resume.index, Ordering::Relaxed);
+        if let Some(stream) = lock(self.ack_channel).as_mut() {
             self.acknowledged = Some(last);
-            // Who does not listen to acknowledgements may leave them.
+            // Sources may ignore acknowledgements.
             let _ = writeln!(stream, "acknowledged {last}");
         }
     }
 
-    /// Notices a source that has fallen silent, and one that speaks again.
-    fn listen(&mut self) -> Result<()> {
-        let counts = &self.receiver.counts;
-        let heard = counts.rows.load(Ordering::Relaxed) + counts.dropped.load(Ordering::Relaxed);
-        // A recording is never silent; a source is not while what it sent waits.
-        if heard != self.heard || self.receiver.has_row() || self.options.source.is_recording() {
-            self.heard = heard;
-            self.heard_at = Instant::now();
+    /// Raises an event when the source becomes silent, and when it sends samples again.
+    fn check_silence(&mut self) -> Result<()> {
+        let counters = &self.receiver.counters;
+        let arrived_rows = counters.rows.load(Ordering::Relaxed) + counters.dropped.load(Ordering::Relaxed);
+        // A recording is never silent. A source with rows in the ring may be blocked by the full ring.
+        if arrived_rows != self.arrived_rows || self.receiver.has_row() || self.options.source.is_recording() {
+            self.arrived_rows = arrived_rows;
+            self.last_arrival = Instant::now();
         }
-        let quiet = self.heard_at.elapsed();
-        if self.first.is_none() || (quiet < SILENT && !self.silent) {
+        let silence = self.last_arrival.elapsed();
+        let is_silent = silence >= SILENCE_TIMEOUT;
+        if self.first_time.is_none() || (!is_silent && !self.is_silent) {
             return Ok(());
         }
-        if quiet >= SILENT {
-            self.source.longest_stall_s = self.source.longest_stall_s.max(quiet.as_secs_f64());
+        if is_silent {
+            self.source.longest_stall_s = self.source.longest_stall_s.max(silence.as_secs_f64());
         }
-        let note = match (quiet >= SILENT, self.silent) {
+        let message = match (is_silent, self.is_silent) {
             (true, false) => {
                 self.source.stalls += 1;
-                feed::Note { kind: "source-silent", sentence: "The source sends no data.".to_owned() }
+                EventMessage { kind: "source-silent", sentence: "The source sends no data.".to_owned() }
             }
             (false, true) => {
-                feed::Note { kind: "source-speaks", sentence: "Samples come from the source again.".to_owned() }
+                EventMessage { kind: "source-speaks", sentence: "The source sends data again.".to_owned() }
             }
             _ => return Ok(()),
         };
-        self.silent = quiet >= SILENT;
-        let note = self.receiver.limited(note);
-        note.map_or(Ok(()), |note| self.event(&EventRecord::note(note, self.time)))
+        self.is_silent = is_silent;
+        let message = self.receiver.limited(message);
+        message.map_or(Ok(()), |message| self.record_event(&EventRecord::new(message, self.time)))
     }
 
-    /// Reports samples that wait or were dropped because the monitor is slower than its source. A recording waits unnoticed.
+    /// Raises events about queued and dropped samples of a source that is faster than the monitor. A recording has no backlog.
     fn report_backlog(&mut self) -> Result<()> {
-        if self.first.is_none() || self.options.source.is_recording() {
+        if self.first_time.is_none() || self.options.source.is_recording() {
             return Ok(());
         }
         let waiting = self.replay.waiting() * self.average as usize;
-        for note in self.backlog.poll(&self.receiver, waiting, self.rate) {
-            self.event(&EventRecord::note(note, self.time))?;
+        for message in self.backlog.poll(&self.receiver, waiting, self.rate) {
+            self.record_event(&EventRecord::new(message, self.time))?;
         }
         Ok(())
     }
 
-    fn glance(&mut self) {
-        if self.options.view.is_none() || self.glanced.elapsed() < GLANCE {
+    /// Updates the data of the live display if they are due.
+    fn update_view(&mut self) {
+        if self.options.view.is_none() || self.view_updated.elapsed() < VIEW_INTERVAL {
             return;
         }
-        self.glanced = Instant::now();
-        read_counts(&self.receiver.counts, &mut self.source);
-        let state = match (self.first, self.silent, self.replay.has_started()) {
+        self.view_updated = Instant::now();
+        copy_counters(&self.receiver.counters, &mut self.source);
+        let state = match (self.first_time, self.is_silent, self.replay.has_started()) {
             (None, ..) => "waiting for the source",
             (_, true, _) => "source silent",
             (_, _, false) => "starting",
             _ => "running",
         };
-        let glance = self.replay.snapshot();
-        let pacing = self.pace.finish(String::new());
-        show(self.options, |view| {
+        let snapshot = self.replay.snapshot();
+        let pacing = self.schedule.statistics(String::new());
+        update_view(self.options, |view| {
             view.state = state;
-            view.glance = glance;
+            view.snapshot = snapshot;
             (view.lateness, view.compute) = (pacing.lateness, pacing.compute);
             (view.misses, view.idle_percent) = (pacing.deadline_misses, pacing.idle_percent);
             view.source = self.source.clone();

@@ -1,39 +1,40 @@
-//! The timeline: blocks at absolute times, and the ledger of how well they were kept.
+//! Block schedule at absolute times, with statistics of lateness and processing time.
 
 use ballrace_twin::replay::outcome::Pacing;
 use ballrace_twin::replay::timing::{histogram, nanoseconds, quantiles};
 use hdrhistogram::Histogram;
 use std::time::{Duration, Instant};
 
-/// From one wake to the next. Long enough for the wakes to cost nothing, short beside a turn of the shaft.
-pub const BLOCK: Duration = Duration::from_millis(10);
+/// Period of the blocks: long compared with the cost of a wake-up, short compared with a shaft revolution.
+pub const BLOCK_PERIOD: Duration = Duration::from_millis(10);
 
-/// Wakes at `start + n BLOCK`. A late wake or a long block does not shift the ones after it.
-pub struct Pace {
-    begun: Instant,
+/// Block schedule with wake-ups at `start + n BLOCK_PERIOD`. A late wake-up or a long block does not shift later blocks.
+pub struct BlockSchedule {
+    created: Instant,
     start: Instant,
-    /// Blocks begun since `start`, those that passed unused included.
+    /// Number of the current block, counted from `start`; skipped blocks are included.
     number: u32,
-    starting: Option<Duration>,
+    /// Time from creation until the twin has started and caught up.
+    starting_time: Option<Duration>,
     lateness: Histogram<u64>,
     compute: Histogram<u64>,
     misses: u64,
-    /// Processor time used and the time of day when the start was over.
+    /// Processor time used, and the time, when the twin had started.
     processor: Option<(Duration, Instant)>,
 }
 
-impl Pace {
-    /// A timeline that begins now.
+impl BlockSchedule {
+    /// Creates a schedule that starts now.
     ///
     /// # Errors
-    /// None in practice.
-    pub fn begin() -> anyhow::Result<Self> {
+    /// Returns an error if a histogram cannot be created; their constant bounds are valid.
+    pub fn try_new() -> anyhow::Result<Self> {
         let now = Instant::now();
         Ok(Self {
-            begun: now,
+            created: now,
             start: now,
             number: 0,
-            starting: None,
+            starting_time: None,
             lateness: histogram()?,
             compute: histogram()?,
             misses: 0,
@@ -41,80 +42,80 @@ impl Pace {
         })
     }
 
-    /// The timeline begins now; what came before was the start.
+    /// Restarts the schedule now; the time before counts as starting time.
     pub fn restart(&mut self) {
         (self.start, self.number) = (Instant::now(), 0);
     }
 
-    /// Sleeps until the next block is due; gives the time of the timeline then.
+    /// Sleeps until the start of the next block and returns its time since the start of the schedule.
     pub fn wait(&mut self) -> Duration {
         self.number += 1;
-        let due = self.start + BLOCK * self.number;
+        let due = self.start + BLOCK_PERIOD * self.number;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        if self.starting.is_some() {
+        if self.starting_time.is_some() {
             self.lateness.saturating_record(nanoseconds(Instant::now().saturating_duration_since(due)));
         }
-        BLOCK * self.number
+        BLOCK_PERIOD * self.number
     }
 
-    /// Records the end of a block that began at `begun`; `caught_up` reports that no sample waits.
+    /// Records the end of a block that started at `block_start`; `caught_up` is `true` if no due sample is left.
     ///
-    /// Until the twin has started and has caught up, nothing is held against it.
-    pub fn done(&mut self, begun: Instant, caught_up: bool) {
+    /// Deadlines are not counted until the twin has started and caught up.
+    pub fn finish_block(&mut self, block_start: Instant, caught_up: bool) {
         let now = Instant::now();
-        let passed = (now.saturating_duration_since(self.start).as_nanos() / BLOCK.as_nanos()) as u32;
-        let missed = passed.saturating_sub(self.number);
-        if self.starting.is_none() {
+        let current = (now.saturating_duration_since(self.start).as_nanos() / BLOCK_PERIOD.as_nanos()) as u32;
+        let missed = current.saturating_sub(self.number);
+        if self.starting_time.is_none() {
             if caught_up && missed == 0 {
-                self.starting = Some(self.begun.elapsed());
+                self.starting_time = Some(self.created.elapsed());
                 self.processor = processor_time().map(|used| (used, now));
             }
         } else {
-            self.compute.saturating_record(nanoseconds(now.saturating_duration_since(begun)));
+            self.compute.saturating_record(nanoseconds(now.saturating_duration_since(block_start)));
             self.misses += u64::from(missed);
         }
-        // Blocks that went by are not made up for: what came in them is taken with the next.
-        self.number = self.number.max(passed);
+        // Skipped blocks are not repeated: the next block processes their samples.
+        self.number = self.number.max(current);
     }
 
-    /// Blocks that took until after the next one was due, counted by the blocks that went by.
+    /// Returns the number of missed deadlines: blocks skipped because an earlier block took too long.
     #[must_use]
     pub const fn misses(&self) -> u64 {
         self.misses
     }
 
-    /// Share of one processor that all threads of this program have used since the start was over, 0 to 1; none where
+    /// Returns the load of all threads of this program since the twin has started, in processors; `None` before, or if
     /// the system does not report it.
     #[must_use]
-    pub fn busy(&self) -> Option<f64> {
+    pub fn processor_load(&self) -> Option<f64> {
         let (before, since) = self.processor?;
         let used = processor_time()?.saturating_sub(before);
         Some(used.as_secs_f64() / since.elapsed().as_secs_f64().max(1e-9))
     }
 
-    /// The figures.
+    /// Returns the statistics.
     #[must_use]
-    pub fn finish(&self, scheduling: String) -> Pacing {
+    pub fn statistics(&self, scheduling: String) -> Pacing {
         Pacing {
-            block_ns: nanoseconds(BLOCK),
+            block_ns: nanoseconds(BLOCK_PERIOD),
             blocks: self.compute.len(),
             compute: quantiles(&self.compute),
             lateness: quantiles(&self.lateness),
             deadline_misses: self.misses,
-            starting_s: self.starting.unwrap_or_else(|| self.begun.elapsed()).as_secs_f64(),
-            idle_percent: self.busy().map(|busy| 100.0 * (1.0 - busy)),
+            starting_s: self.starting_time.unwrap_or_else(|| self.created.elapsed()).as_secs_f64(),
+            idle_percent: self.processor_load().map(|load| 100.0 * (1.0 - load)),
             scheduling,
         }
     }
 }
 
-/// Processor time that all threads of this program have used.
+/// Returns the processor time used by all threads of this program.
 #[cfg(unix)]
 fn processor_time() -> Option<Duration> {
     rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime).try_into().ok()
 }
 
-/// None: only Unix systems have a clock for it that needs no code of the system's own.
+/// Returns `None`: the clock of the processor time is available on Unix only.
 #[cfg(not(unix))]
 const fn processor_time() -> Option<Duration> {
     None
@@ -126,21 +127,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_long_block_is_a_miss_and_shifts_nothing() {
-        let mut pace = Pace::begin().unwrap();
+    fn a_long_block_misses_deadlines_without_shifting_later_blocks() {
+        let mut schedule = BlockSchedule::try_new().unwrap();
         for i in 0..20 {
-            let at = pace.wait();
-            assert!(pace.start.elapsed() >= at);
-            let begun = Instant::now();
+            let time = schedule.wait();
+            assert!(schedule.start.elapsed() >= time);
+            let block_start = Instant::now();
             if i == 10 {
-                std::thread::sleep(4 * BLOCK);
+                std::thread::sleep(4 * BLOCK_PERIOD);
             }
-            pace.done(begun, true);
+            schedule.finish_block(block_start, true);
         }
-        let pacing = pace.finish(String::new());
+        let pacing = schedule.statistics(String::new());
         assert!((3..=60).contains(&pacing.deadline_misses), "{}", pacing.deadline_misses);
         assert!((10..=19).contains(&pacing.blocks), "{}", pacing.blocks);
         assert!(pacing.compute.max_ns >= 20_000_000 && pacing.lateness.max_ns > 0);
-        assert!(pace.start.elapsed() >= 23 * BLOCK);
+        assert!(schedule.start.elapsed() >= 23 * BLOCK_PERIOD);
     }
 }

@@ -1,14 +1,14 @@
-//! The reader's thread: rows from a file, from standard input or from a socket into the ring.
+//! Reader thread: reads rows from a file, from standard input or from a socket into the ring.
 //!
-//! Files, pipes and TCP connections block while the ring buffer is full. Datagrams cannot; those without room are
-//! dropped and counted. A TCP source that goes away may come back, and it or another one goes on. A connection that does not
-//! begin as a source does, or that has another sampling rate, is refused.
+//! Files, pipes and TCP connections block while the ring is full. Datagrams cannot block; they are dropped and counted while
+//! the ring is full. After the end of a TCP connection, the same or another source may connect and continue. A connection
+//! with an invalid preamble or another sampling rate is refused.
 
 use super::address::Address;
-use super::connections::{Beginning, Connections, Followed};
-use super::datagrams::{Datagrams, LARGEST, Lines};
-use super::feed::{Item, Sender, count};
-use super::frames::{Layout, Place, Sequence};
+use super::connections::{Connections, Preamble, SourceStream};
+use super::datagrams::{DatagramStream, Datagrams, MAX_DATAGRAM_LENGTH};
+use super::feed::{FeedItem, FeedSender, add};
+use super::frames::{FrameLayout, FramePosition, SequenceTracker};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::error::Error;
@@ -24,14 +24,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::{Duration, Instant};
 
-/// How often a reader that waits for its source looks whether it is to end.
-const PATIENCE: Duration = Duration::from_millis(100);
-/// Requested size of the system's datagram buffer.
-const MOST_WAITING: usize = 4 << 20;
-/// How far the sampling rates of two connections may lie apart.
+/// Time-out of socket operations, after which the reader checks whether the monitor has ended.
+const SOCKET_TIMEOUT: Duration = Duration::from_millis(100);
+/// Interval at which the reader checks for a new connection.
+const CONNECTION_INTERVAL: Duration = Duration::from_millis(25);
+/// Requested size of the system's receive buffer for datagrams, bytes.
+const RECEIVE_BUFFER_SIZE: usize = 4 << 20;
+/// Largest relative difference between the sampling rates of two connections.
 const RATE_TOLERANCE: f64 = 1e-3;
 
-/// Form of the samples on a stream.
+/// Encoding of the samples on a stream.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Encoding {
     /// CSV lines with a header.
@@ -43,295 +45,303 @@ pub enum Encoding {
     FramesCrc,
 }
 
-/// Where a monitor that was stopped goes on.
+/// Position at which a restarted monitor continues.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Resume {
     /// Number of the next sample.
     pub index: u64,
-    /// Sequence number of the frame that has it.
+    /// Sequence number of the frame with this sample.
     pub sequence: Option<u32>,
 }
 
-/// Messages of a reader at its start and at its end.
-pub struct Reading {
-    /// Sampling rate, Hz, as soon as it is known.
+/// Handle of a reader thread.
+pub struct ReaderHandle {
+    /// Receiver of the sampling rate, Hz, which the reader sends once.
     pub rate: mpsc::Receiver<Result<f64>>,
-    /// The flaws it found, or what ended it.
-    pub end: std::thread::JoinHandle<Result<Vec<FlawSummary>>>,
-    /// The connection on which acknowledgements go back.
-    pub back: AckChannel,
+    /// Thread; its result is the flaws of the samples, or the error that ended it.
+    pub thread: std::thread::JoinHandle<Result<Vec<FlawSummary>>>,
+    /// Connection for acknowledgements.
+    pub ack_channel: AckChannel,
 }
 
-/// The connection of the present source, if it has one.
+/// TCP connection of the current source, if any.
 pub type AckChannel = Arc<Mutex<Option<TcpStream>>>;
 
-/// Starts the reader of `address`.
+/// Starts the reader thread of `address`.
 ///
 /// # Errors
-/// An address that cannot be listened at.
+/// Returns an error if the socket cannot be bound.
 pub fn start(
     address: &Address,
     encoding: Encoding,
     scene: &Scene,
     recording: &Recording,
     resume: Resume,
-    sender: Sender,
-) -> Result<Reading> {
-    let (tell, rate) = mpsc::channel();
-    let back = AckChannel::default();
+    sender: FeedSender,
+) -> Result<ReaderHandle> {
+    let (rate_sender, rate) = mpsc::channel();
+    let ack_channel = AckChannel::default();
     let listener = match address {
-        Address::Tcp(place) => Some(TcpListener::bind(place).with_context(|| cannot_listen(address))?),
+        Address::Tcp(local) => Some(TcpListener::bind(local).with_context(|| cannot_listen(address))?),
         _ => None,
     };
     let socket = match address {
-        Address::Udp(place) => Some(UdpSocket::bind(place).with_context(|| cannot_listen(address))?),
+        Address::Udp(local) => Some(UdpSocket::bind(local).with_context(|| cannot_listen(address))?),
         _ => None,
     };
     let frame_rate = match recording.clock {
         Clock::Rate(rate) => rate,
         Clock::Column(_) => 0.0,
     };
-    let feeder = Feeder {
-        layout: Layout::new(recording, encoding == Encoding::FramesCrc),
+    let reader = SourceReader {
+        layout: FrameLayout::new(recording, encoding == Encoding::FramesCrc),
         recording: recording.clone(),
         scene: scene.clone(),
         encoding,
-        sequence: Sequence::new(frame_rate, resume.sequence, resume.index),
+        sequence: SequenceTracker::new(frame_rate, resume.sequence, resume.index),
         suspect: None,
-        next: resume.index,
+        next_index: resume.index,
         next_time: None,
         rate: None,
         sender,
-        tell: Some(tell),
+        rate_sender: Some(rate_sender),
         ledger: FlawLedger::default(),
         flaws: vec![],
-        back: back.clone(),
+        ack_channel: ack_channel.clone(),
     };
     let address = address.clone();
-    let read = move || feeder.run(&address, listener, socket);
-    let end = std::thread::Builder::new().name("reader".to_owned()).spawn(read)?;
-    Ok(Reading { rate, end, back })
+    let run = move || reader.run(&address, listener, socket);
+    let thread = std::thread::Builder::new().name("reader".to_owned()).spawn(run)?;
+    Ok(ReaderHandle { rate, thread, ack_channel })
 }
 
 fn cannot_listen(address: &Address) -> String {
-    format!("{address}: cannot be listened at, allowed: an address of this machine and a free port")
+    format!("{address}: cannot listen on this address, expected an address of this machine and a free port")
 }
 
-struct Feeder {
+/// Reader of a source; runs on the reader thread.
+struct SourceReader {
     recording: Recording,
     scene: Scene,
-    layout: Layout,
+    layout: FrameLayout,
     encoding: Encoding,
-    sequence: Sequence,
-    /// A frame whose number does not fit, until the next one comes.
+    sequence: SequenceTracker,
+    /// Row of a suspect frame, until the next frame arrives.
     suspect: Option<Row>,
-    /// Number of the next sample of CSV.
-    next: u64,
-    /// Its time where a connection was followed before, s.
+    /// Number of the next sample from CSV lines.
+    next_index: u64,
+    /// Time of this sample after an earlier connection, s.
     next_time: Option<f64>,
     /// Sampling rate of the first connection, Hz.
     rate: Option<f64>,
-    sender: Sender,
-    tell: Option<mpsc::Sender<Result<f64>>>,
+    sender: FeedSender,
+    /// `None` after the sampling rate was sent.
+    rate_sender: Option<mpsc::Sender<Result<f64>>>,
     ledger: FlawLedger,
     flaws: Vec<FlawSummary>,
-    back: AckChannel,
+    ack_channel: AckChannel,
 }
 
-impl Feeder {
+impl SourceReader {
     fn run(
         mut self,
         address: &Address,
         listener: Option<TcpListener>,
         socket: Option<UdpSocket>,
     ) -> Result<Vec<FlawSummary>> {
-        let done = match (address, listener, socket) {
-            (_, Some(listener), _) => self.connections(listener),
-            (_, _, Some(socket)) => self.datagrams(socket),
-            (Address::File(path), ..) => self.file(path),
-            (Address::BuiltIn(bytes, name), ..) => self.stream(Box::new(std::io::Cursor::new(*bytes)), name),
-            _ => self.stream(Box::new(std::io::stdin()), "standard input"),
+        let result = match (address, listener, socket) {
+            (_, Some(listener), _) => self.read_connections(listener),
+            (_, _, Some(socket)) => self.read_datagrams(socket),
+            (Address::File(path), ..) => self.read_file(path),
+            (Address::BuiltIn(bytes, name), ..) => self.read_stream(Box::new(std::io::Cursor::new(*bytes)), name),
+            _ => self.read_stream(Box::new(std::io::stdin()), "standard input"),
         };
-        match (done, &self.tell) {
-            // No sample yet: the caller that waits for the rate receives the error.
-            (Err(error), Some(tell)) => {
-                let _ = tell.send(Err(error));
+        match (result, &self.rate_sender) {
+            // Before the first sample, the error goes to the receiver of the rate.
+            (Err(error), Some(rate_sender)) => {
+                let _ = rate_sender.send(Err(error));
             }
-            (done, _) => done?,
+            (result, _) => result?,
         }
         self.flaws.extend(self.ledger.summary());
         Ok(self.flaws)
     }
 
-    /// Passes on the rate of the first connection, and refuses another one of a later connection.
+    /// Sends the sampling rate of the first connection.
+    ///
+    /// # Errors
+    /// Returns an error if a later connection has another sampling rate, or if the rate is not plausible for the scene.
     fn establish_rate(&mut self, rate: f64, name: &str) -> Result<()> {
         if let Some(known) = self.rate {
             if (rate / known - 1.0).abs() > RATE_TOLERANCE {
-                bail!("{name}: found a sampling rate of {rate:.3} Hz, allowed: {known:.3} Hz as before");
+                bail!("{name}: sampling rate has changed: {rate:.3} Hz, expected {known:.3} Hz");
             }
             return Ok(());
         }
         check_rate(rate, &self.recording, self.scene.shaft.speed).map_err(|e| Error::from(e.of(&self.scene, name)))?;
         self.rate = Some(rate);
-        if let Some(tell) = self.tell.take() {
-            let _ = tell.send(Ok(rate));
+        if let Some(rate_sender) = self.rate_sender.take() {
+            let _ = rate_sender.send(Ok(rate));
         }
         Ok(())
     }
 
-    /// Frames have no header from which anything else could be learned.
-    fn rate_of_frames(&self) -> Result<f64> {
+    /// Returns the sampling rate of frames, which have no time column.
+    fn frame_rate(&self) -> Result<f64> {
         match self.recording.clock {
             Clock::Rate(rate) => Ok(rate),
             Clock::Column(_) => bail!(UsageError(
-                "[recording] time: found a column of times, allowed with frames: rate = \"51.2 kHz\"".to_owned()
+                "[recording] time: frames have no time column, expected a sampling rate, such as rate = \"51.2 kHz\""
+                    .to_owned()
             )),
         }
     }
 
-    fn file(&mut self, path: &Path) -> Result<()> {
+    fn read_file(&mut self, path: &Path) -> Result<()> {
         match self.encoding {
             Encoding::Csv => {
                 let reader = Reader::open(path, &self.recording)?;
-                // A file begins where it began before: what is done already is passed over.
-                let done = std::mem::take(&mut self.next);
-                self.rows(reader, done, &path.display().to_string())
+                // A file starts at sample 0 again: samples from before a restart are skipped.
+                let skipped = std::mem::take(&mut self.next_index);
+                self.read_rows(reader, skipped, &path.display().to_string())
             }
             Encoding::Frames | Encoding::FramesCrc => {
                 let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
-                self.stream(Box::new(file), &path.display().to_string())
+                self.read_stream(Box::new(file), &path.display().to_string())
             }
         }
     }
 
-    fn stream(&mut self, stream: Box<dyn Read + Send>, name: &str) -> Result<()> {
+    fn read_stream(&mut self, stream: Box<dyn Read + Send>, name: &str) -> Result<()> {
         match self.encoding {
             Encoding::Csv => {
                 let reader = Reader::from_reader(stream, Path::new(name), None, &self.recording)?;
-                self.rows(reader, 0, name)
+                self.read_rows(reader, 0, name)
             }
-            Encoding::Frames | Encoding::FramesCrc => self.frames(stream, name),
+            Encoding::Frames | Encoding::FramesCrc => self.read_frames(stream, name),
         }
     }
 
-    /// Rows of text, those before the number `done` left out.
-    fn rows(&mut self, mut reader: Reader, done: u64, name: &str) -> Result<()> {
+    /// Reads the rows of a CSV stream or of a recording, except the first `skipped` rows.
+    fn read_rows(&mut self, mut reader: Reader, skipped: u64, name: &str) -> Result<()> {
         self.establish_rate(reader.rate(), name)?;
-        // A new connection continues where the one before it ended, whatever its own clock.
+        // A new connection continues at the end of the previous one, independent of its own clock.
         let rate = self.rate.unwrap_or_else(|| reader.rate());
-        let (first, begin) = (self.next, self.next_time.unwrap_or(self.next as f64 / rate));
-        let mut row = self.sender.blank();
+        let (first_index, first_time) = (self.next_index, self.next_time.unwrap_or(self.next_index as f64 / rate));
+        let mut row = self.sender.spare_row();
         while !self.sender.is_stopped() && reader.next_row(&mut row)? {
-            if row.index < done {
+            if row.index < skipped {
                 continue;
             }
-            if first > 0 {
-                row.time = begin + row.index as f64 / rate;
-                row.index += first;
+            if first_index > 0 {
+                row.time = first_time + row.index as f64 / rate;
+                row.index += first_index;
             }
-            (self.next, self.next_time) = (row.index + 1, Some(row.time + 1.0 / rate));
-            let full = std::mem::replace(&mut row, self.sender.blank());
-            self.sender.push(Item::Row(full));
+            (self.next_index, self.next_time) = (row.index + 1, Some(row.time + 1.0 / rate));
+            let filled = std::mem::replace(&mut row, self.sender.spare_row());
+            self.sender.push(FeedItem::Row(filled));
         }
         self.flaws.extend(reader.flaws().summary());
         Ok(())
     }
 
-    fn frames(&mut self, stream: Box<dyn Read + Send>, name: &str) -> Result<()> {
-        let rate = self.rate_of_frames()?;
+    fn read_frames(&mut self, stream: Box<dyn Read + Send>, name: &str) -> Result<()> {
+        let rate = self.frame_rate()?;
         self.establish_rate(rate, name)?;
         let mut stream = BufReader::new(stream);
         let mut frame = vec![0; self.layout.size()];
-        let (mut held, mut aligned) = (0, true);
+        let (mut length, mut is_aligned) = (0, true);
         while !self.sender.is_stopped() {
-            match stream.read(&mut frame[held..]) {
+            match stream.read(&mut frame[length..]) {
                 Ok(0) => break,
-                Ok(read) => held += read,
+                Ok(read) => length += read,
                 Err(error) if is_wait(&error) => continue,
-                Err(error) => return Err(error).context("frames cannot be read further"),
+                Err(error) => return Err(error).context("frames cannot be read"),
             }
-            if held < frame.len() {
+            if length < frame.len() {
                 continue;
             }
-            if self.layout.is_whole(&frame) {
-                (held, aligned) = (0, true);
-                self.frame(&frame, false);
+            if self.layout.is_valid(&frame) {
+                (length, is_aligned) = (0, true);
+                self.process_frame(&frame, false);
                 continue;
             }
-            // The next frame may begin at any byte.
-            if std::mem::replace(&mut aligned, false) {
-                count(&self.sender.counts.malformed, 1);
+            // Frames have no start marker: the next one is searched byte by byte.
+            if std::mem::replace(&mut is_aligned, false) {
+                add(&self.sender.counters.malformed, 1);
             }
             frame.copy_within(1.., 0);
-            held -= 1;
+            length -= 1;
         }
-        if held > 0 && aligned {
-            count(&self.sender.counts.malformed, 1);
+        if length > 0 && is_aligned {
+            add(&self.sender.counters.malformed, 1);
         }
         Ok(())
     }
 
-    fn frame(&mut self, frame: &[u8], may_drop: bool) {
-        let mut row = self.sender.blank();
+    /// Pushes the samples of a frame. `may_drop` is `true` for a source without flow control.
+    fn process_frame(&mut self, frame: &[u8], may_drop: bool) {
+        let mut row = self.sender.spare_row();
         let Some(number) = self.layout.read(frame, &mut row) else {
-            count(&self.sender.counts.malformed, 1);
+            add(&self.sender.counters.malformed, 1);
             return;
         };
-        let open = self.sender.counts.acknowledged.load(Ordering::Relaxed);
-        let place = self.sequence.place(number, Instant::now(), (open != u64::MAX).then_some(open));
+        let acknowledged = self.sender.counters.acknowledged.load(Ordering::Relaxed);
+        let acknowledged = (acknowledged != u64::MAX).then_some(acknowledged);
+        let position = self.sequence.locate(number, Instant::now(), acknowledged);
         let suspect = self.suspect.take();
-        if suspect.is_some() && !matches!(place, Place::AnewFromSuspect { .. }) {
-            count(&self.sender.counts.malformed, 1);
+        if suspect.is_some() && !matches!(position, FramePosition::RestartedAtSuspect { .. }) {
+            add(&self.sender.counters.malformed, 1);
         }
-        match place {
-            Place::Repeated => count(&self.sender.counts.repeated, 1),
-            Place::Suspect => self.suspect = Some(row),
-            Place::Sample { index, lost } => self.sample(row, number, index, lost, may_drop),
-            Place::Anew { index } => {
-                self.note_new_count(number);
-                self.sample(row, number, index, 0, may_drop);
+        match position {
+            FramePosition::Repeated => add(&self.sender.counters.repeated, 1),
+            FramePosition::Suspect => self.suspect = Some(row),
+            FramePosition::Sample { index, lost } => self.push_sample(row, number, index, lost, may_drop),
+            FramePosition::Restarted { index } => {
+                self.report_restart(number);
+                self.push_sample(row, number, index, 0, may_drop);
             }
-            Place::AnewFromSuspect { index } => {
-                self.note_new_count(number.wrapping_sub(1));
+            FramePosition::RestartedAtSuspect { index } => {
+                self.report_restart(number.wrapping_sub(1));
                 if let Some(suspect) = suspect {
-                    self.sample(suspect, number.wrapping_sub(1), index, 0, may_drop);
+                    self.push_sample(suspect, number.wrapping_sub(1), index, 0, may_drop);
                 }
-                self.sample(row, number, index + 1, 0, may_drop);
+                self.push_sample(row, number, index + 1, 0, may_drop);
             }
         }
     }
 
-    fn note_new_count(&mut self, number: u32) {
+    fn report_restart(&mut self, number: u32) {
         let sentence =
-            format!("The source restarted its sample counter at {number}; time continues from the last sample.");
-        self.sender.note("source-counts-anew", sentence);
+            format!("The source restarted its sequence numbers at {number}; time continues from the last sample.");
+        self.sender.push_event("source-counts-anew", sentence);
     }
 
-    /// Hands on the readings of frame `number`, which are sample `index`, with `lost` samples missing before it.
-    fn sample(&mut self, mut row: Row, number: u32, index: u64, lost: u64, may_drop: bool) {
+    /// Pushes the readings of frame `number` as sample `index`, with `lost` samples missing before it.
+    fn push_sample(&mut self, mut row: Row, number: u32, index: u64, lost: u64, may_drop: bool) {
         let offset = u64::from(number.wrapping_sub(index as u32)) | 1 << 32;
-        self.sender.counts.since.store(self.sequence.since(), Ordering::Release);
-        self.sender.counts.offset.store(offset, Ordering::Relaxed);
+        self.sender.counters.offset_since.store(self.sequence.restarted_at(), Ordering::Release);
+        self.sender.counters.sequence_offset.store(offset, Ordering::Relaxed);
         row.index = index;
         row.line = index + 1;
         row.time = index as f64 / self.rate.unwrap_or(1.0);
-        let at = Position::from(&row);
+        let position = Position::from(&row);
         if lost > 0 {
-            count(&self.sender.counts.lost, lost);
-            self.ledger.record(Flaw::Gap, None, at, lost);
+            add(&self.sender.counters.lost, lost);
+            self.ledger.record(Flaw::Gap, None, position, lost);
         }
         for (reading, probe) in row.probes.iter().zip(&self.recording.probes) {
             if reading.is_nan() {
-                self.ledger.record(Flaw::MissingValue, Some(&probe.column), at, 1);
+                self.ledger.record(Flaw::MissingValue, Some(&probe.column), position, 1);
             }
         }
-        if may_drop { self.sender.push_or_drop(row) } else { self.sender.push(Item::Row(row)) }
+        if may_drop { self.sender.push_or_drop(row) } else { self.sender.push(FeedItem::Row(row)) }
     }
 
-    /// Returns the first bytes that a source of this scene sends.
-    fn beginning(&self) -> Beginning {
+    /// Returns the preamble of a source for this scene.
+    fn preamble(&self) -> Preamble {
         if self.encoding != Encoding::Csv {
-            return Beginning::Frame(self.layout.clone());
+            return Preamble::Frame(self.layout.clone());
         }
         let mut names: Vec<String> = self.recording.probes.iter().map(|probe| probe.column.clone()).collect();
         match &self.recording.rotation {
@@ -343,121 +353,127 @@ impl Feeder {
         if let Clock::Column(column) = &self.recording.clock {
             names.push(column.clone());
         }
-        Beginning::Columns(names)
+        Preamble::Columns(names)
     }
 
-    fn connections(&mut self, listener: TcpListener) -> Result<()> {
+    /// Reads sources from TCP connections one after the other, until the monitor ends.
+    fn read_connections(&mut self, listener: TcpListener) -> Result<()> {
         if self.encoding != Encoding::Csv {
-            let rate = self.rate_of_frames()?;
+            let rate = self.frame_rate()?;
             self.establish_rate(rate, "frames")?;
         }
-        let connections = Connections::new(listener, self.beginning(), self.sender.notes())?;
+        let connections = Connections::try_new(listener, self.preamble(), self.sender.event_sender())?;
         let connections = Arc::new(Mutex::new(connections));
         while !self.sender.is_stopped() {
             let next = lock(&connections).take();
             match next {
-                Some((stream, peer)) => self.connection(stream, peer, &connections)?,
-                None => std::thread::sleep(PATIENCE / 4),
+                Some((stream, peer)) => self.read_connection(stream, peer, &connections)?,
+                None => std::thread::sleep(CONNECTION_INTERVAL),
             }
         }
         Ok(())
     }
 
-    /// Follows a connection to its end. Errors of one source do not end the monitor.
-    fn connection(&mut self, stream: TcpStream, peer: SocketAddr, others: &Arc<Mutex<Connections>>) -> Result<()> {
+    /// Reads a connection to its end. An error of one source does not end the monitor.
+    fn read_connection(
+        &mut self,
+        stream: TcpStream,
+        peer: SocketAddr,
+        connections: &Arc<Mutex<Connections>>,
+    ) -> Result<()> {
         stream.set_nonblocking(false)?;
-        stream.set_read_timeout(Some(PATIENCE))?;
-        stream.set_write_timeout(Some(PATIENCE))?;
-        let rows = self.sender.counts.rows.load(Ordering::Relaxed);
-        count(&self.sender.counts.connections, 1);
-        self.sender.note("source-connected", format!("Source {peer} connected."));
-        *lock(&self.back) = stream.try_clone().ok();
-        let replaced = Arc::new(AtomicBool::new(false));
-        let followed = Followed {
+        stream.set_read_timeout(Some(SOCKET_TIMEOUT))?;
+        stream.set_write_timeout(Some(SOCKET_TIMEOUT))?;
+        let rows = self.sender.counters.rows.load(Ordering::Relaxed);
+        add(&self.sender.counters.connections, 1);
+        self.sender.push_event("source-connected", format!("Source {peer} connected."));
+        *lock(&self.ack_channel) = stream.try_clone().ok();
+        let is_replaced = Arc::new(AtomicBool::new(false));
+        let source = SourceStream {
             stream,
-            connections: others.clone(),
-            replaced: replaced.clone(),
-            stopped: self.sender.stopped(),
-            heard: Instant::now(),
+            connections: connections.clone(),
+            is_replaced: is_replaced.clone(),
+            stop: self.sender.stop_flag(),
+            last_arrival: Instant::now(),
         };
-        let end = self.stream(Box::new(followed), &format!("tcp {peer}"));
-        *lock(&self.back) = None;
-        let (kind, words) = if replaced.load(Ordering::Relaxed) {
-            ("source-replaced", "is silent; the next connection replaces it")
+        let result = self.read_stream(Box::new(source), &format!("tcp {peer}"));
+        *lock(&self.ack_channel) = None;
+        let (kind, reason) = if is_replaced.load(Ordering::Relaxed) {
+            ("source-replaced", "is silent and is replaced by the next connection")
         } else {
-            ("source-gone", "has gone; waiting for the next")
+            ("source-gone", "disconnected; the monitor waits for the next connection")
         };
-        self.note_end(peer, end, kind, words, rows);
+        self.report_end(peer, result, kind, reason, rows);
         Ok(())
     }
 
-    /// Reports the end of a source that began after `rows` rows: `kind` and `words`, or its error.
-    fn note_end(&mut self, peer: SocketAddr, end: Result<()>, kind: &'static str, words: &str, rows: u64) {
+    /// Reports the end of a source that started after `rows` rows: its error, or else `kind` and `reason`.
+    fn report_end(&mut self, peer: SocketAddr, result: Result<()>, kind: &'static str, reason: &str, rows: u64) {
         if self.sender.is_stopped() {
-            // The monitor has ended the connection.
+            // The monitor has ended, not the source.
             return;
         }
-        let has_rows = self.sender.counts.rows.load(Ordering::Relaxed) > rows;
-        let (kind, sentence) = match end {
-            Ok(()) => (kind, format!("Source {peer} {words}.")),
-            Err(error) if has_rows => ("source-failed", format!("Source {peer} ended: {error:#}.")),
-            Err(error) => ("source-refused", format!("Source {peer} is refused: {error:#}.")),
+        let has_rows = self.sender.counters.rows.load(Ordering::Relaxed) > rows;
+        let (kind, sentence) = match result {
+            Ok(()) => (kind, format!("Source {peer} {reason}.")),
+            Err(error) if has_rows => ("source-failed", format!("Source {peer} failed: {error:#}.")),
+            Err(error) => ("source-refused", format!("Source {peer} was refused: {error:#}.")),
         };
-        self.sender.note(kind, sentence);
+        self.sender.push_event(kind, sentence);
     }
 
-    /// Follows the senders of text one after the other. Errors of one sender do not end the monitor.
-    fn lines(&mut self, socket: UdpSocket) -> Result<()> {
-        let datagrams = Datagrams::new(socket, self.beginning(), self.sender.notes());
+    /// Reads the senders of CSV lines one after the other. An error of one sender does not end the monitor.
+    fn read_datagram_lines(&mut self, socket: UdpSocket) -> Result<()> {
+        let datagrams = Datagrams::new(socket, self.preamble(), self.sender.event_sender());
         let datagrams = Arc::new(Mutex::new(datagrams));
         while !self.sender.is_stopped() {
-            let next = lock(&datagrams).poll().context("datagrams cannot be read further")?;
+            let next = lock(&datagrams).poll().context("datagrams cannot be read")?;
             let Some(peer) = next else { continue };
-            lock(&datagrams).follow();
-            let rows = self.sender.counts.rows.load(Ordering::Relaxed);
-            count(&self.sender.counts.connections, 1);
-            self.sender.note("source-connected", format!("Source {peer} sends."));
-            let lines = Lines { datagrams: datagrams.clone(), stopped: self.sender.stopped() };
-            let end = self.stream(Box::new(lines), &format!("udp {peer}"));
-            lock(&datagrams).leave();
-            self.note_end(peer, end, "source-replaced", "restarted, or another source replaced it", rows);
+            lock(&datagrams).start_next();
+            let rows = self.sender.counters.rows.load(Ordering::Relaxed);
+            add(&self.sender.counters.connections, 1);
+            self.sender.push_event("source-connected", format!("Source {peer} started to send."));
+            let stream = DatagramStream { datagrams: datagrams.clone(), stop: self.sender.stop_flag() };
+            let result = self.read_stream(Box::new(stream), &format!("udp {peer}"));
+            lock(&datagrams).end_current();
+            self.report_end(peer, result, "source-replaced", "restarted, or another source replaced it", rows);
         }
         Ok(())
     }
 
-    fn datagrams(&mut self, socket: UdpSocket) -> Result<()> {
-        socket.set_read_timeout(Some(PATIENCE))?;
-        // A smaller buffer than requested is acceptable.
-        let _ = SockRef::from(&socket).set_recv_buffer_size(MOST_WAITING);
+    fn read_datagrams(&mut self, socket: UdpSocket) -> Result<()> {
+        socket.set_read_timeout(Some(SOCKET_TIMEOUT))?;
+        // The system may grant a smaller buffer.
+        let _ = SockRef::from(&socket).set_recv_buffer_size(RECEIVE_BUFFER_SIZE);
         if self.encoding == Encoding::Csv {
-            return self.lines(socket);
+            return self.read_datagram_lines(socket);
         }
-        let rate = self.rate_of_frames()?;
+        let rate = self.frame_rate()?;
         self.establish_rate(rate, "frames")?;
         let size = self.layout.size();
-        let mut datagram = vec![0; LARGEST];
+        let mut datagram = vec![0; MAX_DATAGRAM_LENGTH];
         while !self.sender.is_stopped() {
             match socket.recv(&mut datagram) {
-                Ok(length) if length == 0 || length % size != 0 => count(&self.sender.counts.malformed, 1),
+                Ok(length) if length == 0 || length % size != 0 => add(&self.sender.counters.malformed, 1),
                 Ok(length) => {
                     for frame in datagram.get(..length).unwrap_or_default().chunks_exact(size) {
-                        self.frame(frame, true);
+                        self.process_frame(frame, true);
                     }
                 }
                 Err(error) if is_wait(&error) => {}
-                Err(error) => return Err(error).context("datagrams cannot be read further"),
+                Err(error) => return Err(error).context("datagrams cannot be read"),
             }
         }
         Ok(())
     }
 }
 
-/// The read is to be repeated.
+/// Returns `true` for an error after which the read is to be repeated.
 pub(super) fn is_wait(error: &std::io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }
 
-/// The connection, also where a thread broke while it had it: there is nothing in it that could be half done.
+/// Locks a mutex, also after a panic of a thread that held it: the data of the monitor's mutexes stay consistent.
 pub fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

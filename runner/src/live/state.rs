@@ -1,9 +1,9 @@
-//! State of a monitor that a restart needs: one small file, replaced as a whole.
+//! State of a monitor for a restart: one small file, replaced as a whole.
 //!
-//! The indicators and the limits have positions of their own in the stream of samples. A restart reads again from the
-//! earlier of the two; each of them ignores samples before its own position, so that nothing is written twice.
+//! The indicators and the limits have separate positions in the stream of samples. A restart reads from the earlier position;
+//! indicators and limits each ignore samples before their own position, so that nothing is written twice.
 
-use super::lock::FolderLock;
+use super::folder_lock::FolderLock;
 use super::source::Resume;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::output;
@@ -11,50 +11,51 @@ use ballrace_twin::replay::limits::LimitState;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Form of the file.
-const FORM: u32 = 2;
-/// Earlier form, without limits and events.
-const FORM_WITHOUT_LIMITS: u32 = 1;
+/// Version of the file format.
+const FORMAT_VERSION: u32 = 2;
+/// Version without limits and events.
+const VERSION_WITHOUT_LIMITS: u32 = 1;
 
 /// State of a monitor.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct State {
-    /// Form of this file.
-    pub form: u32,
-    /// The scene that is monitored.
+    /// Version of the file format.
+    #[serde(rename = "form")]
+    pub format_version: u32,
+    /// Name of the monitored scene.
     pub scene: String,
-    /// Identifies this state in the indicator journal.
+    /// Identifier of this state in the indicator journal.
     pub id: String,
-    /// The first sample that a restart reads.
+    /// First sample that a restart reads.
     pub resume: Resume,
-    /// The first sample after the seconds whose indicators are on disk.
+    /// First sample after the seconds whose indicators are on disk.
     pub seconds_index: u64,
-    /// End of those seconds in the recording's time, s.
+    /// End of these seconds in the time of the recording, s.
     pub time_s: f64,
-    /// The limits; absent where the scene has none.
+    /// State of the limits; `None` for a scene without limits.
     pub limits: Option<LimitState>,
-    /// Lines that were appended to the event log after this state was written, or are still to be appended.
+    /// Lines that may be missing in the event log: they are appended after this state was written.
     pub events: Vec<String>,
-    /// Times the monitor was started.
+    /// Number of starts of the monitor.
     pub starts: u64,
 }
 
 impl State {
-    /// The first and the last of the positions at which indicators and limits go on.
+    /// Returns the earliest and the latest position of indicators and limits.
     fn positions(&self) -> [u64; 2] {
         let limits = self.limits.as_ref().and_then(LimitState::positions).unwrap_or([self.seconds_index; 2]);
         [self.seconds_index.min(limits[0]), self.seconds_index.max(limits[1])]
     }
 
-    /// The first sample that is not yet processed by both indicators and limits.
+    /// Returns the first sample that indicators and limits have not both processed.
     #[must_use]
     pub fn first_unprocessed(&self) -> u64 {
         self.positions()[0]
     }
 
-    /// The sample at which a source goes on. A source that `can_repeat` samples repeats those that only one of indicators
-    /// and limits has processed. The samples of any other source are new and have later numbers.
+    /// Returns the sample at which a source continues. A source that `can_repeat` samples continues at the earliest position
+    /// of indicators and limits. Samples of any other source are new and are numbered from the latest position.
     #[must_use]
     pub fn resume(&self, can_repeat: bool) -> Resume {
         let [_, last] = self.positions();
@@ -62,57 +63,59 @@ impl State {
     }
 }
 
-/// The state in its folder, which belongs to this process.
+/// State file in a folder that is locked by this process.
 pub struct StateFile {
     path: PathBuf,
-    /// As it is on disk after [`StateFile::save`].
+    /// Content of the file after the next [`StateFile::save`].
     pub state: State,
     _lock: FolderLock,
 }
 
 impl StateFile {
-    /// Locks a folder and reads its state. Writes nothing but the lock: a start that fails changes no state.
+    /// Locks a folder and reads its state. Only the lock file is written, so that a failed start does not change the state.
     ///
     /// # Errors
-    /// A folder that cannot be written or that another monitor owns, a state of another scene or form.
+    /// Returns an error if the folder cannot be written, is locked by another monitor, or has a state of another scene or
+    /// format.
     pub fn open(folder: &Path, scene: &str) -> Result<Self> {
         let lock = FolderLock::acquire(folder, "state.lock")?;
         let path = folder.join("state.json");
         let mut state = match std::fs::read_to_string(&path) {
             Ok(text) => serde_json::from_str::<State>(&text)
-                .with_context(|| format!("{}: found no state of a monitor, allowed: another folder", path.display()))?,
+                .with_context(|| format!("{}: not the state of a monitor, expected another folder", path.display()))?,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                State { form: FORM, scene: scene.to_owned(), id: new_id(), ..State::default() }
+                State { format_version: FORMAT_VERSION, scene: scene.to_owned(), id: new_id(), ..State::default() }
             }
             Err(error) => return Err(error).with_context(|| path.display().to_string()),
         };
-        if state.form == FORM_WITHOUT_LIMITS {
-            state = State { form: FORM, id: new_id(), seconds_index: state.resume.index, ..state };
+        if state.format_version == VERSION_WITHOUT_LIMITS {
+            state = State { format_version: FORMAT_VERSION, id: new_id(), seconds_index: state.resume.index, ..state };
         }
-        if state.form != FORM || state.scene != scene {
+        if state.format_version != FORMAT_VERSION || state.scene != scene {
             bail!(crate::error::UsageError(format!(
-                "{}: found the state of scene {:?} (form {}), allowed: that of {scene:?} (form {FORM}), or another folder",
+                "{}: state of another scene or format: scene {:?}, format {}, expected scene {scene:?}, format \
+                 {FORMAT_VERSION}, or another folder",
                 path.display(),
                 state.scene,
-                state.form
+                state.format_version
             )));
         }
         Ok(Self { path, state, _lock: lock })
     }
 
-    /// Counts a start and writes the state for the first time.
+    /// Increments the number of starts and writes the state.
     ///
     /// # Errors
-    /// A full disk.
+    /// Returns an error if the file cannot be written.
     pub fn begin(&mut self) -> Result<()> {
         self.state.starts += 1;
         self.save()
     }
 
-    /// Writes the state; durable when this returns.
+    /// Writes the state; it is on disk when this returns.
     ///
     /// # Errors
-    /// A full disk.
+    /// Returns an error if the file cannot be written.
     pub fn save(&self) -> Result<()> {
         let text = serde_json::to_string_pretty(&self.state)?;
         output::replace(&self.path, text.as_bytes())
@@ -132,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goes_on_where_it_was_and_refuses_another_scene() {
+    fn a_restart_continues_and_rejects_another_scene() {
         let folder = tempfile::tempdir().unwrap();
         let open = |scene| StateFile::open(folder.path(), scene);
         let mut file = open("rig").unwrap();
@@ -140,16 +143,16 @@ mod tests {
         file.begin().unwrap();
         assert!(open("rig").is_err_and(|e| e.to_string().contains("in use by process")));
         drop(file);
-        let again = open("rig").unwrap();
-        assert_eq!((again.state.resume.index, again.state.starts), (12_345, 1));
-        drop(again);
+        let reopened = open("rig").unwrap();
+        assert_eq!((reopened.state.resume.index, reopened.state.starts), (12_345, 1));
+        drop(reopened);
         assert!(open("other").is_err());
         std::fs::write(folder.path().join("state.json"), "{\"form\":2,").unwrap();
         assert!(open("rig").is_err());
     }
 
     #[test]
-    fn a_start_that_fails_changes_nothing() {
+    fn a_failed_start_does_not_change_the_state() {
         let folder = tempfile::tempdir().unwrap();
         drop(StateFile::open(folder.path(), "rig").unwrap());
         assert!(!folder.path().join("state.json").exists());
@@ -165,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn positions_decide_where_a_source_goes_on() {
+    fn a_source_continues_at_the_earliest_or_latest_position() {
         let limits = Some(LimitState { readings_index: Some(900), ..LimitState::default() });
         let resume = Resume { index: 800, sequence: None };
         let state = State { seconds_index: 800, limits, resume, ..State::default() };

@@ -1,4 +1,4 @@
-//! Data of the live view.
+//! Data of the live display.
 
 use super::out::EventRecord;
 use ballrace_twin::replay::Snapshot;
@@ -7,29 +7,29 @@ use ballrace_twin::replay::second::Second;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
-/// Seconds of the trends.
-pub const TREND: usize = 600;
-/// Events that are kept for display.
-const EVENTS: usize = 100;
+/// Length of the trends, s.
+pub const TREND_SECONDS: usize = 600;
+/// Maximum number of displayed events.
+const MAX_EVENTS: usize = 100;
 
-/// The state of things, renewed a few times a second.
+/// Data of the live display, updated several times per second.
 #[derive(Debug, Clone, Default)]
 pub struct View {
-    /// In one word or two: waiting, starting, running, silent, over.
+    /// State of the monitor: waiting, starting, running, silent or ended.
     pub state: &'static str,
-    /// Orbits, last samples, loads.
-    pub glance: Snapshot,
-    /// The last ten minutes.
+    /// Latest samples, loads and findings.
+    pub snapshot: Snapshot,
+    /// Indicators of the last ten minutes, one entry per second.
     pub seconds: VecDeque<Second>,
-    /// The last events, oldest first.
+    /// Latest events, oldest first.
     pub events: VecDeque<EventRecord>,
-    /// How much later than due the program woke.
+    /// Delay of the wake-ups.
     pub lateness: Quantiles,
-    /// All work of a block.
+    /// Processing time of a block.
     pub compute: Quantiles,
-    /// Blocks not done in time.
+    /// Missed deadlines.
     pub misses: u64,
-    /// Percentage of one processor that is idle, where the system reports it.
+    /// Idle time of one processor, percent; `None` if the system does not report it.
     pub idle_percent: Option<f64>,
     /// Counts of samples received and lost.
     pub source: SourceFigures,
@@ -46,27 +46,27 @@ pub struct Conclusion {
     pub findings: Vec<Finding>,
 }
 
-/// Between the loop and the screen.
-pub type Shared = Arc<Mutex<View>>;
+/// View shared by the monitor loop and the display.
+pub type SharedView = Arc<Mutex<View>>;
 
 impl View {
-    /// Adds a second, in place of the one of the same time where there is one.
+    /// Adds the indicators of a second; replaces an entry of the same time.
     pub fn add_second(&mut self, second: &Second) {
-        if let Some(same) = self.seconds.iter_mut().rev().find(|other| other.time_s == second.time_s) {
-            same.clone_from(second);
+        if let Some(entry) = self.seconds.iter_mut().rev().find(|other| other.time_s == second.time_s) {
+            entry.clone_from(second);
             return;
         }
-        if self.seconds.len() == TREND {
+        if self.seconds.len() == TREND_SECONDS {
             self.seconds.pop_front();
         }
         self.seconds.push_back(second.clone());
     }
 
-    /// An event more.
-    pub fn add_event(&mut self, told: &EventRecord) {
-        if self.events.len() == EVENTS {
+    /// Adds an event.
+    pub fn add_event(&mut self, event: &EventRecord) {
+        if self.events.len() == MAX_EVENTS {
             self.events.pop_front();
         }
-        self.events.push_back(told.clone());
+        self.events.push_back(event.clone());
     }
 }

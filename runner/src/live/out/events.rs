@@ -1,6 +1,6 @@
-//! Events as JSON lines.
+//! Event log in JSON lines.
 
-use super::super::feed::Note;
+use super::super::feed::EventMessage;
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::outcome::Event;
@@ -11,37 +11,37 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Record of an event.
+/// Event with its times, as in the log.
 #[derive(Debug, Clone, Serialize)]
 pub struct EventRecord {
-    /// On the clock, RFC 3339 in UTC.
+    /// Time of day, RFC 3339 in UTC.
     pub at: String,
-    /// In the recording's time.
+    /// Time of the recording, s.
     pub time_s: f64,
-    /// `limit-crossed`, `limit-ended`, or what happened to the source.
+    /// Identifier for programs, such as `limit-crossed`.
     pub kind: &'static str,
-    /// For people.
+    /// Description for users.
     pub sentence: String,
-    /// The limit that was crossed.
+    /// Details of an exceeded limit.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub limit: Option<Event>,
 }
 
 impl EventRecord {
-    /// Event of a limit.
+    /// Creates the record of an exceeded limit.
     #[must_use]
     pub fn limit(mut event: Event) -> Self {
         let kind = if event.end_s.is_some() { "limit-ended" } else { "limit-crossed" };
         let time_s = event.end_s.unwrap_or(event.start_s);
-        // A line has each key once.
+        // The flattened event must not repeat the key `sentence`.
         let sentence = std::mem::take(&mut event.sentence);
         Self { at: now(), time_s, kind, sentence, limit: Some(event) }
     }
 
-    /// Event of a source.
+    /// Creates the record of an event of the source, an output or the monitor.
     #[must_use]
-    pub fn note(note: Note, time_s: f64) -> Self {
-        Self { at: now(), time_s, kind: note.kind, sentence: note.sentence, limit: None }
+    pub fn new(message: EventMessage, time_s: f64) -> Self {
+        Self { at: now(), time_s, kind: message.kind, sentence: message.sentence, limit: None }
     }
 }
 
@@ -49,42 +49,42 @@ fn now() -> String {
     humantime::format_rfc3339_millis(SystemTime::now()).to_string()
 }
 
-/// Most lines that wait for a log that cannot be written.
-const MOST_WAITING: usize = 10_000;
+/// Maximum number of pending lines while the log cannot be written.
+const MAX_PENDING: usize = 10_000;
 
-/// A file to which events are appended.
+/// File to which events are appended.
 ///
-/// A line waits until it is on disk. A line of a limit is appended only after [`EventLog::release`]: the monitor first
-/// writes it into its state, so that a restart can find out whether it was appended.
+/// A line is pending until it is on disk. A line of a limit is appended only after [`EventLog::release`]: the monitor first
+/// writes it to its state, so that a restart can check whether it was appended.
 pub struct EventLog {
     file: File,
     path: PathBuf,
-    waiting: VecDeque<Line>,
-    /// Bytes of the first waiting line that are in the file already.
+    pending: VecDeque<Line>,
+    /// Bytes of the pending lines that are already in the file.
     appended: usize,
-    /// Lines given up because too many waited.
+    /// Lines dropped because too many were pending.
     lost: u64,
 }
 
 struct Line {
     text: String,
-    /// May be appended.
+    /// The line may be appended.
     is_released: bool,
-    /// Has to be in the monitor's state before it is appended.
-    needs_state: bool,
+    /// The line has to be written to the monitor's state before it is appended.
+    requires_state: bool,
 }
 
 impl EventLog {
-    /// Opens or creates a log and locks it. The last line is removed where it is the unfinished line of a run that was
-    /// killed. Those of the lines `unconfirmed` that the log does not have are appended later.
+    /// Opens or creates a log and locks it. An incomplete last line of a killed run is removed. The `unconfirmed` lines that
+    /// are missing in the log become pending.
     ///
     /// # Errors
-    /// A file that cannot be read or written, that holds something else, or to which another monitor appends.
+    /// Returns an error if the file cannot be read or written, is not an event log, or is locked by another monitor.
     pub fn open(path: &Path, unconfirmed: &[String]) -> Result<Self> {
         let name = || format!("{}: this log cannot be written", path.display());
         let mut missing: Vec<&String> = unconfirmed.iter().collect();
         if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
-            // A pipe or a device keeps nothing that could be compared.
+            // The content of a pipe or a device cannot be read for comparison.
             let file = OpenOptions::new().append(true).open(path).with_context(name)?;
             return Ok(Self::new(file, path, &missing));
         }
@@ -93,20 +93,20 @@ impl EventLog {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 bail!(
-                    "{}: this log is in use by another process, allowed: one running monitor for a log",
+                    "{}: this log is in use by another process, expected a log without a running monitor",
                     path.display()
                 )
             }
             Err(TryLockError::Error(error)) => return Err(error).with_context(name),
         }
         let mut reader = BufReader::new(&mut file);
-        let begins_as_log = {
-            let begin = reader.fill_buf().with_context(name)?;
-            let begin = begin.get(..BEGIN.len()).unwrap_or(begin);
-            BEGIN.starts_with(begin)
+        let is_log = {
+            let content = reader.fill_buf().with_context(name)?;
+            let start = content.get(..LINE_START.len()).unwrap_or(content);
+            LINE_START.starts_with(start)
         };
-        if !begins_as_log {
-            bail!(UsageError(format!("{}: found no events, allowed: a log of events, or a new file", path.display())));
+        if !is_log {
+            bail!(UsageError(format!("{}: not an event log, expected an event log or a new file", path.display())));
         }
         let (mut line, mut length) = (Vec::new(), 0);
         while reader.read_until(b'\n', &mut line).with_context(name)? > 0 && line.ends_with(b"\n") {
@@ -125,54 +125,54 @@ impl EventLog {
     }
 
     fn new(file: File, path: &Path, missing: &[&String]) -> Self {
-        let line = |text: &&String| Line { text: (*text).clone(), is_released: true, needs_state: true };
-        let waiting = missing.iter().map(line).collect();
-        Self { file, path: path.to_owned(), waiting, appended: 0, lost: 0 }
+        let line = |text: &&String| Line { text: (*text).clone(), is_released: true, requires_state: true };
+        let pending = missing.iter().map(line).collect();
+        Self { file, path: path.to_owned(), pending, appended: 0, lost: 0 }
     }
 
-    /// Takes in an event, to be appended by [`EventLog::append`].
+    /// Adds an event to the pending lines.
     ///
     /// # Errors
-    /// None in practice.
-    pub fn add(&mut self, told: &EventRecord) -> Result<()> {
-        if self.waiting.len() >= MOST_WAITING {
+    /// Returns an error if the event cannot be serialised.
+    pub fn add(&mut self, event: &EventRecord) -> Result<()> {
+        if self.pending.len() >= MAX_PENDING {
             self.lost += 1;
             return Ok(());
         }
-        let needs_state = told.limit.is_some();
-        let text = serde_json::to_string(told)? + "\n";
-        self.waiting.push_back(Line { text, is_released: !needs_state, needs_state });
+        let requires_state = event.limit.is_some();
+        let text = serde_json::to_string(event)? + "\n";
+        self.pending.push_back(Line { text, is_released: !requires_state, requires_state });
         Ok(())
     }
 
-    /// Lines of limits that are not known to be on disk, for the monitor's state.
+    /// Returns the pending lines of limits, for the monitor's state.
     #[must_use]
     pub fn unconfirmed(&self) -> Vec<String> {
-        self.waiting.iter().filter(|line| line.needs_state).map(|line| line.text.clone()).collect()
+        self.pending.iter().filter(|line| line.requires_state).map(|line| line.text.clone()).collect()
     }
 
-    /// Allows every waiting line to be appended.
+    /// Allows all pending lines to be appended.
     pub fn release(&mut self) {
-        self.waiting.iter_mut().for_each(|line| line.is_released = true);
+        self.pending.iter_mut().for_each(|line| line.is_released = true);
     }
 
-    /// Events that were given up, and those that still wait.
+    /// Returns the number of dropped lines and the number of pending lines.
     #[must_use]
-    pub fn lost_and_waiting(&self) -> [u64; 2] {
-        [self.lost, self.waiting.len() as u64]
+    pub fn lost_and_pending(&self) -> [u64; 2] {
+        [self.lost, self.pending.len() as u64]
     }
 
-    /// Appends the released lines; they are on disk when this returns. A line that a full disk cuts short is continued by
-    /// the next call.
+    /// Appends the released lines; they are on disk when this returns. After an error, the next call continues an incomplete
+    /// line.
     ///
     /// # Errors
-    /// A full disk, a reader of a pipe that has gone.
+    /// Returns an error if the log cannot be written.
     pub fn append(&mut self) -> Result<()> {
-        let released = self.waiting.iter().take_while(|line| line.is_released).count();
+        let released = self.pending.iter().take_while(|line| line.is_released).count();
         if released == 0 {
             return Ok(());
         }
-        let bytes: String = self.waiting.iter().take(released).map(|line| line.text.as_str()).collect();
+        let bytes: String = self.pending.iter().take(released).map(|line| line.text.as_str()).collect();
         let name = || format!("{}: this log cannot be written", self.path.display());
         while let Some(rest) = bytes.as_bytes().get(self.appended..).filter(|rest| !rest.is_empty()) {
             match self.file.write(rest) {
@@ -185,23 +185,23 @@ impl EventLog {
         if self.file.metadata().is_ok_and(|m| m.is_file()) {
             self.file.sync_data().with_context(name)?;
         }
-        self.waiting.drain(..released);
+        self.pending.drain(..released);
         self.appended = 0;
         Ok(())
     }
 }
 
-/// Every line of a log begins so.
-const BEGIN: &[u8] = b"{\"at\":";
+/// Start of every line of a log.
+const LINE_START: &[u8] = b"{\"at\":";
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
 
-    fn told(time_s: f64) -> EventRecord {
-        let note = Note { kind: "source-silent", sentence: String::new() };
-        EventRecord::note(note, time_s)
+    fn event(time_s: f64) -> EventRecord {
+        let message = EventMessage { kind: "source-silent", sentence: String::new() };
+        EventRecord::new(message, time_s)
     }
 
     fn crossing(start_s: f64) -> EventRecord {
@@ -219,8 +219,8 @@ mod tests {
         })
     }
 
-    fn add(log: &mut EventLog, told: &EventRecord) {
-        log.add(told).unwrap();
+    fn add(log: &mut EventLog, event: &EventRecord) {
+        log.add(event).unwrap();
         log.release();
         log.append().unwrap();
     }
@@ -233,23 +233,23 @@ mod tests {
     }
 
     #[test]
-    fn a_log_only_grows() {
+    fn lines_are_only_appended() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.jsonl");
         let mut log = EventLog::open(&path, &[]).unwrap();
         for time in [1.0, 2.0, 3.0] {
-            add(&mut log, &told(time));
+            add(&mut log, &event(time));
         }
         assert!(EventLog::open(&path, &[]).is_err_and(|e| e.to_string().contains("in use by another process")));
         drop(log);
-        // Killed in the middle of a line.
+        // The process was killed while it wrote a line.
         OpenOptions::new().append(true).open(&path).unwrap().write_all(b"{\"at\":\"20").unwrap();
-        add(&mut EventLog::open(&path, &[]).unwrap(), &told(4.0));
+        add(&mut EventLog::open(&path, &[]).unwrap(), &event(4.0));
         assert_eq!(times(&path), [1.0, 2.0, 3.0, 4.0]);
-        // Killed before the end of a line only.
+        // Only the line break is missing.
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, text.trim_end()).unwrap();
-        add(&mut EventLog::open(&path, &[]).unwrap(), &told(2.5));
+        add(&mut EventLog::open(&path, &[]).unwrap(), &event(2.5));
         assert_eq!(times(&path), [1.0, 2.0, 3.0, 4.0, 2.5]);
     }
 
@@ -268,7 +268,7 @@ mod tests {
             log.append().unwrap();
             assert_eq!(times(&path), [1.0]);
         }
-        // Cut short in the middle of its line.
+        // The line is incomplete.
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, &text[..text.len() / 2]).unwrap();
         let mut log = EventLog::open(&path, &unconfirmed).unwrap();
@@ -278,27 +278,27 @@ mod tests {
     }
 
     #[test]
-    fn a_line_has_no_key_twice() {
+    fn a_line_has_each_key_once() {
         let line = serde_json::to_string(&crossing(1.0)).unwrap();
         assert_eq!(line.matches("\"sentence\"").count(), 1, "{line}");
         assert!(line.contains("Limit crossed."), "{line}");
     }
 
     #[test]
-    fn events_beyond_the_bound_are_counted() {
+    fn events_beyond_the_limit_are_counted() {
         let folder = tempfile::tempdir().unwrap();
         let mut log = EventLog::open(&folder.path().join("log.jsonl"), &[]).unwrap();
-        (0..MOST_WAITING + 3).for_each(|_| log.add(&told(1.0)).unwrap());
-        assert_eq!(log.lost_and_waiting(), [3, MOST_WAITING as u64]);
+        (0..MAX_PENDING + 3).for_each(|_| log.add(&event(1.0)).unwrap());
+        assert_eq!(log.lost_and_pending(), [3, MAX_PENDING as u64]);
     }
 
     #[test]
-    fn another_file_is_refused_as_it_is() {
+    fn a_file_without_events_is_rejected_and_not_changed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("notes.txt");
         for text in ["bearing changed in May", "a\nb\n", "{\"limit\": 3}\n"] {
             std::fs::write(&path, text).unwrap();
-            assert!(EventLog::open(&path, &[]).is_err_and(|e| e.to_string().contains("no events")), "{text}");
+            assert!(EventLog::open(&path, &[]).is_err_and(|e| e.to_string().contains("not an event log")), "{text}");
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
         }
     }

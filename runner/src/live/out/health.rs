@@ -1,45 +1,45 @@
-//! Outputs that fail for a while, such as on a full disk: attempts, and events at each change.
+//! Retries of an output that fails temporarily, for example on a full disk, with an event at each change.
 
-use super::super::feed::Note;
+use super::super::feed::EventMessage;
 use anyhow::Result;
 use std::time::{Duration, Instant};
 
-/// Time between two attempts to write an output that fails.
-const RETRY: Duration = Duration::from_secs(1);
+/// Interval between two attempts to write a failing output.
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Whether an output can be written.
-pub struct Health {
+/// State of an output: working or failing.
+pub struct OutputHealth {
     failing_since: Option<Instant>,
     next_attempt: Instant,
 }
 
-impl Default for Health {
+impl Default for OutputHealth {
     fn default() -> Self {
         Self { failing_since: None, next_attempt: Instant::now() }
     }
 }
 
-impl Health {
-    /// True where the last attempt failed.
+impl OutputHealth {
+    /// Returns `true` if the last attempt failed.
     #[must_use]
     pub const fn is_failing(&self) -> bool {
         self.failing_since.is_some()
     }
 
-    /// True where the last attempt failed and the next one is due.
+    /// Returns `true` if the last attempt failed and the next attempt is due.
     #[must_use]
     pub fn is_retry_due(&self) -> bool {
         self.is_failing() && Instant::now() >= self.next_attempt
     }
 
-    /// Makes the next attempt due now.
+    /// Makes the next attempt due immediately.
     pub fn retry_now(&mut self) {
         self.next_attempt = Instant::now();
     }
 
-    /// Calls `write` unless an output that fails has its next attempt later; true where it succeeded. Adds an event to
-    /// `notes` where the output begins to fail, and where it works again.
-    pub fn attempt(&mut self, notes: &mut Vec<Note>, write: impl FnOnce() -> Result<()>) -> bool {
+    /// Calls `write` unless the output is failing and its next attempt is not due; returns `true` on success. Adds an event
+    /// when the output starts to fail and when it works again.
+    pub fn attempt(&mut self, events: &mut Vec<EventMessage>, write: impl FnOnce() -> Result<()>) -> bool {
         if self.is_failing() && !self.is_retry_due() {
             return false;
         }
@@ -48,16 +48,16 @@ impl Health {
             (Ok(()), Some(since)) => {
                 self.failing_since = None;
                 let seconds = since.elapsed().as_secs_f64();
-                let sentence = format!("The output is written again, after {seconds:.0} s.");
-                notes.push(Note { kind: "output-recovered", sentence });
+                let sentence = format!("The output works again, after {seconds:.0} s.");
+                events.push(EventMessage { kind: "output-recovered", sentence });
                 true
             }
             (Err(error), since) => {
-                self.next_attempt = Instant::now() + RETRY;
+                self.next_attempt = Instant::now() + RETRY_INTERVAL;
                 if since.is_none() {
                     self.failing_since = Some(Instant::now());
-                    let sentence = format!("{error:#}; the monitor continues and tries again every second.");
-                    notes.push(Note { kind: "output-failing", sentence });
+                    let sentence = format!("{error:#}; the monitor continues and retries every second.");
+                    events.push(EventMessage { kind: "output-failing", sentence });
                 }
                 false
             }
@@ -70,17 +70,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_change_gives_one_event() {
-        let (mut health, mut notes) = (Health::default(), vec![]);
-        assert!(health.attempt(&mut notes, || Ok(())) && notes.is_empty());
+    fn each_change_raises_one_event() {
+        let (mut health, mut events) = (OutputHealth::default(), vec![]);
+        assert!(health.attempt(&mut events, || Ok(())) && events.is_empty());
         for _ in 0..3 {
-            assert!(!health.attempt(&mut notes, || anyhow::bail!("a.jsonl: no space")));
+            assert!(!health.attempt(&mut events, || anyhow::bail!("a.jsonl: no space")));
         }
         assert!(health.is_failing() && !health.is_retry_due());
         health.retry_now();
-        assert!(health.attempt(&mut notes, || Ok(())) && !health.is_failing());
-        let kinds: Vec<&str> = notes.iter().map(|note| note.kind).collect();
+        assert!(health.attempt(&mut events, || Ok(())) && !health.is_failing());
+        let kinds: Vec<&str> = events.iter().map(|event| event.kind).collect();
         assert_eq!(kinds, ["output-failing", "output-recovered"]);
-        assert!(notes.iter().any(|note| note.sentence.contains("a.jsonl: no space")));
+        assert!(events.iter().any(|event| event.sentence.contains("a.jsonl: no space")));
     }
 }

@@ -1,9 +1,10 @@
-//! Every second's indicators: Parquet files of a fixed length, and between two of them a journal that survives a kill.
+//! Indicators of every second in Parquet files of a fixed length, with a journal of the seconds since the last file.
 //!
-//! A second is on disk once it is in the journal. A full journal becomes a Parquet file, and only then a new journal takes
-//! its place. A second is identified by the number of the first sample after it; one that is on disk already is ignored.
+//! A second is on disk once it is in the journal. A full journal is first converted to a Parquet file and then replaced by a
+//! new journal, so that a killed process loses nothing. A second is identified by the number of the first sample after it; a
+//! second that is already on disk is ignored.
 
-use super::super::lock::FolderLock;
+use super::super::folder_lock::FolderLock;
 use anyhow::{Context, Result};
 use ballrace_twin::output::{self, AtomicFile};
 use ballrace_twin::parquet_table::{self, Column};
@@ -14,25 +15,27 @@ use std::fs::{File, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Seconds of one file unless the user chooses otherwise.
+/// Default length of a file, s.
 pub const HOUR: usize = 3600;
-/// Most seconds that wait while the disk is full.
-const MOST_WAITING: usize = 2 * HOUR;
-/// Form of the journal.
-const FORM: u32 = 2;
+/// Maximum number of pending seconds, for example while the disk is full.
+const MAX_PENDING: usize = 2 * HOUR;
+/// Version of the journal's format.
+const FORMAT_VERSION: u32 = 2;
+/// Name of the journal.
 const JOURNAL: &str = "indicators.journal";
 
-/// Indicators of a folder, which belongs to this process.
+/// Indicator files in a folder that is locked by this process.
 pub struct Indicators {
     folder: PathBuf,
-    /// The monitor's state that the journal belongs to; empty without a state.
+    /// Identifier of the monitor's state, stored in the journal; empty without a state.
     owner: String,
     seconds_per_file: usize,
-    /// The table of the journal, and those after it.
+    /// Table of the journal, and the tables after it.
     tables: VecDeque<Table>,
     journal: Journal,
-    /// Number of the first sample after the last second that was taken in.
+    /// Number of the first sample after the last added second.
     last_index: u64,
+    /// Seconds dropped because too many were pending.
     lost: u64,
     _lock: FolderLock,
 }
@@ -44,39 +47,41 @@ struct Table {
     rows: Vec<Row>,
 }
 
+/// Indicators of one second.
 struct Row {
     /// Number of the first sample after the second.
     next_index: u64,
     values: Vec<f64>,
 }
 
-/// The journal on disk.
+/// Journal on disk.
 struct Journal {
     file: File,
-    /// Number of the Parquet file that it will become.
+    /// Number of the Parquet file to which it will be converted.
     number: u32,
-    /// Bytes of its complete rows; whatever follows them is unfinished.
+    /// Length of the header and the complete rows, bytes; an incomplete row may follow.
     length: u64,
-    /// Rows of its table that it has.
+    /// Number of complete rows.
     rows: usize,
 }
 
-/// First line of the journal, as JSON; then a row a line: the number of the first sample after the second, and its values.
+/// First line of the journal, in JSON. Each further line has the number of the first sample after a second, and its values.
 #[derive(Serialize, Deserialize)]
 struct Header {
-    form: u32,
+    #[serde(rename = "form")]
+    format_version: u32,
     number: u32,
     owner: String,
-    /// Number of the first sample after the second before this file.
+    /// Number of the first sample after the last second of the previous file.
     after_index: u64,
     columns: Vec<String>,
 }
 
 impl Indicators {
-    /// Opens and locks a folder. The journal of the state `owner` is continued; any other becomes a file of its own.
+    /// Opens and locks a folder. A journal of the state `owner` is continued; any other journal is converted to a file.
     ///
     /// # Errors
-    /// A folder that cannot be read or written, or that another monitor owns.
+    /// Returns an error if the folder cannot be read or written, or is locked by another monitor.
     pub fn open(folder: &Path, owner: &str, seconds_per_file: usize) -> Result<Self> {
         let lock = FolderLock::acquire(folder, "indicators.lock")?;
         let path = folder.join(JOURNAL);
@@ -85,28 +90,28 @@ impl Indicators {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
             text => text.with_context(name)?,
         };
-        let found = parse(&text);
+        let previous = parse_journal(&text);
         let is_own = |header: &Header| !owner.is_empty() && header.owner == owner;
-        let is_finished = |header: &Header| file(folder, header.number).exists();
-        let (table, journal, last_index) = match found {
-            Some((header, table, length)) if is_own(&header) && !is_finished(&header) => {
+        let is_converted = |header: &Header| parquet_path(folder, header.number).exists();
+        let (table, journal, last_index) = match previous {
+            Some((header, table, length)) if is_own(&header) && !is_converted(&header) => {
                 let last_index = table.rows.last().map_or(header.after_index, |row| row.next_index);
                 let file = OpenOptions::new().write(true).open(&path).with_context(name)?;
                 let journal = Journal { file, number: header.number, length: length as u64, rows: table.rows.len() };
                 (table, journal, last_index)
             }
-            found => {
+            previous => {
                 let mut last_index = 0;
-                if let Some((header, table, _)) = found {
+                if let Some((header, table, _)) = previous {
                     if is_own(&header) {
                         last_index = table.rows.last().map_or(header.after_index, |row| row.next_index);
                     }
-                    if !is_finished(&header) && !table.rows.is_empty() {
-                        write_file(folder, header.number, &table)?;
+                    if !is_converted(&header) && !table.rows.is_empty() {
+                        write_parquet(folder, header.number, &table)?;
                     }
                 }
                 let table = Table::default();
-                let journal = begin(folder, next_number(folder)?, owner, last_index, &table)?;
+                let journal = create_journal(folder, next_number(folder)?, owner, last_index, &table)?;
                 (table, journal, last_index)
             }
         };
@@ -122,63 +127,63 @@ impl Indicators {
         })
     }
 
-    /// Takes in a second, to be written by [`Indicators::save`]; `next_index` is the number of the first sample after it.
+    /// Adds a second, which [`Indicators::save`] writes; `next_index` is the number of the first sample after it.
     pub fn add(&mut self, second: &Second, next_index: u64) {
         if next_index <= self.last_index {
             return;
         }
         self.last_index = next_index;
-        if self.waiting() >= MOST_WAITING as u64 {
+        if self.pending() >= MAX_PENDING as u64 {
             self.lost += 1;
             return;
         }
-        let (names, values) = row(second);
+        let (names, values) = columns(second);
         let fits = |table: &&mut Table| {
             table.rows.is_empty() || (table.names == names && table.rows.len() < self.seconds_per_file)
         };
         let row = Row { next_index, values };
         match self.tables.back_mut().filter(fits) {
-            // The journal's header has the names.
+            // The header of the journal already has the column names: other columns require a new table.
             Some(table) if table.names == names => table.rows.push(row),
             _ => self.tables.push_back(Table { names, rows: vec![row] }),
         }
     }
 
-    /// Seconds that are not on disk yet.
+    /// Returns the number of seconds that are not on disk yet.
     #[must_use]
-    pub fn waiting(&self) -> u64 {
+    pub fn pending(&self) -> u64 {
         (self.tables.iter().map(|table| table.rows.len()).sum::<usize>() - self.journal.rows) as u64
     }
 
-    /// Seconds that were given up because too many waited.
+    /// Returns the number of seconds dropped because too many were pending.
     #[must_use]
     pub const fn lost(&self) -> u64 {
         self.lost
     }
 
-    /// Writes what was taken in; it is on disk when this returns.
+    /// Writes the pending seconds; they are on disk when this returns.
     ///
     /// # Errors
-    /// A full disk.
+    /// Returns an error if a file cannot be written.
     pub fn save(&mut self) -> Result<()> {
         loop {
-            self.append()?;
+            self.append_rows()?;
             let is_full = self.tables.front().is_some_and(|table| table.rows.len() >= self.seconds_per_file);
             if !is_full && self.tables.len() == 1 {
                 return Ok(());
             }
-            self.close()?;
+            self.close_journal()?;
         }
     }
 
-    /// Writes the rest as a file too. With a state, an empty journal stays that has the position.
+    /// Writes the pending seconds and converts the journal to a file. With a state, an empty journal with the position remains.
     ///
     /// # Errors
-    /// A full disk.
+    /// Returns an error if a file cannot be written.
     pub fn finish(&mut self) -> Result<()> {
         self.save()?;
         if self.journal.rows > 0 {
-            self.close()?;
+            self.close_journal()?;
         }
         if self.owner.is_empty() {
             let path = self.folder.join(JOURNAL);
@@ -187,14 +192,14 @@ impl Indicators {
         Ok(())
     }
 
-    /// Appends the rows that the journal does not have.
-    fn append(&mut self) -> Result<()> {
+    /// Appends the missing rows to the journal.
+    fn append_rows(&mut self) -> Result<()> {
         let Some(table) = self.tables.front() else { return Ok(()) };
         let journal = &mut self.journal;
         let Some(missing) = table.rows.get(journal.rows..).filter(|rows| !rows.is_empty()) else { return Ok(()) };
         let text: String = missing.iter().map(Row::line).collect();
         let mut write = || {
-            // Removes a row that an earlier attempt, or a run that was killed, left unfinished.
+            // An earlier attempt or a killed run may have left an incomplete row.
             journal.file.set_len(journal.length)?;
             journal.file.seek(SeekFrom::Start(journal.length))?;
             journal.file.write_all(text.as_bytes())?;
@@ -206,18 +211,20 @@ impl Indicators {
         Ok(())
     }
 
-    /// Writes the journal's table as a Parquet file and begins the next journal.
-    fn close(&mut self) -> Result<()> {
+    /// Writes the journal's table to a Parquet file and creates the next journal.
+    fn close_journal(&mut self) -> Result<()> {
         let Some(table) = self.tables.front() else { return Ok(()) };
-        let path = file(&self.folder, self.journal.number);
+        let path = parquet_path(&self.folder, self.journal.number);
         if !table.rows.is_empty() && !path.exists() {
-            write_file(&self.folder, self.journal.number, table)?;
+            write_parquet(&self.folder, self.journal.number, table)?;
         }
         let number = self.journal.number + u32::from(!table.rows.is_empty());
-        let after = table.rows.last().map(|row| row.next_index);
-        let after = after.unwrap_or_else(|| self.tables.get(1).and_then(Table::before).unwrap_or(self.last_index));
+        let after_index = table.rows.last().map(|row| row.next_index);
+        let after_index =
+            after_index.unwrap_or_else(|| self.tables.get(1).and_then(Table::index_before).unwrap_or(self.last_index));
         let empty = Table::default();
-        self.journal = begin(&self.folder, number, &self.owner, after, self.tables.get(1).unwrap_or(&empty))?;
+        self.journal =
+            create_journal(&self.folder, number, &self.owner, after_index, self.tables.get(1).unwrap_or(&empty))?;
         self.tables.pop_front();
         if self.tables.is_empty() {
             self.tables.push_back(Table::default());
@@ -227,24 +234,25 @@ impl Indicators {
 }
 
 impl Table {
-    /// A position before its first second.
-    fn before(&self) -> Option<u64> {
+    /// Returns a sample number below that of the first second.
+    fn index_before(&self) -> Option<u64> {
         self.rows.first().map(|row| row.next_index.saturating_sub(1))
     }
 }
 
 impl Row {
+    /// Returns the row as a line of the journal.
     fn line(&self) -> String {
         let cells: String = self.values.iter().map(|x| format!(",{x:e}")).collect();
         format!("{}{cells}\n", self.next_index)
     }
 }
 
-fn file(folder: &Path, number: u32) -> PathBuf {
+fn parquet_path(folder: &Path, number: u32) -> PathBuf {
     folder.join(format!("indicators-{number:04}.parquet"))
 }
 
-/// The number after the highest one that the folder has.
+/// Returns the number after the highest one of the folder's Parquet files.
 fn next_number(folder: &Path) -> Result<u32> {
     let mut highest = 0;
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -255,9 +263,15 @@ fn next_number(folder: &Path) -> Result<u32> {
     Ok(highest + 1)
 }
 
-/// Puts a journal with the rows of `table` in the place of the present one.
-fn begin(folder: &Path, number: u32, owner: &str, after_index: u64, table: &Table) -> Result<Journal> {
-    let header = Header { form: FORM, number, owner: owner.to_owned(), after_index, columns: table.names.clone() };
+/// Replaces the journal with a new one that has the rows of `table`.
+fn create_journal(folder: &Path, number: u32, owner: &str, after_index: u64, table: &Table) -> Result<Journal> {
+    let header = Header {
+        format_version: FORMAT_VERSION,
+        number,
+        owner: owner.to_owned(),
+        after_index,
+        columns: table.names.clone(),
+    };
     let mut text = serde_json::to_string(&header)? + "\n";
     text.extend(table.rows.iter().map(Row::line));
     let path = folder.join(JOURNAL);
@@ -266,25 +280,25 @@ fn begin(folder: &Path, number: u32, owner: &str, after_index: u64, table: &Tabl
     Ok(Journal { file, number, length: text.len() as u64, rows: table.rows.len() })
 }
 
-fn write_file(folder: &Path, number: u32, table: &Table) -> Result<()> {
+fn write_parquet(folder: &Path, number: u32, table: &Table) -> Result<()> {
     let column = |(i, name): (usize, &String)| {
         let values = table.rows.iter().map(|row| row.values.get(i).copied().filter(|x| x.is_finite()));
         Column::Number(name.clone(), values.collect())
     };
     let columns: Vec<Column> = table.names.iter().enumerate().map(column).collect();
-    let mut out = AtomicFile::create(&file(folder, number))?;
+    let mut out = AtomicFile::create(&parquet_path(folder, number))?;
     parquet_table::write(&mut out, "indicators", &columns)?;
     Ok(out.finish()?)
 }
 
-/// Header, complete rows and their bytes of a journal; none where there is no journal.
-fn parse(bytes: &[u8]) -> Option<(Header, Table, usize)> {
+/// Returns the header of a journal, its complete rows, and the length of both in bytes; `None` without a valid header.
+fn parse_journal(bytes: &[u8]) -> Option<(Header, Table, usize)> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = text.split_inclusive('\n').take_while(|line| line.ends_with('\n'));
     let first = lines.next()?;
     let (header, has_index) = match serde_json::from_str::<Header>(first) {
         Ok(header) => (header, true),
-        Err(_) => (first_form(first)?, false),
+        Err(_) => (parse_header_version_1(first)?, false),
     };
     let mut length = first.len();
     let mut rows = vec![];
@@ -302,16 +316,16 @@ fn parse(bytes: &[u8]) -> Option<(Header, Table, usize)> {
     Some((header, Table { names, rows }, length))
 }
 
-/// The header of the first form: the file's number and the names of the columns, separated by commas.
-fn first_form(line: &str) -> Option<Header> {
+/// Parses a header of version 1: the file's number and the names of the columns, separated by commas.
+fn parse_header_version_1(line: &str) -> Option<Header> {
     let (number, names) = line.trim_end().split_once(',')?;
     let columns = names.split(',').map(str::to_owned).collect();
-    Some(Header { form: 1, number: number.parse().ok()?, owner: String::new(), after_index: 0, columns })
+    Some(Header { format_version: 1, number: number.parse().ok()?, owner: String::new(), after_index: 0, columns })
 }
 
-/// Names and values of the columns.
-fn row(second: &Second) -> (Vec<String>, Vec<f64>) {
-    let mut all: Vec<(String, f64)> = vec![
+/// Returns the names and the values of the columns.
+fn columns(second: &Second) -> (Vec<String>, Vec<f64>) {
+    let mut columns: Vec<(String, f64)> = vec![
         ("time_s".to_owned(), second.time_s),
         ("samples".to_owned(), second.samples as f64),
         ("speed_rpm".to_owned(), second.speed_rpm),
@@ -329,14 +343,14 @@ fn row(second: &Second) -> (Vec<String>, Vec<f64>) {
             ("1x_um", p.one_x_um),
             ("1x_phase_lag_deg", p.one_x_phase_lag_deg),
         ];
-        all.extend(figures.map(|(figure, value)| (format!("{}_{figure}", p.name), value)));
+        columns.extend(figures.map(|(figure, value)| (format!("{}_{figure}", p.name), value)));
     }
     for b in &second.bearings {
         let [x, y, z] = b.force_n;
         let figures = [("fx_n", x), ("fy_n", y), ("fz_n", z), ("largest_radial_n", b.largest_radial_n)];
-        all.extend(figures.map(|(figure, value)| (format!("{}_{figure}", b.name), value)));
+        columns.extend(figures.map(|(figure, value)| (format!("{}_{figure}", b.name), value)));
     }
-    all.into_iter().unzip()
+    columns.into_iter().unzip()
 }
 
 #[cfg(test)]
@@ -355,21 +369,21 @@ mod tests {
         Second { time_s, probes: vec![probe], ..Second::default() }
     }
 
-    fn add(to: &mut Indicators, seconds: impl IntoIterator<Item = u64>) {
+    fn add(indicators: &mut Indicators, seconds: impl IntoIterator<Item = u64>) {
         for i in seconds {
-            to.add(&second(i as f64), 100 * i);
-            to.save().unwrap();
+            indicators.add(&second(i as f64), 100 * i);
+            indicators.save().unwrap();
         }
     }
 
     fn times(folder: &Path, number: u32) -> Vec<f64> {
-        let reader = SerializedFileReader::new(File::open(file(folder, number)).unwrap()).unwrap();
+        let reader = SerializedFileReader::new(File::open(parquet_path(folder, number)).unwrap()).unwrap();
         let rows = reader.get_row_iter(None).unwrap();
         rows.map(|row| parquet::record::RowAccessor::get_double(&row.unwrap(), 0).unwrap()).collect()
     }
 
-    fn all(folder: &Path) -> Vec<f64> {
-        (1..).take_while(|n| file(folder, *n).exists()).flat_map(|n| times(folder, n)).collect()
+    fn all_times(folder: &Path) -> Vec<f64> {
+        (1..).take_while(|n| parquet_path(folder, *n).exists()).flat_map(|n| times(folder, n)).collect()
     }
 
     fn seconds(range: std::ops::RangeInclusive<u32>) -> Vec<f64> {
@@ -377,88 +391,88 @@ mod tests {
     }
 
     #[test]
-    fn hours_become_files() {
+    fn full_journals_are_converted_to_files() {
         let folder = tempfile::tempdir().unwrap();
-        let mut open = Indicators::open(folder.path(), "", 36).unwrap();
-        add(&mut open, 1..=41);
-        open.finish().unwrap();
+        let mut indicators = Indicators::open(folder.path(), "", 36).unwrap();
+        add(&mut indicators, 1..=41);
+        indicators.finish().unwrap();
         assert_eq!((times(folder.path(), 1), times(folder.path(), 2)), (seconds(1..=36), seconds(37..=41)));
         assert!(!folder.path().join(JOURNAL).exists());
     }
 
-    /// Killed after any step of the writing and given every second again, the folder has each second once.
+    /// The monitor is killed after every second and gets all seconds again; the folder contains each second once.
     #[test]
     fn a_second_that_is_on_disk_is_not_written_again() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         for kill in 1..=20 {
-            let mut open = Indicators::open(path, "state", 3).unwrap();
-            add(&mut open, 1..=kill);
-            drop(open);
+            let mut indicators = Indicators::open(path, "state", 3).unwrap();
+            add(&mut indicators, 1..=kill);
+            drop(indicators);
             if kill % 2 == 0 {
-                // In the middle of a row.
+                // The process was killed while it wrote a row.
                 let mut journal = OpenOptions::new().append(true).open(path.join(JOURNAL)).unwrap();
                 journal.write_all(b"99900,1.0e0,").unwrap();
             }
         }
         Indicators::open(path, "state", 3).unwrap().finish().unwrap();
-        assert_eq!(all(path), seconds(1..=20));
-        // The position outlives the end.
-        let mut open = Indicators::open(path, "state", 3).unwrap();
-        add(&mut open, 15..=22);
-        open.finish().unwrap();
-        assert_eq!(all(path), seconds(1..=22));
+        assert_eq!(all_times(path), seconds(1..=20));
+        // The position is kept after the end.
+        let mut indicators = Indicators::open(path, "state", 3).unwrap();
+        add(&mut indicators, 15..=22);
+        indicators.finish().unwrap();
+        assert_eq!(all_times(path), seconds(1..=22));
     }
 
-    /// Killed between the Parquet file and the next journal.
+    /// The monitor is killed after the Parquet file is written and before the next journal is created.
     #[test]
-    fn a_full_journal_whose_file_is_there_is_not_written_again() {
+    fn a_converted_journal_is_not_converted_again() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
-        let mut open = Indicators::open(path, "state", 3).unwrap();
-        add(&mut open, 1..=2);
-        open.add(&second(3.0), 300);
-        open.append().unwrap();
+        let mut indicators = Indicators::open(path, "state", 3).unwrap();
+        add(&mut indicators, 1..=2);
+        indicators.add(&second(3.0), 300);
+        indicators.append_rows().unwrap();
         let journal = std::fs::read(path.join(JOURNAL)).unwrap();
-        open.save().unwrap();
-        drop(open);
+        indicators.save().unwrap();
+        drop(indicators);
         std::fs::write(path.join(JOURNAL), journal).unwrap();
-        let mut open = Indicators::open(path, "state", 3).unwrap();
-        add(&mut open, 1..=5);
-        open.finish().unwrap();
-        assert_eq!(all(path), seconds(1..=5));
+        let mut indicators = Indicators::open(path, "state", 3).unwrap();
+        add(&mut indicators, 1..=5);
+        indicators.finish().unwrap();
+        assert_eq!(all_times(path), seconds(1..=5));
     }
 
     #[test]
-    fn the_journal_of_another_run_becomes_a_file() {
+    fn the_journal_of_another_run_is_converted_to_a_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         for owner in ["", "one", "two", ""] {
-            let mut open = Indicators::open(path, owner, HOUR).unwrap();
-            add(&mut open, 1..=3);
+            let mut indicators = Indicators::open(path, owner, HOUR).unwrap();
+            add(&mut indicators, 1..=3);
         }
         Indicators::open(path, "", HOUR).unwrap().finish().unwrap();
-        assert_eq!(all(path), [1.0, 2.0, 3.0].repeat(4));
+        assert_eq!(all_times(path), [1.0, 2.0, 3.0].repeat(4));
         std::fs::write(path.join(JOURNAL), "0007,time_s,samples\n1e0,100e0\n2e0,1").unwrap();
         Indicators::open(path, "", HOUR).unwrap().finish().unwrap();
         assert_eq!(times(path, 7), [1.0]);
     }
 
     #[test]
-    fn a_folder_that_cannot_be_written_costs_nothing_but_time() {
+    fn a_folder_that_is_unavailable_for_some_time_loses_no_second() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("trend");
-        let mut open = Indicators::open(&path, "state", 3).unwrap();
-        add(&mut open, 1..=2);
-        let away = folder.path().join("away");
-        std::fs::rename(&path, &away).unwrap();
+        let mut indicators = Indicators::open(&path, "state", 3).unwrap();
+        add(&mut indicators, 1..=2);
+        let moved = folder.path().join("moved");
+        std::fs::rename(&path, &moved).unwrap();
         for i in 3..=8_u32 {
-            open.add(&second(f64::from(i)), u64::from(100 * i));
-            let _ = open.save();
+            indicators.add(&second(f64::from(i)), u64::from(100 * i));
+            let _ = indicators.save();
         }
-        assert!(open.waiting() >= 5 && open.lost() == 0);
-        std::fs::rename(&away, &path).unwrap();
-        open.finish().unwrap();
-        assert_eq!((all(&path), open.waiting()), (seconds(1..=8), 0));
+        assert!(indicators.pending() >= 5 && indicators.lost() == 0);
+        std::fs::rename(&moved, &path).unwrap();
+        indicators.finish().unwrap();
+        assert_eq!((all_times(&path), indicators.pending()), (seconds(1..=8), 0));
     }
 }

@@ -1,4 +1,4 @@
-//! Outputs of a monitor; each is off by default.
+//! Outputs of a monitor; all are off by default.
 
 mod events;
 mod health;
@@ -9,13 +9,13 @@ mod prometheus;
 
 pub use events::{EventLog, EventRecord};
 
-use super::feed::{Counts, Note};
+use super::feed::{EventMessage, SourceCounters};
 use super::state::{State, StateFile};
 use anyhow::Result;
 use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::Second;
 use ballrace_twin::scene::units;
-use health::Health;
+use health::OutputHealth;
 use indicators::{HOUR, Indicators};
 use prometheus::Prometheus;
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ pub struct RequestedOutputs {
     #[arg(long, value_name = "FOLDER")]
     pub indicators: Option<PathBuf>,
     /// Length of each indicator file, e.g. "10 min" [default: one hour].
-    #[arg(long, value_name = "DURATION", requires = "indicators", value_parser = whole_seconds)]
+    #[arg(long, value_name = "DURATION", requires = "indicators", value_parser = parse_file_length)]
     pub indicators_file_length: Option<usize>,
     /// Serve Prometheus metrics on this port of 127.0.0.1.
     #[arg(long, value_name = "PORT")]
@@ -41,17 +41,18 @@ pub struct RequestedOutputs {
     pub mqtt: Option<String>,
 }
 
-/// Most seconds of one indicators file: a day.
-const LONGEST_FILE: f64 = 86_400.0;
+/// Maximum length of an indicator file, s: one day.
+const MAX_FILE_LENGTH: f64 = 86_400.0;
 
-fn whole_seconds(text: &str) -> Result<usize, String> {
-    let seconds = units::parse(text, units::Dimension::Time).ok().filter(|s| (1.0..=LONGEST_FILE).contains(s));
+/// Parses the length of an indicator file; returns whole seconds.
+fn parse_file_length(text: &str) -> Result<usize, String> {
+    let seconds = units::parse(text, units::Dimension::Time).ok().filter(|s| (1.0..=MAX_FILE_LENGTH).contains(s));
     seconds
         .map(|seconds| seconds.round() as usize)
-        .ok_or_else(|| format!("found {text:?}, allowed: a time from \"1 s\" to \"24 h\" with its unit"))
+        .ok_or_else(|| "expected a time from \"1 s\" to \"24 h\" with its unit".to_owned())
 }
 
-/// Network ends of the outputs, bound before any file is touched.
+/// Network outputs, bound before any file is changed.
 pub struct Network {
     prometheus: Option<Prometheus>,
     #[cfg(feature = "mqtt")]
@@ -62,71 +63,73 @@ impl Network {
     /// Binds the requested ports.
     ///
     /// # Errors
-    /// A port that is taken, an address that is none.
-    pub fn bind(asked: &RequestedOutputs) -> Result<Self> {
+    /// Returns an error if a port is in use or an address is invalid.
+    pub fn bind(requested: &RequestedOutputs) -> Result<Self> {
         Ok(Self {
-            prometheus: asked.prometheus.map(Prometheus::listen).transpose()?,
+            prometheus: requested.prometheus.map(Prometheus::listen).transpose()?,
             #[cfg(feature = "mqtt")]
-            mqtt: asked.mqtt.as_deref().map(mqtt::Publisher::connect).transpose()?,
+            mqtt: requested.mqtt.as_deref().map(mqtt::Publisher::connect).transpose()?,
         })
     }
 }
 
-/// Those under way. An output that cannot be written does not stop the monitor: what it lacks waits in memory up to a
-/// bound, and is written later or counted as lost.
+/// Open outputs.
+///
+/// An output that cannot be written does not stop the monitor: its data are kept in memory up to a limit, and are written
+/// later or counted as lost.
 pub struct Outputs {
     events: Option<EventLog>,
-    events_health: Health,
+    events_health: OutputHealth,
     indicators: Option<Indicators>,
-    indicators_health: Health,
-    state_health: Health,
+    indicators_health: OutputHealth,
+    state_health: OutputHealth,
     network: Network,
     /// Events about the outputs themselves.
-    notes: Vec<Note>,
+    output_events: Vec<EventMessage>,
 }
 
 impl Outputs {
-    /// Opens the requested files. `state` is the monitor's state before the start.
+    /// Opens the requested files. `state` is the state of the monitor before this start.
     ///
     /// # Errors
-    /// A file that cannot be written or belongs to another monitor.
-    pub fn open(asked: &RequestedOutputs, network: Network, state: Option<&State>) -> Result<Self> {
+    /// Returns an error if a file cannot be written or is locked by another monitor.
+    pub fn open(requested: &RequestedOutputs, network: Network, state: Option<&State>) -> Result<Self> {
         let unconfirmed = state.map_or(&[][..], |state| &state.events);
         let owner = state.map_or("", |state| &state.id);
-        let length = asked.indicators_file_length.unwrap_or(HOUR);
+        let length = requested.indicators_file_length.unwrap_or(HOUR);
         let open = |folder: &PathBuf| Indicators::open(folder, owner, length);
         Ok(Self {
-            events: asked.events.as_deref().map(|path| EventLog::open(path, unconfirmed)).transpose()?,
-            events_health: Health::default(),
-            indicators: asked.indicators.as_ref().map(open).transpose()?,
-            indicators_health: Health::default(),
-            state_health: Health::default(),
+            events: requested.events.as_deref().map(|path| EventLog::open(path, unconfirmed)).transpose()?,
+            events_health: OutputHealth::default(),
+            indicators: requested.indicators.as_ref().map(open).transpose()?,
+            indicators_health: OutputHealth::default(),
+            state_health: OutputHealth::default(),
             network,
-            notes: vec![],
+            output_events: vec![],
         })
     }
 
-    /// Takes in an event, to be written by [`Outputs::save_events`].
+    /// Adds an event, which [`Outputs::save_events`] writes.
     ///
     /// # Errors
-    /// None in practice.
-    pub fn event(&mut self, told: &EventRecord) -> Result<()> {
+    /// Returns an error if the event cannot be serialised.
+    pub fn add_event(&mut self, event: &EventRecord) -> Result<()> {
         if let Some(log) = &mut self.events {
-            log.add(told)?;
+            log.add(event)?;
         }
         #[cfg(feature = "mqtt")]
         if let Some(publisher) = &mut self.network.mqtt {
-            publisher.publish("events", &serde_json::to_string(told)?);
+            publisher.publish("events", &serde_json::to_string(event)?);
         }
         Ok(())
     }
 
-    /// Takes in a second, to be written by [`Outputs::save_indicators`]; `next_index` is the number of the first sample
-    /// after it.
+    /// Adds the indicators of a second, which [`Outputs::save_indicators`] writes. `next_index` is the number of the first
+    /// sample after the second.
     ///
     /// # Errors
-    /// None in practice.
-    pub fn second(&mut self, second: &Second, next_index: u64) -> Result<()> {
+    /// Returns an error if the second cannot be serialised.
+    pub fn add_second(&mut self, second: &Second, next_index: u64) -> Result<()> {
         if let Some(indicators) = &mut self.indicators {
             indicators.add(second, next_index);
         }
@@ -137,71 +140,72 @@ impl Outputs {
         Ok(())
     }
 
-    /// Publishes the indicators of a second; the last one is served.
-    pub fn show(&self, second: &Second, counts: &Counts, misses: u64) {
+    /// Updates the Prometheus metrics.
+    pub fn publish(&self, second: &Second, counters: &SourceCounters, misses: u64) {
         if let Some(prometheus) = &self.network.prometheus {
-            prometheus.show(second, counts, misses, &self.figures());
+            prometheus.update(second, counters, misses, &self.figures());
         }
     }
 
-    /// Writes the seconds that wait; true where all of them are on disk.
+    /// Writes the pending seconds; returns `true` if all of them are on disk.
     pub fn save_indicators(&mut self) -> bool {
         let Some(indicators) = &mut self.indicators else { return true };
-        self.indicators_health.attempt(&mut self.notes, || indicators.save())
+        self.indicators_health.attempt(&mut self.output_events, || indicators.save())
     }
 
-    /// Writes the state, with the events that wait; true where it is on disk. Without a state nothing is to be done.
+    /// Writes the state with the pending events; returns `true` if it is on disk or the monitor has no state.
     pub fn save_state(&mut self, file: Option<&mut StateFile>) -> bool {
         let saved = file.is_none_or(|file| {
             file.state.events = self.events.as_ref().map(EventLog::unconfirmed).unwrap_or_default();
-            self.state_health.attempt(&mut self.notes, || file.save())
+            self.state_health.attempt(&mut self.output_events, || file.save())
         });
-        // Where the state cannot be written, an event twice after a restart is better than none.
+        // The events are released even if the state cannot be written: after a restart, a repeated event is preferable to a
+        // missing one.
         if let Some(log) = &mut self.events {
             log.release();
         }
         saved
     }
 
-    /// Appends the events that the state has; true where they are on disk.
+    /// Appends the released events; returns `true` if they are on disk.
     pub fn save_events(&mut self) -> bool {
         let Some(log) = &mut self.events else { return true };
-        self.events_health.attempt(&mut self.notes, || log.append())
+        self.events_health.attempt(&mut self.output_events, || log.append())
     }
 
-    /// True where an output that failed is to be written again.
+    /// Returns `true` if the next attempt of a failing output is due.
     #[must_use]
     pub fn is_retry_due(&self) -> bool {
-        [&self.events_health, &self.indicators_health, &self.state_health].into_iter().any(Health::is_retry_due)
+        [&self.events_health, &self.indicators_health, &self.state_health].into_iter().any(OutputHealth::is_retry_due)
     }
 
-    /// Makes the next attempt of every output that fails due now.
+    /// Makes the next attempt of every failing output due immediately.
     pub fn retry_now(&mut self) {
         for health in [&mut self.events_health, &mut self.indicators_health, &mut self.state_health] {
             health.retry_now();
         }
     }
 
-    /// Events about the outputs themselves, since the last call.
-    pub fn take_notes(&mut self) -> Vec<Note> {
-        std::mem::take(&mut self.notes)
+    /// Removes and returns the events about the outputs themselves.
+    pub fn take_events(&mut self) -> Vec<EventMessage> {
+        std::mem::take(&mut self.output_events)
     }
 
-    /// Counts of events and seconds that are not on disk.
+    /// Returns the numbers of events and seconds that are not on disk.
     fn figures(&self) -> OutputFigures {
-        let [events_lost, events_waiting] = self.events.as_ref().map_or([0; 2], EventLog::lost_and_waiting);
-        let [seconds_lost, seconds_waiting] = self.indicators.as_ref().map_or([0; 2], |i| [i.lost(), i.waiting()]);
-        let is_lacking = |health: &Health, waiting: u64| if health.is_failing() { waiting } else { 0 };
+        let [events_lost, events_pending] = self.events.as_ref().map_or([0; 2], EventLog::lost_and_pending);
+        let [seconds_lost, seconds_pending] = self.indicators.as_ref().map_or([0; 2], |i| [i.lost(), i.pending()]);
+        let overdue = |health: &OutputHealth, pending: u64| if health.is_failing() { pending } else { 0 };
         OutputFigures {
-            events_not_written: events_lost + is_lacking(&self.events_health, events_waiting),
-            seconds_not_written: seconds_lost + is_lacking(&self.indicators_health, seconds_waiting),
+            events_not_written: events_lost + overdue(&self.events_health, events_pending),
+            seconds_not_written: seconds_lost + overdue(&self.indicators_health, seconds_pending),
         }
     }
 
-    /// Ends all of them; gives what could not be written.
+    /// Closes the outputs; returns the numbers of events and seconds that were not written.
     pub fn finish(mut self) -> OutputFigures {
         if let Some(indicators) = &mut self.indicators {
-            self.indicators_health.attempt(&mut self.notes, || indicators.finish());
+            self.indicators_health.attempt(&mut self.output_events, || indicators.finish());
         }
         #[cfg(feature = "mqtt")]
         if let Some(publisher) = self.network.mqtt.take() {
@@ -216,10 +220,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_of_files_are_times() {
-        assert_eq!((whole_seconds("10 min"), whole_seconds("24 h")), (Ok(600), Ok(86_400)));
+    fn file_lengths_are_times() {
+        assert_eq!((parse_file_length("10 min"), parse_file_length("24 h")), (Ok(600), Ok(86_400)));
         for text in ["0 s", "25 h", "3 mm", "hour"] {
-            assert!(whole_seconds(text).is_err_and(|e| e.contains("24 h")), "{text}");
+            assert!(parse_file_length(text).is_err_and(|e| e.contains("24 h")), "{text}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! The last second's indicators as Prometheus reads them, at a port of this machine.
+//! Prometheus endpoint with the indicators of the latest second, on a port of 127.0.0.1.
 
-use super::super::feed::Counts;
+use super::super::feed::SourceCounters;
 use super::super::source::lock;
 use anyhow::{Context, Result};
 use ballrace_twin::replay::outcome::OutputFigures;
@@ -21,48 +21,48 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::oneshot;
 use tokio::task::AbortHandle;
 
-/// Most clients at a time; a further one takes the place of the oldest.
-const MOST_CLIENTS: usize = 32;
-/// Time for a client to send its header.
+/// Maximum number of clients; a further client replaces the oldest one.
+const MAX_CLIENTS: usize = 32;
+/// Time limit for the header of a request.
 const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
-/// Time for a client to be done.
+/// Time limit for a request and its response.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(10);
-/// Largest header, bytes.
-const MOST_HEADER: usize = 16 << 10;
-/// Pause after a connection that could not be accepted, such as for want of descriptors.
-const PAUSE: Duration = Duration::from_millis(100);
+/// Maximum length of a request header, bytes.
+const MAX_HEADER_LENGTH: usize = 16 << 10;
+/// Pause after a failed accept, for example without free file descriptors.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 type Page = Arc<Mutex<String>>;
 
-/// An HTTP endpoint with a thread of its own, which ends when this is dropped.
+/// HTTP endpoint on a thread of its own, which ends on drop.
 pub struct Prometheus {
     page: Page,
     _stop: oneshot::Sender<()>,
 }
 
 impl Prometheus {
-    /// Listens at `port` of 127.0.0.1.
+    /// Listens on `port` of 127.0.0.1.
     ///
     /// # Errors
-    /// A port that is taken.
+    /// Returns an error if the port is in use.
     pub fn listen(port: u16) -> Result<Self> {
-        let refused = || format!("--prometheus {port}: cannot be listened at, allowed: a free port");
-        let listener = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(refused)?;
-        listener.set_nonblocking(true).with_context(refused)?;
+        let cannot_listen = || format!("--prometheus: cannot listen on this port: {port}, expected a free port");
+        let listener = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(cannot_listen)?;
+        listener.set_nonblocking(true).with_context(cannot_listen)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
         let listener = {
             let _entered = runtime.enter();
-            TcpListener::from_std(listener).with_context(refused)?
+            TcpListener::from_std(listener).with_context(cannot_listen)?
         };
         let page = Page::default();
         let (stop, stopped) = oneshot::channel();
-        let shown = page.clone();
+        let served_page = page.clone();
         let serve = move || {
             runtime.block_on(async {
                 tokio::select! {
-                    // Also where the other end is dropped.
+                    // Completes as well when the sender is dropped.
                     _ = stopped => {}
-                    () = accept(listener, shown) => {}
+                    () = accept(listener, served_page) => {}
                 }
             });
         };
@@ -70,42 +70,42 @@ impl Prometheus {
         Ok(Self { page, _stop: stop })
     }
 
-    /// Shows a second.
-    pub fn show(&self, second: &Second, counts: &Counts, misses: u64, outputs: &OutputFigures) {
-        *lock(&self.page) = page(second, counts, misses, outputs);
+    /// Replaces the served metrics.
+    pub fn update(&self, second: &Second, counters: &SourceCounters, misses: u64, outputs: &OutputFigures) {
+        *lock(&self.page) = page(second, counters, misses, outputs);
     }
 }
 
-/// Accepts clients for ever.
+/// Accepts clients in an endless loop.
 async fn accept(listener: TcpListener, page: Page) {
     let mut clients: VecDeque<AbortHandle> = VecDeque::new();
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            tokio::time::sleep(PAUSE).await;
+            tokio::time::sleep(ACCEPT_PAUSE).await;
             continue;
         };
         clients.retain(|client| !client.is_finished());
-        if clients.len() >= MOST_CLIENTS
+        if clients.len() >= MAX_CLIENTS
             && let Some(oldest) = clients.pop_front()
         {
             oldest.abort();
         }
-        let answered = tokio::time::timeout(CLIENT_TIMEOUT, answer(stream, page.clone()));
-        clients.push_back(tokio::spawn(answered).abort_handle());
+        let task = tokio::time::timeout(CLIENT_TIMEOUT, serve_client(stream, page.clone()));
+        clients.push_back(tokio::spawn(task).abort_handle());
     }
 }
 
-/// One request and its answer. A body is not read.
-async fn answer(stream: TcpStream, page: Page) {
+/// Serves one request. The body of the request is not read.
+async fn serve_client(stream: TcpStream, page: Page) {
     let service = hyper::service::service_fn(|request: Request<hyper::body::Incoming>| {
         let response = response(request.method(), request.uri().path(), &page);
         async { Ok::<_, Infallible>(response) }
     });
-    // A client that goes away or sends no HTTP concerns nobody else.
+    // An error of one client does not affect the others.
     let _ = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_TIMEOUT)
-        .max_buf_size(MOST_HEADER)
+        .max_buf_size(MAX_HEADER_LENGTH)
         .keep_alive(false)
         .serve_connection(TokioIo::new(stream), service)
         .await;
@@ -124,7 +124,7 @@ fn response(method: &Method, path: &str, page: &Page) -> Response<Full<Bytes>> {
     response
 }
 
-/// One metric with its description and all its samples.
+/// Name, description and type of a metric.
 struct Metric<'a> {
     name: &'a str,
     help: &'a str,
@@ -132,6 +132,7 @@ struct Metric<'a> {
 }
 
 impl Metric<'_> {
+    /// Appends the metric with its samples, pairs of labels and value.
     fn write(&self, page: &mut String, samples: impl IntoIterator<Item = (String, f64)>) {
         let Self { name, help, kind } = self;
         let _ = writeln!(page, "# HELP {name} {help}\n# TYPE {name} {kind}");
@@ -141,35 +142,34 @@ impl Metric<'_> {
     }
 }
 
-/// Escapes a label's value as the format requires.
+/// Escapes the value of a label.
 fn escaped(text: &str) -> String {
     text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
 }
 
-type Figure = fn(&ProbeSecond) -> f64;
+/// Returns the value of an indicator.
+type IndicatorValue = fn(&ProbeSecond) -> f64;
 
-fn page(second: &Second, counts: &Counts, misses: u64, outputs: &OutputFigures) -> String {
+/// Returns the metrics in the Prometheus text format.
+fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &OutputFigures) -> String {
     let mut page = String::new();
     let gauge = |name, help| Metric { name, help, kind: "gauge" };
-    gauge("ballrace_time_seconds", "End of the second shown, in the recording's time.")
+    gauge("ballrace_time_seconds", "End of the latest second, in the time of the recording.")
         .write(&mut page, [(String::new(), second.time_s)]);
-    gauge("ballrace_shaft_speed_rpm", "Mean speed.").write(&mut page, [(String::new(), second.speed_rpm)]);
-    gauge(
-        "ballrace_innovation_ratio",
-        "Normalised innovation squared over its expectation; 1 where the model is true.",
-    )
-    .write(&mut page, [(String::new(), second.innovation)]);
-    let of_probes: [(&str, &str, Figure); 8] = [
+    gauge("ballrace_shaft_speed_rpm", "Mean shaft speed.").write(&mut page, [(String::new(), second.speed_rpm)]);
+    gauge("ballrace_innovation_ratio", "Normalised innovation squared over its expectation; 1 for an exact model.")
+        .write(&mut page, [(String::new(), second.innovation)]);
+    let probe_metrics: [(&str, &str, IndicatorValue); 8] = [
         ("ballrace_probe_mean_um", "Mean position.", |p| p.mean_um),
-        ("ballrace_probe_peak_to_peak_um", "Greatest less least reading.", |p| p.peak_to_peak_um),
-        ("ballrace_probe_rms_um", "About the mean.", |p| p.rms_um),
-        ("ballrace_probe_crest_factor", "Greatest distance from the mean over the rms.", |p| p.crest_factor),
-        ("ballrace_probe_kurtosis", "3 of noise, 1.5 of a sine.", |p| p.kurtosis),
+        ("ballrace_probe_peak_to_peak_um", "Peak-to-peak displacement.", |p| p.peak_to_peak_um),
+        ("ballrace_probe_rms_um", "RMS displacement about the mean.", |p| p.rms_um),
+        ("ballrace_probe_crest_factor", "Largest deviation from the mean over the RMS.", |p| p.crest_factor),
+        ("ballrace_probe_kurtosis", "Kurtosis: 3 for Gaussian noise, 1.5 for a sine.", |p| p.kurtosis),
         ("ballrace_probe_residual_rms_um", "RMS of measured minus twin, about its mean.", |p| p.residual_rms_um),
         ("ballrace_probe_1x_um", "1X amplitude, zero to peak.", |p| p.one_x_um),
-        ("ballrace_probe_1x_phase_lag_degrees", "Behind the keyphasor mark.", |p| p.one_x_phase_lag_deg),
+        ("ballrace_probe_1x_phase_lag_degrees", "1X phase lag behind the keyphasor mark.", |p| p.one_x_phase_lag_deg),
     ];
-    for (name, help, value) in of_probes {
+    for (name, help, value) in probe_metrics {
         let samples = second.probes.iter().map(|p| (format!("{{probe=\"{}\"}}", escaped(&p.name)), value(p)));
         gauge(name, help).write(&mut page, samples);
     }
@@ -182,24 +182,24 @@ fn page(second: &Second, counts: &Counts, misses: u64, outputs: &OutputFigures) 
     let largest = largest.map(|b| (format!("{{bearing=\"{}\"}}", escaped(&b.name)), b.largest_radial_n));
     gauge("ballrace_bearing_largest_radial_newtons", "Largest radial force in the second.").write(&mut page, largest);
     let totals = [
-        ("ballrace_rows_total", "Samples read.", &counts.rows),
-        ("ballrace_frames_lost_total", "Frames that never came.", &counts.lost),
-        ("ballrace_frames_repeated_total", "Frames that came twice or too late.", &counts.repeated),
-        ("ballrace_frames_malformed_total", "Frames or datagrams of a wrong size.", &counts.malformed),
-        ("ballrace_rows_dropped_total", "Samples that found the ring full.", &counts.dropped),
-        ("ballrace_connections_total", "Connections of sources.", &counts.connections),
+        ("ballrace_rows_total", "Samples read.", &counters.rows),
+        ("ballrace_frames_lost_total", "Frames missing between received frames.", &counters.lost),
+        ("ballrace_frames_repeated_total", "Frames that arrived twice or too late.", &counters.repeated),
+        ("ballrace_frames_malformed_total", "Frames or datagrams of a wrong size.", &counters.malformed),
+        ("ballrace_rows_dropped_total", "Samples dropped because the ring was full.", &counters.dropped),
+        ("ballrace_connections_total", "Connections of sources.", &counters.connections),
     ];
     for (name, help, counter) in totals {
         let value = counter.load(Ordering::Relaxed) as f64;
         Metric { name, help, kind: "counter" }.write(&mut page, [(String::new(), value)]);
     }
-    let missed =
-        Metric { name: "ballrace_deadline_misses_total", help: "Blocks that were not done in time.", kind: "counter" };
-    missed.write(&mut page, [(String::new(), misses as f64)]);
+    let deadline_misses =
+        Metric { name: "ballrace_deadline_misses_total", help: "Missed deadlines of blocks.", kind: "counter" };
+    deadline_misses.write(&mut page, [(String::new(), misses as f64)]);
     let not_written = [
         (
             "ballrace_events_not_written",
-            "Events that are not on disk because their log fails.",
+            "Events that are not on disk because the log cannot be written.",
             outputs.events_not_written,
         ),
         ("ballrace_seconds_not_written", "Seconds of indicators that are not on disk.", outputs.seconds_not_written),

@@ -5,22 +5,22 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Write};
 use std::path::Path;
 
-/// Most bytes read of another owner's entry.
-const LONGEST_ENTRY: u64 = 200;
+/// Maximum length of the owner's entry in the lock file, bytes.
+const MAX_ENTRY_LENGTH: u64 = 200;
 
-/// A folder that belongs to this process until the lock is dropped or the process ends, however it ends.
+/// Exclusive lock of a folder; released on drop and at the end of the process.
 pub struct FolderLock {
     _file: File,
 }
 
 impl FolderLock {
-    /// Creates the folder where it is missing and locks it by its file `name`.
+    /// Creates the folder if it does not exist, and locks it with the file `name`.
     ///
     /// # Errors
-    /// A folder that cannot be written, or that another process owns; the error names that process.
+    /// Returns an error if the folder cannot be written or is locked by another process; the message names that process.
     pub fn acquire(folder: &Path, name: &str) -> Result<Self> {
-        let place = || folder.display().to_string();
-        std::fs::create_dir_all(folder).with_context(place)?;
+        let folder_name = || folder.display().to_string();
+        std::fs::create_dir_all(folder).with_context(folder_name)?;
         let path = folder.join(name);
         let mut file = OpenOptions::new()
             .create(true)
@@ -33,11 +33,11 @@ impl FolderLock {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut owner = String::new();
-                let _ = file.take(LONGEST_ENTRY).read_to_string(&mut owner);
+                let _ = file.take(MAX_ENTRY_LENGTH).read_to_string(&mut owner);
                 let owner = owner.trim();
                 let owner = if owner.is_empty() { "another process" } else { owner };
                 bail!(
-                    "{}: this folder is in use by {}, allowed: one running monitor for a folder",
+                    "{}: this folder is in use by {}, expected a folder without a running monitor",
                     folder.display(),
                     owner.escape_debug()
                 )
@@ -47,7 +47,7 @@ impl FolderLock {
             }
         }
         let since = humantime::format_rfc3339_seconds(std::time::SystemTime::now());
-        // The entry is information for people only: the folder is locked without it, also on a full disk.
+        // The entry is for users only; the folder is locked even if it cannot be written, for example on a full disk.
         let _ = file.set_len(0).and_then(|()| writeln!(file, "process {} since {since}", std::process::id()));
         Ok(Self { _file: file })
     }
@@ -63,8 +63,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("state");
         let first = FolderLock::acquire(&path, "a.lock").unwrap();
-        let refused = FolderLock::acquire(&path, "a.lock").err().unwrap().to_string();
-        assert!(refused.contains(&format!("process {} since", std::process::id())), "{refused}");
+        let message = FolderLock::acquire(&path, "a.lock").err().unwrap().to_string();
+        assert!(message.contains(&format!("process {} since", std::process::id())), "{message}");
         FolderLock::acquire(&path, "b.lock").unwrap();
         drop(first);
         FolderLock::acquire(&path, "a.lock").unwrap();

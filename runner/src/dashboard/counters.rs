@@ -1,6 +1,6 @@
-//! The ledger of deadlines and of the source, and the list of events.
+//! Counters of deadlines and of the source, and the list of events.
 
-use super::{ALARM, QUIET, panel};
+use super::{ALARM, MUTED, panel_block};
 use crate::live::view::View;
 use ratatui::Frame;
 use ratatui::layout::Rect;
@@ -9,33 +9,37 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Wrap};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
-    let us = |ns: u64| format!("{:.0}", ns as f64 * 1e-3);
+    let microseconds = |ns: u64| format!("{:.0}", ns as f64 * 1e-3);
     let source = &view.source;
-    let counted = |what: &str, count: u64| {
+    let counter = |label: &str, count: u64| {
         let style = if count > 0 { Style::new().fg(ALARM) } else { Style::new() };
-        Span::styled(format!("{what} {count}  "), style)
+        Span::styled(format!("{label} {count}  "), style)
     };
     let lines = vec![
         Line::from(vec![
-            Span::raw(format!("late us {} / {}  ", us(view.lateness.p50_ns), us(view.lateness.max_ns))),
-            Span::raw(format!("work us {}", us(view.compute.p99_ns))),
+            Span::raw(format!(
+                "late us {} / {}  ",
+                microseconds(view.lateness.p50_ns),
+                microseconds(view.lateness.max_ns)
+            )),
+            Span::raw(format!("work us {}", microseconds(view.compute.p99_ns))),
         ]),
         Line::from(vec![
-            counted("missed", view.misses),
-            counted("lost", source.lost_frames),
-            counted("repeated", source.repeated_frames),
+            counter("missed", view.misses),
+            counter("lost", source.lost_frames),
+            counter("repeated", source.repeated_frames),
         ]),
         Line::from(vec![
-            counted("dropped", source.dropped_rows),
-            counted("malformed", source.malformed_frames),
+            counter("dropped", source.dropped_rows),
+            counter("malformed", source.malformed_frames),
             Span::raw(view.idle_percent.map_or_else(String::new, |idle| format!("idle {idle:.0} %"))),
         ]),
     ];
-    frame.render_widget(Paragraph::new(lines).block(panel(" Deadlines ".to_owned())), area);
+    frame.render_widget(Paragraph::new(lines).block(panel_block(" Deadlines ".to_owned())), area);
 }
 
-pub(super) fn events(frame: &mut Frame, area: Rect, view: &View) {
-    let block = panel(format!(" Events, {} ", view.events.len()));
+pub(super) fn draw_events(frame: &mut Frame, area: Rect, view: &View) {
+    let block = panel_block(format!(" Events, {} ", view.events.len()));
     let lines: Vec<Line> = view
         .events
         .iter()
@@ -44,7 +48,7 @@ pub(super) fn events(frame: &mut Frame, area: Rect, view: &View) {
             let style = if event.kind == "limit-crossed" { Style::new().fg(ALARM) } else { Style::new() };
             let clock = event.at.get(11..19).unwrap_or_default().to_owned();
             Line::from(vec![
-                Span::styled(clock, Style::new().fg(QUIET)),
+                Span::styled(clock, Style::new().fg(MUTED)),
                 Span::styled(format!(" {}", event.sentence), style),
             ])
         })
