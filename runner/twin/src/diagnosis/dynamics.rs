@@ -48,7 +48,11 @@ pub struct Dynamics {
 
 /// Force that a pose requires.
 enum Inertia {
-    Rigid { mass: [f64; D], polar_speed: f64, stiffness: [f64; D] },
+    Rigid {
+        mass: [f64; D],
+        polar_speed: f64,
+        stiffness: [f64; D],
+    },
     /// By line: of the transform, and of the first and second derivative of its window.
     Lines(Vec<[Square; 3]>),
 }
@@ -186,7 +190,7 @@ impl Dynamics {
 
     /// Returns the displacement of each bearing by a pose, sample by sample.
     pub fn displacements(&self, pose: &[[f64; D]]) -> Vec<Vec<Displacement<f64>>> {
-        self.by_pose.iter().map(|matrices| mapped(pose, matrices, true)).collect()
+        self.by_pose.iter().map(|matrices| mapped(pose, matrices, Beyond::First)).collect()
     }
 
     /// Returns the force of an unbalance as spectra about the centre of mass; `unit` are the spectra of the force along X and Y of a unit
@@ -241,11 +245,23 @@ impl Dynamics {
             }
             let force: Vec<[f64; D]> =
                 unit.iter().map(|[p, q]| [x * p - y * q, x * q + y * p, 0.0, 0.0, 0.0]).collect();
-            for (sum, part) in sum.iter_mut().zip(mapped(&force, matrices, false)) {
+            for (sum, part) in sum.iter_mut().zip(mapped(&force, matrices, Beyond::None)) {
                 *sum = *sum + part;
             }
         }
         Some(sum)
+    }
+
+    /// Returns the largest static displacement of a bearing across the axis by load and weight while the pose stays, m.
+    pub fn sag(&self, load: &[f64; D], weight: &[f64; D]) -> f64 {
+        let Some(elastic) = &self.elastic else { return 0.0 };
+        let local = nalgebra::SVector::<C, D>::from(elastic.local_load(load).map(C::from));
+        let weight = nalgebra::SVector::<C, D>::from(weight.map(C::from));
+        let of = |(by_load, by_weight): (&Square, &Square)| {
+            let all = by_load * local + by_weight * weight;
+            all[0].re.hypot(all[1].re)
+        };
+        elastic.by_load.iter().zip(&elastic.by_weight).map(of).fold(0.0, f64::max)
     }
 
     /// Adds the displacement of every bearing by `wrenches` of the bearings, sample by sample, while the pose stays.
@@ -253,13 +269,12 @@ impl Dynamics {
         let Some(elastic) = &self.elastic else { return };
         for (b, displaced) in displacements.iter_mut().enumerate() {
             for (wrench, matrices) in wrenches.iter().zip(&elastic.by_bearing[b]) {
-                for (sum, part) in displaced.iter_mut().zip(mapped(wrench, matrices, false)) {
+                for (sum, part) in displaced.iter_mut().zip(mapped(wrench, matrices, Beyond::None)) {
                     *sum = *sum + part;
                 }
             }
         }
     }
-
 }
 
 fn add(place: &Place, spectra: &[Vec<C>; D], sum: &mut [Vec<C>; D]) {
@@ -288,34 +303,47 @@ impl Elastic {
     }
 }
 
-/// Maps a series line by line. With `trend`, its straight line is mapped by the first matrix, and lines beyond the last matrix too.
-fn mapped(series: &[[f64; D]], matrices: &[Square], trend: bool) -> Vec<Displacement<f64>> {
+/// Share of a record at each end over which a series rises before it is mapped line by line. A free vibration that begins with a
+/// step there would last into the record; one that begins over many periods is not excited.
+pub const LEAD: f64 = 0.08;
+
+/// Lines beyond the last matrix.
+#[derive(Clone, Copy, PartialEq)]
+enum Beyond {
+    /// Are mapped by the first matrix.
+    First,
+    /// Are left out.
+    None,
+}
+
+/// Maps a series line by line; its straight line is mapped by the first matrix. Exact between the leads.
+fn mapped(series: &[[f64; D]], matrices: &[Square], beyond: Beyond) -> Vec<Displacement<f64>> {
     let n = series.len();
     let first = matrices[0];
-    if let [only] = matrices {
-        let real = |row: usize, x: &[f64; D]| (0..D).map(|j| only[(row, j)].re * x[j]).sum();
+    let real = |row: usize, x: &[f64; D]| (0..D).map(|j| first[(row, j)].re * x[j]).sum();
+    if matrices.len() == 1 {
         return series.iter().map(|x| Displacement::from_array(std::array::from_fn(|i| real(i, x)))).collect();
     }
-    let (from, to) = (series[0], series[n - 1]);
-    let line = |t: usize, i: usize| {
-        if trend { from[i] + (to[i] - from[i]) * t as f64 / (n - 1).max(1) as f64 } else { 0.0 }
+    let trends: [[f64; 2]; D] = std::array::from_fn(|i| trend(series, i));
+    let line = |t: usize| std::array::from_fn(|i| trends[i][0] + trends[i][1] * t as f64);
+    let rise = |t: usize| {
+        let from_end = (t.min(n - 1 - t) as f64 + 0.5) / (LEAD * n as f64);
+        if from_end < 1.0 { (0.25 * std::f64::consts::TAU * from_end).sin().powi(4) } else { 1.0 }
     };
     let mut planner = FftPlanner::new();
     let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
     let spectra: [Vec<C>; D] = std::array::from_fn(|i| {
-        let mut lines: Vec<C> = (0..n).map(|t| C::from(series[t][i] - line(t, i))).collect();
+        let mut lines: Vec<C> = (0..n).map(|t| C::from(rise(t) * (series[t][i] - line(t)[i]))).collect();
         forward.process(&mut lines);
         lines
     });
-    let mut out: Vec<[f64; D]> = (0..n)
-        .map(|t| std::array::from_fn(|i| (0..D).map(|j| first[(i, j)].re * line(t, j)).sum()))
-        .collect();
+    let mut out: Vec<[f64; D]> = (0..n).map(|t| std::array::from_fn(|i| real(i, &line(t)))).collect();
     for i in 0..D {
         let mut lines = vec![C::from(0.0); n];
         for k in 0..=n / 2 {
             let matrix = match matrices.get(k) {
                 Some(matrix) => matrix,
-                None if trend => &first,
+                None if beyond == Beyond::First => &first,
                 None => break,
             };
             let value = (0..D).map(|j| matrix[(i, j)] * spectra[j][k]).sum::<C>() / n as f64;
@@ -328,6 +356,16 @@ fn mapped(series: &[[f64; D]], matrices: &[Square], trend: bool) -> Vec<Displace
         out.iter_mut().zip(&lines).for_each(|(out, x)| out[i] += x.re);
     }
     out.into_iter().map(Displacement::from_array).collect()
+}
+
+/// Returns value at sample 0 and slope of the straight line through component `i` with the least squares.
+fn trend(series: &[[f64; D]], i: usize) -> [f64; 2] {
+    let n = series.len() as f64;
+    let middle = 0.5 * (n - 1.0);
+    let mean = series.iter().map(|x| x[i]).sum::<f64>() / n;
+    let moment: f64 = series.iter().enumerate().map(|(t, x)| (t as f64 - middle) * x[i]).sum();
+    let slope = 12.0 * moment / (n * (n * n - 1.0)).max(1.0);
+    [mean - slope * middle, slope]
 }
 
 /// The rotor in all its coordinates.
@@ -447,7 +485,8 @@ impl Lines {
                 Some((self.alpha(w)?, self.required(w - step)?, self.required(w)?, self.required(w + step)?))
             };
             let Some((alpha, before, z, after)) = all() else { return Err(PlantError::SingularMass) };
-            let (slope, bend) = ((after - before) / C::from(2.0 * step), (after - z * C::from(2.0) + before) / C::from(step * step));
+            let (slope, bend) =
+                ((after - before) / C::from(2.0 * step), (after - z * C::from(2.0) + before) / C::from(step * step));
             required.push([z, slope * C::i(), bend * C::from(-0.5)]);
             let z = DMatrix::from_fn(D, D, |i, j| z[(i, j)]);
             // Of a force on the coordinates: the equivalent wrench, and the motion that is left at a steady pose.

@@ -307,10 +307,7 @@ impl Reported<'_, '_> {
                 }
             }
             Cause::Waviness(b, _, order) => {
-                let normal = self
-                    .e
-                    .evaluated(machine, b)
-                    .map_or(1.0, |bearing| bearing.contact_cosine(&self.e.motion));
+                let normal = self.e.evaluated(machine, b).map_or(1.0, |bearing| bearing.contact_cosine(&self.e.motion));
                 let unknowns = [Unknown::Wave(b, at), Unknown::Wave(b, at + 1)];
                 let [amplitude, _] = self.vector(unknowns, 1e-6 / normal);
                 FaultParameters {

@@ -415,6 +415,12 @@ fn judged<'a>(
             (fitted, observable) = (again, seen);
             evidence = Some(own);
         }
+        // It moves the bearings of an elastic rotor, and so changes their stiffness along the motion.
+        Cause::Unbalance if search && of.evidence.is_elastic() => {
+            let (own, again, seen) = weighted(of, candidate, first)?;
+            (fitted, observable) = (again, seen);
+            evidence = Some(own);
+        }
         Cause::Spall(b, _) => observable[b] = true,
         _ if search && !is_explained => (fitted, observable) = with_cages(of, candidate, first)?,
         _ => {}

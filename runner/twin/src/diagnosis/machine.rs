@@ -1,11 +1,11 @@
 //! The machine under a hypothesis: the parameters that a diagnosis varies, and the forces that follow from them.
 
 use super::Result;
+use super::dynamics::{Tangent, planes};
 use super::motion::{D, Motion};
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing as BearingScene, Defect, DefectShape, Fit, Linear, Model, Scene, Surface, Unbalance, Wave};
-use super::dynamics::{Tangent, planes};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use std::f64::consts::TAU;
@@ -99,7 +99,8 @@ impl Machine {
 
 /// Returns true for a rigid rotor on fixed bearings.
 fn is_rigid(scene: &Scene) -> bool {
-    scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none()) && scene.bearings.iter().all(|b| b.support.is_none())
+    scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none())
+        && scene.bearings.iter().all(|b| b.support.is_none())
 }
 
 /// Square of the radial part of the loads over that of their sum, from which the contact angle follows from the radial force; below, from

@@ -119,7 +119,7 @@ impl<'a> Prepared<'a> {
             solver,
             has_axial_probe: of.probes.iter().any(|p| p.direction == Direction::Axial),
         };
-        let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting, machine)? else {
+        let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting)? else {
             return Ok(None);
         };
         if let Some(calibration) = of.calibration {

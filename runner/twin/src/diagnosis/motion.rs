@@ -13,8 +13,6 @@ use std::sync::Arc;
 pub const D: usize = 5;
 /// Complex amplitude.
 pub type C = Complex<f64>;
-/// Share of the record over which the window rises, and again falls.
-const TAPER: f64 = 0.12;
 
 /// Displacement of the rotor and motion of the shaft, sample by sample.
 pub struct Motion {
@@ -91,17 +89,22 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// Creates the transform of `n` samples at `period` (s) for lines up to `highest` (rad/s).
-    pub fn new(n: usize, period: f64, highest: f64) -> Self {
+    /// Creates the transform of `n` samples at `period` (s) for lines up to `highest` (rad/s); the window begins after the share `lead` of the
+    /// record and rises over the share `taper`; it falls in the same way.
+    pub fn new(n: usize, period: f64, highest: f64, [lead, taper]: [f64; 2]) -> Self {
         let fft = FftPlanner::new().plan_fft_forward(n);
         let fine = FftPlanner::new().plan_fft_forward(n * PARTS);
         let length = n as f64 * period;
-        let rise = TAPER * length;
+        let rise = taper * length;
         // sin^4: value and first three derivatives vanish at the ends.
         let k = 0.5 * PI / rise;
         let value = |i: usize| {
             let t = (i as f64 + 0.5) * period;
             let (edge, sign) = if t < 0.5 * length { (t, 1.0) } else { (length - t, -1.0) };
+            let edge = edge - lead * length;
+            if edge <= 0.0 {
+                return [0.0; 3];
+            }
             if edge >= rise {
                 return [1.0, 0.0, 0.0];
             }
@@ -184,7 +187,7 @@ mod tests {
     #[test]
     fn derivatives_by_the_window() {
         let (n, period, w) = (4096, 1e-4, 300.0);
-        let transform = Transform::new(n, period, 2000.0);
+        let transform = Transform::new(n, period, 2000.0, [0.0, 0.12]);
         let q = |t: usize| (w * t as f64 * period).sin();
         let five =
             |order: usize, of: &dyn Fn(usize) -> f64| transform.five(order, |t| [of(t), 0.0, 0.0, 0.0, 0.0])[0].clone();

@@ -1,7 +1,7 @@
 //! The force that a machine leaves unexplained, as a residual at the probes in units of their noise.
 
 use super::Result;
-use super::dynamics::{Dynamics, Square, Tangent};
+use super::dynamics::{Dynamics, LEAD, Square, Tangent};
 use super::filter::LineFilter;
 use super::fit::dot;
 use super::machine::{Evaluated, Machine, MachineBearing, Part, Unknown};
@@ -13,12 +13,18 @@ use ballrace::Displacement;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::Arc;
 
+/// Lead and rise of the window, as shares of the record. A rotor that bends vibrates freely for some time with its probes at rest: the
+/// window changes little in that time.
+const RIGID_WINDOW: [f64; 2] = [0.0, 0.12];
+const ELASTIC_WINDOW: [f64; 2] = [LEAD, 0.4];
 /// Lines over which the window spreads a mean.
 pub const MEAN_LINES: usize = 5;
 /// Lines on each side over which the noise is estimated.
 const NEIGHBOURS: usize = 6;
 /// Sets of made-up noise from which the noise of the residual is estimated.
 const DRAWS: usize = 3;
+/// Relative error of the static line of a shaft: Young's modulus of steels differs by 2 %, shrunk-on parts stiffen the shaft.
+const SAG_ERROR: f64 = 0.02;
 /// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
 const MOMENT_ROUNDS: usize = 2;
 /// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
@@ -59,9 +65,11 @@ pub(super) struct Evidence<'a> {
     displacement: Arc<[[Vec<C>; D]; 3]>,
     weighting: Arc<Weighting>,
     dynamics: Arc<Dynamics>,
-    /// Displacement of the rotor at each bearing, with unbalance and load of the scene.
+    /// Displacement of the rotor at each bearing by the pose alone.
+    by_pose: Arc<Vec<Vec<Displacement<f64>>>>,
+    /// The same with unbalance, load and moments of the machine by which the residual is weighted.
     displaced: Vec<Arc<Vec<Displacement<f64>>>>,
-    /// Unbalance and load of the scene.
+    /// Unbalance and load of that machine.
     given: ([f64; 4], [f64; D]),
     /// Force along X and Y of a unit unbalance at angle 0, and its spectra.
     unit_unbalance: Arc<Vec<[f64; 2]>>,
@@ -134,10 +142,14 @@ impl<'a> Evidence<'a> {
         mut motion: Motion,
         highest: f64,
         weighting: Weighting,
-        machine: &Machine,
     ) -> Result<Option<Self>> {
         let Some(rotor) = scene.rotor.as_ref() else { return Ok(None) };
-        let transform = Transform::new(motion.len(), motion.period, highest);
+        let transform = Transform::new(
+            motion.len(),
+            motion.period,
+            highest,
+            if plant.layout.is_rigid() { RIGID_WINDOW } else { ELASTIC_WINDOW },
+        );
         let of_probes = (weighting.probes.as_slice(), &weighting.solver);
         // A rotor that the plant is made of can be reduced.
         let Ok(Some(dynamics)) = Dynamics::new(scene, plant, of_probes, &transform.lines, motion.mean_speed()) else {
@@ -151,15 +163,9 @@ impl<'a> Evidence<'a> {
         let [gx, gy, gz] = rotor.gravity;
         let gravity = [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0];
         let unit_unbalance = motion.unit_unbalance();
-        let mut displaced = dynamics.displacements(&filtered);
-        for (b, displaced) in displaced.iter_mut().enumerate() {
-            let by_loads = dynamics.by_loads(b, machine.unbalance, [&machine.load, &gravity], &unit_unbalance);
-            for (sum, part) in displaced.iter_mut().zip(by_loads.into_iter().flatten()) {
-                *sum = *sum + part;
-            }
-        }
+        let by_pose = dynamics.displacements(&filtered);
         motion.q = filtered.into_iter().map(Displacement::from_array).collect();
-        let mut evidence = Self {
+        Ok(Some(Self {
             scene,
             plant,
             rest_lines: Arc::new(transform.five(0, |t| rest[t])),
@@ -170,8 +176,9 @@ impl<'a> Evidence<'a> {
             displacement: Arc::new(displacement),
             weighting: Arc::new(weighting),
             dynamics: Arc::new(dynamics),
-            displaced: displaced.iter().cloned().map(Arc::new).collect(),
-            given: (machine.unbalance, machine.load),
+            displaced: vec![],
+            by_pose: Arc::new(by_pose),
+            given: ([0.0; 4], [0.0; D]),
             unit_unbalance: Arc::new(unit_unbalance),
             whitening: vec![],
             whitening_of_bearing: vec![],
@@ -184,16 +191,24 @@ impl<'a> Evidence<'a> {
             rest: Arc::new(rest),
             correction: Default::default(),
             gravity,
-        };
-        if evidence.dynamics.is_elastic() {
-            evidence.add_moments(machine, displaced)?;
-        }
-        Ok(Some(evidence))
+        }))
     }
 
-    /// Adds the displacement of the bearings by their moments, which no pair of forces replaces; `displaced` is that without moments.
-    fn add_moments(&mut self, machine: &Machine, displaced: Vec<Vec<Displacement<f64>>>) -> Result<()> {
-        for _ in 0..MOMENT_ROUNDS {
+    /// Finds the displacement of the bearings with unbalance and load of a machine, and with the moments of its bearings, which no pair of
+    /// forces replaces.
+    fn displace(&mut self, machine: &Machine) -> Result<()> {
+        let mut displaced = (*self.by_pose).clone();
+        for (b, displaced) in displaced.iter_mut().enumerate() {
+            let by_loads =
+                self.dynamics.by_loads(b, machine.unbalance, [&machine.load, &self.gravity], &self.unit_unbalance);
+            for (sum, part) in displaced.iter_mut().zip(by_loads.into_iter().flatten()) {
+                *sum = *sum + part;
+            }
+        }
+        self.displaced = displaced.iter().cloned().map(Arc::new).collect();
+        self.given = (machine.unbalance, machine.load);
+        let rounds = if self.dynamics.is_elastic() { MOMENT_ROUNDS } else { 0 };
+        for _ in 0..rounds {
             let moments = (0..machine.bearings.len())
                 .map(|b| {
                     let of = |[_, _, _, mx, my]: [f64; D]| [0.0, 0.0, 0.0, mx, my];
@@ -233,6 +248,9 @@ impl<'a> Evidence<'a> {
 
     /// Weights residuals by the noise that they have with this machine.
     pub fn weight_for(&mut self, machine: &Machine) -> Result<()> {
+        if self.displaced.is_empty() || self.dynamics.is_elastic() {
+            self.displace(machine)?;
+        }
         self.reference = self.mean_stiffness(machine)?;
         self.whitening = self.whitening_of(&self.reference);
         self.whiten_bearings();
@@ -242,6 +260,11 @@ impl<'a> Evidence<'a> {
         self.scale_noise(machine)?;
         self.whiten_bearings();
         self.tolerate(machine)
+    }
+
+    /// Returns true where unbalance and load move the bearings while the probes stay.
+    pub fn is_elastic(&self) -> bool {
+        self.dynamics.is_elastic()
     }
 
     /// Brings the weights of forces about the centre of mass to forces at each bearing.
@@ -401,8 +424,11 @@ impl<'a> Evidence<'a> {
             measured.iter().map(row).collect()
         };
         let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().enumerate().map(whitening).collect();
-        // The offset of a probe is not known better than its noise, however long the record.
-        let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64).sqrt();
+        // The offset of a probe is not known better than its noise, however long the record, and the line of a shaft that bends under its
+        // weight no better than its elasticity.
+        let least = self.weighting.noise.iter().copied().fold(f64::INFINITY, f64::min);
+        let offset = (SAG_ERROR * self.dynamics.sag(&self.given.1, &self.gravity) / least).hypot(1.0);
+        let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64 * offset * offset).sqrt();
         for rows in all.iter_mut().take(MEAN_LINES) {
             rows.iter_mut().flatten().for_each(|a| *a *= mean);
         }

@@ -353,7 +353,6 @@ impl Plant {
         Ok((Step { method: self.integration.method, length: sample_period / f64::from(substeps) }, substeps))
     }
 
-
     /// Returns a twin at the given revolutions of the shaft, run in at that speed from rest.
     ///
     /// # Errors
