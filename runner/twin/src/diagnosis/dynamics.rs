@@ -12,9 +12,9 @@
 //! For a rigid rotor on fixed bearings all of these are constant but for the inertia.
 
 use super::motion::{C, D};
-use crate::plant::{Layout, Plant, PlantError, Rows};
+use crate::plant::{Layout, Plant, PlantError, Rows, unbalance_planes};
 use crate::probes::PoseSolver;
-use crate::scene::{Probe, Rotor, Scene, Unbalance};
+use crate::scene::{Probe, Rotor, Scene};
 use ballrace::Displacement;
 use nalgebra::{DMatrix, SMatrix};
 use rustfft::FftPlanner;
@@ -56,6 +56,9 @@ enum Inertia {
     /// By line: of the transform, and of the first and second derivative of its window.
     Lines(Vec<[Square; 3]>),
 }
+
+/// Displacement by a unit unbalance at angle 0 and at a quarter of a revolution: for each bearing and plane, sample by sample.
+pub type UnitResponses = Vec<[[Vec<Displacement<f64>>; 2]; 2]>;
 
 struct Elastic {
     /// Stations of two planes at which unbalance is taken to change, m.
@@ -224,29 +227,35 @@ impl Dynamics {
         sum
     }
 
-    /// Returns the displacement of bearing `b` by unbalance, load and weight while the pose stays; none for a rigid rotor. `unit` is the force along X and Y of a unit
-    /// unbalance at angle 0, sample by sample.
+    /// Returns the displacement of every bearing by a unit unbalance in each plane while the pose stays; none for a rigid rotor. `unit` is
+    /// the force along X and Y of a unit unbalance at angle 0, sample by sample.
+    pub fn unit_responses(&self, unit: &[[f64; 2]]) -> Option<UnitResponses> {
+        let elastic = self.elastic.as_ref()?;
+        let ahead: Vec<[f64; D]> = unit.iter().map(|[p, q]| [*p, *q, 0.0, 0.0, 0.0]).collect();
+        let behind: Vec<[f64; D]> = unit.iter().map(|[p, q]| [-q, *p, 0.0, 0.0, 0.0]).collect();
+        let of = |matrices: &Vec<Square>| [&ahead, &behind].map(|force| mapped(force, matrices, Beyond::None));
+        Some(elastic.by_plane.iter().map(|planes| planes.each_ref().map(of)).collect())
+    }
+
+    /// Returns the displacement of bearing `b` by unbalance, load and weight while the pose stays; none for a rigid rotor.
     pub fn by_loads(
         &self,
         b: usize,
         unbalance: [f64; 4],
         [load, weight]: [&[f64; D]; 2],
-        unit: &[[f64; 2]],
+        unit: Option<&UnitResponses>,
     ) -> Option<Vec<Displacement<f64>>> {
         let elastic = self.elastic.as_ref()?;
+        let of_planes = &unit?[b];
         let local = elastic.local_load(load).map(C::from);
         let constant = elastic.by_load[b] * nalgebra::SVector::<C, D>::from(local)
             + elastic.by_weight[b] * nalgebra::SVector::<C, D>::from(weight.map(C::from));
-        let constant = Displacement::from_array(std::array::from_fn(|i| constant[i].re));
-        let mut sum = vec![constant; unit.len()];
-        for (matrices, [x, y]) in elastic.by_plane[b].iter().zip(elastic.in_planes(unbalance)) {
-            if x == 0.0 && y == 0.0 {
-                continue;
-            }
-            let force: Vec<[f64; D]> =
-                unit.iter().map(|[p, q]| [x * p - y * q, x * q + y * p, 0.0, 0.0, 0.0]).collect();
-            for (sum, part) in sum.iter_mut().zip(mapped(&force, matrices, Beyond::None)) {
-                *sum = *sum + part;
+        let mut sum = vec![Displacement::from_array(std::array::from_fn(|i| constant[i].re)); of_planes[0][0].len()];
+        for (responses, moments) in of_planes.iter().zip(elastic.in_planes(unbalance)) {
+            for (response, moment) in responses.iter().zip(moments).filter(|(_, moment)| *moment != 0.0) {
+                for (sum, part) in sum.iter_mut().zip(response) {
+                    *sum = *sum + Displacement::from_array(part.to_array().map(|x| moment * x));
+                }
             }
         }
         Some(sum)
@@ -431,7 +440,7 @@ impl Lines {
             through_bearings[(j, 3)] = (y2 - y1) / span;
         }
         through_bearings[(2, 2)] = C::from(1.0);
-        let planes = planes(rotor, [z1, z2]);
+        let planes = unbalance_planes(rotor, [z1, z2]);
         let load_station = rotor.flexible.as_ref().map_or(0.0, |drawn| drawn.load_station);
         let mut weight = DMatrix::from_element(D, n, C::from(0.0));
         for i in 0..D {
@@ -529,16 +538,4 @@ impl Lines {
             }),
         })
     }
-}
-
-/// Returns two planes for the unbalance of an elastic rotor: those of the scene's two largest ones, else of disks, else within the bearings.
-pub fn planes(rotor: &Rotor, bearings: [f64; 2]) -> [f64; 2] {
-    let mut unbalances: Vec<&Unbalance> = rotor.unbalance.iter().collect();
-    unbalances.sort_by(|a, b| b.moment.total_cmp(&a.moment));
-    let disks = rotor.flexible.iter().flat_map(|drawn| &drawn.disks).map(|d| d.station);
-    let between = [0.75, 0.25].map(|share| bearings[0] + share * (bearings[1] - bearings[0]));
-    let all: Vec<f64> = unbalances.iter().map(|u| u.station).chain(disks).chain(between).collect();
-    let apart = 0.05 * (bearings[1] - bearings[0]).abs();
-    let first = all[0];
-    [first, all.iter().copied().find(|z| (z - first).abs() > apart).unwrap_or(first + apart)]
 }

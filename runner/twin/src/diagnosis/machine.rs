@@ -1,9 +1,9 @@
 //! The machine under a hypothesis: the parameters that a diagnosis varies, and the forces that follow from them.
 
 use super::Result;
-use super::dynamics::{Tangent, planes};
+use super::dynamics::Tangent;
 use super::motion::{D, Motion};
-use crate::plant::Plant;
+use crate::plant::{Plant, unbalance_planes};
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing as BearingScene, Defect, DefectShape, Fit, Linear, Model, Scene, Surface, Unbalance, Wave};
 use ballrace::bearing::Bearing as _;
@@ -79,7 +79,7 @@ impl Machine {
         }
         if let Some(rotor) = &mut scene.rotor {
             let [a, b] = match self.bearings.as_slice() {
-                [first, second] if !is_rigid => planes(rotor, [first.scene.station, second.scene.station]),
+                [first, second] if !is_rigid => unbalance_planes(rotor, [first.scene.station, second.scene.station]),
                 _ => PLANES,
             };
             if is_rigid {

@@ -1,7 +1,7 @@
 //! The force that a machine leaves unexplained, as a residual at the probes in units of their noise.
 
 use super::Result;
-use super::dynamics::{Dynamics, LEAD, Square, Tangent};
+use super::dynamics::{Dynamics, LEAD, Square, Tangent, UnitResponses};
 use super::filter::LineFilter;
 use super::fit::dot;
 use super::machine::{Evaluated, Machine, MachineBearing, Part, Unknown};
@@ -23,8 +23,8 @@ pub const MEAN_LINES: usize = 5;
 const NEIGHBOURS: usize = 6;
 /// Sets of made-up noise from which the noise of the residual is estimated.
 const DRAWS: usize = 3;
-/// Relative error of the static line of a shaft: Young's modulus of steels differs by 2 %, shrunk-on parts stiffen the shaft.
-const SAG_ERROR: f64 = 0.02;
+/// Relative standard deviation of a shaft's elasticity: Young's modulus of steels differs by 2 %, shrunk-on parts stiffen the shaft.
+const ELASTICITY_ERROR: f64 = 0.02;
 /// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
 const MOMENT_ROUNDS: usize = 2;
 /// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
@@ -64,15 +64,14 @@ pub(super) struct Evidence<'a> {
     /// Spectra of q, w' q and w'' q, with q the lines that stand out.
     displacement: Arc<[[Vec<C>; D]; 3]>,
     weighting: Arc<Weighting>,
-    dynamics: Arc<Dynamics>,
-    /// Displacement of the rotor at each bearing by the pose alone.
-    by_pose: Arc<Vec<Vec<Displacement<f64>>>>,
+    shaft: Shaft,
+    /// The same rotor with a stiffer shaft, by [`ELASTICITY_ERROR`]; none for a rigid one.
+    stiffer: Option<Shaft>,
     /// The same with unbalance, load and moments of the machine by which the residual is weighted.
     displaced: Vec<Arc<Vec<Displacement<f64>>>>,
     /// Unbalance and load of that machine.
     given: ([f64; 4], [f64; D]),
-    /// Force along X and Y of a unit unbalance at angle 0, and its spectra.
-    unit_unbalance: Arc<Vec<[f64; 2]>>,
+    /// Spectra of the force along X and Y of a unit unbalance at angle 0.
     unit_unbalance_lines: Arc<[Vec<C>; 2]>,
     /// Spectrum of 1.
     constant: Arc<Vec<C>>,
@@ -99,6 +98,36 @@ pub(super) struct Evidence<'a> {
     /// lower the noise by less damping.
     correction: [Vec<C>; D],
     gravity: [f64; D],
+}
+
+/// Relations of the rotor's places, applied to a motion.
+#[derive(Clone)]
+struct Shaft {
+    dynamics: Arc<Dynamics>,
+    /// Displacement of the rotor at each bearing by the pose alone.
+    by_pose: Arc<Vec<Vec<Displacement<f64>>>>,
+    /// Displacement of the bearings by a unit unbalance.
+    unit_responses: Option<Arc<UnitResponses>>,
+}
+
+impl Shaft {
+    /// Returns none where the rotor does not allow it.
+    fn new(
+        scene: &Scene,
+        plant: &Plant,
+        weighting: &Weighting,
+        transform: &Transform,
+        (motion, pose): (&Motion, &[[f64; D]]),
+    ) -> Option<Self> {
+        let of_probes = (weighting.probes.as_slice(), &weighting.solver);
+        // A rotor that the plant is made of can be reduced.
+        let dynamics = Dynamics::new(scene, plant, of_probes, &transform.lines, motion.mean_speed()).ok()??;
+        Some(Self {
+            by_pose: Arc::new(dynamics.displacements(pose)),
+            unit_responses: dynamics.unit_responses(&motion.unit_unbalance()).map(Arc::new),
+            dynamics: Arc::new(dynamics),
+        })
+    }
 }
 
 /// A direction of the whitened residual with the share of it that is taken from a residual.
@@ -150,11 +179,6 @@ impl<'a> Evidence<'a> {
             highest,
             if plant.layout.is_rigid() { RIGID_WINDOW } else { ELASTIC_WINDOW },
         );
-        let of_probes = (weighting.probes.as_slice(), &weighting.solver);
-        // A rotor that the plant is made of can be reduced.
-        let Ok(Some(dynamics)) = Dynamics::new(scene, plant, of_probes, &transform.lines, motion.mean_speed()) else {
-            return Ok(None);
-        };
         let q: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
         let filter = LineFilter::new(&q, weighting.pose_noise());
         let filtered = filter.apply(&q);
@@ -163,7 +187,20 @@ impl<'a> Evidence<'a> {
         let [gx, gy, gz] = rotor.gravity;
         let gravity = [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0];
         let unit_unbalance = motion.unit_unbalance();
-        let by_pose = dynamics.displacements(&filtered);
+        let Some(shaft) = Shaft::new(scene, plant, &weighting, &transform, (&motion, &filtered)) else {
+            return Ok(None);
+        };
+        let mut stiffer = None;
+        if let Some(drawn) = &rotor.flexible {
+            let youngs_modulus = drawn.youngs_modulus * (1.0 + ELASTICITY_ERROR);
+            let mut scene = scene.clone();
+            scene
+                .rotor
+                .iter_mut()
+                .flat_map(|r| &mut r.flexible)
+                .for_each(|drawn| drawn.youngs_modulus = youngs_modulus);
+            stiffer = Shaft::new(&scene, plant, &weighting, &transform, (&motion, &filtered));
+        }
         motion.q = filtered.into_iter().map(Displacement::from_array).collect();
         Ok(Some(Self {
             scene,
@@ -175,11 +212,10 @@ impl<'a> Evidence<'a> {
             transform: Arc::new(transform),
             displacement: Arc::new(displacement),
             weighting: Arc::new(weighting),
-            dynamics: Arc::new(dynamics),
+            shaft,
+            stiffer,
             displaced: vec![],
-            by_pose: Arc::new(by_pose),
             given: ([0.0; 4], [0.0; D]),
-            unit_unbalance: Arc::new(unit_unbalance),
             whitening: vec![],
             whitening_of_bearing: vec![],
             noise_scale: vec![],
@@ -197,17 +233,21 @@ impl<'a> Evidence<'a> {
     /// Finds the displacement of the bearings with unbalance and load of a machine, and with the moments of its bearings, which no pair of
     /// forces replaces.
     fn displace(&mut self, machine: &Machine) -> Result<()> {
-        let mut displaced = (*self.by_pose).clone();
+        let mut displaced = (*self.shaft.by_pose).clone();
         for (b, displaced) in displaced.iter_mut().enumerate() {
-            let by_loads =
-                self.dynamics.by_loads(b, machine.unbalance, [&machine.load, &self.gravity], &self.unit_unbalance);
+            let by_loads = self.shaft.dynamics.by_loads(
+                b,
+                machine.unbalance,
+                [&machine.load, &self.gravity],
+                self.shaft.unit_responses.as_deref(),
+            );
             for (sum, part) in displaced.iter_mut().zip(by_loads.into_iter().flatten()) {
                 *sum = *sum + part;
             }
         }
         self.displaced = displaced.iter().cloned().map(Arc::new).collect();
         self.given = (machine.unbalance, machine.load);
-        let rounds = if self.dynamics.is_elastic() { MOMENT_ROUNDS } else { 0 };
+        let rounds = if self.shaft.dynamics.is_elastic() { MOMENT_ROUNDS } else { 0 };
         for _ in 0..rounds {
             let moments = (0..machine.bearings.len())
                 .map(|b| {
@@ -216,7 +256,7 @@ impl<'a> Evidence<'a> {
                 })
                 .collect::<Result<Vec<Vec<[f64; D]>>>>()?;
             let mut next = displaced.clone();
-            self.dynamics.add_by_bearings(&moments, &mut next);
+            self.shaft.dynamics.add_by_bearings(&moments, &mut next);
             self.displaced = next.into_iter().map(Arc::new).collect();
         }
         Ok(())
@@ -240,7 +280,12 @@ impl<'a> Evidence<'a> {
         }
         let more_unbalance = std::array::from_fn(|i| machine.unbalance[i] - unbalance[i]);
         let more_load: [f64; D] = std::array::from_fn(|i| machine.load[i] - load[i]);
-        match self.dynamics.by_loads(b, more_unbalance, [&more_load, &[0.0; D]], &self.unit_unbalance) {
+        match self.shaft.dynamics.by_loads(
+            b,
+            more_unbalance,
+            [&more_load, &[0.0; D]],
+            self.shaft.unit_responses.as_deref(),
+        ) {
             Some(more) => Arc::new(self.displaced[b].iter().zip(more).map(|(u, more)| *u + more).collect()),
             None => self.displaced[b].clone(),
         }
@@ -248,7 +293,7 @@ impl<'a> Evidence<'a> {
 
     /// Weights residuals by the noise that they have with this machine.
     pub fn weight_for(&mut self, machine: &Machine) -> Result<()> {
-        if self.displaced.is_empty() || self.dynamics.is_elastic() {
+        if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
             self.displace(machine)?;
         }
         self.reference = self.mean_stiffness(machine)?;
@@ -264,14 +309,14 @@ impl<'a> Evidence<'a> {
 
     /// Returns true where unbalance and load move the bearings while the probes stay.
     pub fn is_elastic(&self) -> bool {
-        self.dynamics.is_elastic()
+        self.shaft.dynamics.is_elastic()
     }
 
     /// Brings the weights of forces about the centre of mass to forces at each bearing.
     fn whiten_bearings(&mut self) {
         let of = |b: usize| {
             let line = |(k, rows): (usize, &Vec<[C; D]>)| {
-                let from = self.dynamics.from_bearing(b, k);
+                let from = self.shaft.dynamics.from_bearing(b, k);
                 let row = |row: &[C; D]| std::array::from_fn(|j| (0..D).map(|i| row[i] * from[(i, j)]).sum());
                 rows.iter().map(row).collect()
             };
@@ -297,10 +342,15 @@ impl<'a> Evidence<'a> {
     /// covariance of the residual is `1 + U U^T`. From the eigenvalues `d^2` of `U^T U` its inverse root is
     /// `1 - sum q q^T (1 - 1 / sqrt(1 + d^2))`, q the unit vectors `U v / d`.
     fn tolerate(&mut self, machine: &Machine) -> Result<()> {
-        let Some((unknowns, root)) = &self.uncertain else { return Ok(()) };
-        let n = unknowns.len();
+        let none = (vec![], DMatrix::zeros(0, 0));
+        let (unknowns, known) = self.uncertain.as_ref().unwrap_or(&none);
         let spectra = self.spectra(machine)?;
-        let slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
+        let mut slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
+        slopes.extend(self.elasticity_slope(&spectra, machine)?);
+        let n = slopes.len();
+        // The elasticity is independent of the rest, its slope that of one deviation.
+        let root = DMatrix::from_fn(n, n, |i, j| known.get((i, j)).copied().unwrap_or(if i == j { 1.0 } else { 0.0 }));
+        let root = &root;
         let products = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
         let products = DMatrix::from_fn(n, n, |i, j| products[(i.min(j), i.max(j))]);
         let eigen = (root.transpose() * products * root).symmetric_eigen();
@@ -315,6 +365,15 @@ impl<'a> Evidence<'a> {
         };
         self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > LEAST_TOLERANCE).map(direction).collect();
         Ok(())
+    }
+
+    /// Returns the change of the residual by a shaft that is stiffer by one deviation; none for a rigid rotor.
+    fn elasticity_slope(&self, spectra: &Spectra, machine: &Machine) -> Result<Option<Vec<f64>>> {
+        let Some(stiffer) = &self.stiffer else { return Ok(None) };
+        let mut other = Self { shaft: stiffer.clone(), ..self.clone() };
+        other.displace(machine)?;
+        let changed = other.residual(&other.spectra(machine)?);
+        Ok(Some(changed.iter().zip(self.residual(spectra)).map(|(a, b)| a - b).collect()))
     }
 
     /// Returns the residual of a machine with these spectra in the weights of its own.
@@ -396,7 +455,7 @@ impl<'a> Evidence<'a> {
 
     /// Force that a displacement at line `k`, the angular frequency `w`, requires, by the mean stiffness.
     fn dynamic_stiffness(&self, of: &MeanStiffness, k: usize, w: f64) -> Square {
-        self.dynamics.stiffness(k, w, &of.damping, &of.tangents)
+        self.shaft.dynamics.stiffness(k, w, &of.damping, &of.tangents)
     }
 
     /// A force is brought to the displacement that it causes at the mean stiffness, which is then divided by its noise.
@@ -427,7 +486,7 @@ impl<'a> Evidence<'a> {
         // The offset of a probe is not known better than its noise, however long the record, and the line of a shaft that bends under its
         // weight no better than its elasticity.
         let least = self.weighting.noise.iter().copied().fold(f64::INFINITY, f64::min);
-        let offset = (SAG_ERROR * self.dynamics.sag(&self.given.1, &self.gravity) / least).hypot(1.0);
+        let offset = (ELASTICITY_ERROR * self.shaft.dynamics.sag(&self.given.1, &self.gravity) / least).hypot(1.0);
         let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64 * offset * offset).sqrt();
         for rows in all.iter_mut().take(MEAN_LINES) {
             rows.iter_mut().flatten().for_each(|a| *a *= mean);
@@ -465,13 +524,13 @@ impl<'a> Evidence<'a> {
         };
         let inertia = |series: &[[f64; D]]| {
             let spectra = std::array::from_fn(|order| self.transform.five(order, |t| series[t]));
-            self.dynamics.required(&self.transform.lines, &machine.damping, &spectra)
+            self.shaft.dynamics.required(&self.transform.lines, &machine.damping, &spectra)
         };
         let add = |sum: &mut [Vec<C>; D], b: usize, of: &dyn Fn(usize) -> [f64; D]| {
-            self.dynamics.add(b, &self.transform.five(0, of), sum);
+            self.shaft.dynamics.add(b, &self.transform.five(0, of), sum);
         };
         let mut correction = inertia(&self.rest);
-        for (b, rest) in self.dynamics.displacements(&self.rest).iter().enumerate() {
+        for (b, rest) in self.shaft.dynamics.displacements(&self.rest).iter().enumerate() {
             add(&mut correction, b, &|t| linear(b, t, &rest[t]));
         }
         let exact: Vec<Vec<[f64; D]>> = evaluated.iter().map(|one| one.forces(&self.motion)).collect();
@@ -483,7 +542,7 @@ impl<'a> Evidence<'a> {
             let passed = self.filter.apply(&error);
             let rest: Vec<[f64; D]> =
                 error.iter().zip(&passed).map(|(e, p)| std::array::from_fn(|i| e[i] - p[i])).collect();
-            let (passed, rest) = (self.dynamics.displacements(&passed), self.dynamics.displacements(&rest));
+            let (passed, rest) = (self.shaft.dynamics.displacements(&passed), self.shaft.dynamics.displacements(&rest));
             let mut force = inertia(&error);
             for (b, one) in evaluated.iter().enumerate() {
                 // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
@@ -536,7 +595,7 @@ impl<'a> Evidence<'a> {
     /// Returns the spectra of a force at bearing `b`, sample by sample, as one about the centre of mass.
     pub fn about_centre(&self, b: usize, of: &dyn Fn(usize) -> [f64; D]) -> [Vec<C>; D] {
         let mut sum: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
-        self.dynamics.add(b, &self.transform.five(0, of), &mut sum);
+        self.shaft.dynamics.add(b, &self.transform.five(0, of), &mut sum);
         sum
     }
 
@@ -550,16 +609,16 @@ impl<'a> Evidence<'a> {
             }
         }
         let mut about_centre: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); spectra[0].len()]);
-        self.dynamics.add(i, &spectra, &mut about_centre);
+        self.shaft.dynamics.add(i, &spectra, &mut about_centre);
         Ok(about_centre)
     }
 
     /// Load, unbalance, inertia and damping: what the rotor's motion requires, as a force with the opposite sign.
     fn rotor(&self, machine: &Machine) -> [Vec<C>; D] {
-        let mut sum = self.dynamics.required(&self.transform.lines, &machine.damping, &self.displacement);
+        let mut sum = self.shaft.dynamics.required(&self.transform.lines, &machine.damping, &self.displacement);
         for part in [
-            self.dynamics.unbalance(machine.unbalance, &self.unit_unbalance_lines),
-            self.dynamics.load(&machine.load, &self.gravity, &self.constant),
+            self.shaft.dynamics.unbalance(machine.unbalance, &self.unit_unbalance_lines),
+            self.shaft.dynamics.load(&machine.load, &self.gravity, &self.constant),
         ] {
             for (sum, part) in sum.iter_mut().zip(part) {
                 sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
@@ -575,7 +634,7 @@ impl<'a> Evidence<'a> {
             Part::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
             Part::Rotor => {
                 spectra.rotor = self.rotor(machine);
-                if self.dynamics.is_elastic() {
+                if self.shaft.dynamics.is_elastic() {
                     for i in 0..machine.bearings.len() {
                         spectra.bearings[i] = self.bearing(machine, i)?;
                     }
@@ -664,7 +723,7 @@ impl<'a> Evidence<'a> {
         let pairs = changed.bearings.iter().zip(&spectra.bearings);
         let all = match unknown.part() {
             Part::Bearing(i) => vec![(&changed.bearings[i], &spectra.bearings[i])],
-            Part::Rotor if self.dynamics.is_elastic() => {
+            Part::Rotor if self.shaft.dynamics.is_elastic() => {
                 pairs.chain(std::iter::once((&changed.rotor, &spectra.rotor))).collect()
             }
             Part::Rotor => vec![(&changed.rotor, &spectra.rotor)],

@@ -125,13 +125,13 @@ impl Gains {
             let steady = model::steady(plant, rows, from + i as f64 * stride, period, of)?;
             log_determinant = -2.0 * (0..rows.len()).map(|i| steady.whitening[(i, i)].ln()).sum::<f64>();
             let n = plant.layout.order;
-            let loads = model::loads(plant);
+            let (loads, rotating) = (model::loads(plant), model::rotating_loads(plant));
             let part = |first: usize, rows: usize| steady.gain.rows(first, rows).into_owned();
             all.push(Gain {
                 position: part(0, n),
                 rate: part(n, n),
                 load: &loads * part(2 * n, model::LOADS),
-                rotating_load: &loads * part(2 * n + model::LOADS, model::LOADS),
+                rotating_load: &rotating * part(2 * n + model::LOADS, model::LOADS),
                 whitening: steady.whitening,
             });
         }

@@ -2,7 +2,7 @@
 
 use super::riccati::{Sampled, Steady};
 use crate::error::Result;
-use crate::plant::{Plant, PlantError};
+use crate::plant::{Plant, PlantError, unbalance_planes};
 use nalgebra::DMatrix;
 
 /// Number of unknown loads: force and moment on a rigid rotor, or forces at two bearings of another one.
@@ -51,6 +51,19 @@ pub fn loads(plant: &Plant) -> DMatrix<f64> {
         }
         _ => DMatrix::identity(n, LOADS),
     }
+}
+
+/// Returns the force on each coordinate by each unknown load that rotates with the shaft: of a flexible rotor, along X and Y in two planes
+/// where it is out of balance; else as [`loads`].
+#[must_use]
+pub fn rotating_loads(plant: &Plant) -> DMatrix<f64> {
+    let (Some(rotor), [first, second]) = (plant.rotor(), plant.bearings.as_slice()) else { return loads(plant) };
+    if plant.layout.flexible().is_none() || first.station == second.station {
+        return loads(plant);
+    }
+    let planes = unbalance_planes(rotor, [first.station, second.station]).map(|z| plant.layout.rows(z));
+    let rows = [&planes[0][0], &planes[0][1], &planes[0][2], &planes[1][0], &planes[1][1]];
+    DMatrix::from_fn(plant.layout.order, LOADS, |i, j| rows[j][i])
 }
 
 /// Returns units in which all states are of similar size: um, um at the bearings, their rates, N.
@@ -117,7 +130,7 @@ fn sampled(
     f.view_mut((order, 0), (order, order)).copy_from(&by_position);
     f.view_mut((order, order), (order, order)).copy_from(&by_rate);
     f.view_mut((order, load), (order, LOADS)).copy_from(&by_load);
-    f.view_mut((order, rotating), (order, LOADS)).copy_from(&by_load);
+    f.view_mut((order, rotating), (order, LOADS)).copy_from(&(&inverse * rotating_loads(plant)));
     for i in load..n {
         f[(i, i)] = -1.0 / MEMORY;
     }

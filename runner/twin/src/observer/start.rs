@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::least_squares;
 use crate::plant::Plant;
 use crate::probes::reading;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Number of samples in the fit.
 const SAMPLES: usize = 1024;
@@ -22,7 +22,8 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
     let IdentificationData { samples, rows, period, .. } = *data;
     let samples = samples.get(..SAMPLES.min(samples.len())).unwrap_or_default();
     let Some(first) = samples.first() else { return Ok(guess) };
-    let (lever, weight, loads) = (model::lever(plant), model::weight(plant), model::loads(plant));
+    let (lever, weight) = (model::lever(plant), model::weight(plant));
+    let (loads, rotating) = (model::loads(plant), model::rotating_loads(plant));
     let (n, are_moments) = (plant.layout.order, plant.layout.flexible().is_none());
     let by = |i: usize| if i == 3 || i == 4 { lever } else { 1.0 };
     let lengths = |size: f64| (0..n).map(move |i| size / by(i));
@@ -35,12 +36,12 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
         let (rate, x) = x.split_at(n);
         let (load, turning) = x.split_at(model::LOADS);
         let sum = |from: &[f64], x: &[f64]| from.iter().zip(x).map(|(a, b)| a + b).collect();
-        let spread = |x: &[f64]| (&loads * DVector::from_column_slice(x)).as_slice().to_vec();
+        let spread = |of: &DMatrix<f64>, x: &[f64]| (of * DVector::from_column_slice(x)).as_slice().to_vec();
         InitialState {
             q: sum(&guess.q, q),
             rate: sum(&guess.rate, rate),
-            load: sum(&guess.load, &spread(load)),
-            turning: sum(&guess.turning, &spread(turning)),
+            load: sum(&guess.load, &spread(&loads, load)),
+            turning: sum(&guess.turning, &spread(&rotating, turning)),
         }
     };
     let none = Gains::none(n);

@@ -20,7 +20,7 @@ pub use mounted::{Balls, MountedBearing};
 pub use reduction::{ReductionError, response};
 pub use run_in::RunIn;
 use system::Body;
-pub use system::{Layout, Rows, Scales, only_observable};
+pub use system::{Layout, Rows, Scales, only_observable, unbalance_planes};
 pub use twin::{Step, Twin, first_five};
 
 use crate::scene::build;

@@ -3,7 +3,7 @@
 use super::error::{PlantError, Result, rejected};
 use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::flexible_rotor::ReducedRotor;
-use crate::scene::{Bearing as BearingScene, Direction, Probe, Rotor, Scene, Support, build};
+use crate::scene::{Bearing as BearingScene, Direction, Probe, Rotor, Scene, Support, Unbalance, build};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
 use nalgebra::{DMatrix, SMatrix};
 use std::sync::Arc;
@@ -348,6 +348,19 @@ pub fn only_observable(scene: &Scene, command: &str) -> Result<()> {
         }),
         None => Ok(()),
     }
+}
+
+/// Returns two planes for the unbalance of an elastic rotor: those of the scene's two largest ones, else of disks, else within the bearings.
+#[must_use]
+pub fn unbalance_planes(rotor: &Rotor, bearings: [f64; 2]) -> [f64; 2] {
+    let mut unbalances: Vec<&Unbalance> = rotor.unbalance.iter().collect();
+    unbalances.sort_by(|a, b| b.moment.total_cmp(&a.moment));
+    let disks = rotor.flexible.iter().flat_map(|drawn| &drawn.disks).map(|d| d.station);
+    let between = [0.75, 0.25].map(|share| bearings[0] + share * (bearings[1] - bearings[0]));
+    let all: Vec<f64> = unbalances.iter().map(|u| u.station).chain(disks).chain(between).collect();
+    let apart = 0.05 * (bearings[1] - bearings[0]).abs();
+    let first = all[0];
+    [first, all.iter().copied().find(|z| (z - first).abs() > apart).unwrap_or(first + apart)]
 }
 
 /// Returns the first `N` of `all`, the rest zero.
