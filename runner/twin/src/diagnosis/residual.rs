@@ -348,6 +348,9 @@ impl<'a> Evidence<'a> {
         let mut slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
         slopes.extend(self.elasticity_slope(&spectra, machine)?);
         let n = slopes.len();
+        if n == 0 {
+            return Ok(());
+        }
         // The elasticity is independent of the rest, its slope that of one deviation.
         let root = DMatrix::from_fn(n, n, |i, j| known.get((i, j)).copied().unwrap_or(if i == j { 1.0 } else { 0.0 }));
         let root = &root;

@@ -1,0 +1,137 @@
+//! A rotor that bends, with probes away from its bearings (`tests/recordings/flexible`): motion, forces and diagnosis against an
+//! independent program.
+
+use crate::support::{Desk, list, recorded, swap};
+use serde_json::Value;
+use std::fs;
+
+/// Rms noise of the probes, um.
+const NOISE: f64 = 0.05;
+/// A sample of the truth for so many of the recording.
+const TRUTH_STRIDE: usize = 16;
+/// Samples of the truth before which the observer settles.
+const SETTLING: usize = 40;
+
+fn scene() -> String {
+    fs::read_to_string(recorded("flexible/scene.toml")).unwrap()
+}
+
+/// Replays a recording; returns the outcome and the estimated forces.
+fn replayed(recording: &str) -> (Value, Vec<Vec<f64>>) {
+    let desk = Desk::empty();
+    let (scene, file) = (recorded("flexible/scene.toml"), recorded(&format!("flexible/{recording}.npy")));
+    let arguments = ["replay", &scene, "--recording", &file, "--report", "r.html", "--forces", "f.csv", "--format", "json"];
+    let answer = desk.done(&arguments);
+    let rows = desk.read("f.csv").lines().skip(1).map(|line| line.split(',').filter_map(|x| x.parse().ok()).collect()).collect();
+    (serde_json::from_str(&answer.out).unwrap(), rows)
+}
+
+/// Forces of the independent program: FX FY FZ MX MY of each bearing.
+fn truth(recording: &str) -> Vec<Vec<f64>> {
+    let bytes = fs::read(recorded(&format!("flexible/{recording}.truth.npy"))).unwrap();
+    let header = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let numbers: Vec<f64> =
+        bytes[10 + header..].as_chunks::<4>().0.iter().map(|x| f64::from(f32::from_le_bytes(*x))).collect();
+    numbers.chunks(10).map(<[f64]>::to_vec).collect()
+}
+
+/// The estimated radial forces are at least three times closer to the truth than the mean of those from the straight line.
+fn forces_are_closer(recording: &str, outcome: &Value, forces: &[Vec<f64>]) {
+    let truth = truth(recording);
+    for (b, bearing) in list(outcome, "bearings").iter().enumerate() {
+        let mut square = 0.0;
+        let mut mean = 0.0;
+        for (i, truth) in truth.iter().enumerate().skip(SETTLING) {
+            let (row, at) = (&forces[i * TRUTH_STRIDE], 5 * b);
+            square += (row[1 + at] - truth[at]).powi(2) + (row[2 + at] - truth[at + 1]).powi(2);
+            mean += truth[at + 1];
+        }
+        let count = (truth.len() - SETTLING) as f64;
+        let error = (square / count).sqrt();
+        let straight = (bearing["force_measured"][1]["mean"].as_f64().unwrap() - mean / count).abs();
+        assert!(3.0 * error < straight, "{recording}: {error} N, {straight} N from the straight line");
+    }
+}
+
+fn findings(outcome: &Value) -> Vec<(&str, Option<&str>)> {
+    list(outcome, "findings").iter().map(|f| (f["kind"].as_str().unwrap(), f["bearing"].as_str())).collect()
+}
+
+#[test]
+fn the_twin_of_a_flexible_rotor_in_good_order() {
+    let (outcome, forces) = replayed("healthy");
+    assert!(findings(&outcome).is_empty(), "{}", outcome["findings"]);
+    for probe in list(&outcome, "probes") {
+        let residual = probe["residual_rms_um"].as_f64().unwrap();
+        assert!(residual < 1.5 * NOISE, "{}: {residual} um", probe["name"]);
+        let of = |motion: &str, key: &str| probe[motion][key].as_f64().unwrap();
+        let ratio = of("twin", "one_x_um") / of("measured", "one_x_um");
+        assert!((ratio - 1.0).abs() < 0.1, "{}: {ratio}", probe["name"]);
+        let lag = of("twin", "one_x_phase_lag_deg") - of("measured", "one_x_phase_lag_deg");
+        assert!((lag + 180.0).rem_euclid(360.0) - 180.0 < 10.0, "{}: {lag} deg", probe["name"]);
+    }
+    forces_are_closer("healthy", &outcome, &forces);
+}
+
+#[test]
+fn unbalance_of_a_flexible_rotor() {
+    let (outcome, forces) = replayed("unbalance");
+    assert_eq!(findings(&outcome), [("unbalance", None)]);
+    let finding = &list(&outcome, "findings")[0];
+    let value = |key: &str| finding[key]["value"].as_f64().unwrap();
+    // 3 x 102.0 g mm at -97.1 deg and 109.9 g mm at 52.1 deg.
+    assert!((value("moment_g_mm") / 219.0 - 1.0).abs() < 0.05, "{finding}");
+    assert!((value("angle_deg") - 277.8).abs() < 3.0, "{finding}");
+    forces_are_closer("unbalance", &outcome, &forces);
+}
+
+#[test]
+fn inner_race_spall_of_a_flexible_rotor() {
+    let (outcome, forces) = replayed("inner-spall");
+    assert_eq!(findings(&outcome), [("inner-race", Some("NDE"))]);
+    let azimuth = &list(&outcome, "findings")[0]["azimuth_deg"];
+    let (low, high) = (azimuth["low"].as_f64().unwrap(), azimuth["high"].as_f64().unwrap());
+    let expected = 0.5_f64.to_degrees();
+    assert!(low < expected && expected < high && high - low < 30.0, "{azimuth}");
+    forces_are_closer("inner-spall", &outcome, &forces);
+}
+
+/// One clear error for each, with the line and the key.
+#[test]
+fn wrong_drawings_are_refused() {
+    let cases = [
+        ("from = \"65.6 mm\"", "from = \"60 mm\"", "rotor.sections[1].from: found an overlap: from 60 mm after a section to 65.6 mm"),
+        ("from = \"65.6 mm\"", "from = \"70 mm\"", "rotor.sections[1].from: found a gap: from 70 mm after a section to 65.6 mm"),
+        ("to = \"246.2 mm\", outer_diameter = \"30 mm\"", "to = \"246.2 mm\", outer_diameter = \"0 mm\"", "rotor.sections[1].outer_diameter"),
+        ("to = \"246.2 mm\", outer_diameter = \"30 mm\"", "to = \"246.2 mm\", outer_diameter = \"30 mm\", inner_diameter = \"30 mm\"", "rotor.sections[1].outer_diameter"),
+        ("to = \"246.2 mm\", outer_diameter = \"30 mm\"", "to = \"246.2 kg\", outer_diameter = \"30 mm\"", "rotor.sections[1].to"),
+        ("station = \"246.2 mm\", mass", "station = \"600 mm\", mass", "rotor.disks[0].station"),
+        ("name = \"NDE\"\nstation = \"514.2 mm\"", "name = \"NDE\"\nstation = \"560 mm\"", "bearing[1].station"),
+        ("column = \"DE_X\", unit = \"um\", station = \"65.6 mm\"", "column = \"DE_X\", unit = \"um\", station = \"-5 mm\"", "recording.probes[1].station"),
+        ("load_station", "mass = \"9 kg\"\nload_station", "rotor.mass"),
+        ("{ from = \"0 mm\", to = \"65.6 mm\", outer_diameter = \"25 mm\" },", "{ from = \"0 mm\", outer_diameter = \"25 mm\" },", "rotor.sections[0].to"),
+    ];
+    for (from, to, expected) in cases {
+        let desk = Desk::empty();
+        desk.put("scene.toml", swap(&scene(), from, to));
+        desk.refused(&["equilibrium", "scene.toml"], 2, &["scene.toml:", expected]);
+    }
+}
+
+/// A rigid rotor on supports is replayed and diagnosed too: its recording is the program's own.
+#[test]
+fn supports_are_observed() {
+    let desk = Desk::empty();
+    let support = "support = { mass = \"3 kg\", stiffness_x = 2e7, stiffness_y = 3e7, damping = 800 }";
+    let text = crate::observer::rotor("angular", support, "Z").replace("name = \"B\"", &format!("name = \"B\"\n{support}"));
+    desk.put("scene.toml", &text);
+    let motion = crate::observer::motion(&desk, "scene.toml", 20..60);
+    desk.put("recording.csv", crate::observer::recording(&motion, crate::observer::TURN));
+    let outcome = desk.done(&["replay", "scene.toml", "--report", "r.html", "--format", "json"]);
+    let outcome: Value = serde_json::from_str(&outcome.out).unwrap();
+    assert!(findings(&outcome).is_empty(), "{}", outcome["findings"]);
+    for probe in list(&outcome, "probes") {
+        let residual = probe["residual_rms_um"].as_f64().unwrap();
+        assert!(residual < 1.5 * 0.03, "{}: {residual} um", probe["name"]);
+    }
+}
