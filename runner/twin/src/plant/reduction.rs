@@ -79,7 +79,9 @@ impl Plant {
     /// # Errors
     /// A rotor that cannot be reduced.
     pub fn finer_layout(&self, scene: &Scene, elastic: usize) -> Result<Layout> {
-        let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else { return Ok(self.layout.clone()) };
+        let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else {
+            return Ok(self.layout.clone());
+        };
         let body = Body::Flexible(reduced(scene, drawn, &self.bearings, elastic)?);
         Ok(Layout::new(body, &scene.bearings, &self.bearings))
     }
