@@ -17,6 +17,7 @@ mod eigenvalues;
 mod equilibrium;
 mod fit;
 mod fit_validity;
+mod flexible_rotor;
 mod force;
 mod formats;
 mod frames_source;
