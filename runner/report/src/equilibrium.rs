@@ -1,7 +1,9 @@
 //! Report of a static equilibrium: text for the terminal and HTML page.
 
-use super::figures::{Picture, balance};
+use super::figures::{Picture, balance, mode_shapes, rotor};
 use super::number::{alone, fixed};
+use super::text::broken;
+use super::words;
 use anyhow::Result;
 use ballrace_twin::equilibrium::{BearingSettled, EffectShare, Element, Settled};
 use ballrace_twin::plant::PRESSURE_LIMIT;
@@ -13,6 +15,8 @@ use std::fmt::Write;
 const PAGE: &str = include_str!("page.html");
 /// Number of characters of a bar.
 const BAR: usize = 24;
+/// Width at which the description of the rotor is broken.
+const WIDTH: usize = 80;
 
 /// Returns the equilibrium as text for the terminal, 100 columns wide.
 #[must_use]
@@ -53,6 +57,15 @@ pub fn text(settled: &Settled) -> String {
             &mut out,
             &format!("BEYOND YIELD: {found:.2} GPa of peak pressure, the static limit of ISO 76 is {limit:.1} GPa."),
         );
+    }
+    if let Some(rotor) = &settled.rotor {
+        line(&mut out, "");
+        for (name, value) in words::rotor(rotor) {
+            for (i, part) in broken(&value, WIDTH).iter().enumerate() {
+                let lead = if i == 0 { format!("{name}:") } else { String::new() };
+                line(&mut out, &format!("{lead:<15}{part}"));
+            }
+        }
     }
     if !settled.natural_frequencies_hz.is_empty() {
         line(&mut out, "");
@@ -163,8 +176,13 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
 /// # Errors
 /// Returns an error if the template or a figure fails.
 pub fn html(settled: &Settled) -> Result<String> {
-    let pictures =
-        settled.bearings.iter().map(|b| balance(&b.name, &of(settled, &b.name))).collect::<Result<Vec<_>>>()?;
+    let mut pictures = settled.drawing.iter().map(rotor).collect::<Result<Vec<_>>>()?;
+    for b in &settled.bearings {
+        pictures.push(balance(&b.name, &of(settled, &b.name))?);
+    }
+    if let Some(drawing) = &settled.drawing {
+        pictures.extend(mode_shapes(&settled.mode_shapes, drawing)?);
+    }
     page(&settled.scene, "equilibrium", &pictures, &text(settled))
 }
 

@@ -11,6 +11,7 @@ mod canvas;
 mod cascade;
 mod centreline;
 mod damaged_bearing;
+mod deflected_line;
 mod diagnosis;
 mod envelope;
 mod fault_motion;
@@ -19,10 +20,12 @@ mod force_spectrum;
 mod full_spectrum;
 mod line;
 mod mark;
+mod mode_shape;
 mod one_x;
 mod orbit;
 mod polar;
 mod ring;
+mod rotor;
 mod spectrum;
 mod sweep;
 mod trace;
@@ -31,15 +34,19 @@ mod trend;
 
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
+pub(super) use mode_shape::mode_shapes;
+pub(super) use rotor::rotor;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};
 
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{Outcome, Pictures};
 
-/// Figures of the replay's report in its order: findings, shape, time, frequency, force.
+/// Figures of the replay's report in its order: findings, rotor, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[
     &diagnosis::Diagnoses,
+    &rotor::Rotor,
+    &deflected_line::DeflectedLines,
     &orbit::Orbits,
     &centreline::Centrelines,
     &polar::PolarPlots,

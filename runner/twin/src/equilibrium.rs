@@ -1,9 +1,9 @@
 //! Static equilibrium of a bearing or a rotor, with the load on each element.
 
-use crate::campbell::modes;
+use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
-use crate::outcome::BearingOrders;
+use crate::outcome::{BearingOrders, RotorDrawing, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::scene::build::{self, AnyBearing, Kinematics};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
@@ -31,8 +31,17 @@ pub struct Settled {
     pub stiffness: [[f64; 5]; 5],
     /// Elements of all bearings.
     pub elements: Vec<Element>,
+    /// Flexible rotor; none of a rigid one or of a bearing alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotor: Option<RotorOutcome>,
+    /// Drawing of the rotor, not part of the JSON; none for a bearing alone.
+    #[serde(skip)]
+    pub drawing: Option<RotorDrawing>,
     /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
     pub natural_frequencies_hz: Vec<f64>,
+    /// Shapes of the lowest damped modes of a flexible rotor, not part of the JSON.
+    #[serde(skip)]
+    pub mode_shapes: Vec<ModeShape>,
     /// Results of each bearing.
     pub bearings: Vec<BearingSettled>,
     /// Residual of the equilibrium over the load.
@@ -196,7 +205,10 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         force: one.force,
         stiffness: one.stiffness,
         elements,
+        rotor: None,
+        drawing: None,
         natural_frequencies_hz: vec![],
+        mode_shapes: vec![],
         bearings: vec![one],
         residual,
         solving_seconds,
@@ -314,7 +326,10 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         force,
         stiffness: rows(&plant.stiffness),
         elements: all,
+        rotor: RotorOutcome::new(scene, &plant),
+        drawing: RotorDrawing::new(scene),
         natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
+        mode_shapes: mode_shapes(scene, &plant, speed)?,
         bearings,
         residual: plant.residual,
         solving_seconds,

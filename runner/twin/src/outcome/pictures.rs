@@ -1,8 +1,14 @@
 //! Data of the figures of a report.
 
+use super::RotorDrawing;
+
 /// Data of the pictures. Lengths in um, forces in N, times in s, frequencies in Hz.
 #[derive(Debug, Clone, Default)]
 pub struct Pictures {
+    /// The rotor; none where the scene has none.
+    pub rotor: Option<RotorDrawing>,
+    /// Mean line of a flexible rotor.
+    pub deflected_line: Option<DeflectedLine>,
     /// One a probe.
     pub traces: Vec<Trace>,
     /// One a plane of two or more radial probes.
@@ -108,6 +114,17 @@ pub struct Clearance {
     pub radius_um: f64,
 }
 
+/// Mean line of a flexible rotor. A point has the station as drawn, mm, and the displacements along X and Y, um.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DeflectedLine {
+    /// The twin, in the order of the stations.
+    pub twin: Vec<[f64; 3]>,
+    /// Measured mean at each probe plane.
+    pub measured: Vec<[f64; 3]>,
+    /// Names and stations of the bearings.
+    pub bearings: Vec<(String, f64)>,
+}
+
 /// A limit of the scene at one probe.
 #[derive(Debug, Clone, Default)]
 pub struct LimitLine {
@@ -158,7 +175,7 @@ pub struct Trace {
 pub struct Orbit {
     /// Names of the plane's probes.
     pub name: String,
-    /// Station, mm.
+    /// Station as drawn, mm.
     pub station_mm: f64,
     /// (x, y) um, several turns.
     pub measured: Vec<(f64, f64)>,

@@ -5,7 +5,7 @@ use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, Outcome, Record};
+use crate::outcome::{Finding, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
 use std::f64::consts::TAU;
@@ -96,6 +96,9 @@ impl Pipeline<'_> {
         let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
+        pictures.rotor = RotorDrawing::new(scene);
+        let deflection = self.deflection.as_ref();
+        pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
         let record = Record {
             samples: facts.rows,
             compared: self.comparison.compared,
@@ -117,6 +120,7 @@ impl Pipeline<'_> {
             planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
             observation: self.location.observation().clone(),
             probes,
+            rotor: RotorOutcome::new(scene, &self.plant),
             bearings: self.force.outcomes(bearings),
             timing: self.timing.finish(),
             observer,
@@ -127,7 +131,8 @@ impl Pipeline<'_> {
             notes,
             learned,
             pictures,
-        })
+        }
+        .with_stations_as_drawn(scene))
     }
 
     /// Returns the outcome of a recording in which no sample has a shaft angle.
@@ -154,12 +159,15 @@ impl Pipeline<'_> {
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            rotor: RotorOutcome::new(scene, &self.plant),
+            pictures: Pictures { rotor: RotorDrawing::new(scene), ..outcome.pictures },
             verdict: verdict::verdict(&[], &[], implausible, not_judged, 0),
             events,
             flaws: facts.flaws,
             notes,
             ..outcome
-        })
+        }
+        .with_stations_as_drawn(scene))
     }
 
     /// Returns notes on the assumptions and restrictions of the outcome.

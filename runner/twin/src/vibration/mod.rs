@@ -10,7 +10,7 @@ mod tests;
 
 use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
-use crate::outcome::{Outcome, Pictures, Record, Timing};
+use crate::outcome::{Outcome, Pictures, Record, RotorDrawing, Timing};
 use crate::recording::Reader;
 use crate::recording::Row;
 use crate::scene::{Recording, RotationSource, Scene, Sensor, Speed, build};
@@ -136,7 +136,7 @@ pub fn replay(
         flaws: reader.flaws().summary(),
         notes,
         learned: Baseline::of_sensors(&scene.name, name, learned),
-        pictures: Pictures { envelopes, ..Pictures::default() },
+        pictures: Pictures { envelopes, rotor: RotorDrawing::new(scene), ..Pictures::default() },
         ..Outcome::default()
     })
 }
@@ -144,7 +144,12 @@ pub fn replay(
 fn suspects(scene: &Scene) -> Result<Vec<Suspect>> {
     let suspect = |b: &crate::scene::Bearing| {
         let kinematics = build::kinematics(scene, b)?;
-        Ok(Suspect { name: b.name.clone(), station: b.station, orders: kinematics.orders, elements: b.elements })
+        Ok(Suspect {
+            name: b.name.clone(),
+            station: scene.drawn_station(b.station),
+            orders: kinematics.orders,
+            elements: b.elements,
+        })
     };
     scene.bearings.iter().map(suspect).collect()
 }
