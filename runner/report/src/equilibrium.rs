@@ -2,6 +2,8 @@
 
 use super::figures::{Picture, balance};
 use super::number::{alone, fixed};
+use super::text::broken;
+use super::words;
 use anyhow::Result;
 use ballrace_twin::equilibrium::{BearingSettled, EffectShare, Element, Settled};
 use ballrace_twin::plant::PRESSURE_LIMIT;
@@ -13,6 +15,8 @@ use std::fmt::Write;
 const PAGE: &str = include_str!("page.html");
 /// Number of characters of a bar.
 const BAR: usize = 24;
+/// Width at which the description of the rotor is broken.
+const WIDTH: usize = 80;
 
 /// Returns the equilibrium as text for the terminal, 100 columns wide.
 #[must_use]
@@ -53,6 +57,15 @@ pub fn text(settled: &Settled) -> String {
             &mut out,
             &format!("BEYOND YIELD: {found:.2} GPa of peak pressure, the static limit of ISO 76 is {limit:.1} GPa."),
         );
+    }
+    if let Some(rotor) = &settled.rotor {
+        line(&mut out, "");
+        for (name, value) in words::rotor(rotor) {
+            for (i, part) in broken(&value, WIDTH).iter().enumerate() {
+                let lead = if i == 0 { format!("{name}:") } else { String::new() };
+                line(&mut out, &format!("{lead:<15}{part}"));
+            }
+        }
     }
     if !settled.natural_frequencies_hz.is_empty() {
         line(&mut out, "");

@@ -87,7 +87,7 @@ fn set(cell: &str, width: usize, left: bool) -> String {
 }
 
 /// Returns lines of at most `width` characters. A longer word is divided.
-fn broken(sentence: &str, width: usize) -> Vec<String> {
+pub(super) fn broken(sentence: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
         let mut word: Vec<char> = word.chars().collect();

@@ -2,7 +2,7 @@
 
 use super::number::{alone, count, counted, fixed};
 use ballrace_twin::replay::outcome::{
-    Estimate, FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record,
+    Estimate, FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome,
     SourceFigures, Standing, Timing,
 };
 use ballrace_twin::replay::verdict;
@@ -188,6 +188,7 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     if !bearings.is_empty() {
         facts.push(("Bearings", bearings.join("; ")));
     }
+    facts.extend(outcome.rotor.iter().flat_map(rotor));
     if outcome.probes.is_empty() {
         return facts;
     }
@@ -217,6 +218,29 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     };
     facts.push(("Slow roll", compensated.to_owned()));
     facts
+}
+
+/// Describes a flexible rotor, and its reduced model with the error.
+pub(super) fn rotor(rotor: &RotorOutcome) -> [(&'static str, String); 2] {
+    let percent = |error: f64| if error < 0.01 { "below 0.01 %".to_owned() } else { format!("{} %", fixed(error, 2)) };
+    let body = format!(
+        "flexible, {} kg, centre of mass at {} mm as drawn, diametral inertia {} kg m^2, polar {} kg m^2",
+        fixed(rotor.mass_kg, 3),
+        fixed(rotor.centre_of_mass_mm, 2),
+        fixed(rotor.diametral_inertia_kg_m2, 5),
+        fixed(rotor.polar_inertia_kg_m2, 5),
+    );
+    let model = format!(
+        "{} coordinates of the {} of the finite-element model; error of the natural frequencies up to {} Hz {}, of the static \
+         deflection {}, of the 1X response {}",
+        rotor.coordinates,
+        rotor.finite_element_coordinates,
+        fixed(rotor.highest_line_hz, 0),
+        percent(rotor.frequency_error_percent),
+        percent(rotor.deflection_error_percent),
+        percent(rotor.response_error_percent),
+    );
+    [("Rotor", body), ("Reduced model", model)]
 }
 
 /// Returns name, station and angle.

@@ -3,7 +3,7 @@
 use crate::campbell::modes;
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
-use crate::outcome::BearingOrders;
+use crate::outcome::{BearingOrders, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::scene::build::{self, AnyBearing, Kinematics};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
@@ -31,6 +31,9 @@ pub struct Settled {
     pub stiffness: [[f64; 5]; 5],
     /// Elements of all bearings.
     pub elements: Vec<Element>,
+    /// Flexible rotor; none of a rigid one or of a bearing alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotor: Option<RotorOutcome>,
     /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
     pub natural_frequencies_hz: Vec<f64>,
     /// Results of each bearing.
@@ -196,6 +199,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         force: one.force,
         stiffness: one.stiffness,
         elements,
+        rotor: None,
         natural_frequencies_hz: vec![],
         bearings: vec![one],
         residual,
@@ -314,6 +318,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         force,
         stiffness: rows(&plant.stiffness),
         elements: all,
+        rotor: RotorOutcome::new(scene, &plant),
         natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
         bearings,
         residual: plant.residual,

@@ -459,7 +459,8 @@ impl Model<'_> {
         let mut one_plane = false;
         if let (Some(e), Some(c)) = (index(ParameterKind::Unbalance(0)), index(ParameterKind::Couple(0))) {
             let angle_step = self.angle_step();
-            let (more, single) = unbalance(&values, covariance, self.unknown, [e, c], z, angle_step);
+            let (more, single) =
+                unbalance(&values, covariance, self.unknown, [e, c], z, angle_step, scene.drawn_station(0.0));
             one_plane = single;
             all.extend(more);
         }
@@ -580,7 +581,8 @@ fn memory(left: &[f64], probes: usize) -> f64 {
     worst
 }
 
-/// Returns amount, angle and station of the unbalance, and whether one plane is enough.
+/// Returns amount, angle and station of the unbalance, and whether one plane is enough. `origin` is the station of the centre of mass as
+/// drawn, m.
 fn unbalance(
     values: &[f64],
     covariance: &DMatrix<f64>,
@@ -588,6 +590,7 @@ fn unbalance(
     [e, c]: [usize; 2],
     z: f64,
     angle_step: f64,
+    origin: f64,
 ) -> (Vec<Estimate>, bool) {
     let index = [e, e + 1, c, c + 1];
     let [ex, ey, cx, cy] = index.map(|i| values[i]);
@@ -639,7 +642,7 @@ fn unbalance(
             angle.rem_euclid(TAU),
             half(of_angle).hypot(angle_step),
         ),
-        estimate("unbalance: station", "mm", 1e-3, given_station, station, half(of_station)),
+        estimate("unbalance: station", "mm", 1e-3, origin + given_station, origin + station, half(of_station)),
     ];
     if !single {
         all.push(estimate("unbalance: couple across", "g mm^2", 1e-9, 0.0, across, half(of_across)));

@@ -61,7 +61,7 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, Fit
             let mut table = InlineTable::new();
             table.insert("moment", Value::from(format!("{:.6} g mm", one.moment * 1e6)));
             table.insert("angle", Value::from(format!("{:.6} rad", one.angle)));
-            table.insert("station", Value::from(format!("{:.6} mm", one.station * 1e3)));
+            table.insert("station", Value::from(format!("{:.6} mm", scene.drawn_station(one.station) * 1e3)));
             list.push(table);
         }
         let rotor = document.get_mut("rotor").and_then(Item::as_table_like_mut).ok_or_else(|| form("[rotor]"))?;

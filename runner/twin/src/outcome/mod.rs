@@ -4,6 +4,7 @@
 
 mod fault_figures;
 mod pictures;
+mod rotor;
 mod timing;
 
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
@@ -11,10 +12,12 @@ pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, ElementLoads, EnvelopeSpectrum, FilteredOrbit, ForceTrace, FullSpectrum,
     HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Trace,
 };
+pub use rotor::RotorOutcome;
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
 use crate::baseline;
 use crate::recording::flaws::FlawSummary;
+use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Result of one replay.
@@ -36,6 +39,9 @@ pub struct Outcome {
     pub probes: Vec<ProbeOutcome>,
     /// Planes of two radial probes.
     pub planes: Vec<PlaneOutcome>,
+    /// Flexible rotor; none of a rigid one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotor: Option<RotorOutcome>,
     /// Bearings in the order of the scene.
     pub bearings: Vec<BearingOutcome>,
     /// Compute time and, when paced, lateness.
@@ -62,6 +68,27 @@ pub struct Outcome {
     /// Data of the pictures, not part of the JSON.
     #[serde(skip)]
     pub pictures: Pictures,
+}
+
+impl Outcome {
+    /// Returns the outcome with stations from the centre of mass replaced by those of the scene's drawing; a rigid rotor has its origin
+    /// at the centre of mass. An axial probe keeps the station of the scene.
+    #[must_use]
+    pub fn with_stations_as_drawn(mut self, scene: &Scene) -> Self {
+        let origin_mm = scene.drawn_station(0.0) * 1e3;
+        if origin_mm == 0.0 {
+            return self;
+        }
+        let probes = self.probes.iter_mut().filter(|probe| probe.angle_deg.is_some()).map(|p| &mut p.station_mm);
+        let planes = self.planes.iter_mut().map(|plane| &mut plane.station_mm);
+        let bearings = self.bearings.iter_mut().map(|bearing| &mut bearing.station_mm);
+        let orbits = self.pictures.orbits.iter_mut().map(|orbit| &mut orbit.station_mm);
+        for station_mm in probes.chain(planes).chain(bearings).chain(orbits) {
+            *station_mm += origin_mm;
+        }
+        self.findings = self.findings.into_iter().map(|finding| finding.with_station_as_drawn(scene)).collect();
+        self
+    }
 }
 
 /// The recording as a whole.
@@ -230,7 +257,7 @@ impl SimplePredictors {
 pub struct ProbeOutcome {
     /// The probe's column.
     pub name: String,
-    /// Along Z from the centre of mass.
+    /// Along Z as drawn: from the centre of mass of a rigid rotor, from the origin of a flexible rotor's drawing.
     pub station_mm: f64,
     /// From +X towards +Y; absent for an axial probe.
     pub angle_deg: Option<f64>,
@@ -296,7 +323,7 @@ pub struct TabularList {
 pub struct PlaneOutcome {
     /// Names of its probes.
     pub name: String,
-    /// Along Z from the centre of mass.
+    /// Along Z as drawn.
     pub station_mm: f64,
     /// Farthest from the mean place, zero to peak.
     pub smax_um_peak: f64,
@@ -357,7 +384,7 @@ pub struct BearingOutcome {
     pub name: String,
     /// Model in words, e.g. "angular, 9 balls".
     pub model: String,
-    /// Along Z from the centre of mass.
+    /// Along Z as drawn.
     pub station_mm: f64,
     /// Orders per turn: cage, outer race, inner race, ball spin; 0 when unknown.
     pub orders: BearingOrders,
@@ -531,7 +558,7 @@ pub struct FaultParameters {
     /// Its angle from the keyphasor mark.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<Estimate>,
-    /// Its station from the centre of mass.
+    /// Its station along Z as drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub station_mm: Option<Estimate>,
     /// Direction of the force of a spall, in the frame of its component: from +X, from the keyphasor mark, from element 1. It is
@@ -603,6 +630,18 @@ impl Finding {
 }
 
 impl Finding {
+    /// Returns the finding with a station from the centre of mass replaced by that of the scene's drawing. The sentence is not changed.
+    #[must_use]
+    pub fn with_station_as_drawn(mut self, scene: &Scene) -> Self {
+        let origin_mm = scene.drawn_station(0.0) * 1e3;
+        if let Some(station) = &mut self.parameters.station_mm {
+            station.value += origin_mm;
+            station.low += origin_mm;
+            station.high += origin_mm;
+        }
+        self
+    }
+
     /// Returns true where both name the same fault, whatever its size.
     #[must_use]
     pub fn is_same_fault(&self, other: &Self) -> bool {

@@ -158,7 +158,7 @@ pub struct Trace {
 pub struct Orbit {
     /// Names of the plane's probes.
     pub name: String,
-    /// Station, mm.
+    /// Station as drawn, mm.
     pub station_mm: f64,
     /// (x, y) um, several turns.
     pub measured: Vec<(f64, f64)>,

@@ -5,7 +5,7 @@ use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, Outcome, Record};
+use crate::outcome::{Finding, Outcome, Record, RotorOutcome};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
 use std::f64::consts::TAU;
@@ -117,6 +117,7 @@ impl Pipeline<'_> {
             planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
             observation: self.location.observation().clone(),
             probes,
+            rotor: RotorOutcome::new(scene, &self.plant),
             bearings: self.force.outcomes(bearings),
             timing: self.timing.finish(),
             observer,
@@ -127,7 +128,8 @@ impl Pipeline<'_> {
             notes,
             learned,
             pictures,
-        })
+        }
+        .with_stations_as_drawn(scene))
     }
 
     /// Returns the outcome of a recording in which no sample has a shaft angle.
@@ -154,12 +156,14 @@ impl Pipeline<'_> {
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            rotor: RotorOutcome::new(scene, &self.plant),
             verdict: verdict::verdict(&[], &[], implausible, not_judged, 0),
             events,
             flaws: facts.flaws,
             notes,
             ..outcome
-        })
+        }
+        .with_stations_as_drawn(scene))
     }
 
     /// Returns notes on the assumptions and restrictions of the outcome.

@@ -105,7 +105,8 @@ impl RunningDiagnosis {
                     let is_new = |finding: &Finding| {
                         finding.kind != FindingKind::Other && !self.baseline.as_ref().is_some_and(|b| b.knows(finding))
                     };
-                    let new = diagnosis.findings.into_iter().filter(is_new).collect();
+                    let new = diagnosis.findings.into_iter().filter(is_new);
+                    let new = new.map(|finding| finding.with_station_as_drawn(&self.machine.scene)).collect();
                     self.faults.report(new, running.time, notices);
                 }
                 Ok(Ok(None)) => self.end("the probes do not determine the motion", running.time, notices),

@@ -144,7 +144,12 @@ pub fn replay(
 fn suspects(scene: &Scene) -> Result<Vec<Suspect>> {
     let suspect = |b: &crate::scene::Bearing| {
         let kinematics = build::kinematics(scene, b)?;
-        Ok(Suspect { name: b.name.clone(), station: b.station, orders: kinematics.orders, elements: b.elements })
+        Ok(Suspect {
+            name: b.name.clone(),
+            station: scene.drawn_station(b.station),
+            orders: kinematics.orders,
+            elements: b.elements,
+        })
     };
     scene.bearings.iter().map(suspect).collect()
 }

@@ -1,0 +1,116 @@
+//! Figures of a flexible rotor. Stations are those of its drawing.
+
+use crate::plant::Plant;
+use crate::scene::Scene;
+use serde::Serialize;
+
+const MM: f64 = 1e3;
+
+/// Mass and inertia of a flexible rotor, and the error of its reduced model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct RotorOutcome {
+    /// Mass.
+    pub mass_kg: f64,
+    /// Station of the centre of mass as drawn.
+    pub centre_of_mass_mm: f64,
+    /// Diametral inertia about the centre of mass.
+    pub diametral_inertia_kg_m2: f64,
+    /// Polar inertia.
+    pub polar_inertia_kg_m2: f64,
+    /// Coordinates of the reduced model.
+    pub coordinates: usize,
+    /// Coordinates of the finite-element model.
+    pub finite_element_coordinates: usize,
+    /// Highest line of interest.
+    pub highest_line_hz: f64,
+    /// Largest error of the natural frequencies up to the highest line, by the reduction.
+    pub frequency_error_percent: f64,
+    /// Error of the static displacement of bearings and probes over the largest one.
+    pub deflection_error_percent: f64,
+    /// The same of the 1X response at the nominal speed.
+    pub response_error_percent: f64,
+}
+
+impl RotorOutcome {
+    /// Returns the figures of a flexible rotor; none of another one.
+    #[must_use]
+    pub fn new(scene: &Scene, plant: &Plant) -> Option<Self> {
+        let (rotor, reduction) = (scene.rotor.as_ref()?, plant.reduction?);
+        Some(Self {
+            mass_kg: rotor.mass,
+            centre_of_mass_mm: rotor.centre_of_mass * MM,
+            diametral_inertia_kg_m2: rotor.diametral_inertia,
+            polar_inertia_kg_m2: rotor.polar_inertia,
+            coordinates: plant.layout.rotor_order(),
+            finite_element_coordinates: reduction.full_coordinates,
+            highest_line_hz: reduction.highest_line,
+            frequency_error_percent: 100.0 * reduction.frequency,
+            deflection_error_percent: 100.0 * reduction.deflection,
+            response_error_percent: 100.0 * reduction.response,
+        })
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use crate::outcome::{BearingOutcome, Estimate, FaultParameters, Finding, FindingKind, Outcome, ProbeOutcome};
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    const SCENE: &str = r#"
+        [shaft]
+        speed = "3000 rpm"
+        [rotor]
+        sections = [{ from = "100 mm", to = "500 mm", outer_diameter = "30 mm" }]
+        disks = [{ station = "200 mm", outer_diameter = "150 mm", width = "20 mm" }]
+        unbalance = [{ moment = "50 g mm", angle = "30 deg", station = "200 mm" }]
+        [[bearing]]
+        name = "DE"
+        station = "120 mm"
+        facing = "both"
+        model = "linear"
+        elements = 8
+        cage_ratio = 0.4
+        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 5e7, 0, 0, 0], [0, 0, 1e7, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
+        [recording]
+        file = "a.csv"
+        rate = "1 kHz"
+        probes = [
+          { column = "X", unit = "um", station = "150 mm", angle = "45 deg" },
+          { column = "Z", unit = "um", axial = true },
+        ]
+        keyphasor = { column = "k" }
+    "#;
+
+    #[test]
+    fn an_outcome_has_the_stations_of_the_scene() {
+        let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
+        let estimate = |value: f64| Estimate { value, low: value - 1.0, high: value + 1.0 };
+        let unbalance = Finding {
+            kind: FindingKind::Unbalance,
+            bearing: None,
+            line_hz: 0.0,
+            order: 1.0,
+            level_db: 0.0,
+            confidence: 1.0,
+            parameters: FaultParameters { station_mm: Some(estimate(-10.0)), ..FaultParameters::default() },
+            sentence: String::new(),
+            figures: crate::outcome::FaultFigures::default(),
+        };
+        let probe = |angle_deg| ProbeOutcome { station_mm: -10.0, angle_deg, ..ProbeOutcome::default() };
+        let outcome = Outcome {
+            probes: vec![probe(Some(45.0)), probe(None)],
+            bearings: vec![BearingOutcome { station_mm: -10.0, ..BearingOutcome::default() }],
+            findings: vec![unbalance],
+            ..Outcome::default()
+        }
+        .with_stations_as_drawn(&scene);
+        let expected = scene.rotor.unwrap().centre_of_mass * 1e3 - 10.0;
+        let found = outcome.findings[0].parameters.station_mm.unwrap();
+        for station in [outcome.probes[0].station_mm, outcome.bearings[0].station_mm, found.value, found.low + 1.0] {
+            assert!((station - expected).abs() < 1e-9, "{station} {expected}");
+        }
+        assert!((outcome.probes[1].station_mm + 10.0).abs() < 1e-12, "an axial probe keeps its station");
+    }
+}
