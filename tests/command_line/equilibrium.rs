@@ -164,7 +164,7 @@ fn campbell_table_of_model_f8() {
     let other = |line: &&&str| !line.contains("WARNING") && !line.contains("film is not considered");
     assert_eq!(table.iter().filter(other).count(), 33, "{text}");
     assert_eq!(words.len(), 2, "one line a bearing says which effects matter: {text}");
-    assert_eq!(desk.read("c.html").matches("<svg").count(), 1);
+    assert_eq!(desk.read("c.html").matches("<svg").count(), 2, "diagram and rotor");
     desk.refused(&["campbell", "scene.toml", "--speeds", "0mm..1mm:3"], 2, &["--speeds", "a speed of rotation"]);
 }
 

@@ -1,9 +1,10 @@
 //! Campbell diagram: text for the terminal and HTML page.
 
 use super::equilibrium::page;
-use super::figures::diagram;
+use super::figures::{diagram, rotor};
 use anyhow::Result;
 use ballrace_twin::campbell::{AtSpeed, Whirl};
+use ballrace_twin::replay::outcome::RotorDrawing;
 use std::fmt::Write;
 
 /// Returns the table as text for the terminal.
@@ -30,6 +31,8 @@ pub fn text(scene: &str, all: &[AtSpeed]) -> String {
 ///
 /// # Errors
 /// Returns an error if a figure cannot be drawn.
-pub fn html(scene: &str, all: &[AtSpeed]) -> Result<String> {
-    page(scene, "Campbell diagram", &[diagram(all)?], &text(scene, all))
+pub fn html(scene: &str, all: &[AtSpeed], drawing: Option<&RotorDrawing>) -> Result<String> {
+    let mut pictures = vec![diagram(all)?];
+    pictures.extend(drawing.map(rotor).transpose()?);
+    page(scene, "Campbell diagram", &pictures, &text(scene, all))
 }

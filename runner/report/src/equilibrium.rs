@@ -1,6 +1,6 @@
 //! Report of a static equilibrium: text for the terminal and HTML page.
 
-use super::figures::{Picture, balance};
+use super::figures::{Picture, balance, rotor};
 use super::number::{alone, fixed};
 use super::text::broken;
 use super::words;
@@ -176,8 +176,10 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
 /// # Errors
 /// Returns an error if the template or a figure fails.
 pub fn html(settled: &Settled) -> Result<String> {
-    let pictures =
-        settled.bearings.iter().map(|b| balance(&b.name, &of(settled, &b.name))).collect::<Result<Vec<_>>>()?;
+    let mut pictures = settled.drawing.iter().map(rotor).collect::<Result<Vec<_>>>()?;
+    for b in &settled.bearings {
+        pictures.push(balance(&b.name, &of(settled, &b.name))?);
+    }
     page(&settled.scene, "equilibrium", &pictures, &text(settled))
 }
 

@@ -23,6 +23,7 @@ mod one_x;
 mod orbit;
 mod polar;
 mod ring;
+mod rotor;
 mod spectrum;
 mod sweep;
 mod trace;
@@ -31,15 +32,17 @@ mod trend;
 
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
+pub(super) use rotor::rotor;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};
 
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{Outcome, Pictures};
 
-/// Figures of the replay's report in its order: findings, shape, time, frequency, force.
+/// Figures of the replay's report in its order: findings, rotor, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[
     &diagnosis::Diagnoses,
+    &rotor::Rotor,
     &orbit::Orbits,
     &centreline::Centrelines,
     &polar::PolarPlots,

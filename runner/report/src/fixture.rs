@@ -335,6 +335,33 @@ fn element_loads(name: &str) -> ElementLoads {
     }
 }
 
+/// A shaft with a disk, a cone and a bore.
+fn rotor_drawing() -> RotorDrawing {
+    let section = |from: f64, to: f64, outer_mm: [f64; 2], inner_mm: f64| DrawnSection {
+        ends_mm: [from, to],
+        outer_mm,
+        inner_mm,
+    };
+    let probe = |name: &str, station_mm: f64, angle_deg| DrawnProbe { name: name.to_owned(), station_mm, angle_deg };
+    RotorDrawing {
+        sections: vec![section(-140.0, 0.0, [25.0, 40.0], 0.0), section(0.0, 140.0, [40.0, 40.0], 20.0)],
+        disks: vec![
+            DrawnDisk { station_mm: -20.0, diameter_mm: 150.0, width_mm: Some(20.0) },
+            DrawnDisk { station_mm: 40.0, diameter_mm: 120.0, width_mm: None },
+        ],
+        bearings: vec![("DE".to_owned(), -100.0), ("NDE".to_owned(), 100.0)],
+        probes: vec![
+            probe("DE_X", -120.0, Some(0.0)),
+            probe("DE_Y", -120.0, Some(90.0)),
+            probe("NDE_X", 120.0, Some(45.0)),
+            probe("NDE_Y", 120.0, Some(-45.0)),
+            probe("AXIAL", 0.0, None),
+        ],
+        unbalances: vec![DrawnUnbalance { moment_g_mm: 120.0, angle_deg: 17.0, station_mm: -20.0 }],
+        centre_of_mass_mm: 3.0,
+    }
+}
+
 fn pictures() -> Pictures {
     let probes = [
         ("DE_X", 0.0, 5.7),
@@ -344,6 +371,7 @@ fn pictures() -> Pictures {
         ("AXIAL", 0.2, 0.4),
     ];
     Pictures {
+        rotor: Some(rotor_drawing()),
         traces: probes.iter().map(|(name, angle, size)| trace(name, *angle, *size)).collect(),
         orbits: vec![
             orbit(("DE_X", 0.0), ("DE_Y", 90.0), -120.0, 5.7),

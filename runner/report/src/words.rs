@@ -231,7 +231,7 @@ pub(super) fn rotor(rotor: &RotorOutcome) -> [(&'static str, String); 2] {
         fixed(rotor.polar_inertia_kg_m2, 5),
     );
     let model = format!(
-        "{} coordinates of the {} of the finite-element model; error of the natural frequencies up to {} Hz {}, of the static \
+        "{} coordinates instead of the {} of the finite-element model; error of the natural frequencies up to {} Hz {}, of the static \
          deflection {}, of the 1X response {}",
         rotor.coordinates,
         rotor.finite_element_coordinates,

@@ -7,6 +7,7 @@ use ballrace_report as report;
 use ballrace_twin::campbell::{AtSpeed, Whirl, campbell};
 use ballrace_twin::effect_significance;
 use ballrace_twin::output::AtomicFile;
+use ballrace_twin::replay::outcome::RotorDrawing;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::sweep::Axis;
@@ -38,7 +39,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let speeds = parse_speeds(&args.speeds)?;
     let diagram = campbell(&scene, &speeds).map_err(UsageError::new)?;
     if let Some(path) = &args.report {
-        AtomicFile::write(path, &report::campbell::html(&scene.name, &diagram)?)?;
+        let drawing = RotorDrawing::new(&scene);
+        AtomicFile::write(path, &report::campbell::html(&scene.name, &diagram, drawing.as_ref())?)?;
     }
     let mut out = super::standard_output(format);
     match format {

@@ -3,7 +3,7 @@
 use crate::campbell::modes;
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
-use crate::outcome::{BearingOrders, RotorOutcome};
+use crate::outcome::{BearingOrders, RotorDrawing, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::scene::build::{self, AnyBearing, Kinematics};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
@@ -34,6 +34,9 @@ pub struct Settled {
     /// Flexible rotor; none of a rigid one or of a bearing alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotor: Option<RotorOutcome>,
+    /// Drawing of the rotor, not part of the JSON; none for a bearing alone.
+    #[serde(skip)]
+    pub drawing: Option<RotorDrawing>,
     /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
     pub natural_frequencies_hz: Vec<f64>,
     /// Results of each bearing.
@@ -200,6 +203,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         stiffness: one.stiffness,
         elements,
         rotor: None,
+        drawing: None,
         natural_frequencies_hz: vec![],
         bearings: vec![one],
         residual,
@@ -319,6 +323,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         stiffness: rows(&plant.stiffness),
         elements: all,
         rotor: RotorOutcome::new(scene, &plant),
+        drawing: RotorDrawing::new(scene),
         natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
         bearings,
         residual: plant.residual,

@@ -5,6 +5,7 @@
 mod fault_figures;
 mod pictures;
 mod rotor;
+mod rotor_drawing;
 mod timing;
 
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
@@ -13,6 +14,7 @@ pub use pictures::{
     HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Trace,
 };
 pub use rotor::RotorOutcome;
+pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
 use crate::baseline;

@@ -1,8 +1,12 @@
 //! Data of the figures of a report.
 
+use super::RotorDrawing;
+
 /// Data of the pictures. Lengths in um, forces in N, times in s, frequencies in Hz.
 #[derive(Debug, Clone, Default)]
 pub struct Pictures {
+    /// The rotor; none where the scene has none.
+    pub rotor: Option<RotorDrawing>,
     /// One a probe.
     pub traces: Vec<Trace>,
     /// One a plane of two or more radial probes.

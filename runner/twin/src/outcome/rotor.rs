@@ -54,34 +54,10 @@ impl RotorOutcome {
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
+    use crate::outcome::rotor_drawing::tests::SCENE;
     use crate::outcome::{BearingOutcome, Estimate, FaultParameters, Finding, FindingKind, Outcome, ProbeOutcome};
     use crate::scene::read::read_str;
     use std::path::Path;
-
-    const SCENE: &str = r#"
-        [shaft]
-        speed = "3000 rpm"
-        [rotor]
-        sections = [{ from = "100 mm", to = "500 mm", outer_diameter = "30 mm" }]
-        disks = [{ station = "200 mm", outer_diameter = "150 mm", width = "20 mm" }]
-        unbalance = [{ moment = "50 g mm", angle = "30 deg", station = "200 mm" }]
-        [[bearing]]
-        name = "DE"
-        station = "120 mm"
-        facing = "both"
-        model = "linear"
-        elements = 8
-        cage_ratio = 0.4
-        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 5e7, 0, 0, 0], [0, 0, 1e7, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
-        [recording]
-        file = "a.csv"
-        rate = "1 kHz"
-        probes = [
-          { column = "X", unit = "um", station = "150 mm", angle = "45 deg" },
-          { column = "Z", unit = "um", axial = true },
-        ]
-        keyphasor = { column = "k" }
-    "#;
 
     #[test]
     fn an_outcome_has_the_stations_of_the_scene() {

@@ -5,7 +5,7 @@ use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, Outcome, Record, RotorOutcome};
+use crate::outcome::{Finding, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
 use std::f64::consts::TAU;
@@ -96,6 +96,7 @@ impl Pipeline<'_> {
         let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
+        pictures.rotor = RotorDrawing::new(scene);
         let record = Record {
             samples: facts.rows,
             compared: self.comparison.compared,
@@ -157,6 +158,7 @@ impl Pipeline<'_> {
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             rotor: RotorOutcome::new(scene, &self.plant),
+            pictures: Pictures { rotor: RotorDrawing::new(scene), ..outcome.pictures },
             verdict: verdict::verdict(&[], &[], implausible, not_judged, 0),
             events,
             flaws: facts.flaws,

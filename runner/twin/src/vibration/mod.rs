@@ -10,7 +10,7 @@ mod tests;
 
 use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
-use crate::outcome::{Outcome, Pictures, Record, Timing};
+use crate::outcome::{Outcome, Pictures, Record, RotorDrawing, Timing};
 use crate::recording::Reader;
 use crate::recording::Row;
 use crate::scene::{Recording, RotationSource, Scene, Sensor, Speed, build};
@@ -136,7 +136,7 @@ pub fn replay(
         flaws: reader.flaws().summary(),
         notes,
         learned: Baseline::of_sensors(&scene.name, name, learned),
-        pictures: Pictures { envelopes, ..Pictures::default() },
+        pictures: Pictures { envelopes, rotor: RotorDrawing::new(scene), ..Pictures::default() },
         ..Outcome::default()
     })
 }
