@@ -1,9 +1,9 @@
 //! Campbell diagram: text for the terminal and HTML page.
 
 use super::equilibrium::page;
-use super::figures::{diagram, rotor};
+use super::figures::{diagram, mode_shapes, rotor};
 use anyhow::Result;
-use ballrace_twin::campbell::{AtSpeed, Whirl};
+use ballrace_twin::campbell::{AtSpeed, ModeShape, Whirl};
 use ballrace_twin::replay::outcome::RotorDrawing;
 use std::fmt::Write;
 
@@ -27,12 +27,15 @@ pub fn text(scene: &str, all: &[AtSpeed]) -> String {
     out
 }
 
-/// Returns the HTML page, one file without external references.
+/// Returns the HTML page, one file without external references: the diagram, and the rotor with its mode shapes where there are any.
 ///
 /// # Errors
 /// Returns an error if a figure cannot be drawn.
-pub fn html(scene: &str, all: &[AtSpeed], drawing: Option<&RotorDrawing>) -> Result<String> {
+pub fn html(scene: &str, all: &[AtSpeed], drawing: Option<&RotorDrawing>, shapes: &[ModeShape]) -> Result<String> {
     let mut pictures = vec![diagram(all)?];
-    pictures.extend(drawing.map(rotor).transpose()?);
+    if let Some(drawing) = drawing {
+        pictures.extend(mode_shapes(shapes, drawing)?);
+        pictures.push(rotor(drawing)?);
+    }
     page(scene, "Campbell diagram", &pictures, &text(scene, all))
 }

@@ -1,6 +1,6 @@
 //! Report of a static equilibrium: text for the terminal and HTML page.
 
-use super::figures::{Picture, balance, rotor};
+use super::figures::{Picture, balance, mode_shapes, rotor};
 use super::number::{alone, fixed};
 use super::text::broken;
 use super::words;
@@ -179,6 +179,9 @@ pub fn html(settled: &Settled) -> Result<String> {
     let mut pictures = settled.drawing.iter().map(rotor).collect::<Result<Vec<_>>>()?;
     for b in &settled.bearings {
         pictures.push(balance(&b.name, &of(settled, &b.name))?);
+    }
+    if let Some(drawing) = &settled.drawing {
+        pictures.extend(mode_shapes(&settled.mode_shapes, drawing)?);
     }
     page(&settled.scene, "equilibrium", &pictures, &text(settled))
 }

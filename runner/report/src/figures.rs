@@ -19,6 +19,7 @@ mod force_spectrum;
 mod full_spectrum;
 mod line;
 mod mark;
+mod mode_shape;
 mod one_x;
 mod orbit;
 mod polar;
@@ -32,6 +33,7 @@ mod trend;
 
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
+pub(super) use mode_shape::mode_shapes;
 pub(super) use rotor::rotor;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};

@@ -4,7 +4,7 @@ use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report as report;
-use ballrace_twin::campbell::{AtSpeed, Whirl, campbell};
+use ballrace_twin::campbell::{AtSpeed, Whirl, campbell, nominal_mode_shapes};
 use ballrace_twin::effect_significance;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::replay::outcome::RotorDrawing;
@@ -40,7 +40,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let diagram = campbell(&scene, &speeds).map_err(UsageError::new)?;
     if let Some(path) = &args.report {
         let drawing = RotorDrawing::new(&scene);
-        AtomicFile::write(path, &report::campbell::html(&scene.name, &diagram, drawing.as_ref())?)?;
+        let shapes = nominal_mode_shapes(&scene).map_err(UsageError::new)?;
+        AtomicFile::write(path, &report::campbell::html(&scene.name, &diagram, drawing.as_ref(), &shapes)?)?;
     }
     let mut out = super::standard_output(format);
     match format {

@@ -1,6 +1,10 @@
 //! Natural frequencies, damping and whirl of a scene's rotor over the shaft speed, linearised at the static equilibrium of
 //! each speed.
 
+mod mode_shape;
+
+pub use mode_shape::{ModeShape, ModeShapePoint, mode_shapes, nominal_mode_shapes};
+
 use crate::plant::{Plant, PlantError, Result, eigenvalues, resolution};
 use crate::scene::{Scene, Speed};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -67,6 +71,12 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
 /// # Errors
 /// Returns an error if the kernel rejects a parameter or eigenvalues cannot be computed.
 pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
+    let system = state_matrix(plant, speed, damped)?;
+    Ok(modes_of(&system, plant)?.into_iter().map(|(mode, _)| mode).collect())
+}
+
+/// Returns the matrix `A` of `z' = A z` with `z = [q q']`.
+fn state_matrix(plant: &Plant, speed: f64, damped: bool) -> Result<DMatrix<f64>> {
     let (scales, n) = (plant.scales()?, plant.layout.order);
     let inverse = scales.mass.try_inverse().ok_or(PlantError::SingularMass)?;
     let stiffness = &inverse * &plant.stiffness;
@@ -75,7 +85,12 @@ pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     system.view_mut((0, n), (n, n)).fill_with_identity();
     system.view_mut((n, 0), (n, n)).copy_from(&(-stiffness));
     system.view_mut((n, n), (n, n)).copy_from(&(-damping));
-    let all = eigenvalues(&system)?;
+    Ok(system)
+}
+
+/// Returns the modes with their eigenvalues, lowest frequency first.
+fn modes_of(system: &DMatrix<f64>, plant: &Plant) -> Result<Vec<(Mode, Complex<f64>)>> {
+    let all = eigenvalues(system)?;
     let least = resolution(&all);
     let mut values: Vec<Complex<f64>> = all.into_iter().filter(|value| value.im > least).collect();
     values.sort_by(|a, b| a.im.total_cmp(&b.im));
@@ -87,16 +102,19 @@ pub fn modes(plant: &Plant, speed: f64, damped: bool) -> Result<Vec<Mode>> {
     };
     let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
     let decay = |value: &Complex<f64>| if value.re.abs() > ROUNDING * largest { -value.re } else { 0.0 };
-    let mode = |(i, value): (usize, &Complex<f64>)| Mode {
-        frequency_hz: value.im / TAU,
-        damping_ratio: decay(value) / value.norm(),
-        whirl: if alone(i) { whirl(&system, *value, plant) } else { Whirl::Straight },
+    let mode = |(i, value): (usize, &Complex<f64>)| {
+        let mode = Mode {
+            frequency_hz: value.im / TAU,
+            damping_ratio: decay(value) / value.norm(),
+            whirl: if alone(i) { whirl(system, *value, plant) } else { Whirl::Straight },
+        };
+        (mode, *value)
     };
     Ok(values.iter().enumerate().map(mode).collect())
 }
 
-/// Returns the direction of whirl from the mode shape, by inverse iteration.
-fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
+/// Returns the eigenvector of an eigenvalue by inverse iteration; none where the equations cannot be solved.
+fn eigenvector(system: &DMatrix<f64>, value: Complex<f64>) -> Option<DVector<Complex<f64>>> {
     let size = system.nrows();
     let shift = value * Complex::new(1.0 + 1e-8, 1e-9);
     let shifted = DMatrix::from_fn(size, size, |i, j| {
@@ -105,9 +123,15 @@ fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
     let factors = shifted.lu();
     let mut shape = DVector::from_fn(size, |i, _| Complex::new(1.0, 0.37 * i as f64));
     for _ in 0..4 {
-        let Some(next) = factors.solve(&shape) else { return Whirl::Straight };
+        let next = factors.solve(&shape)?;
         shape = next.unscale(next.norm().max(f64::MIN_POSITIVE));
     }
+    Some(shape)
+}
+
+/// Returns the direction of whirl from the mode shape.
+fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
+    let Some(shape) = eigenvector(system, value) else { return Whirl::Straight };
     // A vector (x, y) e^(i w t) turns forward where x y* has a positive imaginary part; tilts turn as (thv, -thu) does.
     let turning = |x: Complex<f64>, y: Complex<f64>| ((x * y.conj()).im, x.norm_sqr() + y.norm_sqr());
     let part = |of: fn(&Complex<f64>) -> f64| plant.pose(&shape.iter().map(of).collect::<Vec<f64>>()).to_array();

@@ -1,6 +1,6 @@
 //! Static equilibrium of a bearing or a rotor, with the load on each element.
 
-use crate::campbell::modes;
+use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
 use crate::outcome::{BearingOrders, RotorDrawing, RotorOutcome};
@@ -39,6 +39,9 @@ pub struct Settled {
     pub drawing: Option<RotorDrawing>,
     /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
     pub natural_frequencies_hz: Vec<f64>,
+    /// Shapes of the lowest damped modes of a flexible rotor, not part of the JSON.
+    #[serde(skip)]
+    pub mode_shapes: Vec<ModeShape>,
     /// Results of each bearing.
     pub bearings: Vec<BearingSettled>,
     /// Residual of the equilibrium over the load.
@@ -205,6 +208,7 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
         rotor: None,
         drawing: None,
         natural_frequencies_hz: vec![],
+        mode_shapes: vec![],
         bearings: vec![one],
         residual,
         solving_seconds,
@@ -325,6 +329,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         rotor: RotorOutcome::new(scene, &plant),
         drawing: RotorDrawing::new(scene),
         natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
+        mode_shapes: mode_shapes(scene, &plant, speed)?,
         bearings,
         residual: plant.residual,
         solving_seconds,
