@@ -11,6 +11,7 @@ mod canvas;
 mod cascade;
 mod centreline;
 mod damaged_bearing;
+mod deflected_line;
 mod diagnosis;
 mod envelope;
 mod fault_motion;
@@ -45,6 +46,7 @@ use ballrace_twin::replay::outcome::{Outcome, Pictures};
 const REGISTRY: &[&dyn Figure] = &[
     &diagnosis::Diagnoses,
     &rotor::Rotor,
+    &deflected_line::DeflectedLines,
     &orbit::Orbits,
     &centreline::Centrelines,
     &polar::PolarPlots,

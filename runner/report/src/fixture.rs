@@ -362,6 +362,15 @@ fn rotor_drawing() -> RotorDrawing {
     }
 }
 
+fn deflected_line() -> DeflectedLine {
+    let point = |z: f64| [z, 0.3, -7.0 - 1.5 * (FRAC_PI_2 * z / 140.0).cos()];
+    DeflectedLine {
+        twin: (-14..=14).map(|i| point(10.0 * f64::from(i))).collect(),
+        measured: vec![point(-120.0), point(120.0)],
+        bearings: vec![("DE".to_owned(), -100.0), ("NDE".to_owned(), 100.0)],
+    }
+}
+
 fn pictures() -> Pictures {
     let probes = [
         ("DE_X", 0.0, 5.7),
@@ -372,6 +381,7 @@ fn pictures() -> Pictures {
     ];
     Pictures {
         rotor: Some(rotor_drawing()),
+        deflected_line: Some(deflected_line()),
         traces: probes.iter().map(|(name, angle, size)| trace(name, *angle, *size)).collect(),
         orbits: vec![
             orbit(("DE_X", 0.0), ("DE_Y", 90.0), -120.0, 5.7),

@@ -320,9 +320,9 @@ mod tests {
     #[test]
     fn pictures_are_all_there() {
         let page = html(&fixture::usual()).unwrap();
-        // Rotor. Traces, trends, half spectra; orbits direct and 1X, centrelines, full spectra, waterfalls, forces, loads; an envelope; three
+        // Rotor, deflected line. Traces, trends, half spectra; orbits direct and 1X, centrelines, full spectra, waterfalls, forces, loads; an envelope; three
         // of the finding.
-        assert_eq!(page.matches("<svg").count(), 1 + 3 * 5 + 7 * 2 + 1 + 3);
+        assert_eq!(page.matches("<svg").count(), 2 + 3 * 5 + 7 * 2 + 1 + 3);
         let run_up = html(&fixture::run_up()).unwrap();
         assert_eq!(run_up.matches("<svg").count() - page.matches("<svg").count(), 2 * 4);
         for there in ["Cascade of", "Bode plot of DE_X", "Polar plot of NDE_Y", "Trend of AXIAL", "1X orbit at"] {

@@ -7,6 +7,8 @@ use super::RotorDrawing;
 pub struct Pictures {
     /// The rotor; none where the scene has none.
     pub rotor: Option<RotorDrawing>,
+    /// Mean line of a flexible rotor.
+    pub deflected_line: Option<DeflectedLine>,
     /// One a probe.
     pub traces: Vec<Trace>,
     /// One a plane of two or more radial probes.
@@ -110,6 +112,17 @@ pub struct Clearance {
     pub distance_mm: f64,
     /// Half the diametral clearance, um.
     pub radius_um: f64,
+}
+
+/// Mean line of a flexible rotor. A point has the station as drawn, mm, and the displacements along X and Y, um.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DeflectedLine {
+    /// The twin, in the order of the stations.
+    pub twin: Vec<[f64; 3]>,
+    /// Measured mean at each probe plane.
+    pub measured: Vec<[f64; 3]>,
+    /// Names and stations of the bearings.
+    pub bearings: Vec<(String, f64)>,
 }
 
 /// A limit of the scene at one probe.

@@ -97,6 +97,8 @@ impl Pipeline<'_> {
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         pictures.rotor = RotorDrawing::new(scene);
+        let deflection = self.deflection.as_ref();
+        pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
         let record = Record {
             samples: facts.rows,
             compared: self.comparison.compared,

@@ -30,6 +30,7 @@ mod twin;
 
 // Indicators.
 mod cascade;
+mod deflection;
 mod history;
 mod lines;
 mod pictures;

@@ -2,6 +2,7 @@
 
 use super::align::AlignmentStage;
 use super::comparison::{Comparison, SampleReadings};
+use super::deflection::MeanDeflection;
 use super::force::{Displacements, ForceStage, element_loads};
 use super::forces_file::ForcesFile;
 use super::limits::LimitMonitor;
@@ -73,6 +74,8 @@ pub(super) struct Pipeline<'a> {
     /// The baseline to judge against.
     pub(super) baseline: Option<Baseline>,
     pub(super) figures: FigureCollector,
+    /// Static line of a flexible rotor.
+    pub(super) deflection: Option<MeanDeflection>,
     pub(super) limits: LimitMonitor,
     pub(super) seconds: Option<SecondIndicators>,
     recent: Option<RecentSamples>,
@@ -149,6 +152,7 @@ impl<'a> Pipeline<'a> {
                 .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone())),
             calibration: None,
             baseline,
+            deflection: MeanDeflection::new(&plant),
             figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),
             limits,
             seconds,
@@ -349,6 +353,9 @@ impl<'a> Pipeline<'a> {
             }
         }
         self.figures.add(sample, &readings.twin, revolutions);
+        if let Some(deflection) = self.deflection.as_mut().filter(|_| readings.is_complete()) {
+            deflection.add(self.twin.coordinates());
+        }
         if let Some(recent) = &mut self.recent {
             recent.add(&readings.measured, &readings.twin, passes_keyphasor(sample, revolutions));
         }
