@@ -7,6 +7,8 @@
 //! x_t^2 (1/l_i + 1/l_o)/2)^1.5`, solved together with `x_t Q' (1/l_i + 1/l_o) = F_t`. The change of force on the inner
 //! ring follows without the equilibrium of the balls.
 
+mod bending;
+
 use crate::plant::{Plant, Result};
 use crate::scene::build::{self, point_contact_approach, point_contact_load};
 use crate::scene::{Bearing as BearingScene, Effects, Facing, Fit, Model, Preload, Scene};
@@ -16,6 +18,7 @@ use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};
 use ballrace::bearing::{Bearing, ElementPosition};
 use ballrace::contact::hertz::{PointContact, Race};
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
+use bending::{BENDING, Bending};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -24,7 +27,7 @@ use std::f64::consts::PI;
 pub struct EffectSignificance {
     /// The scene's name of the bearing.
     pub bearing: String,
-    /// `centrifugal`, `gyroscopic`, `film`, `contact-angle` or `moving-balls`.
+    /// `centrifugal`, `gyroscopic`, `film`, `contact-angle`, `moving-balls` or `bending`.
     pub effect: &'static str,
     /// Change of force without the effect, over the force.
     pub change: f64,
@@ -54,9 +57,11 @@ const SECANTS: usize = 12;
 /// Returns an error if the kernel rejects a parameter.
 pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<EffectSignificance>> {
     let mut all = Vec::new();
+    let bending = Bending::new(scene, plant)?;
     for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
         let u = plant.displacement(i, &plant.rest);
         all.extend(of_bearing(scene, of, &u, &plant.resting(mounted, Phase::ZERO))?);
+        all.extend(bending.of(&of.name));
     }
     Ok(all)
 }
@@ -455,8 +460,8 @@ pub fn largest(all: impl IntoIterator<Item = EffectSignificance>) -> Vec<EffectS
     largest
 }
 
-/// Returns lines that list, for each bearing, modelled and neglected effects with their predicted change of force, and a
-/// warning for each neglected effect above `error`.
+/// Returns lines that list, for each bearing, modelled and neglected effects with their predicted change of force, the bending of a
+/// flexible rotor, and a warning for each neglected effect above `error`.
 #[must_use]
 pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
     let mut names: Vec<&str> = effects.iter().map(|entry| entry.bearing.as_str()).collect();
@@ -486,11 +491,20 @@ pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
         )
     };
     let lacking = effects.iter().filter(|entry| !entry.modelled && entry.change > error);
-    let has_film = |name: &&str| effects.iter().any(|entry| entry.bearing == *name && entry.effect == "film");
-    let dry: Vec<&str> = names.iter().copied().filter(|name| !has_film(name)).collect();
+    let bends = effects.iter().find(|entry| entry.effect == BENDING);
+    let bends = bends.map(|entry| {
+        let at = entry.at.as_ref().map_or_else(String::new, |at| format!(" ({at})"));
+        format!("bending: {}{at}", entry.because)
+    });
+    // Bending is an effect of the rotor, the others are of a bearing with balls.
+    let is_dry = |name: &str| {
+        let mut of_balls = effects.iter().filter(|entry| entry.bearing == name && entry.effect != BENDING).peekable();
+        of_balls.peek().is_some() && of_balls.all(|entry| entry.effect != "film")
+    };
+    let dry: Vec<&str> = names.iter().copied().filter(|name| is_dry(name)).collect();
     let dry =
         (!dry.is_empty()).then(|| format!("{}: film is not considered: the scene names no lubricant", dry.join(", ")));
-    names.iter().map(line).chain(dry).chain(lacking.map(warning)).collect()
+    names.iter().map(line).chain(bends).chain(dry).chain(lacking.map(warning)).collect()
 }
 
 #[cfg(test)]

@@ -223,6 +223,39 @@ impl Plant {
         self.with_machine(MountedBearing::cold, RestTask { start, at })
     }
 
+    /// Returns the plant with the shaft of a flexible rotor taken as rigid, with its damping proportional to the mass; none of another rotor.
+    ///
+    /// # Errors
+    /// As [`Plant::try_new`].
+    pub fn without_bending(&self, scene: &Scene) -> Result<Option<Self>> {
+        let Some(mut rotor) = self.rotor.clone() else { return Ok(None) };
+        let Some(drawn) = rotor.flexible.take() else { return Ok(None) };
+        let inertia = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
+        for (damping, inertia) in rotor.damping.iter_mut().zip(inertia) {
+            *damping += drawn.proportional_damping[0] * inertia;
+        }
+        let layout = Layout::new(Body::Rigid, &scene.bearings, &self.bearings);
+        let none = DMatrix::zeros(layout.order, layout.order);
+        let mut plant = Self {
+            rotor: Some(rotor),
+            rest: vec![0.0; layout.order],
+            layout,
+            stiffness: none.clone(),
+            damping: none,
+            reduction: None,
+            notes: vec![],
+            ..self.clone()
+        };
+        plant.settle()?;
+        Ok(Some(plant))
+    }
+
+    /// Returns the shaft speed of the equilibrium, rad/s.
+    #[must_use]
+    pub const fn speed(&self) -> f64 {
+        self.speed
+    }
+
     /// Returns the bearing of this name.
     ///
     /// # Errors
