@@ -18,6 +18,7 @@ mod equilibrium;
 mod fit;
 mod fit_validity;
 mod flexible;
+mod flexible_rotor;
 mod force;
 mod formats;
 mod frames_source;
