@@ -20,9 +20,15 @@ fn scene() -> String {
 fn replayed(recording: &str) -> (Value, Vec<Vec<f64>>) {
     let desk = Desk::empty();
     let (scene, file) = (recorded("flexible/scene.toml"), recorded(&format!("flexible/{recording}.npy")));
-    let arguments = ["replay", &scene, "--recording", &file, "--report", "r.html", "--forces", "f.csv", "--format", "json"];
+    let arguments =
+        ["replay", &scene, "--recording", &file, "--report", "r.html", "--forces", "f.csv", "--format", "json"];
     let answer = desk.done(&arguments);
-    let rows = desk.read("f.csv").lines().skip(1).map(|line| line.split(',').filter_map(|x| x.parse().ok()).collect()).collect();
+    let rows = desk
+        .read("f.csv")
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').filter_map(|x| x.parse().ok()).collect())
+        .collect();
     (serde_json::from_str(&answer.out).unwrap(), rows)
 }
 
@@ -100,16 +106,44 @@ fn inner_race_spall_of_a_flexible_rotor() {
 #[test]
 fn wrong_drawings_are_refused() {
     let cases = [
-        ("from = \"65.6 mm\"", "from = \"60 mm\"", "rotor.sections[1].from: found an overlap: from 60 mm after a section to 65.6 mm"),
-        ("from = \"65.6 mm\"", "from = \"70 mm\"", "rotor.sections[1].from: found a gap: from 70 mm after a section to 65.6 mm"),
-        ("to = \"246.2 mm\", outer_diameter = \"30 mm\"", "to = \"246.2 mm\", outer_diameter = \"0 mm\"", "rotor.sections[1].outer_diameter"),
-        ("to = \"246.2 mm\", outer_diameter = \"30 mm\"", "to = \"246.2 mm\", outer_diameter = \"30 mm\", inner_diameter = \"30 mm\"", "rotor.sections[1].outer_diameter"),
-        ("to = \"246.2 mm\", outer_diameter = \"30 mm\"", "to = \"246.2 kg\", outer_diameter = \"30 mm\"", "rotor.sections[1].to"),
+        (
+            "from = \"65.6 mm\"",
+            "from = \"60 mm\"",
+            "rotor.sections[1].from: found an overlap: from 60 mm after a section to 65.6 mm",
+        ),
+        (
+            "from = \"65.6 mm\"",
+            "from = \"70 mm\"",
+            "rotor.sections[1].from: found a gap: from 70 mm after a section to 65.6 mm",
+        ),
+        (
+            "to = \"246.2 mm\", outer_diameter = \"30 mm\"",
+            "to = \"246.2 mm\", outer_diameter = \"0 mm\"",
+            "rotor.sections[1].outer_diameter",
+        ),
+        (
+            "to = \"246.2 mm\", outer_diameter = \"30 mm\"",
+            "to = \"246.2 mm\", outer_diameter = \"30 mm\", inner_diameter = \"30 mm\"",
+            "rotor.sections[1].outer_diameter",
+        ),
+        (
+            "to = \"246.2 mm\", outer_diameter = \"30 mm\"",
+            "to = \"246.2 kg\", outer_diameter = \"30 mm\"",
+            "rotor.sections[1].to",
+        ),
         ("station = \"246.2 mm\", mass", "station = \"600 mm\", mass", "rotor.disks[0].station"),
         ("name = \"NDE\"\nstation = \"514.2 mm\"", "name = \"NDE\"\nstation = \"560 mm\"", "bearing[1].station"),
-        ("column = \"DE_X\", unit = \"um\", station = \"65.6 mm\"", "column = \"DE_X\", unit = \"um\", station = \"-5 mm\"", "recording.probes[1].station"),
+        (
+            "column = \"DE_X\", unit = \"um\", station = \"65.6 mm\"",
+            "column = \"DE_X\", unit = \"um\", station = \"-5 mm\"",
+            "recording.probes[1].station",
+        ),
         ("load_station", "mass = \"9 kg\"\nload_station", "rotor.mass"),
-        ("{ from = \"0 mm\", to = \"65.6 mm\", outer_diameter = \"25 mm\" },", "{ from = \"0 mm\", outer_diameter = \"25 mm\" },", "rotor.sections[0].to"),
+        (
+            "{ from = \"0 mm\", to = \"65.6 mm\", outer_diameter = \"25 mm\" },",
+            "{ from = \"0 mm\", outer_diameter = \"25 mm\" },",
+            "rotor.sections[0].to",
+        ),
     ];
     for (from, to, expected) in cases {
         let desk = Desk::empty();
@@ -123,7 +157,8 @@ fn wrong_drawings_are_refused() {
 fn supports_are_observed() {
     let desk = Desk::empty();
     let support = "support = { mass = \"3 kg\", stiffness_x = 2e7, stiffness_y = 3e7, damping = 800 }";
-    let text = crate::observer::rotor("angular", support, "Z").replace("name = \"B\"", &format!("name = \"B\"\n{support}"));
+    let text =
+        crate::observer::rotor("angular", support, "Z").replace("name = \"B\"", &format!("name = \"B\"\n{support}"));
     desk.put("scene.toml", &text);
     let motion = crate::observer::motion(&desk, "scene.toml", 20..60);
     desk.put("recording.csv", crate::observer::recording(&motion, crate::observer::TURN));

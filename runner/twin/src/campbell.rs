@@ -5,6 +5,7 @@ mod mode_shape;
 
 pub use mode_shape::{ModeShape, ModeShapePoint, mode_shapes, nominal_mode_shapes};
 
+use crate::flexible_rotor::ReducedRotor;
 use crate::plant::{Plant, PlantError, Result, eigenvalues, resolution};
 use crate::scene::{Scene, Speed};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -57,9 +58,23 @@ const ROUND: f64 = 1e-3;
 /// # Errors
 /// A scene without a rotor, a parameter that the kernel rejects.
 pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
-    let at = |&speed: &f64| -> Result<AtSpeed> {
+    let at_speed = |scene: &Scene, speed: f64| {
         let mut turning = scene.clone();
         turning.shaft.speed = Speed::Constant(speed);
+        turning
+    };
+    let mut scene = scene.clone();
+    let highest = speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max);
+    if scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_some()) {
+        // The coordinates that the highest speed requires, at every speed: curves must not jump.
+        let elastic = Plant::try_new(&at_speed(&scene, highest))?.layout.flexible().map(ReducedRotor::elastic);
+        let drawn = scene.rotor.as_mut().and_then(|rotor| rotor.flexible.as_mut());
+        if let (Some(drawn), Some(elastic)) = (drawn, elastic) {
+            drawn.coordinates.get_or_insert(5 + 2 * elastic);
+        }
+    }
+    let at = |&speed: &f64| -> Result<AtSpeed> {
+        let turning = at_speed(&scene, speed);
         let modes = modes(&Plant::try_new(&turning)?, speed, true)?;
         Ok(AtSpeed { speed_rpm: speed * 60.0 / TAU, modes })
     };

@@ -99,7 +99,7 @@
 //! - No terminal, no HTML, no command line: `ballrace-report` renders outcomes, `ballrace-runner` is the program.
 //! - No bearing physics: forces, stiffness and integrators are those of the `no_std` kernel `ballrace`.
 //! - No acquisition hardware: samples arrive as files, bytes or rows.
-//! - No finite elements: a rotor is rigid, or given by its matrices.
+//! - Finite elements of shafts only: everything else of a machine is rigid, on springs, or given by its matrices.
 //! - No life or maintenance decision: the outcome reports findings with their evidence.
 #![forbid(unsafe_code)]
 

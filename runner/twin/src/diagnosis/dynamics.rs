@@ -132,7 +132,7 @@ impl Dynamics {
     }
 
     /// Returns the effect of a wrench at bearing `b` as one about the centre of mass.
-    pub fn from_bearing(&self, b: usize, line: usize) -> &Square {
+    pub fn to_centre(&self, b: usize, line: usize) -> &Square {
         self.bearings[b].at(line)
     }
 

@@ -395,7 +395,7 @@ impl Reported<'_, '_> {
                 "Unbalance other than the scene's: {} g mm at {} deg from the keyphasor mark, station {:.1} mm",
                 size(p.moment_g_mm, 1),
                 size(p.angle_deg, 1),
-                value(p.station_mm)
+                value(p.station_mm) + 1e3 * self.e.scene.drawn_station(0.0)
             ),
             Cause::Load => {
                 let [x, y, z] = p.load_n.unwrap_or([Estimate { value: 0.0, low: 0.0, high: 0.0 }; 3]);

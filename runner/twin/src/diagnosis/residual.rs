@@ -316,7 +316,7 @@ impl<'a> Evidence<'a> {
     fn whiten_bearings(&mut self) {
         let of = |b: usize| {
             let line = |(k, rows): (usize, &Vec<[C; D]>)| {
-                let from = self.shaft.dynamics.from_bearing(b, k);
+                let from = self.shaft.dynamics.to_centre(b, k);
                 let row = |row: &[C; D]| std::array::from_fn(|j| (0..D).map(|i| row[i] * from[(i, j)]).sum());
                 rows.iter().map(row).collect()
             };

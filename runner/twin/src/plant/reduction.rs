@@ -331,12 +331,14 @@ mod tests {
         station = "30 mm"
         facing = "both"
         model = "linear"
-        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 1e7, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
+        elements = 8
+        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 1e5, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
         [[bearing]]
         name = "NDE"
         station = "450 mm"
         facing = "both"
         model = "linear"
+        elements = 8
         stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
     "#;
 
