@@ -125,6 +125,55 @@ fn a_rotor_from_matrices_moves_as_the_rigid_one() {
     }
 }
 
+/// A MATLAB file of version 5 with these matrices, as `scipy.io.savemat` and MATLAB's `save -v6` write it.
+fn mat(matrices: &[(&str, [i32; 2], Vec<f64>)]) -> Vec<u8> {
+    let element = |kind: u32, bytes: &[u8]| {
+        let mut out = [kind.to_le_bytes(), u32::try_from(bytes.len()).unwrap().to_le_bytes()].concat();
+        out.extend(bytes);
+        out.resize(out.len().next_multiple_of(8), 0);
+        out
+    };
+    let mut out = b"MATLAB 5.0 MAT-file".to_vec();
+    out.resize(124, b' ');
+    out.extend([0, 1, b'I', b'M']);
+    for (name, size, numbers) in matrices {
+        let size: Vec<u8> = size.iter().flat_map(|n| n.to_le_bytes()).collect();
+        let numbers: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let flags = element(6, &[6, 0, 0, 0, 0, 0, 0, 0]);
+        let parts = [flags, element(5, &size), element(1, name.as_bytes()), element(9, &numbers)];
+        out.extend(element(14, &parts.concat()));
+    }
+    out
+}
+
+/// One MATLAB file with M, C, G, K and F gives the same motion as five files of other formats.
+#[test]
+fn a_matlab_file_has_all_matrices() {
+    let args = ["simulate", "scene.toml", "--duration", "0.02 s", "--rate", "12.8 kHz", "-o", "m.csv"];
+    let several = desk();
+    several.done(&args);
+    let one = desk();
+    // By columns.
+    let columns = |m: [[f64; 5]; 5]| (0..25).map(|i| m[i % 5][i / 5]).collect::<Vec<f64>>();
+    let weight = -6.0 * 9.80665 / 2.0;
+    let file = mat(&[
+        ("K", [5, 5], vec![0.0; 25]),
+        ("M", [5, 5], columns(whole(MASS[0], MASS[1], MASS[0]))),
+        ("G", [5, 5], columns(gyroscopic())),
+        ("C", [5, 5], columns(whole(400.0, 0.4, 400.0))),
+        ("F", [5, 1], vec![0.0, 0.0, weight, weight, 60.0]),
+    ]);
+    one.put("rotor.mat", &file);
+    let text = ["M.mtx", "B.npy", "G.mtx", "K.mtx", "f.npy"]
+        .iter()
+        .fold(one.read("scene.toml"), |text, name| swap(&text, name, "rotor.mat"));
+    one.put("scene.toml", text);
+    one.done(&args);
+    assert_eq!(one.read("m.csv"), several.read("m.csv"));
+    one.put("rotor.mat", mat(&[("M", [1, 1], vec![1.0])]));
+    one.refused(&["equilibrium", "scene.toml"], 2, &["rotor.mat", "no full matrix F or f among its variables: M"]);
+}
+
 #[test]
 fn bad_matrices_are_refused_by_entry() {
     let refused = |file: &str, contents: Vec<u8>, parts: &[&str]| {
@@ -141,7 +190,11 @@ fn bad_matrices_are_refused_by_entry() {
     let nested = include_bytes!("../fuzz/corpus/matrix/nested-header").to_vec();
     refused("B.npy", nested, &["B.npy", "found no NPY file of float64"]);
     refused("f.npy", npy(&[1.0; 4], "(4,)"), &["f.npy: found 4 numbers, allowed: 5"]);
-    refused("M.mtx", b"1 2 3\n".to_vec(), &["M.mtx: found neither a Matrix Market nor an NPY file"]);
+    refused(
+        "M.mtx",
+        b"1 2 3\n".to_vec(),
+        &["M.mtx: unknown format of a matrix, expected a Matrix Market, NPY or MATLAB file"],
+    );
     refused("M.mtx", market(&whole(6.0, -1.0, 6.0), "symmetric").into_bytes(), &["M: found", "positive definite"]);
     refused("G.mtx", market(&whole(1.0, 1.0, 1.0), "general").into_bytes(), &["G: found", "a skew-symmetric matrix"]);
     let broken = market(&gyroscopic(), "skew-symmetric").replace("5 5", "5 x");

@@ -446,6 +446,10 @@ impl Lines {
         for i in 0..D {
             weight[(i, i)] = C::from(1.0);
         }
+        // The weight of a support, over that of the rotor.
+        for j in layout.rotor_order()..n {
+            weight[((j - layout.rotor_order()) % 2, j)] = C::from(scales.mass[(j, j)] / rotor.mass);
+        }
         Ok(Some(Self {
             damping: scales.damping + speed * scales.gyroscopic,
             mass: scales.mass,

@@ -26,7 +26,7 @@ impl Given {
     /// # Errors
     /// A file that is no matrix, matrices of different sizes, coordinates that the system does not have.
     pub fn read(scene: &Scene, system: &System) -> Result<Self> {
-        let mass = matrix::read(&system.mass)?;
+        let mass = matrix::read(&system.mass, &["M"])?;
         let n = mass.nrows();
         let square = |path: &PathBuf, matrix: DMatrix<f64>| {
             if matrix.shape() == (n, n) && n > 0 {
@@ -35,14 +35,14 @@ impl Given {
             let (rows, columns) = matrix.shape();
             Err(PlantError::MatrixSize { file: path.clone(), rows, columns, expected: n })
         };
-        let optional = |path: &Option<PathBuf>| match path {
-            Some(path) => square(path, matrix::read(path)?),
+        let optional = |path: &Option<PathBuf>, variables: &[&str]| match path {
+            Some(path) => square(path, matrix::read(path, variables)?),
             None => Ok(DMatrix::zeros(n, n)),
         };
         let load = match &system.load {
             None => vec![0.0; n],
             Some(path) => {
-                let load = matrix::read(path)?;
+                let load = matrix::read(path, &["F", "f"])?;
                 if load.len() != n {
                     return Err(PlantError::LoadLength { file: path.clone(), found: load.len(), expected: n });
                 }
@@ -77,9 +77,9 @@ impl Given {
         };
         Ok(Self {
             mass: square(&system.mass, mass.clone())?,
-            damping: optional(&system.damping)?,
-            gyroscopic: optional(&system.gyroscopic)?,
-            stiffness: square(&system.stiffness, matrix::read(&system.stiffness)?)?,
+            damping: optional(&system.damping, &["C", "B"])?,
+            gyroscopic: optional(&system.gyroscopic, &["G"])?,
+            stiffness: square(&system.stiffness, matrix::read(&system.stiffness, &["K"])?)?,
             load,
             extended: scene.bearings.iter().map(extended).collect::<Result<_>>()?,
             system: system.clone(),

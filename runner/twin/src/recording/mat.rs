@@ -1,4 +1,5 @@
-//! MATLAB files (version 5) as recordings: the vectors are the columns. Those that the scene names are held in memory.
+//! MATLAB files (version 5) as recordings: the vectors are the columns. Those that the scene names are held in memory. [`matrix`] reads
+//! one matrix of such a file.
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -9,6 +10,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use flate2::read::ZlibDecoder;
+use nalgebra::DMatrix;
 
 use super::bytes::Bytes;
 use super::error::RecordingError;
@@ -49,6 +51,9 @@ struct Vector {
     before: u64,
     number: Number,
     count: u64,
+    rows: u64,
+    /// It has one column or one row, and more than one number.
+    is_vector: bool,
 }
 
 /// A piece of the file with a type of its own.
@@ -61,7 +66,7 @@ struct Element {
 
 /// Opens a file.
 pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
-    let (names, all) = list(&mut file).map_err(|cause| wrong(path, &cause))?;
+    let (names, all) = list(&mut file, |vector| vector.is_vector).map_err(|cause| wrong(path, &cause))?;
     let (path, selected) = (path.into(), Vec::new());
     Ok(Box::new(Vectors { path, file, names, all, selected, rows: 0, row: 0, bytes_read: 0 }))
 }
@@ -78,8 +83,8 @@ fn refuse(found: impl Into<String>) -> io::Error {
     io::Error::other(found.into())
 }
 
-/// Names and places of all vectors.
-fn list(file: &mut File) -> io::Result<(Vec<String>, Vec<Vector>)> {
+/// Names and places of all arrays of numbers that are wanted.
+fn list(file: &mut File, is_wanted: impl Fn(&Vector) -> bool) -> io::Result<(Vec<String>, Vec<Vector>)> {
     let size = file.metadata()?.len();
     let mut header = [0; HEADER as usize];
     file.read_exact(&mut header)?;
@@ -98,7 +103,8 @@ fn list(file: &mut File) -> io::Result<(Vec<String>, Vec<Vector>)> {
         if element.length > 0 && (element.kind == MATRIX || element.kind == COMPRESSED) {
             let mut about = Vec::new();
             element.open(file)?.take(ABOUT).read_to_end(&mut about)?;
-            if let Some((name, vector)) = vector(Bytes { rest: &about, big_endian }, element)? {
+            let found = vector(Bytes { rest: &about, big_endian }, element)?;
+            if let Some((name, vector)) = found.filter(|(_, vector)| is_wanted(vector)) {
                 names.push(name);
                 all.push(vector);
             }
@@ -139,7 +145,7 @@ impl Element {
     }
 }
 
-/// Name and numbers of a variable; nothing where it is no vector of real numbers.
+/// Name and numbers of a variable; nothing where it is no array of real numbers.
 fn vector(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, Vector)>> {
     let all = bytes.rest.len();
     if element.kind == COMPRESSED {
@@ -156,22 +162,23 @@ fn vector(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, 
     }
     let (_, dimensions) = part(&mut bytes)?;
     let mut dimensions = Bytes { rest: dimensions, ..bytes };
-    let (mut count, mut long) = (1_u64, 0);
+    let (mut count, mut long, mut rows) = (1_u64, 0, None);
     while !dimensions.rest.is_empty() {
         let length = dimensions.u32()?;
         count = count.saturating_mul(length.into());
         long += u32::from(length > 1);
+        rows.get_or_insert(u64::from(length));
     }
     let (_, name) = part(&mut bytes)?;
     let name = String::from_utf8_lossy(name).into_owned();
     let (kind, length) = part_head(&mut bytes)?;
-    let number = number(kind, bytes.big_endian).filter(|_| long == 1 && !name.is_empty());
+    let number = number(kind, bytes.big_endian).filter(|_| long <= 2 && count > 0 && !name.is_empty());
     let Some(number) = number else { return Ok(None) };
     let before = (all - bytes.rest.len()) as u64;
     if count.checked_mul(number.bytes.into()) != Some(length) || before + length > element.most() {
         return Err(refuse(format!("{count} numbers in {length} bytes for `{name}`")));
     }
-    Ok(Some((name, Vector { element, before, number, count })))
+    Ok(Some((name, Vector { element, before, number, count, rows: rows.unwrap_or(1), is_vector: long == 1 })))
 }
 
 /// Type and length of a part of a variable. In its short form both are in four bytes.
@@ -210,19 +217,49 @@ fn number(kind: u32, big_endian: bool) -> Option<Number> {
     Some(Number::new(kind, bytes, big_endian))
 }
 
-impl Vectors {
-    fn load(&mut self, place: usize) -> io::Result<(Number, Vec<u8>)> {
-        let Some(vector) = self.all.get(place) else { return Err(io::ErrorKind::UnexpectedEof.into()) };
-        let mut source = vector.element.open(&mut self.file)?;
-        io::copy(&mut source.by_ref().take(vector.before), &mut io::sink())?;
-        let length = vector.count * u64::from(vector.number.bytes);
+/// Reads the first of these variables that a file has, as a matrix.
+///
+/// # Errors
+/// No MATLAB file of version 5, none of the variables; a file that is cut short.
+pub fn matrix(path: &Path, variables: &[&str]) -> io::Result<DMatrix<f64>> {
+    let mut file = File::open(path)?;
+    let (names, all) = list(&mut file, |_| true)?;
+    let place = variables.iter().find_map(|name| names.iter().position(|found| found == name));
+    let Some(vector) = place.and_then(|place| all.get(place)) else {
+        let found = names.join(", ");
+        return Err(refuse(format!("no full matrix {} among its variables: {found}", variables.join(" or "))));
+    };
+    let (number, bytes) = vector.load(&mut file)?;
+    if vector.count * 8 > LARGEST {
+        return Err(refuse(format!("{} numbers, more than fit", vector.count)));
+    }
+    let size = usize::from(number.bytes);
+    let values: Vec<f64> = bytes.chunks_exact(size).map(|bytes| number.read(bytes)).collect();
+    let rows = vector.rows as usize;
+    Ok(DMatrix::from_column_slice(rows, values.len() / rows.max(1), &values))
+}
+
+impl Vector {
+    /// Reads its numbers.
+    fn load(&self, file: &mut File) -> io::Result<(Number, Vec<u8>)> {
+        let mut source = self.element.open(file)?;
+        io::copy(&mut source.by_ref().take(self.before), &mut io::sink())?;
+        let length = self.count * u64::from(self.number.bytes);
         let mut bytes = Vec::new();
         source.take(length).read_to_end(&mut bytes)?;
         if bytes.len() as u64 != length {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
+        Ok((self.number, bytes))
+    }
+}
+
+impl Vectors {
+    fn load(&mut self, place: usize) -> io::Result<(Number, Vec<u8>)> {
+        let Some(vector) = self.all.get(place) else { return Err(io::ErrorKind::UnexpectedEof.into()) };
+        let loaded = vector.load(&mut self.file)?;
         self.bytes_read += vector.element.length;
-        Ok((vector.number, bytes))
+        Ok(loaded)
     }
 }
 

@@ -9,7 +9,7 @@ pub mod flaws;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod harness;
-mod mat;
+pub mod mat;
 mod npy;
 mod numbers;
 mod parquet;

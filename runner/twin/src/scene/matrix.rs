@@ -1,6 +1,7 @@
-//! Matrices of a linear system from files: Matrix Market or NPY, detected by content.
+//! Matrices of a linear system from files: Matrix Market, NPY or MATLAB, detected by content.
 
 use crate::npy_header::{self, ElementType, NpyHeader};
+use crate::recording::mat;
 use nalgebra::DMatrix;
 use std::fs::File;
 use std::io::Read;
@@ -32,8 +33,11 @@ pub enum MatrixProblem {
     #[error("matrix file too long, expected at most 64 MiB")]
     TooLong,
     /// The format is unknown.
-    #[error("found neither a Matrix Market nor an NPY file, allowed: one of the two")]
+    #[error("unknown format of a matrix, expected a Matrix Market, NPY or MATLAB file")]
     Format,
+    /// The MATLAB file has no such matrix.
+    #[error("no matrix in a MATLAB file")]
+    Matlab(#[source] std::io::Error),
     /// An element is not finite.
     #[error("row {row}, column {column}: found {found}, allowed: a finite number")]
     NotFinite {
@@ -75,15 +79,15 @@ pub enum MatrixProblem {
     Shape(#[from] std::num::TryFromIntError),
 }
 
-/// Reads a matrix of real numbers.
+/// Reads a matrix of real numbers; of a MATLAB file the first of these variables that it has.
 ///
 /// # Errors
-/// A file that cannot be read, is neither format, or holds something else than a matrix of finite numbers.
-pub fn read(path: &Path) -> Result<DMatrix<f64>, MatrixError> {
-    content(path).map_err(|source| MatrixError { file: path.to_owned(), source })
+/// A file that cannot be read, is of another format, or holds something else than a matrix of finite numbers.
+pub fn read(path: &Path, variables: &[&str]) -> Result<DMatrix<f64>, MatrixError> {
+    content(path, variables).map_err(|source| MatrixError { file: path.to_owned(), source })
 }
 
-fn content(path: &Path) -> Result<DMatrix<f64>, MatrixProblem> {
+fn content(path: &Path, variables: &[&str]) -> Result<DMatrix<f64>, MatrixProblem> {
     // The length of a device or a pipe is not known before it is read.
     let mut bytes = Vec::new();
     File::open(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))?;
@@ -92,6 +96,13 @@ fn content(path: &Path) -> Result<DMatrix<f64>, MatrixProblem> {
     }
     let matrix = if bytes.starts_with(npy_header::MAGIC) {
         npy(&bytes)?
+    } else if bytes.get(124..128).is_some_and(|end| matches!(end, [_, _, b'I', b'M'] | [_, _, b'M', b'I'])) {
+        let matrix = mat::matrix(path, variables).map_err(MatrixProblem::Matlab)?;
+        let (rows, columns) = matrix.shape();
+        if rows.max(columns) > MOST {
+            return Err(MatrixProblem::TooLarge { rows, columns });
+        }
+        matrix
     } else {
         match std::str::from_utf8(&bytes) {
             Ok(text) if text.starts_with("%%MatrixMarket") => market(text)?,

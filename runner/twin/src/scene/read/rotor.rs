@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Reads the rotor with stations as drawn; returns it with the station of its centre of mass, 0 of a rigid rotor.
 pub fn read(node: &Node<'_>) -> Read<Rotor> {
-    let keys: Vec<&str> = COMMON.iter().chain(&RIGID).chain(&FLEXIBLE).copied().collect();
+    let keys: Vec<&str> = RIGID.iter().chain(&COMMON).chain(&FLEXIBLE).copied().collect();
     let table = node.table(&keys)?;
     let load = five(&table, "load", Node::quantity, [Dimension::Force, Dimension::Moment])?;
     let given_station = table.read("load_station", |n| n.quantity(Dimension::Length))?;
