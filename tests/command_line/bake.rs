@@ -10,20 +10,24 @@ use crate::support::{DEMO_SCENE, Desk, numbers, short_recording};
 mod bearings;
 
 const SCENE: &str = include_str!("../target/baked/scene.toml");
-const BAKED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/baked/src/bearings.rs");
+/// Sources of the firmware, and the scenes that they are baked from.
+const BAKED: [(&str, &str); 2] = [("bearings.rs", SCENE), ("flexible.rs", FLEXIBLE)];
 
 #[test]
 fn the_firmware_has_what_its_scene_says() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", SCENE);
-    desk.done(&["bake", "scene.toml", "-o", "out.rs"]);
-    let fresh = desk.read("out.rs");
-    if std::env::var_os("BALLRACE_WRITE").is_some() {
-        std::fs::write(BAKED, fresh).unwrap();
-        return;
+    for (name, scene) in BAKED {
+        let desk = Desk::empty();
+        desk.put("scene.toml", scene);
+        desk.done(&["bake", "scene.toml", "-o", "out.rs"]);
+        let fresh = desk.read("out.rs");
+        let path = format!("{}/target/baked/src/{name}", env!("CARGO_MANIFEST_DIR"));
+        if std::env::var_os("BALLRACE_WRITE").is_some() {
+            std::fs::write(path, fresh).unwrap();
+            continue;
+        }
+        let kept = std::fs::read_to_string(&path).unwrap();
+        assert!(fresh == kept, "{path} differs from its baked scene: BALLRACE_WRITE=1 writes it");
     }
-    let kept = std::fs::read_to_string(BAKED).unwrap();
-    assert!(fresh == kept, "bake the scene again: ballrace bake tests/target/baked/scene.toml -o {BAKED}");
 }
 
 #[test]
@@ -190,4 +194,70 @@ fn the_observer_is_baked() {
         assert!((found[i] - last[i + 1]).abs() < 3.0, "{found:?} {:?}", &last[1..4]);
     }
     assert!((3.0..8.0).contains(&found[3]), "{found:?}");
+}
+
+/// A rotor that bends, on bearings of which one has a support.
+const FLEXIBLE: &str = include_str!("../target/baked/flexible.toml");
+
+/// Integrates the baked system in `f32` from the motion of `simulate`, and observes that motion from a displaced state.
+const FLEXIBLE_FIRMWARE: &str = r#"
+fn main() {
+    let ratio = SpeedRatios::new(bearing_de::CAGE_RATIO);
+    let [de, nde] = bearings::rotor::attachments();
+    let on_coordinates = [
+        AttachedBearing { bearing: bearing_de::bearing(), attachment: de, speed_ratios: ratio },
+        AttachedBearing { bearing: bearing_nde::bearing(), attachment: nde, speed_ratios: ratio },
+    ];
+    let system = RotorBearingSystem { rotor: bearings::rotor::rotor().unwrap(), bearings: on_coordinates };
+    let step = PERIOD / SUBSTEPS as f32;
+    let integrator = Verlet { step };
+    let drive = |i: usize| {
+        let angle = Phase::from_revolutions(i as f64 / 256.0);
+        ShaftMotion { angle, speed: 314.159_27, acceleration: 0.0 }
+    };
+    let mut state = RotorState::stationary(MOTION[0], Phase::ZERO, [Phase::ZERO; 2]);
+    let observer = Observer {
+        system, integrator, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, load_retention: MEMORY,
+        gate: f32::INFINITY,
+    };
+    let mut observed = ObserverState::new(RotorState { q: MOTION[0].map(|x| 0.9 * x), ..state });
+    for i in 1..MOTION.len() {
+        for k in 0..SUBSTEPS {
+            integrator.step(&observer.system, &mut state, &drive(i - 1).after(k as f32 * step));
+        }
+        let readings = PROBES.map(|row| row.iter().zip(&MOTION[i]).map(|(c, q)| c * q).sum());
+        observer.sample::<Exact>(&mut observed, &drive(i - 1), &readings);
+    }
+    for q in [&state.q, &observed.motion.q] {
+        println!("{}", q.map(|x| x.to_string()).join(","));
+    }
+}
+"#;
+
+/// The baked equations of a flexible rotor on a support move as in `simulate`, and the baked observer follows that motion.
+#[test]
+fn a_flexible_rotor_and_its_observer_are_baked() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", FLEXIBLE);
+    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    desk.done(&["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "12.8 kHz", "-o", "motion.csv"]);
+    let (head, rows) = numbers(&desk.read("motion.csv"));
+    let order = head.iter().position(|name| name == "u_dot").unwrap() - 1;
+    assert_eq!(head[1..=order].join(","), "u,v,w,thu,thv,bending_1_x,bending_1_y,NDE_support_u,NDE_support_v");
+    let motion: String = rows.iter().map(|row| format!("{:?},", &row[1..=order])).collect();
+    let found = desk.compiled(&format!(
+        "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\n\
+         use ballrace::rotor::*; use ballrace::twin::*; use ballrace::*;\nuse bearings::{{bearing_de, bearing_nde, observer::*}};\n\
+         const MOTION: [[f32; bearings::rotor::COORDINATES]; {}] = [{motion}];\n{FLEXIBLE_FIRMWARE}",
+        rows.len()
+    ));
+    let last = &rows.last().unwrap()[1..=order];
+    for (what, line) in ["integrated", "observed"].into_iter().zip(found.lines()) {
+        let q: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();
+        assert_eq!(q.len(), order);
+        for ((name, q), expected) in head[1..].iter().zip(q).zip(last) {
+            // A thousandth of the motion, in m and rad.
+            assert!((q - expected).abs() < 2e-9, "{what}: {name}: {q} {expected}");
+        }
+    }
 }

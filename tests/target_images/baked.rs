@@ -4,6 +4,11 @@ use ballrace::{BearingKinematicState, Displacement, Phase};
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
 mod bearings;
+#[path = "../target/baked/src/flexible.rs"]
+#[rustfmt::skip]
+mod flexible;
+#[path = "../target/baked/src/motion.rs"]
+mod motion;
 
 /// The same as in the image.
 fn displacement(i: u16) -> Displacement<f32> {
@@ -37,5 +42,12 @@ fn a_baked_scene_gives_the_same_bits() {
         expected += &line("NDE", i, &nde, &u.mirrored());
     }
     assert!(expected.lines().all(|l| l.ends_with(",0")), "inside both tables:\n{expected}");
-    assert_eq!(super::run("baked"), expected);
+    let mut lines = String::new();
+    motion::run(|i, moved, observed| {
+        assert!(moved.iter().chain(observed).all(|x| x.abs() < 1e-3), "{moved:?} {observed:?}");
+        let bits: String = moved.iter().chain(observed).map(|x| format!(",{:08x}", x.to_bits())).collect();
+        lines += &format!("rotor,{i}{bits}\n");
+    })
+    .expect("symmetric matrices");
+    assert_eq!(super::run("baked"), expected + &lines);
 }

@@ -129,8 +129,8 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
     #[must_use]
     pub fn displacement(&self, q: &[T; D]) -> Displacement<T> {
         let mut u = [T::ZERO; 5];
-        for (&x, column) in q.iter().zip(self.0.column_iter()) {
-            for (entry, &t) in u.iter_mut().zip(column.iter()) {
+        for (&x, column) in q.iter().zip(&self.0.data.0) {
+            for (entry, &t) in u.iter_mut().zip(column) {
                 *entry += t * x;
             }
         }
@@ -139,8 +139,8 @@ impl<T: Scalar, const D: usize> Attachment<T, D> {
 
     /// Computes `f += T^T wrench`.
     pub(super) fn spread(&self, wrench: &[T; 5], f: &mut [T; D]) {
-        for (entry, column) in f.iter_mut().zip(self.0.column_iter()) {
-            for (&w, &t) in wrench.iter().zip(column.iter()) {
+        for (entry, column) in f.iter_mut().zip(&self.0.data.0) {
+            for (&w, &t) in wrench.iter().zip(column) {
                 *entry += t * w;
             }
         }

@@ -1,7 +1,9 @@
-//! A scene's bearings as Rust constants for firmware: element positions, table and surfaces, without arithmetic at start.
+//! A scene as Rust constants for firmware: its bearings (element positions, table and surfaces, without arithmetic at start), its
+//! rotor and its observer.
 
 mod direct;
 mod observer;
+mod rotor;
 
 use crate::error::Result;
 use crate::scene::build::{self, MadeTable};
@@ -10,10 +12,11 @@ use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, Sp
 use ballrace::bearing::tabulated::Axis;
 use std::fmt::Write;
 
-/// Returns Rust source with a module for the bearing `name`, or for every bearing, and the size of their tables.
+/// Returns Rust source with a module for the bearing `name`, or for every bearing, a flexible or supported rotor and the observer,
+/// and the size of the bearings' tables.
 ///
 /// # Errors
-/// A model or an effect without constants, or a table with states without equilibrium.
+/// A model or an effect without constants, a table with states without equilibrium, a rotor or an observer without constants.
 pub fn bake(scene: &Scene, name: Option<&str>) -> Result<(String, Vec<Baked>)> {
     let chosen: Vec<&Bearing> = match name {
         Some(_) => vec![build::pick(scene, name)?],
@@ -27,6 +30,7 @@ pub fn bake(scene: &Scene, name: Option<&str>) -> Result<(String, Vec<Baked>)> {
         all.push(baked);
     }
     if name.is_none() {
+        rotor::module(&mut source, scene)?;
         observer::module(&mut source, scene)?;
     }
     Ok((source, all))
@@ -43,6 +47,12 @@ pub struct Baked {
     pub nodes: usize,
     /// Flash memory of the table, bytes.
     pub bytes: usize,
+}
+
+/// Returns rows of numbers as a Rust array of arrays in `f64`.
+fn matrix_text<R: AsRef<[f64]>>(rows: &[R]) -> String {
+    let rows: Vec<String> = rows.iter().map(|row| format!("{:?}", row.as_ref())).collect();
+    format!("[{}]", rows.join(", "))
 }
 
 fn head(scene: &Scene) -> String {

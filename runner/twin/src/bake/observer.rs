@@ -1,4 +1,4 @@
-//! The scene's rotor and observer as constants.
+//! The scene's observer as constants, with its rotor where that is rigid and on fixed bearings.
 
 use crate::error::{BakeError, Error, Result};
 use crate::observer::{Gains, Uncertainty, gate, memory, weight};
@@ -34,8 +34,17 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let of = Uncertainty::new(&noise, process_noise, weight(&plant));
     let gains = Gains::try_new(&linear, &rows, scene.shaft.speed, 1.0 / rate, &of)?;
     let p = rows.len();
-    writeln!(out, "\n/// The observer behind the scene's probes, and the rotor that it moves.\npub mod observer {{")?;
-    writeln!(out, "    use ballrace::rotor::{{RotorParams, Unbalance}};\n    use ballrace::twin::SpeedGain;\n")?;
+    let n = plant.layout.order;
+    if plant.layout.is_rigid() {
+        writeln!(
+            out,
+            "\n/// The observer behind the scene's probes, and the rotor that it moves.\npub mod observer {{"
+        )?;
+        writeln!(out, "    use ballrace::rotor::{{RotorParams, Unbalance}};\n    use ballrace::twin::SpeedGain;\n")?;
+    } else {
+        writeln!(out, "\n/// The observer of the module `rotor` by the scene's probes.\npub mod observer {{")?;
+        writeln!(out, "    use ballrace::twin::SpeedGain;\n")?;
+    }
     writeln!(out, "    /// From sample to sample, s.\n    pub const PERIOD: f32 = {:?};", (1.0 / rate) as f32)?;
     let substeps = plant.substeps(1.0 / rate)?;
     writeln!(out, "    /// Steps of the integrator in it.\n    pub const SUBSTEPS: u32 = {substeps};")?;
@@ -52,8 +61,8 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     writeln!(out, "    pub const SPEEDS: [f32; 2] = [{first:?}, {density:?}];")?;
     let names: Vec<&str> = recording.probes.iter().map(|p| p.column.as_str()).collect();
     writeln!(out, "    /// Reading of each probe per unit of each coordinate: {}.", names.join(", "))?;
-    writeln!(out, "    pub const PROBES: [[f32; 5]; {p}] = {};", table(&rows))?;
-    writeln!(out, "    /// By speed.\n    pub static GAINS: [SpeedGain<f32, 5, {p}>; {}] = [", gains.all.len())?;
+    writeln!(out, "    pub const PROBES: [[f32; {n}]; {p}] = {};", table(&rows))?;
+    writeln!(out, "    /// By speed.\n    pub static GAINS: [SpeedGain<f32, {n}, {p}>; {}] = [", gains.all.len())?;
     for gain in &gains.all {
         writeln!(out, "        SpeedGain {{")?;
         let parts = [
@@ -68,13 +77,14 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
         let white = columns(&gain.whitening.transpose());
         writeln!(out, "            whitening: {},\n        }},", table(&white))?;
     }
-    writeln!(out, "    ];\n    /// The rotor.\n    pub const ROTOR: RotorParams = {:?};", build::rotor_params(rotor))?;
-    let unbalances = build::unbalances(rotor);
-    writeln!(
-        out,
-        "    /// Its unbalances.\n    pub const UNBALANCES: [Unbalance; {}] = {unbalances:?};\n}}",
-        unbalances.len()
-    )?;
+    writeln!(out, "    ];")?;
+    if plant.layout.is_rigid() {
+        let unbalances = build::unbalances(rotor);
+        writeln!(out, "    /// The rotor.\n    pub const ROTOR: RotorParams = {:?};", build::rotor_params(rotor))?;
+        writeln!(out, "    /// Its unbalances.")?;
+        writeln!(out, "    pub const UNBALANCES: [Unbalance; {}] = {unbalances:?};", unbalances.len())?;
+    }
+    writeln!(out, "}}")?;
     Ok(())
 }
 

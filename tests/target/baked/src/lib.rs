@@ -1,5 +1,8 @@
-//! The spindle's bearings as `ballrace bake` writes them.
+//! The spindle's bearings, a flexible rotor and its observer as `ballrace bake` writes them.
 #![no_std]
 
 #[rustfmt::skip]
 pub mod bearings;
+#[rustfmt::skip]
+pub mod flexible;
+pub mod motion;

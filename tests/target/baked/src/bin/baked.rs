@@ -1,11 +1,12 @@
-//! Forces of both bearings on an orbit, as bits: the desktop prints the same.
+//! Forces of both bearings on an orbit and the motion of a flexible rotor, as bits: the desktop prints the same.
 #![no_std]
 #![no_main]
 
 use baked::bearings::{bearing_de, bearing_nde};
+use baked::motion;
 use ballrace::{Bearing, BearingKinematicState, Displacement, Phase, Wrench};
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::{debug, hprint, hprintln};
 use panic_semihosting as _;
 
 const SAMPLES: u16 = 64;
@@ -40,6 +41,16 @@ fn main() -> ! {
         let (drive_end, other_end) = (de.reaction(&u, &at), nde.reaction(&u.mirrored(), &at));
         print("DE", i, &drive_end.wrench, drive_end.status.bits());
         print("NDE", i, &other_end.wrench, other_end.status.bits());
+    }
+    let printed = motion::run(|i, moved, observed| {
+        hprint!("rotor,{}", i);
+        for x in moved.iter().chain(observed) {
+            hprint!(",{:08x}", x.to_bits());
+        }
+        hprintln!("");
+    });
+    if printed.is_err() {
+        hprintln!("the matrices are rejected");
     }
     debug::exit(debug::EXIT_SUCCESS);
     loop {

@@ -2,6 +2,7 @@
 
 mod balls;
 mod bearings;
+mod flexible;
 mod indicators;
 mod rotor;
 
@@ -21,6 +22,7 @@ pub fn all(bench: &Bench) {
     indicators::all::<f64>(bench, "f64");
     rotor::all::<f32>(bench, "f32");
     rotor::all::<f64>(bench, "f64");
+    flexible::all(bench);
 }
 
 #[inline(never)]

@@ -71,7 +71,7 @@ where
     })
 }
 
-fn steps<T: Scalar, I: Integrator<T>, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
+pub fn steps<T: Scalar, I: Integrator<T>, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
     bench: &Bench,
     (what, precision, function): (&'static str, &'static str, &'static str),
     machine: &RotorBearingSystem<R, C, 2>,
@@ -82,7 +82,7 @@ fn steps<T: Scalar, I: Integrator<T>, R: SecondOrderSystem<T, D>, C: ForceElemen
     bench.measure(name, entry, start, |(state, drive)| step(integrator, machine, state, drive));
 }
 
-fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, ShaftMotion<T>) {
+pub fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, ShaftMotion<T>) {
     let (u, angle) = input::<T>(i);
     let mut q = [T::ZERO; D];
     for (entry, x) in q.iter_mut().zip(u.to_array()) {
@@ -94,7 +94,7 @@ fn start<T: Scalar, const D: usize>(i: u32) -> (RotorState<T, D, 2>, ShaftMotion
 }
 
 /// Steps at the speed that the integrator is ready for.
-fn steady_steps<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
+pub fn steady_steps<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>(
     bench: &Bench,
     (what, precision): (&'static str, &'static str),
     machine: &RotorBearingSystem<R, C, 2>,
