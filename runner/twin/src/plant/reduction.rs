@@ -332,6 +332,7 @@ mod tests {
         facing = "both"
         model = "linear"
         elements = 8
+        cage_ratio = 0.4
         stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 1e5, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
         [[bearing]]
         name = "NDE"
@@ -339,6 +340,7 @@ mod tests {
         facing = "both"
         model = "linear"
         elements = 8
+        cage_ratio = 0.4
         stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
     "#;
 
@@ -358,5 +360,46 @@ mod tests {
         let (more, _) = error("coordinates = 25");
         assert!(more.frequency < chosen.frequency && more.frequency < 1e-4, "{more:?}");
         assert!(more.deflection < 2e-3 && more.response < 2e-3, "{more:?}");
+    }
+    /// Returns the largest displacement of the disk about its static position (m), the speed at which it occurs, and the lowest
+    /// natural frequency above 50 Hz (rad/s), in a run from 50 to 200 Hz over 3 s.
+    fn run_up(coordinates: &str) -> (f64, [f64; 2]) {
+        const PERIOD: f64 = 1.0 / 12_800.0;
+        let text = SCENE.replace("unbalance =", &format!("{coordinates}\nunbalance ="));
+        // Implicit with a given step: the highest frequencies of many coordinates do not limit it.
+        let text = format!("{text}\n[integration]\nmethod = \"newmark\"\nstep = \"78.125 us\"\n");
+        let scene = read_str(&text, Path::new("scene.toml")).unwrap();
+        let plant = Plant::try_new(&scene).unwrap();
+        let [from, to] = [50.0, 200.0].map(|hz: f64| hz * TAU);
+        let frequencies = plant.frequency_squares().unwrap().into_iter().map(|square| square.re.max(0.0).sqrt());
+        let lowest = frequencies.filter(|frequency| *frequency > from).fold(f64::INFINITY, f64::min);
+        let disk = plant.layout.rows(scene.rotor.as_ref().unwrap().unbalance[0].station);
+        let mut twin = plant.start(PERIOD, 0.0).unwrap();
+        let acceleration = (to - from) / 3.0;
+        let mut shaft = ballrace::rotor::ShaftMotion { angle: ballrace::Phase::ZERO, speed: from, acceleration };
+        let mut peak = (0.0, from);
+        while shaft.speed < to {
+            twin.step(&shaft);
+            shaft = shaft.after(PERIOD);
+            let moved: Vec<f64> = twin.coordinates().iter().zip(&plant.rest).map(|(q, rest)| q - rest).collect();
+            let [x, y] = [0, 1].map(|i: usize| disk[i].iter().zip(&moved).map(|(row, q)| row * q).sum::<f64>());
+            let radius = x.hypot(y);
+            if radius > peak.0 {
+                peak = (radius, shaft.speed);
+            }
+        }
+        (peak.0, [peak.1, lowest])
+    }
+
+    /// The reduced rotor passes its first critical speed as one of 31 coordinates does.
+    #[test]
+    fn a_reduced_rotor_passes_its_first_critical_speed_as_the_full_one_does() {
+        let (few, [speed, lowest]) = run_up("");
+        let (many, [speed_of_many, _]) = run_up("coordinates = 31");
+        assert!((few / many - 1.0).abs() < 0.01, "{few} {many} m");
+        assert!((speed / speed_of_many - 1.0).abs() < 0.01, "{speed} {speed_of_many} rad/s");
+        // A few percent above it, by damping and by the acceleration.
+        assert!((0.98..1.1).contains(&(speed / lowest)), "{speed} {lowest} rad/s");
+        assert!(few > 1e-5, "{few} m");
     }
 }
