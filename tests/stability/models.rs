@@ -11,7 +11,7 @@ use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::{BearingKinematicState, Exact, Math, Phase, Scalar, Stiffness};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry};
 
-/// Of the shaft, rad/s.
+/// Speed of the shaft, rad/s.
 pub const SPEED: f64 = 1256.0;
 const PLAY: f64 = 5e-6;
 

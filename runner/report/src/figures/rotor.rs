@@ -313,7 +313,7 @@ fn centre_of_mass(canvas: &mut Canvas, (x, y): Point) -> Result<()> {
 
 /// A name with its leader to the part that it names.
 struct Name {
-    /// Of the leader.
+    /// End of the leader.
     x: f64,
     /// Start of the leader, from the axis of the shaft.
     from: f64,

@@ -14,9 +14,9 @@
 use super::motion::{C, D};
 use crate::plant::{Layout, Plant, PlantError, Rows, unbalance_planes};
 use crate::probes::PoseSolver;
-use crate::scene::{Probe, Rotor, Scene};
+use crate::scene::{Probe, Rotor, Scene, load_at};
 use ballrace::Displacement;
-use nalgebra::{DMatrix, SMatrix};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use rustfft::FftPlanner;
 
 pub type Square = SMatrix<C, D, D>;
@@ -30,17 +30,15 @@ const LOWEST: f64 = 0.1;
 /// Step of a derivative, over the distance of the lines.
 const STEP: f64 = 1e-3;
 
-/// A place at which a force acts or a displacement is needed: matrices by line, or one for all lines.
-struct Place {
-    to_pose: Vec<Square>,
-}
+/// A matrix by line, or one for all lines of a rigid rotor.
+type ByLine = Vec<Square>;
 
 /// Relations between places of the rotor.
 pub struct Dynamics {
-    /// Effect of a wrench at each bearing as one about the centre of mass; by line, or once for all lines.
-    bearings: Vec<Place>,
-    /// Displacement of each bearing by the pose, in the same way.
-    by_pose: Vec<Vec<Square>>,
+    /// Effect of a wrench at each bearing as one about the centre of mass.
+    bearings: Vec<ByLine>,
+    /// Displacement of each bearing by the pose.
+    by_pose: Vec<ByLine>,
     inertia: Inertia,
     /// What only a rotor has that bends or has supports.
     elastic: Option<Elastic>,
@@ -64,22 +62,15 @@ struct Elastic {
     /// Stations of two planes at which unbalance is taken to change, m.
     planes: [f64; 2],
     /// Effect of a wrench at each plane, and at the load's station.
-    at_planes: [Place; 2],
-    at_load: Place,
+    at_planes: [ByLine; 2],
+    at_load: ByLine,
     /// Displacement of each bearing at a steady pose by a wrench at each plane, at each bearing, at the load's station and at the
     /// centre of mass (weight).
-    by_plane: Vec<[Vec<Square>; 2]>,
-    by_bearing: Vec<Vec<Vec<Square>>>,
+    by_plane: Vec<[ByLine; 2]>,
+    by_bearing: Vec<Vec<ByLine>>,
     by_load: Vec<Square>,
     by_weight: Vec<Square>,
     load_station: f64,
-}
-
-impl Place {
-    fn at(&self, line: usize) -> &Square {
-        // A rigid rotor has one matrix for all lines.
-        &self.to_pose[line.min(self.to_pose.len() - 1)]
-    }
 }
 
 fn at(of: &[Square], line: usize) -> &Square {
@@ -116,7 +107,7 @@ impl Dynamics {
 
     fn rigid(rotor: &Rotor, plant: &Plant, speed: f64) -> Self {
         let stations: Vec<f64> = plant.bearings.iter().map(|b| b.station).collect();
-        let place = |z: &f64| Place { to_pose: vec![rigid_rows(*z).transpose()] };
+        let place = |z: &f64| vec![rigid_rows(*z).transpose()];
         let mass = [rotor.mass, rotor.mass, rotor.mass, rotor.diametral_inertia, rotor.diametral_inertia];
         Self {
             bearings: stations.iter().map(place).collect(),
@@ -133,7 +124,7 @@ impl Dynamics {
 
     /// Returns the effect of a wrench at bearing `b` as one about the centre of mass.
     pub fn to_centre(&self, b: usize, line: usize) -> &Square {
-        self.bearings[b].at(line)
+        at(&self.bearings[b], line)
     }
 
     /// Adds `spectra` of a wrench at bearing `b` to `sum` about the centre of mass.
@@ -175,7 +166,7 @@ impl Dynamics {
     pub fn stiffness(&self, line: usize, w: f64, damping: &[f64; D], tangents: &[Tangent]) -> Square {
         let mut sum = match &self.inertia {
             Inertia::Rigid { mass, polar_speed, stiffness } => {
-                let mut g = Square::from_diagonal(&nalgebra::SVector::<C, D>::from_fn(|i, _| {
+                let mut g = Square::from_diagonal(&SVector::<C, D>::from_fn(|i, _| {
                     C::new(stiffness[i] - w * w * mass[i], w * damping[i])
                 }));
                 let spin = w * polar_speed;
@@ -186,7 +177,7 @@ impl Dynamics {
             Inertia::Lines(all) => all[line][0],
         };
         for (b, tangent) in tangents.iter().enumerate() {
-            sum += self.bearings[b].at(line) * tangent.map(C::from) * at(&self.by_pose[b], line);
+            sum += at(&self.bearings[b], line) * tangent.map(C::from) * at(&self.by_pose[b], line);
         }
         sum
     }
@@ -247,10 +238,7 @@ impl Dynamics {
     ) -> Option<Vec<Displacement<f64>>> {
         let elastic = self.elastic.as_ref()?;
         let of_planes = &unit?[b];
-        let local = elastic.local_load(load).map(C::from);
-        let constant = elastic.by_load[b] * nalgebra::SVector::<C, D>::from(local)
-            + elastic.by_weight[b] * nalgebra::SVector::<C, D>::from(weight.map(C::from));
-        let mut sum = vec![Displacement::from_array(std::array::from_fn(|i| constant[i].re)); of_planes[0][0].len()];
+        let mut sum = vec![elastic.by_steady_loads(b, load, weight); of_planes[0][0].len()];
         for (responses, moments) in of_planes.iter().zip(elastic.in_planes(unbalance)) {
             for (response, moment) in responses.iter().zip(moments).filter(|(_, moment)| *moment != 0.0) {
                 for (sum, part) in sum.iter_mut().zip(response) {
@@ -264,13 +252,11 @@ impl Dynamics {
     /// Returns the largest static displacement of a bearing across the axis by load and weight while the pose stays, m.
     pub fn sag(&self, load: &[f64; D], weight: &[f64; D]) -> f64 {
         let Some(elastic) = &self.elastic else { return 0.0 };
-        let local = nalgebra::SVector::<C, D>::from(elastic.local_load(load).map(C::from));
-        let weight = nalgebra::SVector::<C, D>::from(weight.map(C::from));
-        let of = |(by_load, by_weight): (&Square, &Square)| {
-            let all = by_load * local + by_weight * weight;
-            all[0].re.hypot(all[1].re)
+        let of = |b: usize| {
+            let moved = elastic.by_steady_loads(b, load, weight);
+            moved.u.hypot(moved.v)
         };
-        elastic.by_load.iter().zip(&elastic.by_weight).map(of).fold(0.0, f64::max)
+        (0..elastic.by_load.len()).map(of).fold(0.0, f64::max)
     }
 
     /// Adds the displacement of every bearing by `wrenches` of the bearings, sample by sample, while the pose stays.
@@ -286,9 +272,9 @@ impl Dynamics {
     }
 }
 
-fn add(place: &Place, spectra: &[Vec<C>; D], sum: &mut [Vec<C>; D]) {
+fn add(place: &ByLine, spectra: &[Vec<C>; D], sum: &mut [Vec<C>; D]) {
     for k in 0..sum[0].len() {
-        let matrix = place.at(k);
+        let matrix = at(place, k);
         for (i, sum) in sum.iter_mut().enumerate() {
             sum[k] += (0..D).map(|j| matrix[(i, j)] * spectra[j][k]).sum::<C>();
         }
@@ -306,9 +292,15 @@ impl Elastic {
     }
 
     /// A load about the centre of mass as it is at its own station.
-    fn local_load(&self, [fx, fy, fz, mx, my]: &[f64; D]) -> [f64; D] {
-        let z = self.load_station;
-        [*fx, *fy, *fz, mx + z * fy, my - z * fx]
+    fn local_load(&self, load: &[f64; D]) -> [f64; D] {
+        load_at(*load, -self.load_station)
+    }
+
+    /// Displacement of bearing `b` by load and weight while the pose stays.
+    fn by_steady_loads(&self, b: usize, load: &[f64; D], weight: &[f64; D]) -> Displacement<f64> {
+        let vector = |x: &[f64; D]| SVector::from(x.map(C::from));
+        let moved = self.by_load[b] * vector(&self.local_load(load)) + self.by_weight[b] * vector(weight);
+        Displacement::from_array(std::array::from_fn(|i| moved[i].re))
     }
 }
 
@@ -441,7 +433,7 @@ impl Lines {
         }
         through_bearings[(2, 2)] = C::from(1.0);
         let planes = unbalance_planes(rotor, [z1, z2]);
-        let load_station = rotor.flexible.as_ref().map_or(0.0, |drawn| drawn.load_station);
+        let (load_station, _) = rotor.local_load();
         let mut weight = DMatrix::from_element(D, n, C::from(0.0));
         for i in 0..D {
             weight[(i, i)] = C::from(1.0);
@@ -474,8 +466,9 @@ impl Lines {
         z.try_inverse()
     }
 
-    fn required(&self, w: f64) -> Option<Square> {
-        let alpha = &self.pose * self.alpha(w)? * &self.through_bearings;
+    /// Force that a pose requires, from the compliance.
+    fn required(&self, alpha: &DMatrix<C>) -> Option<Square> {
+        let alpha = &self.pose * alpha * &self.through_bearings;
         Square::from_fn(|i, j| alpha[(i, j)]).try_inverse()
     }
 
@@ -495,9 +488,11 @@ impl Lines {
         for (k, w) in lines.iter().enumerate() {
             let w = w.max(LOWEST * bin);
             let all = || -> Option<_> {
-                Some((self.alpha(w)?, self.required(w - step)?, self.required(w)?, self.required(w + step)?))
+                let alpha = self.alpha(w)?;
+                let beside = |w: f64| self.required(&self.alpha(w)?);
+                Some((beside(w - step)?, self.required(&alpha)?, beside(w + step)?, alpha))
             };
-            let Some((alpha, before, z, after)) = all() else { return Err(PlantError::SingularMass) };
+            let Some((before, z, after, alpha)) = all() else { return Err(PlantError::SingularMass) };
             let (slope, bend) =
                 ((after - before) / C::from(2.0 * step), (after - z * C::from(2.0) + before) / C::from(step * step));
             required.push([z, slope * C::i(), bend * C::from(-0.5)]);
@@ -527,13 +522,13 @@ impl Lines {
             at_load.push(small(&(&equivalent * self.at_load.transpose())));
         }
         Ok(Dynamics {
-            bearings: to_pose.into_iter().map(|to_pose| Place { to_pose }).collect(),
+            bearings: to_pose,
             by_pose,
             inertia: Inertia::Lines(required),
             elastic: Some(Elastic {
                 planes: self.planes,
-                at_planes: at_planes.map(|to_pose| Place { to_pose }),
-                at_load: Place { to_pose: at_load },
+                at_planes,
+                at_load,
                 by_plane,
                 by_bearing,
                 by_load,
@@ -541,5 +536,86 @@ impl Lines {
                 load_station: self.load_station,
             }),
         })
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    /// A shaft on two bearings with two probe planes; a modulus so large that it does not bend.
+    const SCENE: &str = r#"
+        [shaft]
+        speed = "3000 rpm"
+        [rotor]
+        sections = [{ from = "0 mm", to = "400 mm", outer_diameter = "30 mm" }]
+        disks = [{ station = "180 mm", mass = "4 kg", diametral_inertia = 0.007, polar_inertia = 0.012 }]
+        youngs_modulus = "206e6 GPa"
+        unbalance = [{ moment = "50 g mm", angle = "17 deg", station = "180 mm" }]
+        [[bearing]]
+        name = "DE"
+        station = "20 mm"
+        facing = "both"
+        model = "linear"
+        elements = 8
+        cage_ratio = 0.4
+        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 1e5, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
+        [[bearing]]
+        name = "NDE"
+        station = "380 mm"
+        facing = "both"
+        model = "linear"
+        elements = 8
+        cage_ratio = 0.4
+        stiffness_matrix = [[5e7, 0, 0, 0, 0], [0, 6e7, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1e3, 0], [0, 0, 0, 0, 1e3]]
+        [recording]
+        file = "none.csv"
+        rate = "12.8 kHz"
+        probes = [
+          { column = "AX", unit = "um", station = "60 mm", angle = "0 deg" },
+          { column = "AY", unit = "um", station = "60 mm", angle = "90 deg" },
+          { column = "BX", unit = "um", station = "340 mm", angle = "0 deg" },
+          { column = "BY", unit = "um", station = "340 mm", angle = "90 deg" },
+          { column = "Z", unit = "um", axial = true },
+        ]
+    "#;
+
+    /// A shaft that does not bend has the relations of a rigid rotor: forces about the centre of mass, displacements on the straight
+    /// line, inertia and gyroscopic moments, and no motion of the bearings while the pose stays.
+    #[test]
+    fn a_shaft_that_does_not_bend_is_a_rigid_rotor() {
+        let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
+        let plant = Plant::try_new(&scene).unwrap();
+        let probes = &scene.recording.as_ref().unwrap().probes;
+        let stations: Vec<f64> = plant.bearings.iter().map(|b| b.station).collect();
+        let solver = PoseSolver::try_new(probes, &stations).unwrap();
+        let lines: Vec<f64> = (0..60).map(|k| 20.0 * f64::from(k)).collect();
+        let speed = 314.0;
+        let elastic = Dynamics::new(&scene, &plant, (probes, &solver), &lines, speed).unwrap().unwrap();
+        let rigid = Dynamics::rigid(scene.rotor.as_ref().unwrap(), &plant, speed);
+        let near = |found: &Square, expected: &Square, what: &str| {
+            let off = (found - expected).map(|x| x.norm()).max();
+            assert!(off < 1e-3 * expected.map(|x| x.norm()).max(), "{what}: {found} {expected}");
+        };
+        for k in [1, 7, 30, 59] {
+            for b in 0..2 {
+                near(elastic.to_centre(b, k), rigid.to_centre(b, k), "force");
+                near(at(&elastic.by_pose[b], k), at(&rigid.by_pose[b], k), "displacement");
+            }
+            let tangents = [Tangent::zeros(); 2];
+            let required = |of: &Dynamics| of.stiffness(k, lines[k], &[0.0; D], &tangents);
+            near(&required(&elastic), &required(&rigid), "inertia");
+        }
+        let of_elastic = elastic.elastic.as_ref().unwrap();
+        let weight = [0.0, -50.0, 0.0, 0.0, 0.0];
+        // The shaft of steel sags by some um.
+        assert!(elastic.sag(&[0.0; D], &weight) < 1e-10, "{}", elastic.sag(&[0.0; D], &weight));
+        // An unbalance is distributed over the two planes without a change of its sum and couple.
+        let [[xa, _], [xb, _]] = of_elastic.in_planes([3e-5, 0.0, 1e-6, 0.0]);
+        let [a, b] = of_elastic.planes;
+        assert!((xa + xb - 3e-5).abs() < 1e-15 && (a * xa + b * xb - 1e-6).abs() < 1e-15);
     }
 }

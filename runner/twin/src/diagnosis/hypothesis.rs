@@ -397,6 +397,12 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
     Ok(faults)
 }
 
+/// Returns true for a cause that changes the stiffness of the bearings along the motion: an unbalance moves those of an elastic rotor.
+fn changes_stiffness(cause: Cause, e: &Evidence) -> bool {
+    matches!(cause, Cause::Clearance(_) | Cause::Misalignment(_) | Cause::Load)
+        || (cause == Cause::Unbalance && e.is_elastic())
+}
+
 /// Judges a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
 fn judged<'a>(
     of: &Prepared<'a>,
@@ -410,13 +416,7 @@ fn judged<'a>(
     let mut evidence = None;
     let (mut fitted, mut observable) = (first.clone(), of.observable.clone());
     match candidate.cause {
-        Cause::Clearance(_) | Cause::Misalignment(_) | Cause::Load if search => {
-            let (own, again, seen) = weighted(of, candidate, first)?;
-            (fitted, observable) = (again, seen);
-            evidence = Some(own);
-        }
-        // It moves the bearings of an elastic rotor, and so changes their stiffness along the motion.
-        Cause::Unbalance if search && of.evidence.is_elastic() => {
+        cause if search && changes_stiffness(cause, &of.evidence) => {
             let (own, again, seen) = weighted(of, candidate, first)?;
             (fitted, observable) = (again, seen);
             evidence = Some(own);

@@ -1,17 +1,21 @@
-//! The force that a machine leaves unexplained, as a residual at the probes in units of their noise.
+//! The force that a machine leaves unexplained, as a residual at the probes in units of their noise; `weights` has that noise.
+
+mod weights;
 
 use super::Result;
-use super::dynamics::{Dynamics, LEAD, Square, Tangent, UnitResponses};
+use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
 use super::filter::LineFilter;
 use super::fit::dot;
 use super::machine::{Evaluated, Machine, MachineBearing, Part, Unknown};
 use super::motion::{C, D, Motion, Transform};
 use crate::plant::Plant;
-use crate::probes::{self, PoseSolver};
+use crate::probes::PoseSolver;
 use crate::scene::{Probe, Scene};
 use ballrace::Displacement;
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{DMatrix, SVector};
 use std::sync::Arc;
+#[cfg(test)]
+pub(super) use weights::Normal;
 
 /// Lead and rise of the window, as shares of the record. A rotor that bends vibrates freely for some time with its probes at rest: the
 /// window changes little in that time.
@@ -19,17 +23,10 @@ const RIGID_WINDOW: [f64; 2] = [0.0, 0.12];
 const ELASTIC_WINDOW: [f64; 2] = [LEAD, 0.4];
 /// Lines over which the window spreads a mean.
 pub const MEAN_LINES: usize = 5;
-/// Lines on each side over which the noise is estimated.
-const NEIGHBOURS: usize = 6;
-/// Sets of made-up noise from which the noise of the residual is estimated.
-const DRAWS: usize = 3;
 /// Relative standard deviation of a shaft's elasticity: Young's modulus of steels differs by 2 %, shrunk-on parts stiffen the shaft.
 const ELASTICITY_ERROR: f64 = 0.02;
 /// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
 const MOMENT_ROUNDS: usize = 2;
-/// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
-const LEAST_TOLERANCE: f64 = 1e-3;
-
 /// How residuals are weighted: probes with their noise.
 pub(super) struct Weighting {
     pub probes: Vec<Probe>,
@@ -67,7 +64,7 @@ pub(super) struct Evidence<'a> {
     shaft: Shaft,
     /// The same rotor with a stiffer shaft, by [`ELASTICITY_ERROR`]; none for a rigid one.
     stiffer: Option<Shaft>,
-    /// The same with unbalance, load and moments of the machine by which the residual is weighted.
+    /// Displacement of the rotor at each bearing, with unbalance, load and moments of the machine by which the residual is weighted.
     displaced: Vec<Arc<Vec<Displacement<f64>>>>,
     /// Unbalance and load of that machine.
     given: ([f64; 4], [f64; D]),
@@ -291,92 +288,9 @@ impl<'a> Evidence<'a> {
         }
     }
 
-    /// Weights residuals by the noise that they have with this machine.
-    pub fn weight_for(&mut self, machine: &Machine) -> Result<()> {
-        if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
-            self.displace(machine)?;
-        }
-        self.reference = self.mean_stiffness(machine)?;
-        self.whitening = self.whitening_of(&self.reference);
-        self.whiten_bearings();
-        self.rows = self.whitening.first().map_or(0, Vec::len);
-        self.noise_scale = vec![vec![1.0; self.rows]; self.whitening.len()];
-        self.tolerance.clear();
-        self.scale_noise(machine)?;
-        self.whiten_bearings();
-        self.tolerate(machine)
-    }
-
     /// Returns true where unbalance and load move the bearings while the probes stay.
     pub fn is_elastic(&self) -> bool {
         self.shaft.dynamics.is_elastic()
-    }
-
-    /// Brings the weights of forces about the centre of mass to forces at each bearing.
-    fn whiten_bearings(&mut self) {
-        let of = |b: usize| {
-            let line = |(k, rows): (usize, &Vec<[C; D]>)| {
-                let from = self.shaft.dynamics.to_centre(b, k);
-                let row = |row: &[C; D]| std::array::from_fn(|j| (0..D).map(|i| row[i] * from[(i, j)]).sum());
-                rows.iter().map(row).collect()
-            };
-            self.whitening.iter().enumerate().map(line).collect()
-        };
-        self.whitening_of_bearing = (0..self.plant.bearings.len()).map(of).collect();
-    }
-
-    /// Sets the parameters that are known with a covariance: what they may be off explains no fault. [`Evidence::weight_for`] comes next.
-    pub fn set_uncertain(&mut self, (unknowns, covariance): (Vec<Unknown>, DMatrix<f64>)) {
-        let deviations: Vec<f64> = (0..unknowns.len()).map(|i| covariance[(i, i)].sqrt()).collect();
-        let correlation = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
-            covariance[(i, j)] / (deviations[i] * deviations[j])
-        });
-        let root = correlation.cholesky().map_or_else(|| DMatrix::identity(unknowns.len(), unknowns.len()), |c| c.l());
-        let root = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| deviations[i] * root[(i, j)]);
-        self.uncertain = Some((unknowns, root));
-    }
-
-    /// Finds the directions of the residual along which the uncertain parameters move it.
-    ///
-    /// With `U = S L` the changes by one deviation of each independent parameter (S the slopes, `L L^T` the covariance) the
-    /// covariance of the residual is `1 + U U^T`. From the eigenvalues `d^2` of `U^T U` its inverse root is
-    /// `1 - sum q q^T (1 - 1 / sqrt(1 + d^2))`, q the unit vectors `U v / d`.
-    fn tolerate(&mut self, machine: &Machine) -> Result<()> {
-        let none = (vec![], DMatrix::zeros(0, 0));
-        let (unknowns, known) = self.uncertain.as_ref().unwrap_or(&none);
-        let spectra = self.spectra(machine)?;
-        let mut slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
-        slopes.extend(self.elasticity_slope(&spectra, machine)?);
-        let n = slopes.len();
-        if n == 0 {
-            return Ok(());
-        }
-        // The elasticity is independent of the rest, its slope that of one deviation.
-        let root = DMatrix::from_fn(n, n, |i, j| known.get((i, j)).copied().unwrap_or(if i == j { 1.0 } else { 0.0 }));
-        let root = &root;
-        let products = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
-        let products = DMatrix::from_fn(n, n, |i, j| products[(i.min(j), i.max(j))]);
-        let eigen = (root.transpose() * products * root).symmetric_eigen();
-        let direction = |j: usize| {
-            let square = eigen.eigenvalues[j];
-            let vector = root * eigen.eigenvectors.column(j);
-            let mut unit = vec![0.0; self.rows * self.whitening.len() * 2];
-            for (slope, weight) in slopes.iter().zip(vector.iter()) {
-                unit.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight / square.sqrt() * x);
-            }
-            Direction { unit, share: 1.0 - 1.0 / (1.0 + square).sqrt() }
-        };
-        self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > LEAST_TOLERANCE).map(direction).collect();
-        Ok(())
-    }
-
-    /// Returns the change of the residual by a shaft that is stiffer by one deviation; none for a rigid rotor.
-    fn elasticity_slope(&self, spectra: &Spectra, machine: &Machine) -> Result<Option<Vec<f64>>> {
-        let Some(stiffer) = &self.stiffer else { return Ok(None) };
-        let mut other = Self { shaft: stiffer.clone(), ..self.clone() };
-        other.displace(machine)?;
-        let changed = other.residual(&other.spectra(machine)?);
-        Ok(Some(changed.iter().zip(self.residual(spectra)).map(|(a, b)| a - b).collect()))
     }
 
     /// Returns the residual of a machine with these spectra in the weights of its own.
@@ -430,163 +344,6 @@ impl<'a> Evidence<'a> {
                 force[k] -= (0..D).map(|j| change[(i, j)] * self.rest_lines[j][k]).sum::<C>();
             }
         }
-    }
-
-    fn own_whitening(&self, own: &MeanStiffness) -> Vec<Vec<[C; D]>> {
-        let mut whitening = self.whitening_of(own);
-        for (rows, scales) in whitening.iter_mut().zip(&self.noise_scale) {
-            for (row, scale) in rows.iter_mut().zip(scales) {
-                row.iter_mut().for_each(|a| *a /= scale);
-            }
-        }
-        whitening
-    }
-
-    /// Mean tangent stiffness along the motion.
-    fn mean_stiffness(&self, machine: &Machine) -> Result<MeanStiffness> {
-        let stride = (self.motion.len() / 500).max(1);
-        let count = self.motion.len().div_ceil(stride) as f64;
-        let tangents = (0..machine.bearings.len())
-            .map(|b| {
-                let evaluated = self.evaluated(machine, b)?;
-                let all = (0..self.motion.len()).step_by(stride).map(|t| evaluated.tangent(&self.motion, t));
-                Ok(all.fold(Tangent::zeros(), |sum, tangent| sum + tangent) / count)
-            })
-            .collect::<Result<_>>()?;
-        Ok(MeanStiffness { tangents, damping: machine.damping })
-    }
-
-    /// Force that a displacement at line `k`, the angular frequency `w`, requires, by the mean stiffness.
-    fn dynamic_stiffness(&self, of: &MeanStiffness, k: usize, w: f64) -> Square {
-        self.shaft.dynamics.stiffness(k, w, &of.damping, &of.tangents)
-    }
-
-    /// A force is brought to the displacement that it causes at the mean stiffness, which is then divided by its noise.
-    fn whitening_of(&self, of: &MeanStiffness) -> Vec<Vec<[C; D]>> {
-        let unit = (0.5 * self.transform.power).sqrt();
-        // Information on the displacement, and its square root: rows that all have the noise 1.
-        let mut information = SMatrix::<f64, D, D>::zeros();
-        for (probe, noise) in self.weighting.probes.iter().zip(&self.weighting.noise) {
-            let row = SVector::<f64, D>::from_row_slice(&probes::row(probe));
-            information += row * row.transpose() / (noise * noise);
-        }
-        let measured: Vec<usize> = (0..D).filter(|&i| i != 2 || self.weighting.has_axial_probe).collect();
-        if !self.weighting.has_axial_probe {
-            information[(2, 2)] = 1.0;
-        }
-        // Lengths of the unit of translations and tilts differ: the square root is taken with a unit diagonal.
-        let scale: Vec<f64> = (0..D).map(|i| information[(i, i)].max(1e-300).sqrt()).collect();
-        let scaled = SMatrix::<f64, D, D>::from_fn(|i, j| information[(i, j)] / (scale[i] * scale[j]));
-        let root = scaled.cholesky().map_or_else(SMatrix::<f64, D, D>::identity, |c| c.l().transpose());
-        let whitening = |(k, w): (usize, &f64)| {
-            let inverse = self.held(self.dynamic_stiffness(of, k, *w)).try_inverse().unwrap_or_else(Square::zeros);
-            let row = |&i: &usize| {
-                std::array::from_fn(|j| (0..D).map(|k| inverse[(k, j)] * (root[(i, k)] * scale[k] / unit)).sum::<C>())
-            };
-            measured.iter().map(row).collect()
-        };
-        let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().enumerate().map(whitening).collect();
-        // The offset of a probe is not known better than its noise, however long the record, and the line of a shaft that bends under its
-        // weight no better than its elasticity.
-        let least = self.weighting.noise.iter().copied().fold(f64::INFINITY, f64::min);
-        let offset = (ELASTICITY_ERROR * self.shaft.dynamics.sag(&self.given.1, &self.gravity) / least).hypot(1.0);
-        let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64 * offset * offset).sqrt();
-        for rows in all.iter_mut().take(MEAN_LINES) {
-            rows.iter_mut().flatten().for_each(|a| *a *= mean);
-        }
-        all
-    }
-
-    /// Holds the axial coordinate where it is not measured.
-    fn held(&self, mut stiffness: Square) -> Square {
-        if !self.weighting.has_axial_probe {
-            (0..D).for_each(|i| (stiffness[(2, i)], stiffness[(i, 2)]) = (C::new(0.0, 0.0), C::new(0.0, 0.0)));
-            stiffness[(2, 2)] = C::new(1e30, 0.0);
-        }
-        stiffness
-    }
-
-    /// Scales the noise of each probe, line by line, to that of the residual of a true machine: the noise of the probes also
-    /// enters the displacement at which the bearing forces are evaluated, and resonances amplify it there.
-    ///
-    /// The residual of several sets of made-up noise is averaged over neighbouring lines.
-    fn scale_noise(&mut self, machine: &Machine) -> Result<()> {
-        let Weighting { noise, solver, .. } = &*self.weighting;
-        let lines = self.whitening.len();
-        let mut square = vec![vec![0.0; self.rows]; lines];
-        let evaluated: Vec<Evaluated> =
-            (0..machine.bearings.len()).map(|b| self.evaluated(machine, b)).collect::<Result<_>>()?;
-        let tangents: Vec<Vec<Tangent>> = evaluated
-            .iter()
-            .map(|one| (0..self.motion.len()).map(|t| one.tangent(&self.motion, t)).collect())
-            .collect();
-        // Force of a bearing by a small displacement.
-        let linear = |b: usize, t: usize, x: &Displacement<f64>| -> [f64; D] {
-            let force = tangents[b][t] * SVector::from(x.to_array());
-            std::array::from_fn(|i| -force[i])
-        };
-        let inertia = |series: &[[f64; D]]| {
-            let spectra = std::array::from_fn(|order| self.transform.five(order, |t| series[t]));
-            self.shaft.dynamics.required(&self.transform.lines, &machine.damping, &spectra)
-        };
-        let add = |sum: &mut [Vec<C>; D], b: usize, of: &dyn Fn(usize) -> [f64; D]| {
-            self.shaft.dynamics.add(b, &self.transform.five(0, of), sum);
-        };
-        let mut correction = inertia(&self.rest);
-        for (b, rest) in self.shaft.dynamics.displacements(&self.rest).iter().enumerate() {
-            add(&mut correction, b, &|t| linear(b, t, &rest[t]));
-        }
-        let exact: Vec<Vec<[f64; D]>> = evaluated.iter().map(|one| one.forces(&self.motion)).collect();
-        let mut normal = Normal::new();
-        for _ in 0..DRAWS {
-            let error: Vec<[f64; D]> = (0..self.motion.len())
-                .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0).to_array())
-                .collect();
-            let passed = self.filter.apply(&error);
-            let rest: Vec<[f64; D]> =
-                error.iter().zip(&passed).map(|(e, p)| std::array::from_fn(|i| e[i] - p[i])).collect();
-            let (passed, rest) = (self.shaft.dynamics.displacements(&passed), self.shaft.dynamics.displacements(&rest));
-            let mut force = inertia(&error);
-            for (b, one) in evaluated.iter().enumerate() {
-                // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
-                let change = |t: usize| {
-                    let mut odd = linear(b, t, &rest[b][t]);
-                    let mut even = [0.0; D];
-                    let [with, against] = [1.0, -1.0]
-                        .map(|sign| Displacement::from_array(passed[b][t].to_array().map(|x| sign * x)))
-                        .map(|error| one.force_with(&self.motion, t, &error));
-                    let without = exact[b][t];
-                    for i in 0..D {
-                        odd[i] += with[i] - without[i];
-                        even[i] += 0.5 * (with[i] + against[i]) - without[i];
-                    }
-                    (odd, even)
-                };
-                let changes: Vec<([f64; D], [f64; D])> = (0..self.motion.len()).map(change).collect();
-                add(&mut force, b, &|t| changes[t].0);
-                add(&mut correction, b, &|t| changes[t].1.map(|x| -x / DRAWS as f64));
-            }
-            let residual = self.at_probes(&force);
-            for (k, squares) in square.iter_mut().enumerate() {
-                for (p, square) in squares.iter_mut().enumerate() {
-                    let at = 2 * (k * self.rows + p);
-                    *square += 0.5 * (residual[at].powi(2) + residual[at + 1].powi(2)) / DRAWS as f64;
-                }
-            }
-        }
-        for (k, rows) in self.whitening.iter_mut().enumerate().skip(MEAN_LINES) {
-            let around = &square[k.saturating_sub(NEIGHBOURS).max(MEAN_LINES)..(k + NEIGHBOURS + 1).min(lines)];
-            for (p, row) in rows.iter_mut().enumerate() {
-                // The mean of the inverse of a sum of n squares is n / (n - 2) times the inverse of its mean.
-                let values = 2.0 * (around.len() * DRAWS) as f64;
-                let mean = around.iter().map(|squares| squares[p]).sum::<f64>() / around.len() as f64 * values
-                    / (values - 2.0);
-                self.noise_scale[k][p] = mean.sqrt();
-                row.iter_mut().for_each(|a| *a /= mean.sqrt());
-            }
-        }
-        self.correction = correction;
-        Ok(())
     }
 
     /// Returns the spectra of a machine.
@@ -754,27 +511,4 @@ fn whitened(whitening: &[Vec<[C; D]>], force: &[Vec<C>; D]) -> Vec<f64> {
         }
     }
     out
-}
-
-/// Normally distributed numbers, the same in every run (xorshift and Box-Muller).
-pub(super) struct Normal {
-    state: u64,
-}
-
-impl Normal {
-    pub fn new() -> Self {
-        Self { state: 0x9e37_79b9_7f4a_7c15 }
-    }
-
-    fn uniform(&mut self) -> f64 {
-        self.state ^= self.state << 13;
-        self.state ^= self.state >> 7;
-        self.state ^= self.state << 17;
-        ((self.state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    }
-
-    pub fn next(&mut self) -> f64 {
-        let (a, b) = (self.uniform(), self.uniform());
-        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-    }
 }

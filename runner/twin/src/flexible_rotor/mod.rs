@@ -16,6 +16,7 @@ pub use modes::Modes;
 use crate::plant::EigenvalueError;
 use crate::scene::FlexibleRotor;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Relative change of the natural frequencies by halving the elements, below which the mesh is fine enough.
 const MESH_ERROR: f64 = 1e-3;
@@ -83,7 +84,7 @@ impl FreeRotor {
 /// In each plane: displacement and tilt of the centre of mass, and amplitudes of elastic shapes, all with the mass of the rotor.
 pub struct ReducedRotor {
     /// The free rotor that is reduced.
-    pub free: FreeRotor,
+    pub free: Arc<FreeRotor>,
     /// Mass of the rotor, kg.
     pub mass: f64,
     /// Diametral inertia about the centre of mass, kg m^2.
@@ -108,7 +109,7 @@ impl ReducedRotor {
     ///
     /// # Errors
     /// Modes that cannot be solved for.
-    pub fn try_new(free: FreeRotor, count: usize, forces: &[f64], highest: f64) -> Result<Self, EigenvalueError> {
+    pub fn try_new(free: Arc<FreeRotor>, count: usize, forces: &[f64], highest: f64) -> Result<Self, EigenvalueError> {
         let nodes = free.mesh.stations.len();
         let count = count.min(free.bending.squares.len() - RIGID);
         let mut rigid = DMatrix::zeros(2 * nodes, RIGID);

@@ -101,7 +101,7 @@ fn reduced(case: &Value, count: usize) -> (ReducedRotor, f64) {
     kept.push(number(&case["on_springs"]["unbalance"]["station"]) - centre);
     kept.extend(case["on_springs"]["x_response"].as_array().unwrap().iter().map(|r| number(&r["station"]) - centre));
     let free = FreeRotor::try_new(&drawn, &kept, 2000.0).unwrap();
-    (ReducedRotor::try_new(free, count, &bearings, 2000.0).unwrap(), centre)
+    (ReducedRotor::try_new(free.into(), count, &bearings, 2000.0).unwrap(), centre)
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub use running::{Correction, RunningObserver};
 pub use tune::{IdentificationData, TunedObserver, estimator, identify, noise};
 
 use crate::error::Result;
-use crate::plant::{Fit, Plant, Step, SystemTask};
+use crate::plant::{Fit, Plant, Step, SystemTask, array};
 use crate::scene::Speed;
 use ballrace::rotor::{ComponentAngles, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion};
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
@@ -29,13 +29,13 @@ const SPEEDS: usize = 5;
 /// Gains at one speed: change of the state per unit of innovation of each probe, one probe per column.
 #[derive(Clone)]
 pub struct Gain {
-    /// Of the coordinates.
+    /// Change of the coordinates.
     pub position: DMatrix<f64>,
-    /// Of their rates.
+    /// Change of their rates.
     pub rate: DMatrix<f64>,
-    /// Of the unknown load on each coordinate.
+    /// Change of the unknown load on each coordinate.
     pub load: DMatrix<f64>,
-    /// Of the unknown load that rotates with the shaft.
+    /// Change of the unknown load that rotates with the shaft.
     pub rotating_load: DMatrix<f64>,
     /// `W`, a lower triangular matrix with `W^T W = S^-1`, the inverse covariance of the innovations.
     pub whitening: DMatrix<f64>,
@@ -119,13 +119,13 @@ impl Gains {
         };
         let count = if from == to { 1 } else { SPEEDS };
         let stride = (to - from) / (count.max(2) - 1) as f64;
+        let n = plant.layout.order;
+        let (loads, rotating) = (model::loads(plant), model::rotating_loads(plant));
         let mut log_determinant = 0.0;
         let mut all = Vec::with_capacity(count);
         for i in 0..count {
             let steady = model::steady(plant, rows, from + i as f64 * stride, period, of)?;
             log_determinant = -2.0 * (0..rows.len()).map(|i| steady.whitening[(i, i)].ln()).sum::<f64>();
-            let n = plant.layout.order;
-            let (loads, rotating) = (model::loads(plant), model::rotating_loads(plant));
             let part = |first: usize, rows: usize| steady.gain.rows(first, rows).into_owned();
             all.push(Gain {
                 position: part(0, n),
@@ -189,11 +189,6 @@ struct Estimator<S, C, const D: usize, const N: usize> {
     order: usize,
 }
 
-/// Returns the first `N` of `all`, the rest zero.
-fn array<const N: usize>(all: &[f64]) -> [f64; N] {
-    std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
-}
-
 impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Box<dyn StateEstimator>
     where
@@ -201,10 +196,10 @@ impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
         C: Fit<D> + 'static,
     {
         let probes = std::array::from_fn(|p| self.rows.get(p).map_or([0.0; D], |row| array(row)));
-        let parts: [ComponentAngles; N] = std::array::from_fn(|i| self.parts.get(i).copied().unwrap_or_default());
+        let parts: [ComponentAngles; N] = array(&self.parts);
         let motion = RotorState {
             velocity: array(&self.start.rate),
-            ..RotorState::stationary(array::<D>(&self.start.q), self.shaft, parts)
+            ..RotorState::stationary(array::<_, D>(&self.start.q), self.shaft, parts)
         };
         let (step, substeps) = self.step;
         let observer = Observer {

@@ -142,7 +142,7 @@ pub struct SpectraSettings {
 /// Least-squares problem from probes to the shaft's pose.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Observation {
-    /// Of the probe matrix, tilts scaled by the probe span; 1 is perfect, above 100 the probes are badly placed.
+    /// Condition number of the probe matrix, tilts scaled by the probe span; 1 is perfect, above 100 the probes are badly placed.
     pub condition_number: f64,
     /// Largest factor by which probe noise grows on its way to a bearing's plane.
     pub noise_gain: f64,

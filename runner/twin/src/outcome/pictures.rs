@@ -194,9 +194,9 @@ pub struct Orbit {
 pub struct FilteredOrbit {
     /// Mean speed of the block.
     pub speed_rpm: f64,
-    /// Of the machine.
+    /// Orbit of the machine.
     pub measured: [(f64, f64); 2],
-    /// Of its twin.
+    /// Orbit of its twin.
     pub twin: [(f64, f64); 2],
 }
 

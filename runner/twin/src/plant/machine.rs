@@ -116,28 +116,21 @@ impl Plant {
     /// Runs `task` with a system that has at least the scene's coordinates and bearings. Idle ones change nothing; each pair
     /// of counts is compiled separately.
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
-        let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
-        // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
-        match (order, self.bearings.len()) {
-            (RIGID, 1) => self.rigid::<R, 1>(hold, task),
-            (RIGID, 2) => self.rigid::<R, 2>(hold, task),
-            (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
-            (..=12, ..=2) => self.general::<R, 12, 2>(hold, task),
-            (..=16, ..=2) => self.general::<R, 16, 2>(hold, task),
-            (..=32, _) => self.general::<R, 32, MOST_BEARINGS>(hold, task),
-            (..=64, _) => self.general::<R, 64, MOST_BEARINGS>(hold, task),
-            (..=LARGEST, _) => self.general::<R, LARGEST, MOST_BEARINGS>(hold, task),
-            (found, _) => Err(PlantError::Coordinates { found, most: LARGEST }),
+        match self.layout.order {
+            ..=MOST_OBSERVED => self.with_observed_machine(hold, task),
+            ..=64 => self.general::<R, 64, MOST_BEARINGS>(hold, task),
+            ..=LARGEST => self.general::<R, LARGEST, MOST_BEARINGS>(hold, task),
+            found => Err(PlantError::Coordinates { found, most: LARGEST }),
         }
     }
 
     /// Runs `task` as [`Plant::with_machine`], with at most [`MOST_OBSERVED`] coordinates.
     pub(super) fn with_observed_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
-        let order = if self.layout.is_rigid() { RIGID } else { self.layout.order.max(RIGID + 1) };
-        match (order, self.bearings.len()) {
-            (RIGID, 1) => self.rigid::<R, 1>(hold, task),
-            (RIGID, 2) => self.rigid::<R, 2>(hold, task),
-            (RIGID, _) => self.rigid::<R, MOST_BEARINGS>(hold, task),
+        // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
+        match (self.layout.order, self.bearings.len()) {
+            (_, 1) if self.layout.is_rigid() => self.rigid::<R, 1>(hold, task),
+            (_, 2) if self.layout.is_rigid() => self.rigid::<R, 2>(hold, task),
+            _ if self.layout.is_rigid() => self.rigid::<R, MOST_BEARINGS>(hold, task),
             (..=12, ..=2) => self.general::<R, 12, 2>(hold, task),
             (..=16, ..=2) => self.general::<R, 16, 2>(hold, task),
             (..=MOST_OBSERVED, _) => self.general::<R, MOST_OBSERVED, MOST_BEARINGS>(hold, task),

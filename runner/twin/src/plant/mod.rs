@@ -31,13 +31,15 @@ use ballrace::rotor::{Equilibrium, RotorBearingSystem, SecondOrderSystem, ShaftM
 use ballrace::{BearingKinematicState, Displacement, Phase};
 pub use error::{PlantError, Result};
 use nalgebra::{Complex, DMatrix};
-use system::array;
+pub(crate) use system::array;
 use twin::StartTask;
 
 /// Largest residual of a static equilibrium over the load.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Largest number of integration steps in one sample period.
 pub const MOST_SUBSTEPS: u32 = 10_000;
+/// Coordinate of the centre of mass along the axis.
+pub const AXIAL: usize = 2;
 /// Number of equilibria over one ball pitch whose mean is a linearised bearing.
 const PITCH_SAMPLES: u32 = 16;
 

@@ -1,12 +1,13 @@
 //! Number of elastic coordinates of a flexible rotor: as many as the scene requires, with the error that is left.
 
 use super::error::Result;
-use super::system::{Body, Rows};
+use super::system::{Body, Rows, add_loads};
 use super::{Layout, MountedBearing, Plant};
 use crate::flexible_rotor::{FreeRotor, Modes, ReducedRotor};
-use crate::scene::{Direction, FlexibleRotor, Scene};
+use crate::scene::{Direction, FlexibleRotor, Rotor, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Elastic coordinates in each plane, at most.
 const MOST_ELASTIC: usize = 5;
@@ -41,14 +42,18 @@ impl ReductionError {
 /// Returns the reduction with the fewest elastic coordinates, or with those that the scene gives.
 pub(super) fn first(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBearing]) -> Result<ReducedRotor> {
     let count = rotor.coordinates.map_or(1, |n| n.saturating_sub(5) / 2);
-    reduced(scene, rotor, mounted, count)
+    reduced(scene, free(scene, rotor, mounted)?, mounted, count)
 }
 
-fn reduced(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBearing], count: usize) -> Result<ReducedRotor> {
-    let highest = highest_line(scene, mounted);
-    let free = FreeRotor::try_new(rotor, &stations(scene, rotor), highest)?;
+/// Reduces the mesh of a rotor to `count` elastic coordinates in each plane.
+fn reduced(scene: &Scene, free: Arc<FreeRotor>, mounted: &[MountedBearing], count: usize) -> Result<ReducedRotor> {
     let forces: Vec<f64> = mounted.iter().map(|b| b.station).collect();
-    Ok(ReducedRotor::try_new(free, count, &forces, highest)?)
+    Ok(ReducedRotor::try_new(free, count, &forces, highest_line(scene, mounted))?)
+}
+
+/// Meshes a rotor.
+fn free(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBearing]) -> Result<Arc<FreeRotor>> {
+    Ok(Arc::new(FreeRotor::try_new(rotor, &stations(scene, rotor), highest_line(scene, mounted))?))
 }
 
 /// Returns the stations at which the displacement or a force is needed.
@@ -82,7 +87,8 @@ impl Plant {
         let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else {
             return Ok(self.layout.clone());
         };
-        let body = Body::Flexible(reduced(scene, drawn, &self.bearings, elastic)?);
+        let free = free(scene, drawn, &self.bearings)?;
+        let body = Body::Flexible(reduced(scene, free, &self.bearings, elastic)?);
         Ok(Layout::new(body, &scene.bearings, &self.bearings))
     }
 
@@ -97,7 +103,8 @@ impl Plant {
             if drawn.coordinates.is_some() || error.is_allowed() || count >= MOST_ELASTIC {
                 return Ok(());
             }
-            let body = Body::Flexible(reduced(scene, drawn, &self.bearings, count + 1)?);
+            let free = rotor.free.clone();
+            let body = Body::Flexible(reduced(scene, free, &self.bearings, count + 1)?);
             self.layout = Layout::new(body, &scene.bearings, &self.bearings);
             self.damping = DMatrix::zeros(self.layout.order, self.layout.order);
             self.settle()?;
@@ -254,22 +261,8 @@ impl Full {
             for one in uniform {
                 load += &mass * one;
             }
-            let z = drawn.load_station;
-            let [fx, fy, fz, mx, my] = rotor.load;
-            let local = [fx, fy, fz, mx + z * fy, my - z * fx];
-            for (row, force) in rows(z).iter().zip(local) {
-                load.iter_mut().zip(row).for_each(|(load, shape)| *load += shape * force);
-            }
-            for given in &rotor.unbalance {
-                let (s, c) = given.angle.sin_cos();
-                let at = rows(given.station);
-                for (row, [cos, sin]) in at.iter().zip([[c, -s], [s, c]]) {
-                    for (entry, shape) in unbalance.iter_mut().zip(row) {
-                        entry[0] += shape * given.moment * cos;
-                        entry[1] += shape * given.moment * sin;
-                    }
-                }
-            }
+            add_loads(rotor, rows, load.as_mut_slice(), &mut unbalance);
+            add_own(reduced, rotor, drawn, &mass, [&mut damping, &mut stiffness]);
         }
         let rest = plant.layout.order - first;
         load.rows_mut(own, rest).copy_from_slice(&scales.load[first..]);
@@ -284,18 +277,9 @@ impl Full {
             let u = plant.displacement(i, &plant.rest);
             let state = plant.resting(bearing, ballrace::Phase::ZERO);
             let (_, tangent) = ballrace::bearing::Bearing::reaction_and_stiffness(&bearing.bearing, &u, &state);
-            // Few rows are not zero.
-            let entries: Vec<Vec<(usize, f64)>> =
-                at.iter().map(|row| row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect()).collect();
-            for (a, row_a) in entries.iter().enumerate() {
-                for (b, row_b) in entries.iter().enumerate() {
-                    for &(i, x) in row_a {
-                        for &(j, y) in row_b {
-                            stiffness[(i, j)] += x * tangent[(a, b)] * y;
-                        }
-                    }
-                }
-            }
+            let map = DMatrix::from_fn(at.len(), n, |i, j| at[i][j]);
+            let tangent = DMatrix::from_fn(at.len(), at.len(), |i, j| tangent[(i, j)]);
+            stiffness += map.transpose() * tangent * &map;
             points.push(at);
             observed.push(own_rows.clone());
         }
@@ -304,6 +288,54 @@ impl Full {
             observed.push(plant.layout.rows(station));
         }
         Ok(Self { mass, damping, gyroscopic, stiffness, load, unbalance, points, observed })
+    }
+}
+
+/// Adds modal damping, and the rotor's own dampers and springs on its rigid motion, to a finite-element model: matrices on the
+/// amplitudes `a = M phi x / m` of shapes with the modal mass `m`.
+fn add_own(
+    reduced: &ReducedRotor,
+    rotor: &Rotor,
+    drawn: &FlexibleRotor,
+    mass: &DMatrix<f64>,
+    [damping, stiffness]: [&mut DMatrix<f64>; 2],
+) {
+    let (free, nodes) = (&reduced.free, reduced.free.mesh.stations.len());
+    let n = mass.nrows();
+    let mut add = |shape: DVector<f64>, modal: f64, [c, k]: [f64; 2]| {
+        let momentum = mass * shape / modal;
+        let square = &momentum * momentum.transpose();
+        *damping += c * &square;
+        *stiffness += k * square;
+    };
+    // A shape of one plane, along X (0) or Y (1), and of the axis.
+    let in_plane = |plane: usize, of: &dyn Fn(usize) -> f64| {
+        DVector::from_fn(n, |i, _| i.checked_sub(2 * nodes * plane).filter(|i| *i < 2 * nodes).map_or(0.0, of))
+    };
+    let along = |of: &dyn Fn(usize) -> f64| {
+        DVector::from_fn(n, |i, _| i.checked_sub(4 * nodes).filter(|i| *i < nodes).map_or(0.0, of))
+    };
+    let ratio = 2.0 * drawn.modal_damping;
+    if ratio > 0.0 {
+        for (j, square) in free.bending.squares.iter().enumerate().skip(2) {
+            for plane in [0, 1] {
+                add(in_plane(plane, &|i| free.bending.shapes[(i, j)]), 1.0, [ratio * square.sqrt(), 0.0]);
+            }
+        }
+        for (j, square) in free.axial.squares.iter().enumerate().skip(1) {
+            add(along(&|i| free.axial.shapes[(i, j)]), 1.0, [ratio * square.sqrt(), 0.0]);
+        }
+    }
+    let own = |i: usize| [rotor.damping[i], rotor.stiffness[i]];
+    let moved = |i: usize| if i % 2 == 0 { 1.0 } else { 0.0 };
+    let turned = |i: usize| if i % 2 == 0 { free.mesh.stations[i / 2] } else { 1.0 };
+    for (i, plane) in [(0, 0), (1, 1)] {
+        add(in_plane(plane, &moved), reduced.mass, own(i));
+    }
+    add(along(&|_| 1.0), reduced.mass, own(2));
+    // The tilt about X is along Y.
+    for (i, plane) in [(4, 0), (3, 1)] {
+        add(in_plane(plane, &turned), reduced.diametral_inertia, own(i));
     }
 }
 
@@ -361,6 +393,21 @@ mod tests {
         assert!(more.frequency < chosen.frequency && more.frequency < 1e-4, "{more:?}");
         assert!(more.deflection < 2e-3 && more.response < 2e-3, "{more:?}");
     }
+
+    /// Damping of the modes and springs and dampers on the rotor are in the finite-element model too: with many coordinates no error is
+    /// left.
+    #[test]
+    fn dampers_and_springs_of_the_rotor_are_in_both_models() {
+        for own in [
+            "modal_damping = 0.02",
+            "damping = [\"3e3 N s/m\", \"3e3 N s/m\", 0, \"30 N m s/rad\", \"30 N m s/rad\"]",
+            "stiffness = [\"2e7 N/m\", \"1e7 N/m\", \"1e5 N/m\", \"1e5 N m/rad\", \"2e5 N m/rad\"]",
+        ] {
+            let (error, _) = error(&format!("coordinates = 25\n{own}"));
+            assert!(error.frequency < 1e-3 && error.deflection < 2e-3 && error.response < 2e-3, "{own}: {error:?}");
+        }
+    }
+
     /// Returns the largest displacement of the disk about its static position (m), the speed at which it occurs, and the lowest
     /// natural frequency above 50 Hz (rad/s), in a run from 50 to 200 Hz over 3 s.
     fn run_up(coordinates: &str) -> (f64, [f64; 2]) {

@@ -243,29 +243,14 @@ impl Layout {
             for i in RIGID..self.rotor_order {
                 damping[(i, i)] += 2.0 * drawn.modal_damping * (mass[(i, i)] * stiffness[(i, i)]).sqrt();
             }
-            // The load as it is at its own station.
-            let z = drawn.load_station;
-            let [fx, fy, fz, mx, my] = rotor.load;
-            let local = [fx, fy, fz, mx + z * fy, my - z * fx];
-            for (row, force) in self.rows(z).iter().zip(local) {
-                load.iter_mut().zip(row).for_each(|(load, shape)| *load += shape * force);
-            }
         }
+        add_loads(rotor, |station| self.rows(station), &mut load, &mut unbalance);
         for (i, load) in load.iter_mut().enumerate().take(3) {
             *load += rotor.gravity[i] * reduced.mass;
         }
         for i in 0..RIGID {
             damping[(i, i)] += rotor.damping[i];
             stiffness[(i, i)] += rotor.stiffness[i];
-        }
-        for given in &rotor.unbalance {
-            let plane = SystemMatrices::<2>::unit_mass().with_unbalance((0, 1), given.moment, given.angle);
-            let rows = self.rows(given.station);
-            for (row, [cos, sin]) in rows.iter().zip(plane.unbalance) {
-                for (entry, shape) in unbalance.iter_mut().zip(row) {
-                    *entry = [entry[0] + shape * cos, entry[1] + shape * sin];
-                }
-            }
         }
         for (support, first) in self.supports.iter().zip(self.housings.iter().flatten()) {
             let at = *first;
@@ -302,6 +287,22 @@ impl Layout {
             load,
             unbalance,
         })
+    }
+}
+
+/// Adds load and unbalance of a rotor to those on its coordinates; `rows` is the displacement at a station per unit of each.
+pub(super) fn add_loads(rotor: &Rotor, rows: impl Fn(f64) -> Rows, load: &mut [f64], unbalance: &mut [[f64; 2]]) {
+    let (station, local) = rotor.local_load();
+    for (row, force) in rows(station).iter().zip(local) {
+        load.iter_mut().zip(row).for_each(|(load, shape)| *load += shape * force);
+    }
+    for given in &rotor.unbalance {
+        let plane = SystemMatrices::<2>::unit_mass().with_unbalance((0, 1), given.moment, given.angle);
+        for (row, [cos, sin]) in rows(given.station).iter().zip(plane.unbalance) {
+            for (entry, shape) in unbalance.iter_mut().zip(row) {
+                *entry = [entry[0] + shape * cos, entry[1] + shape * sin];
+            }
+        }
     }
 }
 
@@ -364,6 +365,6 @@ pub fn unbalance_planes(rotor: &Rotor, bearings: [f64; 2]) -> [f64; 2] {
 }
 
 /// Returns the first `N` of `all`, the rest zero.
-pub(super) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
+pub(crate) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
     std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
 }

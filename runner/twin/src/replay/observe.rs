@@ -8,7 +8,7 @@ use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
 use crate::observer::{Consistency, InitialState, RunningObserver, TunedObserver, Verdict, estimator, gate};
 use crate::outcome::ObserverOutcome;
-use crate::plant::Plant;
+use crate::plant::{AXIAL, Plant};
 use crate::probes::reading;
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
@@ -17,8 +17,6 @@ use ballrace::Status;
 /// Two-sided 99 % quantile of the normal distribution.
 const QUANTILE_99: f64 = 2.576;
 const UM: f64 = 1e6;
-/// Coordinate of the centre of mass along the axis.
-const AXIAL: usize = 2;
 
 /// Observer of a replay, where it has one.
 pub(super) struct ObserverStage {

@@ -28,7 +28,7 @@ use crate::diagnosis::block::Block;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
 use crate::error::{Error, Result};
-use crate::plant::{MountedBearing, Plant, only_observable};
+use crate::plant::{AXIAL, MountedBearing, Plant, only_observable};
 use crate::probes::{self, Plane, PoseSolver};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
@@ -37,9 +37,6 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
-
-/// Coordinate of the centre of mass along the axis.
-const AXIAL: usize = 2;
 
 /// The stages of a replay.
 pub(super) struct Pipeline<'a> {
@@ -88,6 +85,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) notices: Notices,
     pub(super) notes: Vec<String>,
     ended_seconds: Vec<Second>,
+    /// Displacements of the bearings at the current sample, reused.
+    displacements: Vec<Displacements>,
     /// Readings of the current sample, reused.
     sample_readings: SampleReadings,
 }
@@ -165,6 +164,7 @@ impl<'a> Pipeline<'a> {
             notices: Notices::default(),
             notes,
             ended_seconds: Vec::new(),
+            displacements: Vec::new(),
             sample_readings: SampleReadings::default(),
             scene_speed: scene.shaft.speed,
             probes,
@@ -281,7 +281,7 @@ impl<'a> Pipeline<'a> {
         self.twin.advance(sample, &interval);
         let observed =
             self.observer.advance((sample, &interval), &self.twin, &self.range, &self.location, &mut self.notices);
-        let displacements = self.displacements();
+        let displacements = self.displaced();
         let shaft = sample.shaft_motion();
         let force = self.force.evaluate(index, &self.plant.bearings, self.twin.parts(), &shaft, &displacements);
         self.timing.worked(begun);
@@ -305,6 +305,7 @@ impl<'a> Pipeline<'a> {
         let processed = ProcessedSample { sample, status, revolutions: interval.revolutions, displacements };
         self.compare(&processed);
         self.record(&processed)?;
+        self.displacements = processed.displacements;
         if self.twin.stop_if_stuck(time) {
             self.notes.push(format!("The twin's motion overflowed; it started anew after line {}.", sample.row.line));
             self.notices
@@ -314,7 +315,9 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Returns the displacements of every bearing at the current sample.
-    fn displacements(&self) -> Vec<Displacements> {
+    fn displaced(&mut self) -> Vec<Displacements> {
+        let mut all = std::mem::take(&mut self.displacements);
+        all.clear();
         let (twin, observer) = (self.twin.coordinates(), self.observer.coordinates());
         let axial = twin.get(AXIAL).copied().unwrap_or_default();
         let straight = self.location.displacement(axial);
@@ -323,7 +326,8 @@ impl<'a> Pipeline<'a> {
             twin: self.plant.displacement(i, twin),
             observer: observer.map(|q| self.plant.displacement(i, q)),
         };
-        self.plant.bearings.iter().enumerate().map(of).collect()
+        all.extend(self.plant.bearings.iter().enumerate().map(of));
+        all
     }
 
     /// Compares a sample with the twin, and evaluates indicators and limits.

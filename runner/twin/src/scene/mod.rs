@@ -268,6 +268,21 @@ pub struct Rotor {
     pub flexible: Option<FlexibleRotor>,
 }
 
+impl Rotor {
+    /// Returns the station at which the load acts, m, and the load there.
+    #[must_use]
+    pub fn local_load(&self) -> (f64, [f64; 5]) {
+        let station = self.flexible.as_ref().map_or(0.0, |drawn| drawn.load_station);
+        (station, load_at(self.load, -station))
+    }
+}
+
+/// Returns the load at one place as a load `distance` before it along Z.
+#[must_use]
+pub fn load_at([fx, fy, fz, mx, my]: [f64; 5], distance: f64) -> [f64; 5] {
+    [fx, fy, fz, mx - distance * fy, my + distance * fx]
+}
+
 /// `[system]`: any linear system by its matrices, such as a reduced finite-element rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct System {

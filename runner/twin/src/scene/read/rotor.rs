@@ -2,7 +2,7 @@
 
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::super::{Disk, FlexibleRotor, Rotor, Section, Unbalance};
+use super::super::{Disk, FlexibleRotor, Rotor, Section, Unbalance, load_at};
 use super::bearing::{DENSITY, POISSONS_RATIO, YOUNGS_MODULUS};
 use crate::flexible_rotor::rigid_body;
 
@@ -50,14 +50,9 @@ pub fn read(node: &Node<'_>) -> Read<Rotor> {
         (rotor.diametral_inertia, rotor.polar_inertia) = inertias(&table)?;
         let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
         rotor.proportional_damping = table.read("proportional_damping", time)?.unwrap_or(0.0);
-        rotor.load = at_centre(load, given_station.unwrap_or(0.0));
+        rotor.load = load_at(load, given_station.unwrap_or(0.0));
     }
     Ok(rotor)
-}
-
-/// Returns a load at `station` from the centre of mass as one at the centre of mass.
-fn at_centre([fx, fy, fz, mx, my]: [f64; 5], station: f64) -> [f64; 5] {
-    [fx, fy, fz, mx - station * fy, my + station * fx]
 }
 
 /// Reads a drawing and moves its stations to the centre of mass.
@@ -88,7 +83,7 @@ fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> 
     let drawn = drawn.moved(-centre);
     (rotor.mass, rotor.diametral_inertia, rotor.polar_inertia) = (mass, diametral, polar);
     rotor.centre_of_mass = centre;
-    rotor.load = at_centre(rotor.load, drawn.load_station);
+    rotor.load = load_at(rotor.load, drawn.load_station);
     rotor.unbalance.iter_mut().for_each(|u| u.station -= centre);
     rotor.flexible = Some(drawn);
     Ok(())
