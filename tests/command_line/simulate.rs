@@ -221,3 +221,20 @@ fn what_is_beyond_its_range_is_said() {
     let settled = desk.done(&["equilibrium", "coarse.toml"]).out;
     assert!(settled.contains("BEYOND YIELD"), "{settled}");
 }
+
+/// The scenes behind the documented speeds run as documented: with Verlet at 25.6 kHz, without a note on the step.
+#[test]
+fn scenes_of_the_documented_speeds_run() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/speed");
+    let mut names: Vec<String> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    let expected = ["angular", "flexible", "lumped", "lumped-radial", "quasi-static", "tabulated"];
+    assert_eq!(names, expected.map(|name| format!("{name}.toml")));
+    let desk = Desk::empty();
+    for name in names {
+        let scene = format!("{folder}/{name}");
+        let answer = desk.done(&["simulate", &scene, "--duration", "0.1 s", "--rate", "256 Hz", "-o", "motion.csv"]);
+        assert!(answer.out.contains("times real time") && !answer.out.contains("beyond"), "{name}: {answer:?}");
+    }
+}

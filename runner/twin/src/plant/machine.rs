@@ -117,9 +117,9 @@ impl Plant {
     /// of counts is compiled separately.
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         match self.layout.order {
-            ..=MOST_OBSERVED => self.with_observed_machine(hold, task),
-            ..=64 => self.general::<R, 64, MOST_BEARINGS>(hold, task),
-            ..=LARGEST => self.general::<R, LARGEST, MOST_BEARINGS>(hold, task),
+            small if small <= MOST_OBSERVED => self.with_observed_machine(hold, task),
+            medium if medium <= 64 => self.general::<R, 64, MOST_BEARINGS>(hold, task),
+            large if large <= LARGEST => self.general::<R, LARGEST, MOST_BEARINGS>(hold, task),
             found => Err(PlantError::Coordinates { found, most: LARGEST }),
         }
     }

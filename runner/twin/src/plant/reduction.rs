@@ -327,8 +327,8 @@ fn add_own(
         }
     }
     let own = |i: usize| [rotor.damping[i], rotor.stiffness[i]];
-    let moved = |i: usize| if i % 2 == 0 { 1.0 } else { 0.0 };
-    let turned = |i: usize| if i % 2 == 0 { free.mesh.stations[i / 2] } else { 1.0 };
+    let moved = |i: usize| if i.is_multiple_of(2) { 1.0 } else { 0.0 };
+    let turned = |i: usize| if i.is_multiple_of(2) { free.mesh.stations[i / 2] } else { 1.0 };
     for (i, plane) in [(0, 0), (1, 1)] {
         add(in_plane(plane, &moved), reduced.mass, own(i));
     }

@@ -122,12 +122,25 @@ impl Block {
         }
     }
 
+    /// Drops the unfinished block; returns its start.
+    fn interrupt(&mut self) -> Option<f64> {
+        for statistics in &mut self.probes {
+            statistics.close::<Exact>();
+        }
+        self.start.take()
+    }
+
     /// Ends the block with the sample `index` at `time` and begins the next; returns its start and the figures of every probe.
     fn close(&mut self, index: u64, time: f64) -> Option<(f64, Vec<BlockStatistics<f64>>)> {
         let start = self.start.replace(time)?;
         self.next_index = Some(index + 1);
         Some((start, self.probes.iter_mut().map(Statistics::close::<Exact>).collect()))
     }
+}
+
+/// Returns true for an indicator of the residual.
+const fn is_of_residuals(indicator: Indicator) -> bool {
+    matches!(indicator, Indicator::Residual | Indicator::OuterRace | Indicator::InnerRace)
 }
 
 impl LimitMonitor {
@@ -288,6 +301,30 @@ impl LimitMonitor {
         });
     }
 
+    /// Ends the crossings of limits on readings at the end of their last block and drops the unfinished one, because the shaft angle is
+    /// interrupted: a block does not reach over a standstill.
+    pub fn interrupt_readings(&mut self) {
+        let end = self.readings.interrupt();
+        self.end_crossings(end, false);
+    }
+
+    /// Does the same for limits on residuals.
+    pub fn interrupt_residuals(&mut self) {
+        let end = self.residuals.interrupt();
+        self.end_crossings(end, true);
+    }
+
+    fn end_crossings(&mut self, end: Option<f64>, of_residuals: bool) {
+        let Some(end) = end else { return };
+        for monitored in self.limits.iter_mut().filter(|one| is_of_residuals(one.limit.indicator) == of_residuals) {
+            let Some(open) = monitored.crossing.take() else { continue };
+            if let Some(event) = monitored.event(&open, Some(end), end, &self.names[monitored.probe]) {
+                self.new_events.push(event.clone());
+                self.events.push(event);
+            }
+        }
+    }
+
     /// Compares the limits whose indicator has a `value` in the block from `start` to `end`.
     fn evaluate(&mut self, start: f64, end: f64, value: impl Fn(&ProbeLimit) -> Option<f64>) {
         for monitored in &mut self.limits {
@@ -309,11 +346,7 @@ impl LimitMonitor {
     pub fn finish(mut self) -> Vec<Event> {
         for monitored in &mut self.limits {
             if let Some(open) = monitored.crossing.take() {
-                let residual = matches!(
-                    monitored.limit.indicator,
-                    Indicator::Residual | Indicator::OuterRace | Indicator::InnerRace
-                );
-                let block = if residual { &self.residuals } else { &self.readings };
+                let block = if is_of_residuals(monitored.limit.indicator) { &self.residuals } else { &self.readings };
                 let last = block.start.unwrap_or(open.start);
                 self.events.extend(monitored.event(&open, None, last, &self.names[monitored.probe]));
             }
@@ -449,6 +482,21 @@ mod tests {
             }
         }
         monitor.take_events()
+    }
+
+    /// An interruption of the shaft angle ends a crossing at the end of its last block, and the next block holds no sample from before.
+    #[test]
+    fn an_interruption_ends_a_crossing() {
+        let mut monitor = monitor(0.0);
+        let begun = run(&mut monitor, 0..55, 3..9);
+        assert_eq!(begun.len(), 1, "{begun:?}");
+        monitor.interrupt_readings();
+        let ended = monitor.take_events();
+        assert_eq!(ended.iter().map(|e| e.end_s).collect::<Vec<_>>(), [Some(4.9)]);
+        // Samples 55 to 59 were high: without the interruption the next block would cross.
+        assert!(run(&mut monitor, 100..120, 0..1).is_empty());
+        let again = run(&mut monitor, 120..140, 12..14);
+        assert_eq!(again.len(), 1, "{again:?}");
     }
 
     /// Stopped at any sample and restored from its state at that moment, the limits report what they would have reported.

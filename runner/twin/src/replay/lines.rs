@@ -196,6 +196,12 @@ impl Demodulator {
         self.blocks += f64::from(u8::from(is_weighted));
     }
 
+    /// Drops the unfinished block, because the shaft angle is interrupted.
+    pub fn interrupt(&mut self) {
+        self.block = RevolutionBlock::new();
+        self.sums.fill(OrderSums::new());
+    }
+
     /// Ends the recording: an incomplete block counts only where there is no complete one.
     pub fn finish(&mut self) {
         if self.blocks == 0.0 {

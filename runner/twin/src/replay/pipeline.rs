@@ -198,7 +198,7 @@ impl<'a> Pipeline<'a> {
 
     /// Restarts the twin with the next sample, because the shaft angle is interrupted.
     pub(super) fn restart(&mut self) {
-        self.readings.restart();
+        self.readings.restart(&mut self.limits);
         self.startup.restart();
     }
 
@@ -287,6 +287,10 @@ impl<'a> Pipeline<'a> {
         self.timing.worked(begun);
         self.twin.advance_linear(&interval);
         let is_restart = interval.start == Some(super::twin::TwinStart::Restart);
+        if is_restart {
+            self.comparison.lines.interrupt();
+            self.limits.interrupt_residuals();
+        }
         let status = sample
             .status
             .and(SampleStatus::RESTARTED.when(is_restart))

@@ -1,17 +1,18 @@
 //! Readings stage: limits and indicators that need readings and shaft angle only, before a sample waits for the twin.
 
 use super::limits::LimitMonitor;
-use super::lines::{Angles, Demodulator, Line};
+use super::lines::{Angles, BLOCK_TURNS, Demodulator, Line};
 use super::second::{ProbeSecond, Second, SecondIndicators};
 use crate::recording::Sample;
 use ballrace::Phase;
+use std::f64::consts::TAU;
 
 /// Monitor of readings.
 pub(super) struct ReadingsStage {
     /// 1X and 2X of every probe.
     lines: Demodulator,
-    /// Revolution and angle at the last sample.
-    last: Option<(i64, Phase)>,
+    /// Revolution, angle and time (s) at the last sample.
+    last: Option<(i64, Phase, f64)>,
     /// Indicators of every second, until the twin supplies them.
     seconds: Option<SecondIndicators>,
     /// NaN for every probe, in place of the twin's readings.
@@ -35,8 +36,12 @@ impl ReadingsStage {
 
     /// Adds a sample, and evaluates `limits` where it ends a block.
     pub(super) fn add(&mut self, sample: &Sample, limits: &mut LimitMonitor) {
-        let (revolution, angle) =
-            self.last.replace((sample.revolution, sample.angle)).unwrap_or((sample.revolution, sample.angle));
+        let now = (sample.revolution, sample.angle, sample.row.time);
+        let missed = |(_, _, time): (i64, Phase, f64)| sample.speed.abs() * (sample.row.time - time) / TAU;
+        if self.last.is_some_and(|last| missed(last) > BLOCK_TURNS) {
+            self.restart(limits);
+        }
+        let (revolution, angle, _) = self.last.replace(now).unwrap_or(now);
         let measured = &sample.row.probes;
         let needed = self.seconds.is_some() || !limits.is_empty();
         if !needed || measured.iter().any(|y| y.is_nan()) {
@@ -57,9 +62,11 @@ impl ReadingsStage {
         }
     }
 
-    /// The shaft angle is interrupted before the next sample.
-    pub(super) fn restart(&mut self) {
+    /// Drops unfinished blocks, because the shaft angle is interrupted before the next sample or a whole block is missing.
+    pub(super) fn restart(&mut self, limits: &mut LimitMonitor) {
         self.last = None;
+        self.lines.interrupt();
+        limits.interrupt_readings();
     }
 
     /// Ends the indicators of every second, because the stages after the twin supply them.
