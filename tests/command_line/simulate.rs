@@ -229,7 +229,7 @@ fn scenes_of_the_documented_speeds_run() {
     let mut names: Vec<String> =
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    let expected = ["angular", "flexible", "lumped", "lumped-radial", "quasi-static", "tabulated"];
+    let expected = ["angular", "flexible", "lumped-radial", "lumped", "quasi-static", "tabulated"];
     assert_eq!(names, expected.map(|name| format!("{name}.toml")));
     let desk = Desk::empty();
     for name in names {
