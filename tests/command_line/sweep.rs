@@ -160,7 +160,7 @@ fn what_cannot_be_swept_is_refused() {
     };
     refused("shaft.speed", 2, &["--over: found \"shaft.speed\"", "KEY=FROM..TO:COUNT"]);
     refused("shaft.sped=1rpm..2rpm:3", 2, &["shaft.sped", "unknown key (did you mean speed?)"]);
-    refused("bearing.B.radial_play=1um..2um:3", 2, &["found the key \"bearing.B.radial_play\""]);
+    refused("bearing.B.radial_play=1um..2um:3", 2, &["no such key in the scene: \"bearing.B.radial_play\""]);
     refused("shaft.speed=1mm..2mm:3", 2, &["found \"1 mm\"", "a speed of rotation"]);
     refused("bearing[0].elements=2..9:8", 2, &["found 2, allowed: a whole number from 3 to 64"]);
     refused("shaft.speed=0,0", 1, &["shaft.speed", "a shaft at standstill"]);

@@ -2,14 +2,14 @@
 
 use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use ballrace_report as report;
 use ballrace_twin::campbell::{AtSpeed, Whirl, campbell, nominal_mode_shapes};
 use ballrace_twin::effect_significance;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::replay::outcome::RotorDrawing;
 use ballrace_twin::scene::read::read_file;
-use ballrace_twin::scene::units::{Dimension, parse};
+use ballrace_twin::scene::units::Dimension;
 use ballrace_twin::sweep::Axis;
 use std::io::Write;
 use std::path::PathBuf;
@@ -62,16 +62,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
 fn parse_speeds(text: &str) -> Result<Vec<f64>> {
     let axis =
         Axis::parse(&format!("speed={text}")).map_err(|e| UsageError(e.to_string().replace("--over", "--speeds")))?;
-    let to_si = |value: &f64| {
-        if axis.unit.is_empty() {
-            return Ok(*value);
-        }
-        parse(&format!("{value} {}", axis.unit), Dimension::Speed)
-    };
-    match axis.values.iter().map(to_si).collect() {
-        Ok(speeds) => Ok(speeds),
-        Err(e) => bail!(UsageError(format!("--speeds: {e}"))),
-    }
+    Ok(axis.in_si(Dimension::Speed).map_err(|e| UsageError(format!("--speeds: {e}")))?)
 }
 
 /// Writes one row for each mode.

@@ -3,10 +3,10 @@
 use super::{Format, print_effects};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
-use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Phase, Status};
 use ballrace_report::number::fixed;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::force::{MathBackend, Pose, Precision, forces};
+use ballrace_twin::force::{BearingForce, MathBackend, Precision};
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;
 use ballrace_twin::scene::bounded::BoundedLines;
@@ -74,8 +74,11 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     // An invalid scene is reported before an invalid file of displacements.
     kinematics_at(0.0)?;
     let rows = read_displacements(&args.displacements, &kinematics_at)?;
-    let reactions = forces(&scene, bearing, model, (args.precision, args.math), &rows)?;
-    let forces: Vec<Force> = reactions.into_iter().map(Force::from).collect();
+    let model_force = BearingForce::try_new(&scene, bearing, model, (args.precision, args.math))?;
+    let (displacements, rotations): (Vec<_>, Vec<_>) = rows.iter().map(|row| (row.u, row.at)).unzip();
+    let (mut forces, mut status) = (vec![[0.0; 5]; rows.len()], vec![Status::default(); rows.len()]);
+    model_force.evaluate(&displacements, &|i| rotations[i], &mut forces, &mut status);
+    let forces: Vec<Force> = forces.into_iter().zip(status).map(|(force, status)| Force::new(force, status)).collect();
     let digits = match args.precision {
         Precision::F64 => 16,
         Precision::F32 => 8,
@@ -100,6 +103,14 @@ fn significance(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -
     Ok(effect_significance::of_bearing(scene, &without_preload, &Displacement::from_array(row.u), &at)?)
 }
 
+/// A displacement of the inner ring against the outer ring, and how the bearing is turned with it.
+struct Pose {
+    /// u, v, w (m), thu, thv (rad).
+    u: [f64; 5],
+    /// Angles and speeds of the bearing's parts.
+    at: BearingKinematicState<f64>,
+}
+
 #[derive(Serialize)]
 struct Force {
     #[serde(rename = "FX")]
@@ -115,9 +126,8 @@ struct Force {
     status: String,
 }
 
-impl From<(Wrench<f64>, Status)> for Force {
-    fn from((wrench, status): (Wrench<f64>, Status)) -> Self {
-        let Wrench { fx, fy, fz, mx, my } = wrench;
+impl Force {
+    fn new([fx, fy, fz, mx, my]: [f64; 5], status: Status) -> Self {
         Self { fx, fy, fz, mx, my, status: status_text(status) }
     }
 }

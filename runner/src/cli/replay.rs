@@ -10,7 +10,7 @@ use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::replay::{Options, Progress, Source, replay};
-use ballrace_twin::scene::{Recording, Scene, Sensor};
+use ballrace_twin::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -135,7 +135,7 @@ fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
 }
 
 /// Opens the recording and returns its reader and its path.
-fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
+fn open(args: &Args, scene: &Scene) -> Result<(Reader<'static>, PathBuf)> {
     let recording = scene.recording.as_ref().with_context(|| {
         format!("{}: missing table [recording], expected the columns of a recording", scene.path.display())
     });
@@ -150,12 +150,7 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader, PathBuf)> {
             return Ok((Reader::from_reader(bytes, &name, Some(size), recording)?, name));
         }
     };
-    if recording.sensors.is_empty() {
-        return Ok((Reader::open(path, recording)?, path.clone()));
-    }
-    let probes = recording.sensors.iter().map(Sensor::as_probe).collect();
-    let columns = Recording { probes, ..recording.clone() };
-    Ok((Reader::open(path, &columns)?, path.clone()))
+    Ok((Reader::open(path, recording)?, path.clone()))
 }
 
 /// Returns a progress bar on standard error, hidden if standard error is not a terminal.

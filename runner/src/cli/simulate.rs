@@ -5,7 +5,7 @@ use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::motion::{self, MOST_SAMPLES, ResponseSample, Span};
+use ballrace_twin::motion::{self, MOST_SAMPLES, Span};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::scene::Scene;
@@ -116,7 +116,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
                 if position.is_multiple_of(4096) {
                     bar.set_position(position);
                 }
-                rows.add(row(now))
+                rows.add(now.row())
             },
         );
         let (file, waiting_time) = rows.finish().with_context(cannot_write)?;
@@ -205,26 +205,7 @@ impl<'s> RowWriter<'s> {
 }
 
 fn header(plant: &Plant) -> String {
-    let mut header = "t".to_owned();
-    for rate in ["", "_dot"] {
-        for name in plant.layout.names(&plant.bearings) {
-            header += ",";
-            header += &quoted(&format!("{name}{rate}"));
-        }
-    }
-    for mounted in &plant.bearings {
-        for entry in ["FX", "FY", "FZ", "MX", "MY"] {
-            header += ",";
-            header += &quoted(&format!("{}_{entry}", mounted.name));
-        }
-    }
-    header
-}
-
-fn row(now: &ResponseSample<'_>) -> impl Iterator<Item = f64> {
-    let motion = now.twin.coordinates().iter().chain(now.twin.rates()).copied();
-    let forces = (0..now.plant.bearings.len()).flat_map(|i| now.wrench(i).to_array());
-    std::iter::once(now.time).chain(motion).chain(forces)
+    motion::columns(plant).iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",")
 }
 
 fn write_row(file: &mut AtomicFile, row: &[f64]) -> std::io::Result<()> {

@@ -1,12 +1,13 @@
 //! Forces of one bearing for given displacements, in every precision and math of the kernel.
 
 use crate::error::{Error, Result};
-use crate::handle::{BearingHandle, ForceModel};
+use crate::handle::{AnyBearing, BearingHandle, ForceModel};
 use crate::plant::Plant;
 use crate::scene::build::{self, BuildError};
 use crate::scene::{Bearing, Linear, Model, Scene};
 use ballrace::bearing::LastValidWrench;
-use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Scalar, Status, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Scalar, Status};
+use std::marker::PhantomData;
 
 /// Floating-point precision of the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,65 +29,103 @@ pub enum MathBackend {
     Fast,
 }
 
-/// A displacement of the inner ring against the outer ring, and how the bearing is turned with it.
-#[derive(Debug, Clone, Copy)]
-pub struct Pose {
-    /// u, v, w (m), thu, thv (rad).
-    pub u: [f64; 5],
-    /// Angles and speeds of the bearing's parts.
-    pub at: BearingKinematicState<f64>,
+/// The force of one bearing as one model computes it.
+pub struct BearingForce(Box<dyn Evaluate>);
+
+impl BearingForce {
+    /// Creates the model `model` of a bearing in one precision and math.
+    ///
+    /// # Errors
+    /// A scene that lacks what the model needs, values that the kernel refuses.
+    pub fn try_new(
+        scene: &Scene,
+        bearing: &Bearing,
+        model: Model,
+        (precision, math): (Precision, MathBackend),
+    ) -> Result<Self> {
+        Ok(Self(match (precision, math) {
+            // The bearings of the plants, so that these are compiled once.
+            (Precision::F64, MathBackend::Exact) => evaluator(scene, bearing, model, build::bearing)?,
+            (Precision::F64, MathBackend::Fast) => evaluator(scene, bearing, model, build::force_model::<f64, Fast>)?,
+            (Precision::F32, MathBackend::Exact) => evaluator(scene, bearing, model, build::force_model::<f32, Exact>)?,
+            (Precision::F32, MathBackend::Fast) => evaluator(scene, bearing, model, build::force_model::<f32, Fast>)?,
+        }))
+    }
+
+    /// Computes the force on the inner ring `FX FY FZ MX MY` (N, N m) and its status at each displacement `u v w thu thv` (m, rad);
+    /// `at` returns the rotation of the bearing by the number of the displacement. A displacement that is not finite repeats the
+    /// last valid force. Excess elements of the longer slices are left unchanged.
+    pub fn evaluate(
+        &self,
+        displacements: &[[f64; 5]],
+        at: &dyn Fn(usize) -> BearingKinematicState<f64>,
+        forces: &mut [[f64; 5]],
+        status: &mut [Status],
+    ) {
+        self.0.evaluate(displacements, at, forces, status);
+    }
 }
 
-/// Returns the force on the inner ring and its status at each of `poses`, as `model` computes it. A pose that is not finite
-/// repeats the last valid force.
-///
-/// # Errors
-/// A scene that lacks what the model needs, values that the kernel refuses.
-pub fn forces(
-    scene: &Scene,
-    bearing: &Bearing,
-    model: Model,
-    (precision, math): (Precision, MathBackend),
-    poses: &[Pose],
-) -> Result<Vec<(Wrench<f64>, Status)>> {
-    match (precision, math) {
-        // The bearings of the plants, so that these are compiled once.
-        (Precision::F64, MathBackend::Exact) => forces_of(scene, bearing, model, build::bearing, poses),
-        (Precision::F64, MathBackend::Fast) => forces_of(scene, bearing, model, build::force_model::<f64, Fast>, poses),
-        (Precision::F32, MathBackend::Exact) => {
-            forces_of(scene, bearing, model, build::force_model::<f32, Exact>, poses)
+/// A force model behind a pointer, called once for a whole sequence of displacements.
+trait Evaluate: Send + Sync {
+    fn evaluate(
+        &self,
+        displacements: &[[f64; 5]],
+        at: &dyn Fn(usize) -> BearingKinematicState<f64>,
+        forces: &mut [[f64; 5]],
+        status: &mut [Status],
+    );
+}
+
+/// A force model in one precision.
+struct InPrecision<T, H>(H, PhantomData<fn() -> T>);
+
+impl<T: Scalar, H: ForceModel<T>> Evaluate for InPrecision<T, H> {
+    fn evaluate(
+        &self,
+        displacements: &[[f64; 5]],
+        at: &dyn Fn(usize) -> BearingKinematicState<f64>,
+        forces: &mut [[f64; 5]],
+        status: &mut [Status],
+    ) {
+        let mut held = LastValidWrench::new();
+        for (i, ((u, force), status)) in displacements.iter().zip(forces).zip(status).enumerate() {
+            let u = Displacement::from_array(u.map(T::from_f64));
+            let at = at(i);
+            let at = BearingKinematicState {
+                cage: at.cage,
+                inner: at.inner,
+                outer: at.outer,
+                ball: at.ball,
+                inner_speed: T::from_f64(at.inner_speed),
+                outer_speed: T::from_f64(at.outer_speed),
+            };
+            let (wrench, flags) = self.0.sample(&mut held, &u, &at);
+            *force = wrench.to_array().map(Scalar::to_f64);
+            *status = flags;
         }
-        (Precision::F32, MathBackend::Fast) => forces_of(scene, bearing, model, build::force_model::<f32, Fast>, poses),
     }
 }
 
 /// Builds the handle of a model of one bearing.
 type Build<H> = fn(&Scene, &Bearing, Model) -> Result<H, BuildError>;
 
-fn forces_of<T: Scalar, H: BearingHandle<T> + ForceModel<T>>(
+fn evaluator<T: Scalar, H: BearingHandle<T> + ForceModel<T> + 'static>(
     scene: &Scene,
     bearing: &Bearing,
     model: Model,
     build: Build<H>,
-    poses: &[Pose],
-) -> Result<Vec<(Wrench<f64>, Status)>> {
-    let kernel = handle(scene, bearing, model, build).map_err(Error::setup)?;
-    let mut held = LastValidWrench::new();
-    let evaluate = |pose: &Pose| {
-        let u = Displacement::from_array(pose.u.map(T::from_f64));
-        let at = BearingKinematicState {
-            cage: pose.at.cage,
-            inner: pose.at.inner,
-            outer: pose.at.outer,
-            ball: pose.at.ball,
-            inner_speed: T::from_f64(pose.at.inner_speed),
-            outer_speed: T::from_f64(pose.at.outer_speed),
-        };
-        let (wrench, status) = kernel.sample(&mut held, &u, &at);
-        let [fx, fy, fz, mx, my] = wrench.to_array().map(Scalar::to_f64);
-        (Wrench { fx, fy, fz, mx, my }, status)
-    };
-    Ok(poses.iter().map(evaluate).collect())
+) -> Result<Box<dyn Evaluate>> {
+    let handle = handle(scene, bearing, model, build).map_err(Error::setup)?;
+    Ok(Box::new(InPrecision(handle, PhantomData)))
+}
+
+/// Builds the model of one bearing in double precision with exact math, with its tangent stiffness and element loads.
+///
+/// # Errors
+/// As [`BearingForce::try_new`].
+pub fn bearing_model(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<f64>> {
+    handle(scene, bearing, model, build::bearing).map_err(Error::setup)
 }
 
 /// The bearing; one linearised from another model takes its springs from the rotor's equilibrium.

@@ -44,6 +44,26 @@ impl ResponseSample<'_> {
             self.twin.wrench(i, &mounted.rotation(mounted.kinematics.parts_at(self.turned), &self.drive))
         })
     }
+
+    /// Returns the values of [`columns`].
+    pub fn row(&self) -> impl Iterator<Item = f64> + '_ {
+        let motion = self.twin.coordinates().iter().chain(self.twin.rates()).copied();
+        let forces = (0..self.plant.bearings.len()).flat_map(|i| self.wrench(i).to_array());
+        std::iter::once(self.time).chain(motion).chain(forces)
+    }
+}
+
+/// Returns the names of a sample's values: time, coordinates (`u v w thu thv` first), their rates, forces of each bearing; SI.
+#[must_use]
+pub fn columns(plant: &Plant) -> Vec<String> {
+    let names = plant.layout.names(&plant.bearings);
+    let rates = names.iter().map(|name| format!("{name}_dot"));
+    let forces = plant
+        .bearings
+        .iter()
+        .flat_map(|mounted| ["FX", "FY", "FZ", "MX", "MY"].map(|component| format!("{}_{component}", mounted.name)));
+    let motion = names.iter().cloned().chain(rates);
+    std::iter::once("t".to_owned()).chain(motion).chain(forces).collect()
 }
 
 /// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `visit`.

@@ -1,5 +1,6 @@
 //! Errors of questions about a scene.
 
+use crate::scene::edit::UnknownKey;
 use std::path::PathBuf;
 
 /// Error returned for a single bearing without a load.
@@ -27,14 +28,8 @@ pub enum SweepError {
         expected: String,
     },
     /// A key that the scene does not have.
-    #[error(
-        "--over: found the key {found:?}, allowed: a key of the scene, such as shaft.speed, bearing[0].radial_play or \
-         bearing.DE.radial_play"
-    )]
-    Key {
-        /// The key.
-        found: String,
-    },
+    #[error("--over: {0}")]
+    Key(UnknownKey),
     /// There are too many points.
     #[error("--over: too many points: {found}, expected at most {most} with {periods} section periods at each")]
     Points {
@@ -122,7 +117,7 @@ impl SweepError {
     /// Returns true where the options of the command are wrong.
     #[must_use]
     pub const fn is_usage_error(&self) -> bool {
-        matches!(self, Self::Axis { .. } | Self::Key { .. } | Self::Points { .. } | Self::Samples { .. })
+        matches!(self, Self::Axis { .. } | Self::Key(_) | Self::Points { .. } | Self::Samples { .. })
     }
 }
 

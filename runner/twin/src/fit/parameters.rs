@@ -25,6 +25,20 @@ pub enum Group {
 /// All of them.
 pub const ALL: [Group; 5] = [Group::Unbalance, Group::Clearance, Group::Damping, Group::Stiffness, Group::Offset];
 
+impl Group {
+    /// Returns the name as the command line has it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Unbalance => "unbalance",
+            Self::Clearance => "clearance",
+            Self::Damping => "damping",
+            Self::Stiffness => "stiffness",
+            Self::Offset => "offset",
+        }
+    }
+}
+
 /// A parameter of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterKind {

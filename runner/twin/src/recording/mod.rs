@@ -10,6 +10,7 @@ pub mod flaws;
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod harness;
 pub mod mat;
+mod memory;
 mod npy;
 mod numbers;
 mod parquet;

@@ -14,6 +14,7 @@ use super::clock::{Grid, LEARN, StampPosition};
 use super::csv::CsvTable;
 use super::error::{RecordingError, listed, nearest};
 use super::flaws::{Flaw, FlawLedger, Position};
+use super::memory::Memory;
 use super::probe::{ProbeWatch, Verdict};
 use super::table::{self, ALLOWED, Cells, Table};
 use crate::scene::units;
@@ -31,10 +32,10 @@ const RATE_TOLERANCE: f64 = 1e-3;
 /// - A row whose time stamp repeats or goes back is left out. A row whose time stamp is missing is the next sample.
 /// - A probe that repeats one reading exactly for 64 samples and 10 ms is stuck: from then until it moves its
 ///   readings are missing (those before went out as they were, and are counted).
-pub struct Reader {
+pub struct Reader<'a> {
     name: PathBuf,
     size: Option<u64>,
-    table: Box<dyn Table>,
+    table: Box<dyn Table + 'a>,
     wanted: Wanted,
     cells: Cells,
     /// Rows read ahead.
@@ -72,7 +73,7 @@ enum Timing {
     Stamps(Grid),
 }
 
-impl Reader {
+impl<'a> Reader<'a> {
     /// Opens a file, detects its format from its content, then from its extension, and reads until it has determined the columns
     /// and its sampling rate.
     ///
@@ -108,12 +109,27 @@ impl Reader {
         Self::new(Box::new(CsvTable::new(reader, name)?), name, size, recording)
     }
 
+    /// As [`open`](Self::open), from columns in memory, which are not copied; `name` stands in messages.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); columns of the scene that differ in length.
+    pub fn from_columns(
+        columns: Vec<(String, &'a [f64])>,
+        name: &Path,
+        recording: &Recording,
+    ) -> Result<Self, RecordingError> {
+        let size = columns.iter().map(|(_, values)| size_of_val(*values) as u64).sum();
+        Self::new(Box::new(Memory::new(columns, name)), name, Some(size), recording)
+    }
+
     fn new(
-        mut table: Box<dyn Table>,
+        mut table: Box<dyn Table + 'a>,
         name: &Path,
         size: Option<u64>,
         recording: &Recording,
     ) -> Result<Self, RecordingError> {
+        let columns = recording.with_sensors_as_probes();
+        let recording = columns.as_ref();
         let wanted = Wanted::new(table.as_ref(), recording, name)?;
         wanted.check_units(table.as_ref(), recording, name)?;
         table.select(&wanted.places())?;

@@ -5,6 +5,7 @@
 
 pub mod bounded;
 pub mod build;
+pub mod edit;
 mod flexible_rotor;
 pub mod matrix;
 pub mod read;

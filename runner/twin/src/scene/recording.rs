@@ -1,5 +1,6 @@
 //! The section `[recording]` of a scene: sampling, probes, sensors and the source of the shaft angle.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 /// `[recording]`: file, sampling and columns of a recording.
@@ -56,18 +57,21 @@ pub struct Sensor {
     pub bearing: Option<String>,
 }
 
-impl Sensor {
-    /// Returns the sensor as a probe of the reader: a column without a conversion of units.
-    #[must_use]
-    pub fn as_probe(&self) -> Probe {
-        Probe {
-            column: self.column.clone(),
+impl Recording {
+    /// Returns the recording with its sensors, if it has some, as probes of the reader: columns without a conversion of units.
+    pub(crate) fn with_sensors_as_probes(&self) -> Cow<'_, Self> {
+        if self.sensors.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let probe = |sensor: &Sensor| Probe {
+            column: sensor.column.clone(),
             metres_per_unit: 1.0,
             station: 0.0,
             direction: Direction::Axial,
             noise: None,
             offset: 0.0,
-        }
+        };
+        Cow::Owned(Self { probes: self.sensors.iter().map(probe).collect(), ..self.clone() })
     }
 }
 

@@ -1,7 +1,8 @@
 //! `--over KEY=FROM..TO:HOW`: a key of a scene with its values, and their insertion into a scene.
 
 use crate::error::{Error, Result, SweepError};
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use crate::scene::units::{self, Dimension, Mismatch};
+use toml_edit::Value;
 
 /// Most values of one key.
 const MOST_VALUES: usize = 100_000;
@@ -58,6 +59,18 @@ impl Axis {
         Ok(Self { key: key.trim().to_owned(), values: numbers, unit })
     }
 
+    /// Returns the values in SI, of the dimension that they have; numbers without a unit are SI.
+    ///
+    /// # Errors
+    /// A unit of another dimension.
+    pub fn in_si(&self, dimension: Dimension) -> Result<Vec<f64>, Mismatch> {
+        let in_si = |value: &f64| match self.unit.as_str() {
+            "" => Ok(*value),
+            unit => units::parse(&format!("{value} {unit}"), dimension),
+        };
+        self.values.iter().map(in_si).collect()
+    }
+
     /// Returns the value as a scene writes it.
     #[must_use]
     pub fn written(&self, value: f64) -> Value {
@@ -97,73 +110,6 @@ fn by_step(from: f64, to: f64, step: f64) -> Result<Vec<f64>, String> {
     Ok((0..count as usize).map(|i| from + step * i as f64).collect())
 }
 
-/// One part of a key: a name, or an index of a list.
-enum Part<'a> {
-    Name(&'a str),
-    Index(usize),
-}
-
-fn parts(key: &str) -> Option<Vec<Part<'_>>> {
-    let mut all = Vec::new();
-    for word in key.split('.') {
-        let (name, indices) = word.split_once('[').map_or((word, None), |(name, rest)| (name, Some(rest)));
-        all.push(Part::Name(name));
-        for index in indices.into_iter().flat_map(|rest| rest.split('[')) {
-            all.push(Part::Index(index.strip_suffix(']')?.parse().ok()?));
-        }
-    }
-    Some(all)
-}
-
-/// Puts `value` at `key` of a scene.
-///
-/// # Errors
-/// A key that the scene does not have.
-pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<()> {
-    let found = parts(key).is_some_and(|parts| in_table(document.as_table_mut(), &parts, value));
-    if found { Ok(()) } else { Err(SweepError::Key { found: key.to_owned() }.into()) }
-}
-
-fn in_table(table: &mut dyn TableLike, parts: &[Part<'_>], value: Value) -> bool {
-    match parts {
-        [Part::Name(name)] => {
-            table.insert(name, Item::Value(value));
-            true
-        }
-        [Part::Name(name), rest @ ..] => table.get_mut(name).is_some_and(|item| in_item(item, rest, value)),
-        _ => false,
-    }
-}
-
-fn in_item(item: &mut Item, parts: &[Part<'_>], value: Value) -> bool {
-    if let Some(tables) = item.as_array_of_tables_mut() {
-        let at = match parts.first() {
-            Some(Part::Index(i)) => Some(*i),
-            Some(Part::Name(name)) => tables.iter().position(|t| t.get("name").and_then(Item::as_str) == Some(name)),
-            None => None,
-        };
-        let (table, rest) = (at.and_then(|i| tables.get_mut(i)), parts.get(1..).unwrap_or_default());
-        return table.is_some_and(|table| in_table(table, rest, value));
-    }
-    if let (Some(Part::Index(_)), Some(inside)) = (parts.first(), item.as_value_mut()) {
-        return in_value(inside, parts, value);
-    }
-    item.as_table_like_mut().is_some_and(|table| in_table(table, parts, value))
-}
-
-fn in_value(inside: &mut Value, parts: &[Part<'_>], value: Value) -> bool {
-    match parts {
-        [] => {
-            *inside = value;
-            true
-        }
-        [Part::Index(i), rest @ ..] => {
-            inside.as_array_mut().and_then(|array| array.get_mut(*i)).is_some_and(|entry| in_value(entry, rest, value))
-        }
-        [Part::Name(_), ..] => inside.as_inline_table_mut().is_some_and(|table| in_table(table, parts, value)),
-    }
-}
-
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
@@ -190,23 +136,6 @@ mod tests {
             "a=1um..2um:-1um",
         ] {
             assert!(Axis::parse(bad).unwrap_err().to_string().contains("allowed"), "{bad}");
-        }
-    }
-
-    #[test]
-    fn keys() {
-        let text = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"DE\"\nradial_play = 1\nwaviness = [{ order = 3 }]\n[rotor]\nload = [0, 1, 2]\n";
-        let with = |key: &str| {
-            let mut document: DocumentMut = text.parse().unwrap();
-            put(&mut document, key, Value::from("5 um")).map(|()| document.to_string())
-        };
-        for key in ["bearing[0].radial_play", "bearing.DE.radial_play"] {
-            assert!(with(key).unwrap().contains("radial_play = \"5 um\""), "{key}");
-        }
-        assert!(with("bearing[0].waviness[0].order").unwrap().contains("[{ order = \"5 um\" }]"));
-        assert!(with("rotor.load[1]").unwrap().contains("[0, \"5 um\", 2]"));
-        for bad in ["bearing[1].radial_play", "bearing.NDE.radial_play", "rotor.load[9]", "rotors.mass", "[", "a["] {
-            assert!(with(bad).is_err(), "{bad}");
         }
     }
 }

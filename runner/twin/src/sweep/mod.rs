@@ -5,7 +5,7 @@ mod journal;
 mod measure;
 mod tables;
 
-pub use axis::{Axis, put};
+pub use axis::Axis;
 pub use journal::{Journal, read};
 pub use measure::{EffectChange, Figures, Measure, State, measure};
 pub use tables::{csv, parquet, sections};
@@ -13,6 +13,7 @@ pub use tables::{csv, parquet, sections};
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{Error, Result, SweepError};
 use crate::scene::Scene;
+use crate::scene::edit::put;
 use crate::scene::read::read_str;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -159,7 +160,7 @@ impl Plan {
         let syntax = |source| SweepError::Syntax { file: self.path.clone(), source };
         let mut document: DocumentMut = self.text.parse().map_err(syntax)?;
         for (axis, &value) in self.axes.iter().zip(values) {
-            put(&mut document, &axis.key, axis.written(value))?;
+            put(&mut document, &axis.key, axis.written(value)).map_err(SweepError::Key)?;
         }
         Ok(read_str(&document.to_string(), &self.path)?)
     }

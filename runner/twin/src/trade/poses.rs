@@ -82,7 +82,7 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
 pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Poses> {
     let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
     let path = folder.join(&recording.file);
-    let mut reader = Reader::open(&path, recording).map_err(Error::in_file(&path))?;
+    let mut reader = Reader::open(&path, recording)?;
     let stations: Vec<f64> = plant.bearings.iter().map(|s| s.station).collect();
     let solver = PoseSolver::try_new(&recording.probes, &stations).map_err(Error::in_file(&scene.path))?;
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);

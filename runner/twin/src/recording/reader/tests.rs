@@ -26,7 +26,7 @@ fn stamped() -> Recording {
     recording(Clock::Column("t".into()))
 }
 
-fn reader(text: &str, recording: &Recording) -> Result<Reader, RecordingError> {
+fn reader(text: &str, recording: &Recording) -> Result<Reader<'static>, RecordingError> {
     let bytes = std::io::Cursor::new(text.as_bytes().to_vec());
     Reader::from_reader(Box::new(bytes), Path::new("r.csv"), Some(text.len() as u64), recording)
 }

@@ -1,0 +1,55 @@
+"""Rolling-bearing forces, a digital twin of rotating machines, and the diagnosis of measured shaft motion.
+
+The computations are those of the command line ``ballrace``, with the same bits.
+
+Examples
+--------
+>>> import ballrace
+>>> scene = ballrace.Scene.demonstration()
+>>> outcome = scene.replay(ballrace.demonstration_recording())
+>>> print(outcome.verdict)
+The machine departs from its twin. Outer race of DE: a spall at 270.0 ...
+"""
+
+from __future__ import annotations
+
+import enum
+
+from ._errors import Error, InputError, RecordingError, SceneError
+from ._native import VERSION as __version__
+from ._native import Bearing
+from ._results import Campbell, Equilibrium, Fit, Motion, Outcome, Record, Sweep, Trade
+from ._scene import Scene, demonstration_recording
+
+
+class Status(enum.IntFlag):
+    """Flags of one force, as :meth:`Bearing.force` writes them to ``status``."""
+
+    OK = 0
+    INPUT_NOT_FINITE = 1
+    RESULT_NOT_FINITE = 2
+    CONTACT_LOST = 4
+    NOT_CONVERGED = 8
+    GYROSCOPIC_SLIP = 16
+    OUT_OF_TABLE = 32
+
+
+__all__ = [
+    "Bearing",
+    "Campbell",
+    "Equilibrium",
+    "Error",
+    "Fit",
+    "InputError",
+    "Motion",
+    "Outcome",
+    "Record",
+    "RecordingError",
+    "Scene",
+    "SceneError",
+    "Status",
+    "Sweep",
+    "Trade",
+    "__version__",
+    "demonstration_recording",
+]

@@ -1,0 +1,374 @@
+"""Results of the studies: objects with units in their names, convertible to dictionaries and tables."""
+
+from __future__ import annotations
+
+import base64
+import html as _html
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    import pandas
+    import pyarrow
+
+    from . import _native
+
+Floats = npt.NDArray[np.float64]
+
+
+class Record(Mapping[str, Any]):
+    """A result whose entries are attributes and keys.
+
+    Examples
+    --------
+    >>> point = Record({"speed_rpm": 3000.0, "modes": [{"frequency_hz": 97.5}]})
+    >>> point.modes[0].frequency_hz
+    97.5
+    >>> point["speed_rpm"]
+    3000.0
+    """
+
+    def __init__(self, entries: Mapping[str, Any]) -> None:
+        self._entries = dict(entries)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        entries = self.__dict__.get("_entries", {})
+        if name not in entries:
+            raise AttributeError(f"no entry {name!r}, expected one of {', '.join(entries)}")
+        return _wrapped(entries[name])
+
+    def __getitem__(self, name: str) -> Any:
+        return _wrapped(self._entries[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._entries]
+
+    def __repr__(self) -> str:
+        shown = []
+        for name, value in self._entries.items():
+            text = f"[{len(value)}]" if isinstance(value, (list, dict)) and len(value) > 6 else repr(value)
+            shown.append(f"{name}={text if len(text) <= 80 else text[:77] + '...'}")
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the entries as plain dictionaries, lists, texts and numbers."""
+        return self._entries
+
+
+def _wrapped(value: Any) -> Any:
+    if isinstance(value, dict):
+        return Record(value)
+    if isinstance(value, list):
+        return [_wrapped(entry) for entry in value]
+    return value
+
+
+class Table:
+    """Base of results that are tables: one entry for each column, all of one length."""
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table."""
+        raise NotImplementedError
+
+    def to_arrow(self) -> pyarrow.Table:
+        """Return the table as a ``pyarrow.Table``; needs the package pyarrow."""
+        import pyarrow
+
+        return pyarrow.table(dict(self.columns()))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the table as a ``pandas.DataFrame``; needs the package pandas."""
+        import pandas
+
+        return pandas.DataFrame(dict(self.columns()))
+
+
+def _columns_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Sequence[Any] | Floats]:
+    """Return the columns of rows; rows may lack entries."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    return {name: [row.get(name) for row in rows] for name in names}
+
+
+class Page:
+    """Base of results with an HTML report."""
+
+    def to_html(self) -> str:
+        """Return the report as one self-contained page."""
+        raise NotImplementedError
+
+    def save_html(self, path: str | os.PathLike[str]) -> Path:
+        """Write the report to a file and return its path."""
+        target = Path(path)
+        target.write_text(self.to_html(), encoding="utf-8")
+        return target
+
+    def _repr_html_(self) -> str:
+        page = base64.b64encode(self.to_html().encode()).decode()
+        source = _html.escape(f"data:text/html;charset=utf-8;base64,{page}", quote=True)
+        return f'<iframe src="{source}" style="width:100%;height:720px;border:1px solid #ccc"></iframe>'
+
+
+class Outcome(Record, Table, Page):
+    """Outcome of a replay: verdict, diagnoses, probes, limits.
+
+    Attributes
+    ----------
+    verdict : str
+        The verdict in a sentence.
+    findings : list of Record
+        Faults with bearing, place, size and evidence.
+    probes : list of Record
+        Measured and computed motion at each probe, um.
+    """
+
+    def __init__(self, native: _native.Outcome, entries: Mapping[str, Any]) -> None:
+        super().__init__(entries)
+        self._native = native
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of probes."""
+        rows = []
+        for probe in self._entries.get("probes", []):
+            row = {name: value for name, value in probe.items() if not isinstance(value, (dict, list))}
+            for part in ("measured", "twin"):
+                for name, value in (probe.get(part) or {}).items():
+                    if not isinstance(value, (dict, list)):
+                        row[f"{part}_{name}"] = value
+            rows.append(row)
+        return _columns_of(rows)
+
+    def to_html(self) -> str:
+        """Return the report as one self-contained page."""
+        return self._native.html()
+
+    def to_text(self) -> str:
+        """Return the report as text, as the command line prints it."""
+        return self._native.text()
+
+    def save_baseline(self, path: str | os.PathLike[str]) -> Path:
+        """Write the baseline of a replay with ``learn=True`` and return its path."""
+        if self._entries.get("implausible"):
+            raise InputError("baseline: a recording that is not plausible for the scene, expected one of the sound machine")
+        target = Path(path)
+        target.write_text(self._native.baseline(), encoding="utf-8")
+        return target
+
+
+class Equilibrium(Record, Table, Page):
+    """Static equilibrium; the table has a row for each rolling element."""
+
+    def __init__(self, entries: Mapping[str, Any], page: str) -> None:
+        super().__init__(_with_units(entries, _EQUILIBRIUM_UNITS))
+        self._page = page
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of rolling elements."""
+        return _columns_of(self._entries["elements"])
+
+    def to_html(self) -> str:
+        """Return the report as one self-contained page."""
+        return self._page
+
+
+#: Units of the entries of an equilibrium, which are in SI.
+_EQUILIBRIUM_UNITS = {
+    "speed": "rad_s",
+    "displacement": "m_rad",
+    "force": "n_nm",
+    "stiffness": "si",
+    "azimuth": "rad",
+    "inner_load": "n",
+    "outer_load": "n",
+    "inner_angle": "rad",
+    "outer_angle": "rad",
+    "inner_pressure": "pa",
+    "outer_pressure": "pa",
+    "inner_film": "m",
+    "outer_film": "m",
+    "centrifugal": "n",
+    "gyroscopic_moment": "nm",
+    "solving_seconds": "",
+    "free": "rad",
+    "loaded": "rad",
+}
+
+
+def _with_units(value: Any, units: Mapping[str, str]) -> Any:
+    """Return entries with the unit at the end of each name that has one."""
+    if isinstance(value, Mapping):
+        named = {}
+        for name, entry in value.items():
+            unit = units.get(name, "")
+            # Shares of effects are ratios.
+            is_share = name == "stiffness" and isinstance(entry, list) and entry and not isinstance(entry[0], list)
+            full = f"{name}_{unit}" if unit and not is_share else name
+            named[full] = _with_units(entry, units)
+        return named
+    if isinstance(value, list):
+        return [_with_units(entry, units) for entry in value]
+    return value
+
+
+class Campbell(Table):
+    """Natural frequencies over the shaft speed; the table has a row for each mode at each speed."""
+
+    def __init__(self, speeds: Sequence[Mapping[str, Any]]) -> None:
+        self.speeds = [Record(speed) for speed in speeds]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the diagram as plain dictionaries, lists and numbers."""
+        return {"speeds": [speed.to_dict() for speed in self.speeds]}
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of modes."""
+        rows = [
+            {"speed_rpm": speed["speed_rpm"], "mode": number, **mode}
+            for speed in self.speeds
+            for number, mode in enumerate(speed["modes"], start=1)
+        ]
+        return _columns_of(rows)
+
+    def __repr__(self) -> str:
+        return f"Campbell({len(self.speeds)} speeds)"
+
+
+class Motion(Table):
+    """Simulated motion.
+
+    Attributes
+    ----------
+    names : list of str
+        Names of the columns: ``t`` (s), coordinates (m, rad), their rates, forces of each bearing (N, N m).
+    values : numpy.ndarray
+        Array of shape (samples, columns).
+    held_steps : int
+        Integration steps that overflowed.
+    """
+
+    def __init__(self, names: list[str], values: Floats, held_steps: int) -> None:
+        self.names = names
+        self.values = values
+        self.held_steps = held_steps
+
+    def __getitem__(self, name: str) -> Floats:
+        if name not in self.names:
+            raise KeyError(f"no column {name!r}, expected one of {', '.join(self.names)}")
+        column: Floats = self.values[:, self.names.index(name)]
+        return column
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the columns as lists."""
+        return {name: self[name].tolist() for name in self.names}
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns."""
+        return {name: self[name] for name in self.names}
+
+    def __repr__(self) -> str:
+        return f"Motion({len(self)} samples of {', '.join(self.names)})"
+
+
+class Sweep(Table, Page):
+    """Response over ranges of keys; the table has a row for each point."""
+
+    def __init__(self, entries: Mapping[str, Any], page: str) -> None:
+        self.axes = [Record(axis) for axis in entries["axes"]]
+        self.rows = [Record(row) for row in entries["rows"]]
+        self._page = page
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return axes and rows as plain dictionaries, lists and numbers."""
+        return {"axes": [axis.to_dict() for axis in self.axes], "rows": [row.to_dict() for row in self.rows]}
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of points."""
+        rows = []
+        for row in self.rows:
+            figures = row.to_dict()["figures"]
+            values = {
+                (f"{axis.key} ({axis.unit})" if axis.unit else axis.key): value
+                for axis, value in zip(self.axes, row["values"])
+            }
+            vectors = {
+                f"{name}_{along}_um": figures[name][i]
+                for name in ("peak_to_peak", "mean")
+                for i, along in enumerate("xyz")
+            }
+            scalars = {name: figures[name] for name in ("speed_rpm", "held", "period", "lyapunov")}
+            rows.append({"way": row["way"], **values, **scalars, **vectors})
+        return _columns_of(rows)
+
+    def to_html(self) -> str:
+        """Return the report as one self-contained page."""
+        return self._page
+
+    def __repr__(self) -> str:
+        return f"Sweep({len(self.rows)} points over {', '.join(axis.key for axis in self.axes)})"
+
+
+class Trade(Record, Table, Page):
+    """Error and cost of every model that a scene allows; the table has a row for each candidate.
+
+    Attributes
+    ----------
+    chosen_scene : str or None
+        Text of the scene with the chosen model, where a goal was given.
+    """
+
+    def __init__(self, native: _native.Trade, entries: Mapping[str, Any]) -> None:
+        super().__init__(entries)
+        self._native = native
+        self.chosen_scene = native.chosen
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of candidates."""
+        rows = []
+        for candidate in self._entries["candidates"]:
+            row: dict[str, Any] = {}
+            for name, value in candidate.items():
+                if isinstance(value, dict):
+                    row.update({f"{name}_{part}": entry for part, entry in value.items()})
+                else:
+                    row[name] = value
+            rows.append(row)
+        return _columns_of(rows)
+
+    def to_html(self) -> str:
+        """Return the report as one self-contained page."""
+        return self._native.html()
+
+
+class Fit(Record, Table):
+    """Parameters of a scene from a recording, with their intervals; the table has a row for each parameter.
+
+    Attributes
+    ----------
+    scene_text : str
+        Text of the scene with the fitted values.
+    """
+
+    def __init__(self, entries: Mapping[str, Any], scene_text: str) -> None:
+        super().__init__(entries)
+        self.scene_text = scene_text
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of parameters."""
+        return _columns_of(self._entries["parameters"])

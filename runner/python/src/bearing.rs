@@ -1,0 +1,322 @@
+//! One bearing: force, stiffness and element loads at given displacements.
+
+use crate::array::{checked, read, write};
+use crate::error::{exception, wrong_argument};
+use ballrace::bearing::Bearing as _;
+use ballrace::{BearingKinematicState, Displacement, Phase, Status};
+use ballrace_twin::force::{BearingForce, MathBackend, Precision, bearing_model};
+use ballrace_twin::handle::AnyBearing;
+use ballrace_twin::scene::build::rotation_at;
+use ballrace_twin::scene::{self, Model};
+use numpy::ndarray::{Ix1, Ix2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Model, precision and math of a force.
+type Choice = (Model, Precision, MathBackend);
+
+/// A bearing of a scene; models are built at their first use and kept.
+#[pyclass(frozen, module = "ballrace")]
+pub struct Bearing {
+    scene: Arc<scene::Scene>,
+    bearing: scene::Bearing,
+    forces: Mutex<Vec<(Choice, Arc<BearingForce>)>>,
+    models: Mutex<Vec<(Model, AnyBearing<f64>)>>,
+    /// Rotation at time 0.
+    at_start: BearingKinematicState<f64>,
+}
+
+impl Bearing {
+    pub fn new(py: Python<'_>, scene: Arc<scene::Scene>, bearing: scene::Bearing) -> PyResult<Self> {
+        let at_start = rotation_at(&scene, &bearing, 0.0).map_err(|e| exception(py, e))?;
+        Ok(Self { scene, bearing, forces: Mutex::default(), models: Mutex::default(), at_start })
+    }
+
+    fn model(&self, py: Python<'_>, name: Option<&str>) -> PyResult<Model> {
+        let Some(name) = name else { return Ok(self.bearing.model) };
+        let names = Model::ALL.map(|(name, _)| name).join(", ");
+        let found = Model::ALL.iter().find(|(own, _)| *own == name).map(|(_, model)| *model);
+        found.ok_or_else(|| wrong_argument(py, &format!("model: no such model: {name:?}, expected one of {names}")))
+    }
+
+    fn force_of(&self, py: Python<'_>, choice: Choice) -> PyResult<Arc<BearingForce>> {
+        let mut built = self.forces.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, force)) = built.iter().find(|(own, _)| *own == choice) {
+            return Ok(force.clone());
+        }
+        let (model, precision, math) = choice;
+        let force = py.detach(|| BearingForce::try_new(&self.scene, &self.bearing, model, (precision, math)));
+        let force = Arc::new(force.map_err(|e| exception(py, e))?);
+        built.push((choice, force.clone()));
+        Ok(force)
+    }
+
+    fn model_of(&self, py: Python<'_>, model: Model) -> PyResult<AnyBearing<f64>> {
+        let mut built = self.models.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, bearing)) = built.iter().find(|(own, _)| *own == model) {
+            return Ok(bearing.clone());
+        }
+        let bearing = py.detach(|| bearing_model(&self.scene, &self.bearing, model));
+        let bearing = bearing.map_err(|e| exception(py, e))?;
+        built.push((model, bearing.clone()));
+        Ok(bearing)
+    }
+}
+
+/// Angles of the cage or times: none, one for all displacements, or one for each.
+enum PerSample<'py> {
+    None,
+    One(f64),
+    Each(PyReadonlyArray1<'py, f64>),
+}
+
+/// The same without the interpreter.
+#[derive(Clone, Copy)]
+enum Values<'a> {
+    None,
+    One(f64),
+    Each(&'a [f64]),
+}
+
+impl<'py> PerSample<'py> {
+    fn new(name: &str, given: Option<&Bound<'py, PyAny>>, n: usize) -> PyResult<Self> {
+        let Some(given) = given else { return Ok(Self::None) };
+        let wrong = |found: &str| {
+            wrong_argument(
+                given.py(),
+                &format!("{name}: {found}, expected one finite number or an array of shape ({n},)"),
+            )
+        };
+        if let Ok(one) = given.extract::<f64>() {
+            return if one.is_finite() { Ok(Self::One(one)) } else { Err(wrong(&format!("not finite: {one}"))) };
+        }
+        let array = read(name, &checked::<f64, Ix1>(name, given, &format!("of shape ({n},)"))?)?;
+        if array.len() != n {
+            return Err(wrong(&format!("{} values", array.len())));
+        }
+        match array.as_slice()?.iter().position(|x| !x.is_finite()) {
+            None => Ok(Self::Each(array)),
+            Some(i) => Err(wrong(&format!("value {i} is not finite"))),
+        }
+    }
+
+    fn values(&self) -> PyResult<Values<'_>> {
+        Ok(match self {
+            Self::None => Values::None,
+            Self::One(x) => Values::One(*x),
+            Self::Each(array) => Values::Each(array.as_slice()?),
+        })
+    }
+}
+
+impl Values<'_> {
+    fn at(self, i: usize) -> Option<f64> {
+        match self {
+            Self::None => None,
+            Self::One(x) => Some(x),
+            Self::Each(all) => all.get(i).copied(),
+        }
+    }
+}
+
+/// Displacements from Python as rows of five, and whether one row was given without its dimension.
+struct Rows<'py> {
+    array: Bound<'py, PyArray2<f64>>,
+    is_single: bool,
+}
+
+impl<'py> Rows<'py> {
+    fn new(given: &Bound<'py, PyAny>) -> PyResult<Self> {
+        if let Ok(single) = given.cast::<PyArray1<f64>>()
+            && single.len() == 5
+            && single.is_contiguous()
+        {
+            return Ok(Self { array: single.reshape([1, 5])?, is_single: true });
+        }
+        let array = checked::<f64, Ix2>("u", given, "of shape (n, 5)")?;
+        if array.shape().get(1) != Some(&5) {
+            let message = format!("u: of shape {:?}, expected (n, 5): u, v, w (m), thu, thv (rad)", array.shape());
+            return Err(wrong_argument(given.py(), &message));
+        }
+        Ok(Self { array, is_single: false })
+    }
+
+    fn len(&self) -> usize {
+        self.array.shape().first().copied().unwrap_or(0)
+    }
+}
+
+fn not_finite(py: Python<'_>, rows: &[[f64; 5]]) -> PyResult<()> {
+    match rows.iter().position(|row| !row.iter().all(|x| x.is_finite())) {
+        None => Ok(()),
+        Some(i) => {
+            let message =
+                format!("u: row {i} is not finite, expected numbers, or status= to repeat the last valid force");
+            Err(wrong_argument(py, &message))
+        }
+    }
+}
+
+#[pymethods]
+impl Bearing {
+    /// Name of the bearing in the scene.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.bearing.name
+    }
+
+    /// Number of rolling elements.
+    #[getter]
+    fn elements(&self) -> usize {
+        self.bearing.elements
+    }
+
+    /// Forces on the inner ring.
+    #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None, precision="f64", math="exact", out=None, status=None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn force<'py>(
+        &self,
+        py: Python<'py>,
+        u: &Bound<'py, PyAny>,
+        cage_angle: Option<&Bound<'py, PyAny>>,
+        time: Option<&Bound<'py, PyAny>>,
+        model: Option<&str>,
+        precision: &str,
+        math: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        status: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let precision = match precision {
+            "f64" => Precision::F64,
+            "f32" => Precision::F32,
+            other => return Err(wrong_argument(py, &format!("precision: {other:?}, expected \"f64\" or \"f32\""))),
+        };
+        let math = match math {
+            "exact" => MathBackend::Exact,
+            "fast" => MathBackend::Fast,
+            other => return Err(wrong_argument(py, &format!("math: {other:?}, expected \"exact\" or \"fast\""))),
+        };
+        let force = self.force_of(py, (self.model(py, model)?, precision, math))?;
+        let rows = Rows::new(u)?;
+        let n = rows.len();
+        let (angles, times) = (PerSample::new("cage_angle", cage_angle, n)?, PerSample::new("time", time, n)?);
+        let result = match out {
+            Some(out) if rows.is_single => checked::<f64, Ix1>("out", out, "of shape (5,)")?.reshape([1, 5])?,
+            Some(out) => checked::<f64, Ix2>("out", out, "of shape (n, 5)")?,
+            None => PyArray2::zeros(py, [n, 5], false),
+        };
+        if result.shape() != [n, 5] {
+            return Err(wrong_argument(py, &format!("out: of shape {:?}, expected ({n}, 5)", result.shape())));
+        }
+        let displacements = read("u", &rows.array)?;
+        let (displacements, _) = displacements.as_slice()?.as_chunks::<5>();
+        let mut flags = vec![Status::OK; n];
+        if status.is_none() {
+            not_finite(py, displacements)?;
+        }
+        {
+            let mut forces = write("out", &result)?;
+            let (forces, _) = forces.as_slice_mut()?.as_chunks_mut::<5>();
+            let (angles, times) = (angles.values()?, times.values()?);
+            let at = |i: usize| self.rotation(angles.at(i), times.at(i));
+            py.detach(|| force.evaluate(displacements, &at, forces, &mut flags));
+        }
+        if let Some(status) = status {
+            let status = checked::<u8, Ix1>("status", status, "of shape (n,)")?;
+            if status.len() != n {
+                return Err(wrong_argument(py, &format!("status: {} values, expected {n}", status.len())));
+            }
+            let mut status = write("status", &status)?;
+            for (to, flags) in status.as_slice_mut()?.iter_mut().zip(flags) {
+                *to = flags.bits();
+            }
+        }
+        match out {
+            Some(out) => Ok(out.clone()),
+            None if rows.is_single => Ok(result.reshape([5])?.into_any()),
+            None => Ok(result.into_any()),
+        }
+    }
+
+    /// Tangent stiffness.
+    #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None))]
+    fn stiffness<'py>(
+        &self,
+        py: Python<'py>,
+        u: &Bound<'py, PyAny>,
+        cage_angle: Option<&Bound<'py, PyAny>>,
+        time: Option<&Bound<'py, PyAny>>,
+        model: Option<&str>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (values, rows) = self.evaluated(py, (u, cage_angle, time, model), 25, |bearing, u, at, k| {
+            let (_, stiffness) = bearing.reaction_and_stiffness(u, at);
+            for (i, row) in k.chunks_mut(5).enumerate() {
+                row.iter_mut().enumerate().for_each(|(j, entry)| *entry = stiffness[(i, j)]);
+            }
+        })?;
+        let (array, n) = (values.into_pyarray(py), rows.len());
+        Ok(if rows.is_single { array.reshape([5, 5])?.into_any() } else { array.reshape([n, 5, 5])?.into_any() })
+    }
+
+    /// Loads of the rolling elements.
+    #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None))]
+    fn element_loads<'py>(
+        &self,
+        py: Python<'py>,
+        u: &Bound<'py, PyAny>,
+        cage_angle: Option<&Bound<'py, PyAny>>,
+        time: Option<&Bound<'py, PyAny>>,
+        model: Option<&str>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let count = self.bearing.elements;
+        let (values, rows) = self.evaluated(py, (u, cage_angle, time, model), count, |bearing, u, at, loads| {
+            bearing.element_loads(u, at, loads);
+        })?;
+        let (array, n) = (values.into_pyarray(py), rows.len());
+        Ok(if rows.is_single { array.into_any() } else { array.reshape([n, count])?.into_any() })
+    }
+
+    fn __repr__(&self) -> String {
+        let scene::Bearing { name, model, elements, .. } = &self.bearing;
+        format!("<ballrace.Bearing {name}: {}, {elements} elements>", model.name())
+    }
+}
+
+/// Displacements, cage angles, times and model from Python.
+type Arguments<'a, 'py> =
+    (&'a Bound<'py, PyAny>, Option<&'a Bound<'py, PyAny>>, Option<&'a Bound<'py, PyAny>>, Option<&'a str>);
+
+impl Bearing {
+    fn rotation(&self, cage_angle: Option<f64>, time: Option<f64>) -> BearingKinematicState<f64> {
+        // The geometry was checked at the start.
+        let at = time.and_then(|time| rotation_at(&self.scene, &self.bearing, time).ok()).unwrap_or(self.at_start);
+        BearingKinematicState { cage: cage_angle.map_or(at.cage, Phase::from_radians), ..at }
+    }
+
+    /// Computes `width` numbers at each displacement.
+    fn evaluated<'py>(
+        &self,
+        py: Python<'py>,
+        (u, cage_angle, time, model): Arguments<'_, 'py>,
+        width: usize,
+        one: impl Fn(&AnyBearing<f64>, &Displacement<f64>, &BearingKinematicState<f64>, &mut [f64]) + Sync,
+    ) -> PyResult<(Vec<f64>, Rows<'py>)> {
+        let bearing = self.model_of(py, self.model(py, model)?)?;
+        let rows = Rows::new(u)?;
+        let n = rows.len();
+        let (angles, times) = (PerSample::new("cage_angle", cage_angle, n)?, PerSample::new("time", time, n)?);
+        let displacements = read("u", &rows.array)?;
+        let (displacements, _) = displacements.as_slice()?.as_chunks::<5>();
+        not_finite(py, displacements)?;
+        let (angles, times) = (angles.values()?, times.values()?);
+        let values = py.detach(|| {
+            let mut values = vec![0.0; n * width];
+            for (i, (u, to)) in displacements.iter().zip(values.chunks_mut(width.max(1))).enumerate() {
+                one(&bearing, &Displacement::from_array(*u), &self.rotation(angles.at(i), times.at(i)), to);
+            }
+            values
+        });
+        Ok((values, rows))
+    }
+}

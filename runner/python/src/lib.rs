@@ -1,0 +1,28 @@
+//! The extension module `ballrace._native`: the twin library for the Python package `ballrace`.
+//!
+//! Numbers of a bearing pass as NumPy arrays without a copy; results of the studies pass as JSON, which the Python side turns into
+//! objects. Every computation releases the interpreter.
+
+mod array;
+mod bearing;
+mod error;
+mod interrupt;
+mod recording;
+mod scene;
+
+use pyo3::prelude::*;
+
+/// The extension module.
+#[pymodule(gil_used = false)]
+mod _native {
+    #[pymodule_export]
+    use super::bearing::Bearing;
+    #[pymodule_export]
+    use super::scene::{Outcome, Scene, Trade};
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("VERSION", env!("CARGO_PKG_VERSION"))
+    }
+}

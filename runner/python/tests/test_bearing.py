@@ -1,0 +1,118 @@
+"""Force, stiffness and element loads of a bearing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import ballrace
+
+N = 400
+
+
+@pytest.fixture(scope="module")
+def displacements() -> np.ndarray:
+    scales = np.array([2e-5, 2e-5, 1e-5, 1e-4, 1e-4])
+    return np.random.default_rng(7).normal(size=(N, 5)) * scales
+
+
+def test_one_and_many_are_the_same(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("DE")
+    angles = np.linspace(0.0, 6.0, N)
+    many = bearing.force(displacements, cage_angle=angles)
+    assert many.shape == (N, 5)
+    for i in (0, 17, N - 1):
+        one = bearing.force(displacements[i], cage_angle=angles[i])
+        assert one.shape == (5,)
+        assert np.array_equal(one, many[i])
+
+
+def test_out_is_filled_and_returned(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("DE")
+    out = np.full((N, 5), np.nan)
+    assert bearing.force(displacements, out=out) is out
+    assert np.array_equal(out, bearing.force(displacements))
+
+
+@pytest.mark.parametrize("model", ["lumped", "angular", "quasi-static", "tabulated"])
+def test_stiffness_is_the_slope_of_the_force(scene: ballrace.Scene, model: str) -> None:
+    if model == "lumped":
+        pytest.skip("the demonstration has a geometry with a contact angle")
+    bearing = scene.bearing("DE")
+    u = np.array([4e-6, -12e-6, 8e-6, 1e-5, -2e-5])
+    steps = np.array([1e-9, 1e-9, 1e-9, 1e-7, 1e-7])
+    stiffness = bearing.stiffness(u, model=model)
+    plus = bearing.force(u + np.diag(steps), model=model)
+    minus = bearing.force(u - np.diag(steps), model=model)
+    # The force on the inner ring falls as it is displaced: K = -dF/du.
+    slope = -((plus - minus) / (2 * steps[:, None])).T
+    scale = np.sqrt(np.outer(np.diag(stiffness), np.diag(stiffness)))
+    tolerance = 5e-3 if model == "tabulated" else 1e-4
+    assert np.max(np.abs(slope - stiffness) / np.abs(scale)) < tolerance
+
+
+def test_element_loads_add_up_to_the_force(scene: ballrace.Scene) -> None:
+    bearing = scene.bearing("DE")
+    loads = bearing.element_loads(np.array([[0.0, -15e-6, 0.0, 0.0, 0.0]]))
+    assert loads.shape == (1, bearing.elements)
+    force = bearing.force(np.array([0.0, -15e-6, 0.0, 0.0, 0.0]))
+    assert 0 < np.linalg.norm(force[:3]) < loads.sum()
+
+
+def test_precision_and_math(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("DE")
+    exact = bearing.force(displacements)
+    largest = np.abs(exact).max()
+    single = np.abs(bearing.force(displacements, precision="f32") - exact).max() / largest
+    fast = np.abs(bearing.force(displacements, precision="f32", math="fast") - exact).max() / largest
+    assert 0 < single < 1e-4
+    assert single < fast < 0.2
+
+
+def test_not_finite_rows_repeat_the_last_valid_force(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("DE")
+    u = displacements[:3].copy()
+    u[1, 2] = np.nan
+    status = np.empty(3, dtype=np.uint8)
+    force = bearing.force(u, status=status)
+    assert np.array_equal(force[1], force[0])
+    flags = [ballrace.Status(int(bits)) for bits in status]
+    assert ballrace.Status.INPUT_NOT_FINITE in flags[1]
+    assert ballrace.Status.INPUT_NOT_FINITE not in flags[2]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda u: u[:, :4].copy(), r"u: of shape \[400, 4\], expected \(n, 5\)"),
+        (lambda u: u.astype(np.float32), "type float32, expected an array of shape"),
+        (lambda u: u[::2], "not contiguous"),
+        (lambda u: np.asfortranarray(u), "not contiguous"),
+        (lambda u: u.tolist(), "not an array: list"),
+        (lambda u: np.full((2, 5), np.inf), "row 0 is not finite"),
+        (lambda u: u[0, :3].copy(), "expected an array of shape"),
+    ],
+)
+def test_wrong_displacements(scene: ballrace.Scene, displacements: np.ndarray, change: object, message: str) -> None:
+    with pytest.raises(ballrace.InputError, match=message):
+        scene.bearing("DE").force(change(displacements))  # type: ignore[operator]
+
+
+def test_wrong_arguments(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("DE")
+    with pytest.raises(ballrace.InputError, match="cage_angle: 3 values, expected"):
+        bearing.force(displacements, cage_angle=np.zeros(3))
+    with pytest.raises(ballrace.InputError, match="cage_angle: not finite"):
+        bearing.force(displacements, cage_angle=float("nan"))
+    with pytest.raises(ballrace.InputError, match="model: no such model"):
+        bearing.force(displacements, model="newtonian")
+    with pytest.raises(ballrace.InputError, match=r"out: of shape \[3, 5\], expected \(400, 5\)"):
+        bearing.force(displacements, out=np.empty((3, 5)))
+    read_only = np.empty((N, 5))
+    read_only.flags.writeable = False
+    with pytest.raises(ballrace.InputError, match="read-only"):
+        bearing.force(displacements, out=read_only)
+    with pytest.raises(ballrace.InputError, match="in use|also written"):
+        bearing.force(displacements, out=displacements)
+    with pytest.raises(ballrace.InputError, match="XX"):
+        scene.bearing("XX")
