@@ -66,12 +66,30 @@ use crate::outcome::Outcome;
 use crate::plant::{Plant, only_observable};
 use crate::recording::Reader;
 use crate::recording::clock::check_rate;
-use crate::scene::Scene;
+use crate::scene::{Recording, Scene, Sensor};
 use crate::vibration;
 use ahead::Ahead;
+use std::path::Path;
 
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
+
+/// Opens the recording of a scene, or the recording `file` with the columns of the scene; returns its reader and its path.
+///
+/// # Errors
+/// A scene without a recording, a file that cannot be read as one.
+pub fn open<'a>(scene: &'a Scene, file: Option<&'a Path>) -> Result<(Reader, &'a Path)> {
+    let Some(recording) = &scene.recording else {
+        return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
+    };
+    let path = file.unwrap_or(&recording.file);
+    if recording.sensors.is_empty() {
+        return Ok((Reader::open(path, recording)?, path));
+    }
+    let probes = recording.sensors.iter().map(Sensor::as_probe).collect();
+    let columns = Recording { probes, ..recording.clone() };
+    Ok((Reader::open(path, &columns)?, path))
+}
 
 /// Replays `reader` through the bearings and the twin of the scene.
 ///
