@@ -4,6 +4,7 @@ use crate::array::{checked, read};
 use crate::error::exception;
 use ballrace_twin::error::ReplayError;
 use ballrace_twin::recording::Reader;
+use ballrace_twin::replay;
 use ballrace_twin::scene::Scene;
 use numpy::PyReadonlyArray1;
 use numpy::ndarray::Ix1;
@@ -47,11 +48,11 @@ impl<'py> Source<'py> {
     /// # Errors
     /// `InputError` for a scene without a recording.
     pub fn opening(&self, py: Python<'_>, scene: &Scene) -> PyResult<Opening<'_>> {
-        let Some(recording) = &scene.recording else {
+        if scene.recording.is_none() {
             return Err(exception(py, ReplayError::NoRecording { file: scene.path.clone() }));
-        };
+        }
         Ok(match self {
-            Self::File(path) => Opening::File(path.clone().unwrap_or_else(|| recording.file.clone())),
+            Self::File(path) => Opening::File(path.clone()),
             Self::Columns(columns) => {
                 let slices = columns.iter().map(|(name, values)| Ok((name.clone(), values.as_slice()?)));
                 Opening::Columns(slices.collect::<PyResult<_>>()?)
@@ -62,8 +63,8 @@ impl<'py> Source<'py> {
 
 /// A file, or borrowed columns.
 pub enum Opening<'a> {
-    /// A file.
-    File(PathBuf),
+    /// A file; none for the scene's own.
+    File(Option<PathBuf>),
     /// Columns.
     Columns(Vec<(String, &'a [f64])>),
 }
@@ -79,8 +80,8 @@ impl<'a> Opening<'a> {
         };
         Ok(match self {
             Self::File(path) => {
-                let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                (Reader::open(&path, recording)?, name)
+                let (reader, path) = replay::open(scene, path.as_deref())?;
+                (reader, path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()))
             }
             Self::Columns(columns) => {
                 (Reader::from_columns(columns, Path::new(IN_MEMORY), recording)?, IN_MEMORY.to_owned())

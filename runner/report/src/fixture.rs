@@ -166,7 +166,7 @@ pub(crate) fn run_up() -> Outcome {
     for slice in pictures.cascades.iter_mut().flat_map(|cascade| &mut cascade.slices) {
         slice.speed_rpm = 600.0 + 1400.0 * slice.time_s;
     }
-    let limit = |indicator, max| LimitLine { indicator, probe: "DE_X".to_owned(), max };
+    let limit = |indicator, max| LimitLine { indicator, probe: "DE_X".to_owned(), max, ..LimitLine::default() };
     pictures.limits = vec![limit("peak-to-peak", 9.0), limit("1X", 4.0), limit("kurtosis", 3.0)];
     outcome.events = vec![Event {
         indicator: "peak-to-peak",

@@ -9,7 +9,7 @@ use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::replay::outcome::Outcome;
-use ballrace_twin::replay::{Options, Progress, Source, replay};
+use ballrace_twin::replay::{self, Options, Progress, Source};
 use ballrace_twin::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
@@ -81,7 +81,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
         learn: args.learn.is_some(),
         progress: Some(&progress),
     };
-    let outcome = replay(&scene, reader, &name, &options);
+    let outcome = replay::replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
     write_results(args, &outcome?, format)
 }
@@ -140,9 +140,9 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader<'static>, PathBuf)> {
         format!("{}: missing table [recording], expected the columns of a recording", scene.path.display())
     });
     let recording = recording.map_err(UsageError::new)?;
-    let path = match (&args.recording, &args.scene) {
-        (Some(path), _) => path,
-        (None, Some(_)) => &recording.file,
+    let file = match (&args.recording, &args.scene) {
+        (Some(file), _) => Some(file.as_path()),
+        (None, Some(_)) => None,
         (None, None) => {
             let bytes = Box::new(Cursor::new(DEMO_RECORDING));
             let size = DEMO_RECORDING.len() as u64;
@@ -150,7 +150,8 @@ fn open(args: &Args, scene: &Scene) -> Result<(Reader<'static>, PathBuf)> {
             return Ok((Reader::from_reader(bytes, &name, Some(size), recording)?, name));
         }
     };
-    Ok((Reader::open(path, recording)?, path.clone()))
+    let (reader, path) = replay::open(scene, file)?;
+    Ok((reader, path.to_owned()))
 }
 
 /// Returns a progress bar on standard error, hidden if standard error is not a terminal.

@@ -82,6 +82,7 @@
 //! | estimation | [`observer`] | displacement and unmodelled force from noisy probes |
 //! | evaluation | [`replay`], [`vibration`] | measured against computed motion, forces, indicators, limits, diagnosis: an `Outcome` |
 //! | studies | [`equilibrium`], [`campbell`], [`motion`], [`sweep`], [`force`], [`effect_significance`] | one question about a scene each |
+//! | fleets | [`fleet`] | a table of machines and recordings, evaluated one by one: rows, rank, trends, files |
 //! | inverse problems | [`fit`], [`trade`], [`bake`] | parameters from a recording; the cheapest adequate model; constants for firmware |
 //! | output | [`output`], [`parquet_table`], [`printable`] | complete or absent files, tables, safe text |
 //!
@@ -106,11 +107,13 @@
 pub mod bake;
 pub mod baseline;
 pub mod campbell;
+mod caught;
 pub mod diagnosis;
 pub mod effect_significance;
 pub mod equilibrium;
 pub mod error;
 pub mod fit;
+pub mod fleet;
 pub mod flexible_rotor;
 pub mod force;
 pub mod handle;

@@ -3,9 +3,11 @@
 //! They are defined here, below the modules that return them, so that no two modules depend on each other.
 
 mod evaluation;
+mod fleet;
 mod study;
 
 pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
+pub use fleet::{FleetError, TablePosition};
 pub use study::{BakeError, FitError, NoLoad, SweepError, TradeError};
 
 use crate::baseline::BaselineError;
@@ -54,6 +56,8 @@ pub enum Error {
     Equilibrium(#[from] NoLoad),
     /// A sweep cannot be run or continued.
     Sweep(#[from] SweepError),
+    /// A table of machines or the outcomes of a fleet cannot be used.
+    Fleet(#[from] FleetError),
     /// A scene cannot be fitted.
     Fit(#[from] FitError),
     /// Models cannot be compared.
@@ -111,6 +115,7 @@ impl Error {
             Self::Replay(error) => matches!(error, ReplayError::NoRecording { .. }),
             Self::Vibration(error) => !matches!(error, VibrationError::TooShort { .. }),
             Self::Sweep(error) => error.is_usage_error(),
+            Self::Fleet(error) => error.is_usage_error(),
             Self::Fit(error) => matches!(
                 error,
                 FitError::NoRecording { .. } | FitError::NoProbes { .. } | FitError::NothingToFit { .. }

@@ -132,8 +132,12 @@ pub struct LimitLine {
     pub indicator: &'static str,
     /// The probe's column.
     pub probe: String,
+    /// The bearing, for the line of a race.
+    pub bearing: Option<String>,
     /// um, or a number.
     pub max: f64,
+    /// Largest value of a block of the recording, in the unit of `max`; none without a complete block.
+    pub largest: Option<f64>,
 }
 
 /// Spectrum of a band's squared envelope.

@@ -5,11 +5,8 @@ mod page;
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 
-use std::cell::Cell;
 use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::path::{Path, PathBuf};
-use std::sync::Once;
 
 use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -21,6 +18,7 @@ use ::parquet::schema::types::Type;
 
 use super::error::RecordingError;
 use super::table::{Cells, Table, equal_lengths};
+use crate::caught::caught;
 
 const ALLOWED: &str = "a Parquet file with flat columns of numbers";
 
@@ -83,22 +81,7 @@ fn wrong(path: &Path, error: impl ToString) -> RecordingError {
 /// The library checks most of its input, but its page decoders panic on some damaged files. Their panics are caught and
 /// become an error that names the file; no state of the decoder is used afterwards.
 fn guarded<T>(work: impl FnOnce() -> Decoded<T>) -> Decoded<T> {
-    thread_local! {
-        static DECODING: Cell<bool> = const { Cell::new(false) };
-    }
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let report = take_hook();
-        set_hook(Box::new(move |panic| {
-            if !DECODING.get() {
-                report(panic)
-            }
-        }));
-    });
-    DECODING.set(true);
-    let result = catch_unwind(AssertUnwindSafe(work));
-    DECODING.set(false);
-    result.unwrap_or_else(|_| Err(ParquetError::General("a damaged file, which cannot be decoded".into())))
+    caught(work).unwrap_or_else(|_| Err(ParquetError::General("a damaged file, which cannot be decoded".into())))
 }
 
 fn field(root: &Type, leaf: Option<usize>) -> Field {

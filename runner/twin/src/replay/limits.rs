@@ -71,6 +71,8 @@ struct ProbeLimit {
     /// Index of the followed line, where the indicator is a line.
     line: Option<usize>,
     max: f64,
+    /// Largest value so far.
+    largest: Option<f64>,
     crossing: Option<Crossing>,
 }
 
@@ -166,7 +168,7 @@ impl LimitMonitor {
                     Allowed::Most(max) => max,
                     Allowed::Growth(factor) => factor * usual(limit, line, probe, baseline)?,
                 };
-                monitored.push(ProbeLimit { limit: limit.clone(), probe, line, max, crossing: None });
+                monitored.push(ProbeLimit { limit: limit.clone(), probe, line, max, largest: None, crossing: None });
             }
             if !any {
                 return Err(LimitError::Probe { found: named.unwrap_or("no radial probe").to_owned() });
@@ -188,8 +190,14 @@ impl LimitMonitor {
     pub fn lines(&self) -> Vec<LimitLine> {
         let line = |monitored: &ProbeLimit| {
             let (indicator, length) = monitored.limit.indicator.name();
-            let max = monitored.max * if length { UM } else { 1.0 };
-            LimitLine { indicator, probe: self.names.get(monitored.probe).cloned().unwrap_or_default(), max }
+            let unit = if length { UM } else { 1.0 };
+            LimitLine {
+                indicator,
+                probe: self.names.get(monitored.probe).cloned().unwrap_or_default(),
+                bearing: monitored.limit.bearing.clone(),
+                max: monitored.max * unit,
+                largest: monitored.largest.map(|value| value * unit),
+            }
         };
         self.limits.iter().map(line).collect()
     }
@@ -358,6 +366,7 @@ impl LimitMonitor {
 impl ProbeLimit {
     /// Adds the value of a block from `start` to `end`; returns the event that it ends.
     fn add(&mut self, value: f64, start: f64, end: f64, probe: &str) -> Option<Event> {
+        self.largest = Some(self.largest.map_or(value, |largest| largest.max(value)));
         match &mut self.crossing {
             None => {
                 if value > self.max {
@@ -460,7 +469,7 @@ mod tests {
             hysteresis: 0.1,
             duration,
         };
-        let monitored = ProbeLimit { limit, probe: 0, line: None, max: 1e-6, crossing: None };
+        let monitored = ProbeLimit { limit, probe: 0, line: None, max: 1e-6, largest: None, crossing: None };
         LimitMonitor {
             limits: vec![monitored],
             names: vec!["X".to_owned()],

@@ -69,9 +69,22 @@ use crate::recording::clock::check_rate;
 use crate::scene::Scene;
 use crate::vibration;
 use ahead::Ahead;
+use std::path::Path;
 
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
+
+/// Opens the recording of a scene, or the recording `file` with the columns of the scene; returns its reader and its path.
+///
+/// # Errors
+/// A scene without a recording, a file that cannot be read as one.
+pub fn open<'a>(scene: &'a Scene, file: Option<&'a Path>) -> Result<(Reader<'static>, &'a Path)> {
+    let Some(recording) = &scene.recording else {
+        return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
+    };
+    let path = file.unwrap_or(&recording.file);
+    Ok((Reader::open(path, recording)?, path))
+}
 
 /// Replays `reader` through the bearings and the twin of the scene.
 ///

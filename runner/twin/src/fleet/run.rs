@@ -1,0 +1,79 @@
+//! Evaluation of a table on several threads.
+
+use super::evaluation::{Evaluation, evaluate_with};
+use super::machine::Machine;
+use super::row::Row;
+use super::store::Store;
+use crate::caught::caught;
+use crate::error::{Error, Result};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+
+/// Settings of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    /// Number of machines evaluated in parallel.
+    pub jobs: usize,
+    /// Tolerated error of the force, as [`Options::error`](crate::replay::Options::error).
+    pub force_error: Option<f64>,
+}
+
+/// Evaluates `machines`, `settings.jobs` in parallel, and adds their rows to the store as they come.
+///
+/// `finish` is called in the thread of each evaluation before its row is stored, for example to write a report; its panic becomes the
+/// error of the row. `progress` is called after each stored row.
+///
+/// # Errors
+/// The first error of `finish` or of the store; earlier rows stay in the store.
+pub fn run(
+    machines: &[&Machine],
+    store: &mut Store,
+    settings: Settings,
+    finish: impl Fn(&Machine, &mut Evaluation) -> Result<()> + Sync,
+    mut progress: impl FnMut(&Row),
+) -> Result<()> {
+    let next = AtomicUsize::new(0);
+    let stop = || next.store(machines.len(), Ordering::Relaxed);
+    let (sender, receiver) = channel::<Result<Row>>();
+    let work = |sender: std::sync::mpsc::Sender<Result<Row>>| {
+        while let Some(machine) = machines.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let mut evaluation = evaluate_with(machine, settings.force_error);
+            let finished = match caught(|| finish(machine, &mut evaluation)) {
+                Ok(finished) => finished,
+                Err(panic) => {
+                    evaluation.row.error = Some(crate::printable::message(&format!("internal error: {panic}")));
+                    Ok(())
+                }
+            };
+            if sender.send(finished.map(|()| evaluation.row)).is_err() {
+                return;
+            }
+        }
+    };
+    let result = std::thread::scope(|scope| {
+        for _ in 0..settings.jobs.clamp(1, machines.len().max(1)) {
+            let (work, sender) = (&work, sender.clone());
+            let thread = std::thread::Builder::new().name("fleet".to_owned()).spawn_scoped(scope, || work(sender));
+            thread.map_err(Error::from).inspect_err(|_| stop())?;
+        }
+        // The receiver ends with the last thread.
+        drop(sender);
+        loop {
+            let left = store.flush_if_due().map_err(Error::from).inspect_err(|_| stop())?;
+            match receiver.recv_timeout(left) {
+                Ok(Ok(row)) => {
+                    progress(&row);
+                    store.add(row).map_err(Error::from).inspect_err(|_| stop())?;
+                }
+                Ok(Err(error)) => {
+                    stop();
+                    return Err(error);
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            }
+        }
+    });
+    store.flush()?;
+    result
+}
