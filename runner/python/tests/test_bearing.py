@@ -13,7 +13,7 @@ N = 400
 @pytest.fixture(scope="module")
 def displacements() -> np.ndarray:
     scales = np.array([2e-5, 2e-5, 1e-5, 1e-4, 1e-4])
-    return np.random.default_rng(7).normal(size=(N, 5)) * scales
+    return np.asarray(np.random.default_rng(7).normal(size=(N, 5)) * scales)
 
 
 def test_one_and_many_are_the_same(scene: ballrace.Scene, displacements: np.ndarray) -> None:
@@ -34,10 +34,8 @@ def test_out_is_filled_and_returned(scene: ballrace.Scene, displacements: np.nda
     assert np.array_equal(out, bearing.force(displacements))
 
 
-@pytest.mark.parametrize("model", ["lumped", "angular", "quasi-static", "tabulated"])
+@pytest.mark.parametrize("model", ["angular", "quasi-static", "tabulated"])
 def test_stiffness_is_the_slope_of_the_force(scene: ballrace.Scene, model: str) -> None:
-    if model == "lumped":
-        pytest.skip("the demonstration has a geometry with a contact angle")
     bearing = scene.bearing("DE")
     u = np.array([4e-6, -12e-6, 8e-6, 1e-5, -2e-5])
     steps = np.array([1e-9, 1e-9, 1e-9, 1e-7, 1e-7])
