@@ -154,6 +154,7 @@ fn desk(recording: &str) -> Desk {
         desk.put(name, DEMO_SCENE);
     }
     desk.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
+    desk.put("machines.csv", "machine,scene\nrig,machine.toml\n");
     desk
 }
 

@@ -17,6 +17,7 @@ mod eigenvalues;
 mod equilibrium;
 mod fit;
 mod fit_validity;
+mod fleet;
 mod flexible;
 mod flexible_rotor;
 mod force;

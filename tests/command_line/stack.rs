@@ -56,6 +56,7 @@ fn desk() -> Desk {
     for method in ["runge-kutta", "newmark", "verlet"] {
         desk.put(&format!("{method}.toml"), largest_system(method));
     }
+    desk.put("machines.csv", "machine,scene\nrig,scene.toml\n");
     let (rigid, _) = DEMO_SCENE.split_once("[recording]").unwrap();
     let held = "[[bearing]]\nsupport = { mass = \"2 kg\", stiffness_x = 1e8, stiffness_y = 1e8, damping = 200 }\n";
     desk.put("supported.toml", rigid.replace("[[bearing]]\n", held));
@@ -92,6 +93,7 @@ fn quick_commands() -> Vec<Vec<&'static str>> {
         vec!["sweep", "scene.toml", "--over", "shaft.speed=2000rpm..3000rpm:2", "--periods", "16", "-o", "rigid"],
         vec!["bake", "scene.toml", "-o", "baked.rs"],
         vec!["scenes"],
+        vec!["fleet", "machines.csv", "-o", "fleet"],
         vec!["equilibrium", "newmark.toml"],
         vec!["campbell", "newmark.toml", "--speeds", "3000rpm..6000rpm:2"],
         vec![

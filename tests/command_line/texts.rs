@@ -89,8 +89,10 @@ fn errors(texts: &mut Texts) {
         desk.put("bad.csv", text);
         texts.add(&desk, &["replay", "scene.toml", "--recording", "bad.csv"]);
     }
-    let commands: [&[&str]; 9] = [
+    desk.put("machines.csv", "machine,scene,time\nfan,bad.toml,\npump,absent.toml,monday\n");
+    let commands: [&[&str]; 10] = [
         &[],
+        &["fleet", "machines.csv", "-o", "fleet"],
         &["replay", "absent.toml"],
         &["replay", "--help"],
         &["watch"],
@@ -110,8 +112,10 @@ fn printed_texts_have_no_slips() {
     let mut texts = Texts::default();
     let desk = Desk::rig();
     desk.put("d.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\nnan,0,0,0,0\n");
-    let commands: [&[&str]; 6] = [
+    desk.put("machines.csv", "machine,scene\nrig,scene.toml\nlost,absent.toml\n");
+    let commands: [&[&str]; 7] = [
         &["replay", "scene.toml"],
+        &["fleet", "machines.csv", "-o", "fleet"],
         &["equilibrium", "scene.toml"],
         &["campbell", "scene.toml", "--speeds", "0rpm..3000rpm:2"],
         &["force", "scene.toml", "--bearing", "DE", "--displacements", "d.csv"],

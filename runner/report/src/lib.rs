@@ -7,6 +7,7 @@ mod figures;
 pub mod fit;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod fleet;
 mod html;
 pub mod number;
 pub mod sweep;

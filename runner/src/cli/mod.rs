@@ -5,6 +5,7 @@ pub mod campbell;
 pub mod completions;
 pub mod equilibrium;
 pub mod fit;
+pub mod fleet;
 pub mod force;
 mod live;
 pub mod man;
@@ -84,6 +85,8 @@ pub enum Command {
     Sweep(sweep::Args),
     /// Estimate unbalance, clearance, damping, stiffness and offsets from a recording, with confidence intervals.
     Fit(fit::Args),
+    /// Evaluate the recordings of many machines on all processors: table of outcomes, trends, reports, overview.
+    Fleet(fleet::Args),
     /// Compare error and cost of every model, precision, integrator and step on the scene's own motion.
     Trade(trade::Args),
     /// List or print the scenes that come with the program.
@@ -167,6 +170,7 @@ pub fn run(cli: &Cli) -> ExitCode {
             return replay_exit_code(replay::run(args, cli.format, cli.error));
         }
         Command::Watch(args) => return replay_exit_code(watch::run(args, cli.error)),
+        Command::Fleet(args) => return replay_exit_code(fleet::run(args, cli.format, cli.error)),
         Command::Force(args) => force::run(args, cli.format, cli.error),
         Command::Bake(args) => bake::run(args, cli.format, cli.error),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),

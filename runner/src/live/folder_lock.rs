@@ -1,4 +1,4 @@
-//! Exclusive ownership of a folder by one running monitor.
+//! Exclusive ownership of a folder by one running process.
 
 use anyhow::{Context, Result, bail};
 use std::fs::{File, OpenOptions, TryLockError};
@@ -37,7 +37,7 @@ impl FolderLock {
                 let owner = owner.trim();
                 let owner = if owner.is_empty() { "another process" } else { owner };
                 bail!(
-                    "{}: this folder is in use by {}, expected a folder without a running monitor",
+                    "{}: this folder is in use by {}, expected a folder that no other process uses",
                     folder.display(),
                     owner.escape_debug()
                 )

@@ -13,7 +13,7 @@ mod backlog;
 mod connections;
 mod datagrams;
 pub mod feed;
-mod folder_lock;
+pub mod folder_lock;
 pub mod frames;
 pub mod out;
 pub mod pace;

@@ -31,7 +31,8 @@ impl Line {
         let sxx = sum(|dx, _| dx * dx);
         let slope = sum(|dx, dv| dx * dv) / sxx;
         let squares: f64 = points.iter().map(|p| (p.1 - mean_value - slope * (p.0 - mean_x)).powi(2)).sum();
-        let deviation = (squares / (n - 2.0)).sqrt();
+        // The sums are rounded: a constant has no slope.
+        let deviation = (squares / (n - 2.0)).sqrt().max(4.0 * f64::EPSILON * mean_value.abs());
         let t = student_t(points.len() - 2);
         let line = Self {
             mean_x,
@@ -119,6 +120,12 @@ mod tests {
         assert!((line.slope - 0.5).abs() < 1e-14 && line.slope_half_width < 1e-13);
         let [at, low, high] = line.reaches(10.0).unwrap();
         assert!((at - 14.0).abs() < 1e-12 && (low - 14.0).abs() < 1e-12 && (high - 14.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_constant_does_not_rise() {
+        let points: Vec<(f64, f64)> = (0..10).map(|i| (f64::from(i), 0.026_627_826_8)).collect();
+        assert!(!Line::fit(&points).unwrap().rises());
     }
 
     #[test]

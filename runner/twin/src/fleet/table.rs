@@ -58,7 +58,7 @@ pub fn machines(
         let found = columns.iter().map(|name| (*name).to_owned()).collect();
         return Err(FleetError::MissingColumn { file: file.into(), position: header, column, found });
     }
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = file.parent().unwrap_or(Path::new(""));
     let (mut machines, mut keys) = (Vec::new(), HashMap::<Key, TablePosition>::new());
     for Cells { position, cells } in rows {
         if cells.len() != columns.len() {

@@ -1,0 +1,96 @@
+//! Files of a fleet: `outcomes/part-*.parquet`, `reports/*.html`, `trends.csv` and `index.html`.
+
+use super::{Fleet, html};
+use anyhow::Result;
+use ballrace_twin::error::FleetError;
+use ballrace_twin::fleet::{Evaluation, Key, Machine, Row, Trend, report_names, trends_csv};
+use ballrace_twin::output::{AtomicFile, replace};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Folder of the results of a fleet.
+pub struct Folder {
+    path: PathBuf,
+    /// Names of the reports in `reports`.
+    reports: HashMap<Key, String>,
+}
+
+impl Folder {
+    /// Opens the folder for the machines of a table; it is created where it does not exist.
+    ///
+    /// # Errors
+    /// A folder that cannot be created.
+    pub fn create(path: &Path, machines: &[Machine]) -> Result<Self, FleetError> {
+        let reports = path.join("reports");
+        std::fs::create_dir_all(&reports).map_err(|source| FleetError::Write { file: reports, source })?;
+        let reports = machines.iter().map(Machine::key).zip(report_names(machines)).collect();
+        Ok(Self { path: path.to_owned(), reports })
+    }
+
+    /// Returns the folder of the store.
+    #[must_use]
+    pub fn outcomes(&self) -> PathBuf {
+        self.path.join("outcomes")
+    }
+
+    /// Returns the path of the overview.
+    #[must_use]
+    pub fn index(&self) -> PathBuf {
+        self.path.join("index.html")
+    }
+
+    /// Returns the path of the table of trends.
+    #[must_use]
+    pub fn trends(&self) -> PathBuf {
+        self.path.join("trends.csv")
+    }
+
+    /// Returns the link from the overview to the report of a row; none where the report does not exist.
+    #[must_use]
+    pub fn link(&self, key: &Key) -> Option<String> {
+        let link = format!("reports/{}", self.reports.get(key)?);
+        self.path.join(&link).is_file().then_some(link)
+    }
+
+    /// Returns true where `row` is up to date for `machine` and, with `needs_report`, has its report.
+    #[must_use]
+    pub fn is_done(&self, machine: &Machine, row: &Row, needs_report: bool) -> bool {
+        let has_report = || !needs_report || row.error.is_some() || self.link(&row.key()).is_some();
+        row.inputs == machine.fingerprint() && has_report()
+    }
+
+    /// Writes the report of an evaluation. A report that cannot be drawn becomes the error of the row. The report of an earlier
+    /// evaluation is removed where there is no outcome.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_report(&self, evaluation: &mut Evaluation) -> Result<(), FleetError> {
+        let Some(name) = self.reports.get(&evaluation.row.key()) else { return Ok(()) };
+        let path = self.path.join("reports").join(name);
+        let failed = |source| FleetError::Write { file: path.clone(), source };
+        let page = evaluation.outcome.as_ref().map(crate::html);
+        match page {
+            Some(Ok(page)) => replace(&path, page.as_bytes()).map(drop).map_err(failed),
+            Some(Err(error)) => {
+                evaluation.row.error = Some(format!("the report cannot be drawn: {error:#}"));
+                Ok(())
+            }
+            None => match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(error)),
+                _ => Ok(()),
+            },
+        }
+    }
+
+    /// Writes the table of trends and the overview.
+    ///
+    /// # Errors
+    /// A file that cannot be written, a page that cannot be rendered.
+    pub fn write_overview(&self, name: &str, rows: &[Row], trends: &[Trend]) -> Result<()> {
+        let mut table = Vec::new();
+        trends_csv(&mut table, trends)?;
+        AtomicFile::write(&self.trends(), &String::from_utf8_lossy(&table))?;
+        let fleet = Fleet { name, rows, trends, link: &|key| self.link(key) };
+        Ok(AtomicFile::write(&self.index(), &html(&fleet)?)?)
+    }
+}
