@@ -6,6 +6,7 @@
 mod array;
 mod bearing;
 mod error;
+mod fleet;
 mod interrupt;
 mod recording;
 mod scene;
@@ -17,6 +18,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use super::bearing::Bearing;
+    #[pymodule_export]
+    use super::fleet::{Fleet, evaluate, failed, machines, read_machines, rows_as_parquet, trends};
     #[pymodule_export]
     use super::scene::{Outcome, Scene, Trade};
     use super::*;

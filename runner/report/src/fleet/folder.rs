@@ -59,22 +59,31 @@ impl Folder {
         row.inputs == machine.fingerprint() && has_report()
     }
 
-    /// Writes the report of an evaluation. A report that cannot be drawn becomes the error of the row. The report of an earlier
-    /// evaluation is removed where there is no outcome.
+    /// Writes the report of an evaluation. A report that cannot be drawn becomes the error of the row.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// As [`Folder::write_page`].
     pub fn write_report(&self, evaluation: &mut Evaluation) -> Result<(), FleetError> {
-        let Some(name) = self.reports.get(&evaluation.row.key()) else { return Ok(()) };
-        let path = self.path.join("reports").join(name);
-        let failed = |source| FleetError::Write { file: path.clone(), source };
-        let page = evaluation.outcome.as_ref().map(crate::html);
-        match page {
-            Some(Ok(page)) => replace(&path, page.as_bytes()).map(drop).map_err(failed),
+        match evaluation.outcome.as_ref().map(crate::html) {
+            Some(Ok(page)) => self.write_page(&evaluation.row.key(), Some(&page)),
             Some(Err(error)) => {
                 evaluation.row.error = Some(format!("the report cannot be drawn: {error:#}"));
                 Ok(())
             }
+            None => self.write_page(&evaluation.row.key(), None),
+        }
+    }
+
+    /// Writes the report of a row; without a page, the report of an earlier evaluation is removed.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_page(&self, key: &Key, page: Option<&str>) -> Result<(), FleetError> {
+        let Some(name) = self.reports.get(key) else { return Ok(()) };
+        let path = self.path.join("reports").join(name);
+        let failed = |source| FleetError::Write { file: path.clone(), source };
+        match page.map(|page| replace(&path, page.as_bytes())) {
+            Some(written) => written.map(drop).map_err(failed),
             None => match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(error)),
                 _ => Ok(()),

@@ -25,10 +25,15 @@ pub fn evaluate(machine: &Machine) -> Evaluation {
     evaluate_with(machine, None)
 }
 
-/// Evaluates with a tolerated error of the force, as [`Options::error`].
+/// Returns the row of a machine whose evaluation ended without a result, such as by the end of its process.
 #[must_use]
-pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation {
-    let mut row = Row {
+pub fn failed(machine: &Machine, error: String) -> Row {
+    Row { error: Some(printable::message(&error)), ..empty(machine) }
+}
+
+/// Returns the row of a machine before its evaluation.
+fn empty(machine: &Machine) -> Row {
+    Row {
         machine: machine.name.clone(),
         recording: machine.recording_name.clone(),
         time: machine.time,
@@ -42,7 +47,13 @@ pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation 
         mean_speed_rpm: None,
         // Before the files are read: a file that changes meanwhile is read again by the next run.
         inputs: machine.fingerprint(),
-    };
+    }
+}
+
+/// Evaluates with a tolerated error of the force, as [`Options::error`].
+#[must_use]
+pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation {
+    let mut row = empty(machine);
     let outcome = match caught(|| outcome(machine, force_error)) {
         Ok(Ok(outcome)) => outcome,
         Ok(Err(error)) => {

@@ -4,13 +4,14 @@ use super::row::Key;
 use super::time::Time;
 use crate::scene::Scene;
 use crate::scene::read::{SceneError, read_file, read_str};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 /// Scene of a machine.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum SceneSource {
     /// A scene file.
     Path(PathBuf),
@@ -24,7 +25,7 @@ pub enum SceneSource {
 }
 
 /// A machine with one of its recordings.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// Name of the machine.
     pub name: String,

@@ -26,7 +26,7 @@ mod table;
 mod time;
 mod trend;
 
-pub use evaluation::{Evaluation, evaluate, evaluate_with};
+pub use evaluation::{Evaluation, evaluate, evaluate_with, failed};
 pub use files::{csv, parquet, trends_csv};
 pub use machine::{Machine, SceneSource, report_names};
 pub use rank::{current, worst_first};
