@@ -75,7 +75,7 @@ pub fn parquet<'a>(out: impl Write + Send, rows: impl IntoIterator<Item = &'a Ro
     parquet_table::write(out, "outcomes", &columns).map_err(failed)
 }
 
-/// Reads the rows of a file that [`parquet`] has written.
+/// Reads the rows of a file that [`parquet()`] has written.
 pub(super) fn read_parquet(file: &Path) -> Result<Vec<Row>, FleetError> {
     let wrong = |found: String| FleetError::Part { file: file.to_owned(), found };
     // The library's decoders panic on some damaged files.
@@ -121,7 +121,7 @@ fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, serde_json::Error> {
     serde_json::from_str(text)
 }
 
-/// Writes rows as CSV with the columns of [`parquet`].
+/// Writes rows as CSV with the columns of [`parquet()`].
 ///
 /// # Errors
 /// A writer that fails.

@@ -41,7 +41,7 @@ impl Time {
     pub fn after_days(self, days: f64) -> Option<Self> {
         let seconds = self.0.timestamp() as f64 + (days * SECONDS_PER_DAY).round();
         let latest = NaiveDate::from_ymd_opt(9999, 12, 31)?.and_hms_opt(0, 0, 0)?.and_utc().timestamp() as f64;
-        if !(seconds.abs() <= latest) {
+        if !seconds.is_finite() || seconds.abs() > latest {
             return None;
         }
         DateTime::from_timestamp(seconds as i64, 0).map(Self)
