@@ -171,7 +171,25 @@ fn a_matlab_file_has_all_matrices() {
     one.done(&args);
     assert_eq!(one.read("m.csv"), several.read("m.csv"));
     one.put("rotor.mat", mat(&[("M", [1, 1], vec![1.0])]));
-    one.refused(&["equilibrium", "scene.toml"], 2, &["rotor.mat", "no full matrix F or f among its variables: M"]);
+    one.refused(&["equilibrium", "scene.toml"], 2, &["rotor.mat", "no matrix F or f among its variables: M"]);
+}
+
+/// The same from sparse matrices, as `scipy.io.savemat` writes them.
+#[test]
+fn a_matlab_file_has_sparse_matrices() {
+    let args = ["simulate", "scene.toml", "--duration", "0.02 s", "--rate", "12.8 kHz", "-o", "m.csv"];
+    let desk = desk();
+    desk.done(&args);
+    let (_, full) = numbers(&desk.read("m.csv"));
+    desk.put("rotor.mat", include_bytes!("../../runner/twin/src/recording/mat/sparse-packed.mat"));
+    let text = ["M.mtx", "B.npy", "G.mtx", "K.mtx", "f.npy"]
+        .iter()
+        .fold(desk.read("scene.toml"), |text, name| swap(&text, name, "rotor.mat"));
+    desk.put("scene.toml", text);
+    desk.done(&args);
+    for (a, b) in full.iter().zip(&numbers(&desk.read("m.csv")).1) {
+        assert!(a[1..6].iter().zip(&b[1..6]).all(|(a, b)| (a - b).abs() < 1e-13), "{a:?} {b:?}");
+    }
 }
 
 #[test]
