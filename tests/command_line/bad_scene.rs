@@ -203,7 +203,7 @@ fn film_without_oil() {
 #[test]
 fn a_rotor_that_replay_does_not_take() {
     let desk = Desk::with(&swap(DEMO_SCENE, "\"angular\"", "\"dynamic\""), &short_recording(600));
-    let wants = "scene.toml: bearing DE: found a support or model = \"dynamic\", allowed with replay: a rotor of five coordinates";
+    let wants = "scene.toml: bearing DE: found model = \"dynamic\", allowed with replay: another model";
     desk.refused(&["replay", "scene.toml", "--report", "report.html"], 2, &[wants]);
 }
 

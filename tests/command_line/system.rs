@@ -1,6 +1,6 @@
 //! `[system]`: a rotor given by its matrices, from Matrix Market and NPY files.
 
-use crate::support::{DEMO_SCENE, Desk, numbers, swap};
+use crate::support::{DEMO_SCENE, Desk, TURN, list, number, numbers, swap};
 use std::fmt::Write;
 
 /// The demonstration's rotor as matrices, with its two bearings at stations -0.1 and 0.1 m of a rigid body: coordinates
@@ -171,7 +171,25 @@ fn a_matlab_file_has_all_matrices() {
     one.done(&args);
     assert_eq!(one.read("m.csv"), several.read("m.csv"));
     one.put("rotor.mat", mat(&[("M", [1, 1], vec![1.0])]));
-    one.refused(&["equilibrium", "scene.toml"], 2, &["rotor.mat", "no full matrix F or f among its variables: M"]);
+    one.refused(&["equilibrium", "scene.toml"], 2, &["rotor.mat", "no matrix F or f among its variables: M"]);
+}
+
+/// The same from sparse matrices, as `scipy.io.savemat` writes them.
+#[test]
+fn a_matlab_file_has_sparse_matrices() {
+    let args = ["simulate", "scene.toml", "--duration", "0.02 s", "--rate", "12.8 kHz", "-o", "m.csv"];
+    let desk = desk();
+    desk.done(&args);
+    let (_, full) = numbers(&desk.read("m.csv"));
+    desk.put("rotor.mat", include_bytes!("../../runner/twin/src/recording/mat/sparse-packed.mat"));
+    let text = ["M.mtx", "B.npy", "G.mtx", "K.mtx", "f.npy"]
+        .iter()
+        .fold(desk.read("scene.toml"), |text, name| swap(&text, name, "rotor.mat"));
+    desk.put("scene.toml", text);
+    desk.done(&args);
+    for (a, b) in full.iter().zip(&numbers(&desk.read("m.csv")).1) {
+        assert!(a[1..6].iter().zip(&b[1..6]).all(|(a, b)| (a - b).abs() < 1e-13), "{a:?} {b:?}");
+    }
 }
 
 #[test]
@@ -221,4 +239,136 @@ fn what_does_not_go_with_a_system() {
         "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n[system]",
         &["both [rotor] and [system]"],
     );
+}
+
+/// The probes of a recording of the demonstration on its matrices; `skew` measures between X and Y of the second point.
+const PROBES: &str = r#"
+[recording]
+file = "recording.csv"
+rate = "12.8 kHz"
+probes = [
+  { column = "DE_X", unit = "um", coordinates = [1, 3, 5, 0, 0], angle = "0 deg", noise = "0.03 um" },
+  { column = "DE_Y", unit = "um", coordinates = [1, 3, 5, 0, 0], angle = "90 deg", noise = "0.03 um" },
+  { column = "NDE_45", unit = "um", coordinates = [2, 4, 5, 0, 0], angle = "45 deg", noise = "0.03 um" },
+  { column = "NDE_135", unit = "um", coordinates = [-2, 4, 5, 0, 0], angle = "45 deg", noise = "0.03 um" },
+  { column = "axial", unit = "um", coordinates = [0, 0, 5, 0, 0], axial = true, noise = "0.03 um" },
+]
+"#;
+
+/// The desk with a recording of 40 turns, and the radial forces on both inner rings there.
+fn recorded() -> (Desk, Vec<[f64; 4]>) {
+    let desk = desk();
+    // With 0.4 turns of the cage for one of the shaft, every fifth turn begins as the first.
+    let text = desk.read("scene.toml").replace("elements = 9", "elements = 9\ncage_ratio = 0.4");
+    desk.put("scene.toml", text + PROBES);
+    let (first, turns) = (50 * TURN, 40 * TURN);
+    let duration = format!("{} s", (first + turns) as f64 / 12_800.0);
+    desk.done(&["simulate", "scene.toml", "--duration", &duration, "--rate", "12.8 kHz", "-o", "m.csv"]);
+    let (head, rows) = numbers(&desk.read("m.csv"));
+    let place = |name: &str| head.iter().position(|column| column == name).unwrap();
+    let columns = ["DE_FX", "DE_FY", "NDE_FX", "NDE_FY"].map(place);
+    let mut state = 1_u64;
+    let mut noise = || {
+        let sum: f64 = (0..12)
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            })
+            .sum();
+        0.03e-6 * (sum - 6.0)
+    };
+    let mut text = "DE_X,DE_Y,NDE_45,NDE_135,axial\n".to_owned();
+    let rows = &rows[first..first + turns];
+    for row in rows {
+        let (q, half) = (&row[1..6], 0.5_f64.sqrt());
+        let readings = [q[0], q[2], half * (q[1] + q[3]), half * (q[3] - q[1]), q[4]];
+        let cells = readings.map(|x| format!("{:.6}", 1e6 * (x + noise())));
+        text += &(cells.join(",") + "\n");
+    }
+    desk.put("recording.csv", text);
+    (desk, rows.iter().map(|row| columns.map(|column| row[column])).collect())
+}
+
+/// Probes by coordinates: the twin follows the motion within the noise of the probes, the observer's forces are those of the simulation.
+#[test]
+fn a_recording_of_a_system_is_replayed() {
+    let (desk, truth) = recorded();
+    let outcome = desk.replay("scene.toml", &["--forces", "forces.csv", "--report", "report.html"]);
+    for probe in list(&outcome, "probes") {
+        let residual = number(probe, "/residual_rms_um");
+        assert!((0.5 * 0.03..1.5 * 0.03).contains(&residual), "{probe:#}");
+        assert!(probe["station_mm"].is_null(), "{probe:#}");
+    }
+    assert_eq!(list(&outcome, "planes").len(), 1, "two probes are at the same coordinates: {outcome:#}");
+    assert!(outcome["observer"]["consistent"].as_bool().unwrap(), "{}", outcome["observer"]);
+    let notes = outcome["notes"].to_string();
+    assert!(notes.contains("Not diagnosed: a [system] has no stations"), "{notes}");
+    let (head, forces) = numbers(&desk.read("forces.csv"));
+    let place = |name: &str| head.iter().position(|column| column.starts_with(name)).unwrap();
+    for (i, name) in ["DE_FX", "DE_FY", "NDE_FX", "NDE_FY"].into_iter().enumerate() {
+        let rms = |of: &dyn Fn(usize) -> f64| {
+            let late = TURN..truth.len();
+            (late.clone().map(|t| of(t).powi(2)).sum::<f64>() / late.len() as f64).sqrt()
+        };
+        let size = rms(&|t| truth[t][i]);
+        let off = rms(&|t| forces[t][place(name)] - truth[t][i]);
+        assert!(off < 0.02 * size, "{name}: {off} of {size} N");
+    }
+    let page = desk.read("report.html");
+    assert!(page.contains("DE_X, 0 deg") && page.contains("that of the [system]") && !page.contains("NaN"));
+}
+
+/// Limits, baselines and live operation work on the probes of a system.
+#[test]
+fn a_system_is_monitored() {
+    let (desk, _) = recorded();
+    desk.done(&["replay", "scene.toml", "--learn", "good.json"]);
+    let limits = "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X\"\nmax = \"0.1 um\"\n\
+                  [[limit]]\nindicator = \"residual\"\ngrowth_db = 6\n";
+    desk.put("limited.toml", desk.read("scene.toml") + limits);
+    for more in [&[][..], &["--paced"]] {
+        let args = [&["replay", "limited.toml", "--baseline", "good.json", "--format", "json"][..], more].concat();
+        let answer = desk.run(&args);
+        assert_eq!(answer.code, Some(3), "{answer:?}");
+        let outcome: serde_json::Value = answer.json();
+        let events = list(&outcome, "events");
+        assert_eq!(events.len(), 1, "{events:#?}");
+        assert_eq!(events[0]["probe"], "DE_X", "{events:#?}");
+    }
+}
+
+#[test]
+fn probes_of_a_system_have_coordinates_that_exist() {
+    let desk = desk();
+    let text = desk.read("scene.toml") + PROBES;
+    desk.put("recording.csv", "DE_X,DE_Y,NDE_45,NDE_135,axial\n0,0,0,0,0\n");
+    let refused = |from: &str, to: &str, parts: &[&str]| {
+        desk.put("scene.toml", swap(&text, from, to));
+        desk.refused(&["replay", "scene.toml"], 2, parts);
+    };
+    refused(
+        "[-2, 4, 5, 0, 0], angle",
+        "[-2, 6, 5, 0, 0], angle",
+        &["scene.toml: probe NDE_135: coordinates: found 6, allowed: -5 to 5"],
+    );
+    refused("coordinates = [-2, 4, 5, 0, 0], ", "", &["missing", "recording.probes[3].coordinates", "5 numbers"]);
+    refused("[-2, 4, 5, 0, 0]", "[-2, 4]", &["recording.probes[3].coordinates", "5 numbers"]);
+    refused("coordinates = [-2, 4, 5, 0, 0]", "station = 0", &["recording.probes[3].station", "not on a [system]"]);
+    refused(
+        "[0, 0, 5, 0, 0]",
+        "[1, 3, 0, 0, 0]",
+        &["probe axial: no coordinate along its measuring direction: [1, 3, 0, 0, 0], expected u or v that is not 0"],
+    );
+    desk.put("scene.toml", &text);
+    desk.refused(&["fit", "scene.toml", "-o", "fitted.toml"], 2, &["[system]: found matrices", "allowed with fit"]);
+    let (rotor, probe) = (
+        swap(
+            DEMO_SCENE,
+            "station = \"-120 mm\", angle = \"0 deg\"",
+            "coordinates = [1, 2, 0, 0, 0], angle = \"0 deg\"",
+        ),
+        "recording.probes[0]",
+    );
+    desk.put("scene.toml", rotor);
+    desk.refused(&["replay", "scene.toml"], 2, &[probe]);
 }

@@ -40,6 +40,11 @@ pub(super) fn alone(value: f64) -> String {
     fixed(value, decimals)
 }
 
+/// Formats a station as ` at 12.3 mm`; empty where a scene has no stations.
+pub(super) fn at_station(station_mm: f64, decimals: usize) -> String {
+    if station_mm.is_finite() { format!(" at {} mm", fixed(station_mm, decimals)) } else { String::new() }
+}
+
 /// Formats an optional number as [`alone`].
 pub(super) fn maybe(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), alone)

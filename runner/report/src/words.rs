@@ -1,6 +1,6 @@
 //! Texts shared by the HTML page and the terminal.
 
-use super::number::{alone, count, counted, fixed};
+use super::number::{alone, at_station, count, counted, fixed};
 use ballrace_twin::replay::outcome::{
     Estimate, FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome,
     SourceFigures, Standing, Timing,
@@ -182,8 +182,7 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
 /// Returns the settings of measurement and evaluation: bearings, probes, load, spectra, filters.
 fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
-    let bearings =
-        outcome.bearings.iter().map(|b| format!("{} ({}) at {} mm", b.name, b.model, fixed(b.station_mm, 1)));
+    let bearings = outcome.bearings.iter().map(|b| format!("{} ({}){}", b.name, b.model, at_station(b.station_mm, 1)));
     let bearings: Vec<String> = bearings.collect();
     if !bearings.is_empty() {
         facts.push(("Bearings", bearings.join("; ")));
@@ -196,7 +195,9 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let load = outcome.record.load.iter().zip(["FX", "FY", "FZ", "MX", "MY"]).zip([" N", " N", " N", " N m", " N m"]);
     let load: Vec<String> =
         load.filter(|((x, _), _)| **x != 0.0).map(|((x, name), unit)| format!("{name} {}{unit}", alone(*x))).collect();
-    facts.push(("Load on the rotor", if load.is_empty() { "weight alone".to_owned() } else { load.join(", ") }));
+    let load = if load.is_empty() { "weight alone".to_owned() } else { load.join(", ") };
+    let by_system = outcome.record.load.iter().all(|x| x.is_nan());
+    facts.push(("Load on the rotor", if by_system { "that of the [system]".to_owned() } else { load }));
     if !outcome.probes.iter().any(ProbeOutcome::has_twin) {
         return facts;
     }
@@ -246,7 +247,7 @@ pub(super) fn rotor(rotor: &RotorOutcome) -> [(&'static str, String); 2] {
 /// Returns name, station and angle.
 fn probe(probe: &ProbeOutcome) -> String {
     let looks = probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| format!("{} deg", fixed(angle, 0)));
-    format!("{} at {} mm, {looks}", probe.name, fixed(probe.station_mm, 1))
+    format!("{}{}, {looks}", probe.name, at_station(probe.station_mm, 1))
 }
 
 /// Formats a whole number of hertz as a count.

@@ -17,6 +17,7 @@ fn recording(column: &str) -> Recording {
         column: column.into(),
         metres_per_unit: 1.0,
         station: 0.0,
+        coordinates: None,
         direction: Direction::Radial(0.0),
         noise: None,
         offset: 0.0,

@@ -4,7 +4,7 @@ use super::axis::{Axis, extent, signed};
 use super::canvas::{Dashes, Frame, Key, MARK, MEASURED, Stroke, TWIN, gutter, picture};
 use super::line::Point;
 use super::{Context, Figure, Picture, Shape};
-use crate::number::fixed;
+use crate::number::{at_station, fixed};
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{Block, Clearance, Orbit, Outcome};
 
@@ -77,7 +77,7 @@ pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<
         }
         frame.say_if_empty(canvas, &[&points])
     })?;
-    let title = format!("Shaft centreline at {} at {} mm", orbit.name, signed(&fixed(orbit.station_mm, 0)));
+    let title = format!("Shaft centreline at {}{}", orbit.name, signed(&at_station(orbit.station_mm, 0)));
     Ok(Picture { title, note: words(clearance), svg })
 }
 

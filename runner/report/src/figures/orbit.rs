@@ -6,7 +6,7 @@ use super::canvas::{
 };
 use super::line::{Point, thinned};
 use super::{Context, Figure, Picture, PointBudget, Shape};
-use crate::number::{fixed, shortened};
+use crate::number::{at_station, fixed, shortened};
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit, Pictures};
 
@@ -117,7 +117,7 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<
     let run = orbit.measured.get(..shown).unwrap_or(&orbit.measured);
     let sense = if filtered { "" } else { precession(run, forward) };
     Ok(Picture {
-        title: format!("Orbit of {} at {} mm{sense}", orbit.name, signed(&fixed(orbit.station_mm, 0))),
+        title: format!("Orbit of {}{}{sense}", orbit.name, signed(&at_station(orbit.station_mm, 0))),
         note: NOTE.to_owned(),
         svg,
     })

@@ -2,7 +2,7 @@
 
 use crate::error::{BakeError, Error, Result};
 use crate::observer::{Gains, Uncertainty, gate, memory, weight};
-use crate::plant::{Plant, only_observable};
+use crate::plant::{Plant, only_observable, only_rotor};
 use crate::scene::{Clock, Scene, build};
 use nalgebra::DMatrix;
 use std::fmt::Write;
@@ -26,12 +26,13 @@ pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let Some(noise) = noise else {
         return Err(undetermined("a probe without noise", "noise = \"0.03 um\" for each probe"));
     };
+    only_rotor(scene, "bake")?;
     only_observable(scene, "bake")?;
     let plant = Plant::try_new(scene)?;
     let Some(rotor) = plant.rotor() else { return Err(undetermined("no [rotor]", "a rotor")) };
     let linear = plant.linearised(&vec![true; plant.bearings.len()])?;
     let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.layout.probe_row(probe)).collect();
-    let of = Uncertainty::new(&noise, process_noise, weight(&plant));
+    let of = Uncertainty::new(&noise, process_noise, weight(&plant)?);
     let gains = Gains::try_new(&linear, &rows, scene.shaft.speed, 1.0 / rate, &of)?;
     let p = rows.len();
     let n = plant.layout.order;

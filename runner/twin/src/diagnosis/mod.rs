@@ -81,6 +81,11 @@ struct Prepared<'a> {
 /// Returns why a scene cannot be diagnosed; none where it can.
 #[must_use]
 pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
+    if scene.system.is_some() {
+        return Some(
+            "a [system] has no stations, which a diagnosis of unbalance, misalignment and bearings needs".to_owned(),
+        );
+    }
     if scene.rotor.is_none() || scene.bearings.iter().any(|b| !b.element_azimuths.is_empty()) {
         return Some("the scene has no rotor on evenly filled bearings".to_owned());
     }

@@ -13,7 +13,7 @@ use crate::diagnosis::{self, block::Block};
 use crate::error::{FitError, Result};
 use crate::least_squares::{self, Bounds, Limits, Solution};
 use crate::observer::noise;
-use crate::plant::{Plant, only_observable};
+use crate::plant::{Plant, only_observable, only_rotor};
 use crate::probes::reading;
 use crate::recording::Reader;
 use crate::recording::Sample;
@@ -190,6 +190,7 @@ type Tied = Vec<usize>;
 /// # Errors
 /// A scene without rotor or parameters, a parameter that the kernel rejects.
 pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
+    only_rotor(of.scene, "fit")?;
     only_observable(of.scene, "fit")?;
     let plant = Plant::try_new(of.scene)?;
     let mut unknown = parameters(of.scene, &plant, groups);

@@ -2,7 +2,7 @@
 
 use super::riccati::{Sampled, Steady};
 use crate::error::Result;
-use crate::plant::{Plant, PlantError, unbalance_planes};
+use crate::plant::{Given, Plant, PlantError, unbalance_planes};
 use nalgebra::DMatrix;
 
 /// Number of unknown loads: force and moment on a rigid rotor, or forces at two bearings of another one.
@@ -36,10 +36,21 @@ pub fn memory(period: f64) -> f64 {
 }
 
 /// Returns the force on each coordinate by each unknown load: of a rigid rotor, on its five coordinates, also about its supports; of
-/// a flexible one, along X and Y at the two outermost bearings and along Z, where the forces of its faults act.
+/// a flexible one, along X and Y at the two outermost bearings and along Z, where the forces of its faults act; of a given system
+/// the same at its first and its last bearing.
 #[must_use]
 pub fn loads(plant: &Plant) -> DMatrix<f64> {
     let n = plant.layout.order;
+    if plant.layout.is_given() {
+        let last = plant.bearings.len().saturating_sub(1);
+        let (Some(first), Some(second)) = (plant.layout.attached(0), plant.layout.attached(last)) else {
+            return DMatrix::zeros(n, LOADS);
+        };
+        // One bearing alone takes moments instead.
+        let [x, y] = if last > 0 { [&second[0], &second[1]] } else { [&first[3], &first[4]] };
+        let rows = [&first[0], &first[1], &first[2], x, y];
+        return DMatrix::from_fn(n, LOADS, |i, j| rows[j][i]);
+    }
     let by_station =
         |a: &&crate::plant::MountedBearing, b: &&crate::plant::MountedBearing| a.station.total_cmp(&b.station);
     let ends = (plant.bearings.iter().min_by(by_station), plant.bearings.iter().max_by(by_station));
@@ -54,9 +65,16 @@ pub fn loads(plant: &Plant) -> DMatrix<f64> {
 }
 
 /// Returns the force on each coordinate by each unknown load that rotates with the shaft: of a flexible rotor, along X and Y in two planes
-/// where it is out of balance; else as [`loads`].
+/// where it is out of balance; of a given system, on the coordinates of its unbalance; else as [`loads`].
 #[must_use]
 pub fn rotating_loads(plant: &Plant) -> DMatrix<f64> {
+    if let Some(planes) = plant.layout.given().map(Given::unbalance_planes).filter(|planes| !planes.is_empty()) {
+        let mut loads = DMatrix::zeros(plant.layout.order, LOADS);
+        for (plane, first) in planes.iter().zip([0, 3]) {
+            (loads[(plane[0], first)], loads[(plane[1], first + 1)]) = (1.0, 1.0);
+        }
+        return loads;
+    }
     let (Some(rotor), [first, second]) = (plant.rotor(), plant.bearings.as_slice()) else { return loads(plant) };
     if plant.layout.flexible().is_none() || first.station == second.station {
         return loads(plant);
@@ -67,27 +85,60 @@ pub fn rotating_loads(plant: &Plant) -> DMatrix<f64> {
 }
 
 /// Returns units in which all states are of similar size: um, um at the bearings, their rates, N.
-fn scales(plant: &Plant) -> Vec<f64> {
-    let (n, lever) = (plant.layout.order, lever(plant));
-    let is_tilt = |i: usize| i == 3 || i == 4;
-    let are_moments = plant.layout.flexible().is_none();
-    let by = |i: usize| if is_tilt(i) { lever } else { 1.0 };
-    let lengths = |size: f64| (0..n).map(move |i| size / by(i));
-    let forces = || (0..LOADS).map(|i| if are_moments { by(i) } else { 1.0 });
-    lengths(1e-6).chain(lengths(1e-3)).chain(forces()).chain(forces()).collect()
+fn scales(plant: &Plant) -> Result<Vec<f64>> {
+    let Levers { coordinates, loads } = Levers::new(plant)?;
+    let lengths = |size: f64| coordinates.iter().map(move |lever| size / lever);
+    Ok(lengths(1e-6).chain(lengths(1e-3)).chain(loads).chain(loads).collect())
+}
+
+/// Levers by which tilts become lengths and forces moments, m; 1 for lengths and forces.
+pub struct Levers {
+    /// By coordinates.
+    pub coordinates: Vec<f64>,
+    /// By unknown loads.
+    pub loads: [f64; LOADS],
+}
+
+impl Levers {
+    /// Returns the levers of a plant. On coordinates of an unknown kind, a lever is the root of the coordinate's share in the largest mass.
+    ///
+    /// # Errors
+    /// As [`Plant::scales`].
+    pub fn new(plant: &Plant) -> Result<Self> {
+        let n = plant.layout.order;
+        if plant.layout.is_given() {
+            let mass = plant.scales()?.mass.diagonal();
+            let largest = mass.max();
+            return Ok(Self { coordinates: mass.iter().map(|m| (m / largest).sqrt()).collect(), loads: [1.0; LOADS] });
+        }
+        let lever = lever(plant);
+        let by = |i: usize| if i == 3 || i == 4 { lever } else { 1.0 };
+        let are_moments = plant.layout.flexible().is_none();
+        let loads = std::array::from_fn(|i| if are_moments { by(i) } else { 1.0 });
+        Ok(Self { coordinates: (0..n).map(by).collect(), loads })
+    }
 }
 
 /// Returns the rms distance of the bearings from the centre of mass, m.
-pub fn lever(plant: &Plant) -> f64 {
+fn lever(plant: &Plant) -> f64 {
     let squares: f64 = plant.bearings.iter().map(|s| s.station * s.station).sum();
     let lever = (squares / plant.bearings.len().max(1) as f64).sqrt();
     if lever > 0.0 { lever } else { 0.05 }
 }
 
-/// Returns the weight of the rotor, N, the scale of unknown forces.
-#[must_use]
-pub fn weight(plant: &Plant) -> f64 {
-    plant.rotor().map_or(1.0, |r| r.mass) * 9.80665
+/// Returns the weight of the rotor, N, the scale of unknown forces; of a given system the sum of its loads, or half the sum of its masses
+/// along each coordinate, times gravity, where it has none.
+///
+/// # Errors
+/// As [`Plant::scales`].
+pub fn weight(plant: &Plant) -> Result<f64> {
+    const GRAVITY: f64 = 9.80665;
+    if let Some(rotor) = plant.rotor() {
+        return Ok(rotor.mass * GRAVITY);
+    }
+    let scales = plant.scales()?;
+    let load: f64 = scales.load.iter().map(|load| load.abs()).sum();
+    Ok(if load > 0.0 { load } else { 0.5 * scales.mass.trace() * GRAVITY })
 }
 
 /// Computes the steady filter at `speed` (rad/s), in SI units.
@@ -95,7 +146,7 @@ pub fn weight(plant: &Plant) -> f64 {
 /// # Errors
 /// As [`Sampled::steady`].
 pub fn steady(plant: &Plant, rows: &[Vec<f64>], speed: f64, period: f64, of: &Uncertainty) -> Result<Steady> {
-    let scale = scales(plant);
+    let scale = scales(plant)?;
     let (transition, disturbance) = sampled(plant, speed, period, of, &scale)?;
     let n = plant.layout.order;
     // Readings in um.

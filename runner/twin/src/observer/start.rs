@@ -1,6 +1,7 @@
 //! Initial state of the observer: the state from which the model follows the first revolutions best.
 
-use super::{Gains, IdentificationData, InitialState, model, tune};
+use super::model::{self, Levers};
+use super::{Gains, IdentificationData, InitialState, tune};
 use crate::error::Result;
 use crate::least_squares;
 use crate::plant::Plant;
@@ -22,12 +23,11 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
     let IdentificationData { samples, rows, period, .. } = *data;
     let samples = samples.get(..SAMPLES.min(samples.len())).unwrap_or_default();
     let Some(first) = samples.first() else { return Ok(guess) };
-    let (lever, weight) = (model::lever(plant), model::weight(plant));
+    let (levers, weight) = (Levers::new(plant)?, model::weight(plant)?);
     let (loads, rotating) = (model::loads(plant), model::rotating_loads(plant));
-    let (n, are_moments) = (plant.layout.order, plant.layout.flexible().is_none());
-    let by = |i: usize| if i == 3 || i == 4 { lever } else { 1.0 };
-    let lengths = |size: f64| (0..n).map(move |i| size / by(i));
-    let forces = |size: f64| (0..model::LOADS).map(move |i| size * weight * if are_moments { by(i) } else { 1.0 });
+    let n = plant.layout.order;
+    let lengths = |size: f64| levers.coordinates.iter().map(move |lever| size / lever);
+    let forces = |size: f64| levers.loads.iter().map(move |lever| size * weight * lever);
     let [position, rate, load, turning] = PRIOR;
     let units: Vec<f64> = lengths(position).chain(lengths(rate)).chain(forces(load)).chain(forces(turning)).collect();
     let at = |x: &[f64]| {

@@ -75,7 +75,7 @@ pub fn identify(
     let noise: Vec<f64> =
         (0..data.rows.len()).map(|p| noise(data.samples, p, data.given_noise.get(p).copied().flatten())).collect();
     let start = start::start(plant, data, &noise, guess)?;
-    let weight = model::weight(plant);
+    let weight = model::weight(plant)?;
     let mut best: Option<(f64, f64, Gains)> = None;
     let powers = PROCESS_NOISES.map(|i| weight * STRIDE.powi(i));
     let process_noises = data.process_noise.map_or_else(|| powers.collect(), |given| vec![given]);

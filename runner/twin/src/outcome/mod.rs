@@ -74,14 +74,16 @@ pub struct Outcome {
 
 impl Outcome {
     /// Returns the outcome with stations from the centre of mass replaced by those of the scene's drawing; a rigid rotor has its origin
-    /// at the centre of mass. An axial probe keeps the station of the scene.
+    /// at the centre of mass. An axial probe keeps the station of the scene. On a `[system]` no station is a number.
     #[must_use]
     pub fn with_stations_as_drawn(mut self, scene: &Scene) -> Self {
-        let origin_mm = scene.drawn_station(0.0) * 1e3;
+        let has_none = scene.system.is_some();
+        let origin_mm = if has_none { f64::NAN } else { scene.drawn_station(0.0) * 1e3 };
         if origin_mm == 0.0 {
             return self;
         }
-        let probes = self.probes.iter_mut().filter(|probe| probe.angle_deg.is_some()).map(|p| &mut p.station_mm);
+        let on_shaft = self.probes.iter_mut().filter(|probe| has_none || probe.angle_deg.is_some());
+        let probes = on_shaft.map(|probe| &mut probe.station_mm);
         let planes = self.planes.iter_mut().map(|plane| &mut plane.station_mm);
         let bearings = self.bearings.iter_mut().map(|bearing| &mut bearing.station_mm);
         let orbits = self.pictures.orbits.iter_mut().map(|orbit| &mut orbit.station_mm);
@@ -373,7 +375,7 @@ pub struct ObserverOutcome {
     pub wander_n_per_root_s: f64,
     /// Noise of each probe in the filter, rms.
     pub noise_um: Vec<f64>,
-    /// The unknown load on the rotor: mean and rms about it, N (three) and N m (two).
+    /// The unknown load on the rotor: mean and rms about it, N (three) and N m (two); not numbers on a `[system]`.
     pub unknown_load_mean: [f64; 5],
     /// rms about the mean
     pub unknown_load_rms: [f64; 5],

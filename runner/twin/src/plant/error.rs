@@ -2,6 +2,7 @@
 
 use super::eigen::EigenvalueError;
 use super::{MOST_BEARINGS, MOST_SUBSTEPS};
+use crate::scene::Coordinates;
 use crate::scene::build::BuildError;
 use crate::scene::matrix::MatrixError;
 use ballrace::bearing::geometry::InvalidParameter;
@@ -86,17 +87,30 @@ pub enum PlantError {
         /// Number of coordinates.
         most: usize,
     },
-    /// A bearing is attached to a coordinate that does not exist.
-    #[error("{}: bearing {bearing}: coordinates: found {found}, allowed: -{most} to {most}", file.display())]
-    BearingCoordinate {
+    /// A bearing or a probe is on a coordinate that does not exist.
+    #[error("{}: {part}: coordinates: found {found}, allowed: -{most} to {most}", file.display())]
+    Coordinate {
         /// Scene file.
         file: PathBuf,
-        /// Name of the bearing.
-        bearing: String,
+        /// Bearing or probe, with its name.
+        part: String,
         /// Coordinate with sign, from 1.
         found: i64,
         /// Number of coordinates.
         most: usize,
+    },
+    /// A probe has no coordinate along its measuring direction.
+    #[error(
+        "{}: probe {probe}: no coordinate along its measuring direction: {found:?}, expected u or v that is not 0, or w \
+         with axial = true", file.display()
+    )]
+    BlindProbe {
+        /// Scene file.
+        file: PathBuf,
+        /// Column of the probe.
+        probe: String,
+        /// Its coordinates.
+        found: Coordinates,
     },
     /// The system has too many coordinates.
     #[error("found a system of {found} coordinates, allowed: up to {most}")]
@@ -109,23 +123,20 @@ pub enum PlantError {
     /// The plant has neither rotor nor system.
     #[error("found neither a rotor nor a system")]
     NoSystem,
-    /// The command needs a rigid rotor, the scene has a system of matrices.
-    #[error(
-        "{}: [system]: found matrices, allowed with {command}: a [rotor] of five coordinates; simulate takes them",
-        file.display()
-    )]
-    SystemNotRigid {
+    /// The command needs a rotor, the scene has a system of matrices.
+    #[error("{}: [system]: found matrices, allowed with {command}: a [rotor]; simulate and replay take them", file.display())]
+    NoRotorButSystem {
         /// Scene file.
         file: PathBuf,
         /// Name of the command.
         command: String,
     },
-    /// The command needs a rigid rotor, a bearing adds coordinates.
+    /// The command needs bearings without coordinates of their own.
     #[error(
-        "{}: bearing {bearing}: found a support or model = \"dynamic\", allowed with {command}: a rotor of five \
-         coordinates; simulate takes them", file.display()
+        "{}: bearing {bearing}: found model = \"dynamic\", allowed with {command}: another model; simulate takes it",
+        file.display()
     )]
-    BearingNotRigid {
+    MovingBalls {
         /// Scene file.
         file: PathBuf,
         /// Name of the bearing.
@@ -136,6 +147,9 @@ pub enum PlantError {
     /// The mass matrix has no inverse.
     #[error("mass matrix: found a singular one")]
     SingularMass,
+    /// The stiffness matrix has no inverse.
+    #[error("stiffness at rest: found a singular matrix")]
+    SingularStiffness,
     /// Eigenvalues cannot be computed.
     #[error(transparent)]
     Eigenvalues(#[from] EigenvalueError),

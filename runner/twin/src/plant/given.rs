@@ -1,11 +1,14 @@
 //! A system given by its matrices.
 
-use super::Scales;
 use super::error::{PlantError, Result};
+use super::{Rows, Scales};
 use crate::scene::{Coordinates, Scene, System, matrix};
 use ballrace::rotor::SystemMatrices;
 use nalgebra::DMatrix;
 use std::path::PathBuf;
+
+/// Reading of a probe per unit of a coordinate, below which it is the rounding of an angle.
+const LEAST_READING: f64 = 1e-9;
 
 /// The matrices of a scene's `[system]`, and how its bearings are attached.
 #[derive(Clone)]
@@ -54,27 +57,33 @@ impl Given {
                 return Err(PlantError::UnbalanceCoordinate { file: scene.path.clone(), found: most + 1, most: n });
             }
         }
+        let check = |coordinates: &Coordinates, part: &str, name: &str| match coordinates
+            .iter()
+            .find(|c| c.unsigned_abs() > n as u64)
+        {
+            Some(&found) => {
+                let (file, part) = (scene.path.clone(), format!("{part} {name}"));
+                Err(PlantError::Coordinate { file, part, found, most: n })
+            }
+            None => Ok(()),
+        };
         let extended = |bearing: &crate::scene::Bearing| {
-            let fault = |found: i64| PlantError::BearingCoordinate {
-                file: scene.path.clone(),
-                bearing: bearing.name.clone(),
-                found,
-                most: n,
-            };
-            let mut rows: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; n]);
-            let mut add = |coordinates: &Coordinates, side: f64| -> Result<()> {
-                for (row, &coordinate) in rows.iter_mut().zip(coordinates) {
-                    let Some(at) = usize::try_from(coordinate.abs()).ok().and_then(|c| c.checked_sub(1)) else {
-                        continue;
-                    };
-                    *row.get_mut(at).ok_or_else(|| fault(coordinate))? += side * coordinate.signum() as f64;
-                }
-                Ok(())
-            };
-            add(&bearing.coordinates.unwrap_or_default(), 1.0)?;
-            add(&bearing.housing_coordinates.unwrap_or_default(), -1.0)?;
+            let [inner, outer] = [bearing.coordinates, bearing.housing_coordinates].map(Option::unwrap_or_default);
+            check(&inner, "bearing", &bearing.name)?;
+            check(&outer, "bearing", &bearing.name)?;
+            let mut rows = rows(&inner, n);
+            for (row, outer) in rows.iter_mut().zip(self::rows(&outer, n)) {
+                row.iter_mut().zip(outer).for_each(|(inner, outer)| *inner -= outer);
+            }
             Ok(rows)
         };
+        for probe in scene.recording.iter().flat_map(|recording| &recording.probes) {
+            let found = probe.coordinates.unwrap_or_default();
+            check(&found, "probe", &probe.column)?;
+            if probe.row(&rows(&found, n)).iter().all(|x| x.abs() < LEAST_READING) {
+                return Err(PlantError::BlindProbe { file: scene.path.clone(), probe: probe.column.clone(), found });
+            }
+        }
         Ok(Self {
             mass: square(&system.mass, mass.clone())?,
             damping: optional(&system.damping, &["C", "B"])?,
@@ -84,6 +93,21 @@ impl Given {
             extended: scene.bearings.iter().map(extended).collect::<Result<_>>()?,
             system: system.clone(),
         })
+    }
+
+    /// Returns the displacement at these coordinates per unit of each.
+    #[must_use]
+    pub fn rows(&self, coordinates: &Coordinates) -> Rows {
+        rows(coordinates, self.order())
+    }
+
+    /// Returns the coordinates of up to two planes of unbalance, along X and Y of each.
+    #[must_use]
+    pub fn unbalance_planes(&self) -> Vec<[usize; 2]> {
+        let mut planes: Vec<[usize; 2]> = self.system.unbalance.iter().map(|unbalance| unbalance.at).collect();
+        planes.dedup();
+        planes.truncate(2);
+        planes
     }
 
     /// Number of coordinates.
@@ -113,4 +137,16 @@ impl Given {
             unbalance,
         }
     }
+}
+
+/// Returns the displacement at these coordinates per unit of each of `n`; coordinates that do not exist are left out.
+fn rows(coordinates: &Coordinates, n: usize) -> Rows {
+    coordinates.map(|coordinate| {
+        let mut row = vec![0.0; n];
+        let at = usize::try_from(coordinate.unsigned_abs()).ok().and_then(|c| c.checked_sub(1));
+        if let Some(entry) = at.and_then(|at| row.get_mut(at)) {
+            *entry = coordinate.signum() as f64;
+        }
+        row
+    })
 }

@@ -20,7 +20,7 @@ pub use mounted::{Balls, MountedBearing};
 pub use reduction::{ReductionError, response};
 pub use run_in::RunIn;
 use system::Body;
-pub use system::{Layout, Rows, Scales, only_observable, unbalance_planes};
+pub use system::{Layout, Rows, Scales, only_observable, only_rotor, unbalance_note, unbalance_planes};
 pub use twin::{Step, Twin, first_five};
 
 use crate::scene::build;
@@ -40,6 +40,10 @@ pub const LARGEST_RESIDUAL: f64 = 1e-6;
 pub const MOST_SUBSTEPS: u32 = 10_000;
 /// Coordinate of the centre of mass along the axis.
 pub const AXIAL: usize = 2;
+/// Frequency that holds a coordinate without stiffness, over the highest natural frequency.
+const UNHELD: f64 = 1e-6;
+/// Singular value over the largest below which rows are the same.
+const SAME_ROW: f64 = 1e-10;
 /// Number of equilibria over one ball pitch whose mean is a linearised bearing.
 const PITCH_SAMPLES: u32 = 16;
 
@@ -296,6 +300,25 @@ impl Plant {
     #[must_use]
     pub fn rotor(&self) -> Option<&Rotor> {
         self.rotor.as_ref()
+    }
+
+    /// Returns the coordinates per unit of each row's value: the deflection from the equilibrium with the least strain energy in which
+    /// the values of all `rows` are given. Values that exclude each other are met by least squares.
+    ///
+    /// # Errors
+    /// A stiffness matrix without an inverse.
+    pub fn deflections(&self, rows: &[Vec<f64>]) -> Result<DMatrix<f64>> {
+        let n = self.layout.order;
+        let symmetric = 0.5 * (&self.stiffness + self.stiffness.transpose());
+        // A spring of 1e-6 of the highest frequency holds what nothing else does.
+        let held = symmetric + self.scales()?.mass * (UNHELD * self.highest_frequency).powi(2);
+        let compliance = held.try_inverse().ok_or(PlantError::SingularStiffness)?;
+        let rows = DMatrix::from_fn(rows.len(), n, |p, i| rows[p].get(i).copied().unwrap_or(0.0));
+        let forces = &compliance * rows.transpose();
+        let both = &rows * &forces;
+        let least = SAME_ROW * both.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let inverse = both.pseudo_inverse(least).map_err(|_| PlantError::SingularStiffness)?;
+        Ok(forces * inverse)
     }
 
     /// Returns the damping proportional to stiffness, without the rotor's own.

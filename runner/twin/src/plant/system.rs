@@ -3,7 +3,7 @@
 use super::error::{PlantError, Result, rejected};
 use super::{Given, MOST_BEARINGS, MountedBearing};
 use crate::flexible_rotor::ReducedRotor;
-use crate::scene::{Bearing as BearingScene, Direction, Probe, Rotor, Scene, Support, Unbalance, build};
+use crate::scene::{Bearing as BearingScene, Probe, Rotor, Scene, Support, Unbalance, build};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
 use nalgebra::{DMatrix, SMatrix};
 use std::sync::Arc;
@@ -93,7 +93,16 @@ impl Layout {
     /// Returns true for a system that the scene gives by its matrices: no coordinate has a meaning that is known.
     #[must_use]
     pub fn is_given(&self) -> bool {
-        matches!(*self.body, Body::Given(_))
+        self.given().is_some()
+    }
+
+    /// Returns the system that the scene gives by its matrices, where it is one.
+    #[must_use]
+    pub fn given(&self) -> Option<&Given> {
+        match &*self.body {
+            Body::Given(given) => Some(given),
+            _ => None,
+        }
     }
 
     /// Returns the flexible rotor, where it is one.
@@ -158,12 +167,10 @@ impl Layout {
     /// Returns the change of a probe's reading per unit of each coordinate.
     #[must_use]
     pub fn probe_row(&self, probe: &Probe) -> Vec<f64> {
-        let rows = self.rows(probe.station);
-        let [x, y, z] = match probe.direction {
-            Direction::Axial => [0.0, 0.0, 1.0],
-            Direction::Radial(angle) => [angle.cos(), angle.sin(), 0.0],
-        };
-        (0..self.order).map(|i| x * rows[0][i] + y * rows[1][i] + z * rows[2][i]).collect()
+        probe.row(&match &*self.body {
+            Body::Given(given) => given.rows(&probe.coordinates.unwrap_or_default()),
+            _ => self.rows(probe.station),
+        })
     }
 
     /// Returns the displacement of bearing `i` per unit of each coordinate.
@@ -333,16 +340,24 @@ pub struct Scales {
     pub unbalance: Vec<[f64; 2]>,
 }
 
-/// Rejects a scene whose motion cannot be compared with a recording: a system without probes by coordinates, moving balls.
+/// Rejects a scene with a system instead of a rotor.
+///
+/// # Errors
+/// Such a scene.
+pub fn only_rotor(scene: &Scene, command: &str) -> Result<()> {
+    if scene.system.is_some() {
+        return Err(PlantError::NoRotorButSystem { file: scene.path.clone(), command: command.to_owned() });
+    }
+    Ok(())
+}
+
+/// Rejects a scene whose motion cannot be compared with a recording: one with moving balls.
 ///
 /// # Errors
 /// Such a scene.
 pub fn only_observable(scene: &Scene, command: &str) -> Result<()> {
-    if scene.system.is_some() {
-        return Err(PlantError::SystemNotRigid { file: scene.path.clone(), command: command.to_owned() });
-    }
     match scene.bearings.iter().find(|b| b.model == crate::scene::Model::Dynamic) {
-        Some(b) => Err(PlantError::BearingNotRigid {
+        Some(b) => Err(PlantError::MovingBalls {
             file: scene.path.clone(),
             bearing: b.name.clone(),
             command: command.to_owned(),
@@ -350,6 +365,34 @@ pub fn only_observable(scene: &Scene, command: &str) -> Result<()> {
         None => Ok(()),
     }
 }
+
+/// Returns a note where the unbalances of an elastic rotor on two bearings are in other planes than the two of observer and diagnosis.
+#[must_use]
+pub fn unbalance_note(scene: &Scene) -> Option<String> {
+    let (rotor, [first, second]) = (scene.rotor.as_ref()?, scene.bearings.as_slice()) else { return None };
+    let planes = unbalance_planes(rotor, [first.station, second.station]);
+    let is_elastic = rotor.flexible.is_some() || scene.bearings.iter().any(|bearing| bearing.support.is_some());
+    let is_in_one = |u: &Unbalance| u.moment == 0.0 || planes.iter().any(|z| (u.station - z).abs() < SAME_PLANE);
+    if !is_elastic || rotor.unbalance.iter().all(is_in_one) {
+        return None;
+    }
+    let [a, b] = planes.map(|z| scene.drawn_station(z) * 1e3);
+    Some(format!(
+        "The scene has unbalances in {} planes: observer, diagnosis and calibration move them into two, at {a:.1} and {b:.1} mm.",
+        stations(&rotor.unbalance)
+    ))
+}
+
+/// Returns the number of planes that are out of balance.
+fn stations(unbalances: &[Unbalance]) -> usize {
+    let mut all: Vec<f64> = unbalances.iter().filter(|u| u.moment != 0.0).map(|u| u.station).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a - *b).abs() < SAME_PLANE);
+    all.len()
+}
+
+/// Distance within which unbalances are in one plane, m.
+const SAME_PLANE: f64 = 1e-6;
 
 /// Returns two planes for the unbalance of an elastic rotor: those of the scene's two largest ones, else of disks, else within the bearings.
 #[must_use]
@@ -367,4 +410,44 @@ pub fn unbalance_planes(rotor: &Rotor, bearings: [f64; 2]) -> [f64; 2] {
 /// Returns the first `N` of `all`, the rest zero.
 pub(crate) fn array<A: Copy + Default, const N: usize>(all: &[A]) -> [A; N] {
     std::array::from_fn(|i| all.get(i).copied().unwrap_or_default())
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    #[test]
+    fn unbalances_in_more_than_two_planes_are_noted() {
+        let bearing = |name: &str, station: i32| {
+            format!(
+                "[[bearing]]\nname = \"{name}\"\nstation = \"{station} mm\"\nmodel = \"linear\"\nelements = 8\ntwo_spring = {{ static_load = 10 }}\nball_diameter = \"12.3 mm\"\npitch_diameter = \"52 mm\"\ninner_conformity = 0.52\nouter_conformity = 0.52\ncontact_angle = \"15 deg\"\n"
+            )
+        };
+        let note = |body: &str, unbalances: &[(f64, i32)]| {
+            let unbalance = |(moment, station): &(f64, i32)| {
+                format!("{{ moment = {moment}, angle = 0, station = \"{station} mm\" }}")
+            };
+            let unbalances: Vec<String> = unbalances.iter().map(unbalance).collect();
+            let text = format!(
+                "[shaft]\nspeed = \"3000 rpm\"\n[rotor]\n{body}\nunbalance = [{}]\n{}{}",
+                unbalances.join(", "),
+                bearing("A", 0),
+                bearing("B", 500)
+            );
+            unbalance_note(&read_str(&text, Path::new("scene.toml")).unwrap())
+        };
+        let shaft = "sections = [{ from = \"0 mm\", to = \"500 mm\", outer_diameter = \"30 mm\" }]";
+        let found = note(shaft, &[(1e-4, 100), (3e-4, 200), (2e-4, 400)]).unwrap();
+        assert!(found.contains("in 3 planes") && found.contains("at 200.0 and 400.0 mm"), "{found}");
+        for sound in [&[][..], &[(1e-4, 100)], &[(1e-4, 100), (2e-4, 400)], &[(1e-4, 100), (2e-4, 400), (0.0, 300)]] {
+            assert_eq!(note(shaft, sound), None);
+        }
+        let near = note(shaft, &[(1e-4, 100), (2e-4, 110)]).unwrap();
+        assert!(near.contains("in 2 planes"), "two planes too close for a couple: {near}");
+        let rigid = "mass = 6\ndiametral_inertia = 0.03\npolar_inertia = 0.006";
+        assert_eq!(note(rigid, &[(1e-4, 100), (3e-4, 200), (2e-4, 400)]), None);
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::scene::{Direction, Probe};
 
-/// Two radial probes at one station that are not parallel, with the matrix from their readings to X and Y.
+/// Two radial probes at one station, or at the same coordinates of a `[system]`, that are not parallel, with the matrix from their readings to X and Y.
 #[derive(Debug, Clone)]
 pub struct Plane {
     /// Indices of the two probes.
@@ -12,27 +12,28 @@ pub struct Plane {
     inverse: [[f64; 2]; 2],
 }
 
-/// Returns the planes of the radial probes: at each station the first two probes that are not parallel.
+/// Returns the planes of the radial probes: at each station, or coordinates, the first two probes that are not parallel.
 #[must_use]
 pub fn planes(probes: &[Probe]) -> Vec<Plane> {
-    let radial: Vec<(usize, f64, f64)> = probes
+    let radial: Vec<(usize, &Probe, f64)> = probes
         .iter()
         .enumerate()
         .filter_map(|(i, p)| match p.direction {
-            Direction::Radial(angle) => Some((i, p.station, angle)),
+            Direction::Radial(angle) => Some((i, p, angle)),
             Direction::Axial => None,
         })
         .collect();
+    let is_beside = |a: &Probe, b: &Probe| (a.station - b.station).abs() < 1e-9 && a.coordinates == b.coordinates;
     let mut planes: Vec<Plane> = Vec::new();
-    for (n, &(i, station, a)) in radial.iter().enumerate() {
-        if planes.iter().any(|p| (p.station - station).abs() < 1e-9) {
+    for (n, &(i, probe, a)) in radial.iter().enumerate() {
+        if planes.iter().any(|plane| is_beside(&probes[plane.probes[0]], probe)) {
             continue;
         }
-        let partner = radial[n + 1..].iter().find(|(_, z, b)| (z - station).abs() < 1e-9 && (b - a).sin().abs() > 0.1);
+        let partner = radial[n + 1..].iter().find(|(_, other, b)| is_beside(other, probe) && (b - a).sin().abs() > 0.1);
         if let Some(&(k, _, b)) = partner {
             let det = (b - a).sin();
             let inverse = [[b.sin() / det, -a.sin() / det], [-b.cos() / det, a.cos() / det]];
-            planes.push(Plane { probes: [i, k], station, inverse });
+            planes.push(Plane { probes: [i, k], station: probe.station, inverse });
         }
     }
     planes

@@ -14,7 +14,15 @@ const MOST_MEMORY: u64 = 1 << 30;
 
 pub(super) fn probe(column: &str, metres_per_unit: f64) -> Probe {
     let direction = Direction::Radial(0.0);
-    Probe { column: column.into(), metres_per_unit, station: 0.0, direction, noise: None, offset: 0.0 }
+    Probe {
+        column: column.into(),
+        metres_per_unit,
+        station: 0.0,
+        coordinates: None,
+        direction,
+        noise: None,
+        offset: 0.0,
+    }
 }
 
 /// Columns in metres at 1 kHz.

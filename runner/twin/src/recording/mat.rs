@@ -28,6 +28,9 @@ const LARGEST: u64 = 1 << 30;
 /// Largest compression ratio of deflate.
 const TIGHTEST: u64 = 1032;
 
+/// Class of sparse matrices.
+const SPARSE: u32 = 5;
+
 /// Types of elements.
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
@@ -42,6 +45,22 @@ struct Vectors {
     rows: u64,
     row: u64,
     bytes_read: u64,
+}
+
+/// Location of a sparse matrix.
+struct Sparse {
+    element: Element,
+    /// Bytes of the variable before its row numbers.
+    before: u64,
+    big_endian: bool,
+    rows: usize,
+    columns: usize,
+}
+
+/// A matrix of a file.
+enum Matrix {
+    Full(Vector),
+    Sparse(Sparse),
 }
 
 /// Location of the numbers of a variable.
@@ -66,7 +85,8 @@ struct Element {
 
 /// Opens a file.
 pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
-    let (names, all) = list(&mut file, |vector| vector.is_vector).map_err(|cause| wrong(path, &cause))?;
+    let wanted = |bytes: Bytes<'_>, element| Ok(vector(bytes, element)?.filter(|(_, vector)| vector.is_vector));
+    let (names, all) = list(&mut file, wanted).map_err(|cause| wrong(path, &cause))?;
     let (path, selected) = (path.into(), Vec::new());
     Ok(Box::new(Vectors { path, file, names, all, selected, rows: 0, row: 0, bytes_read: 0 }))
 }
@@ -83,8 +103,11 @@ fn refuse(found: impl Into<String>) -> io::Error {
     io::Error::other(found.into())
 }
 
-/// Names and places of all arrays of numbers that are wanted.
-fn list(file: &mut File, is_wanted: impl Fn(&Vector) -> bool) -> io::Result<(Vec<String>, Vec<Vector>)> {
+/// Names of the variables that `read` finds in their first bytes, with what it returns.
+fn list<V>(
+    file: &mut File,
+    read: impl Fn(Bytes<'_>, Element) -> io::Result<Option<(String, V)>>,
+) -> io::Result<(Vec<String>, Vec<V>)> {
     let size = file.metadata()?.len();
     let mut header = [0; HEADER as usize];
     file.read_exact(&mut header)?;
@@ -103,10 +126,9 @@ fn list(file: &mut File, is_wanted: impl Fn(&Vector) -> bool) -> io::Result<(Vec
         if element.length > 0 && (element.kind == MATRIX || element.kind == COMPRESSED) {
             let mut about = Vec::new();
             element.open(file)?.take(ABOUT).read_to_end(&mut about)?;
-            let found = vector(Bytes { rest: &about, big_endian }, element)?;
-            if let Some((name, vector)) = found.filter(|(_, vector)| is_wanted(vector)) {
+            if let Some((name, variable)) = read(Bytes { rest: &about, big_endian }, element)? {
                 names.push(name);
-                all.push(vector);
+                all.push(variable);
             }
         }
     }
@@ -145,32 +167,48 @@ impl Element {
     }
 }
 
-/// Name and numbers of a variable; nothing where it is no array of real numbers.
-fn vector(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, Vector)>> {
-    let all = bytes.rest.len();
+/// Class, lengths and name of an array.
+struct Head {
+    class: u32,
+    is_complex: bool,
+    lengths: Vec<u32>,
+    name: String,
+}
+
+/// Reads the head of a variable; nothing where it is no array.
+fn head(bytes: &mut Bytes<'_>, element: Element) -> io::Result<Option<Head>> {
     if element.kind == COMPRESSED {
         let (kind, _length) = (bytes.u32()?, bytes.u32()?);
         if kind != MATRIX {
             return Ok(None);
         }
     }
-    let (_, flags) = part(&mut bytes)?;
-    let flags = Bytes { rest: flags, ..bytes }.u32()?;
-    let (complex, class) = (flags & 0x800 != 0, flags & 0xff);
-    if complex || !(6..=15).contains(&class) {
+    let (_, flags) = part(bytes)?;
+    let flags = Bytes { rest: flags, ..*bytes }.u32()?;
+    let (is_complex, class) = (flags & 0x800 != 0, flags & 0xff);
+    if class != SPARSE && !(6..=15).contains(&class) {
         return Ok(None);
     }
-    let (_, dimensions) = part(&mut bytes)?;
-    let mut dimensions = Bytes { rest: dimensions, ..bytes };
-    let (mut count, mut long, mut rows) = (1_u64, 0, None);
+    let (_, dimensions) = part(bytes)?;
+    let mut dimensions = Bytes { rest: dimensions, ..*bytes };
+    let mut lengths = Vec::new();
     while !dimensions.rest.is_empty() {
-        let length = dimensions.u32()?;
-        count = count.saturating_mul(length.into());
-        long += u32::from(length > 1);
-        rows.get_or_insert(u64::from(length));
+        lengths.push(dimensions.u32()?);
     }
-    let (_, name) = part(&mut bytes)?;
-    let name = String::from_utf8_lossy(name).into_owned();
+    let (_, name) = part(bytes)?;
+    Ok(Some(Head { class, is_complex, lengths, name: String::from_utf8_lossy(name).into_owned() }))
+}
+
+/// Name and numbers of a variable; nothing where it is no full array of real numbers.
+fn vector(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, Vector)>> {
+    let all = bytes.rest.len();
+    let Some(Head { name, lengths, .. }) =
+        head(&mut bytes, element)?.filter(|head| !head.is_complex && head.class != SPARSE)
+    else {
+        return Ok(None);
+    };
+    let count = lengths.iter().fold(1_u64, |count, length| count.saturating_mul((*length).into()));
+    let (long, rows) = (lengths.iter().filter(|length| **length > 1).count(), lengths.first().copied().map(u64::from));
     let (kind, length) = part_head(&mut bytes)?;
     let number = number(kind, bytes.big_endian).filter(|_| long <= 2 && count > 0 && !name.is_empty());
     let Some(number) = number else { return Ok(None) };
@@ -217,17 +255,37 @@ fn number(kind: u32, big_endian: bool) -> Option<Number> {
     Some(Number::new(kind, bytes, big_endian))
 }
 
-/// Reads the first of these variables that a file has, as a matrix.
+/// Name and place of a sparse matrix of real numbers; nothing where a variable is none.
+fn sparse(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, Sparse)>> {
+    let all = bytes.rest.len();
+    let found = head(&mut bytes, element)?.filter(|head| !head.is_complex && head.class == SPARSE);
+    let Some(Head { name, lengths, .. }) = found else { return Ok(None) };
+    let [rows, columns] = lengths.as_slice() else { return Ok(None) };
+    let (rows, columns) = (*rows as usize, *columns as usize);
+    let before = (all - bytes.rest.len()) as u64;
+    Ok(Some((name, Sparse { element, before, big_endian: bytes.big_endian, rows, columns })))
+}
+
+/// Reads the first of these variables that a file has, as a matrix with up to `most` rows and columns.
 ///
 /// # Errors
-/// No MATLAB file of version 5, none of the variables; a file that is cut short.
-pub fn matrix(path: &Path, variables: &[&str]) -> io::Result<DMatrix<f64>> {
+/// No MATLAB file of version 5, none of the variables, a larger matrix; a file that is cut short.
+pub fn matrix(path: &Path, variables: &[&str], most: usize) -> io::Result<DMatrix<f64>> {
     let mut file = File::open(path)?;
-    let (names, all) = list(&mut file, |_| true)?;
+    let (names, all) = list(&mut file, |bytes, element| {
+        Ok(match sparse(bytes, element)? {
+            Some((name, found)) => Some((name, Matrix::Sparse(found))),
+            None => vector(bytes, element)?.map(|(name, found)| (name, Matrix::Full(found))),
+        })
+    })?;
     let place = variables.iter().find_map(|name| names.iter().position(|found| found == name));
-    let Some(vector) = place.and_then(|place| all.get(place)) else {
-        let found = names.join(", ");
-        return Err(refuse(format!("no full matrix {} among its variables: {found}", variables.join(" or "))));
+    let vector = match place.and_then(|place| all.get(place)) {
+        Some(Matrix::Full(vector)) => vector,
+        Some(Matrix::Sparse(sparse)) => return sparse.load(&mut file, most),
+        None => {
+            let found = names.join(", ");
+            return Err(refuse(format!("no matrix {} among its variables: {found}", variables.join(" or "))));
+        }
     };
     let (number, bytes) = vector.load(&mut file)?;
     if vector.count * 8 > LARGEST {
@@ -236,7 +294,53 @@ pub fn matrix(path: &Path, variables: &[&str]) -> io::Result<DMatrix<f64>> {
     let size = usize::from(number.bytes);
     let values: Vec<f64> = bytes.chunks_exact(size).map(|bytes| number.read(bytes)).collect();
     let rows = vector.rows as usize;
-    Ok(DMatrix::from_column_slice(rows, values.len() / rows.max(1), &values))
+    let columns = values.len() / rows.max(1);
+    if rows.max(columns) > most {
+        return Err(too_large(rows, columns, most));
+    }
+    Ok(DMatrix::from_column_slice(rows, columns, &values))
+}
+
+fn too_large(rows: usize, columns: usize, most: usize) -> io::Error {
+    refuse(format!("a matrix of {rows} x {columns}, more than {most} rows or columns"))
+}
+
+impl Sparse {
+    /// Reads the matrix: the row of each element, the first element of each column, the elements.
+    fn load(&self, file: &mut File, most: usize) -> io::Result<DMatrix<f64>> {
+        let (rows, columns) = (self.rows, self.columns);
+        if rows.max(columns) > most {
+            return Err(too_large(rows, columns, most));
+        }
+        // A row number and a value for each element, columns, and three heads with what fills them up.
+        let longest = self.before + 12 * (rows * columns) as u64 + 4 * columns as u64 + 64;
+        let mut bytes = Vec::new();
+        self.element.open(file)?.take(longest).read_to_end(&mut bytes)?;
+        let mut bytes = Bytes { rest: &bytes, big_endian: self.big_endian };
+        bytes.take(self.before)?;
+        let mut numbers = || -> io::Result<Vec<f64>> {
+            let (kind, bytes_of) = part(&mut bytes)?;
+            let number = number(kind, self.big_endian).ok_or_else(|| refuse("a sparse matrix of no numbers"))?;
+            Ok(bytes_of.chunks_exact(number.bytes.into()).map(|bytes| number.read(bytes)).collect())
+        };
+        let (row_of, first_of, values) = (numbers()?, numbers()?, numbers()?);
+        let mut matrix = DMatrix::zeros(rows, columns);
+        let wrong = || refuse(format!("a sparse matrix of {rows} x {columns} with an element outside"));
+        if first_of.len() != columns + 1 {
+            return Err(wrong());
+        }
+        let index = |number: f64| (number >= 0.0).then_some(number as usize);
+        for (column, ends) in first_of.windows(2).enumerate() {
+            let range = index(ends[0]).zip(index(ends[1])).map(|(from, to)| from..to);
+            let elements = range.and_then(|range| row_of.get(range.clone()).zip(values.get(range)));
+            let (row_of, values) = elements.ok_or_else(wrong)?;
+            for (row, value) in row_of.iter().zip(values) {
+                let entry = index(*row).and_then(|row| matrix.get_mut((row, column)));
+                *entry.ok_or_else(wrong)? += value;
+            }
+        }
+        Ok(matrix)
+    }
 }
 
 impl Vector {

@@ -104,7 +104,7 @@ impl Pipeline<'_> {
             compared: self.comparison.compared,
             rate_hz: self.rate,
             angle_source: facts.angle_source,
-            load: scene.rotor.as_ref().map_or([0.0; 5], |rotor| rotor.load),
+            load: load(scene),
             spectra: self.comparison.spectra.settings(self.rate),
             ..self.totals.record()
         };
@@ -147,7 +147,7 @@ impl Pipeline<'_> {
             rows: facts.rows,
             rate: self.rate,
             angle_source: facts.angle_source,
-            load: scene.rotor.as_ref().map_or([0.0; 5], |rotor| rotor.load),
+            load: load(scene),
             timing: self.timing.finish(),
         });
         let events = self.limits.finish();
@@ -181,9 +181,7 @@ impl Pipeline<'_> {
             );
         }
         notes.extend(self.alignment.note(self.rate));
-        if !self.location.observation().supplied_by_twin.is_empty() {
-            notes.push("No axial probe: the axial position behind the measured forces is the twin's.".to_owned());
-        }
+        notes.extend(self.location.note().map(str::to_owned));
         if self.probes.iter().any(|p| p.noise.is_none()) {
             notes.push(
                 "Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band."
@@ -197,4 +195,10 @@ impl Pipeline<'_> {
         }
         notes
     }
+}
+
+/// Returns the constant load on the rotor of a scene; not a number where a `[system]` has it on its coordinates.
+fn load(scene: &Scene) -> [f64; 5] {
+    let none = if scene.system.is_some() { f64::NAN } else { 0.0 };
+    scene.rotor.as_ref().map_or([none; 5], |rotor| rotor.load)
 }

@@ -3,7 +3,6 @@
 use super::statistics::Running;
 use crate::outcome::{BearingOrders, BearingOutcome, ForceFigures};
 use crate::plant::MountedBearing;
-use crate::probes::PoseSolver;
 use crate::recording::status::SampleStatus;
 use crate::scene::Probe;
 use ballrace::bearing::{Bearing, LastValidWrench};
@@ -105,7 +104,8 @@ impl ForceStage {
         &self.evaluated
     }
 
-    /// Adds the forces of bearing `i` to its sums, with the noise band where `noise` gives one; returns the forces and the load
+    /// Adds the forces of bearing `i` to its sums, with the noise band where `noise` gives the probes and the change of the displacement
+    /// per metre of the reading of each; returns the forces and the load
     /// on element 1.
     pub(super) fn accumulate(
         &mut self,
@@ -113,12 +113,12 @@ impl ForceStage {
         bearing: &MountedBearing,
         displacements: &Displacements,
         at: &BearingKinematicState<f64>,
-        noise: Option<(&PoseSolver, &[Probe])>,
+        noise: Option<(&[Probe], impl Fn(usize) -> Displacement<f64>)>,
     ) -> Option<(&EvaluatedForce, f64)> {
         let (force, forces) = (self.evaluated.get_mut(i)?, self.bearings.get_mut(i)?);
-        if let Some((solver, probes)) = noise
+        if let Some((probes, column)) = noise
             && !force.status.is_held()
-            && let Some(sigma) = noise_band(bearing, solver, probes, &displacements.measured, at)
+            && let Some(sigma) = noise_band(bearing, probes, column, &displacements.measured, at)
         {
             force.sigma = sigma;
         }
@@ -293,14 +293,15 @@ pub fn element_loads(
     bearing.azimuths(at.cage).map(Phase::radians).zip(loads).collect()
 }
 
-/// Returns the standard deviation of the force due to independent probe noise; none where the noise of a probe is not given.
+/// Returns the standard deviation of the force due to independent probe noise; `column` is the change of the displacement per metre of
+/// the reading of a probe. None where the noise of a probe is not given.
 ///
 /// Each reading is moved by one standard deviation either way, and the larger change counts, so that the band also holds at the
 /// edge of contact, where the tangent is zero on one side.
 fn noise_band(
     bearing: &MountedBearing,
-    solver: &PoseSolver,
     probes: &[Probe],
+    column: impl Fn(usize) -> Displacement<f64>,
     displacement: &Displacement<f64>,
     at: &BearingKinematicState<f64>,
 ) -> Option<[f64; 5]> {
@@ -308,7 +309,7 @@ fn noise_band(
     let mut variance = [0.0; 5];
     for (i, probe) in probes.iter().enumerate() {
         let noise = probe.noise?;
-        let column = solver.column(i).at_station(bearing.station).to_array();
+        let column = column(i).to_array();
         let moved = |sign: f64| {
             let mut q = displacement.to_array();
             for (x, c) in q.iter_mut().zip(column) {

@@ -55,10 +55,14 @@ pub fn planes(planes: &[Plane], pictures: &Pictures, sense: f64) -> Vec<PlaneOut
     planes.iter().zip(&pictures.orbits).enumerate().map(of).collect()
 }
 
-/// Returns the clearance of the bearing nearest to each plane, where the scene gives it.
+/// Returns the clearance of the bearing nearest to each plane, where the scene gives it and has stations.
 #[must_use]
 pub fn clearances(scene: &Scene, planes: &[Plane]) -> Vec<Option<Clearance>> {
-    planes.iter().map(|plane| clearance(&scene.bearings, plane.station)).collect()
+    let nearest = |plane: &Plane| match scene.system {
+        Some(_) => None,
+        None => clearance(&scene.bearings, plane.station),
+    };
+    planes.iter().map(nearest).collect()
 }
 
 fn clearance(bearings: &[Bearing], station: f64) -> Option<Clearance> {

@@ -63,7 +63,7 @@ use crate::baseline::Baseline;
 use crate::diagnosis::set_cages;
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::Outcome;
-use crate::plant::{Plant, only_observable};
+use crate::plant::{Plant, only_observable, unbalance_note};
 use crate::recording::Reader;
 use crate::recording::clock::check_rate;
 use crate::scene::Scene;
@@ -90,7 +90,8 @@ pub fn open<'a>(scene: &'a Scene, file: Option<&'a Path>) -> Result<(Reader<'sta
 ///
 /// # Errors
 /// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
-pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
+pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
+    let scene = given;
     let Some(recording) = &scene.recording else {
         return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
@@ -128,7 +129,8 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         set_cages(&mut scene, &diagnosis.cages);
     }
     let mut replay = Replay::try_new(&scene, reader.rate(), options)?;
-    replay.set_calibration(calibration);
+    let note = unbalance_note(given).filter(|_| calibration.is_some());
+    replay.set_calibration(calibration, note);
     if let (true, Some(diagnosis)) = (ahead.is_whole, diagnosed) {
         replay.set_diagnosis(diagnosis);
     }

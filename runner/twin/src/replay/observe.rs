@@ -25,6 +25,8 @@ pub(super) struct ObserverStage {
     tuned: Option<TunedObserver>,
     running: Option<RunningObserver>,
     innovations: Innovations,
+    /// The unknown load acts on the centre of mass of a rotor; on the coordinates of a given system it has no resultant.
+    has_resultant: bool,
 }
 
 /// Result of the observer at one sample.
@@ -35,8 +37,8 @@ pub(super) struct ObserverSample {
 }
 
 impl ObserverStage {
-    pub(super) fn new(rows: Vec<Vec<f64>>) -> Self {
-        Self { rows, tuned: None, running: None, innovations: Innovations::default() }
+    pub(super) fn new(rows: Vec<Vec<f64>>, has_resultant: bool) -> Self {
+        Self { rows, tuned: None, running: None, innovations: Innovations::default(), has_resultant }
     }
 
     /// Sets the observer that the search found.
@@ -82,7 +84,7 @@ impl ObserverStage {
             let axial = q.get(AXIAL).copied().unwrap_or_default();
             range.allows(rows.iter().map(|row| reading(row, q)), axial)
         };
-        let restart_state = || (location.displaced(twin.coordinates(), rows), twin.rates().to_vec());
+        let restart_state = || (location.displaced(twin.coordinates()), twin.rates().to_vec());
         let (flags, correction) = running.step(interval.motion(), location.readings(), is_possible, restart_state);
         let mut status = SampleStatus::from(flags);
         if let Some(correction) = correction {
@@ -95,7 +97,7 @@ impl ObserverStage {
                 });
             }
         }
-        if let Some(load) = running.load() {
+        if let Some(load) = running.load().filter(|_| self.has_resultant) {
             self.innovations.add_load(load);
         }
         status = status.and(untrusted.when(running.coordinates().is_none()));
@@ -147,6 +149,7 @@ impl Innovations {
         let band = QUANTILE_99 * (2.0 * expected / self.squares.count().max(1.0)).sqrt();
         let (mean, bounds) = (self.squares.mean(), [expected - band, expected + band]);
         let rms_about_mean = |r: &Running| (r.rms().powi(2) - r.mean().powi(2)).max(0.0).sqrt();
+        let known = |r: &Running, x: f64| if r.count() > 0.0 { x } else { f64::NAN };
         Some(ObserverOutcome {
             nis_mean: mean,
             nis_expected: expected,
@@ -158,8 +161,8 @@ impl Innovations {
             distrusted_samples: self.distrusted,
             wander_n_per_root_s: tuned.process_noise,
             noise_um: tuned.noise.iter().map(|n| n * UM).collect(),
-            unknown_load_mean: self.load.each_ref().map(Running::mean),
-            unknown_load_rms: self.load.each_ref().map(rms_about_mean),
+            unknown_load_mean: self.load.each_ref().map(|r| known(r, r.mean())),
+            unknown_load_rms: self.load.each_ref().map(|r| known(r, rms_about_mean(r))),
         })
     }
 }
@@ -181,12 +184,14 @@ pub(super) fn sentence(observer: &ObserverOutcome) -> String {
             observer.gate
         ),
     };
+    let force = (x * x + y * y + z * z).sqrt();
+    let unknown = if force.is_nan() {
+        String::new()
+    } else {
+        format!("; the unknown force on the rotor is {force:.2} N rms about its mean")
+    };
     format!(
-        "Observer: the innovations are {judged} (mean normalised square {:.2}, expected {:.0}, 99 % range {:.2} to {:.2}); the unknown force on the rotor is {:.2} N rms about its mean.{distrusted} --forces writes the estimated forces.",
-        observer.nis_mean,
-        observer.nis_expected,
-        observer.nis_bounds[0],
-        observer.nis_bounds[1],
-        (x * x + y * y + z * z).sqrt()
+        "Observer: the innovations are {judged} (mean normalised square {:.2}, expected {:.0}, 99 % range {:.2} to {:.2}){unknown}.{distrusted} --forces writes the estimated forces.",
+        observer.nis_mean, observer.nis_expected, observer.nis_bounds[0], observer.nis_bounds[1],
     )
 }

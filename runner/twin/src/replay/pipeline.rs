@@ -27,9 +27,9 @@ use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
-use crate::error::{Error, Result};
-use crate::plant::{AXIAL, MountedBearing, Plant, only_observable};
-use crate::probes::{self, Plane, PoseSolver};
+use crate::error::Result;
+use crate::plant::{AXIAL, MOST_OBSERVED, Plant, only_observable, unbalance_note};
+use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
 use crate::scene::{Probe, Scene, Speed};
@@ -105,6 +105,7 @@ impl<'a> Pipeline<'a> {
         only_observable(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
         let mut notes = plant.notes.clone();
+        notes.extend(unbalance_note(scene));
         notes.extend(effect_significance::describe(
             &effect_significance::at_rest(scene, &plant)?,
             options.error.unwrap_or(effect_significance::GOOD_ENOUGH),
@@ -124,8 +125,6 @@ impl<'a> Pipeline<'a> {
             cancelled: Arc::new(AtomicBool::new(false)),
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
-        let stations: Vec<f64> = bearings.iter().map(|b| b.station).collect();
-        let solver = PoseSolver::try_new(probes, &stations).map_err(Error::in_file(&scene.path))?;
         let planes = probes::planes(probes);
         let baseline =
             options.baseline.map(|path| Baseline::read(path, probes, &followed_orders(bearings))).transpose()?;
@@ -140,8 +139,8 @@ impl<'a> Pipeline<'a> {
             startup: Startup::new(search, options.live),
             alignment: AlignmentStage::default(),
             twin: TwinStage::new(plant.clone(), rate),
-            location: LocationStage::new(solver),
-            observer: ObserverStage::new(rows.clone()),
+            location: LocationStage::try_new(scene, &plant, probes, rows.clone())?,
+            observer: ObserverStage::new(rows.clone(), !plant.layout.is_given()),
             force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.len()),
             block: Block::default(),
@@ -242,12 +241,18 @@ impl<'a> Pipeline<'a> {
     /// Applies the result of the search.
     fn start(&mut self, found: SearchResult) {
         if found.tuned.is_none() {
+            let order = self.plant.layout.order;
             let note = if self.startup.is_cancelled() {
                 "Stopped before the observer was found: forces at the observer's position are those at the twin's."
+                    .to_owned()
+            } else if order > MOST_OBSERVED {
+                format!(
+                    "No observer: the system has {order} coordinates, more than {MOST_OBSERVED}. Forces come from the displacement that the probes show."
+                )
             } else {
-                "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter (an axial probe or an axial stiffness is missing). Forces come from the displacement that the probes show."
+                "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter (an axial probe or an axial stiffness is missing). Forces come from the displacement that the probes show.".to_owned()
             };
-            self.notes.push(note.to_owned());
+            self.notes.push(note);
         }
         self.alignment = AlignmentStage::new(found.lag);
         self.observer.set_tuned(found.tuned);
@@ -324,13 +329,13 @@ impl<'a> Pipeline<'a> {
         all.clear();
         let (twin, observer) = (self.twin.coordinates(), self.observer.coordinates());
         let axial = twin.get(AXIAL).copied().unwrap_or_default();
-        let straight = self.location.displacement(axial);
-        let of = |(i, bearing): (usize, &MountedBearing)| Displacements {
-            measured: straight.at_station(bearing.station),
+        let position = self.location.position(twin, axial);
+        let of = |i: usize| Displacements {
+            measured: position.at_bearing(&self.plant, i),
             twin: self.plant.displacement(i, twin),
             observer: observer.map(|q| self.plant.displacement(i, q)),
         };
-        all.extend(self.plant.bearings.iter().enumerate().map(of));
+        all.extend((0..self.plant.bearings.len()).map(of));
         all
     }
 
@@ -379,7 +384,8 @@ impl<'a> Pipeline<'a> {
             let all = self.plant.bearings.iter().zip(self.twin.parts()).zip(displacements);
             for (i, ((bearing, &parts), displacements)) in all.enumerate() {
                 let at = bearing.rotation(parts, &shaft);
-                let noise = with_noise.then_some((self.location.solver(), self.probes));
+                let noise =
+                    with_noise.then_some((self.probes, |probe: usize| self.location.column(&self.plant, i, probe)));
                 let Some((force, first_load)) = self.force.accumulate(i, bearing, displacements, &at, noise) else {
                     continue;
                 };

@@ -3,7 +3,8 @@
 //! A bearing reaches its limit in a direction where its most loaded element has the contact pressure of the static limit of
 //! ISO 76 (clearance plus elastic deflection), or, where contact pressures are not known, where its force is
 //! `LARGEST_FORCE` times the loads on the rotor. A rigid shaft between two bearings cannot be farther from zero than
-//! their limits allow at the probe's station. `MARGIN` leaves room for zero errors and damaged races.
+//! their limits allow at the probe's station. `MARGIN` leaves room for zero errors and damaged races. Probes of a `[system]` have no
+//! station: nothing bounds them.
 
 use super::notices::Notices;
 use crate::plant::{MountedBearing, PRESSURE_LIMIT, Plant};
@@ -51,6 +52,18 @@ impl ReadingRange {
     /// # Errors
     /// A bearing geometry that the kernel rejects.
     pub fn try_new(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Result<Self, BuildError> {
+        let new = |largest: Vec<f64>, axial: f64| Self {
+            axial,
+            names: probes.iter().map(|p| p.column.clone()).collect(),
+            runs: vec![0; largest.len()],
+            outside: vec![0; largest.len()],
+            readings: vec![0; largest.len()],
+            largest,
+            ledger: FlawLedger::default(),
+        };
+        if plant.layout.is_given() {
+            return Ok(new(vec![f64::INFINITY; probes.len()], f64::INFINITY));
+        }
         let loads = loads(scene);
         let limits = scene.bearings.iter().zip(&plant.bearings).map(|(bearing, mounted)| {
             let geometry = build::geometry(bearing)?;
@@ -62,16 +75,8 @@ impl ReadingRange {
             Ok(Limit::new(plant, mounted, pressure_limit, LARGEST_FORCE * loads))
         });
         let limits = limits.collect::<Result<Vec<_>, BuildError>>()?;
-        let largest: Vec<f64> = probes.iter().map(|probe| MARGIN * at_probe(&limits, probe)).collect();
-        Ok(Self {
-            axial: unseen_axial(plant, probes, loads),
-            names: probes.iter().map(|p| p.column.clone()).collect(),
-            runs: vec![0; largest.len()],
-            outside: vec![0; largest.len()],
-            readings: vec![0; largest.len()],
-            largest,
-            ledger: FlawLedger::default(),
-        })
+        let largest = probes.iter().map(|probe| MARGIN * at_probe(&limits, probe)).collect();
+        Ok(new(largest, unseen_axial(plant, probes, loads)))
     }
 
     /// Checks the readings of a row. A short run of readings out of range is removed from it; a longer one stays, flagged.

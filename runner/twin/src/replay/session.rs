@@ -198,9 +198,10 @@ impl<'a> Replay<'a> {
         self.pipeline.diagnosed = Some(diagnosis);
     }
 
-    /// Sets the calibration of the scene, for the baseline of the outcome.
-    pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>) {
+    /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.
+    pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>, note: Option<String>) {
         self.pipeline.calibration = calibration;
+        self.pipeline.notes.extend(note);
     }
 
     /// Ends the recording and returns the outcome. `flaws` are those that the reader found.

@@ -8,7 +8,7 @@ use super::align::{self, AlignmentStage};
 use super::range::ReadingRange;
 use crate::error::{Error, ObserverError, ReplayError, Result};
 use crate::observer::{IdentificationData, InitialState, TunedObserver, identify};
-use crate::plant::{Plant, RunIn, Twin};
+use crate::plant::{MOST_OBSERVED, Plant, RunIn, Twin};
 use crate::recording::Sample;
 use crate::scene::Speed;
 use std::collections::VecDeque;
@@ -270,7 +270,7 @@ impl Search {
 
     /// Finds the observer under which the first samples are the most likely.
     fn tune(&self, samples: &[Sample]) -> Result<Option<TunedObserver>> {
-        let Some(first) = samples.first() else { return Ok(None) };
+        let Some(first) = samples.first().filter(|_| self.plant.layout.order <= MOST_OBSERVED) else { return Ok(None) };
         let twin = self.run_in(first)?;
         let data = IdentificationData {
             samples,

@@ -97,12 +97,7 @@ fn content(path: &Path, variables: &[&str]) -> Result<DMatrix<f64>, MatrixProble
     let matrix = if bytes.starts_with(npy_header::MAGIC) {
         npy(&bytes)?
     } else if bytes.get(124..128).is_some_and(|end| matches!(end, [_, _, b'I', b'M'] | [_, _, b'M', b'I'])) {
-        let matrix = mat::matrix(path, variables).map_err(MatrixProblem::Matlab)?;
-        let (rows, columns) = matrix.shape();
-        if rows.max(columns) > MOST {
-            return Err(MatrixProblem::TooLarge { rows, columns });
-        }
-        matrix
+        mat::matrix(path, variables, MOST).map_err(MatrixProblem::Matlab)?
     } else {
         match std::str::from_utf8(&bytes) {
             Ok(text) if text.starts_with("%%MatrixMarket") => market(text)?,

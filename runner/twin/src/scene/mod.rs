@@ -314,7 +314,7 @@ pub struct SystemUnbalance {
     pub at: [usize; 2],
 }
 
-/// `coordinates` of a bearing on a system: which coordinate each of `u v w thu thv` is, from 1, negative where it counts
+/// `coordinates` of a bearing or a probe on a system: which coordinate each of `u v w thu thv` is, from 1, negative where it counts
 /// the other way, 0 where there is none.
 pub type Coordinates = [i64; 5];
 

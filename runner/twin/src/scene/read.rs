@@ -97,7 +97,7 @@ fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
         rotor: root.read("rotor", rotor::read)?,
         system: root.read("system", |n| system(n, root, path))?,
         bearings: bearings(root)?,
-        recording: root.read("recording", |n| recording(n, path))?,
+        recording: root.read("recording", |n| recording(n, path, root.has("system")))?,
         integration: root.read("integration", integration)?.unwrap_or_default(),
         observer: root.read("observer", observer)?.unwrap_or_default(),
         limits: root.read("limit", limits)?.unwrap_or_default(),
@@ -304,7 +304,7 @@ fn bearings(root: &Table<'_>) -> Read<Vec<Bearing>> {
 /// Columns that are already taken, with what takes them.
 type Taken = Vec<(String, &'static str)>;
 
-fn recording(node: &Node<'_>, scene: &Path) -> Read<Recording> {
+fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> {
     let table = node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed"])?;
     let wants = "the name of the recording, relative to the scene's folder";
     let file = table.required("file", wants)?.text(wants)?;
@@ -315,7 +315,7 @@ fn recording(node: &Node<'_>, scene: &Path) -> Read<Recording> {
         file: scene.parent().unwrap_or(Path::new("")).join(file),
         clock: clock(&table, &mut taken)?,
         sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
-        probes: if table.has("sensors") { vec![] } else { probes(&table, average, &mut taken)? },
+        probes: if table.has("sensors") { vec![] } else { probes(&table, average, on_system, &mut taken)? },
         rotation: rotation(&table, &mut taken)?,
     })
 }
@@ -339,7 +339,7 @@ fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
     }
 }
 
-fn probes(table: &Table<'_>, average: u32, taken: &mut Taken) -> Read<Vec<Probe>> {
+fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -> Read<Vec<Probe>> {
     let wants = "a list of at least one probe, such as \
                  { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }";
     let node = table.required("probes", wants)?;
@@ -347,7 +347,7 @@ fn probes(table: &Table<'_>, average: u32, taken: &mut Taken) -> Read<Vec<Probe>
     if list.is_empty() {
         return Err(node.refuse(wants));
     }
-    let mut probes: Vec<Probe> = list.iter().map(|node| probe(node, taken)).collect::<Read<_>>()?;
+    let mut probes: Vec<Probe> = list.iter().map(|node| probe(node, on_system, taken)).collect::<Read<_>>()?;
     // The scene gives the noise of one reading; the means of several have less.
     for noise in probes.iter_mut().filter_map(|probe| probe.noise.as_mut()) {
         *noise /= f64::from(average).sqrt();
@@ -384,31 +384,41 @@ fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
     Ok(Sensor { column, unit: unit.to_owned(), bearing })
 }
 
-fn probe(node: &Node<'_>, taken: &mut Taken) -> Read<Probe> {
-    let table = node.table(&["column", "unit", "station", "angle", "axial", "noise", "offset"])?;
+fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {
+    let table = node.table(&["column", "unit", "station", "coordinates", "angle", "axial", "noise", "offset"])?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a probe", taken)?;
     let metres_per_unit = unit(&table, units::length_column, "um, mil, mm or m")?;
     let noise = table.read("noise", |n| n.positive(Dimension::Length))?;
-    let (station, direction) =
-        if table.read("axial", Node::boolean)?.unwrap_or(false) { axial_probe(&table)? } else { radial_probe(&table)? };
+    let direction = direction(&table)?;
+    let station = probe_station(&table, direction, on_system)?;
+    let coordinates = bearing::coordinates(&table, "coordinates", on_system)?;
     let offset = table.read("offset", |n| n.quantity(Dimension::Length))?.unwrap_or(0.0);
-    Ok(Probe { column, metres_per_unit, station, direction, noise, offset })
+    Ok(Probe { column, metres_per_unit, station, coordinates, direction, noise, offset })
 }
 
-fn axial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
-    if let Some(angle) = table.optional("angle") {
-        return Err(angle.refuse("no angle with axial = true; remove one of the two"));
+fn direction(table: &Table<'_>) -> Read<Direction> {
+    if table.read("axial", Node::boolean)?.unwrap_or(false) {
+        return match table.optional("angle") {
+            Some(angle) => Err(angle.refuse("no angle with axial = true; remove one of the two")),
+            None => Ok(Direction::Axial),
+        };
     }
-    let station = table.read("station", |n| n.quantity(Dimension::Length))?;
-    Ok((station.unwrap_or(0.0), Direction::Axial))
+    let wants = format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.allowed(""));
+    Ok(Direction::Radial(table.required("angle", &wants)?.quantity(Dimension::Angle)?))
 }
 
-fn radial_probe(table: &Table<'_>) -> Read<(f64, Direction)> {
-    let wants = format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.allowed(""));
-    let angle = table.required("angle", &wants)?.quantity(Dimension::Angle)?;
-    let station = table.quantity("station", Dimension::Length)?;
-    Ok((station, Direction::Radial(angle)))
+fn probe_station(table: &Table<'_>, direction: Direction, on_system: bool) -> Read<f64> {
+    if on_system {
+        if let Some(station) = table.optional("station") {
+            return Err(station.refuse("not on a [system], whose coordinates define the position; remove it"));
+        }
+        return table.required("coordinates", bearing::COORDINATES).map(|_| 0.0);
+    }
+    match direction {
+        Direction::Radial(_) => table.quantity("station", Dimension::Length),
+        Direction::Axial => Ok(table.read("station", |n| n.quantity(Dimension::Length))?.unwrap_or(0.0)),
+    }
 }
 
 fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {

@@ -1,5 +1,6 @@
 //! The section `[recording]` of a scene: sampling, probes, sensors and the source of the shaft angle.
 
+use super::Coordinates;
 use std::borrow::Cow;
 use std::path::PathBuf;
 
@@ -36,14 +37,29 @@ pub struct Probe {
     pub column: String,
     /// SI metres for one unit of the column.
     pub metres_per_unit: f64,
-    /// m along Z from the rotor's centre of mass (0 for an axial probe when not given)
+    /// m along Z from the rotor's centre of mass (0 for an axial probe when not given, and on a `[system]`)
     pub station: f64,
+    /// `coordinates`: of the shaft at the probe, on a `[system]`
+    pub coordinates: Option<Coordinates>,
     /// Measured direction.
     pub direction: Direction,
     /// `noise`: rms, m, where given
     pub noise: Option<f64>,
     /// `offset`, m: reading with the shaft in the middle; subtracted from every reading
     pub offset: f64,
+}
+
+impl Probe {
+    /// Returns its reading per unit of each coordinate from the displacement `u v w thu thv` at the probe per unit of each.
+    #[must_use]
+    pub fn row(&self, displacement: &[Vec<f64>; 5]) -> Vec<f64> {
+        let [x, y, z] = match self.direction {
+            Direction::Axial => [0.0, 0.0, 1.0],
+            Direction::Radial(angle) => [angle.cos(), angle.sin(), 0.0],
+        };
+        let [u, v, w, ..] = displacement;
+        u.iter().zip(v).zip(w).map(|((u, v), w)| x * u + y * v + z * w).collect()
+    }
 }
 
 /// One sensor of vibration: housing acceleration, velocity or force.
@@ -67,6 +83,7 @@ impl Recording {
             column: sensor.column.clone(),
             metres_per_unit: 1.0,
             station: 0.0,
+            coordinates: None,
             direction: Direction::Axial,
             noise: None,
             offset: 0.0,

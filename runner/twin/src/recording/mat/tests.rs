@@ -92,3 +92,78 @@ fn measured_files() {
     let said = read_file(&path, &recording);
     assert!(said.is_ok() || said.is_err_and(|error| error.to_string().contains("`X097")));
 }
+
+/// Files that `scipy.io.savemat` wrote: `K`, `M`, `G`, `C` of five coordinates, sparse, and a full `F`.
+const SPARSE: [&[u8]; 2] = [include_bytes!("sparse.mat"), include_bytes!("sparse-packed.mat")];
+
+fn matrix(bytes: &[u8], name: &str) -> std::io::Result<nalgebra::DMatrix<f64>> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.mat");
+    std::fs::write(&path, bytes).unwrap();
+    super::matrix(&path, &[name], 4096)
+}
+
+#[test]
+fn sparse_matrices() {
+    for file in SPARSE {
+        let mass = matrix(file, "M").unwrap();
+        assert_eq!((mass.nrows(), mass.ncols(), mass[(0, 0)], mass[(1, 2)], mass[(4, 4)]), (5, 5, 2.25, 0.0, 6.0));
+        assert!((mass[(0, 1)] - 0.75).abs() < 1e-15 && mass.transpose() == mass);
+        let gyroscopic = matrix(file, "G").unwrap();
+        assert!((gyroscopic[(2, 0)] + 0.15).abs() < 1e-15 && (gyroscopic[(0, 2)] - 0.15).abs() < 1e-15);
+        assert!(matrix(file, "K").unwrap().iter().all(|x| *x == 0.0));
+        assert_eq!(matrix(file, "F").unwrap().shape(), (5, 1));
+        assert!(matrix(file, "B").unwrap_err().to_string().contains("no matrix B among its variables: K, M, G, C, F"));
+    }
+}
+
+/// A part of a file is an error, or the matrix where it is within the part; a changed byte is either too, and never a panic.
+#[test]
+fn sparse_matrices_cut_short_and_damaged() {
+    for file in SPARSE {
+        let mass = matrix(file, "M").unwrap();
+        for length in 0..file.len() {
+            if let Ok(found) = matrix(&file[..length], "M") {
+                assert_eq!(found, mass, "{length} bytes");
+            }
+        }
+        for at in 128..file.len() {
+            for value in [0, 1, 0x7f, 0xff] {
+                let mut damaged = file.to_vec();
+                damaged[at] = value;
+                drop(matrix(&damaged, "M"));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sparse_matrix_beyond_all_bounds() {
+    let int = |numbers: &[i32]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let sparse = |size: [i32; 2], rows: &[i32], firsts: &[i32], values: &[u8]| {
+        let parts = [
+            element(6, &[5, 0, 0, 0, 4, 0, 0, 0]),
+            element(5, &int(&size)),
+            element(1, b"M"),
+            element(5, &int(rows)),
+            element(5, &int(firsts)),
+            // Small numbers are stored in few bytes.
+            element(2, values),
+        ];
+        mat(&[element(14, &parts.concat())])
+    };
+    let good = matrix(&sparse([2, 2], &[0, 1], &[0, 1, 2], &[3, 4]), "M").unwrap();
+    assert_eq!(good.as_slice(), [3.0, 0.0, 0.0, 4.0]);
+    for (size, rows, firsts, values, said) in [
+        ([1 << 30, 1 << 30], &[0, 1][..], &[0, 1, 2][..], &[3, 4][..], "1073741824 x 1073741824, more than 4096"),
+        ([2, 2], &[0, 2], &[0, 1, 2], &[3, 4], "with an element outside"),
+        ([2, 2], &[0, -1], &[0, 1, 2], &[3, 4], "with an element outside"),
+        ([2, 2], &[0, 1], &[0, 1, 3], &[3, 4], "with an element outside"),
+        ([2, 2], &[0, 1], &[0, 2, 1], &[3, 4], "with an element outside"),
+        ([2, 2], &[0, 1], &[0, 1], &[3, 4], "with an element outside"),
+        ([2, 2], &[0, 1], &[0, 1, 2], &[3], "with an element outside"),
+    ] {
+        let error = matrix(&sparse(size, rows, firsts, values), "M").unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}

@@ -4,7 +4,15 @@ use crate::scene::{Direction, Probe};
 
 fn probe(column: &str) -> Probe {
     let direction = Direction::Radial(0.0);
-    Probe { column: column.into(), metres_per_unit: 1e-6, station: 0.0, direction, noise: None, offset: 0.0 }
+    Probe {
+        column: column.into(),
+        metres_per_unit: 1e-6,
+        station: 0.0,
+        coordinates: None,
+        direction,
+        noise: None,
+        offset: 0.0,
+    }
 }
 
 fn recording(clock: Clock) -> Recording {

@@ -12,6 +12,7 @@ fn probe(column: &str, angle: f64) -> Probe {
         column: column.to_owned(),
         metres_per_unit: 1e-6,
         station: 0.0,
+        coordinates: None,
         direction: Direction::Radial(angle),
         noise: None,
         offset: 0.0,

@@ -17,6 +17,7 @@ fn probes() -> Vec<Probe> {
         column: column.to_owned(),
         metres_per_unit: 1e-6,
         station: 0.0,
+        coordinates: None,
         direction: Direction::Radial(angle),
         noise: None,
         offset: 0.0,

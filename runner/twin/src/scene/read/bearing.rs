@@ -456,10 +456,12 @@ fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
     Ok(0.0)
 }
 
-const COORDINATES: &str = "5 numbers of coordinates, for the displacement along X, Y, Z and the tilt about X, Y: 1 is the \
+/// Allowed values of coordinates of a system.
+pub(super) const COORDINATES: &str = "5 numbers of coordinates, for the displacement along X, Y, Z and the tilt about X, Y: 1 is the \
                            first, a negative one counts the other way, 0 is none; such as [5, 6, 0, -8, 7]";
 
-fn coordinates(table: &Table<'_>, key: &str, on_system: bool) -> Read<Option<Coordinates>> {
+/// Reads coordinates of a system.
+pub(super) fn coordinates(table: &Table<'_>, key: &str, on_system: bool) -> Read<Option<Coordinates>> {
     let Some(node) = table.optional(key) else { return Ok(None) };
     if !on_system {
         return Err(node.refuse("only with a [system]; remove it"));
