@@ -11,7 +11,7 @@ use super::{Material, Prepared, Result};
 use crate::outcome::{
     CageOutcome, DiagnosisOutcome, Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind,
 };
-use crate::scene::{RotationSource, Scene};
+use crate::scene::RotationSource;
 use std::f64::consts::TAU;
 
 /// Deviations within which a normally distributed error lies in 95 of 100 cases.
@@ -26,9 +26,6 @@ const NOISE_ERROR: f64 = 0.01;
 const STIFFNESS_ERROR: f64 = 0.005;
 /// The same for depth and width of a spall: only their product shows well, and a real spall has no half-sine profile.
 const PROFILE_ERROR: f64 = 0.05;
-/// Angle between the unbalance found and that of the scene within which an error of a drawing explains the former as well, rad. Of
-/// unbalances in any direction, one in eighteen is within it.
-const SAME_DIRECTION: f64 = TAU / 36.0;
 /// Lines listed of an unexplained residual.
 const LISTED: usize = 5;
 
@@ -71,13 +68,6 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
     of.machine.bearings.iter().enumerate().map(estimate).collect()
 }
 
-/// Returns true where the unbalance of a rotor that bends has grown or shrunk in its own direction.
-fn is_drawing_suspect(scene: &Scene, healthy: &Machine, found: &Machine) -> bool {
-    let is_flexible = scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_some());
-    let ([a, b, ..], [x, y, ..]) = (healthy.unbalance, found.unbalance);
-    is_flexible && (a * y - b * x).atan2(a * x + b * y).abs() < SAME_DIRECTION && a.hypot(b) > 0.0
-}
-
 /// Returns the findings and figures of a diagnosis.
 pub(super) fn diagnosis(material: &Material, of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
@@ -111,12 +101,6 @@ pub(super) fn diagnosis(material: &Material, of: &Prepared, faults: &[Fault]) ->
         cages: reported.cages(&of.observable),
     };
     let mut notes = vec![];
-    if material.calibration.is_none() && is_drawing_suspect(material.scene, &of.healthy.machine, &last.machine) {
-        for finding in findings.iter_mut().filter(|finding| finding.kind == FindingKind::Unbalance) {
-            finding.confidence *= 0.5;
-            notes.push("The unbalance found has the direction of the scene's: a shaft or disks that are not as drawn change the motion at one speed in the same way. Its confidence is halved; a baseline of the machine in good order (--learn) separates the causes.".to_owned());
-        }
-    }
     let unseen: Vec<&str> = outcome.cages.iter().filter(|c| !c.observable).map(|c| c.bearing.as_str()).collect();
     if !unseen.is_empty() {
         notes.push(format!(
