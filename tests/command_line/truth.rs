@@ -128,18 +128,21 @@ fn the_observer_is_closer_than_the_displacement() {
     let all = [
         ("healthy", "healthy", 0.03),
         ("healthy", "healthy", 0.1),
-        ("healthy", "healthy", 0.3),
         ("healthy", "healthy", 1.0),
+        ("healthy", "healthy", 0.3),
         ("unbalanced", "unbalanced", 0.03),
         ("unbalanced", "unbalanced", 1.0),
-        ("outer-spall", "outer-spall", 0.03),
         ("outer-spall", "outer-spall", 1.0),
+        ("outer-spall", "outer-spall", 0.03),
         ("run-up", "run-up", 0.03),
         ("run-up", "run-up", 1.0),
-        ("unbalanced", "healthy", 0.03),
         ("unbalanced", "healthy", 1.0),
+        ("unbalanced", "healthy", 0.03),
     ];
-    let far: Vec<_> = all.iter().filter(|(name, scene, noise)| closer(name, scene, *noise)[0] < 3.0).collect();
+    // Usually every second one: each is replayed twice.
+    let step = if ballrace_tests::runs_all() { 1 } else { 2 };
+    let tried = all.iter().step_by(step);
+    let far: Vec<_> = tried.filter(|(name, scene, noise)| closer(name, scene, *noise)[0] < 3.0).collect();
     assert!(far.is_empty(), "not three times closer: {far:?}");
 }
 

@@ -1,0 +1,39 @@
+"""Python in the documents runs as it stands."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from conftest import ROOT
+
+DOCUMENTS = ["README.md", "docs/src/python.md", "runner/python/README.md"]
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_python_of_a_document(name: str) -> None:
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(), re.MULTILINE | re.DOTALL)
+    if name != "README.md":
+        assert blocks
+    # The workers of a cluster import the main program, which a text has not.
+    exec(compile("\n".join(blocks), name, "exec"), {"__name__": "document"})
+
+
+def test_notebook(tmp_path: Path) -> None:
+    path = ROOT / "docs/notebooks/first-machine.ipynb"
+    stored = nbformat.read(path, as_version=4)
+    run = NotebookClient(
+        nbformat.from_dict(stored), timeout=300, kernel_name="python3", resources={"metadata": {"path": tmp_path}}
+    ).execute()
+    texts = [_texts(notebook) for notebook in (stored, run)]
+    assert texts[0] == texts[1], "stored outputs are those of another version: BALLRACE_WRITE=1 writes them"
+
+
+def _texts(notebook: nbformat.NotebookNode) -> list[str]:
+    """Return the text that the cells print; times differ from run to run."""
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    return [output.text for output in outputs if output.output_type == "stream" and output.name == "stdout"]
