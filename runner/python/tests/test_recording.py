@@ -22,7 +22,7 @@ Columns = dict[str, np.ndarray]
 
 @pytest.fixture(scope="module")
 def short(recording: Columns) -> Columns:
-    return {name: values[:6400].copy() for name, values in recording.items()}
+    return {name: values[:3200].copy() for name, values in recording.items()}
 
 
 @pytest.fixture(scope="module")
@@ -91,11 +91,11 @@ def test_wrong_recordings(scene: ballrace.Scene, short: Columns) -> None:
     with pytest.raises(ballrace.RecordingError, match="equal length"):
         scene.replay({**short, "DE_X_um": short["DE_X_um"][:-1]})
     with pytest.raises(ballrace.InputError, match="column DE_X_um: values of type"):
-        scene.replay({**short, "DE_X_um": np.array(["a"] * 6400)})
+        scene.replay({**short, "DE_X_um": np.array(["a"] * 3200)})
     with pytest.raises(ballrace.InputError, match="one dimension"):
-        scene.replay({**short, "DE_X_um": np.zeros((6400, 2))})
+        scene.replay({**short, "DE_X_um": np.zeros((3200, 2))})
     with pytest.raises(ballrace.InputError, match="without named columns"):
-        scene.replay(np.zeros((6400, 5)))
+        scene.replay(np.zeros((3200, 5)))
     with pytest.raises(ballrace.InputError, match="expected a path"):
         scene.replay(17)
     with pytest.raises(ballrace.RecordingError, match="missing.csv: cannot be opened"):
