@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import SceneError
 from ._recording import RecordingLike, columns
 from ._results import Campbell, Equilibrium, Fit, Motion, Outcome, Sweep, Trade
 
@@ -49,14 +48,7 @@ class Scene:
         SceneError
             The first error in the file, with file, line, key, found and expected value.
         """
-        file = Path(path)
-        try:
-            text = file.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            found = error.strerror or "" if isinstance(error, OSError) else "bytes that are not UTF-8 text"
-            message = f"{file}: no readable file: {found}, expected a scene file"
-            raise SceneError(message, file=file, found=found, expected="a scene file") from error
-        return cls.from_toml(text, path=file)
+        return cls(_native.Scene.read(os.fspath(path)))
 
     @classmethod
     def from_toml(cls, text: str, path: Path_ = "scene.toml") -> Scene:
@@ -304,6 +296,9 @@ class Scene:
             force_source,
         )
         return Outcome(native, json.loads(native.json()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Scene.from_toml, (self.text, str(self.path))
 
     def __repr__(self) -> str:
         return f"<ballrace.Scene {self.name}: bearings {', '.join(self.bearing_names)}>"

@@ -4,6 +4,7 @@ use crate::array::{checked, read, write};
 use crate::error::{exception, wrong_argument};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase, Status};
+use ballrace_twin::error::Error;
 use ballrace_twin::force::{BearingForce, MathBackend, Precision, bearing_model};
 use ballrace_twin::handle::AnyBearing;
 use ballrace_twin::scene::build::rotation_at;
@@ -41,27 +42,32 @@ impl Bearing {
     }
 
     fn force_of(&self, py: Python<'_>, choice: Choice) -> PyResult<Arc<BearingForce>> {
-        let mut built = self.forces.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, force)) = built.iter().find(|(own, _)| *own == choice) {
-            return Ok(force.clone());
-        }
         let (model, precision, math) = choice;
-        let force = py.detach(|| BearingForce::try_new(&self.scene, &self.bearing, model, (precision, math)));
-        let force = Arc::new(force.map_err(|e| exception(py, e))?);
-        built.push((choice, force.clone()));
-        Ok(force)
+        let build = || BearingForce::try_new(&self.scene, &self.bearing, model, (precision, math)).map(Arc::new);
+        kept(py, &self.forces, choice, build)
     }
 
     fn model_of(&self, py: Python<'_>, model: Model) -> PyResult<AnyBearing<f64>> {
-        let mut built = self.models.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, bearing)) = built.iter().find(|(own, _)| *own == model) {
-            return Ok(bearing.clone());
-        }
-        let bearing = py.detach(|| bearing_model(&self.scene, &self.bearing, model));
-        let bearing = bearing.map_err(|e| exception(py, e))?;
-        built.push((model, bearing.clone()));
-        Ok(bearing)
+        kept(py, &self.models, model, || bearing_model(&self.scene, &self.bearing, model))
     }
+}
+
+/// Returns what is kept under `key`, or builds it without the interpreter. The lock is not held meanwhile: a thread that waits for it
+/// holds the interpreter, which the building thread needs at its end.
+fn kept<K: Copy + PartialEq + Send, V: Clone + Send>(
+    py: Python<'_>,
+    all: &Mutex<Vec<(K, V)>>,
+    key: K,
+    build: impl FnOnce() -> Result<V, Error> + Send,
+) -> PyResult<V> {
+    let lock = || all.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = lock().iter().find(|(own, _)| *own == key).map(|(_, value)| value.clone());
+    if let Some(value) = found {
+        return Ok(value);
+    }
+    let value = py.detach(build).map_err(|e| exception(py, e))?;
+    lock().push((key, value.clone()));
+    Ok(value)
 }
 
 /// Angles of the cage or times: none, one for all displacements, or one for each.

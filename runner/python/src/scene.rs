@@ -15,13 +15,14 @@ use ballrace_twin::plant::Plant;
 use ballrace_twin::replay::{Options, Source as ForceSource, replay};
 use ballrace_twin::scene::build::pick;
 use ballrace_twin::scene::edit::{put, value_of_json};
-use ballrace_twin::scene::read::read_str;
+use ballrace_twin::scene::read::{load, read_str};
 use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::scene::{Clock, RotationSource};
 use ballrace_twin::sweep::{Axis, Follow, Journal, Measure, Plan};
 use ballrace_twin::trade::{self, Goal, Target};
 use ballrace_twin::{outcome, scene};
 use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -76,6 +77,13 @@ fn page(py: Python<'_>, html: Result<String, impl std::fmt::Display>) -> PyResul
 
 #[pymethods]
 impl Scene {
+    /// Reads a scene file.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let text = py.detach(|| load(&path)).map_err(|e| exception(py, e))?;
+        Self::from_text(py, text, path)
+    }
+
     /// Reads a scene from its text; `path` names it in errors and is the start of relative paths.
     #[staticmethod]
     fn from_text(py: Python<'_>, text: String, path: PathBuf) -> PyResult<Self> {
@@ -191,7 +199,11 @@ impl Scene {
         let computed = interruptible(py, |interrupt| {
             let plant = Plant::try_new(&self.content)?;
             let columns = motion::columns(&plant);
-            let mut values = Vec::with_capacity(columns.len() * span.samples as usize);
+            let mut values = Vec::new();
+            let count = columns.len().saturating_mul(span.samples as usize);
+            if values.try_reserve_exact(count).is_err() {
+                return Ok(None);
+            }
             let (held, _) = motion::run::<Error>(
                 &self.content,
                 &plant,
@@ -203,9 +215,12 @@ impl Scene {
                     Ok(())
                 },
             )?;
-            Ok::<_, Error>((columns, values, held))
+            Ok::<_, Error>(Some((columns, values, held)))
         })?;
-        let (columns, values, held) = computed.map_err(|e| exception(py, e))?;
+        let Some((columns, values, held)) = computed.map_err(|e| exception(py, e))? else {
+            let message = format!("duration, rate: {samples} samples, expected as many as memory holds");
+            return Err(PyMemoryError::new_err(message));
+        };
         let shape = [values.len() / columns.len(), columns.len()];
         Ok((columns, values.into_pyarray(py).reshape(shape)?.into_any(), held))
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -114,3 +116,12 @@ def test_wrong_arguments(scene: ballrace.Scene, displacements: np.ndarray) -> No
         bearing.force(displacements, out=displacements)
     with pytest.raises(ballrace.InputError, match="XX"):
         scene.bearing("XX")
+
+
+def test_threads_share_a_bearing(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    """Models are built at their first use; threads that need the same one at once do not block each other."""
+    expected = scene.bearing("DE").force(displacements, model="tabulated")
+    bearing = scene.bearing("DE")
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda _: bearing.force(displacements, model="tabulated"), range(16)))
+    assert all(np.array_equal(one, expected) for one in found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,13 @@ def test_an_error_names_file_line_key_found_and_expected(tmp_path: Path, scene: 
 
 
 def test_a_scene_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(ballrace.SceneError, match="nothing.toml: no readable file"):
+    with pytest.raises(ballrace.SceneError, match="nothing.toml: .*no file of this name"):
         ballrace.Scene.read(tmp_path / "nothing.toml")
+
+
+def test_a_scene_is_pickled(scene: ballrace.Scene) -> None:
+    copy = pickle.loads(pickle.dumps(scene))
+    assert (copy.text, copy.path) == (scene.text, scene.path)
 
 
 def test_values_are_changed(scene: ballrace.Scene) -> None:

@@ -57,7 +57,11 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
     scene(&Table::root(source, document.as_table(), &keys)?, path)
 }
 
-fn load(path: &Path) -> Read<String> {
+/// Returns the text of a scene file.
+///
+/// # Errors
+/// A file that cannot be read, is not UTF-8 text or is larger than 4 MiB.
+pub fn load(path: &Path) -> Result<String, SceneError> {
     let unreadable = |e: std::io::Error| SceneError::file(path, format!("no readable file ({e})"));
     let file = File::open(path).map_err(|e| match e.kind() {
         std::io::ErrorKind::NotFound => SceneError::file(path, "no file of this name"),
