@@ -1,5 +1,8 @@
 //! Usage errors, as opposed to errors at run time.
 
+use ballrace_twin::error::{Error, with_causes};
+use ballrace_twin::scene::build::BuildError;
+
 /// Error returned when the command or the scene is invalid; the exit code is 2.
 #[derive(Debug)]
 pub struct UsageError(pub String);
@@ -16,5 +19,12 @@ impl UsageError {
     /// Creates a usage error from `error` with the messages of all its causes.
     pub fn new(error: impl Into<anyhow::Error>) -> Self {
         Self(format!("{:#}", error.into()))
+    }
+
+    /// Creates a usage error as [`new`](Self::new), with the option's name where `--bearing` selects no bearing.
+    pub fn with_bearing_option(error: impl Into<Error>) -> Self {
+        let error = error.into();
+        let option = if matches!(error, Error::Build(BuildError::Selection { .. })) { "--bearing: " } else { "" };
+        Self(format!("{option}{}", with_causes(&error)))
     }
 }

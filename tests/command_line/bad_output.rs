@@ -26,7 +26,7 @@ fn path_of_a_folder() {
         let desk = Desk::rig();
         fs::create_dir(desk.path("results")).unwrap();
         let args = [command, &[option, "results"]].concat();
-        desk.refused(&args, 1, &["results: found a folder, allowed: the name of a file to write"]);
+        desk.refused(&args, 1, &["results: a folder, expected the name of a file to write"]);
     }
 }
 
@@ -61,7 +61,7 @@ fn file_from_before_stays_when_the_work_fails() {
     for name in ["ballrace-report.html", "forces.csv"] {
         desk.put(name, "from before");
     }
-    desk.refused(&["replay", "scene.toml", "--forces", "forces.csv"], 1, &["healthy.csv, line 602, column NDE_Y_um"]);
+    desk.refused(&["replay", "scene.toml", "--forces", "forces.csv"], 1, &["healthy.csv:602: column NDE_Y_um: "]);
     for name in ["ballrace-report.html", "forces.csv"] {
         assert_eq!(desk.read(name), "from before");
     }

@@ -34,74 +34,81 @@ fn missing() {
 #[test]
 fn folder() {
     let args = [&REPLAY[..], &["--recording", "."]].concat();
-    Desk::rig().refused(&args, 1, &[".: is a folder; allowed: a file of columns"]);
+    Desk::rig().refused(&args, 1, &[".: a folder, expected a file of columns"]);
 }
 
 #[test]
 fn empty() {
-    refused("", 1, &["healthy.csv: is empty; allowed: a line of column names and a row for each sample"]);
-    refused("\n\n", 1, &["healthy.csv: is empty"]);
+    refused("", 1, &["healthy.csv: empty file, expected a line of column names and a row for each sample"]);
+    refused("\n\n", 1, &["healthy.csv: empty file"]);
 }
 
 #[test]
 fn header_only() {
-    refused(short_recording(0), 1, &["healthy.csv: has a header and no row below it; allowed: a row for each sample"]);
+    refused(short_recording(0), 1, &["healthy.csv: no row below the header, expected a row for each sample"]);
 }
 
 #[test]
 fn no_header() {
     let rows = short_recording(300).lines().skip(1).collect::<Vec<_>>().join("\n");
-    refused(rows, 1, &["healthy.csv, line 1: found the numbers `0.0000000,0.090,", "a header is needed"]);
+    refused(
+        rows,
+        1,
+        &[
+            "healthy.csv:1: numbers instead of a header: `0.0000000,0.090,",
+            "expected a line with the names of the columns",
+        ],
+    );
 }
 
 #[test]
 fn binary() {
-    let parts = ["healthy.csv, line 1: is not plain text (binary, or UTF-16); allowed: a line of column names"];
+    let parts = ["healthy.csv:1: not plain text (binary, or UTF-16), expected a line of column names"];
     refused([b'R', b'I', b'F', b'F', 0, 1, 2, 0xff], 1, &parts);
 }
 
 #[test]
 fn column_that_is_absent() {
-    let columns = "found the columns `time_s`, `DE_X_um`, `DE_Y_um`, `NDE_X_um`, `NDE_Y_um`, `axial_um`, `keyphasor`";
+    let columns = "expected one of `time_s`, `DE_X_um`, `DE_Y_um`, `NDE_X_um`, `NDE_Y_um`, `axial_um`, `keyphasor`";
     for (from, to, missing, hint) in [
-        ("\"DE_X_um\"", "\"de_x_mm\"", "`de_x_mm`", "did you mean `DE_X_um`?"),
+        ("\"DE_X_um\"", "\"de_x_mm\"", "`de_x_mm`", " (did you mean `DE_X_um`?)"),
         ("column = \"keyphasor\"", "column = \"temperature\"", "`temperature`", ""),
-        ("rate = \"12.8 kHz\"", "time = \"time\"", "`time`", "did you mean `time_s`?"),
+        ("rate = \"12.8 kHz\"", "time = \"time\"", "`time`", " (did you mean `time_s`?)"),
     ] {
         let desk = Desk::with(&scene(&[(from, to)]), &short_recording(SHORT));
-        desk.refused(&REPLAY, 2, &[&format!("healthy.csv, line 1: no column {missing}; {columns}"), hint]);
+        desk.refused(&REPLAY, 2, &[&format!("healthy.csv:1: no such column: {missing}{hint}, {columns}")]);
     }
 }
 
 #[test]
 fn column_that_is_there_twice() {
     let twice = short_recording(SHORT).replace("DE_Y_um,NDE", "DE_X_um,NDE");
-    refused(twice, 1, &["healthy.csv, line 1: the column `DE_X_um` is there twice; allowed: once"]);
+    refused(twice, 1, &["healthy.csv:1: repeated column: `DE_X_um`, expected each name once"]);
 }
 
 #[test]
 fn text_in_a_cell() {
     let text = edited(100, |row| with_cell(row, DE_Y, "oops"));
-    refused(text, 1, &["healthy.csv, line 100, column DE_Y_um: found `oops`; allowed: a number, or NaN or nothing"]);
+    refused(text, 1, &["healthy.csv:100: column DE_Y_um: invalid value: `oops`, expected a number, or NaN or nothing"]);
 }
 
 #[test]
 fn infinity_in_a_cell() {
     let text = edited(1900, |row| with_cell(row, KEYPHASOR, "inf"));
-    refused(text, 1, &["healthy.csv, line 1900, column keyphasor: found `inf`; allowed: a number"]);
+    refused(text, 1, &["healthy.csv:1900: column keyphasor: invalid value: `inf`, expected a number"]);
 }
 
 #[test]
 fn more_cells_than_names() {
     let text = edited(1000, |row| format!("{row},0"));
-    refused(text, 1, &["healthy.csv, line 1000: found 8 cells; allowed: 7, as many as the header has names"]);
+    refused(text, 1, &["healthy.csv:1000: too many cells: 8, expected 7 as in the header"]);
 }
 
 #[test]
 fn time_that_does_not_run() {
     let still = edited_recording(|line, row| vec![if line > 1 { with_cell(row, 0, "0.5") } else { row.into() }]);
     let desk = Desk::with(&timed(), &still);
-    let said = "healthy.csv, column time_s: found time stamps whose usual step is 0 s; allowed: time stamps in seconds";
+    let said = "healthy.csv: column time_s: time stamps whose usual step is 0 s, expected time stamps in seconds";
     desk.refused(&REPLAY, 1, &[said]);
 }
 

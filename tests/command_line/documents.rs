@@ -431,8 +431,7 @@ fn every_key_of_a_scene_is_documented() {
         let desk = Desk::empty();
         desk.put("scene.toml", &scene);
         let answer = desk.run(&["equilibrium", "scene.toml"]);
-        let (_, keys) =
-            answer.err.split_once("found an unknown key, allowed: ").unwrap_or_else(|| panic!("{answer:?}"));
+        let (_, keys) = answer.err.split_once("unknown key, expected one of ").unwrap_or_else(|| panic!("{answer:?}"));
         let section = reference.split_once(&format!("\n{heading}\n")).expect(heading).1;
         let section = section.split("\n## ").next().unwrap();
         let rows: Vec<&str> = tables(section).into_iter().flat_map(|(_, rows)| rows).map(first_cell).collect();

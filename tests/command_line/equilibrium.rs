@@ -118,7 +118,7 @@ fn what_cannot_settle() {
     let desk = Desk::empty();
     let scene = harris("");
     desk.put("scene.toml", scene.replace("preload = { force = \"17800 N\" }\n", ""));
-    desk.refused(&["equilibrium", "scene.toml"], 2, &["found neither a rotor, a preload nor --load"]);
+    desk.refused(&["equilibrium", "scene.toml"], 2, &["neither a rotor, a preload nor --load, expected one of them"]);
     desk.put("scene.toml", &scene);
     desk.refused(
         &["equilibrium", "scene.toml", "--load", "1,2,3"],

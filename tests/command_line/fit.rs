@@ -153,7 +153,7 @@ fn what_cannot_be_fitted_is_refused() {
     let after = after.split_once("\n]").unwrap().1;
     desk.put("deaf.toml", format!("{before}sensors = [{{ column = \"DE_X_um\", unit = \"g\" }}]{after}"));
     for (args, says) in [
-        (&["fit", "deaf.toml"][..], "allowed with fit: probes"),
+        (&["fit", "deaf.toml"][..], "[recording]: no probes, expected probes in fit"),
         (&["fit", "bare.toml"][..], "[recording]"),
         (&["fit", "scene.toml", "--turns", "0"][..], "--turns"),
         (&["fit", "scene.toml", "-o", "scene.toml"][..], "--output"),

@@ -109,12 +109,12 @@ fn wrong_drawings_are_refused() {
         (
             "from = \"65.6 mm\"",
             "from = \"60 mm\"",
-            "rotor.sections[1].from: found an overlap: from 60 mm after a section to 65.6 mm",
+            "rotor.sections[1].from: an overlap: from 60 mm after a section to 65.6 mm",
         ),
         (
             "from = \"65.6 mm\"",
             "from = \"70 mm\"",
-            "rotor.sections[1].from: found a gap: from 70 mm after a section to 65.6 mm",
+            "rotor.sections[1].from: a gap: from 70 mm after a section to 65.6 mm",
         ),
         (
             "to = \"246.2 mm\", outer_diameter = \"30 mm\"",

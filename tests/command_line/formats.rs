@@ -155,14 +155,14 @@ fn files_that_contradict_the_scene() {
     desk.refused(
         &replay,
         2,
-        &["r.tdms, column Rig/DE_X_um: found the unit `mm`; allowed: the scene's, `um`, or no unit"],
+        &["r.tdms: column Rig/DE_X_um: unit differs from the scene's: `mm`, expected `um` or no unit"],
     );
     desk.put("r.tdms", tdms("µm"));
     desk.put("scene.toml", scene(&[("12.8 kHz", "25.6 kHz")]));
-    let said = "r.tdms: found a sampling rate of 12800 Hz; allowed: the scene's, 25600 Hz, within 0.1 %";
+    let said = "r.tdms: sampling rate differs from the scene's: 12800 Hz, expected 25600 Hz within 0.1 %";
     desk.refused(&replay, 2, &[said]);
     desk.put("scene.toml", swap(DEMO_SCENE, "\"DE_X_um\"", "\"DE_X\""));
-    desk.refused(&replay, 2, &["r.tdms: no column `DE_X`; found the columns `Rig/time_s`, `Rig/DE_X_um`"]);
+    desk.refused(&replay, 2, &["r.tdms: no such column: `DE_X`, expected one of `Rig/time_s`, `Rig/DE_X_um`"]);
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn files_cut_short() {
     for (name, bytes) in [("r.npy", npy()), ("r.parquet", parquet()), ("r.mat", mat())] {
         desk.put(name, &bytes[..bytes.len() - 100]);
         let replay = ["replay", "scene.toml", "--recording", name];
-        desk.refused(&replay, 1, &[name, ": found ", "; allowed: a"]);
+        desk.refused(&replay, 1, &[name, ": unreadable file: ", ", expected a"]);
     }
     // What a logger wrote before it was stopped is used.
     let whole = tdms("um");

@@ -34,7 +34,7 @@ fn renamed(name: &str) -> Desk {
 
 #[test]
 fn a_column_name_cannot_steer_the_terminal() {
-    let absent = ["healthy.csv", "no column `DE_X_um`", "\\u{1b}]0;title"];
+    let absent = ["healthy.csv", "no such column: `DE_X_um`", "\\u{1b}]0;title"];
     refused(&renamed(HOSTILE), &["replay", "scene.toml"], &absent);
     let two_lines = "\"DE\nballrace: all is well\"";
     refused(&renamed(two_lines), &["replay", "scene.toml"], &["healthy.csv"]);
@@ -45,7 +45,7 @@ fn a_column_name_of_a_megabyte_is_cut() {
     let desk = renamed(&"x".repeat(1 << 20));
     refused(&desk, &["replay", "scene.toml"], &["healthy.csv"]);
     let desk = renamed(&"\u{1b}".repeat(60_000));
-    refused(&desk, &["replay", "scene.toml"], &["healthy.csv", "no column `DE_X_um`"]);
+    refused(&desk, &["replay", "scene.toml"], &["healthy.csv", "no such column: `DE_X_um`"]);
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn a_cell_cannot_steer_the_terminal() {
         let text = crate::support::edited_recording(|line, row| {
             vec![if line == 9 { crate::support::with_cell(row, 1, &cell) } else { row.to_owned() }]
         });
-        refused(&Desk::with(DEMO_SCENE, &text), &["replay", "scene.toml"], &["healthy.csv, line 9", "DE_X_um"]);
+        refused(&Desk::with(DEMO_SCENE, &text), &["replay", "scene.toml"], &["healthy.csv:9: column", "DE_X_um"]);
     }
 }
 

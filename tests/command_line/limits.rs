@@ -72,7 +72,10 @@ fn growth_over_a_baseline() {
     let found = events(&desk, 3, &["--baseline", "b.json", "--recording", &recorded("outer-spall.csv")]);
     assert!(found.iter().any(|e| e["bearing"] == "DE" && e["probe"] == "DE_Y_um"), "{found:?}");
     let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
-    assert!(run.code == Some(2) && run.err.contains("found no baseline"), "{run:?}");
+    assert!(
+        run.code == Some(2) && run.err.contains("limit: growth_db: no baseline, expected replay with --baseline"),
+        "{run:?}"
+    );
 }
 
 #[test]
@@ -83,9 +86,12 @@ fn limits_are_checked() {
         ("indicator = \"1X\"\nmax = \"1 um\"\ngrowth_db = 6", "one of them"),
         ("indicator = \"1X\"\nmax = 1e-6\nbearing = \"DE\"", "only there"),
         ("indicator = \"outer-race\"\nmax = \"1 um\"", "only there"),
-        ("indicator = \"outer-race\"\nmax = \"1 um\"\nbearing = \"X\"", "the name of a bearing"),
-        ("indicator = \"kurtosis\"\ngrowth_db = 6", "max here"),
-        ("indicator = \"rms\"\nmax = \"1 um\"\nprobe = \"Z\"", "a probe of [recording]"),
+        (
+            "indicator = \"outer-race\"\nmax = \"1 um\"\nbearing = \"X\"",
+            "no such bearing: \"X\", expected the name of a [[bearing]]",
+        ),
+        ("indicator = \"kurtosis\"\ngrowth_db = 6", "misplaced key: 6, expected only with indicator"),
+        ("indicator = \"rms\"\nmax = \"1 um\"\nprobe = \"Z\"", "no such probe: \"Z\", expected a probe of [recording]"),
         ("indicator = \"rms\"\nmax = \"1 um\"\nhysteresis = 1", "below 1"),
     ] {
         let desk = desk("healthy", &format!("\n[[limit]]\n{limit}\n"));

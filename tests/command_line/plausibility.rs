@@ -81,7 +81,10 @@ fn a_speed_column_without_a_plausible_speed() {
     let fast = changed(2 * TURN, |_, k, x| if k == KEYPHASOR { 1e9 } else { x });
     let outcome = implausible(&speed, &fast);
     let verdict = outcome["verdict"].as_str().unwrap();
-    assert!(verdict.contains("not plausible for the scene: column keyphasor: 512 speeds"), "{verdict}");
+    assert!(
+        verdict.contains("not plausible for the scene: column keyphasor: no plausible speed in 512 readings"),
+        "{verdict}"
+    );
 }
 
 #[test]

@@ -202,12 +202,12 @@ fn bad_matrices_are_refused_by_entry() {
     let mut crooked = whole(400.0, 0.4, 400.0);
     crooked[3][2] += 1.0;
     refused("B.npy", npy(crooked.as_flattened(), "(5, 5)"), &["B: found", "at row 4, column 3", "a symmetric matrix"]);
-    refused("B.npy", npy(&[1.0; 4], "(2, 2)"), &["B.npy: found 2 x 2, allowed: 5 x 5"]);
-    refused("B.npy", npy(&[1.0; 20], "(5, 5)"), &["B.npy", "cut short"]);
+    refused("B.npy", npy(&[1.0; 4], "(2, 2)"), &["B.npy: wrong size of a matrix: 2 x 2, expected 5 x 5"]);
+    refused("B.npy", npy(&[1.0; 20], "(5, 5)"), &["B.npy", "truncated file"]);
     // Found by the fuzzer: braces within braces.
     let nested = include_bytes!("../fuzz/corpus/matrix/nested-header").to_vec();
-    refused("B.npy", nested, &["B.npy", "found no NPY file of float64"]);
-    refused("f.npy", npy(&[1.0; 4], "(4,)"), &["f.npy: found 4 numbers, allowed: 5"]);
+    refused("B.npy", nested, &["B.npy", "no NPY file of float64"]);
+    refused("f.npy", npy(&[1.0; 4], "(4,)"), &["f.npy: wrong number of values: 4, expected 5"]);
     refused(
         "M.mtx",
         b"1 2 3\n".to_vec(),
@@ -216,7 +216,7 @@ fn bad_matrices_are_refused_by_entry() {
     refused("M.mtx", market(&whole(6.0, -1.0, 6.0), "symmetric").into_bytes(), &["M: found", "positive definite"]);
     refused("G.mtx", market(&whole(1.0, 1.0, 1.0), "general").into_bytes(), &["G: found", "a skew-symmetric matrix"]);
     let broken = market(&gyroscopic(), "skew-symmetric").replace("5 5", "5 x");
-    refused("G.mtx", broken.into_bytes(), &["G.mtx: found no Matrix Market file of real numbers"]);
+    refused("G.mtx", broken.into_bytes(), &["G.mtx: invalid Matrix Market file: "]);
 }
 
 #[test]
@@ -229,11 +229,15 @@ fn what_does_not_go_with_a_system() {
     refused(
         "coordinates = [1, 3, 5, 0, 0]",
         "coordinates = [1, 3, 6, 0, 0]",
-        &["bearing DE: coordinates: found 6, allowed: -5 to 5"],
+        &["bearing DE: coordinates: no such coordinate: 6, expected -5 to 5"],
     );
-    refused("coordinates = [1, 3, 5, 0, 0]", "station = 0", &["bearing[0].station", "not on a [system]"]);
+    refused(
+        "coordinates = [1, 3, 5, 0, 0]",
+        "station = 0",
+        &["bearing[0].station: misplaced key: 0, expected no station or support on a [system]"],
+    );
     refused("coordinates = [1, 3, 5, 0, 0]", "coordinates = [1, 3]", &["bearing[0].coordinates", "5 numbers"]);
-    refused("x = 1, y = 3", "x = 9, y = 3", &["system.unbalance: found coordinate 9, allowed: 1 to 5"]);
+    refused("x = 1, y = 3", "x = 9, y = 3", &["system.unbalance: no such coordinate: 9, expected 1 to 5"]);
     refused(
         "[system]",
         "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n[system]",
@@ -349,18 +353,22 @@ fn probes_of_a_system_have_coordinates_that_exist() {
     refused(
         "[-2, 4, 5, 0, 0], angle",
         "[-2, 6, 5, 0, 0], angle",
-        &["scene.toml: probe NDE_135: coordinates: found 6, allowed: -5 to 5"],
+        &["scene.toml: probe NDE_135: coordinates: no such coordinate: 6, expected -5 to 5"],
     );
     refused("coordinates = [-2, 4, 5, 0, 0], ", "", &["missing", "recording.probes[3].coordinates", "5 numbers"]);
     refused("[-2, 4, 5, 0, 0]", "[-2, 4]", &["recording.probes[3].coordinates", "5 numbers"]);
-    refused("coordinates = [-2, 4, 5, 0, 0]", "station = 0", &["recording.probes[3].station", "not on a [system]"]);
+    refused(
+        "coordinates = [-2, 4, 5, 0, 0]",
+        "station = 0",
+        &["recording.probes[3].station: misplaced key: 0, expected no station on a [system]"],
+    );
     refused(
         "[0, 0, 5, 0, 0]",
         "[1, 3, 0, 0, 0]",
         &["probe axial: no coordinate along its measuring direction: [1, 3, 0, 0, 0], expected u or v that is not 0"],
     );
     desk.put("scene.toml", &text);
-    desk.refused(&["fit", "scene.toml", "-o", "fitted.toml"], 2, &["[system]: found matrices", "allowed with fit"]);
+    desk.refused(&["fit", "scene.toml", "-o", "fitted.toml"], 2, &["[system]: matrices in fit, expected a [rotor]"]);
     let (rotor, probe) = (
         swap(
             DEMO_SCENE,

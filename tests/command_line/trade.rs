@@ -194,7 +194,7 @@ fn what_is_chosen_meets_what_was_asked() {
     desk.refused(
         &["trade", "scene.toml", "--forces-only", "--deadline", "1 us at 16 MHz"],
         2,
-        &["--deadline: found 1.000 us at 16 MHz"],
+        &["--deadline: no model is so fast: 1.000 us at 16 MHz"],
     );
 }
 
@@ -236,5 +236,5 @@ fn goals_that_say_nothing_are_refused() {
             + "[[bearing]]"
             + LUMPED.split("[[bearing]]").nth(1).unwrap(),
     );
-    desk.refused(&["trade", "alone.toml"], 2, &["[rotor]: found none"]);
+    desk.refused(&["trade", "alone.toml"], 2, &["missing table [rotor]"]);
 }

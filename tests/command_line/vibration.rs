@@ -90,9 +90,9 @@ fn matlab_files_are_read_or_refused() {
     let outcome = desk.replay("scene.toml", &[]);
     assert_eq!(outcome.pointer("/record/samples").and_then(Value::as_u64), Some(4000));
     for (bytes, says) in [
-        (&whole[..whole.len() / 2], "allowed: a MATLAB file of version 5"),
-        (&whole[..140], "allowed: a MATLAB file of version 5"),
-        (&mat("b", &[1.0; 4000])[..], "no column `a`"),
+        (&whole[..whole.len() / 2], "expected a MATLAB file of version 5"),
+        (&whole[..140], "expected a MATLAB file of version 5"),
+        (&mat("b", &[1.0; 4000])[..], "no such column: `a`"),
     ] {
         desk.put("r.mat", bytes);
         let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
@@ -114,7 +114,7 @@ fn sensors_are_checked() {
         ),
         ("unit = \"m/s^2\"", "unit = \"m/s^2\", bearing = \"X\"", "the name of a [[bearing]]"),
         ("sensors =", "probes = []\nsensors =", "both probes and sensors"),
-        ("rate = \"6 kHz\"", "rate = \"6 kHz\"", "turns of the shaft, allowed: 16 or more"),
+        ("rate = \"6 kHz\"", "rate = \"6 kHz\"", "turns of the shaft, expected 16 or more"),
     ] {
         desk.put("scene.toml", good.replacen(from, to, 1));
         let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);

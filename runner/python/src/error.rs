@@ -54,12 +54,12 @@ fn cause(error: &Error) -> &Error {
 }
 
 fn of_scene(fields: &Fields<'_>, error: &SceneError) -> PyResult<()> {
-    let SceneError { file, line, key, found, allowed } = error;
+    let SceneError { file, line, key, found, expected, .. } = error;
     fields.set_item("file", file)?;
     fields.set_item("line", line)?;
     fields.set_item("key", (!key.is_empty()).then_some(key))?;
     fields.set_item("found", (!found.is_empty()).then_some(found))?;
-    fields.set_item("expected", (!allowed.is_empty()).then_some(allowed))
+    fields.set_item("expected", (!expected.is_empty()).then_some(expected))
 }
 
 fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
@@ -68,12 +68,12 @@ fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
     let (file, line, column, found, expected) = match error {
         E::Open { file, cause } => (file, None, None, Some(cause.to_string()), None),
         E::Folder { file } => (file, None, None, Some("a folder".to_owned()), Some("a file of columns".to_owned())),
-        E::Format { file, found, allowed } => (file, None, None, Some(found.clone()), Some((*allowed).to_owned())),
-        E::Unit { file, column, found, allowed } => {
-            (file, None, Some(column.clone()), Some(found.clone()), Some(allowed.clone()))
+        E::Format { file, found, expected } => (file, None, None, Some(found.clone()), Some((*expected).to_owned())),
+        E::Unit { file, column, found, expected } => {
+            (file, None, Some(column.clone()), Some(found.clone()), Some(expected.clone()))
         }
-        E::Rate { file, found, allowed } => {
-            (file, None, None, Some(format!("{found} Hz")), Some(format!("{allowed} Hz")))
+        E::Rate { file, found, expected } => {
+            (file, None, None, Some(format!("{found} Hz")), Some(format!("{expected} Hz")))
         }
         E::Read { file, line, cause } => (file, Some(*line), None, Some(cause.to_string()), None),
         E::Empty { file } | E::NoRows { file } => (file, None, None, None, Some("a row for each sample".to_owned())),
@@ -83,11 +83,11 @@ fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
             (file, *line, None, Some(found.clone()), Some(column.clone()))
         }
         E::ColumnTwice { file, line, column } => (file, *line, Some(column.clone()), None, None),
-        E::Cell { file, line, column, found, allowed } => {
-            (file, Some(*line), Some(column.clone()), Some(found.clone()), Some((*allowed).to_owned()))
+        E::Cell { file, line, column, found, expected } => {
+            (file, Some(*line), Some(column.clone()), Some(found.clone()), Some((*expected).to_owned()))
         }
-        E::RowTooLong { file, line, found, allowed } => {
-            (file, Some(*line), None, Some(found.to_string()), Some(allowed.to_string()))
+        E::RowTooLong { file, line, found, expected } => {
+            (file, Some(*line), None, Some(found.to_string()), Some(expected.to_string()))
         }
         E::Clock { file, column, found } => (file, None, Some(column.clone()), Some(found.clone()), None),
     };

@@ -63,7 +63,7 @@ impl Quantity {
         if value.is_finite() {
             return Ok(value);
         }
-        Err(wrong_argument(py, &format!("{name}: not finite, expected {}", dimension.allowed("in SI or with a unit"))))
+        Err(wrong_argument(py, &format!("{name}: not finite, expected {}", dimension.expected("in SI or with a unit"))))
     }
 }
 

@@ -85,7 +85,7 @@ def test_columns_are_not_copied(scene: ballrace.Scene, short: Columns) -> None:
 
 
 def test_wrong_recordings(scene: ballrace.Scene, short: Columns) -> None:
-    with pytest.raises(ballrace.RecordingError, match="no column") as caught:
+    with pytest.raises(ballrace.RecordingError, match="no such column") as caught:
         scene.replay({name: values for name, values in short.items() if name != "DE_Y_um"})
     assert caught.value.expected == "DE_Y_um"
     with pytest.raises(ballrace.RecordingError, match="equal length"):

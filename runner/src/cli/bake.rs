@@ -30,7 +30,7 @@ pub struct Args {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     check_distinct_paths(&[("--output", &args.output)], &[&args.scene])?;
-    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(UsageError::new)?;
+    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(UsageError::with_bearing_option)?;
     AtomicFile::write(&args.output, &source)?;
     let significance = effect_significance::of_scene(&scene)?;
     print(&baked, args, format)?;

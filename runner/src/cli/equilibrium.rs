@@ -37,7 +37,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         check_distinct_paths(&[("--report", path)], &[&args.scene])?;
     }
     let load = args.load.as_deref().map(parse_load).transpose().map_err(UsageError::new)?;
-    let equilibrium = settle(&scene, args.bearing.as_deref(), load).map_err(UsageError::new)?;
+    let equilibrium = settle(&scene, args.bearing.as_deref(), load).map_err(UsageError::with_bearing_option)?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::equilibrium::html(&equilibrium)?)?;
     }

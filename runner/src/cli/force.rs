@@ -61,7 +61,7 @@ enum ModelName {
 /// Returns an error if the scene or the displacements are invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
-    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(UsageError::new)?;
+    let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(UsageError::with_bearing_option)?;
     let model = match args.model {
         None => bearing.model,
         Some(ModelName::Linear) => Model::Linear,

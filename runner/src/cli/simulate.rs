@@ -86,7 +86,7 @@ fn parse_option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
         Err(_) => parse(text, dimension).map_err(|e| invalid(e.to_string()))?,
     };
     if !(value > 0.0 && value.is_finite()) {
-        bail!(invalid(format!("value out of range: {text:?}, expected {}", dimension.allowed("above 0"))));
+        bail!(invalid(format!("value out of range: {text:?}, expected {}", dimension.expected("above 0"))));
     }
     Ok(value)
 }

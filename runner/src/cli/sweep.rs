@@ -140,7 +140,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
 
 fn parse_settling_time(text: &str) -> Result<f64> {
     let invalid = || {
-        UsageError(format!("--settle: invalid duration: {text:?}, expected {}", Dimension::Time.allowed("0 or more")))
+        UsageError(format!("--settle: invalid duration: {text:?}, expected {}", Dimension::Time.expected("0 or more")))
     };
     let value = text.parse::<f64>().or_else(|_| parse(text, Dimension::Time)).map_err(|_| invalid())?;
     if !(value >= 0.0 && value.is_finite()) {

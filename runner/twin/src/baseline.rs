@@ -22,7 +22,7 @@ pub enum BaselineError {
         source: std::io::Error,
     },
     /// The file is no baseline.
-    #[error("{}:{}: found no baseline ({error}), allowed: a file written by replay --learn", file.display(), error.line())]
+    #[error("{}:{}: no baseline: {error}, expected a file written by replay --learn", file.display(), error.line())]
     Format {
         /// The file.
         file: PathBuf,
@@ -31,7 +31,7 @@ pub enum BaselineError {
     },
     /// The baseline was learned with another scene.
     #[error(
-        "{}: found a baseline of other probes or bearings (scene {scene:?}), allowed: one learned with this scene",
+        "{}: baseline of other probes or bearings: of scene {scene:?}, expected one learned with this scene",
         file.display()
     )]
     OtherScene {

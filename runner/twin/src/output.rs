@@ -10,7 +10,7 @@ use tempfile::NamedTempFile;
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The path is a folder.
-    #[error("{}: found a folder, allowed: the name of a file to write", file.display())]
+    #[error("{}: a folder, expected the name of a file to write", file.display())]
     Folder {
         /// Path of the output.
         file: PathBuf,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ObserverError {
     /// There are too many probes.
-    #[error("recording.probes: found {found}, allowed: up to {most}")]
+    #[error("recording.probes: too many probes: {found}, expected at most {most}")]
     Probes {
         /// Number of probes.
         found: usize,
@@ -14,10 +14,10 @@ pub enum ObserverError {
         most: usize,
     },
     /// The noise covariance of the probes has no inverse.
-    #[error("found probes without noise")]
+    #[error("probes without noise")]
     NoNoise,
     /// The filter has no steady state.
-    #[error("found a filter that does not settle")]
+    #[error("filter that does not settle")]
     NotSteady,
     /// The search is cancelled.
     #[error("the search for the observer was cancelled")]
@@ -28,7 +28,7 @@ pub enum ObserverError {
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The scene has no recording.
-    #[error("{}: [recording]: found none, allowed: the recording to replay", file.display())]
+    #[error("{}: missing table [recording], expected the recording to replay", file.display())]
     NoRecording {
         /// Scene file.
         file: PathBuf,
@@ -54,22 +54,22 @@ pub enum ReplayError {
 #[derive(Debug, thiserror::Error)]
 pub enum LimitError {
     /// The recording does not have the probe.
-    #[error("limit: probe: found {found:?}, allowed: a probe of [recording]")]
+    #[error("limit: no such probe: {found:?}, expected a probe of [recording]")]
     Probe {
         /// Name of the probe.
         found: String,
     },
     /// The scene does not have the bearing.
-    #[error("limit: bearing: found {found:?}, allowed: the name of a bearing")]
+    #[error("limit: no such bearing: {found:?}, expected the name of a [[bearing]]")]
     Bearing {
         /// Name of the bearing.
         found: String,
     },
     /// A growth without a baseline.
-    #[error("limit: growth: found no baseline, allowed: replay with --baseline, or max")]
+    #[error("limit: growth_db: no baseline, expected replay with --baseline, or max")]
     NoBaseline,
     /// A growth of an indicator that the baseline does not have.
-    #[error("limit: growth_db: found a baseline without {indicator}, allowed: one learned by this version")]
+    #[error("limit: growth_db: baseline without {indicator}, expected one learned by this version")]
     Indicator {
         /// Name of the indicator.
         indicator: &'static str,
@@ -81,21 +81,21 @@ pub enum LimitError {
 pub enum VibrationError {
     /// The speed is not constant.
     #[error(
-        "{}: [recording] sensors: found a speed that changes or is measured, allowed: one speed in [shaft]", file.display()
+        "{}: [recording] sensors: speed that changes or is measured, expected one speed in [shaft]", file.display()
     )]
     Speed {
         /// Scene file.
         file: PathBuf,
     },
     /// The scene has limits.
-    #[error("{}: [[limit]]: found limits, allowed with sensors: none; damage is diagnosed without", file.display())]
+    #[error("{}: [[limit]]: limits with sensors, expected none; damage is diagnosed without", file.display())]
     Limits {
         /// Scene file.
         file: PathBuf,
     },
     /// A sensor measures a bearing that the scene does not have.
     #[error(
-        "{}: [recording] sensors: {sensor}: bearing: found {found:?}, allowed: the name of a [[bearing]]", file.display()
+        "{}: [recording] sensors: {sensor}: no such bearing: {found:?}, expected the name of a [[bearing]]", file.display()
     )]
     Bearing {
         /// Scene file.
@@ -106,7 +106,7 @@ pub enum VibrationError {
         found: String,
     },
     /// The recording is too short.
-    #[error("{recording}: found {found:.1} turns of the shaft, allowed: {least} or more")]
+    #[error("{recording}: too short: {found:.1} turns of the shaft, expected {least} or more")]
     TooShort {
         /// Name of the recording.
         recording: String,

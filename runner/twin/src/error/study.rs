@@ -6,8 +6,8 @@ use std::path::PathBuf;
 /// Error returned for a single bearing without a load.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{}: bearing {bearing}: found neither a rotor, a preload nor --load, allowed: one of them, as a load for the \
-     equilibrium", file.display()
+    "{}: bearing {bearing}: neither a rotor, a preload nor --load, expected one of them as a load for the equilibrium",
+    file.display()
 )]
 pub struct NoLoad {
     /// Scene file.
@@ -20,11 +20,11 @@ pub struct NoLoad {
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A range that cannot be read.
-    #[error("--over: found {found:?}, allowed: {expected}")]
+    #[error("--over: invalid range: {found:?}, expected {expected}")]
     Axis {
         /// Text of the option.
         found: String,
-        /// Form allowed.
+        /// Form expected.
         expected: String,
     },
     /// A key that the scene does not have.
@@ -51,13 +51,13 @@ pub enum SweepError {
         most: f64,
     },
     /// The shaft is at standstill.
-    #[error("{}: shaft.speed: found a shaft at standstill, allowed in a sweep: a rotating shaft", file.display())]
+    #[error("{}: shaft.speed: shaft at standstill, expected a rotating shaft in a sweep", file.display())]
     Standstill {
         /// Scene file.
         file: PathBuf,
     },
     /// The text of the scene is no TOML.
-    #[error("{}: found no TOML", file.display())]
+    #[error("{}: invalid TOML", file.display())]
     Syntax {
         /// Scene file.
         file: PathBuf,
@@ -73,22 +73,22 @@ pub enum SweepError {
         source: std::io::Error,
     },
     /// A file is no journal.
-    #[error("{}: found no results of a sweep, allowed: a file that sweep has written", file.display())]
+    #[error("{}: no results of a sweep, expected a file that sweep has written", file.display())]
     NoJournal {
         /// The file.
         file: PathBuf,
     },
     /// A journal belongs to another sweep.
     #[error(
-        "{}: found results of another scene, range or measure, allowed: those of this sweep; remove the file or choose \
-         another -o", file.display()
+        "{}: results of another scene, range or measure, expected those of this sweep; remove the file or choose another -o",
+        file.display()
     )]
     OtherSweep {
         /// The journal.
         file: PathBuf,
     },
     /// A line of a journal is invalid.
-    #[error("{}: line {line}: found no result of a sweep", file.display())]
+    #[error("{}:{line}: no result of a sweep", file.display())]
     Line {
         /// The journal.
         file: PathBuf,
@@ -106,7 +106,7 @@ pub enum SweepError {
         source: std::io::Error,
     },
     /// A result is not a finite number.
-    #[error("found a result that is no finite number in a point")]
+    #[error("result of a point that is not finite")]
     NotFinite(#[source] serde_json::Error),
     /// Options or results cannot be written as JSON.
     #[error(transparent)]
@@ -125,31 +125,31 @@ impl SweepError {
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
     /// The scene has no recording.
-    #[error("{}: [recording]: found none, allowed: the recording to fit to", file.display())]
+    #[error("{}: missing table [recording], expected the recording to fit to", file.display())]
     NoRecording {
         /// Scene file.
         file: PathBuf,
     },
     /// The recording has no sample.
-    #[error("{recording}: found no sample, allowed: some turns of the shaft")]
+    #[error("{recording}: no sample, expected some turns of the shaft")]
     NoSample {
         /// Name of the recording.
         recording: String,
     },
     /// The recording has no probes.
-    #[error("{}: [recording]: found no probes, allowed with fit: probes", file.display())]
+    #[error("{}: [recording]: no probes, expected probes in fit", file.display())]
     NoProbes {
         /// Scene file.
         file: PathBuf,
     },
     /// The scene has no parameter that can be fitted.
-    #[error("{}: found nothing to fit, allowed: a [rotor] on bearings", file.display())]
+    #[error("{}: nothing to fit, expected a [rotor] on bearings", file.display())]
     NothingToFit {
         /// Scene file.
         file: PathBuf,
     },
     /// The text of the scene is no TOML.
-    #[error("{}: found no TOML", file.display())]
+    #[error("{}: invalid TOML", file.display())]
     Syntax {
         /// Scene file.
         file: PathBuf,
@@ -170,22 +170,22 @@ pub enum FitError {
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
     /// The scene has neither rotor nor system.
-    #[error("{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compare on", file.display())]
+    #[error("{}: missing table [rotor] or [system], without which there is no motion to compare on", file.display())]
     NoRotor {
         /// Scene file.
         file: PathBuf,
     },
     /// No model can be built from the scene.
-    #[error("found no model that this scene allows")]
+    #[error("no model that this scene allows")]
     NoModel,
     /// The scene has no level of this name.
-    #[error("model: found {found:?}, expected one of this scene")]
+    #[error("no such model: {found:?}, expected one of this scene")]
     UnknownLevel {
         /// Name of the level.
         found: String,
     },
     /// The text of the scene is no TOML.
-    #[error("{}: found no TOML", file.display())]
+    #[error("{}: invalid TOML", file.display())]
     Syntax {
         /// Scene file.
         file: PathBuf,
@@ -193,32 +193,32 @@ pub enum TradeError {
         source: toml_edit::TomlError,
     },
     /// The text of the scene has no bearing.
-    #[error("{}: found no [[bearing]]", file.display())]
+    #[error("{}: missing table [[bearing]]", file.display())]
     NoBearing {
         /// Scene file.
         file: PathBuf,
     },
     /// The recording has no complete sample.
-    #[error("{}: found no sample with all probes, allowed: at least one turn of the shaft", file.display())]
+    #[error("{}: no sample with all probes, expected at least one turn of the shaft", file.display())]
     NoSample {
         /// The recording.
         file: PathBuf,
     },
     /// No bearing carries a load.
-    #[error("{}: found bearings without load over the whole motion, allowed: a motion under load", file.display())]
+    #[error("{}: bearings without load over the whole motion, expected a motion under load", file.display())]
     NoLoad {
         /// Scene file.
         file: PathBuf,
     },
     /// No candidate has a cost on the target.
     #[error(
-        "--error, --deadline: found no model of this scene among those counted on the Cortex-M4F (waviness, damage and a \
-         displaced housing are not counted), allowed: --error with --on desktop"
+        "--error, --deadline: no model of this scene is among those counted on the Cortex-M4F (waviness, damage and a \
+         displaced housing are not counted), expected --error with --on desktop"
     )]
     NotCounted,
     /// No candidate is accurate enough.
     #[error(
-        "--error: found {:.3e} %, allowed here: {:.3e} % or more, the least error of a model with a cost", found * 100.0, least * 100.0
+        "--error: no model is so accurate: {:.3e} %, expected {:.3e} % or more, the least error of a model with a cost", found * 100.0, least * 100.0
     )]
     Error {
         /// Error that is required, relative.
@@ -228,7 +228,7 @@ pub enum TradeError {
     },
     /// No candidate is fast enough.
     #[error(
-        "--deadline: found {:.3} us at {:.0} MHz, allowed here: {:.3} us or more, the cheapest model with a count",
+        "--deadline: no model is so fast: {:.3} us at {:.0} MHz, expected {:.3} us or more, the cheapest model with a count",
         found * 1e6, clock / 1e6, least * 1e6
     )]
     Deadline {
@@ -254,8 +254,8 @@ impl TradeError {
 pub enum BakeError {
     /// A model without constants.
     #[error(
-        "{}: bearing {bearing}: model: found {found} with a displaced housing or with balls that move, allowed for bake: \
-         any other", file.display()
+        "{}: bearing {bearing}: model with a displaced housing or with balls that move: {found}, expected any other in bake",
+        file.display()
     )]
     Model {
         /// Scene file.
@@ -266,7 +266,7 @@ pub enum BakeError {
         found: &'static str,
     },
     /// An observer whose gains the scene does not determine.
-    #[error("{}: [observer]: found {found}, allowed with bake: {expected}", file.display())]
+    #[error("{}: [observer]: {found} in bake, expected {expected}", file.display())]
     Observer {
         /// Scene file.
         file: PathBuf,

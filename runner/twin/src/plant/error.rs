@@ -16,13 +16,13 @@ pub type Result<T, E = PlantError> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error)]
 pub enum PlantError {
     /// The scene has neither rotor nor system.
-    #[error("{}: [rotor]: found none, allowed: a rotor, without which there is no motion to compute", file.display())]
+    #[error("{}: missing table [rotor] or [system], without which there is no motion to compute", file.display())]
     NoRotor {
         /// Scene file.
         file: PathBuf,
     },
     /// The scene has too many bearings.
-    #[error("{}: bearing: found {found}, allowed: up to {MOST_BEARINGS}", file.display())]
+    #[error("{}: bearing: too many bearings: {found}, expected at most {MOST_BEARINGS}", file.display())]
     Bearings {
         /// Scene file.
         file: PathBuf,
@@ -30,7 +30,7 @@ pub enum PlantError {
         found: usize,
     },
     /// No mounted bearing has this name.
-    #[error("bearing {name}: found none of this name on the rotor")]
+    #[error("no such bearing on the rotor: {name:?}")]
     NotMounted {
         /// Name of the bearing.
         name: String,
@@ -54,7 +54,8 @@ pub enum PlantError {
     Matrix(#[from] MatrixError),
     /// A matrix has another size than the mass matrix.
     #[error(
-        "{}: found {rows} x {columns}, allowed: {expected} x {expected}, square and as large as the mass matrix",
+        "{}: wrong size of a matrix: {rows} x {columns}, expected {expected} x {expected}, square and as large as the mass \
+         matrix",
         file.display()
     )]
     MatrixSize {
@@ -68,7 +69,7 @@ pub enum PlantError {
         expected: usize,
     },
     /// A load vector has another length than the mass matrix.
-    #[error("{}: found {found} numbers, allowed: {expected}, one a coordinate", file.display())]
+    #[error("{}: wrong number of values: {found}, expected {expected}, one a coordinate", file.display())]
     LoadLength {
         /// File of the load.
         file: PathBuf,
@@ -78,7 +79,7 @@ pub enum PlantError {
         expected: usize,
     },
     /// An unbalance acts on a coordinate that does not exist.
-    #[error("{}: system.unbalance: found coordinate {found}, allowed: 1 to {most}", file.display())]
+    #[error("{}: system.unbalance: no such coordinate: {found}, expected 1 to {most}", file.display())]
     UnbalanceCoordinate {
         /// Scene file.
         file: PathBuf,
@@ -88,7 +89,7 @@ pub enum PlantError {
         most: usize,
     },
     /// A bearing or a probe is on a coordinate that does not exist.
-    #[error("{}: {part}: coordinates: found {found}, allowed: -{most} to {most}", file.display())]
+    #[error("{}: {part}: coordinates: no such coordinate: {found}, expected -{most} to {most}", file.display())]
     Coordinate {
         /// Scene file.
         file: PathBuf,
@@ -113,7 +114,7 @@ pub enum PlantError {
         found: Coordinates,
     },
     /// The system has too many coordinates.
-    #[error("found a system of {found} coordinates, allowed: up to {most}")]
+    #[error("too many coordinates of the system: {found}, expected at most {most}")]
     Coordinates {
         /// Number of coordinates.
         found: usize,
@@ -121,10 +122,10 @@ pub enum PlantError {
         most: usize,
     },
     /// The plant has neither rotor nor system.
-    #[error("found neither a rotor nor a system")]
+    #[error("missing table [rotor] or [system]")]
     NoSystem,
     /// The command needs a rotor, the scene has a system of matrices.
-    #[error("{}: [system]: found matrices, allowed with {command}: a [rotor]; simulate and replay take them", file.display())]
+    #[error("{}: [system]: matrices in {command}, expected a [rotor]; simulate and replay take them", file.display())]
     NoRotorButSystem {
         /// Scene file.
         file: PathBuf,
@@ -133,7 +134,7 @@ pub enum PlantError {
     },
     /// The command needs bearings without coordinates of their own.
     #[error(
-        "{}: bearing {bearing}: found model = \"dynamic\", allowed with {command}: another model; simulate takes it",
+        "{}: bearing {bearing}: model = \"dynamic\" in {command}, expected another model; simulate takes it",
         file.display()
     )]
     MovingBalls {
@@ -145,17 +146,17 @@ pub enum PlantError {
         command: String,
     },
     /// The mass matrix has no inverse.
-    #[error("mass matrix: found a singular one")]
+    #[error("singular mass matrix")]
     SingularMass,
     /// The stiffness matrix has no inverse.
-    #[error("stiffness at rest: found a singular matrix")]
+    #[error("singular stiffness matrix at rest")]
     SingularStiffness,
     /// Eigenvalues cannot be computed.
     #[error(transparent)]
     Eigenvalues(#[from] EigenvalueError),
     /// A natural frequency exceeds the range of numbers.
     #[error(
-        "found a natural frequency beyond the range of numbers: {found} (rad/s)^2, expected masses, inertias and \
+        "natural frequency beyond the range of numbers: {found} (rad/s)^2, expected masses, inertias and \
          stiffnesses within it"
     )]
     Frequency {

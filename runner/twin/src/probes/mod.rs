@@ -33,8 +33,8 @@ pub fn reading(row: &[f64], coordinates: &[f64]) -> f64 {
 /// Error returned for probes that do not determine the displacement of the shaft.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "recording.probes: found probes that do not determine the shaft's position ({reason}), allowed: two planes, each \
-     with two directions that are not parallel"
+    "recording.probes: probes that do not determine the shaft's position: {reason}, expected two planes, each with two \
+     directions that are not parallel"
 )]
 pub struct UnobservableError {
     /// Reason found in the arrangement of the probes.

@@ -11,7 +11,7 @@ const HIGHEST_RATE: f64 = 1e7;
 
 /// Error returned for a sampling rate at which the scene's shaft cannot have been recorded.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("found {rate} Hz at a shaft speed of {speed_rpm:.0} rpm, allowed: {least:.6} Hz to 10 MHz")]
+#[error("implausible rate at a shaft speed of {speed_rpm:.0} rpm: {rate} Hz, expected {least:.6} Hz to 10 MHz")]
 pub struct ImplausibleRate {
     /// Samples a second, averaged ones counted once, Hz.
     rate: f64,
@@ -42,7 +42,7 @@ pub enum RateError {
     Scene {
         /// Scene file.
         file: PathBuf,
-        /// Rate found and allowed. Not a `source`: the message contains it.
+        /// Rate found and range expected. Not a `source`: the message contains it.
         rate: ImplausibleRate,
     },
     /// The rate follows from the time stamps.
@@ -50,7 +50,7 @@ pub enum RateError {
     TimeStamps {
         /// Name of the recording.
         recording: String,
-        /// Rate found and allowed. Not a `source`: the message contains it.
+        /// Rate found and range expected. Not a `source`: the message contains it.
         rate: ImplausibleRate,
     },
 }

@@ -11,13 +11,13 @@ use ::csv::{ByteRecord, ReaderBuilder, Terminator};
 use self::header::{Header, shortened};
 use self::source::{Source, failed};
 use super::error::RecordingError;
-use super::table::{ALLOWED, Cells, Table};
+use super::table::{Cells, EXPECTED, Table};
 
 /// Bytes read from the file at once.
 const BUFFER: usize = 1 << 16;
 
-/// Values allowed in a cell, with a hint about the decimal comma.
-const ALLOWED_POINT: &str = "a number with a decimal point, or NaN or nothing where the reading is missing";
+/// Values expected in a cell, with a hint about the decimal comma.
+const EXPECTED_POINT: &str = "a number with a decimal point, or NaN or nothing where the reading is missing";
 
 /// A CSV file, row by row.
 ///
@@ -87,7 +87,7 @@ impl CsvTable {
             line: self.line,
             column: self.header.names[place].clone(),
             found,
-            allowed: if comma { ALLOWED_POINT } else { ALLOWED },
+            expected: if comma { EXPECTED_POINT } else { EXPECTED },
         }
     }
 
@@ -119,14 +119,14 @@ impl Table for CsvTable {
         if !self.read_record()? {
             return Ok(false);
         }
-        let (found, allowed) = (self.record.len(), self.header.names.len());
-        if found > allowed {
-            return Err(RecordingError::RowTooLong { file: self.name.clone(), line: self.line, found, allowed });
+        let (found, expected) = (self.record.len(), self.header.names.len());
+        if found > expected {
+            return Err(RecordingError::RowTooLong { file: self.name.clone(), line: self.line, found, expected });
         }
-        let mut whole = if found < allowed { found.saturating_sub(1) } else { found };
+        let mut whole = if found < expected { found.saturating_sub(1) } else { found };
         let result = match self.parse(whole, &mut cells.values) {
             // `-` or `1.2e` at the end of the file is an incomplete number, not a wrong cell.
-            Err(place) if place + 1 == allowed && self.source.get_ref().broke_off() => {
+            Err(place) if place + 1 == expected && self.source.get_ref().broke_off() => {
                 whole = place;
                 self.parse(whole, &mut cells.values)
             }

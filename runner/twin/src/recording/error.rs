@@ -19,23 +19,23 @@ pub enum RecordingError {
         cause: io::Error,
     },
     /// The path is a folder.
-    #[error("{file}: is a folder; allowed: a file of columns")]
+    #[error("{file}: a folder, expected a file of columns")]
     Folder {
         /// The path.
         file: PathBuf,
     },
     /// A binary file that cannot be used.
-    #[error("{file}: found {found}; allowed: {allowed}")]
+    #[error("{file}: unreadable file: {found}, expected {expected}")]
     Format {
         /// The recording.
         file: PathBuf,
         /// Content of the file.
         found: String,
-        /// Content allowed.
-        allowed: &'static str,
+        /// Content expected.
+        expected: &'static str,
     },
     /// The units of file and scene differ.
-    #[error("{file}, column {column}: found the unit `{found}`; allowed: the scene's, `{allowed}`, or no unit", column = name(.column), found = name(.found))]
+    #[error("{file}: column {column}: unit differs from the scene's: `{found}`, expected `{expected}` or no unit", column = name(.column), found = name(.found))]
     Unit {
         /// The recording.
         file: PathBuf,
@@ -44,20 +44,20 @@ pub enum RecordingError {
         /// Unit in the file.
         found: String,
         /// Unit in the scene.
-        allowed: String,
+        expected: String,
     },
     /// The sampling rates of file and scene differ.
-    #[error("{file}: found a sampling rate of {found} Hz; allowed: the scene's, {allowed} Hz, within 0.1 %")]
+    #[error("{file}: sampling rate differs from the scene's: {found} Hz, expected {expected} Hz within 0.1 %")]
     Rate {
         /// The recording.
         file: PathBuf,
         /// Rate in the file, Hz.
         found: f64,
         /// Rate in the scene, Hz.
-        allowed: f64,
+        expected: f64,
     },
     /// The file cannot be read to its end.
-    #[error("{file}, after line {line}: cannot be read further: {cause}")]
+    #[error("{file}:{line}: cannot be read after this line: {cause}")]
     Read {
         /// The recording.
         file: PathBuf,
@@ -67,13 +67,13 @@ pub enum RecordingError {
         cause: io::Error,
     },
     /// The file is empty or has blank lines only.
-    #[error("{file}: is empty; allowed: a line of column names and a row for each sample")]
+    #[error("{file}: empty file, expected a line of column names and a row for each sample")]
     Empty {
         /// The recording.
         file: PathBuf,
     },
     /// The file is not text.
-    #[error("{file}, line {line}: is not plain text (binary, or UTF-16); allowed: a line of column names in UTF-8")]
+    #[error("{file}:{line}: not plain text (binary, or UTF-16), expected a line of column names in UTF-8")]
     NotText {
         /// The recording.
         file: PathBuf,
@@ -81,9 +81,7 @@ pub enum RecordingError {
         line: u64,
     },
     /// The first line has numbers instead of column names.
-    #[error(
-        "{file}, line {line}: found the numbers `{found}`; a header is needed: a line with the names of the columns"
-    )]
+    #[error("{file}:{line}: numbers instead of a header: `{found}`, expected a line with the names of the columns")]
     NoHeader {
         /// The recording.
         file: PathBuf,
@@ -93,13 +91,13 @@ pub enum RecordingError {
         found: String,
     },
     /// The file has a header and no row.
-    #[error("{file}: has a header and no row below it; allowed: a row for each sample")]
+    #[error("{file}: no row below the header, expected a row for each sample")]
     NoRows {
         /// The recording.
         file: PathBuf,
     },
     /// The scene names a column that the file lacks.
-    #[error("{file}{at}: no column `{column}`; found the columns {found}{hint}", column = name(.column), at = at_line(*.line), hint = did_you_mean(.nearest.as_deref()))]
+    #[error("{file}{at}: no such column: `{column}`{hint}, expected one of {found}", column = name(.column), at = at_line(*.line), hint = did_you_mean(.nearest.as_deref()))]
     AbsentColumn {
         /// The recording.
         file: PathBuf,
@@ -113,7 +111,7 @@ pub enum RecordingError {
         nearest: Option<String>,
     },
     /// Two columns have the same name.
-    #[error("{file}{at}: the column `{column}` is there twice; allowed: once", column = name(.column), at = at_line(*.line))]
+    #[error("{file}{at}: repeated column: `{column}`, expected each name once", column = name(.column), at = at_line(*.line))]
     ColumnTwice {
         /// The recording.
         file: PathBuf,
@@ -123,7 +121,7 @@ pub enum RecordingError {
         column: String,
     },
     /// A cell is not a number.
-    #[error("{file}, line {line}, column {column}: found `{found}`; allowed: {allowed}", column = name(.column))]
+    #[error("{file}:{line}: column {column}: invalid value: `{found}`, expected {expected}", column = name(.column))]
     Cell {
         /// The recording.
         file: PathBuf,
@@ -133,11 +131,11 @@ pub enum RecordingError {
         column: String,
         /// The cell's text, shortened.
         found: String,
-        /// Values allowed.
-        allowed: &'static str,
+        /// Values expected.
+        expected: &'static str,
     },
     /// A row has more cells than the header has names.
-    #[error("{file}, line {line}: found {found} cells; allowed: {allowed}, as many as the header has names")]
+    #[error("{file}:{line}: too many cells: {found}, expected {expected} as in the header")]
     RowTooLong {
         /// The recording.
         file: PathBuf,
@@ -146,11 +144,11 @@ pub enum RecordingError {
         /// Number of cells in the row.
         found: usize,
         /// Number of names in the header.
-        allowed: usize,
+        expected: usize,
     },
     /// The time stamps give no sampling rate.
     #[error(
-        "{file}, column {column}: found {found}; allowed: time stamps in seconds that rise from row to row, or `rate` instead of `time` in the scene", column = name(.column)
+        "{file}: column {column}: {found}, expected time stamps in seconds that rise from row to row, or `rate` instead of `time` in the scene", column = name(.column)
     )]
     Clock {
         /// The recording.
@@ -171,11 +169,11 @@ impl RecordingError {
 }
 
 fn at_line(line: Option<u64>) -> String {
-    line.map(|line| format!(", line {line}")).unwrap_or_default()
+    line.map(|line| format!(":{line}")).unwrap_or_default()
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {
-    nearest.map(|near| format!("; did you mean `{}`?", name(near))).unwrap_or_default()
+    nearest.map(|near| format!(" (did you mean `{}`?)", name(near))).unwrap_or_default()
 }
 
 /// Returns names for a message; a long list is shortened.

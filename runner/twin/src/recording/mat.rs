@@ -17,7 +17,7 @@ use super::error::RecordingError;
 use super::numbers::{Kind, Number};
 use super::table::{Cells, Table, equal_lengths};
 
-const ALLOWED: &str = "a MATLAB file of version 5 with vectors of equal length";
+const EXPECTED: &str = "a MATLAB file of version 5 with vectors of equal length";
 
 /// Bytes of text, version and byte order before the first variable.
 const HEADER: u64 = 128;
@@ -96,7 +96,7 @@ fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
         io::ErrorKind::UnexpectedEof => "a file that is cut short".into(),
         _ => cause.to_string(),
     };
-    RecordingError::Format { file: path.into(), found, allowed: ALLOWED }
+    RecordingError::Format { file: path.into(), found, expected: EXPECTED }
 }
 
 fn refuse(found: impl Into<String>) -> io::Error {

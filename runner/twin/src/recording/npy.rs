@@ -12,7 +12,7 @@ use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
 use super::table::Table;
 use crate::npy_header::{ElementType, Field, NpyHeader, PlainType};
 
-const ALLOWED: &str = "an NPY file of one row for each sample, of integers or of floats with 32 or 64 bits";
+const EXPECTED: &str = "an NPY file of one row for each sample, of integers or of floats with 32 or 64 bits";
 
 /// Largest number of columns.
 const MOST: u64 = 1 << 16;
@@ -24,7 +24,7 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
             io::ErrorKind::UnexpectedEof => "a header that is cut short".into(),
             _ => cause.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
         };
-        RecordingError::Format { file: path.into(), found, allowed: ALLOWED }
+        RecordingError::Format { file: path.into(), found, expected: EXPECTED }
     })?;
     Ok(Box::new(Numbers::new(file, path, layout)))
 }
@@ -50,7 +50,7 @@ fn read(file: &mut File) -> io::Result<Layout> {
             array(number, start, [rows, columns], header.is_fortran)
         }
     };
-    Ok(Layout { lanes, torn: false, allowed: ALLOWED })
+    Ok(Layout { lanes, torn: false, expected: EXPECTED })
 }
 
 fn number(kind: &PlainType) -> Option<Number> {

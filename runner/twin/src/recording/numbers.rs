@@ -120,7 +120,7 @@ pub(super) struct Layout {
     /// The file ends within a row.
     pub(super) torn: bool,
     /// Values that the format allows.
-    pub(super) allowed: &'static str,
+    pub(super) expected: &'static str,
 }
 
 /// A file whose numbers are not compressed.
@@ -156,7 +156,7 @@ impl Numbers {
     }
 
     fn wrong(&self, found: String) -> RecordingError {
-        RecordingError::Format { file: self.path.clone(), found, allowed: self.layout.allowed }
+        RecordingError::Format { file: self.path.clone(), found, expected: self.layout.expected }
     }
 
     /// The runs of a lane, all of which lie within the file.

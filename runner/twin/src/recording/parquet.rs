@@ -20,7 +20,7 @@ use super::error::RecordingError;
 use super::table::{Cells, Table, equal_lengths};
 use crate::caught::caught;
 
-const ALLOWED: &str = "a Parquet file with flat columns of numbers";
+const EXPECTED: &str = "a Parquet file with flat columns of numbers";
 
 /// Values decoded at once.
 const BLOCK: usize = 4096;
@@ -73,7 +73,7 @@ pub(super) fn open(file: File, path: &Path) -> Result<Box<dyn Table>, RecordingE
 fn wrong(path: &Path, error: impl ToString) -> RecordingError {
     let text = error.to_string();
     let found = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    RecordingError::Format { file: path.into(), found, allowed: ALLOWED }
+    RecordingError::Format { file: path.into(), found, expected: EXPECTED }
 }
 
 /// Runs the library's decoder.

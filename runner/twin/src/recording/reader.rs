@@ -16,7 +16,7 @@ use super::error::{RecordingError, listed, nearest};
 use super::flaws::{Flaw, FlawLedger, Position};
 use super::memory::Memory;
 use super::probe::{ProbeWatch, Verdict};
-use super::table::{self, ALLOWED, Cells, Table};
+use super::table::{self, Cells, EXPECTED, Table};
 use crate::scene::units;
 use crate::scene::{Clock, Probe, Recording, RotationSource};
 
@@ -211,11 +211,11 @@ impl<'a> Reader<'a> {
 
     /// Checks that a rate in the file is the scene's.
     fn check_rate(&self, recording: &Recording) -> Result<(), RecordingError> {
-        let (Some(found), Clock::Rate(allowed)) = (self.table.rate(), &recording.clock) else { return Ok(()) };
-        if (found / allowed - 1.0).abs() <= RATE_TOLERANCE {
+        let (Some(found), Clock::Rate(expected)) = (self.table.rate(), &recording.clock) else { return Ok(()) };
+        if (found / expected - 1.0).abs() <= RATE_TOLERANCE {
             return Ok(());
         }
-        Err(RecordingError::Rate { file: self.name.clone(), found, allowed: *allowed })
+        Err(RecordingError::Rate { file: self.name.clone(), found, expected: *expected })
     }
 
     fn learn(&self, column: &str) -> Result<Grid, RecordingError> {
@@ -254,7 +254,7 @@ impl<'a> Reader<'a> {
                 line: self.cells.line,
                 column: self.table.columns()[column.place].clone(),
                 found: value.to_string(),
-                allowed: ALLOWED,
+                expected: EXPECTED,
             });
         }
         row.line = self.cells.line;
@@ -404,7 +404,7 @@ impl Wanted {
                 file: file.into(),
                 column: table.columns()[column.place].clone(),
                 found: said.into(),
-                allowed: meant.into(),
+                expected: meant.into(),
             }),
             _ => Ok(()),
         };

@@ -86,7 +86,7 @@ pub enum RotationError {
     },
     /// A speed column without a speed that the scene's machine can have.
     #[error(
-        "column {column}: {rejected} speeds, none within {:.0} rpm, {SPEED_MARGIN} times the scene's fastest: found {:.3e} rpm first", fastest * 60.0 / TAU, found * 60.0 / TAU
+        "column {column}: no plausible speed in {rejected} readings: first {:.3e} rpm, expected speeds within {:.0} rpm, {SPEED_MARGIN} times the scene's fastest", found * 60.0 / TAU, fastest * 60.0 / TAU
     )]
     ImplausibleSpeed {
         /// Column of the speed.

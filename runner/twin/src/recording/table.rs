@@ -7,8 +7,8 @@ use std::path::Path;
 use super::error::RecordingError;
 use super::{mat, npy, parquet, tdms, wav};
 
-/// Values allowed in a used cell.
-pub(super) const ALLOWED: &str = "a number, or NaN or nothing where the reading is missing";
+/// Values expected in a used cell.
+pub(super) const EXPECTED: &str = "a number, or NaN or nothing where the reading is missing";
 
 /// Columns of a file and its rows, one after another.
 pub(super) trait Table: Send {
@@ -97,5 +97,9 @@ pub(super) fn equal_lengths(file: &Path, columns: &[(&str, u64)]) -> Result<u64,
     }
     let each = columns.iter().map(|(name, length)| format!("{length} in `{name}`"));
     let found = format!("numbers of values {}", each.collect::<Vec<_>>().join(", "));
-    Err(RecordingError::Format { file: file.into(), found, allowed: "columns of equal length with at least one value" })
+    Err(RecordingError::Format {
+        file: file.into(),
+        found,
+        expected: "columns of equal length with at least one value",
+    })
 }

@@ -21,7 +21,7 @@ use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
 use super::table::Table;
 use scale::Scales;
 
-const ALLOWED: &str = "a TDMS file of numbers, or of DAQmx raw data with linear scales";
+const EXPECTED: &str = "a TDMS file of numbers, or of DAQmx raw data with linear scales";
 
 /// Bytes before the metadata of a segment.
 const LEAD_IN: u64 = 28;
@@ -51,7 +51,7 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
             io::ErrorKind::UnexpectedEof => "a description of channels that is cut short".into(),
             _ => cause.to_string(),
         };
-        RecordingError::Format { file: path.into(), found, allowed: ALLOWED }
+        RecordingError::Format { file: path.into(), found, expected: EXPECTED }
     })?;
     Ok(Box::new(Numbers::new(file, path, layout)))
 }
@@ -75,7 +75,7 @@ fn read(file: &mut File) -> io::Result<Layout> {
         }
     }
     let lanes = objects.all.into_iter().filter_map(Object::lane).collect();
-    Ok(Layout { lanes, torn, allowed: ALLOWED })
+    Ok(Layout { lanes, torn, expected: EXPECTED })
 }
 
 /// Lead-in of a segment.

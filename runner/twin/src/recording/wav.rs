@@ -13,7 +13,7 @@ use super::error::RecordingError;
 use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
 use super::table::Table;
 
-const ALLOWED: &str = "a WAV file of PCM with 8, 16, 24 or 32 bits or float with 32 or 64";
+const EXPECTED: &str = "a WAV file of PCM with 8, 16, 24 or 32 bits or float with 32 or 64";
 
 /// Format tags.
 const PCM: u16 = 1;
@@ -30,7 +30,7 @@ struct Format {
 
 /// Opens a file.
 pub(super) fn open(file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
-    let wrong = |found: String| RecordingError::Format { file: path.into(), found, allowed: ALLOWED };
+    let wrong = |found: String| RecordingError::Format { file: path.into(), found, expected: EXPECTED };
     let layout = read(&file).map_err(|cause| match cause.kind() {
         io::ErrorKind::UnexpectedEof => wrong("a file that ends before its samples".into()),
         _ => wrong(cause.to_string()),
@@ -103,5 +103,5 @@ fn layout(format: &Format, start: u64, length: u64, size: u64) -> Layout {
         Lane { rate: Some(format.rate.into()), ..Lane::even(format!("c{channel}"), run) }
     };
     let torn = there < length || !there.is_multiple_of(frame);
-    Layout { lanes: (0..format.channels).map(lane).collect(), torn, allowed: ALLOWED }
+    Layout { lanes: (0..format.channels).map(lane).collect(), torn, expected: EXPECTED }
 }

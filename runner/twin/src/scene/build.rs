@@ -175,14 +175,14 @@ pub(crate) fn contact_geometry(
     model: &str,
 ) -> Result<(BallBearingGeometry, DisplacementDatum), BuildError> {
     let Some(geometry) = geometry(scene)? else {
-        let keys = "with ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance";
+        let keys = "ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance";
         return Err(invalid(scene, format!("model {model}"), "no geometry", keys));
     };
     if let Some(super::Geometry { fit: Fit::DiametralClearance(s), .. }) = scene.geometry
         && s < 0.0
     {
         let expected = format!("0 or more with model {model}");
-        return Err(invalid(scene, "diametral_clearance", format!("{s} m"), &expected));
+        return Err(invalid(scene, "diametral_clearance", format!("invalid value: {s} m"), &expected));
     }
     Ok((geometry, if scene.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching }))
 }
@@ -195,7 +195,7 @@ fn linear<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, Bui
         }
         Some(Linear::TwoSpring { static_load }) => {
             let Some(g) = geometry(scene)? else {
-                return Err(invalid(scene, "two_spring", "no geometry", "with ball_diameter and the others"));
+                return Err(invalid(scene, "two_spring", "no geometry", "ball_diameter and the others"));
             };
             let springs = two_spring_ball(scene.elements, g.ball_diameter, *static_load, g.contact_angle)
                 .map_err(|e| named(scene, e))?;
@@ -206,7 +206,7 @@ fn linear<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, Bui
             scene,
             "linearise",
             "a bearing taken alone",
-            "in a scene with a [rotor], at whose equilibrium it is linearised",
+            "a scene with a [rotor], at whose equilibrium it is linearised",
         )),
         None => Err(invalid(scene, "model linear", "no stiffness", "stiffness_matrix, two_spring or linearise")),
     }
@@ -274,7 +274,7 @@ pub struct Balls {
 /// Returns an error if the bearing has no geometry, from which mass and contact stiffness of the balls follow.
 pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls, BuildError> {
     let Some(geometry) = geometry(of)? else {
-        return Err(invalid(of, "model dynamic", "no geometry", "with ball_diameter and the others"));
+        return Err(invalid(of, "model dynamic", "no geometry", "ball_diameter and the others"));
     };
     let gravity = scene.rotor.as_ref().map_or([0.0; 3], |r| r.gravity);
     let density = of.geometry.map_or(0.0, |g| g.density);

@@ -39,7 +39,7 @@ pub enum MatrixProblem {
     #[error("no matrix in a MATLAB file")]
     Matlab(#[source] std::io::Error),
     /// An element is not finite.
-    #[error("row {row}, column {column}: found {found}, allowed: a finite number")]
+    #[error("row {row}, column {column}: invalid value: {found}, expected a finite number")]
     NotFinite {
         /// Row, from 1.
         row: usize,
@@ -49,10 +49,10 @@ pub enum MatrixProblem {
         found: f64,
     },
     /// The text is no Matrix Market file of real numbers.
-    #[error("found no Matrix Market file of real numbers: {0}")]
+    #[error("invalid Matrix Market file: {0}, expected a matrix of real numbers")]
     Market(&'static str),
     /// The matrix has more rows or columns than the limit.
-    #[error("found {rows} x {columns}, allowed: up to {MOST} rows and columns")]
+    #[error("too many rows or columns: {rows} x {columns}, expected at most {MOST} of each")]
     TooLarge {
         /// Number of rows.
         rows: usize,
@@ -60,19 +60,19 @@ pub enum MatrixProblem {
         columns: usize,
     },
     /// The NPY file contains more than an array.
-    #[error("found an NPY file of something else than a plain array, allowed: float64")]
+    #[error("unsupported NPY file: not a plain array, expected float64")]
     NotPlain,
     /// The NPY header is invalid.
-    #[error("found no NPY file of float64")]
+    #[error("no NPY file of float64")]
     Npy(#[source] std::io::Error),
     /// The array is neither a vector nor a matrix.
-    #[error("found an array of {0} dimensions, allowed: 1 or 2")]
+    #[error("wrong number of dimensions: {0}, expected 1 or 2")]
     Dimensions(usize),
     /// The elements are not of type float64.
-    #[error("found an array of another type, allowed: float64")]
+    #[error("unsupported type of the elements, expected float64")]
     ElementType,
     /// The data end early.
-    #[error("found a file that is cut short")]
+    #[error("truncated file")]
     Truncated,
     /// The shape exceeds the address space.
     #[error(transparent)]

@@ -15,8 +15,8 @@ use std::path::Path;
 
 use toml_edit::{Document, TomlError};
 
-pub use super::table::SceneError;
 use super::table::{Node, Read, Source, Table, line_of};
+pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
     Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording,
@@ -29,7 +29,7 @@ const LARGEST_FILE: u64 = 4 << 20;
 /// Distance beyond the end of the shaft that is taken for rounding, m.
 const ROUNDING: f64 = 1e-6;
 
-/// Values allowed for `speed`.
+/// Values expected of `speed`.
 const SPEEDS: &str = "a speed of rotation, such as \"3000 rpm\", or { from, to, over }, \
                       or { mean, fluctuation, frequency }";
 
@@ -118,7 +118,7 @@ fn about_centre_of_mass(mut scene: Scene, root: &Table<'_>) -> Read<Scene> {
     let (centre, ends) = drawn;
     let beyond = |station: f64| station - centre < ends[0] - ROUNDING || station - centre > ends[1] + ROUNDING;
     let [from, to] = ends.map(|z| (z + centre) * 1e3);
-    let range = Dimension::Length.allowed(&format!("between the ends of the shaft, {from:.3} and {to:.3} mm"));
+    let range = Dimension::Length.expected(&format!("between the ends of the shaft, {from:.3} and {to:.3} mm"));
     let refuse = |node: Option<Node<'_>>, i: usize| {
         let node = node.and_then(|n| n.list("").ok()?.into_iter().nth(i));
         let station = node.and_then(|n| n.any_table().ok()?.optional("station"));
@@ -149,7 +149,7 @@ fn integration(node: &Node<'_>) -> Read<Integration> {
     let methods = [("runge-kutta", Method::RungeKutta), ("newmark", newmark), ("verlet", Method::Verlet)];
     let method = table.read("method", |n| n.choice(&methods))?.unwrap_or(Method::RungeKutta);
     if newton_steps.is_some() && method != newmark {
-        return Err(table.required("newton_steps", "")?.refuse("only with method = \"newmark\"; remove it"));
+        return Err(table.required("newton_steps", "")?.misplaced("only with method = \"newmark\"; remove it"));
     }
     Ok(Integration { method, step: table.read("step", |n| n.positive(Dimension::Time))? })
 }
@@ -160,7 +160,7 @@ fn limits(node: &Node<'_>) -> Read<Vec<Limit>> {
 
 fn limit(node: &Node<'_>) -> Read<Limit> {
     let table = node.table(&["indicator", "probe", "bearing", "max", "growth_db", "hysteresis", "duration"])?;
-    let indicator = table.required("indicator", "what is limited")?.choice(&Indicator::ALL)?;
+    let indicator = table.required("indicator", "the name of an indicator")?.choice(&Indicator::ALL)?;
     let race = matches!(indicator, Indicator::OuterRace | Indicator::InnerRace);
     if race != table.has("bearing") {
         return Err(table.fail(
@@ -178,11 +178,10 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
             Allowed::Growth(10_f64.powf(decibels / 20.0))
         }
         (None, Some(growth)) => {
-            return Err(
-                growth.refuse("growth_db with \"residual\", \"1X\", \"2X\", \"outer-race\", \"inner-race\"; max here")
-            );
+            let expected = "only with indicator = \"residual\", \"1X\", \"2X\", \"outer-race\" or \"inner-race\"; give max instead";
+            return Err(growth.misplaced(expected));
         }
-        _ => return Err(table.fail("neither or both of max and growth_db", "one of them")),
+        _ => return Err(table.fail("neither or both of max and growth_db", "exactly one of them")),
     };
     let text = |key: &str| table.read(key, |n| Ok(n.text("a name")?.to_owned()));
     let share = "0 or more and below 1 (part of the limit)";
@@ -295,7 +294,7 @@ fn bearings(root: &Table<'_>) -> Read<Vec<Bearing>> {
         let bearing = bearing::read(&table, root.has("system"))?;
         if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {
             let own = format!("a name of its own (bearing[{other}] has this one)");
-            return Err(table.required("name", &own)?.refuse(own));
+            return Err(table.required("name", &own)?.repeated(own));
         }
         bearings.push(bearing);
     }
@@ -328,8 +327,7 @@ fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
     if table.has("sensors") {
         return Err(node.fail("average beside sensors", "sensors at the recording's own rate"));
     }
-    let allowed = "a whole number of samples from 1 to 1024";
-    node.integer(1, 1024, allowed).map(|count| count as u32)
+    node.integer(1, 1024, "a whole number of samples from 1 to 1024").map(|count| count as u32)
 }
 
 fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
@@ -404,18 +402,18 @@ fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {
 fn direction(table: &Table<'_>) -> Read<Direction> {
     if table.read("axial", Node::boolean)?.unwrap_or(false) {
         return match table.optional("angle") {
-            Some(angle) => Err(angle.refuse("no angle with axial = true; remove one of the two")),
+            Some(angle) => Err(angle.misplaced("no angle with axial = true; remove one of the two")),
             None => Ok(Direction::Axial),
         };
     }
-    let wants = format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.allowed(""));
+    let wants = format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.expected(""));
     Ok(Direction::Radial(table.required("angle", &wants)?.quantity(Dimension::Angle)?))
 }
 
 fn probe_station(table: &Table<'_>, direction: Direction, on_system: bool) -> Read<f64> {
     if on_system {
         if let Some(station) = table.optional("station") {
-            return Err(station.refuse("not on a [system], whose coordinates define the position; remove it"));
+            return Err(station.misplaced("no station on a [system], whose coordinates define the position; remove it"));
         }
         return table.required("coordinates", bearing::COORDINATES).map(|_| 0.0);
     }
@@ -460,14 +458,14 @@ fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
 fn unit(table: &Table<'_>, factor: impl Fn(&str) -> Result<f64, units::Mismatch>, names: &str) -> Read<f64> {
     let wants = format!("the unit of the column: {names}");
     let node = table.required("unit", &wants)?;
-    factor(node.text(&wants)?).map_err(|e| node.fail(e.found, e.allowed))
+    factor(node.text(&wants)?).map_err(|e| node.invalid(e.found, e.expected))
 }
 
 /// Reads the name of a column that has no other use; `user` is its use.
 fn column_name(node: &Node<'_>, user: &'static str, taken: &mut Taken) -> Read<String> {
     let name = node.text("the name of a column of the recording")?;
     if let Some((_, other)) = taken.iter().find(|(column, _)| column == name) {
-        return Err(node.refuse(format!("a column of its own ({other} has this one)")));
+        return Err(node.repeated(format!("a column of its own ({other} has this one)")));
     }
     taken.push((name.to_owned(), user));
     Ok(name.to_owned())

@@ -12,7 +12,32 @@ use super::units::{self, Dimension};
 /// Longest value that an error repeats, in characters.
 const LONGEST_SHOWN: usize = 60;
 
-/// Error returned when a scene is invalid: one line with file, line, key, value found and values allowed.
+/// Kind of a [`SceneError`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Problem {
+    /// The value is not one of those expected.
+    InvalidValue,
+    /// The value has to be unique and is not.
+    RepeatedValue,
+    /// The key does not go together with others.
+    MisplacedKey,
+    /// The error describes its problem itself.
+    Described,
+}
+
+impl Problem {
+    /// Returns the start of the message, empty where the error describes its problem itself.
+    const fn text(self) -> &'static str {
+        match self {
+            Self::InvalidValue => "invalid value",
+            Self::RepeatedValue => "repeated value",
+            Self::MisplacedKey => "misplaced key",
+            Self::Described => "",
+        }
+    }
+}
+
+/// Error returned when a scene is invalid: one line with file, line, key, value found and values expected.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.sentence())]
 pub struct SceneError {
@@ -22,10 +47,12 @@ pub struct SceneError {
     pub line: Option<usize>,
     /// Path of the key, such as `bearing[0].ball_diameter`; empty where it is not about a key.
     pub key: String,
-    /// Value found; empty for a missing key, a complete message where `allowed` is empty.
+    /// Kind of the error.
+    pub problem: Problem,
+    /// Value found, or a description of the problem; empty for a missing key.
     pub found: String,
-    /// Values allowed, with an example or a range.
-    pub allowed: String,
+    /// Values expected, with an example or a range; empty where `found` is a complete message.
+    pub expected: String,
 }
 
 impl SceneError {
@@ -35,8 +62,9 @@ impl SceneError {
             file: file.to_owned(),
             line: None,
             key: String::new(),
+            problem: Problem::Described,
             found: found.into(),
-            allowed: "a scene file (TOML text with at least [shaft] and one [[bearing]])".into(),
+            expected: "a scene file (TOML text with at least [shaft] and one [[bearing]])".into(),
         }
     }
 
@@ -48,12 +76,12 @@ impl SceneError {
         if !self.key.is_empty() {
             text.push_str(&format!(": {}", self.key));
         }
-        if self.found.is_empty() {
-            text.push_str(&format!(": missing key, expected {}", self.allowed));
-        } else if self.allowed.is_empty() {
-            text.push_str(&format!(": {}", self.found));
-        } else {
-            text.push_str(&format!(": found {}, allowed: {}", self.found, self.allowed));
+        let found = if self.found.is_empty() { "missing key" } else { self.found.as_str() };
+        for part in [self.problem.text(), found].into_iter().filter(|part| !part.is_empty()) {
+            text.push_str(&format!(": {part}"));
+        }
+        if !self.expected.is_empty() {
+            text.push_str(&format!(", expected {}", self.expected));
         }
         text
     }
@@ -70,14 +98,15 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Returns an error at a byte of the text.
-    pub fn error(self, at: usize, key: &str, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
+    /// Returns an error at a byte of the text whose problem `found` describes.
+    pub fn error(self, at: usize, key: &str, found: impl Into<String>, expected: impl Into<String>) -> SceneError {
         SceneError {
             file: self.file.to_owned(),
             line: Some(line_of(self.text.as_bytes(), at)),
             key: key.to_owned(),
+            problem: Problem::Described,
             found: found.into(),
-            allowed: allowed.into(),
+            expected: expected.into(),
         }
     }
 }
@@ -123,14 +152,29 @@ impl<'a> Node<'a> {
         Some(Self { source, path, span: item.span().unwrap_or(key), content })
     }
 
-    /// Returns an error at this value.
-    pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
-        self.source.error(self.span.start, &self.path, found, allowed)
+    /// Returns an error at this value whose problem `found` describes.
+    pub fn fail(&self, found: impl Into<String>, expected: impl Into<String>) -> SceneError {
+        self.source.error(self.span.start, &self.path, found, expected)
     }
 
-    /// Returns an error that repeats this value.
-    pub fn refuse(&self, allowed: impl Into<String>) -> SceneError {
-        self.fail(self.shown(), allowed)
+    /// Returns an error of an invalid value, `found` in the notation of the file.
+    pub fn invalid(&self, found: impl Into<String>, expected: impl Into<String>) -> SceneError {
+        SceneError { problem: Problem::InvalidValue, ..self.fail(found, expected) }
+    }
+
+    /// Returns an error of an invalid value that repeats this value.
+    pub fn refuse(&self, expected: impl Into<String>) -> SceneError {
+        self.invalid(self.shown(), expected)
+    }
+
+    /// Returns an error of a value that has to be unique and is not.
+    pub fn repeated(&self, expected: impl Into<String>) -> SceneError {
+        SceneError { problem: Problem::RepeatedValue, ..self.refuse(expected) }
+    }
+
+    /// Returns an error of a key that does not go together with others.
+    pub fn misplaced(&self, expected: impl Into<String>) -> SceneError {
+        SceneError { problem: Problem::MisplacedKey, ..self.refuse(expected) }
     }
 
     /// Returns the text of the value on one line.
@@ -152,9 +196,9 @@ impl<'a> Node<'a> {
         matches!(self.content, Content::Table(_))
     }
 
-    /// Reads a number without dimension, finite and in the range that `ok` tests and `allowed` describes.
-    pub fn number(&self, allowed: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
-        self.bare_number().filter(|x| ok(*x)).ok_or_else(|| self.refuse(allowed))
+    /// Reads a number without dimension, finite and in the range that `ok` tests and `expected` describes.
+    pub fn number(&self, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+        self.bare_number().filter(|x| ok(*x)).ok_or_else(|| self.refuse(expected))
     }
 
     /// Reads a quantity in SI: a bare number or a text with a unit.
@@ -164,19 +208,19 @@ impl<'a> Node<'a> {
 
     /// Reads a quantity in the range that `ok` tests and `range` describes, such as `above 0`.
     pub fn within(&self, dimension: Dimension, range: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
-        self.limited(dimension, &dimension.allowed(range), ok)
+        self.limited(dimension, &dimension.expected(range), ok)
     }
 
-    /// Reads a quantity in the range that `ok` tests and `allowed` describes in full.
-    pub fn limited(&self, dimension: Dimension, allowed: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+    /// Reads a quantity in the range that `ok` tests and `expected` describes in full.
+    pub fn limited(&self, dimension: Dimension, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
         let value = match self.content {
             Content::Value(Value::String(text)) => {
                 let parsed = units::parse(text.value(), dimension);
-                parsed.map(Some).map_err(|e| self.fail(e.found, e.allowed))?
+                parsed.map(Some).map_err(|e| self.invalid(e.found, e.expected))?
             }
             _ => self.bare_number(),
         };
-        value.filter(|x| ok(*x)).ok_or_else(|| self.fail(self.shown_quantity(dimension), allowed))
+        value.filter(|x| ok(*x)).ok_or_else(|| self.invalid(self.shown_quantity(dimension), expected))
     }
 
     /// Reads a quantity above 0.
@@ -207,20 +251,20 @@ impl<'a> Node<'a> {
     }
 
     /// Reads a whole number between two others.
-    pub fn integer(&self, least: i64, most: i64, allowed: &str) -> Read<i64> {
+    pub fn integer(&self, least: i64, most: i64, expected: &str) -> Read<i64> {
         match self.content {
             Content::Value(Value::Integer(i)) if (least..=most).contains(i.value()) => Ok(*i.value()),
-            _ => Err(self.refuse(allowed)),
+            _ => Err(self.refuse(expected)),
         }
     }
 
     /// Reads a text that is not empty.
-    pub fn text(&self, allowed: &str) -> Read<&'a str> {
+    pub fn text(&self, expected: &str) -> Read<&'a str> {
         let text = match self.content {
             Content::Value(Value::String(text)) => Some(text.value().as_str()),
             _ => None,
         };
-        text.filter(|t| !t.trim().is_empty() && !t.contains(char::is_control)).ok_or_else(|| self.refuse(allowed))
+        text.filter(|t| !t.trim().is_empty() && !t.contains(char::is_control)).ok_or_else(|| self.refuse(expected))
     }
 
     /// Reads `true` or `false`.
@@ -245,7 +289,7 @@ impl<'a> Node<'a> {
     }
 
     /// Returns the entries of a list, also of one written as `[[key]]` tables.
-    pub fn list(&self, allowed: &str) -> Read<Vec<Node<'a>>> {
+    pub fn list(&self, expected: &str) -> Read<Vec<Node<'a>>> {
         let path = |i: usize| format!("{}[{i}]", self.path);
         match self.content {
             Content::Value(Value::Array(array)) => Ok(array
@@ -263,15 +307,19 @@ impl<'a> Node<'a> {
                     content: Content::Table(table),
                 })
                 .collect()),
-            _ => Err(self.refuse(allowed)),
+            _ => Err(self.refuse(expected)),
         }
     }
 
     /// Reads a list of exactly `N` numbers; `read` gets the index of each.
-    pub fn array<const N: usize>(&self, allowed: &str, read: impl Fn(usize, &Node<'a>) -> Read<f64>) -> Read<[f64; N]> {
-        let list = self.list(allowed)?;
+    pub fn array<const N: usize>(
+        &self,
+        expected: &str,
+        read: impl Fn(usize, &Node<'a>) -> Read<f64>,
+    ) -> Read<[f64; N]> {
+        let list = self.list(expected)?;
         if list.len() != N {
-            return Err(self.fail(format!("a list of {}", list.len()), allowed));
+            return Err(self.fail(format!("a list of {}", list.len()), expected));
         }
         let mut values = [0.0; N];
         for (i, (slot, node)) in values.iter_mut().zip(&list).enumerate() {
@@ -319,7 +367,7 @@ impl<'a> Table<'a> {
         Node::of_item(self.source, self.path_of(key), self.key_span(key), item)
     }
 
-    /// Returns the value of a required key; `wants` describes the values allowed.
+    /// Returns the value of a required key; `wants` describes the values expected.
     pub fn required(&self, key: &str, wants: &str) -> Read<Node<'a>> {
         self.optional(key).ok_or_else(|| self.missing(key, wants))
     }
@@ -329,9 +377,9 @@ impl<'a> Table<'a> {
         self.source.error(self.span.start, &self.path_of(key), "", wants)
     }
 
-    /// Returns an error about the table as a whole.
-    pub fn fail(&self, found: impl Into<String>, allowed: impl Into<String>) -> SceneError {
-        self.source.error(self.span.start, &self.path, found, allowed)
+    /// Returns an error about the table as a whole whose problem `found` describes.
+    pub fn fail(&self, found: impl Into<String>, expected: impl Into<String>) -> SceneError {
+        self.source.error(self.span.start, &self.path, found, expected)
     }
 
     /// Returns true where the table has the key.
@@ -346,17 +394,17 @@ impl<'a> Table<'a> {
 
     /// Reads a required quantity.
     pub fn quantity(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.allowed(""))?.quantity(dimension)
+        self.required(key, &dimension.expected(""))?.quantity(dimension)
     }
 
     /// Reads a required quantity above 0.
     pub fn positive(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.allowed("above 0"))?.positive(dimension)
+        self.required(key, &dimension.expected("above 0"))?.positive(dimension)
     }
 
     /// Reads a required quantity of 0 or more.
     pub fn not_negative(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.allowed("of 0 or more"))?.not_negative(dimension)
+        self.required(key, &dimension.expected("of 0 or more"))?.not_negative(dimension)
     }
 
     fn path_of(&self, key: &str) -> String {
@@ -381,10 +429,10 @@ impl<'a> Table<'a> {
 
     fn unknown(&self, key: &str, keys: &[&str]) -> SceneError {
         let hint = nearest(key, keys).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
-        let found = format!("an unknown key{hint}");
+        let found = format!("unknown key{hint}");
         let shown = on_one_line(key.escape_debug().to_string().as_str());
         let at = self.key_span(key).start;
-        self.source.error(at, &self.path_of(&shown), found, keys.join(", "))
+        self.source.error(at, &self.path_of(&shown), found, format!("one of {}", keys.join(", ")))
     }
 }
 

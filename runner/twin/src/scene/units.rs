@@ -94,12 +94,12 @@ struct Row {
 
 /// Error returned for a unit or a number that does not fit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("found {found}, allowed: {allowed}")]
+#[error("invalid value: {found}, expected {expected}")]
 pub struct Mismatch {
-    /// Unit found in the text.
+    /// Text found, with the reason in parentheses.
     pub found: String,
-    /// Values allowed, with an example.
-    pub allowed: String,
+    /// Values expected, with an example.
+    pub expected: String,
 }
 
 /// Every dimension that has a fixed form, the more usual name first where two share their powers.
@@ -172,8 +172,8 @@ impl Dimension {
         }
     }
 
-    /// Describes the values allowed, with an example; `range` such as `above 0`, or empty.
-    pub fn allowed(self, range: &str) -> String {
+    /// Describes the values expected, with an example; `range` such as `above 0`, or empty.
+    pub fn expected(self, range: &str) -> String {
         let row = self.row();
         let range = if range.is_empty() { String::new() } else { format!(" {range}") };
         match self {
@@ -209,21 +209,20 @@ impl Dimension {
 
 /// Returns the SI value of `"<number> <unit>"` of the dimension `dimension`.
 pub fn parse(text: &str, dimension: Dimension) -> Result<f64, Mismatch> {
-    let mismatch = |why: &str| Mismatch { found: format!("{}{why}", quote(text)), allowed: dimension.allowed("") };
-    let (number, unit) =
-        split_number(text).ok_or_else(|| mismatch(", which does not start with a number and a unit"))?;
+    let mismatch = |why: &str| Mismatch { found: format!("{} ({why})", quote(text)), expected: dimension.expected("") };
+    let (number, unit) = split_number(text).ok_or_else(|| mismatch("does not start with a number and a unit"))?;
     if unit.is_empty() {
-        return Err(mismatch(", which has no unit"));
+        return Err(mismatch("has no unit"));
     }
     if unit.starts_with(',') {
-        return Err(mismatch(", with a comma (a decimal point is written as a point)"));
+        return Err(mismatch("has a comma; a decimal point is written as a point"));
     }
-    let (factor, powers) = unit_of(unit, dimension).map_err(|why| mismatch(&format!(", where {why}")))?;
+    let (factor, powers) = unit_of(unit, dimension).map_err(|why| mismatch(&why))?;
     if !dimension.fits(powers) {
-        return Err(mismatch(&format!(", {}", describe(powers))));
+        return Err(mismatch(&describe(powers)));
     }
     let value = number * factor;
-    if value.is_finite() { Ok(value) } else { Err(mismatch(", which is too large a number")) }
+    if value.is_finite() { Ok(value) } else { Err(mismatch("is too large a number")) }
 }
 
 /// Metres in one unit of a recording's column, such as `um`, `mil`, `mm` or `m`.
@@ -263,17 +262,13 @@ fn near(unit: Result<f64, Mismatch>, factor: f64) -> bool {
     unit.is_ok_and(|unit| (unit / factor - 1.0).abs() < 1e-9)
 }
 
-fn column(unit: &str, dimension: Dimension, allowed: &str) -> Result<f64, Mismatch> {
-    let mismatch = |why: String| Mismatch { found: format!("{}, {why}", quote(unit)), allowed: allowed.to_owned() };
-    let (factor, powers) = unit_of(unit, dimension).map_err(|why| mismatch(format!("where {why}")))?;
+fn column(unit: &str, dimension: Dimension, expected: &str) -> Result<f64, Mismatch> {
+    let mismatch = |why: String| Mismatch { found: format!("{} ({why})", quote(unit)), expected: expected.to_owned() };
+    let (factor, powers) = unit_of(unit, dimension).map_err(&mismatch)?;
     if !dimension.fits(powers) {
         return Err(mismatch(describe(powers)));
     }
-    if factor.is_finite() && factor > 0.0 {
-        Ok(factor)
-    } else {
-        Err(mismatch("which is out of all proportion".to_owned()))
-    }
+    if factor.is_finite() && factor > 0.0 { Ok(factor) } else { Err(mismatch("is out of all proportion".to_owned())) }
 }
 
 /// Splits `text` into the number at its start and the rest.
@@ -376,7 +371,7 @@ fn atom(name: &str) -> Result<(f64, Powers), String> {
         return Ok((*factor, *powers));
     }
     let other_case = UNITS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name));
-    let hint = other_case.map_or(String::new(), |(known, ..)| format!(" (did you mean \"{known}\"?)"));
+    let hint = other_case.map_or(String::new(), |(known, ..)| format!("; did you mean \"{known}\"?"));
     Err(format!("{} is no known unit{hint}", quote(name)))
 }
 

@@ -25,7 +25,7 @@ impl Axis {
     /// Parses `KEY=FROM..TO:COUNT`, `KEY=FROM..TO:STEP` with the unit of the ends, or `KEY=A,B,C`.
     ///
     /// # Errors
-    /// Returns an error with the allowed forms if the text is invalid.
+    /// Returns an error with the expected forms if the text is invalid.
     pub fn parse(text: &str) -> Result<Self> {
         let invalid = |expected: String| Error::from(SweepError::Axis { found: text.to_owned(), expected });
         let form = || invalid(FORM.to_owned());
@@ -135,7 +135,7 @@ mod tests {
             "a=1..2:1",
             "a=1um..2um:-1um",
         ] {
-            assert!(Axis::parse(bad).unwrap_err().to_string().contains("allowed"), "{bad}");
+            assert!(Axis::parse(bad).unwrap_err().to_string().contains("expected"), "{bad}");
         }
     }
 }

@@ -49,9 +49,9 @@ fn structured() -> Vec<u8> {
 fn structures_give_names() {
     assert_eq!(values(&structured(), &["y", "x"])[3], [-1.5, 3.0]);
     let said = error(&structured(), &recording(&["note"]));
-    assert!(said.starts_with(": found `note`: is of type |S5; allowed: an NPY file"), "{said}");
+    assert!(said.starts_with(": unreadable file: `note`: is of type |S5, expected an NPY file"), "{said}");
     let absent = error(&structured(), &recording(&["Y"]));
-    assert_eq!(absent, ": no column `Y`; found the columns `x`, `note`, `y`; did you mean `y`?");
+    assert_eq!(absent, ": no such column: `Y` (did you mean `y`?), expected one of `x`, `note`, `y`");
 }
 
 #[test]

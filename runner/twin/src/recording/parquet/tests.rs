@@ -81,10 +81,13 @@ fn nulls_are_missing_readings() {
 #[test]
 fn what_is_no_number_is_refused_when_named() {
     let refused = |column: &str| error(&file(Compression::SNAPPY), &recording(&[column]));
-    assert!(refused("note").starts_with(": found `note`: is of type BYTE_ARRAY; allowed: a Parquet file with flat"));
+    assert!(
+        refused("note")
+            .starts_with(": unreadable file: `note`: is of type BYTE_ARRAY, expected a Parquet file with flat")
+    );
     assert!(refused("inner").contains("`inner`: is nested"));
     assert!(refused("day").contains("`day`: is of type Timestamp"), "{}", refused("day"));
-    assert!(refused("X").starts_with(": no column `X`; found the columns `x`, `y`, `small`"));
+    assert!(refused("X").starts_with(": no such column: `X` (did you mean `x`?), expected one of `x`, `y`, `small`"));
 }
 
 #[test]

@@ -84,8 +84,8 @@ fn segments_hold_on_from_each_other() {
     assert_eq!(rows.len(), 20);
     assert!(rows.iter().zip(0_u16..).all(|(row, i)| *row == [f64::from(i), f64::from(i) * 0.1]));
     let said = error(&file().0, &recording(&["x"]));
-    assert_eq!(said, ": the column `x` is there twice; allowed: once");
-    assert_eq!(error(&file().0, &recording(&["z"])), ": no column `z`; found the columns `G/x`, `G/y'`, `H/x`");
+    assert_eq!(said, ": repeated column: `x`, expected each name once");
+    assert_eq!(error(&file().0, &recording(&["z"])), ": no such column: `z`, expected one of `G/x`, `G/y'`, `H/x`");
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn a_new_list_and_new_lengths() {
     let file = [segment(NEW, &start, &numbers), segment(NEW, &more, &last)].concat();
     assert_eq!(values(&file, &["x"]).concat(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     let said = error(&file, &recording(&["x", "old"]));
-    assert!(said.contains("7 in `G/x`, 1 in `G/old`; allowed: columns of equal length"), "{said}");
+    assert!(said.contains("7 in `G/x`, 1 in `G/old`, expected columns of equal length"), "{said}");
 }
 
 #[test]
@@ -136,13 +136,13 @@ fn what_contradicts_the_scene_is_refused() {
     let (file, _) = file();
     let mut other = recording(&["G/x"]);
     other.probes[0] = probe("G/x", 1e-6);
-    assert_eq!(error(&file, &other), ", column G/x: found the unit `m`; allowed: the scene's, `um`, or no unit");
+    assert_eq!(error(&file, &other), ": column G/x: unit differs from the scene's: `m`, expected `um` or no unit");
     // A sensor's unit is not a probe's.
     other.sensors = vec![Sensor { column: "G/x".into(), unit: "m/s^2".into(), bearing: None }];
-    assert!(error(&file, &other).contains("found the unit `m`; allowed: the scene's, `m/s^2`"));
+    assert!(error(&file, &other).contains("unit differs from the scene's: `m`, expected `m/s^2`"));
     other = recording(&["G/x"]);
     other.clock = Clock::Rate(12_800.0);
-    assert!(error(&file, &other).contains("a sampling rate of 1000 Hz; allowed: the scene's, 12800 Hz"));
+    assert!(error(&file, &other).contains("sampling rate differs from the scene's: 1000 Hz, expected 12800 Hz"));
 }
 
 #[test]
@@ -235,7 +235,7 @@ fn measured_files() {
     };
     for (name, channels, samples, rate) in [("raw1.tdms", 7, 2000, 5e4), ("big_endian.tdms", 2, 3500, 1e3)] {
         let Some(absent) = said(name) else { continue };
-        let (_, names) = absent.split_once("found the columns ").unwrap();
+        let (_, names) = absent.split_once("expected one of ").unwrap();
         let names: Vec<&str> = names.split('`').skip(1).step_by(2).collect();
         assert_eq!(names.len(), channels, "{names:?}");
         let of = Recording { clock: Clock::Rate(rate), ..recording(&names) };

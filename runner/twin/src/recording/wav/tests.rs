@@ -43,16 +43,17 @@ fn integers_are_parts_of_full_scale() {
 
 #[test]
 fn what_contradicts_the_scene_is_refused() {
-    assert_eq!(error(&floats(9), &recording(&["x"])), ": no column `x`; found the columns `c0`, `c1`");
+    assert_eq!(error(&floats(9), &recording(&["x"])), ": no such column: `x`, expected one of `c0`, `c1`");
     let mut other = recording(&["c0"]);
     other.clock = Clock::Rate(1002.0);
-    let said = ": found a sampling rate of 1000 Hz; allowed: the scene's, 1002 Hz, within 0.1 %";
+    let said = ": sampling rate differs from the scene's: 1000 Hz, expected 1002 Hz within 0.1 %";
     assert_eq!(error(&floats(9), &other), said);
     other.clock = Clock::Rate(1000.5);
     assert_eq!(values(&floats(9), &["c0"]).len(), 9);
-    assert!(error(&wav(2, 4, 1, &[1; 8]), &recording(&["c0"])).contains("found format 2 with 4 bits"));
+    assert!(error(&wav(2, 4, 1, &[1; 8]), &recording(&["c0"])).contains("unreadable file: format 2 with 4 bits"));
     assert!(
-        error(&wav(3, 32, 1, &f32::INFINITY.to_le_bytes()), &recording(&["c0"])).contains("column c0: found `inf`")
+        error(&wav(3, 32, 1, &f32::INFINITY.to_le_bytes()), &recording(&["c0"]))
+            .contains("column c0: invalid value: `inf`")
     );
     assert!(error(&wav(1, 16, 1, &[]), &recording(&["c0"])).contains("0 in `c0`"));
 }

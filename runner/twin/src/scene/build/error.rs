@@ -7,15 +7,15 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
     /// A value of a bearing that is invalid with its model, or missing.
-    #[error("bearing {bearing}: {key}: found {found}, allowed: {expected}")]
+    #[error("bearing {bearing}: {key}: {found}, expected {expected}")]
     Value {
         /// Name of the bearing.
         bearing: String,
         /// Key of the scene.
         key: String,
-        /// Value found.
+        /// Problem, with the value found.
         found: String,
-        /// Values allowed.
+        /// Values expected.
         expected: String,
     },
     /// A parameter that the kernel rejects.
@@ -31,8 +31,8 @@ pub enum BuildError {
     Load(#[from] InvalidParameter),
     /// A cage that is not slower than the shaft.
     #[error(
-        "{}: bearing {bearing}: found a cage that turns {found:.3} times as fast as the shaft, allowed: slower than the \
-         shaft", file.display()
+        "{}: bearing {bearing}: cage too fast: {found:.3} times the shaft speed, expected less than the shaft speed",
+        file.display()
     )]
     CageRatio {
         /// Scene file.
@@ -44,8 +44,8 @@ pub enum BuildError {
     },
     /// A rotating outer ring without a constant ratio of the ring speeds.
     #[error(
-        "{}: shaft.outer_speed: found {found} rad/s with a shaft speed that changes or is 0, allowed: an outer speed only \
-         with one constant shaft speed", file.display()
+        "{}: shaft.outer_speed: outer speed with a shaft speed that changes or is 0: {found} rad/s, expected an outer \
+         speed only with one constant shaft speed", file.display()
     )]
     OuterSpeed {
         /// Scene file.
@@ -55,8 +55,8 @@ pub enum BuildError {
     },
     /// A preload that the bearing does not carry.
     #[error(
-        "{}: bearing {bearing}: preload: found {found} N, which the bearing does not carry along its axis, allowed: a \
-         force that it can carry", file.display()
+        "{}: bearing {bearing}: preload: more than the bearing carries along its axis: {found} N, expected a force that it \
+         can carry", file.display()
     )]
     Preload {
         /// Scene file.
@@ -68,8 +68,8 @@ pub enum BuildError {
     },
     /// A table with states in which a ball has no equilibrium.
     #[error(
-        "{}: bearing {bearing}: table: found {found} of {states} states in which a ball has no equilibrium, allowed: none; \
-         a smaller approach, angle or speed range in table = {{ ... }} leaves them out", file.display()
+        "{}: bearing {bearing}: table: states in which a ball has no equilibrium: {found} of {states}, expected none; a \
+         smaller approach, angle or speed range in table = {{ ... }} leaves them out", file.display()
     )]
     Table {
         /// Scene file.
@@ -82,9 +82,9 @@ pub enum BuildError {
         states: usize,
     },
     /// A bearing that is not in the scene, or no selection among several.
-    #[error("--bearing: {}", match found {
-        Some(name) => format!("found {name:?}, allowed in {}: {names}", file.display()),
-        None => format!("found none, allowed: one of {names} ({} has several)", file.display()),
+    #[error("{}, expected one of {names}", match found {
+        Some(name) => format!("no such bearing in {}: {name:?}", file.display()),
+        None => format!("no bearing selected in {}", file.display()),
     })]
     Selection {
         /// Scene file.
@@ -119,13 +119,15 @@ mod tests {
         let BuildError::Value { bearing, key, found, expected } = &error else { panic!("{error:?}") };
         assert_eq!((bearing.as_str(), key.as_str(), found.as_str()), ("DE", "model angular", "no geometry"));
         assert!(expected.contains("pitch_diameter"), "{expected}");
-        assert!(error.to_string().starts_with("bearing DE: model angular: found no geometry, allowed: with ball_"));
+        assert!(error.to_string().starts_with("bearing DE: model angular: no geometry, expected ball_diameter, "));
     }
 
     #[test]
     fn a_selection_names_the_bearings_of_the_scene() {
         let scene = scene();
-        let Err(BuildError::Selection { file, found, names }) = build::pick(&scene, Some("NDE")) else { panic!() };
+        let error = build::pick(&scene, Some("NDE")).err().unwrap();
+        assert_eq!(error.to_string(), "no such bearing in pump.toml: \"NDE\", expected one of DE");
+        let BuildError::Selection { file, found, names } = error else { panic!() };
         assert_eq!((file.as_path(), found.as_deref(), names.as_str()), (Path::new("pump.toml"), Some("NDE"), "DE"));
     }
 

@@ -52,7 +52,7 @@ pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64), BuildError> {
     let geometry = geometry(scene)?;
     let law = scene.law;
     let Some(stiffness) = law.and_then(|l| l.stiffness).or_else(|| geometry.map(|g| g.stiffness())) else {
-        let expected = "stiffness, or the geometry it follows from";
+        let expected = "stiffness, or the geometry from which it follows";
         return Err(invalid(scene, "model lumped", "no stiffness", expected));
     };
     let from_clearance = scene.geometry.and_then(|g| match g.fit {

@@ -167,10 +167,10 @@ fn required_input(model: Model, linear: Option<&Linear>) -> RequiredInput {
     }
 }
 
-/// Refuses each of `keys` that is there.
+/// Refuses each of `keys` that is there, as it does not go together with others.
 fn refuse(table: &Table<'_>, keys: &[&str], why: &str) -> Read<()> {
     match keys.iter().find_map(|key| table.optional(key)) {
-        Some(node) => Err(node.refuse(why)),
+        Some(node) => Err(node.misplaced(why)),
         None => Ok(()),
     }
 }
@@ -278,7 +278,7 @@ fn check_complete(table: &Table<'_>) -> Read<()> {
         return Ok(());
     };
     let wants = format!(
-        "a geometry is all of {} and one of contact_angle and diametral_clearance (missing here: {})",
+        "a complete geometry: all of {} and one of contact_angle and diametral_clearance (missing here: {})",
         always.join(", "),
         missing.join(", ")
     );
@@ -287,13 +287,13 @@ fn check_complete(table: &Table<'_>) -> Read<()> {
 
 fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
     let range = format!("above ball_diameter ({ball} m)");
-    let wants = Dimension::Length.allowed(&range);
+    let wants = Dimension::Length.expected(&range);
     let node = table.required("pitch_diameter", &wants)?;
     node.within(Dimension::Length, &range, |x| x > ball)
 }
 
 fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
-    let range = "above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
+    let range = "a number above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
     table.required(key, range)?.number(range, |x| x > 0.5 && x <= 1.0)
 }
 
@@ -328,8 +328,8 @@ fn diametral_clearance(node: &Node<'_>, required: RequiredInput, groove_centres:
     } else {
         (-groove_centres, format!("between -{most} and {most}"))
     };
-    let allowed = format!("{range}, as {most} is the distance of the groove centres");
-    node.limited(Dimension::Length, &allowed, |s| s >= least && s < groove_centres)
+    let expected = format!("a length {range}, as {most} is the distance of the groove centres");
+    node.limited(Dimension::Length, &expected, |s| s >= least && s < groove_centres)
 }
 
 /// Tenths of a micrometre, for messages.
@@ -379,7 +379,7 @@ fn check_law(table: &Table<'_>, required: RequiredInput, geometry: Option<&Geome
 
 fn check_stiffness_from_geometry(table: &Table<'_>, geometry: Option<&Geometry>, law: Option<&Law>) -> Read<()> {
     let exponent = law.map_or(HERTZ_EXPONENT, |l| l.exponent);
-    let stiffness = Dimension::ContactStiffness(exponent).allowed("above 0");
+    let stiffness = Dimension::ContactStiffness(exponent).expected("above 0");
     if geometry.is_none() {
         let wants = format!("{stiffness}; or the geometry of the bearing: ball_diameter and so on");
         return Err(table.missing("stiffness", &wants));
@@ -449,14 +449,13 @@ fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
     if !on_system {
         return table.quantity("station", Dimension::Length);
     }
-    let why =
-        "not on a [system], whose matrices contain the supports and whose coordinates define the position; remove it";
+    let why = "no station or support on a [system], whose matrices contain the supports and whose coordinates define the position; remove it";
     refuse(table, &["station", "support"], why)?;
     table.required("coordinates", COORDINATES)?;
     Ok(0.0)
 }
 
-/// Allowed values of coordinates of a system.
+/// Values expected of the coordinates of a system.
 pub(super) const COORDINATES: &str = "5 numbers of coordinates, for the displacement along X, Y, Z and the tilt about X, Y: 1 is the \
                            first, a negative one counts the other way, 0 is none; such as [5, 6, 0, -8, 7]";
 
@@ -464,7 +463,7 @@ pub(super) const COORDINATES: &str = "5 numbers of coordinates, for the displace
 pub(super) fn coordinates(table: &Table<'_>, key: &str, on_system: bool) -> Read<Option<Coordinates>> {
     let Some(node) = table.optional(key) else { return Ok(None) };
     if !on_system {
-        return Err(node.refuse("only with a [system]; remove it"));
+        return Err(node.misplaced("only with a [system]; remove it"));
     }
     let list = node.list(COORDINATES)?;
     let numbers: Vec<i64> = list.iter().map(|entry| entry.integer(-128, 128, COORDINATES)).collect::<Read<_>>()?;
@@ -502,7 +501,7 @@ fn cage_runout(node: &Node<'_>, geometry: Option<&Geometry>) -> Read<CageRunout>
         return Err(table.missing("radius", "the radius of the elements' circle, or the bearing's geometry"));
     };
     let range = format!("0 or more and below a tenth of the elements' circle ({radius} m)");
-    let wants = Dimension::Length.allowed(&range);
+    let wants = Dimension::Length.expected(&range);
     Ok(CageRunout {
         offset: table
             .required("offset", &wants)?
@@ -538,7 +537,7 @@ fn check_dynamic(table: &Table<'_>, model: Model, geometry: Option<&Geometry>) -
         return Err(table.missing("ball_diameter", wants));
     }
     let keys = ["stiffness", "exponent", "axial", "housing_displacement", "defect", "waviness", "preload"];
-    refuse(table, &keys, "not with model = \"dynamic\", whose balls move in one plane on round races; remove it")
+    refuse(table, &keys, "none with model = \"dynamic\", whose balls move in one plane on round races; remove it")
 }
 
 fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>> {
@@ -553,7 +552,7 @@ fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>
 /// Springs have no surfaces.
 fn check_has_surfaces(node: &Node<'_>, model: Model) -> Read<()> {
     if model == Model::Linear {
-        return Err(node.refuse("only with a model that has rolling elements, not with \"linear\"; remove it"));
+        return Err(node.misplaced("only with a model that has rolling elements, not with \"linear\"; remove it"));
     }
     Ok(())
 }
@@ -581,7 +580,7 @@ fn surface(table: &Table<'_>, elements: usize) -> Read<Surface> {
     let Some(node) = table.optional("element") else {
         return Ok(surface);
     };
-    let range = format!("with surface = \"ball\" the damaged one, 1 to {elements}");
+    let range = format!("the number of the damaged ball, 1 to {elements}, only with surface = \"ball\"");
     let number = node.integer(1, elements as i64, &range)?;
     match (surface, usize::try_from(number)) {
         (Surface::Ball(_), Ok(number)) => Ok(Surface::Ball(number - 1)),
@@ -620,6 +619,6 @@ fn wave(node: &Node<'_>, elements: usize) -> Read<Wave> {
 
 fn half_width(table: &Table<'_>) -> Read<f64> {
     let range = "above 0 and at most 180 deg";
-    let node = table.required("half_width", &Dimension::Angle.allowed(range))?;
+    let node = table.required("half_width", &Dimension::Angle.expected(range))?;
     node.within(Dimension::Angle, range, |x| x > 0.0 && x <= PI)
 }

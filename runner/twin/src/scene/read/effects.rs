@@ -17,7 +17,7 @@ pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
     if !matches!(model, Model::QuasiStatic | Model::Tabulated) {
         let keys = ["effects", "race_control", "friction_sharing", "lubricant"];
         return match keys.iter().find_map(|key| table.optional(key)) {
-            Some(node) => Err(node.refuse("only with model = \"quasi-static\" or \"tabulated\"; remove it")),
+            Some(node) => Err(node.misplaced("only with model = \"quasi-static\" or \"tabulated\"; remove it")),
             None => Ok(Effects::default()),
         };
     }
@@ -46,7 +46,7 @@ fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
     for entry in node.list(wants)? {
         let effect = entry.choice(&here)?;
         if effects.contains(&effect) {
-            return Err(entry.refuse("each effect once"));
+            return Err(entry.repeated("each effect once"));
         }
         effects.push(effect);
     }
@@ -83,7 +83,7 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
     };
     if matches!(model, Model::Linear | Model::Lumped) {
         let wants = "only with model = \"angular\", \"quasi-static\" or \"tabulated\" (lumped: a negative radial_play); remove it";
-        return Err(node.refuse(wants));
+        return Err(node.misplaced(wants));
     }
     let inner = node.table(&["force", "displacement"])?;
     match (inner.optional("force"), inner.optional("displacement")) {
@@ -99,7 +99,7 @@ pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableR
         return Ok(None);
     };
     if !matches!(model, Model::QuasiStatic | Model::Tabulated) {
-        return Err(node.refuse("only with model = \"tabulated\" or \"quasi-static\"; remove it"));
+        return Err(node.misplaced("only with model = \"tabulated\" or \"quasi-static\"; remove it"));
     }
     let inner = node.table(&["approach", "angle", "speed", "intervals"])?;
     let pair = |key: &str, dimension: Dimension| {

@@ -39,12 +39,12 @@ pub fn read(node: &Node<'_>) -> Read<Rotor> {
     };
     if table.has("sections") {
         if let Some(given) = RIGID.iter().find_map(|key| table.optional(key)) {
-            return Err(given.refuse("no mass or inertia beside sections: they follow from the drawing"));
+            return Err(given.misplaced("no mass or inertia beside sections: they follow from the drawing"));
         }
         flexible(&table, &mut rotor, given_station)?;
     } else {
         if let Some(given) = FLEXIBLE.iter().chain(&["coordinates"]).find_map(|key| table.optional(key)) {
-            return Err(given.refuse("only with sections, the drawing of a flexible rotor"));
+            return Err(given.misplaced("only with sections, the drawing of a flexible rotor"));
         }
         rotor.mass = table.positive("mass", Dimension::Mass)?;
         (rotor.diametral_inertia, rotor.polar_inertia) = inertias(&table)?;
@@ -95,10 +95,10 @@ fn sections(node: &Node<'_>, wants: &str) -> Read<Vec<Section>> {
     for node in &list {
         let table = node.table(&["from", "to", "outer_diameter", "outer_diameter_to", "inner_diameter"])?;
         let from = table.quantity("from", Dimension::Length)?;
-        let beyond = Dimension::Length.allowed(&format!("beyond from, {} mm", from * 1e3));
+        let beyond = Dimension::Length.expected(&format!("beyond from, {} mm", from * 1e3));
         let to = table.required("to", &beyond)?.limited(Dimension::Length, &beyond, |to| to > from)?;
         let bore = table.read("inner_diameter", |n| n.not_negative(Dimension::Length))?.unwrap_or(0.0);
-        let above = Dimension::Length.allowed(&format!("above the inner diameter, {} mm", bore * 1e3));
+        let above = Dimension::Length.expected(&format!("above the inner diameter, {} mm", bore * 1e3));
         let diameter = |n: &Node<'_>| n.limited(Dimension::Length, &above, |d| d > bore);
         let outer = diameter(&table.required("outer_diameter", &above)?)?;
         let end = table.read("outer_diameter_to", diameter)?.unwrap_or(outer);
@@ -133,7 +133,7 @@ fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk>
     let station = station(&table, "station", sections)?;
     if table.has("mass") {
         if let Some(given) = by_size.iter().find_map(|key| table.optional(key)) {
-            return Err(given.refuse("mass and inertias, or outer_diameter and width"));
+            return Err(given.misplaced("either mass and inertias, or outer_diameter and width"));
         }
         let mass = table.positive("mass", Dimension::Mass)?;
         let (diametral_inertia, polar_inertia) = inertias(&table)?;
@@ -143,11 +143,11 @@ fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk>
         return Err(table.missing("mass", "mass and inertias, or outer_diameter and width"));
     }
     if let Some(given) = ["diametral_inertia", "polar_inertia"].iter().find_map(|key| table.optional(key)) {
-        return Err(given.refuse("no inertia beside outer_diameter and width, from which it follows"));
+        return Err(given.misplaced("no inertia beside outer_diameter and width, from which it follows"));
     }
     let bore =
         sections.iter().find(|s| s.from <= station && station <= s.to).map_or(0.0, |s| s.outer_diameter_at(station));
-    let above = Dimension::Length.allowed(&format!("above that of the shaft, {} mm", bore * 1e3));
+    let above = Dimension::Length.expected(&format!("above that of the shaft, {} mm", bore * 1e3));
     let outer = table.required("outer_diameter", &above)?.limited(Dimension::Length, &above, |d| d > bore)?;
     let width = table.positive("width", Dimension::Length)?;
     let density = table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(shaft_density);
@@ -166,7 +166,7 @@ fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk>
 fn station(table: &Table<'_>, key: &str, sections: &[Section]) -> Read<f64> {
     let (from, to) = (sections.first().map_or(0.0, |s| s.from), sections.last().map_or(0.0, |s| s.to));
     let range =
-        Dimension::Length.allowed(&format!("between the ends of the shaft, {} and {} mm", from * 1e3, to * 1e3));
+        Dimension::Length.expected(&format!("between the ends of the shaft, {} and {} mm", from * 1e3, to * 1e3));
     table.required(key, &range)?.limited(Dimension::Length, &range, |z| (from - ROUNDING..=to + ROUNDING).contains(&z))
 }
 
@@ -191,7 +191,7 @@ fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
     }
     let most = format!("at most twice diametral_inertia, here {} kg m^2 (are the two swapped?)", 2.0 * diametral);
     let node = table.required("polar_inertia", &most)?;
-    Err(node.fail(node.shown_quantity(Dimension::Inertia), most))
+    Err(node.invalid(node.shown_quantity(Dimension::Inertia), most))
 }
 
 /// Three values along X, Y, Z and two about X, Y, zeros where the key is absent.
@@ -201,16 +201,16 @@ fn five<'a>(
     read: impl Fn(&Node<'a>, Dimension) -> Read<f64>,
     [along, about]: [Dimension; 2],
 ) -> Read<[f64; 5]> {
-    let allowed =
-        format!("a list of 5: along X, Y, Z each {} and about X, Y each {}", along.allowed(""), about.allowed(""));
+    let expected =
+        format!("a list of 5: along X, Y, Z each {} and about X, Y each {}", along.expected(""), about.expected(""));
     let entry = |i: usize, node: &Node<'a>| read(node, if i < 3 { along } else { about });
-    let values = table.read(key, |node| node.array(&allowed, entry))?;
+    let values = table.read(key, |node| node.array(&expected, entry))?;
     Ok(values.unwrap_or_default())
 }
 
 fn gravity(node: &Node<'_>) -> Read<[f64; 3]> {
-    let allowed = "a list of 3: the acceleration of gravity along X, Y, Z, such as [0, -9.81, 0]";
-    node.array(allowed, |_, entry| entry.quantity(Dimension::Acceleration))
+    let expected = "a list of 3: the acceleration of gravity along X, Y, Z, such as [0, -9.81, 0]";
+    node.array(expected, |_, entry| entry.quantity(Dimension::Acceleration))
 }
 
 fn unbalances(node: &Node<'_>) -> Read<Vec<Unbalance>> {

@@ -75,14 +75,14 @@ fn refusal(text: &str, dimension: Dimension) -> String {
 }
 
 #[test]
-fn wrong_dimension_says_what_was_found_and_what_is_allowed() {
+fn wrong_dimension_reports_the_value_found_and_the_values_expected() {
     assert_eq!(
         refusal("40 deg", Dimension::Length),
-        "found \"40 deg\", an angle, allowed: a length, such as \"12.7 mm\" or \"5 um\""
+        "invalid value: \"40 deg\" (an angle), expected a length, such as \"12.7 mm\" or \"5 um\""
     );
     assert_eq!(
         refusal("50 Hz", Dimension::Speed),
-        "found \"50 Hz\", a frequency, allowed: a speed of rotation, such as \"3000 rpm\" \
+        "invalid value: \"50 Hz\" (a frequency), expected a speed of rotation, such as \"3000 rpm\" \
          (rpm, rev/s or rad/s; Hz is not taken)"
     );
     assert!(refusal("3000 1/min", Dimension::Speed).contains("a frequency"));
@@ -98,10 +98,10 @@ fn wrong_dimension_says_what_was_found_and_what_is_allowed() {
 fn contact_stiffness_needs_the_exponent_of_its_law() {
     assert_eq!(
         refusal("1 N/m^1.111", Dimension::ContactStiffness(1.5)),
-        "found \"1 N/m^1.111\", a contact stiffness in N/m^1.111, allowed: a contact stiffness in N/m^1.5 \
+        "invalid value: \"1 N/m^1.111\" (a contact stiffness in N/m^1.111), expected a contact stiffness in N/m^1.5 \
          (the exponent is 1.5), such as \"1.2e10 N/m^1.5\""
     );
-    assert!(refusal("1 N/m", Dimension::ContactStiffness(1.5)).contains("a stiffness,"));
+    assert!(refusal("1 N/m", Dimension::ContactStiffness(1.5)).contains("(a stiffness),"));
     assert!(refusal("1 N/m^1.12", Dimension::ContactStiffness(10.0 / 9.0)).contains("1.1111"));
 }
 
@@ -139,7 +139,7 @@ fn columns_of_recordings() {
     assert!((speed_column("rpm").unwrap() - TAU / 60.0).abs() < 1e-15);
     assert_eq!(speed_column("rad/s"), Ok(1.0));
     let hertz = speed_column("Hz").unwrap_err().to_string();
-    assert_eq!(hertz, "found \"Hz\", a frequency, allowed: a unit of speed of rotation: rpm, rev/s or rad/s");
+    assert_eq!(hertz, "invalid value: \"Hz\" (a frequency), expected a unit of speed of rotation: rpm, rev/s or rad/s");
     assert!(length_column("").is_err());
     assert!(length_column("V").is_err());
     assert!(length_column("1").is_err());
