@@ -98,7 +98,12 @@ fn speeds_that_are_none() {
     let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
     let scene = swap(DEMO_SCENE, keyphasor, "speed = { column = \"keyphasor\", unit = \"rpm\" }");
     reported(&scene, &with_keyphasor("nan"), 0, "the shaft speed is not measured");
-    reported(&scene, &with_keyphasor("1e30"), 4, "not plausible for the scene: column keyphasor: no plausible speed in 2048 readings");
+    reported(
+        &scene,
+        &with_keyphasor("1e30"),
+        4,
+        "not plausible for the scene: column keyphasor: no plausible speed in 2048 readings",
+    );
 }
 
 /// The shaft turns, stands for 30 turns' time, and turns again.
