@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 
 class Error(Exception):
@@ -13,52 +14,15 @@ class InputError(Error, ValueError):
     """A wrong argument, scene or recording."""
 
 
-class SceneError(InputError):
-    """A scene that cannot be read.
+class FileError(InputError):
+    """A file, or a table in memory, that cannot be read.
 
     Attributes
     ----------
     file : pathlib.Path
-        The scene file.
-    line : int or None
-        Line in the file, from 1.
-    key : str or None
-        Path of the key, such as ``bearing[0].ball_diameter``.
-    found : str or None
-        Value found.
-    expected : str or None
-        Values allowed.
-    """
-
-    def __init__(
-        self,
-        message: str,
-        *,
-        file: Path | None = None,
-        line: int | None = None,
-        key: str | None = None,
-        found: str | None = None,
-        expected: str | None = None,
-    ) -> None:
-        super().__init__(message)
-        self.file = file
-        self.line = line
-        self.key = key
-        self.found = found
-        self.expected = expected
-
-
-class RecordingError(InputError):
-    """A recording that cannot be read.
-
-    Attributes
-    ----------
-    file : pathlib.Path
-        The recording; ``in memory`` for arrays.
+        The file; ``in memory`` for arrays.
     line : int or None
         Line or row, from 1.
-    column : str or None
-        Name of the column.
     found : str or None
         Content found.
     expected : str or None
@@ -71,13 +35,39 @@ class RecordingError(InputError):
         *,
         file: Path | None = None,
         line: int | None = None,
-        column: str | None = None,
         found: str | None = None,
         expected: str | None = None,
     ) -> None:
         super().__init__(message)
         self.file = file
         self.line = line
-        self.column = column
         self.found = found
         self.expected = expected
+
+
+class SceneError(FileError):
+    """A scene that cannot be read.
+
+    Attributes
+    ----------
+    key : str or None
+        Path of the key, such as ``bearing[0].ball_diameter``.
+    """
+
+    def __init__(self, message: str, *, key: str | None = None, **place: Any) -> None:
+        super().__init__(message, **place)
+        self.key = key
+
+
+class RecordingError(FileError):
+    """A recording that cannot be read.
+
+    Attributes
+    ----------
+    column : str or None
+        Name of the column.
+    """
+
+    def __init__(self, message: str, *, column: str | None = None, **place: Any) -> None:
+        super().__init__(message, **place)
+        self.column = column

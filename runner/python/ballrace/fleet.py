@@ -36,8 +36,6 @@ Machines = Union[str, "os.PathLike[str]", Mapping[str, Sequence[Any]], Any]
 
 #: Largest number of machines that one task evaluates: a task that is lost with its worker is evaluated again.
 _MOST_PER_TASK = 8
-#: Workers that may end while they evaluate a machine before the machine is given up.
-_MOST_LOSSES = 3
 
 
 class Result(Table, Page):
@@ -269,7 +267,7 @@ def _on_cluster(client: Client, machines: list[str], reports: bool, error: float
     parts = [machines[i : i + size] for i in range(0, len(machines), size)]
 
     def submit(part: list[str]) -> Any:
-        return client.submit(_evaluate_task, part, reports, error, pure=False, retries=_MOST_LOSSES)
+        return client.submit(_evaluate_task, part, reports, error, pure=False)
 
     tasks = {submit(part): part for part in parts}
     done = as_completed(list(tasks))
