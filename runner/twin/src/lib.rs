@@ -115,6 +115,7 @@ pub mod error;
 pub mod fit;
 pub mod fleet;
 pub mod flexible_rotor;
+pub mod folder_lock;
 pub mod force;
 pub mod handle;
 pub mod least_squares;
