@@ -50,7 +50,7 @@ struct Summary {
     computing_seconds: f64,
     times_real_time: f64,
     output: String,
-    #[serde(rename = "needs")]
+    #[serde(rename = "effect_significance")]
     significance: Vec<EffectSignificance>,
 }
 

@@ -99,7 +99,6 @@ pub struct Estimate {
     /// Upper end, as `low`.
     pub high: Option<f64>,
     /// True where the recording identifies the parameter.
-    #[serde(rename = "told")]
     pub identified: bool,
 }
 

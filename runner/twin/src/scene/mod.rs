@@ -125,7 +125,7 @@ impl Indicator {
 /// `[observer]`: parameters of the observer.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Observer {
-    /// `wander`, N per root second, above 0: process noise of the unmodelled force; estimated from the first turns when absent
+    /// `process_noise`, N per root second, above 0: process noise of the unmodelled force; estimated from the first turns when absent
     pub process_noise: Option<f64>,
 }
 

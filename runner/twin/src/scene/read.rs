@@ -198,8 +198,14 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
 }
 
 fn observer(node: &Node<'_>) -> Read<Observer> {
-    let table = node.table(&["wander"])?;
-    let process_noise = table.read("wander", |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
+    // The former name of the key.
+    const FORMER: &str = "wander";
+    let table = node.table(&["process_noise", FORMER])?;
+    let key = if table.has(FORMER) { FORMER } else { "process_noise" };
+    if let Some(both) = table.optional("process_noise").filter(|_| key == FORMER) {
+        return Err(both.misplaced("either process_noise or its former name wander"));
+    }
+    let process_noise = table.read(key, |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
     Ok(Observer { process_noise })
 }
 
