@@ -107,7 +107,9 @@
 pub mod bake;
 pub mod baseline;
 pub mod campbell;
+pub mod catalogue;
 mod caught;
+pub mod check;
 pub mod diagnosis;
 pub mod effect_significance;
 pub mod equilibrium;
