@@ -188,7 +188,19 @@ fn out_of_range(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence
     let mostly = each.filter(|(_, (_, outside))| **outside > MOST_OUT_OF_RANGE);
     let describe = |((reading, probe), (largest, outside)): ((&ReadingSummary, &crate::scene::Probe), (&f64, &f64))| {
         let [largest_um, mean] = [largest * 1e6, reading.mean];
+        // An offset is much larger than the motion; readings in another unit are larger by one factor.
         let is_offset = mean.abs() > largest_um && reading.peak_to_peak < 2.0 * largest_um;
+        let has_unit = !fitting_units(reading.peak_to_peak * 1e-6, probe.metres_per_unit, *largest).is_empty();
+        let offset = format!("offset = \"{mean:.1} um\"");
+        let (gap, unit) = ("the gap of the probe is in the readings", "another unit or sensitivity");
+        let (cause, remedy) = match (is_offset, has_unit) {
+            (true, false) => (gap.to_owned(), offset),
+            (true, true) => (
+                format!("{unit}, or {gap}"),
+                format!("{}; or {offset}", unit_remedy(reading, probe.metres_per_unit, *largest)),
+            ),
+            (false, _) => (unit.to_owned(), unit_remedy(reading, probe.metres_per_unit, *largest)),
+        };
         Implausibility {
             subject: reading.column.clone(),
             found: format!(
@@ -196,13 +208,8 @@ fn out_of_range(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence
                 100.0 * outside,
                 reading.peak_to_peak
             ),
-            cause: if is_offset { "the gap of the probe is in the readings" } else { "another unit or sensitivity" }
-                .to_owned(),
-            remedy: if is_offset {
-                format!("offset = \"{mean:.1} um\"")
-            } else {
-                unit_remedy(reading, probe.metres_per_unit, *largest)
-            },
+            cause,
+            remedy,
         }
     };
     mostly.map(describe).collect()

@@ -136,7 +136,7 @@ fn is_pulse(values: &[f64]) -> bool {
     let share = others.len() as f64 / values.len() as f64;
     others.windows(2).all(|pair| matches!(pair, [a, b] if a == b))
         && others.len() > 1
-        && (share < PULSES || share > 1.0 - PULSES)
+        && !(PULSES..=1.0 - PULSES).contains(&share)
 }
 
 fn direction(words: &[String]) -> Option<NamedDirection> {
