@@ -102,6 +102,23 @@ fn a_catalogue_bearing_is_the_bearing_of_its_numbers() {
     desk.refused(&["check", "small.toml"], 2, &["small.toml:6: bearing[0].pitch_diameter", "above ball_diameter"]);
 }
 
+/// The clearance of the catalogue is 2.5 um off: no load is made of that, and a spall is found all the same.
+#[test]
+fn an_estimated_clearance_is_no_load() {
+    let desk = drafted(DEMO_RECORDING);
+    desk.put("pump.toml", filled(&desk.read("pump.toml")));
+    desk.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
+    let sound = desk.replay("pump.toml", &[]);
+    assert!(list(&sound, "findings").iter().all(|finding| finding["kind"] != "load" && finding["kind"] != "clearance"));
+    let notes = list(&sound, "notes");
+    let is_explained =
+        |note: &Value| note.as_str().unwrap().contains("the clearance of DE and NDE is that of the catalogue");
+    assert!(notes.iter().any(is_explained), "{notes:#?}");
+    desk.done(&["replay", "pump.toml", "--learn", "sound.json"]);
+    let faulty = desk.replay("pump.toml", &["--recording", "today.csv", "--baseline", "sound.json"]);
+    assert_eq!(list(&faulty, "findings")[0]["kind"].as_str(), Some("outer-race"), "{faulty:#}");
+}
+
 #[test]
 fn rollers_of_the_catalogue() {
     let desk = Desk::empty();
@@ -203,7 +220,7 @@ fn wrong_inputs_and_their_causes() {
         ("rev/s for rpm", &[(keyphasor, &speed_in("rev/s"))], constant(3000.0), "rev/s and rpm"),
         ("rad/s for rpm", &[(keyphasor, &speed_in("rad/s"))], constant(3000.0), "rad/s and rpm"),
         ("mm for um", &[], probes(0.001), "possible in mm"),
-        ("um for mm", &[], probes(1000.0), "possible in um"),
+        ("nm for um", &[], probes(1000.0), "possible in nm"),
         ("mil for um", &[], probes(100.0 / 2.54), "check the unit"),
         ("an offset", &[], changed(|_, k, x| if k == 1 { x + 900.0 } else { x }), "offset = \"900"),
         (
