@@ -220,6 +220,12 @@ impl<'a> Node<'a> {
             }
             _ => self.bare_number(),
         };
+        if let (Some(number), Some((limit, unit))) = (self.bare_number(), dimension.bare_limit())
+            && number.abs() > limit
+        {
+            let expected = format!("{expected}; likely \"{number} {unit}\"");
+            return Err(self.invalid(self.shown_quantity(dimension), expected));
+        }
         value.filter(|x| ok(*x)).ok_or_else(|| self.invalid(self.shown_quantity(dimension), expected))
     }
 

@@ -192,6 +192,16 @@ impl Dimension {
         }
     }
 
+    /// Returns the largest magnitude that a bare number may have, and the unit that a larger one most likely has: lengths of
+    /// machines are in millimetres and angles in degrees. A text with its unit may have any value.
+    pub const fn bare_limit(self) -> Option<(f64, &'static str)> {
+        match self {
+            Self::Length => Some((5.0, "mm")),
+            Self::Angle => Some((TAU * (1.0 + 1e-12), "deg")),
+            _ => None,
+        }
+    }
+
     fn fits(self, powers: Powers) -> bool {
         let row = self.row();
         let near = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance;

@@ -323,6 +323,21 @@ fn top_of_the_file() {
     );
 }
 
+/// A bare number is in SI units; one that no machine has is most likely in the unit that people write.
+#[test]
+fn a_bare_number_in_another_unit() {
+    for (number, likely) in [("station = 0", "station = 250"), ("station = 0", "station = -100.5")] {
+        let error = refusal(&LEAST.replace(number, likely));
+        let value = likely.split_once("= ").unwrap().1;
+        assert!(error.contains(&format!("such as \"{value} mm\" or \"{value} m\"")), "{error}");
+    }
+    let error = refusal(&with(SPINDLE, "angle = \"0 deg\"", "angle = 90"));
+    assert!(
+        error.contains("90 (a bare number is in rad), expected a text with its unit, such as \"90 deg\""),
+        "{error}"
+    );
+}
+
 #[test]
 fn a_former_key_is_read() {
     let noise = |keys: &str| read(&format!("{LEAST}\n[observer]\n{keys}\n")).unwrap().observer.process_noise;
