@@ -1,6 +1,10 @@
 //! The C interface: its header, its libraries for firmware and for the desktop.
 
+mod checksums;
+mod expected;
 mod header;
+mod image;
+mod tables;
 
 use std::path::PathBuf;
 
