@@ -46,7 +46,6 @@ impl Checksum {
 }
 
 const OK: u32 = 0;
-const CONTACT_LOST: u32 = Status::CONTACT_LOST.bits() as u32;
 const STATE_INVALID: u32 = 256;
 const INVALID_ARGUMENT: u32 = 512;
 const BLOCK_COMPLETE: u32 = 1024;
@@ -168,10 +167,9 @@ fn of_bearing(Subject(_, count, bearing): &Subject) -> u64 {
         let (u, cage) = finite_input::<f32>(i);
         let (standing, at) = (BearingKinematicState::from(cage), at_speed(cage));
         let add = |reaction: ballrace::bearing::Reaction<f32>, stiffness: Option<Stiffness<f32>>| {
-            let lost = if reaction.load == 0.0 { CONTACT_LOST } else { 0 };
             let mut each = stiffness.map(|k| k.transpose().iter().copied().collect::<Vec<_>>()).unwrap_or_default();
             each.splice(0..0, reaction.wrench.to_array());
-            (u32::from(reaction.status.bits()) | lost, each)
+            (u32::from(reaction.status.bits()), each)
         };
         let (tangent, stiffness) = bearing.reaction_and_stiffness(&u, &at);
         for (bits, results) in [

@@ -34,26 +34,24 @@ impl Abi {
     }
 }
 
-/// Returns the static library, which is built once for each target and set of features.
-pub fn library(target: &str, features: &str) -> PathBuf {
-    type Built = Mutex<BTreeMap<String, Arc<OnceLock<PathBuf>>>>;
+/// Returns the static library, which is built once for each target, with the panic handler that does not link where a
+/// panic can be reached.
+pub fn library(target: &'static str) -> PathBuf {
+    type Built = Mutex<BTreeMap<&'static str, Arc<OnceLock<PathBuf>>>>;
     static BUILT: Built = Mutex::new(BTreeMap::new());
-    let cell = BUILT
-        .lock()
-        .expect("no thread panics while it holds the lock")
-        .entry(format!("{target} {features}"))
-        .or_default()
-        .clone();
-    cell.get_or_init(|| build(target, features)).clone()
+    let cell = BUILT.lock().expect("no thread panics while it holds the lock").entry(target).or_default().clone();
+    cell.get_or_init(|| build(target)).clone()
 }
 
-fn build(target: &str, features: &str) -> PathBuf {
-    let folder = super::super::root().join("target/c").join(features.replace(',', "-"));
+fn build(target: &str) -> PathBuf {
+    let folder = super::super::root().join("target/c");
     let built = Command::new(env!("CARGO"))
         .args(["rustc", "--locked", "--quiet", "-p", "ballrace-c", "--profile", "c-library"])
-        .args(["--no-default-features", "--features", features, "--target", target, "--crate-type", "staticlib"])
+        .args(["--no-default-features", "--features", "panic-never", "--target", target, "--crate-type", "staticlib"])
         .arg("--target-dir")
         .arg(&folder)
+        // Names of symbols contain the types of generic functions.
+        .args(["--", "-C", "symbol-mangling-version=v0"])
         .current_dir(super::super::root())
         .env_remove("RUSTFLAGS")
         .status();
@@ -80,9 +78,9 @@ pub struct Linked {
 }
 
 impl Image {
-    /// Creates an image without sources, linked with the library without reachable panic handler.
+    /// Creates an image without sources, linked with the library.
     pub fn new(abi: Abi) -> Self {
-        let libraries = vec![library(abi.target(), "panic-loop")];
+        let libraries = vec![library(abi.target())];
         Self { abi, sources: vec!["board.c".to_owned()], libraries, folder: tempfile::tempdir().expect("a folder") }
     }
 

@@ -3,7 +3,10 @@
 mod checksums;
 mod expected;
 mod header;
+mod host;
 mod image;
+mod instructions;
+mod links;
 mod tables;
 
 use std::path::PathBuf;

@@ -1,0 +1,1 @@
+//! The shared library on the desktop, through `ctypes` of Python.
