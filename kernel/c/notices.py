@@ -1,28 +1,20 @@
-"""Prints the licences of the crates whose code is in the libraries, from `cargo metadata` on standard input."""
+"""Prints the licences of the crates whose code is in the libraries.
+
+Argument: output of `cargo tree --prefix none --format '{p}'`; standard input: that of `cargo metadata`.
+"""
 
 import json
 import pathlib
 import sys
 
-metadata = json.load(sys.stdin)
-packages = {package["id"]: package for package in metadata["packages"]}
-nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
+linked = {tuple(line.split()[:2]) for line in pathlib.Path(sys.argv[1]).read_text(encoding="utf-8").splitlines()}
+packages = [
+    package
+    for package in json.load(sys.stdin)["packages"]
+    if package["source"] is not None and (package["name"], f"v{package['version']}") in linked
+]
 
-seen, open_ids = set(), [next(i for i, package in packages.items() if package["name"] == "ballrace-c")]
-while open_ids:
-    current = open_ids.pop()
-    if current in seen:
-        continue
-    seen.add(current)
-    for dependency in nodes[current]["deps"]:
-        normal = any(kind["kind"] is None for kind in dependency["dep_kinds"])
-        macro = any("proc-macro" in target["kind"] for target in packages[dependency["pkg"]]["targets"])
-        if normal and not macro:
-            open_ids.append(dependency["pkg"])
-
-for package in sorted((packages[i] for i in seen), key=lambda package: package["name"]):
-    if package["source"] is None:
-        continue
+for package in sorted(packages, key=lambda package: package["name"]):
     print(f"{package['name']} {package['version']}: {package['license']}")
     folder = pathlib.Path(package["manifest_path"]).parent
     for path in sorted(folder.glob("LICENSE*")):
