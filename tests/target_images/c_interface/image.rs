@@ -26,7 +26,8 @@ impl Abi {
         }
     }
 
-    fn arguments(self) -> &'static [&'static str] {
+    /// Arguments of the C compiler.
+    pub fn arguments(self) -> &'static [&'static str] {
         match self {
             Self::Hard => &["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
             Self::Soft => &["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=soft"],

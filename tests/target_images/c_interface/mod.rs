@@ -1,6 +1,7 @@
 //! The C interface: its header, its libraries for firmware and for the desktop.
 
 mod checksums;
+mod example;
 mod expected;
 mod header;
 mod host;
