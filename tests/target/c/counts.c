@@ -36,6 +36,7 @@ static float amplitudes[2 * LINES], amplitude;
 CALL(rotor_step, ballrace_rotor_step(&rotor_on_2, &motion, &shaft))
 CALL(rotor_step_of_4, ballrace_rotor_step(&rotor_on_4, &motion, &shaft))
 CALL(observer_sample, ballrace_observer_sample(&observer, &observed, &shaft, in.displacement, &estimate))
+CALL(observer_sample_of_5, ballrace_observer_sample(&observer_of_5, &observed, &shaft, in.displacement, &estimate))
 CALL(order_add, ballrace_order_tracker_add(&tracker, in.displacement[0], at.inner, at.cage, at.ball))
 CALL(statistics_add, ballrace_statistics_add(&statistics, in.displacement[0], &block))
 CALL(envelope_add, ballrace_envelope_add(&envelope, in.displacement[0], &amplitude))
@@ -135,7 +136,9 @@ void run(void)
     for (int i = 0; i < SUBJECT_COUNT; i++) measure_bearing(&subjects[i]);
     measure("rotor on two angular bearings, 9", "Verlet step", take_motion, rotor_step);
     measure("rotor on four angular bearings, 9", "Verlet step", take_motion_of_4, rotor_step_of_4);
-    measure("observer of two bearings, four probes", "sample", take_motion, observer_sample);
+    measure("observer of a rigid rotor, two angular bearings, 5 probes, 9", "sample, one Verlet step", take_motion,
+            observer_sample_of_5);
+    measure("observer of two bearings, four probes", "sample, two Verlet steps, two speeds", take_motion, observer_sample);
     measure("order tracking, 4 lines", "sample", take_sample, order_add);
     measure("statistics", "sample", take_sample, statistics_add);
     measure("envelope", "sample", take_sample, envelope_add);

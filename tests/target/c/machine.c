@@ -28,11 +28,11 @@ static const ballrace_rotor_bearing bearings[4] = {
 };
 
 ballrace_rotor rotor_on_2, rotor_on_4;
-ballrace_observer observer;
+ballrace_observer observer, observer_of_5;
 
 #define GAINS (20 * PROBES + PROBES * PROBES)
 
-static float gains[2 * GAINS], probes[5 * PROBES];
+static float gains[2 * GAINS], probes[25];
 
 /* Numbers without pattern that are exact in both languages. */
 static float exact(int i, int n) { return (float)(i * 37 % n - n / 2); }
@@ -44,7 +44,7 @@ uint32_t machine_init(void)
         const float scale[5] = { 0x1p-12f, 0x1p-2f, 0x1p+8f, 0x1p+7f, 0x1p+10f };
         gains[i] = exact(i, 101) * scale[part];
     }
-    for (int i = 0; i < 5 * PROBES; i++) probes[i] = exact(i, 19) * 0x1p-4f;
+    for (int i = 0; i < 25; i++) probes[i] = exact(i, 19) * 0x1p-4f;
     const ballrace_observer_params observer_params = {
         .probes = probes,
         .gains = gains,
@@ -56,7 +56,12 @@ uint32_t machine_init(void)
         .load_retention = 0.875f,
         .gate = 50.0f,
     };
+    ballrace_observer_params params_of_5 = observer_params;
+    params_of_5.gain_count = 1;
+    params_of_5.substeps = 1;
     return ballrace_rotor_init(&rotor_on_2, &ballrace_rotor_on_2_bearings, &params, bearings, STEP, NULL)
         | ballrace_rotor_init(&rotor_on_4, &ballrace_rotor_on_4_bearings, &params, bearings, STEP, NULL)
-        | ballrace_observer_init(&observer, &ballrace_observer_of_2_bearings_4_probes, &params, bearings, &observer_params, NULL);
+        | ballrace_observer_init(&observer, &ballrace_observer_of_2_bearings_4_probes, &params, bearings, &observer_params, NULL)
+        | ballrace_observer_init(&observer_of_5, &ballrace_observer_of_2_bearings_5_probes, &params, bearings, &params_of_5,
+                                 NULL);
 }
