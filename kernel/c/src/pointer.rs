@@ -45,12 +45,12 @@ pub unsafe fn write_wrench(entries: *mut f32, wrench: &Wrench<f32>) {
     unsafe { *entries.cast::<[f32; 5]>() = wrench.to_array() };
 }
 
-/// Returns the slice of `count` items at `first`; an empty one where `count` is 0, whatever the pointer.
+/// Returns the slice of `count` items at `first`.
 ///
 /// # Safety
-/// `first` points to `count` items that nothing changes during `'a`, or `count` is 0.
+/// `first` is not null and points to `count` items that nothing changes during `'a`.
 #[inline(always)]
 pub unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
-    // SAFETY: by the contract of the function; models without elements do not call it.
+    // SAFETY: by the contract of the function.
     unsafe { core::slice::from_raw_parts(first, count as usize) }
 }
