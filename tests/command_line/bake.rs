@@ -157,7 +157,7 @@ fn the_observer_is_baked() {
     let desk = Desk::empty();
     let samples = 1024;
     desk.put("healthy.csv", short_recording(samples));
-    desk.put("scene.toml", format!("{DEMO_SCENE}\n[observer]\nwander = 0.2\n"));
+    desk.put("scene.toml", format!("{DEMO_SCENE}\n[observer]\nprocess_noise = 0.2\n"));
     desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
     desk.replay("scene.toml", &["--forces", "forces.csv"]);
     let (_, told) = numbers(&desk.read("forces.csv"));

@@ -48,7 +48,8 @@ fn equilibrium_states_rotor_reduction_and_bending() {
         let error = number(&outcome, &format!("/rotor/{key}_error_percent"));
         assert!((0.0..5.0).contains(&error), "{key}: {error} %");
     }
-    let bending: Vec<&Value> = list(&outcome, "needs").iter().filter(|need| need["effect"] == "bending").collect();
+    let bending: Vec<&Value> =
+        list(&outcome, "effect_significance").iter().filter(|need| need["effect"] == "bending").collect();
     assert_eq!(bending.len(), 2, "one for each bearing");
     assert!(bending.iter().all(|need| need["modelled"] == true && need["change"].as_f64().unwrap() > 0.0));
     let page = desk.read("page.html");

@@ -33,6 +33,7 @@ mod live;
 mod live_sources;
 mod live_start;
 mod long;
+mod new_scene;
 mod observer;
 mod outliers;
 mod outputs;

@@ -7,7 +7,7 @@ const OIL: &str =
     "poissons_ratio = 0.3\nlubricant = { viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }";
 
 fn effect<'a>(found: &'a Value, name: &str) -> Option<&'a Value> {
-    found["needs"].as_array().unwrap().iter().find(|need| need["effect"] == name)
+    found["effect_significance"].as_array().unwrap().iter().find(|need| need["effect"] == name)
 }
 
 #[test]

@@ -320,7 +320,7 @@ fn crooked_matrices_are_refused() {
     };
     assert_eq!(
         says(&|m| m.stiffness[(2, 0)] = 5.0),
-        "K: found 5 at row 3, column 1 and 0 at row 1, column 3, allowed: a symmetric matrix of finite numbers"
+        "K: invalid matrix: 5 at row 3, column 1 and 0 at row 1, column 3, expected a symmetric matrix of finite numbers"
     );
     assert!(
         says(&|m| m.gyroscopic[(1, 0)] = 2.0).starts_with("G: found 2 at row 2, column 1 and 0 at row 1, column 2")

@@ -112,5 +112,8 @@ proptest! {
 #[test]
 fn radial_pairs_refuse_preload() {
     let error = Radial::<f64, Exact, _, _>::try_new(pairs(), PointContactLaw { stiffness: 8e9 }, -1e-6).unwrap_err();
-    assert_eq!(error.to_string(), "radial_play: found -0.000001, allowed: 0 m or more with opposite pairs");
+    assert_eq!(
+        error.to_string(),
+        "radial_play: value out of range: -0.000001, expected 0 m or more with opposite pairs"
+    );
 }

@@ -93,7 +93,7 @@ pub unsafe extern "C" fn ballrace_angular_init(
 ) -> u32 {
     check_pointers!(bearing, geometry, elements);
     // SAFETY: valid or null by the contract of the function.
-    let fails = |ok, name, found, allowed| unsafe { check(ok, name, found, allowed, invalid) };
+    let fails = |ok, name, found, expected| unsafe { check(ok, name, found, expected, invalid) };
     if fails(datum <= DATUM_CENTRED, "datum", f64::from(datum), "0 (touching) or 1 (centred)")
         || fails((3..=32).contains(&element_count), "element_count", f64::from(element_count), "3 to 32")
     {

@@ -41,12 +41,12 @@ pub struct Geometry {
 pub struct InvalidParameter {
     /// Name of the parameter.
     pub name: *const c_char,
-    /// Allowed range.
-    pub allowed: *const c_char,
+    /// Expected range.
+    pub expected: *const c_char,
     /// Length of the name.
     pub name_length: u32,
-    /// Length of the allowed range.
-    pub allowed_length: u32,
+    /// Length of the expected range.
+    pub expected_length: u32,
     /// Value found.
     pub found: f64,
 }
@@ -55,9 +55,9 @@ impl From<ballrace::bearing::geometry::InvalidParameter> for InvalidParameter {
     fn from(error: ballrace::bearing::geometry::InvalidParameter) -> Self {
         Self {
             name: error.name.as_ptr().cast(),
-            allowed: error.allowed.as_ptr().cast(),
+            expected: error.expected.as_ptr().cast(),
             name_length: error.name.len() as u32,
-            allowed_length: error.allowed.len() as u32,
+            expected_length: error.expected.len() as u32,
             found: error.found,
         }
     }
@@ -86,13 +86,13 @@ pub(crate) unsafe fn check(
     condition: bool,
     name: &'static str,
     found: f64,
-    allowed: &'static str,
+    expected: &'static str,
     invalid: *mut InvalidParameter,
 ) -> bool {
     let fails = !(condition && found.is_finite());
     if fails {
         // SAFETY: by the contract of the function.
-        unsafe { report(ballrace::bearing::geometry::InvalidParameter { name, found, allowed }, invalid) };
+        unsafe { report(ballrace::bearing::geometry::InvalidParameter { name, found, expected }, invalid) };
     }
     fails
 }

@@ -186,7 +186,7 @@ pub unsafe extern "C" fn ballrace_lumped_radial_init(
 ) -> u32 {
     check_pointers!(bearing, elements);
     // SAFETY: valid or null by the contract of the function.
-    let fails = |ok, name, found, allowed| unsafe { check(ok, name, found, allowed, invalid) };
+    let fails = |ok, name, found, expected| unsafe { check(ok, name, found, expected, invalid) };
     if fails(stiffness > 0.0, "stiffness", stiffness, "above 0")
         || fails(true, "play", play, "a finite length")
         || fails((3..=32).contains(&element_count), "element_count", f64::from(element_count), "3 to 32")

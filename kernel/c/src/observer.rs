@@ -133,7 +133,7 @@ unsafe extern "C" fn init<const N: usize, const P: usize>(
     // SAFETY: the contract is that of `ballrace_observer_init`.
     unsafe {
         let params = &*params;
-        let fails = |ok, name, found, allowed| check(ok, name, found, allowed, invalid);
+        let fails = |ok, name, found, expected| check(ok, name, found, expected, invalid);
         if fails(params.step > 0.0, "step", f64::from(params.step), "above 0 s")
             || fails(params.substeps > 0, "substeps", f64::from(params.substeps), "1 or more")
             || fails(params.gain_count > 0, "gain_count", f64::from(params.gain_count), "1 or more")

@@ -30,12 +30,12 @@ pub struct InvalidParameter {
     /// Value found.
     pub found: f64,
     /// Allowed range, in words.
-    pub allowed: &'static str,
+    pub expected: &'static str,
 }
 
 impl fmt::Display for InvalidParameter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: found {}, allowed: {}", self.name, self.found, self.allowed)
+        write!(f, "{}: value out of range: {}, expected {}", self.name, self.found, self.expected)
     }
 }
 
@@ -46,9 +46,9 @@ pub(crate) fn check(
     condition: bool,
     name: &'static str,
     found: f64,
-    allowed: &'static str,
+    expected: &'static str,
 ) -> Result<(), InvalidParameter> {
-    if condition && found.is_finite() { Ok(()) } else { Err(InvalidParameter { name, found, allowed }) }
+    if condition && found.is_finite() { Ok(()) } else { Err(InvalidParameter { name, found, expected }) }
 }
 
 /// Bearing steel: 206 GPa, 0.3.

@@ -75,15 +75,15 @@ pub struct InvalidMatrix {
     /// Value of the mirrored entry.
     pub mirrored: f64,
     /// Requirement, in words.
-    pub allowed: &'static str,
+    pub expected: &'static str,
 }
 
 impl fmt::Display for InvalidMatrix {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { matrix, row, column, found, mirrored, allowed } = self;
+        let Self { matrix, row, column, found, mirrored, expected } = self;
         write!(
             f,
-            "{matrix}: found {found} at row {row}, column {column} and {mirrored} at row {column}, column {row}, allowed: {allowed}"
+            "{matrix}: invalid matrix: {found} at row {row}, column {column} and {mirrored} at row {column}, column {row}, expected {expected}"
         )
     }
 }
@@ -102,7 +102,7 @@ fn check_mirror<const D: usize>(
     sign: f64,
 ) -> Result<(), InvalidMatrix> {
     let largest = entries.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let allowed =
+    let expected =
         if sign > 0.0 { "a symmetric matrix of finite numbers" } else { "a skew-symmetric matrix of finite numbers" };
     for i in 0..D {
         for j in 0..=i {
@@ -110,7 +110,7 @@ fn check_mirror<const D: usize>(
             let off = (found - sign * mirrored).abs();
             let near = off <= (SAME * found.abs().max(mirrored.abs())).max(NOTHING * largest);
             if !(near && found.is_finite() && mirrored.is_finite()) {
-                return Err(InvalidMatrix { matrix, row: i + 1, column: j + 1, found, mirrored, allowed });
+                return Err(InvalidMatrix { matrix, row: i + 1, column: j + 1, found, mirrored, expected });
             }
         }
     }
@@ -189,8 +189,8 @@ fn inverse<T: Scalar, A: From<SMatrix<T, D, D>>, const D: usize>(
         let pivot = left[(k, k)];
         if pivot.is_nan() || pivot <= 0.0 {
             let (row, found) = (k + 1, mass[(k, k)]);
-            let allowed = "a positive definite matrix, which this one is not with that coordinate";
-            return Err(InvalidMatrix { matrix: "M", row, column: row, found, mirrored: found, allowed });
+            let expected = "a positive definite matrix, which this one is not with that coordinate";
+            return Err(InvalidMatrix { matrix: "M", row, column: row, found, mirrored: found, expected });
         }
         for j in 0..D {
             left[(k, j)] /= pivot;

@@ -131,20 +131,20 @@ def replay(
     """
     name, encoded = _encoded(machines, folder)
     fleet = _native.Fleet(name, encoded, os.fspath(output))
-    missing = fleet.missing(reports)
-    finished = len(encoded) - len(missing)
-    if progress is not None:
-        progress(finished, len(encoded))
-    todo = [encoded[i] for i in missing]
     try:
+        missing = fleet.missing(reports)
+        finished = len(encoded) - len(missing)
+        if progress is not None:
+            progress(finished, len(encoded))
+        todo = [encoded[i] for i in missing]
         for row, page in _evaluated(todo, client, workers, reports, error):
             fleet.add(row, page)
             finished += 1
             if progress is not None:
                 progress(finished, len(encoded))
+        fleet.finish()
     finally:
-        fleet.flush()
-    fleet.finish()
+        fleet.close()
     return Result(fleet.rows(), len(missing), Path(fleet.index))
 
 

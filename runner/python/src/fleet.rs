@@ -1,10 +1,10 @@
 //! Fleets: machines and rows pass as JSON, so that they travel between processes.
 
 use crate::error::{exception, wrong_argument};
-use ballrace_report as report;
-use ballrace_report::fleet::Folder;
+use ballrace_report::fleet::{Folder, page_of};
 use ballrace_twin::error::{Error, FleetError, TablePosition};
 use ballrace_twin::fleet::{self, Cells, Key, Machine, Row, Store};
+use ballrace_twin::folder_lock::FolderLock;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde::Serialize;
@@ -51,14 +51,7 @@ pub fn evaluate(
     let machine: Machine = parsed(py, machine)?;
     let (row, page) = py.detach(|| {
         let mut evaluation = fleet::evaluate_with(&machine, force_error);
-        let page = evaluation.outcome.as_ref().filter(|_| with_report).map(report::html);
-        let page = page.and_then(|page| match page {
-            Ok(page) => Some(page),
-            Err(error) => {
-                evaluation.row.error = Some(format!("the report cannot be drawn: {error:#}"));
-                None
-            }
-        });
+        let page = if with_report { page_of(&mut evaluation) } else { None };
         (evaluation.row, page)
     });
     Ok((json(py, &row)?, page))
@@ -94,6 +87,8 @@ pub struct Fleet {
     machines: Vec<Machine>,
     folder: Folder,
     store: Mutex<Store>,
+    /// None after [`Fleet::close`].
+    lock: Mutex<Option<FolderLock>>,
 }
 
 impl Fleet {
@@ -113,12 +108,13 @@ impl Fleet {
     fn new(py: Python<'_>, name: String, machines: Vec<String>, output: PathBuf) -> PyResult<Self> {
         let machines = machines.iter().map(|machine| parsed(py, machine)).collect::<PyResult<Vec<Machine>>>()?;
         let open = || {
+            let lock = fleet::lock(&output)?;
             let folder = Folder::create(&output, &machines)?;
             let store = Store::open(&folder.outcomes())?;
-            Ok::<_, FleetError>((folder, Mutex::new(store)))
+            Ok::<_, FleetError>((folder, Mutex::new(store), Mutex::new(Some(lock))))
         };
-        let (folder, store) = py.detach(open).map_err(|e| exception(py, e))?;
-        Ok(Self { name, machines, folder, store })
+        let (folder, store, lock) = py.detach(open).map_err(|e| exception(py, e))?;
+        Ok(Self { name, machines, folder, store, lock })
     }
 
     /// Numbers of the machines that are not evaluated yet, or whose files have changed.
@@ -142,14 +138,14 @@ impl Fleet {
         py.detach(add).map_err(|e| exception(py, e))
     }
 
-    /// Writes rows that wait longer than two seconds.
-    fn flush_if_due(&self, py: Python<'_>) -> PyResult<()> {
-        py.detach(|| self.store().flush_if_due()).map(drop).map_err(|e| exception(py, e))
-    }
-
-    /// Writes all rows that wait.
-    fn flush(&self, py: Python<'_>) -> PyResult<()> {
-        py.detach(|| self.store().flush()).map_err(|e| exception(py, e))
+    /// Writes all rows that wait, and unlocks the folder.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let flush = || {
+            let flushed = self.store().flush();
+            *self.lock.lock().unwrap_or_else(PoisonError::into_inner) = None;
+            flushed
+        };
+        py.detach(flush).map_err(|e| exception(py, e))
     }
 
     /// Writes all rows as one part, and the overview.

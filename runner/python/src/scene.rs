@@ -9,8 +9,8 @@ use ballrace_twin::campbell::campbell;
 use ballrace_twin::equilibrium::settle;
 use ballrace_twin::error::Error;
 use ballrace_twin::fit::parameters::{ALL, Group};
-use ballrace_twin::fit::{Material, fit, read, written};
-use ballrace_twin::motion::{self, MOST_SAMPLES, Span};
+use ballrace_twin::fit::{fit_recording, written};
+use ballrace_twin::motion::{self, Span};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::replay::{Options, Source as ForceSource, replay};
 use ballrace_twin::scene::build::pick;
@@ -187,15 +187,8 @@ impl Scene {
         let duration = duration.si(py, "duration", Dimension::Time)?;
         let rate = rate.si(py, "rate", Dimension::Frequency)?;
         let settle = settle.map_or(Ok(0.0), |settle| settle.si(py, "settle", Dimension::Time))?;
-        let (samples, settle) = ((duration * rate).round(), (settle * rate).round());
-        let total = samples + settle;
-        if !(samples >= 1.0 && settle >= 0.0 && total <= MOST_SAMPLES && rate > 0.0) {
-            let message = format!(
-                "duration, rate, settle: number of samples out of range: {total}, expected 1 to {MOST_SAMPLES:e}"
-            );
-            return Err(wrong_argument(py, &message));
-        }
-        let span = Span { rate, settle: settle as u64, samples: samples as u64 };
+        let span = Span::try_new(duration, rate, settle)
+            .map_err(|invalid| wrong_argument(py, &format!("duration, rate, settle: {invalid}")))?;
         let computed = interruptible(py, |interrupt| {
             let plant = Plant::try_new(&self.content)?;
             let columns = motion::columns(&plant);
@@ -218,7 +211,7 @@ impl Scene {
             Ok::<_, Error>(Some((columns, values, held)))
         })?;
         let Some((columns, values, held)) = computed.map_err(|e| exception(py, e))? else {
-            let message = format!("duration, rate: {samples} samples, expected as many as memory holds");
+            let message = format!("duration, rate: {} samples, expected as many as memory holds", span.samples);
             return Err(PyMemoryError::new_err(message));
         };
         let shape = [values.len() / columns.len(), columns.len()];
@@ -330,19 +323,9 @@ impl Scene {
         let groups = only.map_or_else(|| Ok(ALL.to_vec()), |only| groups(py, &only))?;
         let source = Source::new(recording)?;
         let opening = source.opening(py, &self.content)?;
-        let average = self.content.recording.as_ref().map_or(1, |recording| recording.average);
         let run = interruptible(py, |interrupt| {
             let (reader, name) = opening.reader(&self.content)?;
-            let rate = reader.rate() / f64::from(average);
-            let samples = read(&self.content, reader, turns)?;
-            let material = Material {
-                scene: &self.content,
-                recording: &name,
-                samples: &samples.samples,
-                cage_samples: &samples.cage_samples,
-                period: 1.0 / rate,
-            };
-            let fitted = fit(&material, &groups, &mut |_| interrupt.check())?;
+            let fitted = fit_recording(&self.content, reader, &name, turns, &groups, &mut |_| interrupt.check())?;
             let text = written(&fitted, &self.content, &self.text)?;
             Ok::<_, Error>((fitted, text))
         })?;

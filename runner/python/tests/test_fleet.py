@@ -16,7 +16,7 @@ import pandas
 import pyarrow
 import pyarrow.parquet
 import pytest
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, Worker, WorkerPlugin
 
 import ballrace
 import ballrace.fleet
@@ -100,6 +100,52 @@ def test_two_workers_of_which_one_is_killed(
     assert _rows(result) == _rows(single)
     parts = pyarrow.parquet.read_table(tmp_path / "o" / "outcomes")
     assert parts.num_rows == COUNT and len(set(parts["machine"].to_pylist())) == COUNT
+
+
+class Deadly(WorkerPlugin):
+    """Ends each worker that evaluates the machine ``pump 2``."""
+
+    def setup(self, worker: Worker) -> None:
+        import os
+
+        from ballrace import _native
+
+        evaluate = _native.evaluate
+
+        def deadly(machine: str, *others: object) -> object:
+            if '"pump 2"' in machine:
+                os._exit(3)
+            return evaluate(machine, *others)  # type: ignore[arg-type]
+
+        _native.evaluate = deadly  # type: ignore[assignment]
+
+
+def test_a_machine_that_ends_its_workers_is_an_error(
+    machines: Path, single: ballrace.fleet.Result, tmp_path: Path
+) -> None:
+    few = pandas.read_csv(machines)[:5]
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        client.register_plugin(Deadly())
+        result = ballrace.fleet.replay(few, tmp_path / "o", client, folder=machines.parent)
+    rows = {row.machine: row for row in result.rows}
+    assert rows["pump 2"].state == "error" and "its worker ended" in rows["pump 2"].error
+    others = [i for i in range(5) if i != 2]
+    assert [_rows(result)[i] for i in others] == [_rows(single)[i] for i in others]
+
+
+def test_a_folder_has_one_writer(machines: Path, tmp_path: Path) -> None:
+    few = pandas.read_csv(machines)[:2]
+
+    def second(finished: int, total: int) -> None:
+        if finished == 1:
+            with pytest.raises(ballrace.Error, match=f"in use by process {os.getpid()}"):
+                ballrace.fleet.replay(few, tmp_path / "o", workers=0, folder=machines.parent)
+
+    result = ballrace.fleet.replay(few, tmp_path / "o", workers=0, folder=machines.parent, progress=second)
+    assert result.evaluated == 2
 
 
 def test_a_run_that_is_killed_goes_on(machines: Path, single: ballrace.fleet.Result, tmp_path: Path) -> None:

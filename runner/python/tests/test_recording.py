@@ -152,7 +152,16 @@ def _differences(mine: dict[str, object], theirs: dict[str, object]) -> set[str]
     return {key for key in mine.keys() | theirs.keys() if mine.get(key) != theirs.get(key)}
 
 
-@pytest.mark.parametrize("work", ["scene.simulate('1000 s', '25.6 kHz')", "scene.trade()", "scene.replay(recording)"])
+LONG_WORK = [
+    "scene.simulate('1000 s', '25.6 kHz')",
+    "scene.trade()",
+    "scene.replay(recording)",
+    "scene.sweep({'shaft.speed': '1000rpm..6000rpm:200'})",
+    "scene.fit(recording)",
+]
+
+
+@pytest.mark.parametrize("work", LONG_WORK)
 def test_ctrl_c_stops_long_work(work: str) -> None:
     program = (
         "import ballrace, sys\n"

@@ -1,7 +1,7 @@
 //! Report of a static equilibrium: text for the terminal and HTML page.
 
 use super::figures::{Picture, balance, mode_shapes, rotor};
-use super::number::{alone, fixed};
+use super::number::{alone, fixed, with_sign};
 use super::text::broken;
 use super::words;
 use anyhow::Result;
@@ -163,11 +163,9 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
         let [u, v, w, ..] = e.displacement.map(|x| x * 1e6);
         let [kx, ky, kz, ..] = e.stiffness.map(|x| x * 100.0);
         let load = e.largest_load * 100.0;
-        let _ = writeln!(
-            out,
-            "  {:<13} {u:>+8.4} {v:>+8.4} {w:>+8.4}   {kx:>+8.2} {ky:>+8.2} {kz:>+8.2}   {load:>+8.2}",
-            e.effect
-        );
+        let [u, v, w] = [u, v, w].map(|x| with_sign(x, 4));
+        let [kx, ky, kz, load] = [kx, ky, kz, load].map(|x| with_sign(x, 2));
+        let _ = writeln!(out, "  {:<13} {u:>8} {v:>8} {w:>8}   {kx:>8} {ky:>8} {kz:>8}   {load:>8}", e.effect);
     }
 }
 

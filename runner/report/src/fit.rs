@@ -51,7 +51,7 @@ pub fn text(found: &Fitted) -> String {
 /// Returns CSV with one row per parameter.
 #[must_use]
 pub fn csv(found: &Fitted) -> String {
-    let mut out = "parameter,unit,scene,fitted,from,to,told\n".to_owned();
+    let mut out = "parameter,unit,scene,fitted,from,to,identified\n".to_owned();
     for p in &found.parameters {
         let end = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
         let (low, high) = (end(p.low), end(p.high));

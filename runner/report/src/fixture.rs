@@ -417,7 +417,7 @@ fn observer() -> ObserverOutcome {
         nis_expected: 5.0,
         nis_bounds: [4.93, 5.07],
         consistent: true,
-        wander_n_per_root_s: 5.9,
+        process_noise_n_per_root_s: 5.9,
         noise_um: vec![0.03; 5],
         unknown_load_mean: [0.1, -0.2, 0.0, 1e-3, 0.0],
         unknown_load_rms: [0.4, 0.5, 0.1, 2e-3, 3e-3],

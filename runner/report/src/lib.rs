@@ -1,6 +1,8 @@
 //! Reports: HTML pages, text for the terminal, JSON and CSV.
 
 pub mod campbell;
+pub mod catalogue;
+pub mod check;
 mod csv;
 pub mod equilibrium;
 mod figures;

@@ -50,6 +50,12 @@ pub(super) fn maybe(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), alone)
 }
 
+/// Formats a change as [`fixed`], with its sign unless it is 0 in these decimals.
+pub fn with_sign(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if value > 0.0 && text.chars().any(|c| ('1'..='9').contains(&c)) { format!("+{text}") } else { text }
+}
+
 /// Formats a count with separated thousands.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();

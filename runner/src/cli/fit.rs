@@ -5,7 +5,7 @@ use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
 use ballrace_twin::fit::parameters::{ALL, Group};
-use ballrace_twin::fit::{Fitted, Material, RecordingSamples, fit, read, written};
+use ballrace_twin::fit::{Fitted, fit_recording, written};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::scene::read::read_file;
@@ -51,14 +51,10 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     check_distinct_paths(&[("--output", &output)], &[&args.scene, path])?;
     let reader = Reader::open(path, recording)?;
-    let rate = reader.rate() / f64::from(recording.average);
-    let samples = read(&scene, reader, args.turns)?;
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let groups = if args.only.is_empty() { ALL.to_vec() } else { args.only.clone() };
-    let RecordingSamples { samples, cage_samples } = &samples;
-    let material = Material { scene: &scene, recording: &name, samples, cage_samples, period: 1.0 / rate };
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
-    let fitted = fit(&material, &groups, &mut |i| {
+    let fitted = fit_recording(&scene, reader, &name, args.turns, &groups, &mut |i| {
         bar.set_message(format!("Fitting, iteration {}", i + 1));
         bar.tick();
     });

@@ -1,7 +1,6 @@
 //! `ballrace fleet`: evaluates a table of machines.
 
 use super::{Format, ReplayStatus};
-use crate::live::folder_lock::FolderLock;
 use anyhow::{Context, Result};
 use ballrace_report::fleet::{Fleet, Folder, text};
 use ballrace_twin::error::Error;
@@ -9,9 +8,6 @@ use ballrace_twin::fleet::{self, Machine, Row, Settings, State, Store};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-
-/// Name of the lock file in the folder of the results.
-const LOCK: &str = ".fleet.lock";
 
 /// Arguments of `fleet`.
 #[derive(Debug, clap::Args)]
@@ -36,7 +32,7 @@ pub struct Args {
 /// Returns an error if the table is invalid or a result cannot be written. An error of one machine is a row of the results.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStatus> {
     let machines = fleet::read_table(&args.machines).map_err(Error::from)?;
-    let _lock = FolderLock::acquire(&args.output, LOCK)?;
+    let _lock = fleet::lock(&args.output).map_err(Error::from)?;
     let folder = Folder::create(&args.output, &machines)?;
     let mut store = Store::open(&folder.outcomes())?;
     let is_done =

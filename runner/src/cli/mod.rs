@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod campbell;
+pub mod check;
 pub mod completions;
 pub mod equilibrium;
 pub mod fit;
@@ -9,6 +10,7 @@ pub mod fleet;
 pub mod force;
 mod live;
 pub mod man;
+pub mod new;
 pub mod replay;
 pub mod scenes;
 pub mod simulate;
@@ -89,6 +91,10 @@ pub enum Command {
     Fleet(fleet::Args),
     /// Compare error and cost of every model, precision, integrator and step on the scene's own motion.
     Trade(trade::Args),
+    /// Check a scene and its recording: draw the machine, list what is not plausible and its probable cause.
+    Check(check::Args),
+    /// Write the draft of a scene from the catalogue of bearings and the columns of a recording.
+    New(new::Args),
     /// List or print the scenes that come with the program.
     Scenes(scenes::Args),
     /// Print the completion script of a shell.
@@ -170,6 +176,7 @@ pub fn run(cli: &Cli) -> ExitCode {
             return replay_exit_code(replay::run(args, cli.format, cli.error));
         }
         Command::Watch(args) => return replay_exit_code(watch::run(args, cli.error)),
+        Command::Check(args) => return replay_exit_code(check::run(args, cli.format)),
         Command::Fleet(args) => return replay_exit_code(fleet::run(args, cli.format, cli.error)),
         Command::Force(args) => force::run(args, cli.format, cli.error),
         Command::Bake(args) => bake::run(args, cli.format, cli.error),
@@ -179,6 +186,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Sweep(args) => sweep::run(args, cli.format, cli.error),
         Command::Fit(args) => fit::run(args, cli.format),
         Command::Trade(args) => trade::run(args, cli.format, cli.error),
+        Command::New(args) => new::run(args, cli.format),
         Command::Scenes(args) => scenes::run(args, cli.format),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),

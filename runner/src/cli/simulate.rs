@@ -5,7 +5,7 @@ use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::motion::{self, MOST_SAMPLES, Span};
+use ballrace_twin::motion::{self, Span};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::scene::Scene;
@@ -50,7 +50,7 @@ struct Summary {
     computing_seconds: f64,
     times_real_time: f64,
     output: String,
-    #[serde(rename = "needs")]
+    #[serde(rename = "effect_significance")]
     significance: Vec<EffectSignificance>,
 }
 
@@ -63,17 +63,11 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let duration = parse_option("--duration", &args.duration, Dimension::Time)?;
     let rate = parse_option("--rate", &args.rate, Dimension::Frequency)?;
     let settle = args.settle.as_ref().map(|text| parse_option("--settle", text, Dimension::Time)).transpose()?;
-    let (samples, settle) = ((duration * rate).round(), (settle.unwrap_or(0.0) * rate).round());
-    let total = samples + settle;
-    if samples < 1.0 || total > MOST_SAMPLES {
-        let options = if settle > 0.0 { "--duration, --settle, --rate" } else { "--duration, --rate" };
-        bail!(UsageError(format!(
-            "{options}: number of samples out of range: {total}, expected 1 to {MOST_SAMPLES:e}"
-        )));
-    }
+    let options = if settle.is_some() { "--duration, --settle, --rate" } else { "--duration, --rate" };
+    let span = Span::try_new(duration, rate, settle.unwrap_or(0.0));
+    let span = span.map_err(|invalid| UsageError(format!("{options}: {invalid}")))?;
     check_distinct_paths(&[("--output", &args.output)], &[&args.scene])?;
     let plant = Plant::try_new(&scene).map_err(UsageError::new)?;
-    let span = Span { rate, settle: settle as u64, samples: samples as u64 };
     let summary = simulate(&scene, &plant, span, &args.output)?;
     print(&summary, &plant.notes, format, error)
 }

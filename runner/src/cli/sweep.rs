@@ -71,7 +71,7 @@ struct Summary {
     taken_over: usize,
     written: Vec<String>,
     /// Significance of each effect at the point where its removal changes the result most.
-    #[serde(rename = "needs")]
+    #[serde(rename = "effect_significance")]
     significance: Vec<EffectSignificance>,
 }
 

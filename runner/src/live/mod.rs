@@ -13,7 +13,6 @@ mod backlog;
 mod connections;
 mod datagrams;
 pub mod feed;
-pub mod folder_lock;
 pub mod frames;
 pub mod out;
 pub mod pace;

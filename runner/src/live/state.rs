@@ -3,9 +3,9 @@
 //! The indicators and the limits have separate positions in the stream of samples. A restart reads from the earlier position;
 //! indicators and limits each ignore samples before their own position, so that nothing is written twice.
 
-use super::folder_lock::FolderLock;
 use super::source::Resume;
 use anyhow::{Context, Result, bail};
+use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output;
 use ballrace_twin::replay::limits::LimitState;
 use serde::{Deserialize, Serialize};

@@ -51,7 +51,7 @@ pub struct Settled {
     /// Changes when one effect is switched off.
     pub effects: Vec<EffectShare>,
     /// Predicted change by each effect, also by neglected ones.
-    #[serde(rename = "needs")]
+    #[serde(rename = "effect_significance")]
     pub significance: Vec<EffectSignificance>,
 }
 

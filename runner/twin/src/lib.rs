@@ -107,7 +107,9 @@
 pub mod bake;
 pub mod baseline;
 pub mod campbell;
+pub mod catalogue;
 mod caught;
+pub mod check;
 pub mod diagnosis;
 pub mod effect_significance;
 pub mod equilibrium;
@@ -115,6 +117,7 @@ pub mod error;
 pub mod fit;
 pub mod fleet;
 pub mod flexible_rotor;
+pub mod folder_lock;
 pub mod force;
 pub mod handle;
 pub mod least_squares;

@@ -11,6 +11,14 @@ use ballrace::rotor::ShaftMotion;
 /// Largest number of samples of one run, with those of the transient.
 pub const MOST_SAMPLES: f64 = 1e9;
 
+/// Error returned for a duration, rate and transient with too few or too many samples.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("number of samples out of range: {found}, expected 1 to {MOST_SAMPLES:e}")]
+pub struct InvalidSpan {
+    /// Number of samples, with those of the transient.
+    pub found: f64,
+}
+
 /// Length and rate of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
@@ -20,6 +28,22 @@ pub struct Span {
     pub settle: u64,
     /// Number of samples returned.
     pub samples: u64,
+}
+
+impl Span {
+    /// Creates a span of `duration` (s) at `rate` (Hz) after a transient of `settle` (s).
+    ///
+    /// # Errors
+    /// No sample, a negative transient, more than [`MOST_SAMPLES`].
+    pub fn try_new(duration: f64, rate: f64, settle: f64) -> Result<Self, InvalidSpan> {
+        let (samples, settle) = ((duration * rate).round(), (settle * rate).round());
+        let found = samples + settle;
+        if rate > 0.0 && samples >= 1.0 && settle >= 0.0 && found <= MOST_SAMPLES {
+            Ok(Self { rate, settle: settle as u64, samples: samples as u64 })
+        } else {
+            Err(InvalidSpan { found })
+        }
+    }
 }
 
 /// One sample of the response.

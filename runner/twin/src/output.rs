@@ -1,5 +1,6 @@
 //! Output files that are complete or absent: written to a temporary file that replaces the destination at the end.
 
+use crate::printable;
 use std::fs::{File, OpenOptions, Permissions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -22,6 +23,18 @@ pub enum OutputError {
         file: PathBuf,
         /// The system's reason.
         source: std::io::Error,
+    },
+    /// Another process has locked the folder.
+    #[error(
+        "{}: this folder is in use by {}, expected a folder that no other process uses",
+        folder.display(),
+        if owner.is_empty() { "another process".into() } else { printable::name(owner) }
+    )]
+    InUse {
+        /// The folder.
+        folder: PathBuf,
+        /// Entry of the other process in the lock file.
+        owner: String,
     },
 }
 

@@ -22,8 +22,8 @@ int main(void)
     ballrace_elements_evenly_spaced(elements, COUNT, 0);
     if (ballrace_geometry_set_clearance(&geometry, 10e-6, &invalid) != BALLRACE_OK
         || ballrace_angular_init(&bearing, &geometry, BALLRACE_DATUM_CENTRED, elements, COUNT, &invalid) != BALLRACE_OK) {
-        fprintf(stderr, "error: %.*s: %g\nexpected %.*s\n", (int)invalid.name_length, invalid.name, invalid.found,
-                (int)invalid.allowed_length, invalid.allowed);
+        fprintf(stderr, "error: %.*s: value out of range: %g\nexpected %.*s\n", (int)invalid.name_length, invalid.name, invalid.found,
+                (int)invalid.expected_length, invalid.expected);
         return 1;
     }
 

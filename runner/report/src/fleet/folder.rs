@@ -8,6 +8,17 @@ use ballrace_twin::output::{AtomicFile, replace};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+/// Returns the report of an evaluation, or none without an outcome. A report that cannot be drawn becomes the error of the row.
+pub fn page_of(evaluation: &mut Evaluation) -> Option<String> {
+    match crate::html(evaluation.outcome.as_ref()?) {
+        Ok(page) => Some(page),
+        Err(error) => {
+            evaluation.row.error = Some(format!("the report cannot be drawn: {error:#}"));
+            None
+        }
+    }
+}
+
 /// Folder of the results of a fleet.
 pub struct Folder {
     path: PathBuf,
@@ -59,19 +70,13 @@ impl Folder {
         row.inputs == machine.fingerprint() && has_report()
     }
 
-    /// Writes the report of an evaluation. A report that cannot be drawn becomes the error of the row.
+    /// Writes the report of an evaluation, see [`page_of`].
     ///
     /// # Errors
     /// As [`Folder::write_page`].
     pub fn write_report(&self, evaluation: &mut Evaluation) -> Result<(), FleetError> {
-        match evaluation.outcome.as_ref().map(crate::html) {
-            Some(Ok(page)) => self.write_page(&evaluation.row.key(), Some(&page)),
-            Some(Err(error)) => {
-                evaluation.row.error = Some(format!("the report cannot be drawn: {error:#}"));
-                Ok(())
-            }
-            None => self.write_page(&evaluation.row.key(), None),
-        }
+        let page = page_of(evaluation);
+        self.write_page(&evaluation.row.key(), page.as_deref())
     }
 
     /// Writes the report of a row; without a page, the report of an earlier evaluation is removed.

@@ -5,7 +5,7 @@ mod page;
 mod sparkline;
 mod text;
 
-pub use folder::Folder;
+pub use folder::{Folder, page_of};
 pub use page::html;
 pub use text::text;
 

@@ -4,8 +4,8 @@
 //! new journal, so that a killed process loses nothing. A second is identified by the number of the first sample after it; a
 //! second that is already on disk is ignored.
 
-use super::super::folder_lock::FolderLock;
 use anyhow::{Context, Result};
+use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output::{self, AtomicFile};
 use ballrace_twin::parquet_table::{self, Column};
 use ballrace_twin::replay::second::Second;

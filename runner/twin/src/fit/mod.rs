@@ -99,7 +99,6 @@ pub struct Estimate {
     /// Upper end, as `low`.
     pub high: Option<f64>,
     /// True where the recording identifies the parameter.
-    #[serde(rename = "told")]
     pub identified: bool,
 }
 
@@ -184,6 +183,29 @@ fn state_units(plant: &Plant) -> Vec<f64> {
 
 /// Unknowns that move together, at least one.
 type Tied = Vec<usize>;
+
+/// Fits `groups` of the scene's numbers to the first `turns` turns of a recording with the name `recording`; calls `progress`
+/// after each iteration.
+///
+/// # Errors
+/// As [`read`] and [`fit`].
+pub fn fit_recording(
+    scene: &Scene,
+    reader: Reader,
+    recording: &str,
+    turns: f64,
+    groups: &[Group],
+    progress: &mut dyn FnMut(usize),
+) -> Result<Fitted> {
+    let average = scene.recording.as_ref().map_or(1, |recording| recording.average);
+    let rate = reader.rate() / f64::from(average);
+    let RecordingSamples { samples, cage_samples } = read(scene, reader, turns)?;
+    fit(
+        &Material { scene, recording, samples: &samples, cage_samples: &cage_samples, period: 1.0 / rate },
+        groups,
+        progress,
+    )
+}
 
 /// Fits `groups` of the scene's numbers; calls `progress` after each iteration.
 ///

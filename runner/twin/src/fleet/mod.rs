@@ -32,7 +32,7 @@ pub use machine::{Machine, SceneSource, report_names};
 pub use rank::{current, worst_first};
 pub use row::{Diagnosis, IndicatorValue, Key, Row, State};
 pub use run::{Settings, run};
-pub use store::Store;
+pub use store::{Store, lock};
 pub use table::{Cells, machines, read_table};
 pub use time::Time;
 pub use trend::{Crossing, Quantity, Snapshot, Trend, trends};

@@ -3,6 +3,7 @@
 use super::files;
 use super::row::{Key, Row};
 use crate::error::FleetError;
+use crate::folder_lock::FolderLock;
 use crate::output;
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsStr;
@@ -14,9 +15,17 @@ const MOST_ROWS: usize = 64;
 /// Time after which the rows that are not on disk are written as a part.
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
 
+/// Locks the folder of the results of a fleet, which is created where it does not exist.
+///
+/// # Errors
+/// A folder that cannot be written, or that another process has locked.
+pub fn lock(folder: &Path) -> Result<FolderLock, FleetError> {
+    Ok(FolderLock::acquire(folder, ".fleet.lock")?)
+}
+
 /// Rows in `FOLDER/part-NNNNNN.parquet`. A row with the key of an earlier one replaces it.
 ///
-/// One process may use a folder at a time.
+/// One process may use a folder at a time, see [`lock`].
 pub struct Store {
     folder: PathBuf,
     /// Parts on disk by their numbers.

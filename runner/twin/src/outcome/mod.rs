@@ -372,7 +372,7 @@ pub struct ObserverOutcome {
     /// Samples in which the force comes from the displacement because the observer is not consistent.
     pub distrusted_samples: u64,
     /// Process noise of the unknown force, N per root second.
-    pub wander_n_per_root_s: f64,
+    pub process_noise_n_per_root_s: f64,
     /// Noise of each probe in the filter, rms.
     pub noise_um: Vec<f64>,
     /// The unknown load on the rotor: mean and rms about it, N (three) and N m (two); not numbers on a `[system]`.

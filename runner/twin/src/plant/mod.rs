@@ -24,7 +24,7 @@ pub use system::{Layout, Rows, Scales, only_observable, only_rotor, unbalance_no
 pub use twin::{Step, Twin, first_five};
 
 use crate::scene::build;
-use crate::scene::{Bearing, Integration, Linear, Method, Model, Rotor, Scene, Speed};
+use crate::scene::{Bearing, FromCatalogue, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Equilibrium, RotorBearingSystem, SecondOrderSystem, ShaftMotion, equilibrium};
@@ -113,7 +113,7 @@ impl Plant {
             damping: none,
             reduction: None,
             speed: scene.shaft.speed.nominal(),
-            notes: vec![],
+            notes: scene.bearings.iter().filter_map(estimates).collect(),
         };
         plant.settle()?;
         plant.refine(scene)?;
@@ -491,4 +491,17 @@ impl SystemTask<Rest> for RestTask {
             residual: found.residual,
         }
     }
+}
+
+/// Returns the note on the estimated values of a bearing of the catalogue.
+fn estimates(of: &Bearing) -> Option<String> {
+    let FromCatalogue { listed, estimated } = of.catalogue.as_ref()?;
+    (!estimated.is_empty()).then(|| {
+        format!(
+            "Bearing {}: {} of the catalogue, with the estimated values {}. Give those in the scene that are known.",
+            of.name,
+            listed.entry.designation,
+            estimated.join(", ")
+        )
+    })
 }

@@ -14,6 +14,7 @@ mod memory;
 mod npy;
 mod numbers;
 mod parquet;
+pub mod preview;
 pub mod probe;
 mod reader;
 pub mod rotation;

@@ -5,7 +5,7 @@ use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
+use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
 use std::f64::consts::TAU;
@@ -48,7 +48,7 @@ impl Pipeline<'_> {
             bearings: self.force.bearings(),
             mounted: bearings,
         });
-        let not_judged = self.counts.not_judged(self.comparison.compared);
+        let mut not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
         let samples = std::mem::take(&mut self.block).into_samples();
         let material = Material {
@@ -78,6 +78,18 @@ impl Pipeline<'_> {
             findings = new;
             let known: Vec<Finding> = known;
             diagnosis_notes.extend(known.iter().map(|finding| format!("As in the baseline: {}", finding.sentence)));
+        }
+        if self.baseline.is_none()
+            && let Some(reason) = clearance_is_estimated(scene)
+        {
+            let imitated = |finding: &Finding| matches!(finding.kind, FindingKind::Clearance | FindingKind::Load);
+            let (uncertain, known): (Vec<Finding>, Vec<Finding>) = findings.into_iter().partition(imitated);
+            findings = known;
+            diagnosis_notes
+                .extend(uncertain.iter().map(|finding| format!("Not a finding, as {reason}: {}", finding.sentence)));
+            if findings.is_empty() && !uncertain.is_empty() {
+                not_judged.push(reason);
+            }
         }
         let observer = self.observer.outcome();
         let mut notes = std::mem::take(&mut self.notes);
@@ -201,4 +213,19 @@ impl Pipeline<'_> {
 fn load(scene: &Scene) -> [f64; 5] {
     let none = if scene.system.is_some() { f64::NAN } else { 0.0 };
     scene.rotor.as_ref().map_or([none; 5], |rotor| rotor.load)
+}
+
+/// Returns why the position of the shaft tells nothing of load and clearance: the scene has the clearance of the catalogue.
+fn clearance_is_estimated(scene: &Scene) -> Option<String> {
+    let estimated = scene.bearings.iter().filter(|bearing| {
+        bearing.catalogue.as_ref().is_some_and(|used| used.estimated.iter().any(|value| value.contains("clearance")))
+    });
+    let names: Vec<&str> = estimated.map(|bearing| bearing.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the clearance of {} is that of the catalogue, and another one or another load would move the shaft as much; run \
+             `ballrace fit` on a recording of the sound machine, or give a --baseline",
+            names.join(" and ")
+        )
+    })
 }

@@ -159,7 +159,7 @@ impl Innovations {
             rejected_samples: self.rejected,
             restarts: self.restarts,
             distrusted_samples: self.distrusted,
-            wander_n_per_root_s: tuned.process_noise,
+            process_noise_n_per_root_s: tuned.process_noise,
             noise_um: tuned.noise.iter().map(|n| n * UM).collect(),
             unknown_load_mean: self.load.each_ref().map(|r| known(r, r.mean())),
             unknown_load_rms: self.load.each_ref().map(|r| known(r, rms_about_mean(r))),

@@ -40,6 +40,22 @@ pub fn put(document: &mut DocumentMut, key: &str, value: Value) -> Result<(), Un
     if found { Ok(()) } else { Err(UnknownKey { found: key.to_owned() }) }
 }
 
+/// Returns the text of a scene with other values at some keys. A value is one of TOML, or a text without quotation marks.
+///
+/// # Errors
+/// A key that leads to no place of the scene; a text that is no TOML has none.
+pub fn with_values(text: &str, values: &[(&str, &str)]) -> Result<String, UnknownKey> {
+    if values.is_empty() {
+        return Ok(text.to_owned());
+    }
+    let mut document: DocumentMut = text.parse().unwrap_or_default();
+    for (key, value) in values {
+        let value = value.trim();
+        put(&mut document, key.trim(), value.parse().unwrap_or_else(|_| Value::from(value)))?;
+    }
+    Ok(document.to_string())
+}
+
 /// Returns a value of a scene from one of JSON; none for `null`.
 #[must_use]
 pub fn value_of_json(json: &Json) -> Option<Value> {

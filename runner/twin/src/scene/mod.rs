@@ -5,6 +5,7 @@
 
 pub mod bounded;
 pub mod build;
+pub mod draft;
 pub mod edit;
 mod flexible_rotor;
 pub mod matrix;
@@ -16,6 +17,7 @@ pub mod units;
 pub use flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use recording::{Clock, Direction, Probe, Recording, RotationSource, Sensor};
 
+use crate::catalogue::Listed;
 use std::path::PathBuf;
 
 /// A whole scene file in SI units, checked field by field.
@@ -125,7 +127,7 @@ impl Indicator {
 /// `[observer]`: parameters of the observer.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Observer {
-    /// `wander`, N per root second, above 0: process noise of the unmodelled force; estimated from the first turns when absent
+    /// `process_noise`, N per root second, above 0: process noise of the unmodelled force; estimated from the first turns when absent
     pub process_noise: Option<f64>,
 }
 
@@ -382,6 +384,17 @@ pub struct Bearing {
     pub element_damping: f64,
     /// `solver_steps` of the quasi-static model; the kernel's own number when absent.
     pub solver_steps: Option<u8>,
+    /// `bearing`: its entry of the catalogue, whose values stand for keys that the scene does not have.
+    pub catalogue: Option<FromCatalogue>,
+}
+
+/// Values of the catalogue in a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FromCatalogue {
+    /// The bearing.
+    pub listed: Listed,
+    /// Estimated values, such as `inner_conformity = 0.52`.
+    pub estimated: Vec<String>,
 }
 
 /// `support = { mass, stiffness_x, stiffness_y, stiffness_xy, damping }`

@@ -3,6 +3,7 @@
 //! This module reads the file, `[shaft]`, `[system]` and `[recording]`; `rotor` reads `[rotor]`, `bearing` each `[[bearing]]`.
 
 mod bearing;
+mod catalogue;
 mod effects;
 mod rotor;
 #[cfg(test)]
@@ -22,6 +23,7 @@ use super::{
     Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording,
     RotationSource, Scene, Sensor, Shaft, Speed, System, SystemUnbalance,
 };
+use catalogue::Expansion;
 
 /// Largest size of a scene, bytes: a larger file is most likely a recording.
 const LARGEST_FILE: u64 = 4 << 20;
@@ -54,7 +56,9 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
     }
     let source = Source { text, file: path };
     let keys = ["name", "shaft", "rotor", "system", "bearing", "recording", "integration", "observer", "limit"];
-    scene(&Table::root(source, document.as_table(), &keys)?, path)
+    let root = Table::root(source, document.as_table(), &keys)?;
+    let catalogue = catalogue::of_bearings(&root)?;
+    scene(&root, path, &catalogue)
 }
 
 /// Returns the text of a scene file.
@@ -92,7 +96,7 @@ fn syntax_error(text: &str, path: &Path, error: &TomlError) -> SceneError {
     Source { text, file: path }.error(at, "", found, "")
 }
 
-fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
+fn scene<'a>(root: &Table<'a>, path: &Path, catalogue: &'a [Option<Expansion>]) -> Read<Scene> {
     let name = root.read("name", |n| n.text("a name for the scene"))?;
     let scene = Scene {
         name: name.map_or_else(|| stem(path), str::to_owned),
@@ -100,7 +104,7 @@ fn scene(root: &Table<'_>, path: &Path) -> Read<Scene> {
         shaft: shaft(&root.required("shaft", "a table [shaft] with speed")?)?,
         rotor: root.read("rotor", rotor::read)?,
         system: root.read("system", |n| system(n, root, path))?,
-        bearings: bearings(root)?,
+        bearings: bearings(root, catalogue)?,
         recording: root.read("recording", |n| recording(n, path, root.has("system")))?,
         integration: root.read("integration", integration)?.unwrap_or_default(),
         observer: root.read("observer", observer)?.unwrap_or_default(),
@@ -198,8 +202,14 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
 }
 
 fn observer(node: &Node<'_>) -> Read<Observer> {
-    let table = node.table(&["wander"])?;
-    let process_noise = table.read("wander", |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
+    // The former name of the key.
+    const FORMER: &str = "wander";
+    let table = node.table(&["process_noise", FORMER])?;
+    let key = if table.has(FORMER) { FORMER } else { "process_noise" };
+    if let Some(both) = table.optional("process_noise").filter(|_| key == FORMER) {
+        return Err(both.misplaced("either process_noise or its former name wander"));
+    }
+    let process_noise = table.read(key, |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
     Ok(Observer { process_noise })
 }
 
@@ -285,13 +295,18 @@ fn system_unbalance(node: &Node<'_>) -> Read<SystemUnbalance> {
     })
 }
 
-fn bearings(root: &Table<'_>) -> Read<Vec<Bearing>> {
+fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Vec<Bearing>> {
     let wants = "at least one table [[bearing]], in double brackets";
     let node = root.required("bearing", wants)?;
     let mut bearings: Vec<Bearing> = Vec::new();
-    for node in node.list(wants)? {
-        let table = bearing::table(&node)?;
-        let bearing = bearing::read(&table, root.has("system"))?;
+    for (node, expansion) in node.list(wants)?.iter().zip(catalogue) {
+        let table = bearing::table(node)?;
+        let table = match (expansion, table.optional(catalogue::KEY)) {
+            (Some(expansion), Some(key)) => table.with_defaults(&expansion.defaults, &key),
+            _ => table,
+        };
+        let mut bearing = bearing::read(&table, root.has("system"))?;
+        bearing.catalogue = expansion.as_ref().map(|expansion| expansion.used.clone());
         if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {
             let own = format!("a name of its own (bearing[{other}] has this one)");
             return Err(table.required("name", &own)?.repeated(own));

@@ -101,6 +101,17 @@ pub enum Direction {
     Axial,
 }
 
+impl Direction {
+    /// Returns the angle of a radial direction, rad.
+    #[must_use]
+    pub const fn angle(self) -> Option<f64> {
+        match self {
+            Self::Radial(angle) => Some(angle),
+            Self::Axial => None,
+        }
+    }
+}
+
 /// Source of the shaft angle.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RotationSource {

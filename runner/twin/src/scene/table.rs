@@ -331,7 +331,7 @@ impl<'a> Node<'a> {
     /// Returns the table with whatever keys it has: they have been checked before.
     pub fn any_table(&self) -> Read<Table<'a>> {
         let Content::Table(content) = self.content else { return Err(self.refuse("a table")) };
-        Ok(Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content })
+        Ok(Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content, defaults: None })
     }
 
     /// Returns the table after a check that it has only these keys.
@@ -351,20 +351,37 @@ pub(super) struct Table<'a> {
     path: String,
     span: Range<usize>,
     content: &'a dyn TableLike,
+    defaults: Option<Defaults<'a>>,
+}
+
+/// Values of keys that the scene does not have.
+#[derive(Clone)]
+struct Defaults<'a> {
+    content: &'a dyn TableLike,
+    /// Key that stands for them, for errors.
+    span: Range<usize>,
 }
 
 impl<'a> Table<'a> {
     /// Returns the whole document as a table.
     pub fn root(source: Source<'a>, content: &'a dyn TableLike, keys: &[&str]) -> Read<Self> {
-        let table = Self { source, path: String::new(), span: 0..0, content };
+        let table = Self { source, path: String::new(), span: 0..0, content, defaults: None };
         table.check_keys(keys)?;
         Ok(table)
     }
 
+    /// Returns the table with values of `content` for the keys that it does not have; `key` stands for them in errors.
+    pub fn with_defaults(self, content: &'a dyn TableLike, key: &Node<'a>) -> Self {
+        Self { defaults: Some(Defaults { content, span: key.span.clone() }), ..self }
+    }
+
     /// Returns the value of a key.
     pub fn optional(&self, key: &str) -> Option<Node<'a>> {
-        let item = self.content.get(key)?;
-        Node::of_item(self.source, self.path_of(key), self.key_span(key), item)
+        if let Some(item) = self.content.get(key) {
+            return Node::of_item(self.source, self.path_of(key), self.key_span(key), item);
+        }
+        let Defaults { content, span } = self.defaults.as_ref()?;
+        Node::of_item(self.source, self.path_of(key), span.clone(), content.get(key)?)
     }
 
     /// Returns the value of a required key; `wants` describes the values expected.

@@ -42,7 +42,7 @@ pub struct Trade {
     /// Models that do not apply to the scene, with the reason.
     pub impossible: Vec<Impossible>,
     /// Predicted change of force by each effect.
-    #[serde(rename = "needs")]
+    #[serde(rename = "effect_significance")]
     pub significance: Vec<EffectSignificance>,
     /// The recommended candidate, where a goal was given.
     pub choice: Option<Choice>,

@@ -9,8 +9,9 @@ use super::super::{
     Surface, Wave,
 };
 
-const KEYS: [&str; 39] = [
+const KEYS: [&str; 40] = [
     "name",
+    "bearing",
     "station",
     "facing",
     "model",
@@ -65,7 +66,7 @@ const GEOMETRY: [&str; 9] = [
 ];
 
 /// Keys of the lumped model alone.
-const LUMPED: [&str; 5] = ["stiffness", "exponent", "radial_play", "axial", "housing_displacement"];
+pub(super) const LUMPED: [&str; 5] = ["stiffness", "exponent", "radial_play", "axial", "housing_displacement"];
 
 /// The three sources of a linear bearing.
 const LINEAR: [&str; 3] = ["stiffness_matrix", "two_spring", "linearise"];
@@ -137,6 +138,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         geometry,
         law,
         linear,
+        catalogue: None,
     })
 }
 

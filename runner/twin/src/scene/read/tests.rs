@@ -324,6 +324,15 @@ fn top_of_the_file() {
 }
 
 #[test]
+fn a_former_key_is_read() {
+    let noise = |keys: &str| read(&format!("{LEAST}\n[observer]\n{keys}\n")).unwrap().observer.process_noise;
+    assert_eq!(noise("process_noise = 5"), Some(5.0));
+    assert_eq!(noise("wander = 5"), Some(5.0));
+    let both = refusal(&format!("{LEAST}\n[observer]\nprocess_noise = 5\nwander = 5\n"));
+    assert!(both.contains("observer.process_noise: misplaced key"), "{both}");
+}
+
+#[test]
 #[rustfmt::skip] // a table
 fn rotor_out_of_range() {
     let text = format!("{LEAST}{ROTOR}load = [0, 0, 0, 0, 0]\n");

@@ -62,7 +62,7 @@ fn flexible_rig<const D: usize>() -> Result<FlexibleRig<D>, InvalidParameter> {
         }
     }
     (matrices.gyroscopic[(3, 4)], matrices.gyroscopic[(4, 3)]) = (0.006, -0.006);
-    let refused = |e: InvalidMatrix| InvalidParameter { name: e.matrix, found: e.found, allowed: e.allowed };
+    let refused = |e: InvalidMatrix| InvalidParameter { name: e.matrix, found: e.found, expected: e.expected };
     let bearing = bearing()?;
     let at = |station: f64| {
         let mut rows = [[0.0; D]; 5];

@@ -59,7 +59,7 @@ where
     let bearing = Angular::try_new(geometry()?, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred)?;
     let support = Support { mass: 2.0, stiffness: [[3e7, 0.0], [0.0, 2e7]], damping: [[200.0, 0.0], [0.0, 200.0]] };
     let matrices = supported_rotor::<9>(&params(), &[], &[support; 2])?;
-    let refused = |e: InvalidMatrix| InvalidParameter { name: e.matrix, found: e.found, allowed: e.allowed };
+    let refused = |e: InvalidMatrix| InvalidParameter { name: e.matrix, found: e.found, expected: e.expected };
     let at = |i: usize, station| AttachedBearing {
         bearing,
         attachment: Attachment::on_rigid_rotor(station, Some(5 + 2 * i)),

@@ -1,6 +1,6 @@
 //! Exclusive ownership of a folder by one running process.
 
-use anyhow::{Context, Result, bail};
+use crate::output::OutputError;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Write};
 use std::path::Path;
@@ -18,33 +18,20 @@ impl FolderLock {
     ///
     /// # Errors
     /// Returns an error if the folder cannot be written or is locked by another process; the message names that process.
-    pub fn acquire(folder: &Path, name: &str) -> Result<Self> {
-        let folder_name = || folder.display().to_string();
-        std::fs::create_dir_all(folder).with_context(folder_name)?;
+    pub fn acquire(folder: &Path, name: &str) -> Result<Self, OutputError> {
         let path = folder.join(name);
-        let mut file = OpenOptions::new()
-            .create(true)
-            .read(true)
-            .write(true)
-            .truncate(false)
-            .open(&path)
-            .with_context(|| path.display().to_string())?;
+        let failed = |source| OutputError::Write { file: path.clone(), source };
+        std::fs::create_dir_all(folder).map_err(|source| OutputError::Write { file: folder.to_owned(), source })?;
+        let mut options = OpenOptions::new();
+        let mut file = options.create(true).read(true).write(true).truncate(false).open(&path).map_err(failed)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut owner = String::new();
                 let _ = file.take(MAX_ENTRY_LENGTH).read_to_string(&mut owner);
-                let owner = owner.trim();
-                let owner = if owner.is_empty() { "another process" } else { owner };
-                bail!(
-                    "{}: this folder is in use by {}, expected a folder that no other process uses",
-                    folder.display(),
-                    owner.escape_debug()
-                )
+                return Err(OutputError::InUse { folder: folder.to_owned(), owner: owner.trim().to_owned() });
             }
-            Err(TryLockError::Error(error)) => {
-                return Err(error).with_context(|| format!("{}: this folder cannot be locked", folder.display()));
-            }
+            Err(TryLockError::Error(source)) => return Err(failed(source)),
         }
         let since = humantime::format_rfc3339_seconds(std::time::SystemTime::now());
         // The entry is for users only; the folder is locked even if it cannot be written, for example on a full disk.

@@ -1,0 +1,210 @@
+//! Check of a scene and its recording before anything is computed from them: readings, speed, and each implausibility with its
+//! probable cause.
+//!
+//! The recording is read once. The only model used is the static equilibrium, which bounds the readings that the bearings allow.
+
+mod findings;
+mod readings;
+mod unknown;
+
+pub use findings::Implausibility;
+pub use readings::ReadingSummary;
+pub use unknown::{UnknownValue, unknown_values};
+
+use crate::error::Result;
+use crate::outcome::RotorDrawing;
+use crate::plant::Plant;
+use crate::recording::Reader;
+use crate::recording::flaws::FlawSummary;
+use crate::recording::rotation::Tracker;
+use crate::replay::range::ReadingRange;
+use crate::scene::build::kinematics;
+use crate::scene::{RotationSource, Scene};
+use findings::Evidence;
+use readings::Readings;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Largest number of samples between two pulses of a keyphasor.
+const LONGEST_WAIT: usize = 1 << 20;
+
+/// Result of a check.
+#[derive(Debug, Serialize)]
+pub struct Checked {
+    /// Name of the scene.
+    pub scene: String,
+    /// Bearings with their orders.
+    pub bearings: Vec<BearingSummary>,
+    /// The recording; none in a scene without one.
+    pub recording: Option<RecordingSummary>,
+    /// Everything that is not plausible.
+    pub implausible: Vec<Implausibility>,
+    /// Notes on estimated values.
+    pub notes: Vec<String>,
+    /// Drawing of the rotor; none without one.
+    #[serde(skip)]
+    pub drawing: Option<RotorDrawing>,
+}
+
+/// A bearing of the scene.
+#[derive(Debug, Serialize)]
+pub struct BearingSummary {
+    /// Its name.
+    pub name: String,
+    /// Designation in the catalogue.
+    pub designation: Option<String>,
+    /// Model.
+    pub model: &'static str,
+    /// Number of elements.
+    pub elements: usize,
+    /// Orders per revolution of the shaft: outer race, inner race, cage.
+    pub orders: [f64; 3],
+}
+
+/// A recording.
+#[derive(Debug, Serialize)]
+pub struct RecordingSummary {
+    /// Name of the file.
+    pub file: String,
+    /// Sampling rate.
+    pub rate_hz: f64,
+    /// Samples read.
+    pub samples: u64,
+    /// Duration.
+    pub seconds: f64,
+    /// Least, mean and greatest shaft speed; none where no sample has an angle.
+    pub speed_rpm: Option<[f64; 3]>,
+    /// True where the recording measures the speed.
+    pub speed_is_measured: bool,
+    /// Readings of each column.
+    pub readings: Vec<ReadingSummary>,
+    /// Flaws of the recording.
+    pub flaws: Vec<FlawSummary>,
+}
+
+/// Checks a scene, and a recording where `reader` is one; `file` is its name. `progress` gets the bytes read and the bytes in all.
+///
+/// # Errors
+/// Parameters that the kernel rejects, a recording that cannot be read.
+pub fn check(
+    scene: &Scene,
+    reader: Option<Reader>,
+    file: &str,
+    progress: &dyn Fn(u64, Option<u64>),
+) -> Result<Checked> {
+    let plant = scene.rotor.is_some().then(|| Plant::try_new(scene)).transpose()?;
+    let bearings = scene.bearings.iter().map(|bearing| {
+        let orders = kinematics(scene, bearing)?.orders;
+        Ok(BearingSummary {
+            name: bearing.name.clone(),
+            designation: bearing.catalogue.as_ref().map(|used| used.listed.entry.designation.to_owned()),
+            model: bearing.model.name(),
+            elements: bearing.elements,
+            orders: [orders.outer_race, orders.inner_race, orders.cage],
+        })
+    });
+    let bearings = bearings.collect::<Result<Vec<_>>>()?;
+    let (mut recording, mut evidence) = (None, Evidence::default());
+    if let Some(reader) = reader {
+        let (summary, found) = read(scene, plant.as_ref(), reader, file, progress)?;
+        (recording, evidence) = (Some(summary), found);
+    }
+    let implausible = findings::implausible(scene, &bearings, recording.as_ref(), &evidence);
+    Ok(Checked {
+        scene: scene.name.clone(),
+        bearings,
+        recording,
+        implausible,
+        notes: plant.map_or_else(Vec::new, |plant| plant.notes),
+        drawing: RotorDrawing::new(scene),
+    })
+}
+
+fn read(
+    scene: &Scene,
+    plant: Option<&Plant>,
+    mut reader: Reader,
+    file: &str,
+    progress: &dyn Fn(u64, Option<u64>),
+) -> Result<(RecordingSummary, Evidence)> {
+    let Some(given) = &scene.recording else {
+        return Err(crate::error::ReplayError::NoRecording { file: scene.path.clone() }.into());
+    };
+    let with_probes = given.with_sensors_as_probes();
+    let recording = with_probes.as_ref();
+    let mut range = match plant {
+        Some(plant) if given.sensors.is_empty() => Some(ReadingRange::try_new(scene, plant, &recording.probes)?),
+        _ => None,
+    };
+    let rate = reader.rate() / f64::from(recording.average);
+    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
+    let mut readings = Readings::new(recording.probes.len());
+    let (mut row, mut samples, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
+    let mut speeds = Speeds::default();
+    loop {
+        let goes_on = reader.next_row(&mut row)?;
+        if !goes_on && rotation.is_ok() {
+            rotation = tracker.finish();
+        }
+        while let Some(sample) = tracker.pop() {
+            speeds.add(sample.speed);
+            readings.add_at(&sample);
+            tracker.recycle(sample.row);
+        }
+        if !goes_on {
+            break;
+        }
+        samples += 1;
+        if samples.is_multiple_of(4096) {
+            let (read, total) = reader.progress();
+            progress(read, total);
+        }
+        readings.add(&row.probes);
+        let mut full = if rotation.is_ok() { std::mem::replace(&mut row, tracker.blank()) } else { row.clone() };
+        if let Some(range) = &mut range {
+            range.check(&mut full);
+        }
+        if rotation.is_ok() {
+            rotation = tracker.push(full);
+        }
+    }
+    let speed_is_measured = !matches!(recording.rotation, RotationSource::Scene);
+    let largest = range.as_ref().map(|range| range.largest().to_vec());
+    let outside = range.as_ref().map(ReadingRange::shares_outside);
+    let summary = RecordingSummary {
+        file: file.to_owned(),
+        rate_hz: rate,
+        samples,
+        seconds: samples as f64 / reader.rate(),
+        speed_rpm: speeds.rpm(),
+        speed_is_measured,
+        readings: readings.summary(given),
+        flaws: reader.flaws().summary(),
+    };
+    Ok((summary, Evidence { largest, outside, rotation: rotation.err(), noise: readings.one_x_noise() }))
+}
+
+/// Least, sum and greatest of the speeds.
+#[derive(Default)]
+struct Speeds {
+    least: f64,
+    greatest: f64,
+    sum: f64,
+    count: u64,
+}
+
+impl Speeds {
+    fn add(&mut self, speed: f64) {
+        let is_first = self.count == 0;
+        self.least = if is_first { speed } else { self.least.min(speed) };
+        self.greatest = if is_first { speed } else { self.greatest.max(speed) };
+        self.sum += speed;
+        self.count += 1;
+    }
+
+    fn rpm(&self) -> Option<[f64; 3]> {
+        let to_rpm = 60.0 / TAU;
+        let mean = self.sum / self.count as f64;
+        (self.count > 0).then(|| [self.least, mean, self.greatest].map(|speed| speed * to_rpm))
+    }
+}

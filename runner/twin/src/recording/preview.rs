@@ -1,0 +1,190 @@
+//! First look at a recording without a scene: its columns, their units and their probable meaning.
+
+use super::csv::CsvTable;
+use super::error::RecordingError;
+use super::table::{self, Cells, Table};
+use crate::scene::units;
+use std::fs::File;
+use std::path::Path;
+
+/// Number of rows that are read.
+const ROWS: usize = 4096;
+/// Largest share of rows in which a keyphasor is on its rarer level.
+const PULSES: f64 = 0.4;
+/// Parts of names of keyphasors.
+const KEYPHASORS: [&str; 6] = ["key", "kph", "tach", "trig", "pulse", "once"];
+/// Units of vibration as columns name them, and as scenes do.
+const VIBRATION: [(&str, &str); 8] = [
+    ("g", "g"),
+    ("m/s^2", "m/s^2"),
+    ("m/s2", "m/s^2"),
+    ("mps2", "m/s^2"),
+    ("mm/s", "mm/s"),
+    ("mmps", "mm/s"),
+    ("m/s", "m/s"),
+    ("v", "V"),
+];
+
+/// Columns of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preview {
+    /// All columns.
+    pub columns: Vec<PreviewColumn>,
+    /// Sampling rate that the file states, Hz.
+    pub rate: Option<f64>,
+}
+
+/// One column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreviewColumn {
+    /// Name.
+    pub name: String,
+    /// Probable meaning, by unit, name and values.
+    pub role: ColumnRole,
+}
+
+/// Probable meaning of a column. Units are those of the file, or of the end of the column's name.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColumnRole {
+    /// Time of each sample.
+    Time,
+    /// Pulses of the shaft.
+    Keyphasor,
+    /// Speed of the shaft in this unit.
+    Speed(String),
+    /// Displacement in this unit, along this direction where the name of the column has it.
+    Displacement(String, Option<NamedDirection>),
+    /// Vibration in this unit.
+    Vibration(String),
+    /// Not known.
+    Unknown,
+}
+
+/// Direction in the name of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NamedDirection {
+    /// `X` or `H`: horizontal.
+    X,
+    /// `Y` or `V`: vertical.
+    Y,
+    /// `Z` or `axial`.
+    Axial,
+}
+
+/// Reads columns and first rows of a recording in any format.
+///
+/// # Errors
+/// No such file, an unknown format, no header, no row.
+pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
+    let unopened = |cause| RecordingError::Open { file: path.into(), cause };
+    let mut file = File::open(path).map_err(unopened)?;
+    if file.metadata().map_err(unopened)?.is_dir() {
+        return Err(RecordingError::Folder { file: path.into() });
+    }
+    let mut table: Box<dyn Table> = match table::binary(&mut file, path).map_err(unopened)? {
+        Some(open) => open(file, path)?,
+        None => Box::new(CsvTable::new(Box::new(file), path)?),
+    };
+    let count = table.columns().len();
+    table.select(&(0..count).collect::<Vec<_>>())?;
+    let mut values = vec![Vec::new(); count];
+    let mut cells = Cells::default();
+    while values.first().is_some_and(|column| column.len() < ROWS) && table.next(&mut cells)? {
+        for (column, value) in values.iter_mut().zip(&cells.values) {
+            column.push(*value);
+        }
+    }
+    if values.iter().all(Vec::is_empty) {
+        return Err(RecordingError::NoRows { file: path.into() });
+    }
+    let column = |(place, values): (usize, &Vec<f64>)| {
+        let name = table.columns().get(place).cloned().unwrap_or_default();
+        let role = role(&name, table.unit(place), values);
+        PreviewColumn { name, role }
+    };
+    Ok(Preview { columns: values.iter().enumerate().map(column).collect(), rate: table.rate() })
+}
+
+fn role(name: &str, unit: Option<&str>, values: &[f64]) -> ColumnRole {
+    let words: Vec<String> =
+        name.split(|c: char| !(c.is_alphanumeric() || "/^".contains(c))).map(str::to_ascii_lowercase).collect();
+    let has = |word: &str| words.iter().any(|own| own == word);
+    let is_rising = values.windows(2).all(|pair| matches!(pair, [a, b] if a < b));
+    if (has("time") || has("t")) && is_rising {
+        return ColumnRole::Time;
+    }
+    let lower = name.to_ascii_lowercase();
+    if KEYPHASORS.iter().any(|part| lower.contains(part)) || is_pulse(values) {
+        return ColumnRole::Keyphasor;
+    }
+    let last = words.iter().rev().find(|word| !word.is_empty()).cloned();
+    let Some(unit) = unit.map(str::to_owned).or(last) else { return ColumnRole::Unknown };
+    if units::length_column(&unit).is_ok() {
+        return ColumnRole::Displacement(unit, direction(&words));
+    }
+    if units::speed_column(&unit).is_ok() {
+        return ColumnRole::Speed(unit);
+    }
+    let vibration = VIBRATION.iter().find(|(name, _)| unit.eq_ignore_ascii_case(name));
+    vibration.map_or(ColumnRole::Unknown, |(_, unit)| ColumnRole::Vibration((*unit).to_owned()))
+}
+
+/// Returns true for two levels, one of which is rare.
+fn is_pulse(values: &[f64]) -> bool {
+    let Some(&first) = values.first() else { return false };
+    let others: Vec<f64> = values.iter().copied().filter(|value| *value != first).collect();
+    let share = others.len() as f64 / values.len() as f64;
+    others.windows(2).all(|pair| matches!(pair, [a, b] if a == b))
+        && others.len() > 1
+        && !(PULSES..=1.0 - PULSES).contains(&share)
+}
+
+fn direction(words: &[String]) -> Option<NamedDirection> {
+    words.iter().find_map(|word| match word.as_str() {
+        "x" | "h" | "horizontal" => Some(NamedDirection::X),
+        "y" | "v" | "vertical" => Some(NamedDirection::Y),
+        "z" | "axial" | "ax" => Some(NamedDirection::Axial),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn meaning_of_columns() {
+        let pulse: Vec<f64> = (0..512).map(|i| f64::from(u8::from(i % 256 < 4))).collect();
+        let wave: Vec<f64> = (0..512).map(|i| f64::from(i).sin()).collect();
+        let rising: Vec<f64> = (0..512).map(f64::from).collect();
+        let um = |direction| ColumnRole::Displacement("um".to_owned(), direction);
+        let cases = [
+            ("DE_X_um", None, &wave, um(Some(NamedDirection::X))),
+            ("NDE Y [um]", None, &wave, um(Some(NamedDirection::Y))),
+            ("axial_um", None, &wave, um(Some(NamedDirection::Axial))),
+            ("gap", Some("um"), &wave, um(None)),
+            ("time_s", None, &rising, ColumnRole::Time),
+            ("time_s", None, &wave, ColumnRole::Unknown),
+            ("keyphasor", None, &wave, ColumnRole::Keyphasor),
+            ("channel 4", None, &pulse, ColumnRole::Keyphasor),
+            ("shaft_rpm", None, &wave, ColumnRole::Speed("rpm".to_owned())),
+            ("acceleration (m/s^2)", None, &wave, ColumnRole::Vibration("m/s^2".to_owned())),
+            ("DE_time", None, &wave, ColumnRole::Unknown),
+        ];
+        for (name, unit, values, expected) in cases {
+            assert_eq!(role(name, unit, values), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn columns_of_the_demonstration() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../demo/healthy.csv");
+        let found = preview(&path).unwrap();
+        assert_eq!(found.columns.len(), 7);
+        assert_eq!(found.columns[6].role, ColumnRole::Keyphasor);
+        assert!(
+            matches!(&found.columns[1].role, ColumnRole::Displacement(unit, Some(NamedDirection::X)) if unit == "um")
+        );
+    }
+}

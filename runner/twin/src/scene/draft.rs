@@ -1,0 +1,239 @@
+//! Draft of a scene: every value that the catalogue and a recording give, and `"?"` for those that only the user knows.
+
+use crate::catalogue::{BearingKind, Listed, scene_keys};
+use crate::recording::preview::{ColumnRole, NamedDirection, Preview, PreviewColumn};
+use std::fmt::Write;
+use toml_edit::Value;
+
+/// Value of a key that only the user knows.
+pub const UNKNOWN: &str = "?";
+/// Column at which comments begin.
+const COMMENT: usize = 38;
+
+/// Content of a draft.
+#[derive(Debug, Default)]
+pub struct Draft<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// Shaft speed with its unit.
+    pub speed: Option<String>,
+    /// Bearings in the order of their stations.
+    pub bearings: Vec<Listed>,
+    /// Name of the recording's file from the folder of the scene, and its columns.
+    pub recording: Option<(String, &'a Preview)>,
+}
+
+/// Returns the scene as TOML with a comment on each key.
+///
+/// ```
+/// use ballrace_twin::catalogue::find;
+/// use ballrace_twin::scene::draft::{Draft, draft};
+///
+/// let bearings = vec![find("6205")?, find("6205")?];
+/// let text = draft(&Draft { name: "pump".to_owned(), speed: Some("3000 rpm".to_owned()), bearings, recording: None });
+/// assert!(text.contains("bearing = \"6205\"") && text.contains("mass = \"?\""));
+/// # Ok::<(), ballrace_twin::catalogue::UnknownBearing>(())
+/// ```
+#[must_use]
+pub fn draft(of: &Draft) -> String {
+    let mut page = Page::default();
+    page.comment(
+        "A scene of ballrace. Replace every \"?\"; `ballrace check` lists those that are left and draws the machine.",
+    );
+    page.comment("A text carries its unit, such as \"6 kg\"; a number is in SI units. The frame is X, Y radial, Z along the shaft.");
+    page.key("name", &quoted(&of.name), "");
+    page.table("[shaft]");
+    page.text("speed", of.speed.as_deref(), "nameplate or control system, such as \"3000 rpm\"; positive from X to Y");
+    if !of.is_vibration() {
+        rotor(&mut page, of);
+    }
+    for (i, listed) in of.bearings.iter().enumerate() {
+        bearing(&mut page, i, listed, of);
+    }
+    if let Some((file, preview)) = &of.recording {
+        recording(&mut page, file, preview);
+    }
+    page.0
+}
+
+impl Draft<'_> {
+    /// Returns true for a recording of vibration, which needs no rotor.
+    fn is_vibration(&self) -> bool {
+        let Some((_, preview)) = &self.recording else { return false };
+        let has = |displacement| {
+            preview.columns.iter().any(|column| match &column.role {
+                ColumnRole::Displacement(..) => displacement,
+                ColumnRole::Vibration(_) => !displacement,
+                _ => false,
+            })
+        };
+        has(false) && !has(true)
+    }
+}
+
+/// Lines of the scene.
+#[derive(Default)]
+struct Page(String);
+
+impl Page {
+    fn line(&mut self, line: &str) {
+        self.0.push_str(line.trim_end());
+        self.0.push('\n');
+    }
+
+    fn comment(&mut self, text: &str) {
+        self.line(&format!("# {text}"));
+    }
+
+    fn table(&mut self, header: &str) {
+        self.line("");
+        self.line(header);
+    }
+
+    fn key(&mut self, key: &str, value: &str, comment: &str) {
+        let start = format!("{key} = {value}");
+        let comment = if comment.is_empty() { String::new() } else { format!("  # {comment}") };
+        self.line(&format!("{start:<COMMENT$}{comment}"));
+    }
+
+    /// Writes a text, or `"?"` where it is not known.
+    fn text(&mut self, key: &str, value: Option<&str>, comment: &str) {
+        self.key(key, &quoted(value.unwrap_or(UNKNOWN)), comment);
+    }
+
+    /// Writes a key with its default as a comment.
+    fn by_default(&mut self, key: &str, value: &str, comment: &str) {
+        let start = format!("# {key} = {value}");
+        self.line(&format!("{start:<COMMENT$}  # {comment}"));
+    }
+}
+
+/// Returns a text as TOML writes it.
+fn quoted(text: &str) -> String {
+    Value::from(text).to_string().trim().to_owned()
+}
+
+fn rotor(page: &mut Page, of: &Draft) {
+    page.table("[rotor]");
+    page.comment("A rigid rotor. A shaft that bends has `sections` and `disks` in place of mass and inertias.");
+    page.text("mass", None, "such as \"6 kg\": scales or CAD model");
+    page.text(
+        "diametral_inertia",
+        None,
+        "about X and Y through the centre of mass, such as \"0.03 kg m^2\": CAD model",
+    );
+    page.text("polar_inertia", None, "about Z, such as \"0.006 kg m^2\": CAD model");
+    page.text("damping", None, "such as [400, 400, 400, 0.4, 0.4], N s/m and N m s/rad: `ballrace fit` estimates it");
+    page.by_default("gravity", "[0, -9.80665, 0]", "the default; m/s^2");
+    page.by_default("load", "[0, 0, 0, 0, 0]", "the default; constant force and moment on the rotor, N and N m");
+    let unbalance = "[{ moment = \"60 g mm\", angle = \"0 deg\", station = \"0 mm\" }]";
+    page.by_default("unbalance", unbalance, "none by default: `ballrace fit` estimates it");
+    if of.bearings.len() == 1 {
+        page.by_default(
+            "stiffness",
+            "[0, 0, 0, 0, 0]",
+            "the default; N/m and N m/rad: springs that carry the rotor beside the bearing",
+        );
+    }
+}
+
+/// Returns the name of bearing `i`: drive end, non-drive end, then numbers.
+fn bearing_name(i: usize) -> String {
+    match i {
+        0 => "DE".to_owned(),
+        1 => "NDE".to_owned(),
+        _ => format!("B{}", i + 1),
+    }
+}
+
+fn bearing(page: &mut Page, i: usize, listed: &Listed, of: &Draft) {
+    let entry = listed.entry;
+    page.table("[[bearing]]");
+    page.key("name", &quoted(&bearing_name(i)), "any name");
+    let class = listed.class.name();
+    let size = format!("{}, {} x {} x {} mm", entry.kind.name(), entry.bore, entry.outer_diameter, entry.width);
+    let designation = format!("{} {class}", entry.designation);
+    page.key("bearing", &quoted(&designation), &format!("{size}; the class of clearance is {class}"));
+    if of.is_vibration() {
+        page.text("station", Some("0 mm"), "not used for vibration");
+    } else {
+        page.text("station", None, "along Z from the rotor's centre of mass, such as \"-100 mm\": drawing");
+    }
+    if entry.kind == BearingKind::AngularContact {
+        page.text("facing", None, "\"+z\" or \"-z\": direction in which the inner ring carries thrust");
+    }
+    page.comment("The catalogue stands for these keys; a value in the scene replaces it.");
+    for key in scene_keys(listed) {
+        let estimated = if key.is_estimated { "estimated: " } else { "" };
+        page.by_default(key.key, &key.value, &format!("{estimated}{}", key.origin));
+    }
+}
+
+fn recording(page: &mut Page, file: &str, preview: &Preview) {
+    page.table("[recording]");
+    page.key("file", &quoted(file), "from the folder of this scene");
+    let column = |role: &ColumnRole| preview.columns.iter().find(|column| column.role == *role);
+    match (column(&ColumnRole::Time), preview.rate) {
+        (Some(time), _) => page.key("time", &quoted(&time.name), "column of the time in s"),
+        (None, Some(rate)) => page.key("rate", &quoted(&format!("{rate} Hz")), "as the file states"),
+        (None, None) => page.text("rate", None, "samples per second, such as \"12.8 kHz\": settings of the recorder"),
+    }
+    if let Some(keyphasor) = column(&ColumnRole::Keyphasor) {
+        let value = format!("{{ column = {}, pulses_per_turn = 1 }}", quoted(&keyphasor.name));
+        page.key("keyphasor", &value, "number of marks on the shaft");
+    } else if let Some((speed, unit)) = preview.columns.iter().find_map(speed) {
+        let value = format!("{{ column = {}, unit = {} }}", quoted(&speed.name), quoted(unit));
+        page.key("speed", &value, "unit by the name of the column");
+    } else {
+        page.comment(
+            "No keyphasor and no speed: the shaft turns at the scene's speed from angle 0 at the first sample.",
+        );
+    }
+    let lists = [("probes", probe as fn(&PreviewColumn) -> Option<String>), ("sensors", sensor)];
+    let mut is_empty = true;
+    for (key, line) in lists {
+        let lines: Vec<String> = preview.columns.iter().filter_map(line).collect();
+        if lines.is_empty() || !is_empty {
+            continue;
+        }
+        is_empty = false;
+        page.line(&format!("{key} = ["));
+        lines.iter().for_each(|line| page.line(line));
+        page.line("]");
+    }
+    if is_empty {
+        page.comment("Such as { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }.");
+        page.line("probes = [{ column = \"?\", unit = \"?\", station = \"?\", angle = \"?\" }]");
+    }
+    let others: Vec<String> =
+        preview.columns.iter().filter(|c| c.role == ColumnRole::Unknown).map(|c| quoted(&c.name)).collect();
+    if !others.is_empty() {
+        page.comment(&format!("Other columns of the recording: {}", others.join(", ")));
+    }
+}
+
+fn speed(column: &PreviewColumn) -> Option<(&PreviewColumn, &str)> {
+    match &column.role {
+        ColumnRole::Speed(unit) => Some((column, unit)),
+        _ => None,
+    }
+}
+
+fn probe(column: &PreviewColumn) -> Option<String> {
+    let ColumnRole::Displacement(unit, direction) = &column.role else { return None };
+    let mut line = format!("  {{ column = {}, unit = {}, ", quoted(&column.name), quoted(unit));
+    let direction = match direction {
+        Some(NamedDirection::Axial) => "axial = true",
+        Some(NamedDirection::X) => "station = \"?\", angle = \"0 deg\"",
+        Some(NamedDirection::Y) => "station = \"?\", angle = \"90 deg\"",
+        None => "station = \"?\", angle = \"?\"",
+    };
+    let _ = write!(line, "{direction} }},  # unit and direction by the name of the column");
+    Some(line)
+}
+
+fn sensor(column: &PreviewColumn) -> Option<String> {
+    let ColumnRole::Vibration(unit) = &column.role else { return None };
+    let (name, unit) = (quoted(&column.name), quoted(unit));
+    Some(format!("  {{ column = {name}, unit = {unit} }},  # unit by the name of the column"))
+}

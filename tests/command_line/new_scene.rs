@@ -1,0 +1,258 @@
+//! `new` and `check`: from a designation and a recording to a scene, and each wrong input with its probable cause.
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, list, number, numbers, short_recording, swap};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Values of the demonstration's rotor and probes, as a user would fill them in.
+const FILLED: [(&str, &str); 4] = [
+    ("mass = \"?\"", "mass = \"6 kg\"\nload = [0, 0, 60, 0, 0]"),
+    ("diametral_inertia = \"?\"", "diametral_inertia = \"0.03 kg m^2\""),
+    ("polar_inertia = \"?\"", "polar_inertia = \"0.006 kg m^2\""),
+    ("damping = \"?\"", "damping = [400, 400, 400, 0.4, 0.4]"),
+];
+
+/// Replaces each `"?"` of the draft.
+fn filled(draft: &str) -> String {
+    let text = FILLED.iter().fold(draft.to_owned(), |text, (from, to)| swap(&text, from, to));
+    let mut stations = ["-100 mm", "100 mm", "-120 mm", "-120 mm", "120 mm", "120 mm"].into_iter();
+    let mut parts = text.split("station = \"?\"");
+    let mut full = parts.next().unwrap().to_owned();
+    for part in parts {
+        full += &format!("station = \"{}\"{part}", stations.next().unwrap());
+    }
+    assert!(stations.next().is_none(), "{text}");
+    full
+}
+
+/// A scene of the demonstration's machine from the catalogue, with `recording` as `run.csv`.
+fn drafted(recording: &str) -> Desk {
+    let desk = Desk::empty();
+    desk.put("run.csv", recording);
+    let bearings = ["new", "--bearing", "6205", "--bearing", "SKF 6205-2RS1", "--recording", "run.csv"];
+    desk.done(&[&bearings[..], &["--speed", "3000 rpm", "-o", "pump.toml"]].concat());
+    desk
+}
+
+/// The transcript of the user guide, run in its order, with a sound recording and one with a spall.
+#[test]
+fn from_a_designation_to_a_report_in_the_documented_commands() {
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src/guide.md");
+    let guide = fs::read_to_string(guide).unwrap();
+    let transcript = guide.split_once("<!-- first-machine:begin -->").unwrap().1;
+    let transcript = transcript.split_once("<!-- first-machine:end -->").unwrap().0;
+    let commands: Vec<&str> = transcript.lines().filter_map(|line| line.strip_prefix("ballrace ")).collect();
+    assert!((3..=6).contains(&commands.len()), "{commands:?}");
+
+    let desk = Desk::empty();
+    desk.put("run.csv", short_recording(16 * TURN));
+    desk.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
+    for command in commands {
+        let words: Vec<String> = command
+            .split('"')
+            .enumerate()
+            .flat_map(|(i, part)| match i % 2 {
+                0 => part.split_whitespace().map(str::to_owned).collect(),
+                _ => vec![part.to_owned()],
+            })
+            .collect();
+        let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
+        if args[0] == "check" {
+            let open = desk.run(&args);
+            assert_eq!(open.code, Some(2), "{open:?}");
+            assert_eq!(open.out.lines().count(), 10, "{open:?}");
+            assert!(open.err.contains("unknown values"), "{open:?}");
+            desk.put("pump.toml", filled(&desk.read("pump.toml")));
+        }
+        if args[0] == "fit" {
+            args.extend(["--turns", "16"]);
+        }
+        if args[0] == "replay" {
+            let outcome: Value = desk.run(&[&args[..], &["--format", "json"]].concat()).json();
+            let first = &list(&outcome, "findings")[0];
+            assert_eq!((first["kind"].as_str(), first["bearing"].as_str()), (Some("outer-race"), Some("DE")));
+            assert!(desk.files().contains(&"ballrace-report.html".to_owned()));
+        } else {
+            desk.done(&args);
+        }
+    }
+    // The clearance of the catalogue is 12.5 um, that of the machine 10 um.
+    let fitted = desk.read("pump-fitted.toml");
+    let clearance = fitted.lines().find_map(|line| line.trim().strip_prefix("diametral_clearance = \"")).unwrap();
+    let clearance: f64 = clearance.split(' ').next().unwrap().parse().unwrap();
+    assert!((clearance - 10.0).abs() < 1.5, "{clearance}");
+}
+
+#[test]
+fn a_catalogue_bearing_is_the_bearing_of_its_numbers() {
+    let desk = Desk::empty();
+    let own = "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"DE\"\nstation = \"0 mm\"\n";
+    desk.put("listed.toml", format!("{own}bearing = \"6205\"\ndiametral_clearance = \"10 um\"\n"));
+    let numbers = "model = \"angular\"\nelements = 9\nball_diameter = \"7.9375 mm\"\npitch_diameter = \"39.04 mm\"\n\
+                   inner_conformity = 0.52\nouter_conformity = 0.52\ndiametral_clearance = \"10 um\"\n";
+    desk.put("numbers.toml", format!("{own}{numbers}"));
+    desk.put("F.csv", "u,v,w,thu,thv\n8e-6,-2e-6,3e-5,1e-4,0\n");
+    let force = |scene| desk.done(&["force", scene, "--displacements", "F.csv", "--format", "csv"]).out;
+    assert_eq!(force("listed.toml"), force("numbers.toml"));
+    desk.put("wrong.toml", format!("{own}bearing = \"6399\"\n"));
+    desk.refused(&["check", "wrong.toml"], 2, &["wrong.toml:6: bearing[0].bearing", "6399", "ballrace new --list"]);
+    // A value that does not fit the rest of the bearing names the key at the line of the designation.
+    desk.put("small.toml", format!("{own}bearing = \"6205\"\nball_diameter = \"40 mm\"\n"));
+    desk.refused(&["check", "small.toml"], 2, &["small.toml:6: bearing[0].pitch_diameter", "above ball_diameter"]);
+}
+
+/// The clearance of the catalogue is 2.5 um off: no load is made of that, and a spall is found all the same.
+#[test]
+fn an_estimated_clearance_is_no_load() {
+    let desk = drafted(DEMO_RECORDING);
+    desk.put("pump.toml", filled(&desk.read("pump.toml")));
+    desk.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
+    let sound = desk.replay("pump.toml", &[]);
+    assert!(list(&sound, "findings").iter().all(|finding| finding["kind"] != "load" && finding["kind"] != "clearance"));
+    let notes = list(&sound, "notes");
+    let is_explained =
+        |note: &Value| note.as_str().unwrap().contains("the clearance of DE and NDE is that of the catalogue");
+    assert!(notes.iter().any(is_explained), "{notes:#?}");
+    desk.done(&["replay", "pump.toml", "--learn", "sound.json"]);
+    let faulty = desk.replay("pump.toml", &["--recording", "today.csv", "--baseline", "sound.json"]);
+    assert_eq!(list(&faulty, "findings")[0]["kind"].as_str(), Some("outer-race"), "{faulty:#}");
+}
+
+#[test]
+fn rollers_of_the_catalogue() {
+    let desk = Desk::empty();
+    let machine = swap(DEMO_SCENE, "[recording]", "#");
+    let machine = machine.split("[[bearing]]").next().unwrap().to_owned();
+    let bearing = |name, station, designation: &str| {
+        format!("[[bearing]]\nname = \"{name}\"\nstation = \"{station} mm\"\nbearing = \"{designation}\"\n")
+    };
+    desk.put("m.toml", machine + &bearing("DE", -100, "6205") + &bearing("NDE", 100, "NU205"));
+    let settled: Value = desk.done(&["equilibrium", "m.toml", "--format", "json"]).json();
+    assert!(number(&settled, "/residual") < 1e-9, "{settled:#}");
+    let checked: Value = desk.done(&["check", "m.toml", "--format", "json"]).json();
+    assert_eq!(checked["bearings"][1]["designation"].as_str(), Some("NU205"));
+}
+
+#[test]
+fn the_list_of_the_catalogue() {
+    let desk = Desk::empty();
+    let text = desk.done(&["new", "--list"]).out;
+    assert!(text.lines().any(|line| line.starts_with("6309 ")), "{text}");
+    let rows: Value = desk.done(&["new", "--list", "--format", "json"]).json();
+    let six = rows.as_array().unwrap().iter().find(|row| row["designation"] == "6205").unwrap();
+    assert!((number(six, "/outer_race_order") - 3.585).abs() < 0.002);
+    let csv = desk.done(&["new", "--list", "--format", "csv"]).out;
+    assert_eq!(csv.lines().count(), rows.as_array().unwrap().len() + 1);
+}
+
+#[test]
+fn wrong_options_of_new() {
+    let desk = Desk::empty();
+    desk.refused(&["new"], 2, &["--bearing", "6309"]);
+    desk.refused(&["new", "--bearing", "62x9"], 2, &["62x9", "ballrace new --list"]);
+    desk.refused(&["new", "--bearing", "6205", "--speed", "50 Hz"], 2, &["--speed"]);
+    desk.refused(&["new", "--bearing", "6205", "--set", "mass"], 2, &["--set", "KEY=VALUE"]);
+    desk.refused(&["new", "--bearing", "6205", "--set", "rotors.mass=3"], 2, &["--set", "rotors.mass"]);
+    desk.refused(&["new", "--bearing", "6205", "--recording", "none.csv"], 1, &["none.csv"]);
+    desk.put("old.toml", "mine");
+    desk.refused(&["new", "--bearing", "6205", "-o", "old.toml"], 2, &["old.toml", "exists"]);
+    assert_eq!(desk.read("old.toml"), "mine");
+    let text = desk.done(&["new", "--bearing", "6205", "--set", "rotor.mass=6 kg"]).out;
+    assert!(text.contains("mass = \"6 kg\""), "{text}");
+}
+
+/// The columns of the demonstration's first turns with each cell changed.
+fn changed(change: impl Fn(usize, usize, f64) -> f64) -> String {
+    let text = short_recording(16 * TURN);
+    let (header, rows) = numbers(&text);
+    let line = |(i, row): (usize, &Vec<f64>)| {
+        let cells: Vec<String> = row.iter().enumerate().map(|(k, x)| change(i, k, *x).to_string()).collect();
+        cells.join(",") + "\n"
+    };
+    header.join(",") + "\n" + &rows.iter().enumerate().map(line).collect::<String>()
+}
+
+/// Checks the demonstration's scene after changes of its text, with a recording; returns the implausibilities.
+fn found(swaps: &[(&str, &str)], recording: &str) -> Vec<[String; 4]> {
+    let scene = swaps.iter().fold(DEMO_SCENE.to_owned(), |text, (from, to)| swap(&text, from, to));
+    let desk = Desk::with(&scene, recording);
+    let answer = desk.run(&["check", "scene.toml", "--format", "json"]);
+    let checked: Value = answer.json();
+    let found = list(&checked, "implausible");
+    assert_eq!(answer.code, Some(if found.is_empty() { 0 } else { 4 }), "{answer:?}");
+    let text = |one: &Value, key: &str| one[key].as_str().unwrap().to_owned();
+    found.iter().map(|one| ["subject", "found", "cause", "remedy"].map(|key| text(one, key))).collect()
+}
+
+#[test]
+fn the_demonstration_is_plausible() {
+    assert_eq!(found(&[], DEMO_RECORDING), Vec::<[String; 4]>::new());
+    let drafted = drafted(&short_recording(16 * TURN));
+    drafted.put("pump.toml", filled(&drafted.read("pump.toml")));
+    let text = drafted.done(&["check", "pump.toml", "--svg", "pump.svg"]).out;
+    assert!(
+        text.contains("[X]") && text.contains("DE_X_um 0°") && text.contains("Nothing implausible found"),
+        "{text}"
+    );
+    assert!(drafted.read("pump.svg").starts_with("<svg"));
+}
+
+/// One wrong input each, with a part of its probable cause or remedy.
+#[test]
+fn wrong_inputs_and_their_causes() {
+    let plain = short_recording(16 * TURN);
+    let probes = |factor: f64| changed(move |_, k, x| if (1..6).contains(&k) { factor * x } else { x });
+    let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
+    let speed_in = |unit: &str| format!("speed = {{ column = \"keyphasor\", unit = \"{unit}\" }}");
+    let constant = |value: f64| changed(move |_, k, x| if k == 6 { value } else { x });
+    let exchanged = "\"DE_Y_um\", unit = \"um\", station = \"-120 mm\", angle = \"90 deg\"";
+    let other_way = exchanged.replace("90 deg", "-90 deg");
+    let (nde, nde_other) = (
+        exchanged.replace("\"DE_Y", "\"NDE_Y").replace("-120", "120"),
+        other_way.replace("\"DE_Y", "\"NDE_Y").replace("-120", "120"),
+    );
+    /// Name, changes of the scene, recording, part of cause or remedy.
+    type Case<'a> = (&'a str, &'a [(&'a str, &'a str)], String, &'a str);
+    let cases: [Case; 11] = [
+        ("marks on the shaft", &[("3000 rpm", "1500 rpm")], plain.clone(), "pulses_per_turn = 2"),
+        ("another speed", &[("3000 rpm", "1100 rpm")], plain.clone(), "[shaft] speed"),
+        ("rev/s for rpm", &[(keyphasor, &speed_in("rev/s"))], constant(3000.0), "rev/s and rpm"),
+        ("rad/s for rpm", &[(keyphasor, &speed_in("rad/s"))], constant(3000.0), "rad/s and rpm"),
+        ("mm for um", &[], probes(0.001), "possible in mm"),
+        ("nm for um", &[], probes(1000.0), "possible in nm"),
+        ("mil for um", &[], probes(100.0 / 2.54), "check the unit"),
+        ("an offset", &[], changed(|_, k, x| if k == 1 { x + 900.0 } else { x }), "offset = \"900"),
+        (
+            "one direction",
+            &[(exchanged, &exchanged.replace("90", "0")), (&nde, &nde.replace("90", "0"))],
+            plain.clone(),
+            "gives",
+        ),
+        ("other way", &[(exchanged, &other_way), (&nde, &nde_other)], plain.clone(), "columns of X and Y exchanged"),
+        (
+            "one plane",
+            &[],
+            changed(|_, k, x| if k == 3 || k == 4 { 0.001 * x } else { x }),
+            "unit or sensitivity of one plane",
+        ),
+    ];
+    for (name, swaps, recording, part) in cases {
+        let found = found(swaps, &recording);
+        let all = found.iter().flatten().cloned().collect::<Vec<_>>().join("; ");
+        assert!(!found.is_empty(), "{name}: nothing found");
+        assert!(all.contains(part) || name == "one direction" && all.contains("same direction"), "{name}: {all}");
+    }
+}
+
+#[test]
+fn a_dead_keyphasor_and_a_slow_recorder() {
+    let dead = changed(|i, k, x| if k == 6 && i > 2 * TURN { 0.0 } else { x });
+    let found_dead = found(&[], &dead);
+    assert!(found_dead.is_empty() || found_dead[0][0] == "shaft angle", "{found_dead:?}");
+    let none = changed(|_, k, x| if k == 6 { 0.0 } else { x });
+    assert!(found(&[], &none)[0][2].contains("dead keyphasor"), "{:?}", found(&[], &none));
+    let slow =
+        found(&[("rate = \"12.8 kHz\"", "rate = \"128 Hz\""), ("3000 rpm", "30 rpm")], &short_recording(16 * TURN));
+    assert!(slow.iter().all(|one| one[0] != "recording.rate"), "30 rpm needs 7 Hz: {slow:?}");
+}
