@@ -354,17 +354,17 @@ typedef struct ballrace_invalid_parameter {
      */
     const char *name;
     /**
-     * Allowed range.
+     * Expected range.
      */
-    const char *allowed;
+    const char *expected;
     /**
      * Length of the name.
      */
     uint32_t name_length;
     /**
-     * Length of the allowed range.
+     * Length of the expected range.
      */
-    uint32_t allowed_length;
+    uint32_t expected_length;
     /**
      * Value found.
      */
