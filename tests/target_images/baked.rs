@@ -3,7 +3,7 @@ use ballrace::{BearingKinematicState, Displacement, Phase};
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
-mod bearings;
+pub mod bearings;
 #[path = "../target/baked/src/flexible.rs"]
 #[rustfmt::skip]
 mod flexible;

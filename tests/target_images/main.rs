@@ -4,7 +4,11 @@
 
 mod baked;
 mod bits;
+mod c_interface;
 mod counts;
+/// Inputs of the counting images.
+#[path = "../target/counts/src/inputs.rs"]
+mod counts_inputs;
 mod deny;
 mod firmware;
 mod isr;

@@ -1,0 +1,50 @@
+#![doc = include_str!("../README.md")]
+#![cfg_attr(not(feature = "std"), no_std)]
+// The functions take pointers from C.
+#![allow(unsafe_code)]
+// A header of C needs names of C.
+#![allow(non_upper_case_globals)]
+
+mod angular;
+mod bearing;
+mod force_tracker;
+mod geometry;
+mod indicators;
+mod last_valid;
+mod linear;
+mod lumped;
+mod model;
+mod observer;
+mod observer_models;
+mod order;
+#[cfg(not(feature = "std"))]
+mod panic;
+mod phase;
+mod pointer;
+mod rotor;
+mod size;
+mod state;
+mod status;
+mod tabulated;
+
+pub use angular::*;
+pub use bearing::*;
+pub use force_tracker::*;
+pub use geometry::*;
+pub use indicators::*;
+pub use last_valid::*;
+pub use linear::*;
+pub use lumped::*;
+pub use observer::*;
+pub use observer_models::*;
+pub use order::*;
+pub use phase::*;
+pub use rotor::*;
+pub use size::*;
+pub use status::*;
+pub use tabulated::*;
+
+/// Version of the structs in the header.
+///
+/// The states of the library store it: a state of another version is rejected with `BALLRACE_STATE_INVALID`.
+pub const ABI_VERSION: u32 = 1;
