@@ -4,6 +4,7 @@
 
 use ballrace::bearing::angular::Angular;
 use ballrace::bearing::batch::radial_batch;
+use ballrace::bearing::checksum::ChecksumRange;
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};

@@ -1,0 +1,117 @@
+//! Displacements and speeds of a bearing's checksum.
+
+use super::accuracy::BakedModel;
+use crate::handle::ForceModel;
+use crate::scene::{Bearing, Model, Scene, build};
+use ballrace::bearing::LastValidWrench;
+use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
+use ballrace::{Displacement, Status};
+
+/// Factors of the amplitude that are tried, the preferred one first.
+const FACTORS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 5.0, 0.5];
+/// Share of the samples that have contact, and share that have none, in a good range.
+const WANTED: u32 = CHECKSUM_SAMPLES as u32 / 32;
+/// Largest number of samples outside the table in a good range.
+const MOST_OUTSIDE: u32 = CHECKSUM_SAMPLES as u32 / 8;
+/// Relative speeds about a constant one: inside a table's default range.
+const SPEEDS: [f64; 2] = [0.9, 1.1];
+/// Elastic approach over ball diameter, for a scene without poses.
+const RELATIVE_APPROACH: f64 = 5e-4;
+/// Approach, m, and radius of the elements' circle, m, of a bearing without geometry.
+const SMALL: f64 = 10e-6;
+const RADIUS: f64 = 20e-3;
+
+/// Number of samples of a checksum with a property.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Coverage {
+    /// Samples without contact.
+    pub contact_lost: u32,
+    /// Samples with an element outside the table.
+    pub out_of_table: u32,
+}
+
+/// Returns the range of a bearing's checksum: about the total displacements `totals` of its poses, wide enough that contact
+/// is made and lost, as far as the model loses it.
+#[must_use]
+pub fn range(
+    (scene, of): (&Scene, &Bearing),
+    baked: &BakedModel,
+    totals: Option<&[Displacement<f64>]>,
+) -> (ChecksumRange, Coverage) {
+    let (centre, amplitude) = totals.map_or_else(|| about_offset(of, &baked.offset), |totals| hull(of, totals));
+    let with = |factor: f64| ChecksumRange {
+        centre: Displacement::from_array(centre.map(three_digits)),
+        amplitude: Displacement::from_array(amplitude.map(|x| three_digits(factor * x))),
+        inner_speed: speeds(scene.shaft.speed.range()),
+        outer_speed: [three_digits(scene.shaft.outer_speed), 0.0],
+    };
+    let tried = FACTORS.map(|factor| {
+        let range = with(factor);
+        (range, coverage(baked, &range))
+    });
+    let is_good = |coverage: &Coverage| {
+        let made = u32::from(CHECKSUM_SAMPLES) - coverage.contact_lost;
+        coverage.out_of_table <= MOST_OUTSIDE && made.min(coverage.contact_lost) >= WANTED
+    };
+    let [first, ..] = tried;
+    // Springs and preloaded elements never lose contact.
+    tried.into_iter().find(|(_, coverage)| baked.model != Model::Linear && is_good(coverage)).unwrap_or(first)
+}
+
+/// Returns centre and half the extent of the poses and of the displacement 0, with a margin.
+fn hull(of: &Bearing, totals: &[Displacement<f64>]) -> ([f64; 5], [f64; 5]) {
+    let (mut low, mut high) = ([0.0_f64; 5], [0.0_f64; 5]);
+    for u in totals.iter().filter(|u| u.is_finite()) {
+        for ((low, high), x) in low.iter_mut().zip(&mut high).zip(u.to_array()) {
+            *low = low.min(x);
+            *high = high.max(x);
+        }
+    }
+    let pairs = || low.iter().zip(&high);
+    let centre: Vec<f64> = pairs().map(|(low, high)| 0.5 * (low + high)).collect();
+    let mut amplitude: Vec<f64> = pairs().map(|(low, high)| 0.55 * (high - low)).collect();
+    let along = amplitude.iter().take(3).copied().fold(0.0, f64::max).max(1e-9);
+    let tilt = along / radius(of);
+    for (x, least) in amplitude.iter_mut().zip([along, along, along, tilt, tilt]) {
+        *x = x.max(0.1 * least);
+    }
+    let array = |v: &[f64]| std::array::from_fn(|i| v.get(i).copied().unwrap_or_default());
+    (array(&centre), array(&amplitude))
+}
+
+/// Returns centre and amplitudes about the displacement by preload, for a scene without poses.
+fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> ([f64; 5], [f64; 5]) {
+    let play = build::law(of).map_or(0.0, |(_, _, play)| play.abs());
+    let elastic = of.geometry.map_or(SMALL, |g| RELATIVE_APPROACH * g.ball_diameter);
+    let approach = of.table.and_then(|table| table.approach).map_or(elastic, |[_, most]| 0.4 * most);
+    let along = approach + 0.5 * play;
+    let tilt = 0.3 * along / radius(of);
+    (offset.to_array(), [along, along, along, tilt, tilt])
+}
+
+fn radius(of: &Bearing) -> f64 {
+    of.geometry.map_or(RADIUS, |g| 0.5 * g.pitch_diameter)
+}
+
+/// Returns the speed of the first sample and its increment.
+fn speeds((low, high): (f64, f64)) -> [f32; 2] {
+    let [first, last] = if low == high { SPEEDS.map(|part| part * low) } else { [low, high] };
+    [three_digits(first), three_digits((last - first) / f64::from(CHECKSUM_SAMPLES))]
+}
+
+/// Returns the number rounded to three digits, the same on every desktop.
+fn three_digits(x: f64) -> f32 {
+    format!("{x:.2e}").parse().unwrap_or(0.0)
+}
+
+/// Counts the samples of a range without contact and outside the table.
+fn coverage(baked: &BakedModel, range: &ChecksumRange) -> Coverage {
+    let mut coverage = Coverage::default();
+    let mut last_valid = LastValidWrench::new();
+    for (u, at) in range.samples() {
+        let (_, status) = baked.force.sample(&mut last_valid, &u, &at);
+        coverage.contact_lost += u32::from(status.contains(Status::CONTACT_LOST));
+        coverage.out_of_table += u32::from(status.contains(Status::OUT_OF_TABLE));
+    }
+    coverage
+}
