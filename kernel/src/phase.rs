@@ -15,6 +15,7 @@ use crate::scalar::Scalar;
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(transparent)]
 pub struct Phase(pub u64);
 
 /// 2^64, counts per revolution.
@@ -141,6 +142,18 @@ impl SpeedRatio {
     #[must_use]
     pub fn new(ratio: f64) -> Self {
         Self((ratio * (1_u64 << RATIO_DIGITS) as f64) as i64)
+    }
+
+    /// Creates the ratio from the integer that [`SpeedRatio::bits`] returned.
+    #[must_use]
+    pub const fn from_bits(bits: i64) -> Self {
+        Self(bits)
+    }
+
+    /// Returns the ratio as an integer, a multiple of 2^-56.
+    #[must_use]
+    pub const fn bits(self) -> i64 {
+        self.0
     }
 
     /// Returns `ratio * delta`, wrapped beyond half a revolution.

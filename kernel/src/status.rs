@@ -30,6 +30,13 @@ impl Status {
         self.0
     }
 
+    /// Creates the set from bits, such as those that [`Status::bits`] returned.
+    #[must_use]
+    #[inline]
+    pub const fn from_bits(bits: u8) -> Self {
+        Self(bits)
+    }
+
     /// Returns the flags of both sets.
     #[must_use]
     #[inline]

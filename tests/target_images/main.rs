@@ -4,6 +4,7 @@
 
 mod baked;
 mod bits;
+mod c_interface;
 mod counts;
 mod deny;
 mod firmware;

@@ -6,6 +6,8 @@ use crate::scalar::Scalar;
 
 /// Position of one element in the cage frame: its azimuth with the cage at angle 0, with cosine and sine.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+// The C interface reads positions from structs of C.
+#[repr(C)]
 pub struct ElementPosition<T> {
     pub(crate) cos: T,
     pub(crate) sin: T,

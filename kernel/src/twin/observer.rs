@@ -9,6 +9,8 @@ use crate::status::Status;
 
 /// Kalman gains at one shaft speed: change of the state per unit innovation of each probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
+// The C interface reads gains from arrays of C.
+#[repr(C)]
 pub struct SpeedGain<T, const D: usize, const P: usize> {
     /// Gains of the coordinates, per metre.
     pub position: [[T; D]; P],

@@ -28,7 +28,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     print(&found, args, format)?;
     match found.differences.len() {
         0 => Ok(()),
-        count => bail!("{}: {count} differences from the scene, expected none", args.file.display()),
+        count => bail!("{}: constants differ from the scene: {count} differences, expected none", args.file.display()),
     }
 }
 

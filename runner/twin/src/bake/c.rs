@@ -159,13 +159,13 @@ impl<'a> Writer<'a> {
         let upper = macro_name(name);
         writeln!(header, "\n// Bearing \"{title}\".\n")?;
         writeln!(header, "// Along Z from the rotor's centre of mass, m.")?;
-        writeln!(header, "#define {upper}_STATION {}", single(of.station as f32))?;
+        writeln!(header, "#define {upper}_STATION ({})", single(of.station as f32))?;
         if !self.elements.is_empty() {
             let kinematics = build::kinematics(scene, of)?;
             writeln!(header, "// Cage, ball and outer ring over shaft.")?;
-            writeln!(header, "#define {upper}_CAGE_RATIO {:?}", kinematics.cage_ratio)?;
-            writeln!(header, "#define {upper}_BALL_RATIO {:?}", kinematics.ball_ratio())?;
-            writeln!(header, "#define {upper}_OUTER_RATIO {:?}", kinematics.outer_ratio)?;
+            writeln!(header, "#define {upper}_CAGE_RATIO ({:?})", kinematics.cage_ratio)?;
+            writeln!(header, "#define {upper}_BALL_RATIO ({:?})", kinematics.ball_ratio())?;
+            writeln!(header, "#define {upper}_OUTER_RATIO ({:?})", kinematics.outer_ratio)?;
         }
         writeln!(header, "// Checksum of 1024 forces, computed on the desktop.")?;
         writeln!(header, "#define {upper}_CHECKSUM UINT64_C({:#018x})\n", self.part.certificate.checksum)?;

@@ -1,0 +1,117 @@
+//! The last valid force of a stream of samples.
+
+use crate::bearing::{Bearing, KinematicState};
+use crate::pointer::{self, check_bearing, check_pointers};
+use crate::state::{self, Opaque};
+use crate::status;
+use ballrace::bearing::LastValidWrench;
+
+/// Last valid force and number of samples answered with it. Opaque: `ballrace_last_valid_init` writes it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct LastValid {
+    /// Private.
+    pub words: [u64; 4],
+}
+
+// SAFETY: `write` asserts that the value fits.
+unsafe impl Opaque for LastValid {
+    type Value = LastValidWrench<f32>;
+    const KIND: u32 = 1;
+}
+
+/// Initialises the state before the first sample; an invalid first sample gives the zero force.
+///
+/// # Safety
+/// `last_valid` points to a struct.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_last_valid_init(last_valid: *mut LastValid) -> u32 {
+    check_pointers!(last_valid);
+    // SAFETY: by the contract of the function.
+    unsafe { state::write(last_valid, LastValidWrench::new()) };
+    status::OK
+}
+
+/// Returns the number of samples answered with an earlier force (saturating); 0 for a state that is not initialised.
+///
+/// # Safety
+/// `last_valid` points to a struct.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_held_count(last_valid: *const LastValid) -> u32 {
+    // SAFETY: by the contract of the function.
+    unsafe { state::read(last_valid) }.map_or(0, LastValidWrench::held_count)
+}
+
+/// Computes the force for one sample of a stream.
+///
+/// As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and answered with the last
+/// valid force. Same number of instructions for every sample. For an interrupt: one state per stream.
+///
+/// # Safety
+/// As `ballrace_force`; `last_valid` points to an initialised state that no other thread or interrupt uses.
+///
+/// cbindgen:ptrs-as-arrays=[[displacement; 5], [wrench; 5]]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_sample(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    cage_phase: u64,
+    wrench: *mut f32,
+) -> u32 {
+    check_bearing!(bearing, last_valid, displacement, wrench);
+    // SAFETY: by the contract of the function.
+    unsafe {
+        let Some(last_valid) = state::get(last_valid) else { return status::STATE_INVALID };
+        hold(last_valid, displacement, wrench, |force| {
+            ((*(*bearing).model).force)(bearing, displacement, cage_phase, force)
+        })
+    }
+}
+
+/// As `ballrace_sample` for components at these angles and speeds.
+///
+/// # Safety
+/// As `ballrace_sample`; `state` points to a state.
+///
+/// cbindgen:ptrs-as-arrays=[[displacement; 5], [wrench; 5]]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_sample_at(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    check_bearing!(bearing, last_valid, displacement, state, wrench);
+    // SAFETY: by the contract of the function.
+    unsafe {
+        let Some(last_valid) = state::get(last_valid) else { return status::STATE_INVALID };
+        hold(last_valid, displacement, wrench, |force| {
+            ((*(*bearing).model).force_at)(bearing, displacement, state, force)
+        })
+    }
+}
+
+/// Writes the new or the last valid force; returns the status bits.
+///
+/// # Safety
+/// `displacement` and `wrench` point to five floats.
+#[inline(always)]
+unsafe fn hold(
+    last_valid: &mut LastValidWrench<f32>,
+    displacement: *const f32,
+    wrench: *mut f32,
+    evaluate: impl FnOnce(*mut f32) -> u32,
+) -> u32 {
+    // SAFETY: by the contract of the function.
+    let input_ok = unsafe { pointer::displacement(displacement) }.is_finite();
+    let (held, status) = last_valid.update(input_ok, || {
+        let mut force = [0.0; 5];
+        let bits = evaluate(force.as_mut_ptr());
+        status::to_reaction(force, bits)
+    });
+    // SAFETY: by the contract of the function.
+    unsafe { pointer::write_wrench(wrench, &held) };
+    u32::from(status.bits())
+}

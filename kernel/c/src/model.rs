@@ -1,0 +1,260 @@
+//! Functions of a model, generic over its constants.
+
+use crate::bearing::{Bearing, KinematicState, Model};
+use crate::{pointer, status};
+use ballrace::bearing::{Bearing as _, ElementPosition};
+use ballrace::frame::mirrored_stiffness;
+use ballrace::{BearingKinematicState, Phase, Stiffness, Wrench};
+
+/// A struct of C with the constants of a model.
+///
+/// # Safety
+/// The type is `repr(C)`, and its first member is a [`Bearing`].
+pub unsafe trait Constants: 'static {
+    /// Bearing of the kernel with these constants.
+    type Bearing<'a>: ballrace::Bearing<f32>;
+
+    /// True if the force depends on angles or speeds beside the cage angle.
+    const USES_SPEED: bool = false;
+
+    /// Returns the bearing of the kernel.
+    ///
+    /// # Safety
+    /// The pointers in the struct are valid.
+    unsafe fn bearing(&self) -> Self::Bearing<'_>;
+}
+
+impl Bearing {
+    /// Returns the positions of the elements.
+    ///
+    /// # Safety
+    /// The pointers in the struct are valid.
+    #[inline(always)]
+    pub unsafe fn positions(&self) -> &[ElementPosition<f32>] {
+        // SAFETY: an `Element` has the layout of an `ElementPosition<f32>`.
+        unsafe { pointer::slice(self.elements.cast(), self.element_count) }
+    }
+}
+
+impl Model {
+    /// Returns the functions of a model.
+    pub const fn of<C: Constants>() -> Self {
+        Self {
+            force: force::<C>,
+            force_at: force_at::<C>,
+            force_and_stiffness: force_and_stiffness::<C>,
+            element_loads: element_loads::<C>,
+        }
+    }
+
+    /// Returns the functions of a model for bearings that carry thrust towards -Z: the model in the frame rotated by pi
+    /// about X.
+    pub const fn mirrored<C: Constants>() -> Self {
+        Self {
+            force: mirrored_force::<C>,
+            force_at: mirrored_force_at::<C>,
+            force_and_stiffness: mirrored_force_and_stiffness::<C>,
+            element_loads: mirrored_element_loads::<C>,
+        }
+    }
+}
+
+/// Returns the bearing of the kernel.
+///
+/// # Safety
+/// `bearing` is the head of a `C` with valid pointers.
+#[inline(always)]
+unsafe fn bearing_of<'a, C: Constants>(bearing: *const Bearing) -> C::Bearing<'a> {
+    // SAFETY: a pointer to the first member of a `repr(C)` struct points to the struct.
+    unsafe { (*bearing.cast::<C>()).bearing() }
+}
+
+/// Computes and writes the force.
+///
+/// # Safety
+/// As `ballrace_force`, with the head of a `C`.
+#[inline(always)]
+unsafe fn evaluate<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    at: &BearingKinematicState<f32>,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the pointers are valid by the contract of the function.
+    unsafe {
+        let reaction = bearing_of::<C>(bearing).reaction(&pointer::displacement(displacement), at);
+        pointer::write_wrench(wrench, &reaction.wrench);
+        status::of_reaction(&reaction)
+    }
+}
+
+// Never inlined: the mirrored model shares the code.
+#[inline(never)]
+unsafe extern "C" fn force<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    cage_phase: u64,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force`.
+    unsafe {
+        if C::USES_SPEED {
+            let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
+            return force_at::<C>(bearing, displacement, &raw const state, wrench);
+        }
+        evaluate::<C>(bearing, displacement, &Phase(cage_phase).into(), wrench)
+    }
+}
+
+#[inline(never)]
+unsafe extern "C" fn force_at<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force_at`.
+    unsafe {
+        if C::USES_SPEED {
+            return evaluate::<C>(bearing, displacement, &(&*state).into(), wrench);
+        }
+        force::<C>(bearing, displacement, (*state).cage, wrench)
+    }
+}
+
+#[inline(never)]
+unsafe extern "C" fn force_and_stiffness<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+    stiffness: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force_and_stiffness`.
+    unsafe {
+        let at = (&*state).into();
+        let (reaction, k) = bearing_of::<C>(bearing).reaction_and_stiffness(&pointer::displacement(displacement), &at);
+        pointer::write_wrench(wrench, &reaction.wrench);
+        write_stiffness(stiffness, &k);
+        status::of_reaction(&reaction)
+    }
+}
+
+#[inline(never)]
+unsafe extern "C" fn element_loads<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    loads: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_element_loads`.
+    unsafe {
+        let count = (*bearing).element_count as usize;
+        let loads: &mut [f32] = if count == 0 { &mut [] } else { core::slice::from_raw_parts_mut(loads, count) };
+        bearing_of::<C>(bearing).element_loads(&pointer::displacement(displacement), &(&*state).into(), loads);
+    }
+    status::OK
+}
+
+/// Writes a stiffness row by row.
+///
+/// # Safety
+/// `entries` points to 25 floats.
+#[inline(always)]
+unsafe fn write_stiffness(entries: *mut f32, k: &Stiffness<f32>) {
+    // The columns of the transpose are the rows.
+    let rows: [[f32; 5]; 5] = k.transpose().data.0;
+    // SAFETY: 25 floats by the contract of the function.
+    unsafe { *entries.cast::<[[f32; 5]; 5]>() = rows };
+}
+
+/// Reads a stiffness row by row.
+#[inline(always)]
+pub fn stiffness_of(rows: &[f32; 25]) -> Stiffness<f32> {
+    Stiffness::from_row_slice(rows)
+}
+
+/// Rotates a wrench in place by pi about X.
+///
+/// # Safety
+/// `entries` points to five floats.
+#[inline(always)]
+unsafe fn mirror(entries: *mut f32) {
+    // SAFETY: five floats by the contract of the function.
+    unsafe {
+        let local = Wrench::from_array(*entries.cast::<[f32; 5]>());
+        pointer::write_wrench(entries, &local.mirrored());
+    }
+}
+
+/// Returns the state in the frame rotated by pi about X.
+///
+/// # Safety
+/// `state` points to a state.
+#[inline(always)]
+unsafe fn reversed(state: *const KinematicState) -> KinematicState {
+    // SAFETY: by the contract of the function.
+    let state: BearingKinematicState<f32> = unsafe { (&*state).into() };
+    KinematicState::from(&state.reversed())
+}
+
+unsafe extern "C" fn mirrored_force<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    cage_phase: u64,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force`.
+    unsafe {
+        let u = pointer::displacement(displacement).mirrored().to_array();
+        let status = force::<C>(bearing, u.as_ptr(), cage_phase.wrapping_neg(), wrench);
+        mirror(wrench);
+        status
+    }
+}
+
+unsafe extern "C" fn mirrored_force_at<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force_at`.
+    unsafe {
+        let (u, at) = (pointer::displacement(displacement).mirrored().to_array(), reversed(state));
+        let status = force_at::<C>(bearing, u.as_ptr(), &raw const at, wrench);
+        mirror(wrench);
+        status
+    }
+}
+
+unsafe extern "C" fn mirrored_force_and_stiffness<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+    stiffness: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force_and_stiffness`.
+    unsafe {
+        let (u, at) = (pointer::displacement(displacement).mirrored().to_array(), reversed(state));
+        let status = force_and_stiffness::<C>(bearing, u.as_ptr(), &raw const at, wrench, stiffness);
+        mirror(wrench);
+        let local = stiffness_of(&*stiffness.cast::<[f32; 25]>());
+        write_stiffness(stiffness, &mirrored_stiffness(&local));
+        status
+    }
+}
+
+unsafe extern "C" fn mirrored_element_loads<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    loads: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_element_loads`.
+    unsafe {
+        let (u, at) = (pointer::displacement(displacement).mirrored().to_array(), reversed(state));
+        element_loads::<C>(bearing, u.as_ptr(), &raw const at, loads)
+    }
+}

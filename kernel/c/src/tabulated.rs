@@ -1,0 +1,118 @@
+//! Model `tabulated`: the quasi-static model from a table of spline coefficients.
+
+use crate::bearing::{Bearing, Model};
+use crate::model::Constants;
+use crate::pointer;
+use ballrace::Exact;
+use ballrace::bearing::ElementPosition;
+use ballrace::bearing::quasi_static::TableConstants;
+use ballrace::bearing::tabulated::{Grid, Node, Table};
+
+/// One coordinate of the grid of a table.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axis {
+    /// Number of nodes.
+    pub count: u32,
+    /// Coordinate of node 0.
+    pub origin: f32,
+    /// Nodes per unit.
+    pub density: f32,
+    /// Least coordinate of the domain.
+    pub least: f32,
+    /// Greatest coordinate of the domain.
+    pub greatest: f32,
+}
+
+/// A ball bearing with interpolated ball forces. `ballrace bake --language c` writes it.
+///
+/// Models: `ballrace_tabulated_model` (two numbers per node), `ballrace_tabulated_friction_model` (three numbers per node,
+/// with friction at the inner race), each also `mirrored` for a bearing that carries thrust towards -Z.
+///
+/// A table over several speeds needs `ballrace_force_at`: `ballrace_force` evaluates it at speed 0 and reports
+/// `BALLRACE_OUT_OF_TABLE`, unless the domain contains 0.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct Tabulated {
+    /// Head.
+    pub head: Bearing,
+    /// Lever of the friction couple divided by the lever arm.
+    pub couple: f32,
+    /// A, distance of the groove centres with the rings just touching the balls, m.
+    pub distance: f32,
+    /// Cosine of the angle of the line of groove centres with the rings just touching the ball.
+    pub axis_cos: f32,
+    /// Sine of that angle.
+    pub axis_sin: f32,
+    /// Radial displacement of the inner groove centres at zero displacement, m.
+    pub offset: f32,
+    /// R_i, lever arm, m.
+    pub arm: f32,
+    /// Axis of the signed square root of the approach, sqrt(m); varies fastest.
+    pub approach: Axis,
+    /// Axis of the sine of the angle of the line of groove centres.
+    pub angle: Axis,
+    /// Axis of the speed, rad/s; varies slowest.
+    pub speed: Axis,
+    /// 1 if the table is over the speed of the outer ring, 0 for the inner ring.
+    pub by_outer_speed: u32,
+    /// Number of nodes: the product of the counts of the axes.
+    pub node_count: u32,
+    /// Nodes, each of two or three numbers: half the load in N, sine of the angle from the line of groove centres to the
+    /// contact, and, in a model with friction, the friction at the inner race in N.
+    pub nodes: *const f32,
+}
+
+impl From<&Axis> for ballrace::bearing::tabulated::Axis<f32> {
+    #[inline(always)]
+    fn from(axis: &Axis) -> Self {
+        let Axis { count, origin, density, least, greatest } = *axis;
+        Self { count: count as usize, origin, density, range: [least, greatest] }
+    }
+}
+
+/// Constants with `F` numbers per node.
+#[repr(transparent)]
+struct WithFields<const F: usize>(Tabulated);
+
+// SAFETY: `repr(transparent)` over a `repr(C)` struct with the head first.
+unsafe impl<const F: usize> Constants for WithFields<F> {
+    type Bearing<'a> =
+        ballrace::bearing::tabulated::Tabulated<f32, Exact, &'a [ElementPosition<f32>], &'a [Node<f32, F>], F>;
+
+    const USES_SPEED: bool = true;
+
+    #[inline(always)]
+    unsafe fn bearing(&self) -> Self::Bearing<'_> {
+        let of = &self.0;
+        // SAFETY: the pointers are valid by the contract of the function.
+        let (positions, nodes) =
+            unsafe { (of.head.positions(), pointer::slice(of.nodes.cast::<Node<f32, F>>(), of.node_count)) };
+        let constants = TableConstants {
+            couple: of.couple,
+            distance: of.distance,
+            axis: [of.axis_cos, of.axis_sin],
+            offset: of.offset,
+            arm: of.arm,
+        };
+        let grid = Grid { approach: (&of.approach).into(), angle: (&of.angle).into(), speed: (&of.speed).into() };
+        let by_outer = of.by_outer_speed != 0;
+        ballrace::bearing::tabulated::Tabulated::new(positions, constants, Table::new(grid, nodes), by_outer)
+    }
+}
+
+/// Model of `ballrace_tabulated` with two numbers per node.
+#[unsafe(no_mangle)]
+pub static ballrace_tabulated_model: Model = Model::of::<WithFields<2>>();
+
+/// As `ballrace_tabulated_model` for a bearing that carries thrust towards -Z.
+#[unsafe(no_mangle)]
+pub static ballrace_tabulated_mirrored_model: Model = Model::mirrored::<WithFields<2>>();
+
+/// Model of `ballrace_tabulated` with three numbers per node: with friction at the inner race.
+#[unsafe(no_mangle)]
+pub static ballrace_tabulated_friction_model: Model = Model::of::<WithFields<3>>();
+
+/// As `ballrace_tabulated_friction_model` for a bearing that carries thrust towards -Z.
+#[unsafe(no_mangle)]
+pub static ballrace_tabulated_friction_mirrored_model: Model = Model::mirrored::<WithFields<3>>();
