@@ -138,9 +138,12 @@ pub struct Accuracy {
     pub largest_load: f64,
     /// Largest error, N; moments divided by half the pitch diameter.
     pub error: f64,
+    /// True where the poses are the displacements of the checksum.
+    pub is_of_checksum: bool,
 }
 
-/// Computes the error of a bearing, number `i` of the scene, against the dearest model.
+/// Computes the error of a bearing, number `i` of the scene, against the dearest model; at the displacements of the checksum where
+/// no pose has a load.
 ///
 /// # Errors
 /// No model can be built from the scene.
@@ -150,18 +153,23 @@ pub fn accuracy(
     baked: &BakedModel,
     (poses, range): (Option<&Poses>, &ChecksumRange),
 ) -> Result<Accuracy> {
-    let (reference, exact, offset) = dearest(scene, text, i)?;
-    let of_range: Vec<Pose>;
-    let poses = if let Some(poses) = poses.and_then(|poses| poses.get(i)) {
-        poses.as_slice()
-    } else {
-        of_range = range.samples().map(|sample| pose_of_sample(&sample, &baked.offset)).collect();
-        &of_range
-    };
+    let reference = dearest(scene, text, i)?;
     let arm = scene.bearings.get(i).and_then(|of| of.geometry).map_or(0.0, |g| 0.5 * g.pitch_diameter);
+    if let Some(poses) = poses.and_then(|poses| poses.get(i)) {
+        let found = error_at(poses, baked, &reference, arm);
+        if found.largest_load > 0.0 {
+            return Ok(found);
+        }
+    }
+    let poses: Vec<Pose> = range.samples().map(|sample| pose_of_sample(&sample, &baked.offset)).collect();
+    Ok(Accuracy { is_of_checksum: true, ..error_at(&poses, baked, &reference, arm) })
+}
+
+/// Returns the largest error over the poses; `arm` converts moments to forces.
+fn error_at(poses: &[Pose], baked: &BakedModel, (name, exact, offset): &Reference, arm: f64) -> Accuracy {
     let (mut error, mut largest_load) = (0.0_f64, 0.0_f64);
     for pose in poses {
-        let right = ForceModel::reaction(&exact, &(pose.u + offset), &pose.at).wrench;
+        let right = ForceModel::reaction(exact, &(pose.u + *offset), &pose.at).wrench;
         let (u, at) = in_precision::<f32>(pose);
         let found = baked.force.reaction(&(u + rounded(&baked.offset)), &at).wrench;
         let found = Wrench::from_array(found.to_array().map(f64::from));
@@ -169,7 +177,7 @@ pub fn accuracy(
         let difference = apart(&found, &right, arm);
         error = if difference.is_nan() { f64::INFINITY } else { error.max(difference) };
     }
-    Ok(Accuracy { poses: poses.len(), reference, largest_load, error })
+    Accuracy { poses: poses.len(), reference: name.clone(), largest_load, error, is_of_checksum: false }
 }
 
 /// Returns the total displacement of every pose.
@@ -191,7 +199,7 @@ fn dearest(scene: &Scene, text: &str, i: usize) -> Result<Reference> {
 }
 
 fn reference(level: &FidelityLevel, scene: &Scene, text: &str, i: usize) -> Result<Reference> {
-    let edited = level.scene(text, &scene.path, scene)?;
+    let edited = level.scene_with_one(text, scene, i)?;
     let (name, bearing, offset) = own_model(&edited, i)?;
     Ok((if name == Model::Linear.name() { name } else { level.name.clone() }, bearing, offset))
 }

@@ -225,7 +225,7 @@ impl BearingCertificate {
             bearing: of.name.clone(),
             model: baked.model.name(),
             elements: of.elements,
-            poses_from,
+            poses_from: if found.is_of_checksum { PoseSource::Checksum } else { poses_from },
             poses: found.poses,
             reference: found.reference.clone(),
             largest_load: found.largest_load,
@@ -251,7 +251,7 @@ impl BearingCertificate {
         vec![
             ("bearing", self.bearing.clone()),
             ("model", format!("{}, {} elements", self.model, self.elements)),
-            ("poses", self.poses.to_string()),
+            ("poses", format!("{}, {}", self.poses, self.poses_from.name())),
             ("reference", format!("{}, f64", self.reference)),
             ("largest load", format!("{:.3e} N", self.largest_load)),
             ("largest error", format!("{:.1e} N", self.error)),

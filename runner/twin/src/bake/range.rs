@@ -38,28 +38,37 @@ pub fn range(
     baked: &BakedModel,
     totals: Option<&[Displacement<f64>]>,
 ) -> (ChecksumRange, Coverage) {
-    let (centre, amplitude) = totals.map_or_else(|| about_offset(of, &baked.offset), |totals| hull(of, totals));
-    let with = |factor: f64| ChecksumRange {
+    let without_poses = about_offset(of, &baked.offset);
+    let preferred = totals.map_or(without_poses, |totals| hull(of, totals));
+    let with = |((centre, amplitude), factor): (Extent, f64)| ChecksumRange {
         centre: Displacement::from_array(centre.map(three_digits)),
         amplitude: Displacement::from_array(amplitude.map(|x| three_digits(factor * x))),
         inner_speed: speeds(scene.shaft.speed.range()),
         outer_speed: [three_digits(scene.shaft.outer_speed), 0.0],
     };
-    let tried = FACTORS.map(|factor| {
-        let range = with(factor);
+    let extents = FACTORS.map(|factor| (preferred, factor)).into_iter();
+    let candidates = extents.chain(FACTORS.map(|factor| (without_poses, factor)));
+    let covered = |extent| {
+        let range = with(extent);
         (range, coverage(baked, &range))
-    });
+    };
+    let first = covered((preferred, 1.0));
+    // Springs never lose contact.
+    if baked.model == Model::Linear {
+        return first;
+    }
     let is_good = |coverage: &Coverage| {
         let made = u32::from(CHECKSUM_SAMPLES) - coverage.contact_lost;
         coverage.out_of_table <= MOST_OUTSIDE && made.min(coverage.contact_lost) >= WANTED
     };
-    let [first, ..] = tried;
-    // Springs and preloaded elements never lose contact.
-    tried.into_iter().find(|(_, coverage)| baked.model != Model::Linear && is_good(coverage)).unwrap_or(first)
+    candidates.map(covered).find(|(_, coverage)| is_good(coverage)).unwrap_or(first)
 }
 
+/// Centre and amplitude of a range.
+type Extent = ([f64; 5], [f64; 5]);
+
 /// Returns centre and half the extent of the poses and of the displacement 0, with a margin.
-fn hull(of: &Bearing, totals: &[Displacement<f64>]) -> ([f64; 5], [f64; 5]) {
+fn hull(of: &Bearing, totals: &[Displacement<f64>]) -> Extent {
     let (mut low, mut high) = ([0.0_f64; 5], [0.0_f64; 5]);
     for u in totals.iter().filter(|u| u.is_finite()) {
         for ((low, high), x) in low.iter_mut().zip(&mut high).zip(u.to_array()) {
@@ -80,7 +89,7 @@ fn hull(of: &Bearing, totals: &[Displacement<f64>]) -> ([f64; 5], [f64; 5]) {
 }
 
 /// Returns centre and amplitudes about the displacement by preload, for a scene without poses.
-fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> ([f64; 5], [f64; 5]) {
+fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> Extent {
     let play = build::law(of).map_or(0.0, |(_, _, play)| play.abs());
     let elastic = of.geometry.map_or(SMALL, |g| RELATIVE_APPROACH * g.ball_diameter);
     let approach = of.table.and_then(|table| table.approach).map_or(elastic, |[_, most]| 0.4 * most);
