@@ -19,6 +19,8 @@ use crate::scalar::Scalar;
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+// The C interface passes it by pointer.
+#[repr(C)]
 pub struct BearingKinematicState<T> {
     /// Angle of the cage.
     pub cage: Phase,

@@ -12,6 +12,8 @@
 #include <stdint.h>
 
 struct ballrace_bearing;
+struct ballrace_observer;
+struct ballrace_rotor;
 
 /**
  * Version of the structs in the header.
@@ -29,6 +31,66 @@ struct ballrace_bearing;
  * Zero displacement: the rings are concentric and centred axially. For deep-groove bearings.
  */
 #define BALLRACE_DATUM_CENTRED 1
+
+/**
+ * Largest number of orders of a force tracker.
+ */
+#define BALLRACE_MAX_FORCE_ORDERS 8
+
+/**
+ * Largest number of probes of an observer.
+ */
+#define BALLRACE_MAX_PROBES 8
+
+/**
+ * Alignment of all structs of the library, bytes.
+ */
+#define BALLRACE_ALIGNMENT 8
+
+/**
+ * Size of `ballrace_last_valid`, bytes.
+ */
+#define BALLRACE_LAST_VALID_SIZE 32
+
+/**
+ * Size of `ballrace_rotor`, bytes.
+ */
+#define BALLRACE_ROTOR_SIZE 488
+
+/**
+ * Size of `ballrace_rotor_state`, bytes.
+ */
+#define BALLRACE_ROTOR_STATE_SIZE 192
+
+/**
+ * Size of `ballrace_observer`, bytes.
+ */
+#define BALLRACE_OBSERVER_SIZE 696
+
+/**
+ * Size of `ballrace_observer_state`, bytes.
+ */
+#define BALLRACE_OBSERVER_STATE_SIZE 240
+
+/**
+ * Size of `ballrace_order_tracker`, bytes.
+ */
+#define BALLRACE_ORDER_TRACKER_SIZE 80
+
+/**
+ * Size of `ballrace_order_sums`, bytes.
+ */
+#define BALLRACE_ORDER_SUMS_SIZE 16
+
+/**
+ * Size of `ballrace_statistics`, bytes.
+ */
+#define BALLRACE_STATISTICS_SIZE 64
+
+/**
+ * Size of `ballrace_envelope`, bytes.
+ */
+#define BALLRACE_ENVELOPE_SIZE 88
 
 /**
  * No flag.
@@ -79,6 +141,11 @@ struct ballrace_bearing;
  * A parameter is outside its range, or a pointer is NULL. The call has no effect.
  */
 #define BALLRACE_INVALID_ARGUMENT 512
+
+/**
+ * A block is complete and its results are written.
+ */
+#define BALLRACE_BLOCK_COMPLETE 1024
 
 /**
  * Angles and speeds of the components of a bearing. Unused angles and speeds are 0.
@@ -320,6 +387,111 @@ typedef struct ballrace_checksum_range {
 } ballrace_checksum_range;
 
 /**
+ * One line of the full spectrum of a force in the frame of a component.
+ *
+ * At the angle `p` of its fundamental the line of order `k` is `F e^(i k p) + B e^(-i k p)`.
+ */
+typedef struct ballrace_force_line {
+    /**
+     * F, amplitude of forward precession, N: real and imaginary part.
+     */
+    float forward[2];
+    /**
+     * B, amplitude of backward precession, N: real and imaginary part.
+     */
+    float backward[2];
+} ballrace_force_line;
+
+/**
+ * Functions of a force tracker with a number of orders. The library exports one constant per number; a program uses only
+ * their addresses.
+ */
+typedef struct ballrace_force_tracker_model {
+    /**
+     * Number of orders.
+     */
+    uint32_t order_count;
+    /**
+     * Implementation of `ballrace_force_tracker_init`.
+     */
+    uint32_t (*init)(uint64_t *words,
+                     uint32_t elements,
+                     uint32_t turns,
+                     const struct ballrace_kinematic_state *at);
+    /**
+     * Implementation of `ballrace_force_tracker_add`.
+     */
+    uint32_t (*add)(uint64_t *words, float fx, float fy, const struct ballrace_kinematic_state *at);
+    /**
+     * Implementation of `ballrace_force_tracker_close`.
+     */
+    uint32_t (*close)(uint64_t *words,
+                      struct ballrace_force_line *outer,
+                      struct ballrace_force_line *inner,
+                      struct ballrace_force_line *element);
+} ballrace_force_tracker_model;
+
+/**
+ * Force tracker. Opaque: `ballrace_force_tracker_init` writes it.
+ */
+typedef struct ballrace_force_tracker {
+    /**
+     * Private.
+     */
+    const struct ballrace_force_tracker_model *model;
+    /**
+     * Private: as many words as `ballrace_force_tracker_init` demands.
+     */
+    uint64_t *words;
+} ballrace_force_tracker;
+
+/**
+ * State of the statistics. Opaque: `ballrace_statistics_init` writes it.
+ */
+typedef struct ballrace_statistics {
+    /**
+     * Private.
+     */
+    uint64_t words[8];
+} ballrace_statistics;
+
+/**
+ * Statistics of one block.
+ */
+typedef struct ballrace_block_statistics {
+    /**
+     * Mean.
+     */
+    float mean;
+    /**
+     * Root mean square about the mean.
+     */
+    float rms;
+    /**
+     * Greatest less least value.
+     */
+    float peak_to_peak;
+    /**
+     * Greatest distance from the mean divided by the rms; 0 for a constant signal.
+     */
+    float crest_factor;
+    /**
+     * Fourth moment divided by the squared second; 0 for a constant signal.
+     */
+    float kurtosis;
+} ballrace_block_statistics;
+
+/**
+ * Envelope of a frequency band. Opaque: `ballrace_envelope_init` writes it.
+ */
+typedef struct ballrace_envelope {
+    /**
+     * Private.
+     */
+    uint64_t words[11];
+} ballrace_envelope;
+
+/**
  * Last valid force and number of samples answered with it. Opaque: `ballrace_last_valid_init` writes it.
  */
 typedef struct ballrace_last_valid {
@@ -353,6 +525,339 @@ typedef struct ballrace_lumped_radial {
      */
     float play;
 } ballrace_lumped_radial;
+
+/**
+ * An unbalance in one plane.
+ */
+typedef struct ballrace_unbalance {
+    /**
+     * Mass times eccentricity, kg m.
+     */
+    double moment;
+    /**
+     * Angle from the keyphasor mark in the direction of positive rotation, rad.
+     */
+    double angle;
+    /**
+     * Station along Z from the centre of mass, m.
+     */
+    double station;
+} ballrace_unbalance;
+
+/**
+ * Parameters of a rigid rotor. Coordinates: displacement of the centre of mass, `u v w` in m and tilts about X and Y in
+ * rad.
+ */
+typedef struct ballrace_rotor_params {
+    /**
+     * Mass, kg.
+     */
+    double mass;
+    /**
+     * I_d, moment of inertia about X and Y, kg m^2.
+     */
+    double diametral_inertia;
+    /**
+     * I_p, moment of inertia about Z, kg m^2.
+     */
+    double polar_inertia;
+    /**
+     * B, symmetric damping matrix, row by row: N s/m, N s, N m s.
+     */
+    double damping[25];
+    /**
+     * Stiffness of springs on the rotor: N/m (three), N m/rad (two).
+     */
+    double stiffness[5];
+    /**
+     * Gravity, m/s^2.
+     */
+    double gravity[3];
+    /**
+     * Constant force and moment, N and N m.
+     */
+    double load[5];
+    /**
+     * Unbalances; NULL without.
+     */
+    const struct ballrace_unbalance *unbalances;
+    /**
+     * Number of unbalances.
+     */
+    uint32_t unbalance_count;
+} ballrace_rotor_params;
+
+/**
+ * A bearing on a rotor.
+ */
+typedef struct ballrace_rotor_bearing {
+    /**
+     * Head of the bearing, which exists as long as the rotor.
+     */
+    const struct ballrace_bearing *bearing;
+    /**
+     * Speed of the cage divided by that of the shaft.
+     */
+    double cage_ratio;
+    /**
+     * Speed of the balls about their own axes divided by that of the shaft; 0 where no result depends on it.
+     */
+    double ball_ratio;
+    /**
+     * Speed of the outer ring divided by that of the shaft; 0 for a fixed ring.
+     */
+    double outer_ratio;
+    /**
+     * Station along Z from the centre of mass, m.
+     */
+    float station;
+} ballrace_rotor_bearing;
+
+/**
+ * Parameters of an observer beside its rotor. `ballrace bake --language c` writes them.
+ */
+typedef struct ballrace_observer_params {
+    /**
+     * Readings of each probe per unit of each coordinate: five entries per probe.
+     */
+    const float *probes;
+    /**
+     * Gains at each speed: for `P` probes `20 P + P^2` floats, of which five per probe for displacement, for velocity, for
+     * the constant load and for the rotating load, then the whitening matrix row by row.
+     */
+    const float *gains;
+    /**
+     * Number of speeds with gains, 1 or more.
+     */
+    uint32_t gain_count;
+    /**
+     * Time steps per sample, 1 or more.
+     */
+    uint32_t substeps;
+    /**
+     * Time step, s.
+     */
+    float step;
+    /**
+     * Speed of the first gains, rad/s.
+     */
+    float first_speed;
+    /**
+     * Gains per rad/s.
+     */
+    float speed_density;
+    /**
+     * Factor of the unmodelled load from sample to sample without correction, at most 1.
+     */
+    float load_retention;
+    /**
+     * Largest normalised innovation squared of a sample that corrects the state; infinity for any.
+     */
+    float gate;
+} ballrace_observer_params;
+
+/**
+ * State of an observer. Opaque: `ballrace_observer_state_init` writes it.
+ */
+typedef struct ballrace_observer_state {
+    /**
+     * Private.
+     */
+    uint64_t words[30];
+} ballrace_observer_state;
+
+/**
+ * Motion of the shaft at the start of a step; the acceleration is constant during it.
+ */
+typedef struct ballrace_shaft {
+    /**
+     * Angle of the keyphasor mark, 2^-64 revolutions.
+     */
+    uint64_t angle;
+    /**
+     * Speed about +Z, rad/s.
+     */
+    float speed;
+    /**
+     * Angular acceleration, rad/s^2.
+     */
+    float acceleration;
+} ballrace_shaft;
+
+/**
+ * Result of one sample.
+ */
+typedef struct ballrace_estimate {
+    /**
+     * Readings less predictions, m; 0 for a missing reading. As many as there are probes.
+     */
+    float innovation[8];
+    /**
+     * Normalised innovation squared.
+     */
+    float nis;
+} ballrace_estimate;
+
+/**
+ * Functions of an observer with a number of bearings and probes. The library exports one constant per pair of numbers; a
+ * program uses only their addresses.
+ */
+typedef struct ballrace_observer_model {
+    /**
+     * Number of bearings.
+     */
+    uint32_t bearing_count;
+    /**
+     * Number of probes.
+     */
+    uint32_t probe_count;
+    /**
+     * Implementation of `ballrace_observer_init`.
+     */
+    uint32_t (*init)(struct ballrace_observer *observer,
+                     const struct ballrace_rotor_params *rotor,
+                     const struct ballrace_rotor_bearing *bearings,
+                     const struct ballrace_observer_params *params,
+                     struct ballrace_invalid_parameter *invalid);
+    /**
+     * Implementation of `ballrace_observer_state_init`.
+     */
+    uint32_t (*state_init)(struct ballrace_observer_state *state,
+                           const float *displacement,
+                           uint64_t shaft_angle,
+                           const uint64_t *cage_angles);
+    /**
+     * Implementation of `ballrace_observer_sample`.
+     */
+    uint32_t (*sample)(const struct ballrace_observer *observer,
+                       struct ballrace_observer_state *state,
+                       const struct ballrace_shaft *shaft,
+                       const float *readings,
+                       struct ballrace_estimate *estimate);
+    /**
+     * Implementation of `ballrace_observer_motion`.
+     */
+    uint32_t (*motion)(const struct ballrace_observer_state *state,
+                       float *displacement,
+                       float *velocity,
+                       float *load,
+                       float *rotating_load);
+} ballrace_observer_model;
+
+/**
+ * An observer: constant after `ballrace_observer_init`, which writes it. Opaque.
+ */
+typedef struct ballrace_observer {
+    /**
+     * Private.
+     */
+    const struct ballrace_observer_model *model;
+    /**
+     * Private.
+     */
+    uint64_t words[86];
+} ballrace_observer;
+
+/**
+ * Order tracker of one signal. Opaque: `ballrace_order_tracker_init` writes it.
+ */
+typedef struct ballrace_order_tracker {
+    /**
+     * Private.
+     */
+    uint64_t words[10];
+} ballrace_order_tracker;
+
+/**
+ * Angle of a spectral line as a sum of multiples of the angles of the shaft, the cage and the balls: 1X is `{1, 0, 0}`, the
+ * outer ball pass of N balls `{0, N, 0}`, the inner ball pass `{N, -N, 0}`, a defect of a ball `{0, 0, 2}`.
+ */
+typedef struct ballrace_order_line {
+    /**
+     * Multiple of the shaft angle.
+     */
+    int32_t shaft;
+    /**
+     * Multiple of the cage angle.
+     */
+    int32_t cage;
+    /**
+     * Multiple of the angle of the balls about their own axes.
+     */
+    int32_t ball;
+} ballrace_order_line;
+
+/**
+ * Accumulators of one line. Opaque: `ballrace_order_tracker_init` writes them.
+ */
+typedef struct ballrace_order_sums {
+    /**
+     * Private.
+     */
+    uint32_t words[4];
+} ballrace_order_sums;
+
+/**
+ * State of a rotor. Opaque: `ballrace_rotor_state_init` writes it.
+ */
+typedef struct ballrace_rotor_state {
+    /**
+     * Private.
+     */
+    uint64_t words[24];
+} ballrace_rotor_state;
+
+/**
+ * Functions of a rotor with a number of bearings. The library exports one constant per number; a program uses only their
+ * addresses.
+ */
+typedef struct ballrace_rotor_model {
+    /**
+     * Number of bearings.
+     */
+    uint32_t bearing_count;
+    /**
+     * Implementation of `ballrace_rotor_init`.
+     */
+    uint32_t (*init)(struct ballrace_rotor *rotor,
+                     const struct ballrace_rotor_params *params,
+                     const struct ballrace_rotor_bearing *bearings,
+                     float step,
+                     struct ballrace_invalid_parameter *invalid);
+    /**
+     * Implementation of `ballrace_rotor_state_init`.
+     */
+    uint32_t (*state_init)(struct ballrace_rotor_state *state,
+                           const float *displacement,
+                           uint64_t shaft_angle,
+                           const uint64_t *cage_angles);
+    /**
+     * Implementation of `ballrace_rotor_step`.
+     */
+    uint32_t (*step)(const struct ballrace_rotor *rotor,
+                     struct ballrace_rotor_state *state,
+                     const struct ballrace_shaft *shaft);
+    /**
+     * Implementation of `ballrace_rotor_motion`.
+     */
+    uint32_t (*motion)(const struct ballrace_rotor_state *state,
+                       float *displacement,
+                       float *velocity);
+} ballrace_rotor_model;
+
+/**
+ * A rotor with its bearings: constant after `ballrace_rotor_init`, which writes it. Opaque.
+ */
+typedef struct ballrace_rotor {
+    /**
+     * Private.
+     */
+    const struct ballrace_rotor_model *model;
+    /**
+     * Private.
+     */
+    uint64_t words[60];
+} ballrace_rotor;
 
 /**
  * One coordinate of the grid of a table.
@@ -524,6 +1029,46 @@ extern const struct ballrace_model ballrace_angular_model;
 extern const struct ballrace_model ballrace_angular_mirrored_model;
 
 /**
+ * Force tracker of 1 order per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_1_order;
+
+/**
+ * Force tracker of 2 orders per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_2_orders;
+
+/**
+ * Force tracker of 3 orders per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_3_orders;
+
+/**
+ * Force tracker of 4 orders per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_4_orders;
+
+/**
+ * Force tracker of 5 orders per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_5_orders;
+
+/**
+ * Force tracker of 6 orders per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_6_orders;
+
+/**
+ * Force tracker of 7 orders per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_7_orders;
+
+/**
+ * Force tracker of 8 orders per component.
+ */
+extern const struct ballrace_force_tracker_model ballrace_force_tracker_of_8_orders;
+
+/**
  * Model of `ballrace_linear`.
  */
 extern const struct ballrace_model ballrace_linear_model;
@@ -572,6 +1117,186 @@ extern const struct ballrace_model ballrace_lumped_radial_axial_power_model;
  * As `ballrace_lumped_radial_axial_power_model` for a bearing that carries thrust towards -Z.
  */
 extern const struct ballrace_model ballrace_lumped_radial_axial_power_mirrored_model;
+
+/**
+ * Observer of a rotor on 1 bearing by 1 probe.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_1_probe;
+
+/**
+ * Observer of a rotor on 1 bearing by 2 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_2_probes;
+
+/**
+ * Observer of a rotor on 1 bearing by 3 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_3_probes;
+
+/**
+ * Observer of a rotor on 1 bearing by 4 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_4_probes;
+
+/**
+ * Observer of a rotor on 1 bearing by 5 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_5_probes;
+
+/**
+ * Observer of a rotor on 1 bearing by 6 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_6_probes;
+
+/**
+ * Observer of a rotor on 1 bearing by 7 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_7_probes;
+
+/**
+ * Observer of a rotor on 1 bearing by 8 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_1_bearing_8_probes;
+
+/**
+ * Observer of a rotor on 2 bearings by 1 probe.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_1_probe;
+
+/**
+ * Observer of a rotor on 2 bearings by 2 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_2_probes;
+
+/**
+ * Observer of a rotor on 2 bearings by 3 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_3_probes;
+
+/**
+ * Observer of a rotor on 2 bearings by 4 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_4_probes;
+
+/**
+ * Observer of a rotor on 2 bearings by 5 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_5_probes;
+
+/**
+ * Observer of a rotor on 2 bearings by 6 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_6_probes;
+
+/**
+ * Observer of a rotor on 2 bearings by 7 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_7_probes;
+
+/**
+ * Observer of a rotor on 2 bearings by 8 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_2_bearings_8_probes;
+
+/**
+ * Observer of a rotor on 3 bearings by 1 probe.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_1_probe;
+
+/**
+ * Observer of a rotor on 3 bearings by 2 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_2_probes;
+
+/**
+ * Observer of a rotor on 3 bearings by 3 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_3_probes;
+
+/**
+ * Observer of a rotor on 3 bearings by 4 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_4_probes;
+
+/**
+ * Observer of a rotor on 3 bearings by 5 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_5_probes;
+
+/**
+ * Observer of a rotor on 3 bearings by 6 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_6_probes;
+
+/**
+ * Observer of a rotor on 3 bearings by 7 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_7_probes;
+
+/**
+ * Observer of a rotor on 3 bearings by 8 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_3_bearings_8_probes;
+
+/**
+ * Observer of a rotor on 4 bearings by 1 probe.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_1_probe;
+
+/**
+ * Observer of a rotor on 4 bearings by 2 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_2_probes;
+
+/**
+ * Observer of a rotor on 4 bearings by 3 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_3_probes;
+
+/**
+ * Observer of a rotor on 4 bearings by 4 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_4_probes;
+
+/**
+ * Observer of a rotor on 4 bearings by 5 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_5_probes;
+
+/**
+ * Observer of a rotor on 4 bearings by 6 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_6_probes;
+
+/**
+ * Observer of a rotor on 4 bearings by 7 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_7_probes;
+
+/**
+ * Observer of a rotor on 4 bearings by 8 probes.
+ */
+extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_8_probes;
+
+/**
+ * Rotor on one bearing.
+ */
+extern const struct ballrace_rotor_model ballrace_rotor_on_1_bearing;
+
+/**
+ * Rotor on two bearings.
+ */
+extern const struct ballrace_rotor_model ballrace_rotor_on_2_bearings;
+
+/**
+ * Rotor on three bearings.
+ */
+extern const struct ballrace_rotor_model ballrace_rotor_on_3_bearings;
+
+/**
+ * Rotor on four bearings.
+ */
+extern const struct ballrace_rotor_model ballrace_rotor_on_4_bearings;
 
 /**
  * Model of `ballrace_tabulated` with two numbers per node.
@@ -698,6 +1423,50 @@ uint64_t ballrace_checksum(const struct ballrace_bearing *bearing,
                            const struct ballrace_checksum_range *range);
 
 /**
+ * Initialises a force tracker for a bearing of `elements` rolling elements and blocks of `turns` revolutions of the inner
+ * relative to the outer ring, starting at `at`. For set-up.
+ *
+ * `model` is one of `&ballrace_force_tracker_of_..._orders`, `words` is memory of `12 n + 8` words for n orders, aligned to
+ * 8 bytes.
+ *
+ * Each sample is turned into the frame of the outer ring, of the inner ring and of the cage, and demodulated at orders of
+ * the ball pass of the outer ring, of the inner ring, and of -2 times the angle of the balls.
+ *
+ * Preconditions:
+ * All pointers are valid; `words` exists as long as the tracker, and nothing else uses it.
+ */
+uint32_t ballrace_force_tracker_init(struct ballrace_force_tracker *tracker,
+                                     const struct ballrace_force_tracker_model *model,
+                                     uint64_t *words,
+                                     uint32_t elements,
+                                     uint32_t turns,
+                                     const struct ballrace_kinematic_state *at);
+
+/**
+ * Adds a force in N in the fixed frame; returns `BALLRACE_BLOCK_COMPLETE` where it ends a block, which
+ * `ballrace_force_tracker_close` must read before the next sample. Constant number of instructions.
+ *
+ * Preconditions:
+ * `tracker` points to an initialised tracker that no other thread or interrupt uses, `at` to a state.
+ */
+uint32_t ballrace_force_tracker_add(const struct ballrace_force_tracker *tracker,
+                                    float fx,
+                                    float fy,
+                                    const struct ballrace_kinematic_state *at);
+
+/**
+ * Ends the block and writes its lines of the outer ring, the inner ring and the rolling elements: one entry per order in
+ * each array. Each pointer may be NULL.
+ *
+ * Preconditions:
+ * As `ballrace_force_tracker_add`; the arrays have one entry per order or are NULL.
+ */
+uint32_t ballrace_force_tracker_close(const struct ballrace_force_tracker *tracker,
+                                      struct ballrace_force_line *outer,
+                                      struct ballrace_force_line *inner,
+                                      struct ballrace_force_line *element);
+
+/**
  * Sets the free contact angle to that of a diametral clearance `s` in m: `cos(alpha_0) = 1 - s/(2 A)`. For set-up.
  *
  * Returns `BALLRACE_INVALID_ARGUMENT` and fills `invalid`, if it is not NULL, for a clearance below 0 or above A.
@@ -708,6 +1477,46 @@ uint64_t ballrace_checksum(const struct ballrace_bearing *bearing,
 uint32_t ballrace_geometry_set_clearance(struct ballrace_geometry *geometry,
                                          double diametral_clearance,
                                          struct ballrace_invalid_parameter *invalid);
+
+/**
+ * Initialises statistics over blocks of `length` samples, 1 or more.
+ *
+ * Preconditions:
+ * `statistics` points to a struct.
+ */
+uint32_t ballrace_statistics_init(struct ballrace_statistics *statistics, uint32_t length);
+
+/**
+ * Adds a sample; returns `BALLRACE_BLOCK_COMPLETE` where it ends a block and has written `block`.
+ *
+ * Preconditions:
+ * `statistics` points to an initialised state that no other thread or interrupt uses, `block` to a struct.
+ */
+uint32_t ballrace_statistics_add(struct ballrace_statistics *statistics,
+                                 float sample,
+                                 struct ballrace_block_statistics *block);
+
+/**
+ * Initialises the envelope of the band `centre` plus and minus `half_width` at the sampling rate `rate`, all in Hz; the
+ * band must be below half the rate. For set-up: uses `double`.
+ *
+ * Preconditions:
+ * `envelope` points to a struct.
+ */
+uint32_t ballrace_envelope_init(struct ballrace_envelope *envelope,
+                                double centre,
+                                double half_width,
+                                double rate);
+
+/**
+ * Adds a sample and writes the envelope: for a sine in the band, its amplitude. Constant number of instructions.
+ *
+ * Preconditions:
+ * `envelope` points to an initialised state that no other thread or interrupt uses, `amplitude` to a float.
+ */
+uint32_t ballrace_envelope_add(struct ballrace_envelope *envelope,
+                               float sample,
+                               float *amplitude);
 
 /**
  * Initialises the state before the first sample; an invalid first sample gives the zero force.
@@ -771,6 +1580,101 @@ uint32_t ballrace_lumped_radial_init(struct ballrace_lumped_radial *bearing,
                                      struct ballrace_invalid_parameter *invalid);
 
 /**
+ * Initialises an observer. For set-up: uses `double`.
+ *
+ * `model` is one of `&ballrace_observer_of_..._bearings_..._probes`. `bearings` has one entry per bearing; parameters and
+ * bearings are copied, the gains are not.
+ *
+ * Returns `BALLRACE_INVALID_ARGUMENT` and fills `invalid`, if it is not NULL, for a parameter outside its range.
+ *
+ * Preconditions:
+ * `invalid` points to a struct or is NULL; all other pointers, also those in structs, are valid; the gains exist as long as
+ * the observer.
+ */
+uint32_t ballrace_observer_init(struct ballrace_observer *observer,
+                                const struct ballrace_observer_model *model,
+                                const struct ballrace_rotor_params *rotor,
+                                const struct ballrace_rotor_bearing *bearings,
+                                const struct ballrace_observer_params *params,
+                                struct ballrace_invalid_parameter *invalid);
+
+/**
+ * Initialises the state of an observer without velocity and unmodelled loads; as `ballrace_rotor_state_init`.
+ *
+ * Preconditions:
+ * `observer` is initialised, `cage_angles` has one entry per bearing.
+ */
+uint32_t ballrace_observer_state_init(const struct ballrace_observer *observer,
+                                      struct ballrace_observer_state *state,
+                                      const float displacement[5],
+                                      uint64_t shaft_angle,
+                                      const uint64_t *cage_angles);
+
+/**
+ * Processes one sample: `shaft` is the motion of the shaft at the last sample, `readings` are the present readings of the
+ * probes in m. Constant number of instructions for one observer.
+ *
+ * A reading that is not finite corrects nothing; the others do. A sample above the gate corrects nothing at all. Returns
+ * status bits. `estimate` may be NULL.
+ *
+ * Preconditions:
+ * `observer` is initialised, `readings` has one entry per probe, all other pointers are valid or NULL.
+ */
+uint32_t ballrace_observer_sample(const struct ballrace_observer *observer,
+                                  struct ballrace_observer_state *state,
+                                  const struct ballrace_shaft *shaft,
+                                  const float *readings,
+                                  struct ballrace_estimate *estimate);
+
+/**
+ * Reads the estimated displacement (m, rad) and velocity of the centre of mass, the unmodelled constant load and the
+ * unmodelled load that rotates with the shaft (N, N m). Each pointer may be NULL.
+ *
+ * Preconditions:
+ * `observer` is initialised; all pointers are valid or NULL.
+ */
+uint32_t ballrace_observer_motion(const struct ballrace_observer *observer,
+                                  const struct ballrace_observer_state *state,
+                                  float displacement[5],
+                                  float velocity[5],
+                                  float load[5],
+                                  float rotating_load[5]);
+
+/**
+ * Initialises a tracker for blocks of `turns` revolutions, starting at the shaft angle `shaft`. For set-up.
+ *
+ * The signal at a line is `c cos p + s sin p` with the angle `p` of the line; `amplitudes` receives `c` and `s` of every
+ * line at the end of each block. A Hann window separates lines that differ by more than two cycles per block.
+ *
+ * Preconditions:
+ * `lines` and `sums` have `line_count` entries, `amplitudes` twice as many; all exist as long as the tracker, and nothing
+ * else uses `sums`.
+ */
+uint32_t ballrace_order_tracker_init(struct ballrace_order_tracker *tracker,
+                                     const struct ballrace_order_line *lines,
+                                     struct ballrace_order_sums *sums,
+                                     float *amplitudes,
+                                     uint32_t line_count,
+                                     uint32_t turns,
+                                     uint64_t shaft);
+
+/**
+ * Adds a sample at the angles of the shaft, the cage and the balls; returns `BALLRACE_BLOCK_COMPLETE` where it ends a block
+ * and has written the amplitudes over it.
+ *
+ * Constant number of instructions, more at the end of a block. A sample that is not finite spoils its block, not the next
+ * one.
+ *
+ * Preconditions:
+ * `tracker` points to an initialised tracker that no other thread or interrupt uses.
+ */
+uint32_t ballrace_order_tracker_add(struct ballrace_order_tracker *tracker,
+                                    float sample,
+                                    uint64_t shaft,
+                                    uint64_t cage,
+                                    uint64_t ball);
+
+/**
  * Converts revolutions; drops whole revolutions. NaN and infinity give 0. For set-up: uses `double`.
  */
 uint64_t ballrace_phase_from_revolutions(double revolutions);
@@ -820,6 +1724,69 @@ int64_t ballrace_speed_ratio(double ratio);
  */
 int64_t ballrace_speed_ratio_apply(int64_t ratio,
                                    int64_t delta);
+
+/**
+ * Initialises a rotor. For set-up: uses `double`.
+ *
+ * `model` is one of `&ballrace_rotor_on_..._bearings`, `bearings` has that number of entries, which are copied. `step` is
+ * the time step in s; the integrator is stable up to 2 divided by the largest natural angular frequency.
+ *
+ * Returns `BALLRACE_INVALID_ARGUMENT` and fills `invalid`, if it is not NULL, for a parameter outside its range.
+ *
+ * Preconditions:
+ * `invalid` points to a struct or is NULL; all other pointers, also those in structs, are valid.
+ */
+uint32_t ballrace_rotor_init(struct ballrace_rotor *rotor,
+                             const struct ballrace_rotor_model *model,
+                             const struct ballrace_rotor_params *params,
+                             const struct ballrace_rotor_bearing *bearings,
+                             float step,
+                             struct ballrace_invalid_parameter *invalid);
+
+/**
+ * Initialises the state of a rotor without velocity at `displacement`, with these angles of the shaft and of the cage of
+ * each bearing in 2^-64 revolutions.
+ *
+ * Preconditions:
+ * `rotor` is initialised, `cage_angles` has one entry per bearing.
+ */
+uint32_t ballrace_rotor_state_init(const struct ballrace_rotor *rotor,
+                                   struct ballrace_rotor_state *state,
+                                   const float displacement[5],
+                                   uint64_t shaft_angle,
+                                   const uint64_t *cage_angles);
+
+/**
+ * Advances the state by one step, with the shaft motion at its start. Constant number of instructions.
+ *
+ * A shaft motion or result that is not finite leaves displacement and velocity unchanged and is flagged. Returns status
+ * bits; `BALLRACE_STATE_INVALID` for a rotor or state that is not initialised, or for another number of bearings.
+ *
+ * Preconditions:
+ * `rotor` is initialised; all pointers are valid.
+ */
+uint32_t ballrace_rotor_step(const struct ballrace_rotor *rotor,
+                             struct ballrace_rotor_state *state,
+                             const struct ballrace_shaft *shaft);
+
+/**
+ * Reads displacement (m, rad) and velocity (m/s, rad/s) of the centre of mass. Either pointer may be NULL.
+ *
+ * Preconditions:
+ * `rotor` is initialised; all pointers are valid or NULL.
+ */
+uint32_t ballrace_rotor_motion(const struct ballrace_rotor *rotor,
+                               const struct ballrace_rotor_state *state,
+                               float displacement[5],
+                               float velocity[5]);
+
+/**
+ * Returns the shaft motion after the time `dt` in s: at most half a revolution.
+ *
+ * Preconditions:
+ * `shaft` points to a struct.
+ */
+struct ballrace_shaft ballrace_shaft_after(const struct ballrace_shaft *shaft, float dt);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -42,21 +42,30 @@ pub struct KinematicState {
     pub outer_speed: f32,
 }
 
-impl From<&KinematicState> for BearingKinematicState<f32> {
-    #[inline(always)]
-    fn from(state: &KinematicState) -> Self {
-        let KinematicState { cage, inner, outer, ball, inner_speed, outer_speed } = *state;
-        let [cage, inner, outer, ball] = [cage, inner, outer, ball].map(Phase);
-        Self { cage, inner, outer, ball, inner_speed, outer_speed }
-    }
-}
+// The kernel reads a state in place.
+const _: () = {
+    type State = BearingKinematicState<f32>;
+    assert!(size_of::<KinematicState>() == size_of::<State>() && align_of::<KinematicState>() == align_of::<State>());
+    assert!(core::mem::offset_of!(KinematicState, inner) == core::mem::offset_of!(State, inner));
+    assert!(core::mem::offset_of!(KinematicState, outer) == core::mem::offset_of!(State, outer));
+    assert!(core::mem::offset_of!(KinematicState, ball) == core::mem::offset_of!(State, ball));
+    assert!(core::mem::offset_of!(KinematicState, inner_speed) == core::mem::offset_of!(State, inner_speed));
+    assert!(core::mem::offset_of!(KinematicState, outer_speed) == core::mem::offset_of!(State, outer_speed));
+};
 
-impl From<&BearingKinematicState<f32>> for KinematicState {
+impl KinematicState {
+    /// Returns the state of the kernel.
     #[inline(always)]
-    fn from(state: &BearingKinematicState<f32>) -> Self {
-        let BearingKinematicState { cage, inner, outer, ball, inner_speed, outer_speed } = *state;
-        let [cage, inner, outer, ball] = [cage, inner, outer, ball].map(|phase| phase.0);
-        Self { cage, inner, outer, ball, inner_speed, outer_speed }
+    pub fn of_kernel(&self) -> &BearingKinematicState<f32> {
+        // SAFETY: both types have the same layout.
+        unsafe { &*core::ptr::from_ref(self).cast() }
+    }
+
+    /// Returns the state of C.
+    #[inline(always)]
+    pub fn from_kernel(state: &BearingKinematicState<f32>) -> &Self {
+        // SAFETY: both types have the same layout.
+        unsafe { &*core::ptr::from_ref(state).cast() }
     }
 }
 

@@ -67,7 +67,10 @@ impl From<ballrace::bearing::geometry::InvalidParameter> for InvalidParameter {
 ///
 /// # Safety
 /// `invalid` points to a struct or is null.
-pub unsafe fn report(error: ballrace::bearing::geometry::InvalidParameter, invalid: *mut InvalidParameter) -> u32 {
+pub(crate) unsafe fn report(
+    error: ballrace::bearing::geometry::InvalidParameter,
+    invalid: *mut InvalidParameter,
+) -> u32 {
     if !invalid.is_null() {
         // SAFETY: points to a struct by the contract of the function.
         unsafe { invalid.write(error.into()) };
@@ -79,7 +82,7 @@ pub unsafe fn report(error: ballrace::bearing::geometry::InvalidParameter, inval
 ///
 /// # Safety
 /// As [`report`].
-pub unsafe fn check(
+pub(crate) unsafe fn check(
     condition: bool,
     name: &'static str,
     found: f64,

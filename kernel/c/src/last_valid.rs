@@ -2,7 +2,7 @@
 
 use crate::bearing::{Bearing, KinematicState};
 use crate::pointer::{self, check_bearing, check_pointers};
-use crate::state::{self, Opaque};
+use crate::state::{self, Stored};
 use crate::status;
 use ballrace::bearing::LastValidWrench;
 
@@ -14,9 +14,7 @@ pub struct LastValid {
     pub words: [u64; 4],
 }
 
-// SAFETY: `write` asserts that the value fits.
-unsafe impl Opaque for LastValid {
-    type Value = LastValidWrench<f32>;
+impl Stored for LastValidWrench<f32> {
     const KIND: u32 = 1;
 }
 
@@ -28,7 +26,7 @@ unsafe impl Opaque for LastValid {
 pub unsafe extern "C" fn ballrace_last_valid_init(last_valid: *mut LastValid) -> u32 {
     check_pointers!(last_valid);
     // SAFETY: by the contract of the function.
-    unsafe { state::write(last_valid, LastValidWrench::new()) };
+    unsafe { state::write(last_valid, LastValidWrench::<f32>::new()) };
     status::OK
 }
 
@@ -39,7 +37,7 @@ pub unsafe extern "C" fn ballrace_last_valid_init(last_valid: *mut LastValid) ->
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ballrace_held_count(last_valid: *const LastValid) -> u32 {
     // SAFETY: by the contract of the function.
-    unsafe { state::read(last_valid) }.map_or(0, LastValidWrench::held_count)
+    unsafe { state::read::<LastValidWrench<f32>, _>(last_valid) }.map_or(0, |state| state.held_count())
 }
 
 /// Computes the force for one sample of a stream.
@@ -62,7 +60,7 @@ pub unsafe extern "C" fn ballrace_sample(
     check_bearing!(bearing, last_valid, displacement, wrench);
     // SAFETY: by the contract of the function.
     unsafe {
-        let Some(last_valid) = state::get(last_valid) else { return status::STATE_INVALID };
+        let Some(last_valid) = state::get::<LastValidWrench<f32>, _>(last_valid) else { return status::STATE_INVALID };
         hold(last_valid, displacement, wrench, |force| {
             ((*(*bearing).model).force)(bearing, displacement, cage_phase, force)
         })
@@ -86,7 +84,7 @@ pub unsafe extern "C" fn ballrace_sample_at(
     check_bearing!(bearing, last_valid, displacement, state, wrench);
     // SAFETY: by the contract of the function.
     unsafe {
-        let Some(last_valid) = state::get(last_valid) else { return status::STATE_INVALID };
+        let Some(last_valid) = state::get::<LastValidWrench<f32>, _>(last_valid) else { return status::STATE_INVALID };
         hold(last_valid, displacement, wrench, |force| {
             ((*(*bearing).model).force_at)(bearing, displacement, state, force)
         })

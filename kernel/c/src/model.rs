@@ -116,7 +116,7 @@ unsafe extern "C" fn force_at<C: Constants>(
     // SAFETY: the contract is that of `ballrace_force_at`.
     unsafe {
         if C::USES_SPEED {
-            return evaluate::<C>(bearing, displacement, &(&*state).into(), wrench);
+            return evaluate::<C>(bearing, displacement, (*state).of_kernel(), wrench);
         }
         force::<C>(bearing, displacement, (*state).cage, wrench)
     }
@@ -132,8 +132,8 @@ unsafe extern "C" fn force_and_stiffness<C: Constants>(
 ) -> u32 {
     // SAFETY: the contract is that of `ballrace_force_and_stiffness`.
     unsafe {
-        let at = (&*state).into();
-        let (reaction, k) = bearing_of::<C>(bearing).reaction_and_stiffness(&pointer::displacement(displacement), &at);
+        let at = (*state).of_kernel();
+        let (reaction, k) = bearing_of::<C>(bearing).reaction_and_stiffness(&pointer::displacement(displacement), at);
         pointer::write_wrench(wrench, &reaction.wrench);
         write_stiffness(stiffness, &k);
         status::of_reaction(&reaction)
@@ -151,7 +151,7 @@ unsafe extern "C" fn element_loads<C: Constants>(
     unsafe {
         let count = (*bearing).element_count as usize;
         let loads: &mut [f32] = if count == 0 { &mut [] } else { core::slice::from_raw_parts_mut(loads, count) };
-        bearing_of::<C>(bearing).element_loads(&pointer::displacement(displacement), &(&*state).into(), loads);
+        bearing_of::<C>(bearing).element_loads(&pointer::displacement(displacement), (*state).of_kernel(), loads);
     }
     status::OK
 }
@@ -162,10 +162,12 @@ unsafe extern "C" fn element_loads<C: Constants>(
 /// `entries` points to 25 floats.
 #[inline(always)]
 unsafe fn write_stiffness(entries: *mut f32, k: &Stiffness<f32>) {
-    // The columns of the transpose are the rows.
-    let rows: [[f32; 5]; 5] = k.transpose().data.0;
-    // SAFETY: 25 floats by the contract of the function.
-    unsafe { *entries.cast::<[[f32; 5]; 5]>() = rows };
+    for (j, column) in k.data.0.iter().enumerate() {
+        for (i, &entry) in column.iter().enumerate() {
+            // SAFETY: one of 25 floats by the contract of the function.
+            unsafe { *entries.add(5 * i + j) = entry };
+        }
+    }
 }
 
 /// Reads a stiffness row by row.
@@ -194,8 +196,7 @@ unsafe fn mirror(entries: *mut f32) {
 #[inline(always)]
 unsafe fn reversed(state: *const KinematicState) -> KinematicState {
     // SAFETY: by the contract of the function.
-    let state: BearingKinematicState<f32> = unsafe { (&*state).into() };
-    KinematicState::from(&state.reversed())
+    *KinematicState::from_kernel(&unsafe { (*state).of_kernel() }.reversed())
 }
 
 unsafe extern "C" fn mirrored_force<C: Constants>(

@@ -2,63 +2,66 @@
 
 use crate::ABI_VERSION;
 
-/// A struct of C that stores a value of the library.
-///
-/// # Safety
-/// The struct is large enough and aligned for a [`Versioned`] value, which [`assert_fits`] checks.
-pub unsafe trait Opaque {
-    /// Value that the struct stores.
-    type Value;
-
-    /// Number that differs from that of every other state.
+/// A value that is stored in a struct of C.
+pub trait Stored {
+    /// Number that differs from that of every other stored type.
     const KIND: u32;
 
-    /// First word of an initialised state.
-    const MAGIC: u32 = 0xba11_0000 | Self::KIND << 8 | ABI_VERSION;
+    /// First word of an initialised struct.
+    const MAGIC: u32 = 0xba00_0000 | Self::KIND << 8 | ABI_VERSION;
 }
 
 /// A value after its first word.
 #[repr(C)]
-pub struct Versioned<T> {
+struct Versioned<V> {
     magic: u32,
-    value: T,
+    value: V,
 }
 
-/// Fails to compile where the value of a state does not fit.
-pub const fn assert_fits<S: Opaque>() {
-    assert!(size_of::<Versioned<S::Value>>() <= size_of::<S>());
-    assert!(align_of::<Versioned<S::Value>>() <= align_of::<S>());
+/// Returns true if a value with its first word fits a struct.
+pub const fn fits<V, S>() -> bool {
+    size_of::<Versioned<V>>() <= size_of::<S>() && align_of::<Versioned<V>>() <= align_of::<S>()
 }
 
-/// Initialises a state.
+/// Stores a value.
 ///
 /// # Safety
 /// `state` points to a struct.
 #[inline(always)]
-pub unsafe fn write<S: Opaque>(state: *mut S, value: S::Value) {
-    const { assert_fits::<S>() };
+pub unsafe fn write<V: Stored, S>(state: *mut S, value: V) {
+    const { assert!(fits::<V, S>()) };
     // SAFETY: the value fits the struct.
-    unsafe { state.cast::<Versioned<S::Value>>().write(Versioned { magic: S::MAGIC, value }) };
+    unsafe { write_to(state.cast(), value) };
 }
 
-/// Returns the value of a state, or `None` for one that is not initialised by this version.
+/// Stores a value in memory of the caller.
 ///
 /// # Safety
-/// `state` points to a struct that nothing else accesses during `'a`.
+/// The memory is large enough for a [`fits`] value.
 #[inline(always)]
-pub unsafe fn get<'a, S: Opaque>(state: *mut S) -> Option<&'a mut S::Value> {
-    let state = state.cast::<Versioned<S::Value>>();
-    // SAFETY: any word is a valid number; a state with the right first word was written by `write`.
-    unsafe { if (*state).magic == S::MAGIC { Some(&mut (*state).value) } else { None } }
+pub unsafe fn write_to<V: Stored>(state: *mut u64, value: V) {
+    // SAFETY: by the contract of the function; no value has an alignment above that of `u64`.
+    unsafe { state.cast::<Versioned<V>>().write(Versioned { magic: V::MAGIC, value }) };
+}
+
+/// Returns the value of a struct, or `None` for one that is not initialised by this version.
+///
+/// # Safety
+/// `state` points to a struct of at least the size of a [`fits`] value, which nothing else accesses during `'a`.
+#[inline(always)]
+pub unsafe fn get<'a, V: Stored, S>(state: *mut S) -> Option<&'a mut V> {
+    let state = state.cast::<Versioned<V>>();
+    // SAFETY: any word is a valid number; a struct with the right first word was written by `write`.
+    unsafe { if (*state).magic == V::MAGIC { Some(&mut (*state).value) } else { None } }
 }
 
 /// As [`get`], for reading.
 ///
 /// # Safety
-/// `state` points to a struct that nothing writes during `'a`.
+/// As [`get`], but nothing writes the struct during `'a`.
 #[inline(always)]
-pub unsafe fn read<'a, S: Opaque>(state: *const S) -> Option<&'a S::Value> {
-    let state = state.cast::<Versioned<S::Value>>();
+pub unsafe fn read<'a, V: Stored, S>(state: *const S) -> Option<&'a V> {
+    let state = state.cast::<Versioned<V>>();
     // SAFETY: as in `get`.
-    unsafe { if (*state).magic == S::MAGIC { Some(&(*state).value) } else { None } }
+    unsafe { if (*state).magic == V::MAGIC { Some(&(*state).value) } else { None } }
 }

@@ -23,6 +23,8 @@ pub const INNOVATION_REJECTED: u32 = 64;
 pub const STATE_INVALID: u32 = 256;
 /// A parameter is outside its range, or a pointer is NULL. The call has no effect.
 pub const INVALID_ARGUMENT: u32 = 512;
+/// A block is complete and its results are written.
+pub const BLOCK_COMPLETE: u32 = 1024;
 
 // The bits are those of the kernel.
 const _: () = {
@@ -38,13 +40,13 @@ const _: () = {
 
 /// Returns the bits of a reaction, among them that of lost contact.
 #[inline(always)]
-pub fn of_reaction(reaction: &Reaction<f32>) -> u32 {
+pub(crate) fn of_reaction(reaction: &Reaction<f32>) -> u32 {
     u32::from(reaction.status.union(Status::CONTACT_LOST.when(reaction.load == 0.0)).bits())
 }
 
 /// Returns the reaction with this wrench whose bits [`of_reaction`] returned.
 #[inline(always)]
-pub fn to_reaction(wrench: [f32; 5], bits: u32) -> Reaction<f32> {
+pub(crate) fn to_reaction(wrench: [f32; 5], bits: u32) -> Reaction<f32> {
     let load = if bits & CONTACT_LOST == 0 { 1.0 } else { 0.0 };
     Reaction {
         wrench: ballrace::Wrench::from_array(wrench),

@@ -124,7 +124,8 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
         self.sum(u, at)
     }
 
-    #[inline]
+    // Always inlined: a matrix that a call returns is copied.
+    #[inline(always)]
     fn reaction_and_stiffness_in_cage_frame(
         &self,
         u: &Displacement<E::Scalar>,

@@ -9,6 +9,8 @@ use core::marker::PhantomData;
 
 /// An unbalance in one plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
+// The C interface reads an array of them in place.
+#[repr(C)]
 pub struct Unbalance {
     /// Mass times eccentricity, kg m.
     pub moment: f64,
