@@ -41,7 +41,10 @@ pub unsafe extern "C" fn ballrace_checksum(bearing: *const Bearing, range: *cons
     unsafe {
         ballrace_last_valid_init(&raw mut last_valid);
         ballrace::bearing::checksum::ChecksumRange::from(&*range).checksum_of(|u, at| {
-            let (displacement, state, mut wrench) = (u.to_array(), KinematicState::from(at), [0.0; 5]);
+            let (displacement, mut wrench) = (u.to_array(), [0.0; 5]);
+            let [cage, inner, outer, ball] = [at.cage, at.inner, at.outer, at.ball].map(|phase| phase.0);
+            let (inner_speed, outer_speed) = (at.inner_speed, at.outer_speed);
+            let state = KinematicState { cage, inner, outer, ball, inner_speed, outer_speed };
             let status = ballrace_sample_at(
                 bearing,
                 &raw mut last_valid,

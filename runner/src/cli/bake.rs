@@ -6,7 +6,6 @@ use anyhow::{Result, bail};
 use ballrace_twin::bake::{BakeOptions, Baked, BearingCertificate, Core, Language, bake};
 use ballrace_twin::effect_significance;
 use ballrace_twin::output::AtomicFile;
-use ballrace_twin::scene::Scene;
 use ballrace_twin::scene::read::{load, read_str};
 use std::io::Write;
 use std::path::PathBuf;
@@ -53,7 +52,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         AtomicFile::write(path, &file.source)?;
     }
     let significance = effect_significance::of_scene(&scene)?;
-    print(&baked.bearings, &scene, (args, &outputs), format)?;
+    print(&baked.bearings, (args, &outputs), format)?;
     if format == Format::Text {
         print_effects(&mut super::standard_output(format), &significance, error)
     } else {
@@ -81,7 +80,7 @@ fn outputs(args: &Args) -> Result<Vec<PathBuf>> {
     Ok(vec![output.with_extension("h"), output.with_extension("c")])
 }
 
-fn print(baked: &[Baked], scene: &Scene, (args, outputs): (&Args, &[PathBuf]), format: Format) -> Result<()> {
+fn print(baked: &[Baked], (args, outputs): (&Args, &[PathBuf]), format: Format) -> Result<()> {
     let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(baked)?)?,
@@ -104,9 +103,6 @@ fn print(baked: &[Baked], scene: &Scene, (args, outputs): (&Args, &[PathBuf]), f
         Format::Text => {
             for bearing in baked {
                 print_bearing(&mut out, bearing, args.core)?;
-            }
-            if args.language == Language::C && args.bearing.is_none() && scene.observer.process_noise.is_some() {
-                writeln!(out, "Observer: not written in C, only with --language rust")?;
             }
             let outputs: Vec<String> = outputs.iter().map(|path| path.display().to_string()).collect();
             writeln!(out, "Written: {}", outputs.join(", "))?;

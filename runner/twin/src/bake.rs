@@ -137,7 +137,7 @@ pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<Bake
         Language::Rust => {
             vec![BakedFile { extension: None, source: source(scene, &parts, &comments, options.bearing.is_none())? }]
         }
-        Language::C => c::files(scene, &parts, &comments, options.name)?,
+        Language::C => c::files((scene, options.bearing.is_none()), &parts, &comments, options.name)?,
     };
     Ok(BakedScene { files, bearings: parts.into_iter().map(Baked::of).collect() })
 }

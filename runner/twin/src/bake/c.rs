@@ -1,6 +1,7 @@
 //! Constants as a header and a source file of C99, for the library `ballrace-c`.
 
 use super::direct::spring;
+use super::observer::ObserverConstants;
 use super::{BakedFile, Comments, Part, embedded, preload_offset, rotor};
 use crate::error::{BakeError, Result};
 use crate::handle::{AnyForceModel, BearingHandle};
@@ -13,6 +14,7 @@ use ballrace::bearing::lumped::{self, Combined, Radial};
 use ballrace::bearing::quasi_static::TableConstants;
 use ballrace::bearing::tabulated::Axis;
 use ballrace::contact::law::PowerLaw;
+use ballrace::rotor::{RotorParams, Unbalance};
 use ballrace::{Displacement, Exact};
 use std::fmt::Write;
 
@@ -107,7 +109,12 @@ fn law_of(of: &Bearing, axial: &Axial) -> Law {
 ///
 /// # Errors
 /// Returns an error if a constant cannot be computed.
-pub fn files(scene: &Scene, parts: &[Part<'_>], comments: &Comments<'_>, name: &str) -> Result<Vec<BakedFile>> {
+pub fn files(
+    (scene, whole): (&Scene, bool),
+    parts: &[Part<'_>],
+    comments: &Comments<'_>,
+    name: &str,
+) -> Result<Vec<BakedFile>> {
     let (mut header, mut source) = (String::new(), String::new());
     let guard = macro_name(name);
     let title = embedded::escaped(&scene.name);
@@ -123,6 +130,9 @@ pub fn files(scene: &Scene, parts: &[Part<'_>], comments: &Comments<'_>, name: &
     writeln!(source, "\n#include \"{name}.h\"\n#include <stddef.h>")?;
     for part in parts {
         Writer::new(scene, part)?.write(&mut header, &mut source)?;
+    }
+    if whole {
+        write_observer(scene, parts, &mut header, &mut source)?;
     }
     writeln!(header, "\n#ifdef __cplusplus\n}}\n#endif\n\n#endif\n\n// Text of the scene.")?;
     write!(header, "{}", embedded::SCENE.write(comments.scene))?;
@@ -334,6 +344,109 @@ impl<'a> Writer<'a> {
         )?;
         Ok(())
     }
+}
+
+/// Largest numbers of bearings and probes of an observer of the library.
+const MOST_OBSERVED: [usize; 2] = [4, 8];
+
+/// Writes the observer of a rigid rotor, where the scene has one: the arguments of `ballrace_observer_init`.
+fn write_observer(scene: &Scene, parts: &[Part<'_>], header: &mut String, source: &mut String) -> Result<()> {
+    let Some(constants) = ObserverConstants::try_new(scene)? else { return Ok(()) };
+    let (bearings, probes) = (parts.len(), constants.rows.len());
+    let [most_bearings, most_probes] = MOST_OBSERVED;
+    let Some((rotor, unbalances)) =
+        constants.rigid_rotor().filter(|_| bearings <= most_bearings && probes <= most_probes)
+    else {
+        return Err(BakeError::NotInC {
+            file: scene.path.clone(),
+            place: "[observer]".to_owned(),
+            found: format!("{bearings} bearings and {probes} probes"),
+            expected: "a rigid rotor with at most 4 bearings and 8 probes, or --language rust",
+        }
+        .into());
+    };
+    let plural = |count: usize, one: &'static str| format!("{count}_{one}{}", if count == 1 { "" } else { "s" });
+    let model = format!("ballrace_observer_of_{}_{}", plural(bearings, "bearing"), plural(probes, "probe"));
+    let names = embedded::escaped(&constants.names.join(", "));
+    writeln!(header, "\n// The observer behind the probes {names}: the arguments of `ballrace_observer_init`.\n")?;
+    writeln!(header, "// From sample to sample, s.\n#define OBSERVER_PERIOD ({})", single(constants.period as f32))?;
+    writeln!(header, "#define OBSERVER_BEARINGS {bearings}\n#define OBSERVER_PROBES {probes}")?;
+    writeln!(header, "#define OBSERVER_MODEL (&{model})")?;
+    writeln!(header, "extern const ballrace_rotor_params observer_rotor;")?;
+    writeln!(header, "extern const ballrace_rotor_bearing observer_bearings[{bearings}];")?;
+    writeln!(header, "extern const ballrace_observer_params observer_params;")?;
+    write_rotor(source, &rotor, &unbalances)?;
+    writeln!(source, "const ballrace_rotor_bearing observer_bearings[{bearings}] = {{")?;
+    for Part { of, certificate, .. } in parts {
+        let kinematics = build::kinematics(scene, of)?;
+        let ratios = [kinematics.cage_ratio, kinematics.ball_ratio(), kinematics.outer_ratio];
+        let ratios = ratios.map(|ratio| format!("{ratio:?}")).join(", ");
+        writeln!(source, "    {{ &{}.head, {ratios}, {} }},", certificate.module, single(of.station as f32))?;
+    }
+    writeln!(source, "}};\n")?;
+    let flat = |rows: &[Vec<f64>]| {
+        let numbers = rows.iter().flatten().map(|x| single(*x as f32));
+        numbers.collect::<Vec<_>>().join(", ")
+    };
+    writeln!(source, "static const float observer_probes[{}] = {{", 5 * probes)?;
+    writeln!(source, "    {},\n}};\n", flat(&constants.rows))?;
+    let gains = constants.gains();
+    let count = gains.len();
+    writeln!(source, "static const float observer_gains[{}] = {{", count * (20 * probes + probes * probes))?;
+    for (_, columns) in gains.flatten() {
+        writeln!(source, "    {},", flat(&columns))?;
+    }
+    writeln!(source, "}};\n\nconst ballrace_observer_params observer_params = {{")?;
+    let [first, density] = constants.speeds;
+    let substeps = constants.verlet_substeps()?;
+    let step = constants.period as f32 / substeps as f32;
+    close(
+        source,
+        &[
+            ("probes", "observer_probes".to_owned()),
+            ("gains", "observer_gains".to_owned()),
+            ("gain_count", count.to_string()),
+            ("substeps", substeps.to_string()),
+            ("step", single(step)),
+            ("first_speed", single(first)),
+            ("speed_density", single(density)),
+            ("load_retention", single(constants.memory)),
+            ("gate", single(constants.gate)),
+        ],
+    )
+}
+
+/// Writes the rotor and its unbalances.
+fn write_rotor(source: &mut String, rotor: &RotorParams, unbalances: &[Unbalance]) -> Result<()> {
+    writeln!(source, "\n// The observer.\n")?;
+    if !unbalances.is_empty() {
+        writeln!(source, "static const ballrace_unbalance observer_unbalances[{}] = {{", unbalances.len())?;
+        for Unbalance { moment, angle, station } in unbalances {
+            writeln!(source, "    {{ {moment:?}, {angle:?}, {station:?} }},")?;
+        }
+        writeln!(source, "}};\n")?;
+    }
+    let doubles =
+        |numbers: &[f64]| format!("{{ {} }}", numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", "));
+    let RotorParams { mass, diametral_inertia, polar_inertia, damping, stiffness, gravity, load } = rotor;
+    let list = if unbalances.is_empty() { "NULL" } else { "observer_unbalances" };
+    writeln!(source, "const ballrace_rotor_params observer_rotor = {{")?;
+    close(
+        source,
+        &[
+            ("mass", format!("{mass:?}")),
+            ("diametral_inertia", format!("{diametral_inertia:?}")),
+            ("polar_inertia", format!("{polar_inertia:?}")),
+            ("damping", doubles(damping.as_flattened())),
+            ("stiffness", doubles(stiffness)),
+            ("gravity", doubles(gravity)),
+            ("load", doubles(load)),
+            ("unbalances", list.to_owned()),
+            ("unbalance_count", unbalances.len().to_string()),
+        ],
+    )?;
+    writeln!(source)?;
+    Ok(())
 }
 
 /// Writes members and the end of a struct.

@@ -304,7 +304,7 @@ fn referenced_files(scene: &Scene) -> Vec<ReferencedFile> {
     let paths = system.chain(scene.recording.iter().map(|recording| &recording.file));
     let file = |path: &PathBuf| ReferencedFile {
         name: path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned(),
-        hash: File::open(folder.join(path)).and_then(hash_of).ok(),
+        hash: File::open(path).and_then(hash_of).ok(),
     };
     paths.map(file).collect()
 }

@@ -93,9 +93,15 @@ fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> Extent {
     let play = build::law(of).map_or(0.0, |(_, _, play)| play.abs());
     let elastic = of.geometry.map_or(SMALL, |g| RELATIVE_APPROACH * g.ball_diameter);
     let approach = of.table.and_then(|table| table.approach).map_or(elastic, |[_, most]| 0.4 * most);
-    let along = approach + 0.5 * play;
+    let along = approach + play;
     let tilt = 0.3 * along / radius(of);
-    (offset.to_array(), [along, along, along, tilt, tilt])
+    let centre = offset.to_array();
+    let mut amplitude = [along, along, along, tilt, tilt];
+    // The displacement 0, at which preloaded rings do not touch, is inside.
+    for (x, by_preload) in amplitude.iter_mut().zip(centre) {
+        *x = x.max(1.2 * by_preload.abs());
+    }
+    (centre, amplitude)
 }
 
 fn radius(of: &Bearing) -> f64 {

@@ -87,9 +87,8 @@ pub fn computed_over(scene: &Scene, plant: &Plant, span: Span) -> Result<Poses> 
 /// # Errors
 /// Returns an error if the recording cannot be read or the probes do not determine the position.
 pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording, most_rows: usize) -> Result<Poses> {
-    let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
-    let path = folder.join(&recording.file);
-    let mut reader = Reader::open(&path, recording)?;
+    let path = &recording.file;
+    let mut reader = Reader::open(path, recording)?;
     let stations: Vec<f64> = plant.bearings.iter().map(|s| s.station).collect();
     let solver = PoseSolver::try_new(&recording.probes, &stations).map_err(Error::in_file(&scene.path))?;
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
@@ -124,7 +123,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording, most_rows: 
         .map(|poses: &Vec<Pose>| poses.iter().step_by(poses.len().div_ceil(MOST_POSES).max(1)).copied().collect())
         .collect();
     if thinned.iter().any(Vec::is_empty) {
-        return Err(TradeError::NoSample { file: path }.into());
+        return Err(TradeError::NoSample { file: path.clone() }.into());
     }
     Ok(thinned)
 }
