@@ -155,7 +155,10 @@ fn desk(recording: &str) -> Desk {
         desk.put(name, DEMO_SCENE);
     }
     desk.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
-    desk.put("log.csv", "u,v,w,thu,thv,cage_phase\n0x36a7c5ac,0x00000000,0x378637bd,0x00000000,0x00000000,0x1000000000000000\n");
+    desk.put(
+        "log.csv",
+        "u,v,w,thu,thv,cage_phase\n0x36a7c5ac,0x00000000,0x378637bd,0x00000000,0x00000000,0x1000000000000000\n",
+    );
     desk.put("machines.csv", "machine,scene\nrig,machine.toml\n");
     desk
 }

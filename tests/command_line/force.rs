@@ -246,7 +246,7 @@ fn a_log_of_bits_gives_the_bits_of_the_kernel() {
     let (mut log, mut expected) = ("u,v,w,thu,thv,cage_phase,inner_speed\n".to_owned(), String::new());
     for i in 0..64_u64 {
         let phase = Phase(i.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let u = Displacement { u: 1e-7 * i as f32, v: 3e-6 - 1e-7 * i as f32, ..Displacement::default() };
+        let u = Displacement { u: 1e-7 * i as f32, v: 1e-6 - 1e-7 * i as f32, ..Displacement::default() };
         let displacement = u.to_array().map(bits).join(",");
         // The last column in decimal digits, some angles too.
         let angle = if i % 2 == 0 { format!("{:#018x}", phase.0) } else { phase.0.to_string() };

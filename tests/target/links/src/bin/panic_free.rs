@@ -172,6 +172,9 @@ fn main() -> ! {
         turn.wrapping_mul(given()),
     ));
     black_box((turn.opposite(), ratio.apply(arc)));
+    let range: ChecksumRange = given();
+    black_box(range.checksum(&given::<Angular<f32, Exact, ElementPositions<f32, 9>>>()));
+    black_box(range.checksum(&given::<Tabulated<f32, Exact, ElementPositions<f32, 9>, &'static [Node<f32, 2>], 2>>()));
     loop {
         core::hint::spin_loop();
     }
