@@ -124,6 +124,21 @@ fn text(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).expect("text")
 }
 
+/// Builds the library for this machine and returns its path.
+fn library() -> String {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "-q", "--release", "-p", "ballrace-c"]).current_dir(super::root());
+    text(&cargo.output().expect("cargo runs"));
+    super::root().join("target/release/libballrace_c.a").to_str().expect("a path in UTF-8").to_owned()
+}
+
+/// Runs a compiler with strict flags.
+fn compiled(folder: &Path, compiler: &str, args: &[&str]) {
+    let mut command = Command::new(compiler);
+    command.args(STRICT).arg("-I").arg(super::root().join("kernel/c/include")).args(args).current_dir(folder);
+    text(&command.output().unwrap_or_else(|error| panic!("{compiler}: {error}")));
+}
+
 /// A program that prints checksums, and forces as bits.
 fn program() -> String {
     let mut main = "#include \"bearings.h\"\n#include <inttypes.h>\n#include <stdio.h>\n#include <string.h>\n\
@@ -156,7 +171,9 @@ fn program() -> String {
 /// Rows of `ballrace force` for one bearing.
 fn forces(folder: &Path, name: &str) -> Vec<String> {
     let args = ["force", "scene.toml", "--displacements", "u.csv", "--precision", "f32", "--bits", "--format", "csv"];
-    let printed = ballrace(folder, &[&args[..], &["--bearing", name]].concat());
+    // Constants of the quasi-static model are its table.
+    let model: &[&str] = if name == "balls" { &["--model", "tabulated"] } else { &[] };
+    let printed = ballrace(folder, &[&args[..], &["--bearing", name], model].concat());
     printed.lines().skip(1).map(|line| line.rsplit_once(',').expect("a status").0.to_owned()).collect()
 }
 
@@ -180,24 +197,13 @@ fn the_constants_of_c_give_the_checksums_and_the_forces() {
     assert!(ballrace(at, &["verify", "bearings.h"]).contains("equal to its scene"));
     assert!(ballrace(at, &["verify", "bearings.c"]).contains("equal to its scene"));
 
-    let library = Command::new(env!("CARGO"))
-        .args(["build", "-q", "--release", "-p", "ballrace-c"])
-        .current_dir(super::root())
-        .output()
-        .expect("cargo runs");
-    text(&library);
-    let include = super::root().join("kernel/c/include");
     let compile = |compiler: &str, flags: &[&str], inputs: &[&str], output: &str| {
-        let mut command = Command::new(compiler);
-        command.args(STRICT).args(flags).arg("-I").arg(&include).args(inputs).args(["-o", output]).current_dir(at);
-        text(&command.output().unwrap_or_else(|error| panic!("{compiler}: {error}")));
+        compiled(at, compiler, &[flags, inputs, &["-o", output]].concat());
     };
     for optimisation in ["-O0", "-O2", "-Os"] {
         compile("arm-none-eabi-gcc", &[&CORE[..], &[optimisation, "-c"]].concat(), &["bearings.c"], "bearings.o");
     }
-    let archive = super::root().join("target/release/libballrace_c.a");
-    let archive = archive.to_str().expect("a path in UTF-8");
-    compile("gcc", &["-O2"], &["main.c", "bearings.c", archive, "-lm", "-lpthread", "-ldl"], "main");
+    compile("gcc", &["-O2"], &["main.c", "bearings.c", &library(), "-lm", "-lpthread", "-ldl"], "main");
 
     let printed = text(&Command::new(at.join("main")).output().expect("the program runs"));
     let (found, checksums): (Vec<&str>, Vec<&str>) = printed.lines().partition(|line| line.starts_with("0x"));
@@ -214,4 +220,36 @@ fn the_constants_of_c_give_the_checksums_and_the_forces() {
             assert_eq!(unsigned(found[NAMES.len() * j + i]), unsigned(expected), "{name}, displacement {j}");
         }
     }
+}
+
+/// Calls the functions of the firmware guide with a displacement of the shaft, and with none.
+const GUIDE_MAIN: &str = "int main(void)
+{
+    struct drive_end end;
+    float wrench[5];
+    uint32_t status;
+    if (!set_up(&end)) {
+        return 1;
+    }
+    status = sample(&end, 100, 8e-6f, 0.0f, 314.0f, wrench);
+    return bits_of(wrench[0]) >> 31 == 1 && status == BALLRACE_OK ? 0 : 2;
+}
+";
+
+#[test]
+#[ignore = "needs gcc and gcc-arm-none-eabi; tests/run runs it"]
+fn the_functions_of_the_firmware_guide_compile_and_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let scene = super::root().join("runner/demo/healthy.toml");
+    let scene = scene.to_str().expect("a path in UTF-8");
+    ballrace(at, &["bake", scene, "--language", "c", "-o", "bearings.h"]);
+    let guide = std::fs::read_to_string(super::root().join("docs/src/firmware.md")).expect("the guide");
+    let blocks: Vec<&str> =
+        guide.split("```c\n").skip(1).map(|rest| rest.split("```").next().unwrap_or_default()).collect();
+    assert!(blocks.len() >= 2, "{} blocks of C", blocks.len());
+    std::fs::write(at.join("main.c"), blocks.concat() + GUIDE_MAIN).expect("a file");
+    compiled(at, "arm-none-eabi-gcc", &[&CORE[..], &["-O2", "-c", "main.c", "-o", "main.o"]].concat());
+    compiled(at, "gcc", &["main.c", "bearings.c", &library(), "-lm", "-lpthread", "-ldl", "-o", "main"]);
+    text(&Command::new(at.join("main")).output().expect("the program runs"));
 }

@@ -6,6 +6,7 @@ use crate::scene::{Bearing, Model, Scene, build};
 use ballrace::bearing::LastValidWrench;
 use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
 use ballrace::{Displacement, Status};
+use std::cmp::Reverse;
 
 /// Factors of the amplitude that are tried, the preferred one first.
 const FACTORS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 5.0, 0.5];
@@ -52,16 +53,30 @@ pub fn range(
         let range = with(extent);
         (range, coverage(baked, &range))
     };
-    let first = covered((preferred, 1.0));
     // Springs never lose contact.
     if baked.model == Model::Linear {
-        return first;
+        return covered((preferred, 1.0));
     }
-    let is_good = |coverage: &Coverage| {
-        let made = u32::from(CHECKSUM_SAMPLES) - coverage.contact_lost;
-        coverage.out_of_table <= MOST_OUTSIDE && made.min(coverage.contact_lost) >= WANTED
+    let candidates: Vec<_> = candidates.map(covered).collect();
+    let good = candidates.iter().find(|(_, coverage)| coverage.is_in_table() && coverage.least() >= WANTED);
+    // Elements under preload never lose contact. Of equal candidates the last is the maximum.
+    let quality = |(_, coverage): &&(ChecksumRange, Coverage)| {
+        (coverage.is_in_table(), coverage.least(), Reverse(coverage.out_of_table))
     };
-    candidates.map(covered).find(|(_, coverage)| is_good(coverage)).unwrap_or(first)
+    let best = good.or_else(|| candidates.iter().rev().max_by_key(quality));
+    best.copied().unwrap_or_else(|| covered((preferred, 1.0)))
+}
+
+impl Coverage {
+    /// Returns the number of samples with contact or without, whichever is less.
+    fn least(&self) -> u32 {
+        self.contact_lost.min(u32::from(CHECKSUM_SAMPLES) - self.contact_lost)
+    }
+
+    /// Returns true if few samples are outside the table.
+    fn is_in_table(&self) -> bool {
+        self.out_of_table <= MOST_OUTSIDE
+    }
 }
 
 /// Centre and amplitude of a range.
