@@ -2,7 +2,7 @@
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
-mod bearings;
+pub mod bearings;
 #[path = "../target/baked/src/flexible.rs"]
 #[rustfmt::skip]
 mod flexible;

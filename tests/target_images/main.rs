@@ -7,6 +7,9 @@ mod baked_c;
 mod bits;
 mod c_interface;
 mod counts;
+/// Inputs of the counting images.
+#[path = "../target/counts/src/inputs.rs"]
+mod counts_inputs;
 mod deny;
 mod firmware;
 mod isr;

@@ -196,6 +196,13 @@ typedef struct ballrace_model {
                          const struct ballrace_kinematic_state *state,
                          float *wrench);
     /**
+     * As `force_at`, with `BALLRACE_CONTACT_LOST` where no element carries load: for `ballrace_sample` and rotors.
+     */
+    uint32_t (*force_and_contact)(const struct ballrace_bearing *bearing,
+                                  const float *displacement,
+                                  const struct ballrace_kinematic_state *state,
+                                  float *wrench);
+    /**
      * Implementation of `ballrace_force_and_stiffness`.
      */
     uint32_t (*force_and_stiffness)(const struct ballrace_bearing *bearing,
@@ -1346,8 +1353,8 @@ uint32_t ballrace_angular_init(struct ballrace_angular *bearing,
  * `wrench` receives `FX FY FZ` in N and `MX MY` in N m. `cage_phase` is the angle of the cage in 2^-64 revolutions; all
  * speeds are 0.
  *
- * Returns status bits. The displacement must be finite; `ballrace_sample` also takes others. Constant number of
- * instructions for one bearing.
+ * Returns status bits. The displacement must be finite; `ballrace_sample` also takes others, and reports lost contact.
+ * Constant number of instructions for one bearing.
  *
  * Preconditions:
  * `bearing` is the head of a struct of its model; the arrays have five entries.

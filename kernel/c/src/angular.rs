@@ -5,9 +5,10 @@ use crate::geometry::{Geometry, InvalidParameter, check, report};
 use crate::model::Constants;
 use crate::pointer::check_pointers;
 use crate::status;
-use ballrace::Exact;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::angular::{AngularConstants, DisplacementDatum};
+use ballrace::bearing::{CageFrame, Reaction};
+use ballrace::{BearingKinematicState, Displacement, Exact};
 
 /// Zero displacement: the rings just touch the balls at the contact angle. For angular-contact bearings.
 pub const DATUM_TOUCHING: u32 = 0;
@@ -53,6 +54,11 @@ unsafe impl Constants for Angular {
         };
         // SAFETY: the pointers are valid by the contract of the function.
         ballrace::bearing::angular::Angular::from_constants(unsafe { self.head.positions() }, constants)
+    }
+
+    #[inline(always)]
+    fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32> {
+        bearing.reaction_inlined(u, at)
     }
 }
 

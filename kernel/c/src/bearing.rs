@@ -87,6 +87,13 @@ pub struct Model {
         state: *const KinematicState,
         wrench: *mut f32,
     ) -> u32,
+    /// As `force_at`, with `BALLRACE_CONTACT_LOST` where no element carries load: for `ballrace_sample` and rotors.
+    pub force_and_contact: unsafe extern "C" fn(
+        bearing: *const Bearing,
+        displacement: *const f32,
+        state: *const KinematicState,
+        wrench: *mut f32,
+    ) -> u32,
     /// Implementation of `ballrace_force_and_stiffness`.
     pub force_and_stiffness: unsafe extern "C" fn(
         bearing: *const Bearing,
@@ -124,8 +131,8 @@ pub struct Bearing {
 /// `wrench` receives `FX FY FZ` in N and `MX MY` in N m. `cage_phase` is the angle of the cage in 2^-64 revolutions; all
 /// speeds are 0.
 ///
-/// Returns status bits. The displacement must be finite; `ballrace_sample` also takes others. Constant number of
-/// instructions for one bearing.
+/// Returns status bits. The displacement must be finite; `ballrace_sample` also takes others, and reports lost contact.
+/// Constant number of instructions for one bearing.
 ///
 /// # Safety
 /// `bearing` is the head of a struct of its model; the arrays have five entries.

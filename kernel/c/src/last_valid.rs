@@ -61,9 +61,8 @@ pub unsafe extern "C" fn ballrace_sample(
     // SAFETY: by the contract of the function.
     unsafe {
         let Some(last_valid) = state::get::<LastValidWrench<f32>, _>(last_valid) else { return status::STATE_INVALID };
-        hold(last_valid, displacement, wrench, |force| {
-            ((*(*bearing).model).force)(bearing, displacement, cage_phase, force)
-        })
+        let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
+        hold(last_valid, bearing, displacement, &raw const state, wrench)
     }
 }
 
@@ -85,31 +84,29 @@ pub unsafe extern "C" fn ballrace_sample_at(
     // SAFETY: by the contract of the function.
     unsafe {
         let Some(last_valid) = state::get::<LastValidWrench<f32>, _>(last_valid) else { return status::STATE_INVALID };
-        hold(last_valid, displacement, wrench, |force| {
-            ((*(*bearing).model).force_at)(bearing, displacement, state, force)
-        })
+        hold(last_valid, bearing, displacement, state, wrench)
     }
 }
 
 /// Writes the new or the last valid force; returns the status bits.
 ///
 /// # Safety
-/// `displacement` and `wrench` point to five floats.
+/// As `ballrace_sample_at`.
 #[inline(always)]
 unsafe fn hold(
     last_valid: &mut LastValidWrench<f32>,
+    bearing: *const Bearing,
     displacement: *const f32,
+    state: *const KinematicState,
     wrench: *mut f32,
-    evaluate: impl FnOnce(*mut f32) -> u32,
 ) -> u32 {
     // SAFETY: by the contract of the function.
-    let input_ok = unsafe { pointer::displacement(displacement) }.is_finite();
-    let (held, status) = last_valid.update(input_ok, || {
+    unsafe {
+        let input_ok = pointer::displacement(displacement).is_finite();
         let mut force = [0.0; 5];
-        let bits = evaluate(force.as_mut_ptr());
-        status::to_reaction(force, bits)
-    });
-    // SAFETY: by the contract of the function.
-    unsafe { pointer::write_wrench(wrench, &held) };
-    u32::from(status.bits())
+        let bits = ((*(*bearing).model).force_and_contact)(bearing, displacement, state, force.as_mut_ptr());
+        let (held, status) = last_valid.update(input_ok, || status::to_reaction(force, bits));
+        pointer::write_wrench(wrench, &held);
+        u32::from(status.bits())
+    }
 }

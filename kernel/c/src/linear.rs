@@ -2,7 +2,8 @@
 
 use crate::bearing::{Bearing, Model};
 use crate::model::{Constants, stiffness_of};
-use ballrace::{Displacement, Wrench};
+use ballrace::bearing::{Bearing as _, Reaction};
+use ballrace::{BearingKinematicState, Displacement, Wrench};
 
 /// Springs about a reference state: `f = force - stiffness (u - reference)`. The head has no elements.
 #[repr(C)]
@@ -30,6 +31,11 @@ unsafe impl Constants for Linear {
             Displacement::from_array(reference),
             Wrench::from_array(force),
         )
+    }
+
+    #[inline(always)]
+    fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32> {
+        bearing.reaction(u, at)
     }
 }
 

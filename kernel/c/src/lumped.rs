@@ -5,10 +5,11 @@ use crate::geometry::{InvalidParameter, check};
 use crate::model::Constants;
 use crate::pointer::check_pointers;
 use crate::status;
-use ballrace::Exact;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
+use ballrace::bearing::{CageFrame, Reaction};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
+use ballrace::{BearingKinematicState, Displacement, Exact};
 
 /// A radial ball or roller bearing: `F = K delta^n` of each element.
 ///
@@ -97,6 +98,11 @@ unsafe impl<L: Law> Constants for WithLaw<LumpedRadial, L> {
         // SAFETY: the pointers are valid by the contract of the function.
         Radial::from_constants(unsafe { head.positions() }, L::new(*stiffness, *exponent), *play)
     }
+
+    #[inline(always)]
+    fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32> {
+        bearing.reaction_inlined(u, at)
+    }
 }
 
 // SAFETY: `repr(transparent)` over a `repr(C)` struct with the head first.
@@ -112,6 +118,11 @@ unsafe impl<L: Law> Constants for WithLaw<LumpedRadialAxial, L> {
             Radial::from_constants(positions, L::new(of.stiffness, of.exponent), of.play),
             Axial::from_constants(positions, L::new(of.axial_stiffness, of.axial_exponent), of.axial_play, of.radius),
         )
+    }
+
+    #[inline(always)]
+    fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32> {
+        bearing.reaction_inlined(u, at)
     }
 }
 

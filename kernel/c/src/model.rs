@@ -2,9 +2,9 @@
 
 use crate::bearing::{Bearing, KinematicState, Model};
 use crate::{pointer, status};
-use ballrace::bearing::{Bearing as _, ElementPosition};
+use ballrace::bearing::{Bearing as _, ElementPosition, Reaction};
 use ballrace::frame::mirrored_stiffness;
-use ballrace::{BearingKinematicState, Phase, Stiffness, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Phase, Stiffness, Wrench};
 
 /// A struct of C with the constants of a model.
 ///
@@ -22,6 +22,9 @@ pub unsafe trait Constants: 'static {
     /// # Safety
     /// The pointers in the struct are valid.
     unsafe fn bearing(&self) -> Self::Bearing<'_>;
+
+    /// Computes the force, inlined: two functions of a model use it.
+    fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32>;
 }
 
 impl Bearing {
@@ -42,6 +45,7 @@ impl Model {
         Self {
             force: force::<C>,
             force_at: force_at::<C>,
+            force_and_contact: force_and_contact::<C>,
             force_and_stiffness: force_and_stiffness::<C>,
             element_loads: element_loads::<C>,
         }
@@ -53,6 +57,7 @@ impl Model {
         Self {
             force: mirrored_force::<C>,
             force_at: mirrored_force_at::<C>,
+            force_and_contact: mirrored_force_and_contact::<C>,
             force_and_stiffness: mirrored_force_and_stiffness::<C>,
             element_loads: mirrored_element_loads::<C>,
         }
@@ -69,7 +74,7 @@ unsafe fn bearing_of<'a, C: Constants>(bearing: *const Bearing) -> C::Bearing<'a
     unsafe { (*bearing.cast::<C>()).bearing() }
 }
 
-/// Computes and writes the force.
+/// Computes and writes the force; returns its reaction.
 ///
 /// # Safety
 /// As `ballrace_force`, with the head of a `C`.
@@ -79,12 +84,12 @@ unsafe fn evaluate<C: Constants>(
     displacement: *const f32,
     at: &BearingKinematicState<f32>,
     wrench: *mut f32,
-) -> u32 {
+) -> Reaction<f32> {
     // SAFETY: the pointers are valid by the contract of the function.
     unsafe {
-        let reaction = bearing_of::<C>(bearing).reaction(&pointer::displacement(displacement), at);
+        let reaction = C::reaction(&bearing_of::<C>(bearing), &pointer::displacement(displacement), at);
         pointer::write_wrench(wrench, &reaction.wrench);
-        status::of_reaction(&reaction)
+        reaction
     }
 }
 
@@ -102,7 +107,8 @@ unsafe extern "C" fn force<C: Constants>(
             let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
             return force_at::<C>(bearing, displacement, &raw const state, wrench);
         }
-        evaluate::<C>(bearing, displacement, &Phase(cage_phase).into(), wrench)
+        // Without the sum of the loads, which only the flag of lost contact needs.
+        u32::from(evaluate::<C>(bearing, displacement, &Phase(cage_phase).into(), wrench).status.bits())
     }
 }
 
@@ -116,9 +122,26 @@ unsafe extern "C" fn force_at<C: Constants>(
     // SAFETY: the contract is that of `ballrace_force_at`.
     unsafe {
         if C::USES_SPEED {
-            return evaluate::<C>(bearing, displacement, (*state).of_kernel(), wrench);
+            return force_and_contact::<C>(bearing, displacement, state, wrench) & !status::CONTACT_LOST;
         }
         force::<C>(bearing, displacement, (*state).cage, wrench)
+    }
+}
+
+#[inline(never)]
+unsafe extern "C" fn force_and_contact<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force_at`.
+    unsafe {
+        if C::USES_SPEED {
+            return status::of_reaction(&evaluate::<C>(bearing, displacement, (*state).of_kernel(), wrench));
+        }
+        // Only the cage angle has an effect.
+        status::of_reaction(&evaluate::<C>(bearing, displacement, &Phase((*state).cage).into(), wrench))
     }
 }
 
@@ -136,7 +159,7 @@ unsafe extern "C" fn force_and_stiffness<C: Constants>(
         let (reaction, k) = bearing_of::<C>(bearing).reaction_and_stiffness(&pointer::displacement(displacement), at);
         pointer::write_wrench(wrench, &reaction.wrench);
         write_stiffness(stiffness, &k);
-        status::of_reaction(&reaction)
+        u32::from(reaction.status.bits())
     }
 }
 
@@ -224,6 +247,21 @@ unsafe extern "C" fn mirrored_force_at<C: Constants>(
     unsafe {
         let (u, at) = (pointer::displacement(displacement).mirrored().to_array(), reversed(state));
         let status = force_at::<C>(bearing, u.as_ptr(), &raw const at, wrench);
+        mirror(wrench);
+        status
+    }
+}
+
+unsafe extern "C" fn mirrored_force_and_contact<C: Constants>(
+    bearing: *const Bearing,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_force_at`.
+    unsafe {
+        let (u, at) = (pointer::displacement(displacement).mirrored().to_array(), reversed(state));
+        let status = force_and_contact::<C>(bearing, u.as_ptr(), &raw const at, wrench);
         mirror(wrench);
         status
     }

@@ -11,6 +11,16 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     ballrace_a_panic_can_be_reached()
 }
 
+/// Control of the proof: a function that can panic. An image that names it does not link.
+///
+/// cbindgen:ignore
+#[cfg(feature = "panic-never")]
+#[unsafe(no_mangle)]
+pub extern "C" fn ballrace_control_that_can_panic(index: u32) -> u32 {
+    const TABLE: [u32; 4] = [3, 1, 4, 1];
+    TABLE[index as usize]
+}
+
 #[cfg(all(feature = "panic-loop", not(feature = "panic-never")))]
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {

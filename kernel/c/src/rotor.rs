@@ -153,7 +153,12 @@ impl ballrace::Bearing<f32> for BearingOfC {
         let (u, mut wrench) = (u.to_array(), [0.0; 5]);
         // SAFETY: the pointer is valid by the contract of the function that stored it.
         let bits = unsafe {
-            ((*(*self.0).model).force_at)(self.0, u.as_ptr(), KinematicState::from_kernel(at), wrench.as_mut_ptr())
+            ((*(*self.0).model).force_and_contact)(
+                self.0,
+                u.as_ptr(),
+                KinematicState::from_kernel(at),
+                wrench.as_mut_ptr(),
+            )
         };
         status::to_reaction(wrench, bits)
     }

@@ -3,10 +3,11 @@
 use crate::bearing::{Bearing, Model};
 use crate::model::Constants;
 use crate::pointer;
-use ballrace::Exact;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::quasi_static::TableConstants;
 use ballrace::bearing::tabulated::{Grid, Node, Table};
+use ballrace::bearing::{CageFrame, Reaction};
+use ballrace::{BearingKinematicState, Displacement, Exact};
 
 /// One coordinate of the grid of a table.
 #[repr(C)]
@@ -98,6 +99,11 @@ unsafe impl<const F: usize> Constants for WithFields<F> {
         let grid = Grid { approach: (&of.approach).into(), angle: (&of.angle).into(), speed: (&of.speed).into() };
         let by_outer = of.by_outer_speed != 0;
         ballrace::bearing::tabulated::Tabulated::new(positions, constants, Table::new(grid, nodes), by_outer)
+    }
+
+    #[inline(always)]
+    fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32> {
+        bearing.reaction_inlined(u, at)
     }
 }
 

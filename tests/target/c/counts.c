@@ -1,7 +1,7 @@
 /* Instructions and stack of every call over the inputs: `name;function;least;most;stack`. */
 #include "board.h"
 #include "inputs.h"
-#include "subjects.h"
+#include "machine.h"
 
 static const ballrace_bearing *bearing;
 static ballrace_last_valid last_valid;
@@ -18,6 +18,31 @@ CALL(sample, ballrace_sample(bearing, &last_valid, in.displacement, in.cage, wre
 CALL(sample_at, ballrace_sample_at(bearing, &last_valid, in.displacement, &at, wrench))
 CALL(tangent, ballrace_force_and_stiffness(bearing, in.displacement, &at, wrench, stiffness))
 CALL(element_loads, ballrace_element_loads(bearing, in.displacement, &at, loads))
+
+static ballrace_rotor_state motion;
+static ballrace_observer_state observed;
+static ballrace_shaft shaft;
+static ballrace_estimate estimate;
+static ballrace_order_tracker tracker;
+static ballrace_order_sums sums[LINES];
+static ballrace_statistics statistics;
+static ballrace_block_statistics block;
+static ballrace_envelope envelope;
+static ballrace_force_tracker force_tracker;
+static uint64_t force_words[12 * ORDERS + 8];
+static ballrace_force_line lines[3][ORDERS];
+static float amplitudes[2 * LINES], amplitude;
+
+CALL(rotor_step, ballrace_rotor_step(&rotor_on_2, &motion, &shaft))
+CALL(rotor_step_of_4, ballrace_rotor_step(&rotor_on_4, &motion, &shaft))
+CALL(observer_sample, ballrace_observer_sample(&observer, &observed, &shaft, in.displacement, &estimate))
+CALL(order_add, ballrace_order_tracker_add(&tracker, in.displacement[0], at.inner, at.cage, at.ball))
+CALL(statistics_add, ballrace_statistics_add(&statistics, in.displacement[0], &block))
+CALL(envelope_add, ballrace_envelope_add(&envelope, in.displacement[0], &amplitude))
+CALL(force_add, ballrace_force_tracker_add(&force_tracker, in.displacement[0], in.displacement[1], &at))
+CALL(force_close, ballrace_force_tracker_close(&force_tracker, lines[0], lines[1], lines[2]))
+CALL(advance_counts, in.cage = ballrace_phase_advance_counts(in.cage, (int32_t)(in.cage >> 40), at.inner))
+CALL(ratio_apply, in.cage = (uint64_t)ballrace_speed_ratio_apply((int64_t)at.inner, (int64_t)in.cage))
 
 static void measure(const char *name, const char *function, void (*prepare)(uint32_t), uint32_t (*call)(void))
 {
@@ -65,12 +90,57 @@ static void measure_bearing(const struct subject *subject)
     measure(subject->name, "element loads", take_input, element_loads);
 }
 
+/* The states and speeds of the Rust tests. */
+static void take_motion(uint32_t i)
+{
+    take_input(i);
+    const uint64_t cages[4] = { in.cage, 5 * in.cage, in.cage, in.cage };
+    ballrace_rotor_state_init(&rotor_on_2, &motion, in.displacement, 3 * in.cage, cages);
+    ballrace_observer_state_init(&observer, &observed, start_displacement, 3 * in.cage, cages);
+    shaft.angle = 3 * in.cage;
+    shaft.speed = i % 7 == 0 ? in.displacement[0] : in.displacement[2] * 1e7f;
+}
+
+static void take_motion_of_4(uint32_t i)
+{
+    take_motion(i);
+    const uint64_t cages[4] = { in.cage, 5 * in.cage, in.cage, in.cage };
+    ballrace_rotor_state_init(&rotor_on_4, &motion, in.displacement, 3 * in.cage, cages);
+}
+
+static void take_sample(uint32_t i)
+{
+    take_input(i);
+    at = (ballrace_kinematic_state){ .cage = in.cage, .inner = 3 * in.cage, .ball = 7 * in.cage };
+    const ballrace_kinematic_state start = { 0 };
+    ballrace_order_tracker_init(&tracker, order_lines, sums, amplitudes, LINES, 8, at.inner);
+    ballrace_statistics_init(&statistics, 64);
+    ballrace_envelope_init(&envelope, 3000.0, 500.0, 12800.0);
+    ballrace_force_tracker_init(&force_tracker, &ballrace_force_tracker_of_4_orders, force_words, 9, 1 + i % 2, &start);
+}
+
+static void take_block(uint32_t i)
+{
+    take_sample(i);
+    if (i % 5) ballrace_force_tracker_add(&force_tracker, in.displacement[0], in.displacement[1], &at);
+}
+
 void run(void)
 {
     counter_start();
-    if (subjects_init() != BALLRACE_OK) {
+    if (subjects_init() | machine_init()) {
         print("set-up failed\n");
         return;
     }
     for (int i = 0; i < SUBJECT_COUNT; i++) measure_bearing(&subjects[i]);
+    measure("rotor on two angular bearings, 9", "Verlet step", take_motion, rotor_step);
+    measure("rotor on four angular bearings, 9", "Verlet step", take_motion_of_4, rotor_step_of_4);
+    measure("observer of two bearings, four probes", "sample", take_motion, observer_sample);
+    measure("order tracking, 4 lines", "sample", take_sample, order_add);
+    measure("statistics", "sample", take_sample, statistics_add);
+    measure("envelope", "sample", take_sample, envelope_add);
+    measure("force orders, 4 harmonics", "sample", take_sample, force_add);
+    measure("force orders, 4 harmonics", "end of a block", take_block, force_close);
+    measure("phase", "advance by encoder counts", take_sample, advance_counts);
+    measure("phase", "apply a speed ratio", take_sample, ratio_apply);
 }

@@ -1,6 +1,13 @@
 //! The C interface: its header, its libraries for firmware and for the desktop.
 
+mod checksums;
+mod expected;
 mod header;
+mod host;
+mod image;
+mod instructions;
+mod links;
+mod tables;
 
 use std::path::PathBuf;
 

@@ -26,14 +26,7 @@ pub const COUNT: u32 = 700;
 /// Input number `i`: special values on one or two coordinates, else pseudo-random motion of some micrometres with
 /// contact on all, some or no elements; the cage angle walks through every quadrant. Number 1 is an ordinary one.
 pub fn input<T: Scalar>(i: u32) -> (Displacement<T>, Phase) {
-    let mut seed = u64::from(i).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x1234_5678_9abc_def1);
-    let mut random = || {
-        seed ^= seed << 13;
-        seed ^= seed >> 7;
-        seed ^= seed << 17;
-        (seed >> 40) as f32 / 16_777_216.0 - 0.5
-    };
-    let mut u = [random() * 60e-6, random() * 60e-6, random() * 120e-6, random() * 1e-3, random() * 1e-3];
+    let mut u = motion(i);
     let special = |k: u32| SPECIAL.get(k as usize % SPECIAL.len()).copied().unwrap_or(0.0);
     if i.is_multiple_of(3) {
         let k = i / 3;
@@ -44,6 +37,30 @@ pub fn input<T: Scalar>(i: u32) -> (Displacement<T>, Phase) {
             *x = special(k / 5 + k);
         }
     }
-    let cage = Phase(u64::from(i).wrapping_mul(0x6a09_e667_f3bc_c908));
-    (Displacement::from_array(u.map(|x| T::from_f64(f64::from(x)))), cage)
+    (displacement(u), cage(i))
+}
+
+/// Input number `i` without special values.
+#[allow(dead_code)]
+pub fn finite_input<T: Scalar>(i: u32) -> (Displacement<T>, Phase) {
+    (displacement(motion(i)), cage(i))
+}
+
+fn displacement<T: Scalar>(u: [f32; 5]) -> Displacement<T> {
+    Displacement::from_array(u.map(|x| T::from_f64(f64::from(x))))
+}
+
+fn cage(i: u32) -> Phase {
+    Phase(u64::from(i).wrapping_mul(0x6a09_e667_f3bc_c908))
+}
+
+fn motion(i: u32) -> [f32; 5] {
+    let mut seed = u64::from(i).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x1234_5678_9abc_def1);
+    let mut random = || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        (seed >> 40) as f32 / 16_777_216.0 - 0.5
+    };
+    [random() * 60e-6, random() * 60e-6, random() * 120e-6, random() * 1e-3, random() * 1e-3]
 }
