@@ -1,6 +1,7 @@
 //! Constants of `ballrace bake --language c`: compiled by gcc for the desktop and for the target, with the checksums of the
 //! certificate and the forces of `ballrace force`.
 
+use super::c_interface::image::{Abi, Image};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -219,6 +220,29 @@ fn the_constants_of_c_give_the_checksums_and_the_forces() {
         for (j, expected) in forces(at, name).iter().enumerate() {
             assert_eq!(unsigned(found[NAMES.len() * j + i]), unsigned(expected), "{name}, displacement {j}");
         }
+    }
+}
+
+/// The image of the constants, with and without FPU, computes the checksums of the certificate.
+#[test]
+#[ignore = "needs qemu-system-arm, gcc-arm-none-eabi and two targets; tests/run runs it"]
+fn the_target_computes_the_checksums_of_c() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    std::fs::write(at.join("scene.toml"), SCENE).expect("a file");
+    ballrace(at, &["bake", "scene.toml", "--language", "c", "-o", "bearings.h"]);
+    let read = |name: &str| std::fs::read_to_string(at.join(name)).expect(name);
+    let equal: Vec<String> = NAMES
+        .iter()
+        .map(|name| format!("(bearing_{name}_checksum() == BEARING_{}_CHECKSUM)", name.to_uppercase()))
+        .collect();
+    let source = read("bearings.c").replace("#include \"bearings.h\"\n", &read("bearings.h"))
+        + "\n#include \"board.h\"\nvoid run(void)\n{\n    print_number((uint32_t)("
+        + &equal.join("\n        + ")
+        + "));\n}\n";
+    for abi in [Abi::Hard, Abi::Soft] {
+        let image = Image::new(abi).text("bearings.c", &source).link("baked");
+        assert_eq!(image.run(), NAMES.len().to_string(), "{abi:?}: number of equal checksums");
     }
 }
 

@@ -4,7 +4,7 @@ mod checksums;
 mod expected;
 mod header;
 mod host;
-mod image;
+pub mod image;
 mod instructions;
 mod links;
 mod tables;

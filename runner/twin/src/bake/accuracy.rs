@@ -6,7 +6,7 @@ use crate::force;
 use crate::handle::{AnyBearing, AnyForceModel, ForceModel};
 use crate::plant::Plant;
 use crate::scene::build::{self, MadeTable};
-use crate::scene::{Bearing, Model, Scene};
+use crate::scene::{Bearing, Effects, Model, Scene};
 use crate::trade::FidelityLevel;
 use crate::trade::force::{apart, in_precision, rounded};
 use crate::trade::poses::{self, A_TURN, Pose, Poses, TURNS};
@@ -200,8 +200,21 @@ fn dearest(scene: &Scene, text: &str, i: usize) -> Result<Reference> {
 
 fn reference(level: &FidelityLevel, scene: &Scene, text: &str, i: usize) -> Result<Reference> {
     let edited = level.scene_with_one(text, scene, i)?;
-    let (name, bearing, offset) = own_model(&edited, i)?;
-    Ok((if name == Model::Linear.name() { name } else { level.name.clone() }, bearing, offset))
+    let (own, bearing, offset) = own_model(&edited, i)?;
+    let name = match edited.bearings.get(i) {
+        Some(of) if of.model == Model::QuasiStatic => format!("{own}, {}", effects(of)),
+        Some(of) if of.model != Model::Linear => level.name.clone(),
+        _ => own,
+    };
+    Ok((name, bearing, offset))
+}
+
+/// Returns the names of the effects of a bearing.
+fn effects(of: &Bearing) -> String {
+    let Effects { centrifugal, gyroscopic, film, .. } = &of.effects;
+    let all = [(*centrifugal, "centrifugal"), (*gyroscopic, "gyroscopic"), (film.is_some(), "film")];
+    let named: Vec<&str> = all.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect();
+    if named.is_empty() { "no effects".to_owned() } else { named.join(", ") }
 }
 
 /// Returns the scene's own model in double precision.

@@ -15,7 +15,7 @@
 // bearing_de bearing: DE
 // bearing_de model: tabulated, 8 elements
 // bearing_de poses: 1024, checksum
-// bearing_de reference: quasi-static, centrifugal, gyroscopic, film, f64
+// bearing_de reference: quasi-static, centrifugal, gyroscopic, f64
 // bearing_de largest load: 3.353e2 N
 // bearing_de largest error: 2.9e-1 N
 // bearing_de largest relative error: 8.4e-4
