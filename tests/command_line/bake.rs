@@ -2,6 +2,7 @@
 
 use ballrace::bearing::Bearing;
 use ballrace::{BearingKinematicState, Displacement, Phase};
+use serde_json::Value;
 
 use crate::support::{DEMO_SCENE, Desk, numbers, short_recording};
 
@@ -194,6 +195,28 @@ fn the_observer_is_baked() {
         assert!((found[i] - last[i + 1]).abs() < 3.0, "{found:?} {:?}", &last[1..4]);
     }
     assert!((3.0..8.0).contains(&found[3]), "{found:?}");
+}
+
+/// The constants of a checksum compile and give the value of the certificate, in every model.
+#[test]
+fn the_checksum_of_every_model_is_that_of_the_certificate() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", DIRECT);
+    let baked: Value = desk.done(&["bake", "scene.toml", "-o", "bearings.rs", "--format", "json"]).json();
+    let calls = ["a", "b", "c", "d"].map(|name| {
+        format!("println!(\"{{:#018x}} {{:#018x}}\", bearing_{name}::checksum(), bearing_{name}::CHECKSUM);")
+    });
+    let found = desk.compiled(&format!(
+        "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\nuse bearings::*;\nfn main() {{ {} }}\n",
+        calls.concat()
+    ));
+    let expected: String = baked
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| one["checksum"].as_str().unwrap())
+        .fold(String::new(), |text, checksum| text + checksum + " " + checksum + "\n");
+    assert_eq!(found, expected);
 }
 
 /// A rotor that bends, on bearings of which one has a support.

@@ -221,3 +221,69 @@ fn the_three_formats_say_the_same() {
 fn nothing_to_answer() {
     assert_eq!(forces(&rig(), &format!("{HEAD}\n"), 17, &["--bearing", "DE"]), []);
 }
+
+/// Text of a number as its bits in single precision.
+fn bits(x: f32) -> String {
+    format!("{:#010x}", x.to_bits())
+}
+
+/// A log of a device has angles that no decimal number of radians has, and numbers as bits.
+#[test]
+fn a_log_of_bits_gives_the_bits_of_the_kernel() {
+    use ballrace::{Bearing, BearingKinematicState, Displacement, LumpedRadial, Phase};
+    let desk = Desk::empty();
+    desk.put(
+        "scene.toml",
+        "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\ncage_ratio = 0.4\n\
+         elements = 9\nstiffness = 8e9\nradial_play = \"2 um\"\n",
+    );
+    let bearing = LumpedRadial::<f32, 9>::try_new(
+        ballrace::bearing::evenly_spaced(Phase::ZERO),
+        ballrace::contact::law::PointContactLaw { stiffness: 8e9 },
+        2e-6,
+    )
+    .unwrap();
+    let (mut log, mut expected) = ("u,v,w,thu,thv,cage_phase,inner_speed\n".to_owned(), String::new());
+    for i in 0..64_u64 {
+        let phase = Phase(i.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let u = Displacement { u: 1e-7 * i as f32, v: 1e-6 - 1e-7 * i as f32, ..Displacement::default() };
+        let displacement = u.to_array().map(bits).join(",");
+        // The last column in decimal digits, some angles too.
+        let angle = if i % 2 == 0 { format!("{:#018x}", phase.0) } else { phase.0.to_string() };
+        log += &format!("{displacement},{angle},314.25\n");
+        let at = BearingKinematicState { inner_speed: 314.25, ..BearingKinematicState::from(phase) };
+        let reaction = bearing.reaction(&u, &at);
+        let status = if reaction.load == 0.0 { "0x04" } else { "0x00" };
+        expected += &format!("{},{status}\n", reaction.wrench.to_array().map(bits).join(","));
+    }
+    assert!(expected.contains("0x04") && expected.contains("0x00\n"));
+    desk.put("log.csv", log);
+    let args = ["force", "scene.toml", "--displacements", "log.csv", "--precision", "f32", "--bits"];
+    let out = desk.done(&[&args[..], &["--format", "csv"]].concat()).out;
+    assert_eq!(out, format!("FX,FY,FZ,MX,MY,status\n{expected}"));
+    let json: Value = desk.done(&[&args[..], &["--format", "json"]].concat()).json();
+    let first: Vec<&str> = expected.lines().next().unwrap().split(',').collect();
+    assert_eq!([&json[0]["FX"], &json[0]["FY"], &json[0]["status"]], [first[0], first[1], first[5]]);
+    // Double precision has sixteen digits.
+    let args = ["force", "scene.toml", "--displacements", "log.csv", "--bits", "--format", "csv"];
+    assert_eq!(desk.done(&args).out.lines().nth(1).unwrap().split(',').next().unwrap().len(), 18);
+}
+
+#[test]
+fn invalid_cells_of_a_log_are_refused() {
+    let desk = Desk::rig();
+    let refused = |text: &str, code: i32, part: &str| {
+        desk.put("u.csv", text);
+        let args = ["force", "scene.toml", "--bearing", "DE", "--displacements", "u.csv"];
+        desk.refused(&args, code, &["u.csv:", part]);
+    };
+    let header = "u,v,w,thu,thv,cage_phase\n";
+    for phase in ["-1", "0.5", "0x", "0x1g", "18446744073709551616", ""] {
+        refused(&format!("{header}0,0,0,0,0,{phase}\n"), 1, "column cage_phase: invalid value");
+    }
+    for cell in ["0x123", "0x123456789", "0xzzzzzzzz"] {
+        refused(&format!("{header}{cell},0,0,0,0,1\n"), 1, "column u: invalid value");
+    }
+    let both = "u,v,w,thu,thv,cage_phase,cage_angle\n0,0,0,0,0,0,0\n";
+    refused(both, 2, "both cage_angle and cage_phase are given, expected at most one");
+}

@@ -54,4 +54,5 @@ mod text_datagrams;
 mod texts;
 mod trade;
 mod truth;
+mod verify;
 mod vibration;

@@ -2,6 +2,7 @@
 
 mod batch;
 mod bearings;
+mod checksum;
 mod fast;
 mod general;
 mod indicators;

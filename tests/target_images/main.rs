@@ -3,6 +3,7 @@
 //! `BALLRACE_WRITE=1 cargo test -p ballrace-target-tests -- --ignored` rewrites the figures of `docs/src/performance.md`.
 
 mod baked;
+mod baked_c;
 mod bits;
 mod c_interface;
 mod counts;

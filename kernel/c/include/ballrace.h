@@ -372,6 +372,28 @@ typedef struct ballrace_invalid_parameter {
 } ballrace_invalid_parameter;
 
 /**
+ * Displacements and speeds of the 1024 evaluations of a checksum. `ballrace bake --language c` writes it.
+ */
+typedef struct ballrace_checksum_range {
+    /**
+     * Centre of the displacements, m and rad.
+     */
+    float centre[5];
+    /**
+     * Largest deviation from the centre, m and rad.
+     */
+    float amplitude[5];
+    /**
+     * Speed of the inner ring at the first sample and its increment per sample, rad/s.
+     */
+    float inner_speed[2];
+    /**
+     * Speed of the outer ring at the first sample and its increment per sample, rad/s.
+     */
+    float outer_speed[2];
+} ballrace_checksum_range;
+
+/**
  * One line of the full spectrum of a force in the frame of a component.
  *
  * At the angle `p` of its fundamental the line of order `k` is `F e^(i k p) + B e^(-i k p)`.
@@ -1396,6 +1418,16 @@ uint32_t ballrace_elements_evenly_spaced(struct ballrace_element *elements,
  * `elements` has `count` entries.
  */
 uint32_t ballrace_elements_mirror(struct ballrace_element *elements, uint32_t count);
+
+/**
+ * Computes the checksum of 1024 forces by `ballrace_sample_at`: FNV-1a with 64 bits over the bits of force, moment and
+ * status. For start-up: a value other than that of `ballrace bake` shows a damaged image. A NULL pointer gives 0.
+ *
+ * Preconditions:
+ * `bearing` is the head of a struct of its model, `range` points to a range; both may be NULL.
+ */
+uint64_t ballrace_checksum(const struct ballrace_bearing *bearing,
+                           const struct ballrace_checksum_range *range);
 
 /**
  * Initialises a force tracker for a bearing of `elements` rolling elements and blocks of `turns` revolutions of the inner

@@ -7,6 +7,7 @@
 
 mod angular;
 mod bearing;
+mod checksum;
 mod force_tracker;
 mod geometry;
 mod indicators;
@@ -29,6 +30,7 @@ mod tabulated;
 
 pub use angular::*;
 pub use bearing::*;
+pub use checksum::*;
 pub use force_tracker::*;
 pub use geometry::*;
 pub use indicators::*;

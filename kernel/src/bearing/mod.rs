@@ -3,6 +3,7 @@
 
 pub mod angular;
 pub mod batch;
+pub mod checksum;
 mod common;
 mod element_position;
 mod elements;

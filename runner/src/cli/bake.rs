@@ -1,12 +1,12 @@
-//! `ballrace bake`: writes the bearings of a scene as Rust constants for firmware.
+//! `ballrace bake`: writes the bearings of a scene as constants for firmware, with a certificate.
 
 use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
-use anyhow::Result;
-use ballrace_twin::bake::{Baked, bake};
+use anyhow::{Result, bail};
+use ballrace_twin::bake::{BakeOptions, Baked, BearingCertificate, Core, Language, bake};
 use ballrace_twin::effect_significance;
 use ballrace_twin::output::AtomicFile;
-use ballrace_twin::scene::read::read_file;
+use ballrace_twin::scene::read::{load, read_str};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -15,12 +15,18 @@ use std::path::PathBuf;
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Rust source to write.
+    /// Source file to write; of C, header F.h and source F.c are written.
     #[arg(short, long, value_name = "F.rs")]
     output: PathBuf,
     /// Write this bearing only.
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
+    /// Language of the constants.
+    #[arg(long, value_enum, default_value_t = Language::Rust)]
+    language: Language,
+    /// Processor core whose measured cost the certificate states.
+    #[arg(long, value_enum, default_value_t = Core::CortexM4f)]
+    core: Core,
 }
 
 /// Runs the command.
@@ -28,12 +34,25 @@ pub struct Args {
 /// # Errors
 /// Returns an error if the scene is invalid or the output cannot be written.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
-    let scene = read_file(&args.scene)?;
-    check_distinct_paths(&[("--output", &args.output)], &[&args.scene])?;
-    let (source, baked) = bake(&scene, args.bearing.as_deref()).map_err(UsageError::with_bearing_option)?;
-    AtomicFile::write(&args.output, &source)?;
+    let text = load(&args.scene)?;
+    let scene = read_str(&text, &args.scene)?;
+    let outputs = outputs(args)?;
+    let named: Vec<_> = outputs.iter().map(|path| ("--output", path.as_path())).collect();
+    check_distinct_paths(&named, &[&args.scene])?;
+    let name = args.output.file_stem().unwrap_or_default().to_string_lossy();
+    let options = BakeOptions {
+        bearing: args.bearing.as_deref(),
+        language: args.language,
+        core: args.core,
+        poses: None,
+        name: &name,
+    };
+    let baked = bake(&scene, &text, &options).map_err(UsageError::with_bearing_option)?;
+    for (path, file) in outputs.iter().zip(&baked.files) {
+        AtomicFile::write(path, &file.source)?;
+    }
     let significance = effect_significance::of_scene(&scene)?;
-    print(&baked, args, format)?;
+    print(&baked.bearings, (args, &outputs), format)?;
     if format == Format::Text {
         print_effects(&mut super::standard_output(format), &significance, error)
     } else {
@@ -41,22 +60,78 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     }
 }
 
-fn print(baked: &[Baked], args: &Args, format: Format) -> Result<()> {
+/// Returns the files to write: of C, header and source.
+fn outputs(args: &Args) -> Result<Vec<PathBuf>> {
+    let output = &args.output;
+    if args.language == Language::Rust {
+        return Ok(vec![output.clone()]);
+    }
+    let invalid = |expected| {
+        UsageError(format!("--output: invalid name for --language c: {}, expected {expected}", output.display()))
+    };
+    if !output.extension().is_some_and(|extension| extension == "h" || extension == "c") {
+        bail!(invalid("a name that ends in .h"));
+    }
+    // The name stands in an include directive.
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    if !output.file_stem().and_then(|stem| stem.to_str()).is_some_and(|stem| stem.chars().all(is_plain)) {
+        bail!(invalid("letters, digits, '_', '-' and '.'"));
+    }
+    Ok(vec![output.with_extension("h"), output.with_extension("c")])
+}
+
+fn print(baked: &[Baked], (args, outputs): (&Args, &[PathBuf]), format: Format) -> Result<()> {
     let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(baked)?)?,
         Format::Csv => {
-            writeln!(out, "bearing,module,nodes,bytes")?;
-            for Baked { bearing, module, nodes, bytes } in baked {
-                writeln!(out, "{bearing},{module},{nodes},{bytes}")?;
+            writeln!(
+                out,
+                "bearing,module,nodes,bytes,model,poses,largest_load_N,largest_error_N,instructions,cycles,stack,flash,checksum"
+            )?;
+            for Baked { bearing, module, nodes, bytes, certificate } in baked {
+                let BearingCertificate { model, poses, largest_load, error, cost, checksum, .. } = certificate;
+                let cost = cost.map_or(",,,".to_owned(), |cost| {
+                    format!("{:.0},{:.0},{:.0},{:.0}", cost.instructions, cost.cycles, cost.stack, cost.flash)
+                });
+                writeln!(
+                    out,
+                    "{bearing},{module},{nodes},{bytes},{model},{poses},{largest_load:.3e},{error:.1e},{cost},{checksum:#018x}"
+                )?;
             }
         }
         Format::Text => {
-            for Baked { bearing, module, nodes, bytes } in baked {
-                writeln!(out, "Bearing {bearing}: module {module}, table of {nodes} nodes, {bytes} bytes of flash")?;
+            for bearing in baked {
+                print_bearing(&mut out, bearing, args.core)?;
             }
-            writeln!(out, "Written: {}", args.output.display())?;
+            let outputs: Vec<String> = outputs.iter().map(|path| path.display().to_string()).collect();
+            writeln!(out, "Written: {}", outputs.join(", "))?;
         }
     }
     Ok(out.flush()?)
+}
+
+fn print_bearing(out: &mut impl Write, baked: &Baked, core: Core) -> Result<()> {
+    let Baked { bearing, module, nodes, bytes, certificate } = baked;
+    let BearingCertificate { poses, poses_from, reference, largest_load, error, cost, checksum, .. } = certificate;
+    writeln!(out, "Bearing {bearing}: module {module}, table of {nodes} nodes, {bytes} bytes of flash")?;
+    writeln!(
+        out,
+        "  largest error {error:.1e} N of {largest_load:.3e} N at {poses} poses ({}), against {reference}",
+        poses_from.name()
+    )?;
+    match cost {
+        Some(cost) => writeln!(
+            out,
+            "  {}{:.0} instructions, {:.0} modelled cycles, {:.0} bytes of stack on {}",
+            if cost.counted { "" } else { "~" },
+            cost.instructions,
+            cost.cycles,
+            cost.stack,
+            core.name()
+        )?,
+        None => writeln!(out, "  cost not counted on {} with these effects", core.name())?,
+    }
+    writeln!(out, "  checksum {checksum:#018x}")?;
+    Ok(())
 }

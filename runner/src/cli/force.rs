@@ -15,6 +15,7 @@ use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::{Bearing, Model, Scene};
 use clap::ValueEnum;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -24,12 +25,16 @@ const MAX_LINE_LENGTH: usize = 1 << 20;
 /// Maximum number of rows of the displacement file; the forces of this many rows take 2 GB.
 const MAX_ROWS: usize = 10_000_000;
 
+/// Columns of the output.
+const BITS: [&str; 6] = ["FX", "FY", "FZ", "MX", "MY", "status"];
+
 /// Arguments of `force`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// CSV file with the columns u,v,w,thu,thv (SI), optionally t (s) or cage_angle (rad).
+    /// CSV file with the columns u,v,w,thu,thv (SI), optionally t (s) or cage_angle (rad), or of a device log cage_phase, inner_phase,
+    /// outer_phase, ball_phase (2^-64 revolutions), inner_speed, outer_speed (rad/s). A cell that begins with 0x has the bits.
     #[arg(long, value_name = "F.csv")]
     displacements: PathBuf,
     /// Bearing to evaluate; required if the scene has several.
@@ -44,6 +49,9 @@ pub struct Args {
     /// Implementation of square roots and powers.
     #[arg(long, value_enum, default_value_t = MathBackend::Exact)]
     math: MathBackend,
+    /// Print forces and status as bits in hexadecimal digits, as a device logs them.
+    #[arg(long)]
+    bits: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -83,7 +91,11 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         Precision::F64 => 16,
         Precision::F32 => 8,
     };
-    print(&forces, format, digits)?;
+    if args.bits {
+        print_bits(&forces, format, args.precision)?;
+    } else {
+        print(&forces, format, digits)?;
+    }
     let significance = significance(&scene, bearing, model, &rows)?;
     if format == Format::Text {
         print_effects(&mut super::standard_output(format), &significance, error)
@@ -124,11 +136,24 @@ struct Force {
     #[serde(rename = "MY")]
     my: f64,
     status: String,
+    #[serde(skip)]
+    flags: Status,
 }
 
 impl Force {
     fn new([fx, fy, fz, mx, my]: [f64; 5], status: Status) -> Self {
-        Self { fx, fy, fz, mx, my, status: status_text(status) }
+        Self { fx, fy, fz, mx, my, status: status_text(status), flags: status }
+    }
+
+    /// Returns forces and status as bits.
+    fn bits(&self, precision: Precision) -> [String; 6] {
+        let bits = |x: f64| match precision {
+            Precision::F64 => format!("{:#018x}", x.to_bits()),
+            Precision::F32 => format!("{:#010x}", (x as f32).to_bits()),
+        };
+        let Self { fx, fy, fz, mx, my, flags, .. } = self;
+        let [fx, fy, fz, mx, my] = [fx, fy, fz, mx, my].map(|x| bits(*x));
+        [fx, fy, fz, mx, my, format!("{:#04x}", flags.bits())]
     }
 }
 
@@ -177,7 +202,7 @@ fn read_displacements(
     for (index, wanted) in indices.iter_mut().zip(["u", "v", "w", "thu", "thv"]) {
         *index = column(wanted)?.ok_or_else(|| {
             UsageError(format!(
-                "{name}:1: missing column {wanted} among {}, expected u,v,w,thu,thv and optionally t or cage_angle",
+                "{name}:1: missing column {wanted} among {}, expected u,v,w,thu,thv and optionally t, cage_angle or cage_phase",
                 listed(&header)
             ))
         })?;
@@ -186,6 +211,12 @@ fn read_displacements(
     if time.is_some() && angle.is_some() {
         bail!(UsageError(format!("{name}:1: both t and cage_angle are given, expected at most one")));
     }
+    let (cage_phase, inner_phase) = (column("cage_phase")?, column("inner_phase")?);
+    let (outer_phase, ball_phase) = (column("outer_phase")?, column("ball_phase")?);
+    if angle.is_some() && cage_phase.is_some() {
+        bail!(UsageError(format!("{name}:1: both cage_angle and cage_phase are given, expected at most one")));
+    }
+    let (inner_speed, outer_speed) = (column("inner_speed")?, column("outer_speed")?);
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
@@ -197,15 +228,21 @@ fn read_displacements(
             let (found, expected) = (record.len(), header.len());
             bail!("{name}:{line}: wrong number of cells: {found}, expected {expected} as in the header");
         }
+        let invalid = |i: usize, text: &str, expected: &str| {
+            anyhow::anyhow!(
+                "{name}:{line}: column {}: invalid value: `{}`, expected {expected}",
+                printable::name(header.get(i).map_or("", String::as_str)),
+                printable::name(text)
+            )
+        };
         let cell = |i: usize| -> Result<f64> {
             let text = record.get(i).unwrap_or("");
-            text.parse().map_err(|_| {
-                anyhow::anyhow!(
-                    "{name}:{line}: column {}: invalid value: `{}`, expected a number",
-                    printable::name(header.get(i).map_or("", String::as_str)),
-                    printable::name(text)
-                )
-            })
+            number(text).ok_or_else(|| invalid(i, text, "a number"))
+        };
+        let phase = |i: usize| -> Result<Phase> {
+            let text = record.get(i).unwrap_or("");
+            let counts = text.strip_prefix("0x").map_or_else(|| text.parse(), |digits| u64::from_str_radix(digits, 16));
+            counts.map(Phase).map_err(|_| invalid(i, text, "an integer of 64 bits, in decimal digits or after 0x"))
         };
         let mut u = [0.0; 5];
         for (x, &index) in u.iter_mut().zip(&indices) {
@@ -218,10 +255,48 @@ fn read_displacements(
             u = [f64::NAN; 5];
         }
         let at = kinematics_at(if t.is_finite() { t } else { 0.0 })?;
-        let cage = cage_angle.map_or(at.cage, Phase::from_radians);
-        rows.push(Pose { u, at: BearingKinematicState { cage, ..at } });
+        let or = |column: Option<usize>, otherwise: Phase| column.map_or(Ok(otherwise), phase);
+        let at = BearingKinematicState {
+            cage: or(cage_phase, cage_angle.map_or(at.cage, Phase::from_radians))?,
+            inner: or(inner_phase, at.inner)?,
+            outer: or(outer_phase, at.outer)?,
+            ball: or(ball_phase, at.ball)?,
+            inner_speed: inner_speed.map_or(Ok(at.inner_speed), cell)?,
+            outer_speed: outer_speed.map_or(Ok(at.outer_speed), cell)?,
+        };
+        if !(at.inner_speed.is_finite() && at.outer_speed.is_finite()) {
+            u = [f64::NAN; 5];
+        }
+        rows.push(Pose { u, at });
     }
     Ok(rows)
+}
+
+/// Returns a number from decimal digits, or from the bits of a number in single or double precision after `0x`.
+fn number(text: &str) -> Option<f64> {
+    match (text.strip_prefix("0x"), text.len()) {
+        (Some(digits), 10) => u32::from_str_radix(digits, 16).ok().map(|bits| f64::from(f32::from_bits(bits))),
+        (Some(digits), 18) => u64::from_str_radix(digits, 16).ok().map(f64::from_bits),
+        (Some(_), _) => None,
+        (None, _) => text.parse().ok(),
+    }
+}
+
+/// Prints forces and status as bits.
+fn print_bits(forces: &[Force], format: Format, precision: Precision) -> Result<()> {
+    let mut out = super::standard_output(format);
+    let rows: Vec<[String; 6]> = forces.iter().map(|force| force.bits(precision)).collect();
+    if format == Format::Json {
+        let named = |row: &[String; 6]| -> BTreeMap<&str, String> { BITS.into_iter().zip(row.clone()).collect() };
+        serde_json::to_writer_pretty(&mut out, &rows.iter().map(named).collect::<Vec<_>>())?;
+        writeln!(out)?;
+    } else {
+        writeln!(out, "{}", BITS.join(","))?;
+        for row in rows {
+            writeln!(out, "{}", row.join(","))?;
+        }
+    }
+    Ok(out.flush()?)
 }
 
 fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {
@@ -233,7 +308,7 @@ fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {
         }
         Format::Csv => {
             writeln!(out, "FX,FY,FZ,MX,MY,status")?;
-            for Force { fx, fy, fz, mx, my, status } in forces {
+            for Force { fx, fy, fz, mx, my, status, .. } in forces {
                 writeln!(out, "{fx:.digits$e},{fy:.digits$e},{fz:.digits$e},{mx:.digits$e},{my:.digits$e},{status}")?;
             }
         }
@@ -243,7 +318,7 @@ fn print(forces: &[Force], format: Format, digits: usize) -> Result<()> {
                 "{:>6} {:>13} {:>13} {:>13} {:>13} {:>13}  status",
                 "row", "FX N", "FY N", "FZ N", "MX N m", "MY N m"
             )?;
-            for (i, Force { fx, fy, fz, mx, my, status }) in forces.iter().enumerate() {
+            for (i, Force { fx, fy, fz, mx, my, status, .. }) in forces.iter().enumerate() {
                 let [fx, fy, fz] = [fx, fy, fz].map(|x| fixed(*x, 4));
                 let [mx, my] = [mx, my].map(|x| fixed(*x, 6));
                 writeln!(out, "{:>6} {fx:>13} {fy:>13} {fz:>13} {mx:>13} {my:>13}  {status}", i + 1)?;

@@ -16,6 +16,7 @@ pub mod scenes;
 pub mod simulate;
 pub mod sweep;
 pub mod trade;
+pub mod verify;
 pub mod watch;
 
 use crate::error::UsageError;
@@ -75,8 +76,10 @@ pub enum Command {
     Watch(watch::Args),
     /// Compute the forces of a bearing for given ring displacements.
     Force(force::Args),
-    /// Write a scene's bearings as Rust constants for firmware.
+    /// Write a scene's bearings as constants for firmware, with a certificate of accuracy and cost.
     Bake(bake::Args),
+    /// Bake the scene of a baked file again and compare every constant and field of the certificate.
+    Verify(verify::Args),
     /// Compute the static equilibrium of the rotor or of one bearing, with the load on each element.
     Equilibrium(equilibrium::Args),
     /// Simulate the time response of the scene's rotor.
@@ -180,6 +183,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Fleet(args) => return replay_exit_code(fleet::run(args, cli.format, cli.error)),
         Command::Force(args) => force::run(args, cli.format, cli.error),
         Command::Bake(args) => bake::run(args, cli.format, cli.error),
+        Command::Verify(args) => verify::run(args, cli.format),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),
         Command::Simulate(args) => simulate::run(args, cli.format, cli.error),
         Command::Campbell(args) => campbell::run(args, cli.format, cli.error),

@@ -108,7 +108,7 @@ impl<T: Scalar, H: ForceModel<T>> Evaluate for InPrecision<T, H> {
 }
 
 /// Builds the handle of a model of one bearing.
-type Build<H> = fn(&Scene, &Bearing, Model) -> Result<H, BuildError>;
+pub(crate) type Build<H> = fn(&Scene, &Bearing, Model) -> Result<H, BuildError>;
 
 fn evaluator<T: Scalar, H: BearingHandle<T> + ForceModel<T> + 'static>(
     scene: &Scene,
@@ -128,8 +128,11 @@ pub fn bearing_model(scene: &Scene, bearing: &Bearing, model: Model) -> Result<A
     handle(scene, bearing, model, build::bearing).map_err(Error::setup)
 }
 
-/// The bearing; one linearised from another model takes its springs from the rotor's equilibrium.
-fn handle<T: Scalar, H: BearingHandle<T>>(
+/// Builds the model of one bearing; one linearised from another model takes its springs from the rotor's equilibrium.
+///
+/// # Errors
+/// As [`BearingForce::try_new`].
+pub(crate) fn handle<T: Scalar, H: BearingHandle<T>>(
     scene: &Scene,
     bearing: &Bearing,
     model: Model,

@@ -5,7 +5,7 @@ mod example;
 mod expected;
 mod header;
 mod host;
-mod image;
+pub mod image;
 mod instructions;
 mod links;
 mod tables;

@@ -41,8 +41,8 @@ impl Row {
 
     /// As the runner reads it.
     pub fn known(&self) -> String {
-        let Self { name: Name { what, elements, precision, math, function }, most, cycles, .. } = self;
-        format!("{what};{elements};{precision};{math};{function};{most};{cycles}\n")
+        let Self { name: Name { what, elements, precision, math, function }, most, cycles, stack, flash, .. } = self;
+        format!("{what};{elements};{precision};{math};{function};{most};{cycles};{stack};{flash}\n")
     }
 
     fn parse(line: &str) -> Self {

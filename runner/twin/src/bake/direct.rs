@@ -1,7 +1,7 @@
 //! Models in closed form: springs, lumped elements, variable contact angle.
 
 use super::{feature_constants, position_constants, surface_imports};
-use crate::error::{BakeError, Result};
+use crate::error::Result;
 use crate::plant::Plant;
 use crate::scene::build;
 use crate::scene::{Bearing, Facing, Linear, Model, Scene};
@@ -14,23 +14,28 @@ use std::fmt::Write;
 pub fn module(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     match of.model {
         Model::Linear => springs(out, scene, of),
-        Model::Lumped if of.housing_displacement.is_empty() => lumped(out, scene, of),
         Model::Angular => angular(out, scene, of),
-        _ => {
-            Err(BakeError::Model { file: scene.path.clone(), bearing: of.name.clone(), found: of.model.name() }.into())
-        }
+        _ => lumped(out, scene, of),
     }
 }
 
-fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
+/// Returns force and stiffness at zero displacement, which define springs.
+///
+/// # Errors
+/// A bearing that cannot be linearised.
+pub fn spring(scene: &Scene, of: &Bearing) -> Result<([f32; 5], [[f32; 5]; 5])> {
     let spring = if matches!(of.linear, Some(Linear::Of(_))) {
         Plant::try_new(scene)?.mounted(&of.name)?.bearing.clone()
     } else {
         build::bearing(scene, of, Model::Linear)?
     };
-    // A spring is defined by its tangent and its force at zero displacement.
     let (reaction, k) = spring.reaction_and_stiffness(&Displacement::default(), &Phase::ZERO.into());
-    let [fx, fy, fz, mx, my] = reaction.wrench.to_array().map(|f| f as f32);
+    let row = |i| std::array::from_fn(|j| k[(i, j)] as f32);
+    Ok((reaction.wrench.to_array().map(|f| f as f32), std::array::from_fn(row)))
+}
+
+fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
+    let ([fx, fy, fz, mx, my], k) = spring(scene, of)?;
     writeln!(out, "    use ballrace::bearing::linear::Linear;")?;
     writeln!(out, "    use ballrace::{{Displacement, Stiffness, Wrench}};\n")?;
     writeln!(
@@ -48,8 +53,8 @@ fn springs(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
         "    /// The bearing, ready for the hot path.\n    #[must_use]\n    #[rustfmt::skip]\n    pub fn bearing() -> Baked {{"
     )?;
     writeln!(out, "        let stiffness = Stiffness::new(")?;
-    for i in 0..5 {
-        let row: Vec<String> = (0..5).map(|j| format!("{:?}", k[(i, j)] as f32)).collect();
+    for row in k {
+        let row = row.map(|entry| format!("{entry:?}"));
         writeln!(out, "            {},", row.join(", "))?;
     }
     writeln!(
@@ -89,7 +94,7 @@ fn lumped(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
         of,
         "    use ballrace::bearing::lumped::{Axial, Combined, Radial};\n    use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};",
     )?;
-    position_constants(out, scene, of, Model::Lumped)?;
+    position_constants(out, scene, of)?;
     function(out, of, &kind, &value)
 }
 
@@ -98,7 +103,7 @@ fn angular(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     let constants = AngularConstants::try_new(geometry, datum).map_err(|e| build::named(of, e))?.rounded::<f32>();
     let (surface, with) = surface(of);
     imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularConstants};")?;
-    position_constants(out, scene, of, Model::Angular)?;
+    position_constants(out, scene, of)?;
     let AngularConstants { stiffness, distance, unloaded, excess, arm } = constants;
     writeln!(
         out,

@@ -8,7 +8,7 @@ mod study;
 
 pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
 pub use fleet::{FleetError, TablePosition};
-pub use study::{BakeError, FitError, NoLoad, SweepError, TradeError};
+pub use study::{BakeError, FitError, NoLoad, SweepError, TradeError, VerifyError};
 
 use crate::baseline::BaselineError;
 use crate::output::OutputError;
@@ -64,6 +64,8 @@ pub enum Error {
     Trade(#[from] TradeError),
     /// A scene cannot be written as constants.
     Bake(#[from] BakeError),
+    /// A file of baked constants cannot be verified.
+    Verify(#[from] VerifyError),
     /// An output file cannot be written.
     Output(#[from] OutputError),
     /// A text cannot be formatted.
@@ -107,7 +109,7 @@ impl Error {
     #[must_use]
     pub fn is_usage_error(&self) -> bool {
         match self {
-            Self::Scene(_) | Self::Limit(_) | Self::Setup(_) => true,
+            Self::Scene(_) | Self::Limit(_) | Self::Setup(_) | Self::Verify(_) => true,
             Self::Plant(error) => error.is_usage_error(),
             Self::Recording(error) => error.is_scene_fault(),
             Self::Rate(error) => matches!(error, RateError::Scene { .. }),

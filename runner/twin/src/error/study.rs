@@ -265,6 +265,31 @@ pub enum BakeError {
         /// Its model.
         found: &'static str,
     },
+    /// Content of a scene for which the library of C has no struct.
+    #[error("{}: {place}: {found} with --language c, expected {expected}", file.display())]
+    NotInC {
+        /// Scene file.
+        file: PathBuf,
+        /// Part of the scene.
+        place: String,
+        /// Its content.
+        found: String,
+        /// Content that C has.
+        expected: &'static str,
+    },
+    /// Two bearings whose names give one module.
+    #[error(
+        "{}: bearings {} and {}: both become the module {module}, expected names that differ in letters or digits",
+        file.display(), bearings[0], bearings[1]
+    )]
+    SameModule {
+        /// Scene file.
+        file: PathBuf,
+        /// Name of the module.
+        module: String,
+        /// Names of the bearings.
+        bearings: [String; 2],
+    },
     /// An observer whose gains the scene does not determine.
     #[error("{}: [observer]: {found} in bake, expected {expected}", file.display())]
     Observer {
@@ -274,5 +299,46 @@ pub enum BakeError {
         found: &'static str,
         /// Content that determines the gains.
         expected: &'static str,
+    },
+}
+
+/// Error returned when a file of baked constants cannot be verified.
+#[derive(Debug, thiserror::Error)]
+pub enum VerifyError {
+    /// A file cannot be read.
+    #[error("{}: this file cannot be read", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// A file without a block of comments.
+    #[error("{}: no complete {what} in the comments, expected a file that bake has written", file.display())]
+    NoBlock {
+        /// The file.
+        file: PathBuf,
+        /// Name of the block.
+        what: &'static str,
+    },
+    /// A certificate without a field.
+    #[error("{}: missing field {name:?} of the certificate, expected a file that bake has written", file.display())]
+    NoField {
+        /// The file.
+        file: PathBuf,
+        /// Name of the field.
+        name: &'static str,
+    },
+    /// A field of a certificate is invalid.
+    #[error("{}: field {name:?} of the certificate: invalid value: {found:?}, expected {expected}", file.display())]
+    Field {
+        /// The file.
+        file: PathBuf,
+        /// Name of the field.
+        name: &'static str,
+        /// Its value.
+        found: String,
+        /// Values expected.
+        expected: String,
     },
 }

@@ -7,8 +7,8 @@ mod lumped;
 mod preload;
 
 pub use balls::{
-    MadeTable, PRESSURE_LIMIT, Solved, inertia_params, point_contact_approach, point_contact_load, quasi_static,
-    solved_in, table,
+    MadeTable, PRESSURE_LIMIT, Solved, inertia_params, of_table, point_contact_approach, point_contact_load,
+    quasi_static, solved_in, table,
 };
 pub use error::BuildError;
 use kinematics::outer_ratio;

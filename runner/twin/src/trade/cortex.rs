@@ -5,7 +5,8 @@ use crate::scene::build::Exponent;
 use crate::scene::{Bearing, FrictionSharing, Model, RaceControl};
 use serde::Serialize;
 
-/// Bearing, N, precision, math, function, instructions and cycles between semicolons, written by the test that counts them.
+/// Bearing, N, precision, math, function, instructions, cycles, bytes of stack and bytes of flash between semicolons, written by
+/// the test that counts them.
 const TABLE: &str = include_str!("cortex-m4f.csv");
 /// Newton steps of the table's cold and warm rows.
 const COLD_STEPS: f64 = 8.0;
@@ -18,17 +19,23 @@ pub struct Cost {
     pub instructions: f64,
     /// Modelled cycles.
     pub cycles: f64,
+    /// Stack, bytes.
+    pub stack: f64,
+    /// Flash memory of the code without tables, bytes.
+    pub flash: f64,
     /// True where the table has this row; else the cost is interpolated or extrapolated.
     pub counted: bool,
 }
 
 impl Cost {
-    /// Returns the cost of two evaluations.
+    /// Returns the cost of two evaluations, one after the other, by the same code.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
             instructions: self.instructions + other.instructions,
             cycles: self.cycles + other.cycles,
+            stack: self.stack.max(other.stack),
+            flash: self.flash.max(other.flash),
             counted: self.counted && other.counted,
         }
     }
@@ -38,6 +45,8 @@ impl Cost {
         Self {
             instructions: mix(self.instructions, other.instructions),
             cycles: mix(self.cycles, other.cycles),
+            stack: mix(self.stack, other.stack),
+            flash: mix(self.flash, other.flash),
             counted: false,
         }
     }
@@ -58,7 +67,8 @@ fn rows() -> Vec<Row> {
         let mut next = || cells.next();
         let (what, elements, precision, math, function) = (next()?, next()?.parse().ok()?, next()?, next()?, next()?);
         let mut number = || cells.next()?.parse().ok();
-        let cost = Cost { instructions: number()?, cycles: number()?, counted: true };
+        let [instructions, cycles, stack, flash] = [number()?, number()?, number()?, number()?];
+        let cost = Cost { instructions, cycles, stack, flash, counted: true };
         Some(Row { what, elements, precision, math, function, cost })
     };
     TABLE.lines().filter_map(row).collect()
@@ -80,6 +90,7 @@ pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
         instructions: cold.instructions * share(full.instructions, few.instructions),
         cycles: cold.cycles * share(full.cycles, few.cycles),
         counted: false,
+        ..cold
     })
 }
 
@@ -144,6 +155,7 @@ fn at(all: &[Row], what: &str, elements: usize, precision: &str, math: &str) -> 
                 instructions: grown(only.cost.instructions, all_of_it.instructions - inside.instructions),
                 cycles: grown(only.cost.cycles, all_of_it.cycles - inside.cycles),
                 counted: false,
+                ..only.cost
             })
         }
         [] => None,

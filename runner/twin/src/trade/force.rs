@@ -88,11 +88,13 @@ impl<T: Scalar, H: BearingHandle<T> + ForceModel<T>> CandidateBearings<T, H> {
     }
 }
 
-fn rounded<T: Scalar>(u: &Displacement<f64>) -> Displacement<T> {
+/// Returns a displacement in another precision.
+pub fn rounded<T: Scalar>(u: &Displacement<f64>) -> Displacement<T> {
     Displacement::from_array(u.to_array().map(T::from_f64))
 }
 
-fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicState<T>) {
+/// Returns a pose in another precision.
+pub fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicState<T>) {
     let at = &pose.at;
     let turning = BearingKinematicState {
         cage: at.cage,
@@ -190,7 +192,7 @@ impl Reference {
 }
 
 /// Returns the length of the difference of two wrenches, moments divided by the arm.
-fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
+pub fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
     let per_arm = if arm > 0.0 { 1.0 / arm } else { 0.0 };
     let scale = [1.0, 1.0, 1.0, per_arm, per_arm];
     let square = f.to_array().into_iter().zip(g.to_array()).zip(scale).map(|((f, g), s)| ((f - g) * s).powi(2));

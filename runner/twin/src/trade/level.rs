@@ -105,17 +105,22 @@ impl FidelityLevel {
     /// # Errors
     /// A text that is no TOML, or that has no `[[bearing]]`.
     pub fn written(&self, text: &str, scene: &Scene) -> Result<String, TradeError> {
+        self.written_for(text, scene, |_| true)
+    }
+
+    /// Returns the text as [`written`](Self::written), with this level for the bearings whose number passes `chosen`.
+    fn written_for(&self, text: &str, scene: &Scene, chosen: impl Fn(usize) -> bool) -> Result<String, TradeError> {
         let file = || scene.path.clone();
         let syntax = |source| TradeError::Syntax { file: file(), source };
         let mut document: DocumentMut = text.parse().map_err(syntax)?;
         let tables = document.get_mut("bearing").and_then(Item::as_array_of_tables_mut);
-        self.put(tables.ok_or_else(|| TradeError::NoBearing { file: file() })?, scene);
+        self.put(tables.ok_or_else(|| TradeError::NoBearing { file: file() })?, scene, chosen);
         Ok(document.to_string())
     }
 
-    fn put(&self, tables: &mut ArrayOfTables, scene: &Scene) {
-        for (table, of) in tables.iter_mut().zip(&scene.bearings) {
-            if given_as_springs(of) {
+    fn put(&self, tables: &mut ArrayOfTables, scene: &Scene, chosen: impl Fn(usize) -> bool) {
+        for (i, (table, of)) in tables.iter_mut().zip(&scene.bearings).enumerate() {
+            if given_as_springs(of) || !chosen(i) {
                 continue;
             }
             let has = |key: &str| table.contains_key(key);
@@ -166,6 +171,14 @@ impl FidelityLevel {
     /// Returns an error if the edited scene is invalid.
     pub fn scene(&self, text: &str, path: &Path, scene: &Scene) -> Result<Scene> {
         Ok(read_str(&self.written(text, scene)?, path)?)
+    }
+
+    /// Returns the scene with this level for bearing `i` alone.
+    ///
+    /// # Errors
+    /// Returns an error if the edited scene is invalid.
+    pub fn scene_with_one(&self, text: &str, scene: &Scene, i: usize) -> Result<Scene> {
+        Ok(read_str(&self.written_for(text, scene, |bearing| bearing == i)?, &scene.path)?)
     }
 }
 

@@ -2,10 +2,10 @@
 //! most accurate level as the reference.
 
 mod choose;
-mod cortex;
-mod force;
+pub(crate) mod cortex;
+pub(crate) mod force;
 mod level;
-mod poses;
+pub(crate) mod poses;
 mod response;
 
 pub use choose::{Choice, Goal, Target};
@@ -131,7 +131,7 @@ pub fn trade(
     // Where the rotor bends or its supports move, the probes do not show the displacement of the bearings.
     let recording = scene.recording.as_ref().filter(|_| truth_plant.layout.is_rigid());
     let poses = match recording {
-        Some(recording) => poses::measured(scene, &truth_plant, recording)?,
+        Some(recording) => poses::measured(scene, &truth_plant, recording, usize::MAX)?,
         None => poses::computed(&truth_scene, &truth_plant)?,
     };
     let right = forces(&truth_scene, &truth_plant, ARITHMETICS[0])?;

@@ -51,7 +51,14 @@ pub fn span(scene: &Scene, plant: &Plant) -> Span {
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
 pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
-    let span = span(scene, plant);
+    computed_over(scene, plant, span(scene, plant))
+}
+
+/// Returns the poses of the motion that the plant computes over `span`.
+///
+/// # Errors
+/// As [`computed`].
+pub fn computed_over(scene: &Scene, plant: &Plant, span: Span) -> Result<Poses> {
     let stride = span.samples.div_ceil(MOST_POSES as u64).max(1);
     let mut poses = vec![Vec::new(); plant.bearings.len()];
     let mut count = 0;
@@ -75,14 +82,13 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
 }
 
 /// Returns the poses of the scene's recording; samples with a missing reading are left out. The axial position is that of the
-/// static equilibrium where no probe measures it.
+/// static equilibrium where no probe measures it. Reads at most `most_rows` rows.
 ///
 /// # Errors
 /// Returns an error if the recording cannot be read or the probes do not determine the position.
-pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<Poses> {
-    let folder = scene.path.parent().unwrap_or(std::path::Path::new(""));
-    let path = folder.join(&recording.file);
-    let mut reader = Reader::open(&path, recording)?;
+pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording, most_rows: usize) -> Result<Poses> {
+    let path = &recording.file;
+    let mut reader = Reader::open(path, recording)?;
     let stations: Vec<f64> = plant.bearings.iter().map(|s| s.station).collect();
     let solver = PoseSolver::try_new(&recording.probes, &stations).map_err(Error::in_file(&scene.path))?;
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
@@ -102,11 +108,13 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
             tracker.recycle(sample.row);
         }
     };
-    let mut row = tracker.blank();
-    while reader.next_row(&mut row)? {
+    for _ in 0..most_rows {
+        let mut row = tracker.blank();
+        if !reader.next_row(&mut row)? {
+            break;
+        }
         tracker.push(row)?;
         take(&mut tracker);
-        row = tracker.blank();
     }
     tracker.finish()?;
     take(&mut tracker);
@@ -115,7 +123,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording) -> Result<P
         .map(|poses: &Vec<Pose>| poses.iter().step_by(poses.len().div_ceil(MOST_POSES).max(1)).copied().collect())
         .collect();
     if thinned.iter().any(Vec::is_empty) {
-        return Err(TradeError::NoSample { file: path }.into());
+        return Err(TradeError::NoSample { file: path.clone() }.into());
     }
     Ok(thinned)
 }

@@ -1,6 +1,49 @@
 //! Made by `ballrace bake` from the scene "spindle". Do not edit: bake the scene again.
 #![allow(dead_code, unused_imports, clippy::excessive_precision, clippy::unreadable_literal)]
 
+// `ballrace verify` computes these fields and all constants again from the scene at the end of this file.
+//: ballrace certificate begin
+// program: ballrace 0.1.0
+// language: rust
+// bearings: all
+// scene: spindle
+// scene file: scene.toml
+// scene SHA-256: 9c72e5983075fa49ba1c596255e55410840a6cccacb7da7b6055969905f5ae21
+// poses from: checksum
+// core: cortex-m4f
+// arithmetic: f32, exact
+// bearing_de bearing: DE
+// bearing_de model: tabulated, 8 elements
+// bearing_de poses: 1024, checksum
+// bearing_de reference: quasi-static, centrifugal, gyroscopic, f64
+// bearing_de largest load: 3.353e2 N
+// bearing_de largest error: 2.9e-1 N
+// bearing_de largest relative error: 8.4e-4
+// bearing_de instructions: 2394
+// bearing_de cycles: 4410
+// bearing_de stack: 316 bytes
+// bearing_de flash of code: 2082 bytes
+// bearing_de flash of table: 23800 bytes
+// bearing_de flash of other constants: 236 bytes
+// bearing_de checksum samples: 1024, 0 without contact, 50 outside the table
+// bearing_de checksum: 0x42bff952568e00e5
+// bearing_nde bearing: NDE
+// bearing_nde model: tabulated, 9 elements
+// bearing_nde poses: 1024, checksum
+// bearing_nde reference: quasi-static, centrifugal, gyroscopic, film, f64
+// bearing_nde largest load: 5.689e2 N
+// bearing_nde largest error: 3.5e-1 N
+// bearing_nde largest relative error: 6.2e-4
+// bearing_nde instructions: not counted
+// bearing_nde cycles: not counted
+// bearing_nde stack: not counted
+// bearing_nde flash of code: not counted
+// bearing_nde flash of table: 35700 bytes
+// bearing_nde flash of other constants: 348 bytes
+// bearing_nde checksum samples: 1024, 0 without contact, 61 outside the table
+// bearing_nde checksum: 0xe847666b02446628
+//: ballrace certificate end
+
 /// Bearing "DE".
 pub mod bearing_de {
     use ballrace::bearing::ElementPosition;
@@ -544,6 +587,24 @@ pub mod bearing_de {
     #[must_use]
     pub fn bearing() -> Baked {
         Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER)
+    }
+
+    use ballrace::bearing::checksum::ChecksumRange;
+
+    /// Displacements and speeds of the checksum.
+    pub const CHECKSUM_RANGE: ChecksumRange = ChecksumRange {
+        centre: Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 },
+        amplitude: Displacement { u: 4e-6, v: 4e-6, w: 4e-6, thu: 6.23e-5, thv: 6.23e-5 },
+        inner_speed: [1130.0, 0.245],
+        outer_speed: [0.0, 0.0],
+    };
+    /// Checksum of 1024 forces, computed on the desktop.
+    pub const CHECKSUM: u64 = 0x42bff952568e00e5;
+
+    /// Computes the checksum; every target returns [`CHECKSUM`]. For start-up: 1024 forces.
+    #[must_use]
+    pub fn checksum() -> u64 {
+        CHECKSUM_RANGE.checksum(&bearing())
     }
 }
 
@@ -1098,4 +1159,63 @@ pub mod bearing_nde {
     pub fn bearing() -> Baked {
         Mirrored(Tabulated::new(POSITIONS, CONSTANTS, Table::new(GRID, NODES.as_slice()), BY_OUTER).with_surface(SurfaceDeviation::new(FEATURES)))
     }
+
+    use ballrace::bearing::checksum::ChecksumRange;
+
+    /// Displacements and speeds of the checksum.
+    pub const CHECKSUM_RANGE: ChecksumRange = ChecksumRange {
+        centre: Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 },
+        amplitude: Displacement { u: 4e-6, v: 4e-6, w: 4e-6, thu: 6.23e-5, thv: 6.23e-5 },
+        inner_speed: [1130.0, 0.245],
+        outer_speed: [0.0, 0.0],
+    };
+    /// Checksum of 1024 forces, computed on the desktop.
+    pub const CHECKSUM: u64 = 0xe847666b02446628;
+
+    /// Computes the checksum; every target returns [`CHECKSUM`]. For start-up: 1024 forces.
+    #[must_use]
+    pub fn checksum() -> u64 {
+        CHECKSUM_RANGE.checksum(&bearing())
+    }
 }
+
+// Text of the scene.
+//: ballrace scene begin
+// name = "spindle"
+//
+// [shaft]
+// speed = "12000 rpm"
+//
+// [[bearing]]
+// name = "DE"
+// station = "-50 mm"
+// facing = "+z"
+// model = "tabulated"
+// elements = 8
+// ball_diameter = "7 mm"
+// pitch_diameter = "38.5 mm"
+// inner_conformity = 0.52
+// outer_conformity = 0.52
+// contact_angle = "25 deg"
+// effects = ["centrifugal", "gyroscopic"]
+// table = { intervals = [16, 8, 6], approach = ["-5 um", "20 um"] }
+//
+// [[bearing]]
+// name = "NDE"
+// station = "50 mm"
+// facing = "-z"
+// model = "tabulated"
+// elements = 9
+// ball_diameter = "7 mm"
+// pitch_diameter = "38.5 mm"
+// inner_conformity = 0.52
+// outer_conformity = 0.52
+// contact_angle = "25 deg"
+// effects = ["centrifugal", "gyroscopic", "film"]
+// friction_sharing = "proportional"
+// lubricant = { viscosity = "0.04 Pa s", pressure_viscosity = "2.2e-8 1/Pa" }
+// waviness = [{ surface = "inner", order = 5, amplitude = "0.3 um", phase = "20 deg" }]
+// defect = [{ surface = "outer", azimuth = "-90 deg", half_width = "4 deg", depth = "2 um", shape = "half-sine" }]
+// table = { intervals = [16, 8, 6], approach = ["-5 um", "20 um"] }
+//
+//: ballrace scene end

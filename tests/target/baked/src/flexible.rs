@@ -1,6 +1,50 @@
 //! Made by `ballrace bake` from the scene "flexible". Do not edit: bake the scene again.
 #![allow(dead_code, unused_imports, clippy::excessive_precision, clippy::unreadable_literal)]
 
+// `ballrace verify` computes these fields and all constants again from the scene at the end of this file.
+//: ballrace certificate begin
+// program: ballrace 0.1.0
+// language: rust
+// bearings: all
+// scene: flexible
+// scene file: scene.toml
+// scene SHA-256: 54442ba10809d9345449abcf11aa10846dc84f6a6dc2643ccb51fe1b0a7a780e
+// motion.csv SHA-256: absent
+// poses from: simulation
+// core: cortex-m4f
+// arithmetic: f32, exact
+// bearing_de bearing: DE
+// bearing_de model: angular, 9 elements
+// bearing_de poses: 512, simulation
+// bearing_de reference: quasi-static, no effects, f64
+// bearing_de largest load: 4.606e1 N
+// bearing_de largest error: 7.5e-5 N
+// bearing_de largest relative error: 1.7e-6
+// bearing_de instructions: 504
+// bearing_de cycles: 1252
+// bearing_de stack: 136 bytes
+// bearing_de flash of code: 606 bytes
+// bearing_de flash of table: 0 bytes
+// bearing_de flash of other constants: 192 bytes
+// bearing_de checksum samples: 1024, 634 without contact, 0 outside the table
+// bearing_de checksum: 0x837e8d6297070636
+// bearing_nde bearing: NDE
+// bearing_nde model: angular, 9 elements
+// bearing_nde poses: 512, simulation
+// bearing_nde reference: quasi-static, no effects, f64
+// bearing_nde largest load: 4.119e1 N
+// bearing_nde largest error: 8.4e-5 N
+// bearing_nde largest relative error: 2.1e-6
+// bearing_nde instructions: 504
+// bearing_nde cycles: 1252
+// bearing_nde stack: 136 bytes
+// bearing_nde flash of code: 606 bytes
+// bearing_nde flash of table: 0 bytes
+// bearing_nde flash of other constants: 192 bytes
+// bearing_nde checksum samples: 1024, 632 without contact, 0 outside the table
+// bearing_nde checksum: 0xfabdc0dd91950924
+//: ballrace certificate end
+
 /// Bearing "DE".
 pub mod bearing_de {
     use ballrace::bearing::ElementPosition;
@@ -37,6 +81,24 @@ pub mod bearing_de {
     #[must_use]
     pub fn bearing() -> Baked {
         Angular::from_constants(POSITIONS, CONSTANTS)
+    }
+
+    use ballrace::bearing::checksum::ChecksumRange;
+
+    /// Displacements and speeds of the checksum.
+    pub const CHECKSUM_RANGE: ChecksumRange = ChecksumRange {
+        centre: Displacement { u: -1.9e-12, v: -3.87e-7, w: 3.2e-5, thu: 3.71e-5, thv: 3.51e-11 },
+        amplitude: Displacement { u: 3.52e-6, v: 3.52e-6, w: 3.52e-5, thu: 0.00018, thv: 0.00018 },
+        inner_speed: [283.0, 0.0614],
+        outer_speed: [0.0, 0.0],
+    };
+    /// Checksum of 1024 forces, computed on the desktop.
+    pub const CHECKSUM: u64 = 0x837e8d6297070636;
+
+    /// Computes the checksum; every target returns [`CHECKSUM`]. For start-up: 1024 forces.
+    #[must_use]
+    pub fn checksum() -> u64 {
+        CHECKSUM_RANGE.checksum(&bearing())
     }
 }
 
@@ -76,6 +138,24 @@ pub mod bearing_nde {
     #[must_use]
     pub fn bearing() -> Baked {
         Angular::from_constants(POSITIONS, CONSTANTS)
+    }
+
+    use ballrace::bearing::checksum::ChecksumRange;
+
+    /// Displacements and speeds of the checksum.
+    pub const CHECKSUM_RANGE: ChecksumRange = ChecksumRange {
+        centre: Displacement { u: -8.05e-12, v: -6.6e-8, w: 3.2e-5, thu: -3.11e-5, thv: -2.86e-11 },
+        amplitude: Displacement { u: 3.52e-6, v: 3.52e-6, w: 3.52e-5, thu: 0.00018, thv: 0.00018 },
+        inner_speed: [283.0, 0.0614],
+        outer_speed: [0.0, 0.0],
+    };
+    /// Checksum of 1024 forces, computed on the desktop.
+    pub const CHECKSUM: u64 = 0xfabdc0dd91950924;
+
+    /// Computes the checksum; every target returns [`CHECKSUM`]. For start-up: 1024 forces.
+    #[must_use]
+    pub fn checksum() -> u64 {
+        CHECKSUM_RANGE.checksum(&bearing())
     }
 }
 
@@ -163,3 +243,56 @@ pub mod observer {
         },
     ];
 }
+
+// Text of the scene.
+//: ballrace scene begin
+// name = "flexible"
+// [shaft]
+// speed = "3000 rpm"
+// [rotor]
+// sections = [{ from = "0 mm", to = "500 mm", outer_diameter = "30 mm" }]
+// disks = [{ station = "200 mm", mass = "3 kg", diametral_inertia = 0.005, polar_inertia = 0.009 }]
+// proportional_damping = { mass = "200 1/s", stiffness = "2e-6 s" }
+// coordinates = 7
+// load = [0, 0, 60, 0, 0]
+// unbalance = [{ moment = "50 g mm", angle = "30 deg", station = "200 mm" }]
+// [integration]
+// method = "verlet"
+// [[bearing]]
+// name = "DE"
+// station = "30 mm"
+// model = "angular"
+// facing = "both"
+// elements = 9
+// ball_diameter = "7.94 mm"
+// pitch_diameter = "39.04 mm"
+// inner_conformity = 0.52
+// outer_conformity = 0.52
+// diametral_clearance = "10 um"
+// [[bearing]]
+// name = "NDE"
+// station = "470 mm"
+// model = "angular"
+// facing = "both"
+// elements = 9
+// ball_diameter = "7.94 mm"
+// pitch_diameter = "39.04 mm"
+// inner_conformity = 0.52
+// outer_conformity = 0.52
+// diametral_clearance = "10 um"
+// support = { mass = "2 kg", stiffness_x = 3e7, stiffness_y = 2e7, damping = 400 }
+// [recording]
+// file = "motion.csv"
+// rate = "12.8 kHz"
+// probes = [
+//   { column = "DE_X", unit = "um", station = "65 mm", angle = "45 deg", noise = "0.05 um" },
+//   { column = "DE_Y", unit = "um", station = "65 mm", angle = "135 deg", noise = "0.05 um" },
+//   { column = "NDE_X", unit = "um", station = "435 mm", angle = "45 deg", noise = "0.05 um" },
+//   { column = "NDE_Y", unit = "um", station = "435 mm", angle = "135 deg", noise = "0.05 um" },
+//   { column = "axial", unit = "um", axial = true, noise = "0.05 um" },
+// ]
+// keyphasor = { column = "keyphasor", pulses_per_turn = 1 }
+// [observer]
+// wander = 5
+//
+//: ballrace scene end

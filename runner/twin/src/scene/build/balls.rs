@@ -166,6 +166,14 @@ pub struct MadeTable {
     pub friction: bool,
 }
 
+impl MadeTable {
+    /// Returns the numbers of each node that are used.
+    #[must_use]
+    pub const fn fields(&self) -> usize {
+        if self.friction { 3 } else { 2 }
+    }
+}
+
 /// Samples the quasi-static model of one bearing.
 ///
 /// # Errors
@@ -256,9 +264,19 @@ pub(super) fn tabulated<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
     scene: &Scene,
     of: &BearingScene,
 ) -> Result<H, BuildError> {
-    let made = table(scene, of)?;
+    of_table::<T, M, H>(of, &table(scene, of)?)
+}
+
+/// Builds the tabulated model from its table.
+///
+/// # Errors
+/// None with a table of this bearing.
+pub fn of_table<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
+    of: &BearingScene,
+    made: &MadeTable,
+) -> Result<H, BuildError> {
     // Four numbers per node, the last of them 0: one 256-bit register.
-    if made.friction { looked_up::<T, M, H, 4>(of, &made) } else { looked_up::<T, M, H, 2>(of, &made) }
+    if made.friction { looked_up::<T, M, H, 4>(of, made) } else { looked_up::<T, M, H, 2>(of, made) }
 }
 
 fn looked_up<T: Scalar, M: Math<T>, H: BearingHandle<T>, const F: usize>(

@@ -4,6 +4,7 @@
 
 use ballrace::bearing::angular::Angular;
 use ballrace::bearing::batch::radial_batch;
+use ballrace::bearing::checksum::ChecksumRange;
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
@@ -171,6 +172,9 @@ fn main() -> ! {
         turn.wrapping_mul(given()),
     ));
     black_box((turn.opposite(), ratio.apply(arc)));
+    let range: ChecksumRange = given();
+    black_box(range.checksum(&given::<Angular<f32, Exact, ElementPositions<f32, 9>>>()));
+    black_box(range.checksum(&given::<Tabulated<f32, Exact, ElementPositions<f32, 9>, &'static [Node<f32, 2>], 2>>()));
     loop {
         core::hint::spin_loop();
     }

@@ -1,0 +1,241 @@
+//! Error of the written constants against the dearest model, over poses of the scene's bearings.
+
+use super::{Language, baked_model, c, preload_offset};
+use crate::error::Result;
+use crate::force;
+use crate::handle::{AnyBearing, AnyForceModel, ForceModel};
+use crate::plant::Plant;
+use crate::scene::build::{self, MadeTable};
+use crate::scene::{Bearing, Effects, Model, Scene};
+use crate::trade::FidelityLevel;
+use crate::trade::force::{apart, in_precision, rounded};
+use crate::trade::poses::{self, A_TURN, Pose, Poses, TURNS};
+use ballrace::bearing::checksum::ChecksumRange;
+use ballrace::{BearingKinematicState, Displacement, Exact, Wrench};
+
+/// Largest number of rows of a recording that are read: 80 s at 12.8 kHz.
+const MOST_ROWS: usize = 1 << 20;
+/// Largest number of samples of the transient of a computed motion: 64 revolutions.
+const MOST_SETTLING: u64 = (4.0 * TURNS * A_TURN) as u64;
+
+/// Largest number of steps of the integrator.
+const MOST_STEPS: f64 = 1e5;
+
+/// Origin of the poses at which errors are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PoseSource {
+    /// Readings of the scene's recording.
+    Recording,
+    /// Motion of the scene's rotor on the written models.
+    Simulation,
+    /// Displacements of the checksum, for a scene without a rotor.
+    Checksum,
+}
+
+impl PoseSource {
+    /// All sources by their names.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("recording", Self::Recording), ("simulation", Self::Simulation), ("checksum", Self::Checksum)];
+
+    /// Returns the name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// Returns the poses of every bearing and their source: `wanted`, or the first that the scene allows; no poses where they are
+/// those of the checksum.
+///
+/// # Errors
+/// The source `wanted` cannot be read or computed.
+pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, Option<Poses>)> {
+    let written = scene_as_written(scene);
+    let computed = |source| match source {
+        PoseSource::Recording => recorded(&written),
+        PoseSource::Simulation => simulated(&written).map(Some),
+        PoseSource::Checksum => Ok(None),
+    };
+    if let Some(source) = wanted {
+        return Ok((source, computed(source)?));
+    }
+    for source in [PoseSource::Recording, PoseSource::Simulation] {
+        // A recording that is absent or has no displacements, and a rotor without a motion, leave the next source.
+        if let Ok(Some(poses)) = computed(source) {
+            return Ok((source, Some(poses)));
+        }
+    }
+    Ok((PoseSource::Checksum, None))
+}
+
+/// Returns the scene with the models that constants have.
+fn scene_as_written(scene: &Scene) -> Scene {
+    let mut written = scene.clone();
+    for bearing in &mut written.bearings {
+        bearing.model = baked_model(bearing.model);
+    }
+    written
+}
+
+fn recorded(scene: &Scene) -> Result<Option<Poses>> {
+    let Some(recording) = &scene.recording else { return Ok(None) };
+    let plant = Plant::try_new(scene)?;
+    // Where the rotor bends or its supports move, the probes do not show the displacement of the bearings.
+    if !plant.layout.is_rigid() {
+        return Ok(None);
+    }
+    poses::measured(scene, &plant, recording, MOST_ROWS).map(Some)
+}
+
+fn simulated(scene: &Scene) -> Result<Poses> {
+    let plant = Plant::try_new(scene)?;
+    let mut span = poses::span(scene, &plant);
+    span.settle = span.settle.min(MOST_SETTLING);
+    let steps = f64::from(plant.substeps(1.0 / span.rate)?) * (span.settle + span.samples) as f64;
+    // A slow shaft turns through a part of the revolutions.
+    span.rate *= (steps / MOST_STEPS).max(1.0);
+    poses::computed_over(scene, &plant, span)
+}
+
+/// One bearing as the constants have it, on the desktop.
+pub struct BakedModel {
+    /// Model of the constants.
+    pub model: Model,
+    /// Force in single precision: the same bits as firmware.
+    pub force: AnyForceModel<f32>,
+    /// Displacement by preload.
+    pub offset: Displacement<f64>,
+}
+
+impl BakedModel {
+    /// Creates the model that firmware has, with its table.
+    ///
+    /// # Errors
+    /// Returns an error if the kernel rejects a parameter.
+    pub fn try_new(scene: &Scene, of: &Bearing, table: Option<&MadeTable>, language: Language) -> Result<Self> {
+        let (model, offset) = (baked_model(of.model), preload_offset(scene, of)?);
+        let force = |of: &Bearing| match table {
+            Some(made) => Ok(build::of_table::<f32, Exact, AnyForceModel<f32>>(of, made)?),
+            None => force::handle(scene, of, model, build::force_model::<f32, Exact>),
+        };
+        let force = match language {
+            Language::Rust => force(of)?,
+            Language::C => c::force_of_powers(of)?.map_or_else(|| force(&c::as_written(of)), Ok)?,
+        };
+        Ok(Self { model, force, offset })
+    }
+}
+
+/// Errors of one bearing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Accuracy {
+    /// Number of poses.
+    pub poses: usize,
+    /// Name of the reference.
+    pub reference: String,
+    /// Largest load of the reference, N.
+    pub largest_load: f64,
+    /// Largest error, N; moments divided by half the pitch diameter.
+    pub error: f64,
+    /// True where the poses are the displacements of the checksum.
+    pub is_of_checksum: bool,
+}
+
+/// Computes the error of a bearing, number `i` of the scene, against the dearest model; at the displacements of the checksum where
+/// no pose has a load.
+///
+/// # Errors
+/// No model can be built from the scene.
+pub fn accuracy(
+    (scene, text): (&Scene, &str),
+    i: usize,
+    baked: &BakedModel,
+    (poses, range): (Option<&Poses>, &ChecksumRange),
+) -> Result<Accuracy> {
+    let reference = dearest(scene, text, i)?;
+    let arm = scene.bearings.get(i).and_then(|of| of.geometry).map_or(0.0, |g| 0.5 * g.pitch_diameter);
+    if let Some(poses) = poses.and_then(|poses| poses.get(i)) {
+        let found = error_at(poses, baked, &reference, arm);
+        if found.largest_load > 0.0 {
+            return Ok(found);
+        }
+    }
+    let poses: Vec<Pose> = range.samples().map(|sample| pose_of_sample(&sample, &baked.offset)).collect();
+    Ok(Accuracy { is_of_checksum: true, ..error_at(&poses, baked, &reference, arm) })
+}
+
+/// Returns the largest error over the poses; `arm` converts moments to forces.
+fn error_at(poses: &[Pose], baked: &BakedModel, (name, exact, offset): &Reference, arm: f64) -> Accuracy {
+    let (mut error, mut largest_load) = (0.0_f64, 0.0_f64);
+    for pose in poses {
+        let right = ForceModel::reaction(exact, &(pose.u + *offset), &pose.at).wrench;
+        let (u, at) = in_precision::<f32>(pose);
+        let found = baked.force.reaction(&(u + rounded(&baked.offset)), &at).wrench;
+        let found = Wrench::from_array(found.to_array().map(f64::from));
+        largest_load = largest_load.max(apart(&right, &Wrench::default(), arm));
+        let difference = apart(&found, &right, arm);
+        error = if difference.is_nan() { f64::INFINITY } else { error.max(difference) };
+    }
+    Accuracy { poses: poses.len(), reference: name.clone(), largest_load, error, is_of_checksum: false }
+}
+
+/// Returns the total displacement of every pose.
+#[must_use]
+pub fn totals(poses: &[Pose], offset: &Displacement<f64>) -> Vec<Displacement<f64>> {
+    poses.iter().map(|pose| pose.u + *offset).collect()
+}
+
+/// Name, bearing and displacement by preload of the reference.
+type Reference = (String, AnyBearing<f64>, Displacement<f64>);
+
+/// Returns the dearest model that the scene allows for bearing `i`, iterated to convergence.
+fn dearest(scene: &Scene, text: &str, i: usize) -> Result<Reference> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let levels = FidelityLevel::all(scene);
+    let levels = levels.iter().rev().filter(|level| level.model() != Model::Dynamic);
+    let mut levels = levels.filter_map(|level| reference(&level.converged(), scene, text, i).ok());
+    levels.next().map_or_else(|| own_model(scene, i), Ok)
+}
+
+fn reference(level: &FidelityLevel, scene: &Scene, text: &str, i: usize) -> Result<Reference> {
+    let edited = level.scene_with_one(text, scene, i)?;
+    let (own, bearing, offset) = own_model(&edited, i)?;
+    let name = match edited.bearings.get(i) {
+        Some(of) if of.model == Model::QuasiStatic => format!("{own}, {}", effects(of)),
+        Some(of) if of.model != Model::Linear => level.name.clone(),
+        _ => own,
+    };
+    Ok((name, bearing, offset))
+}
+
+/// Returns the names of the effects of a bearing.
+fn effects(of: &Bearing) -> String {
+    let Effects { centrifugal, gyroscopic, film, .. } = &of.effects;
+    let all = [(*centrifugal, "centrifugal"), (*gyroscopic, "gyroscopic"), (film.is_some(), "film")];
+    let named: Vec<&str> = all.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect();
+    if named.is_empty() { "no effects".to_owned() } else { named.join(", ") }
+}
+
+/// Returns the scene's own model in double precision.
+fn own_model(scene: &Scene, i: usize) -> Result<Reference> {
+    let of = scene.bearings.get(i).ok_or(crate::error::TradeError::NoModel)?;
+    let bearing = force::handle(scene, of, of.model, build::bearing)?;
+    Ok((of.model.name().to_owned(), bearing, preload_offset(scene, of)?))
+}
+
+fn pose_of_sample((u, at): &(Displacement<f32>, BearingKinematicState<f32>), offset: &Displacement<f64>) -> Pose {
+    let mut rotor = u.to_array().map(f64::from);
+    for (x, by_preload) in rotor.iter_mut().zip(offset.to_array()) {
+        *x -= by_preload;
+    }
+    let at = BearingKinematicState {
+        cage: at.cage,
+        inner: at.inner,
+        outer: at.outer,
+        ball: at.ball,
+        inner_speed: f64::from(at.inner_speed),
+        outer_speed: f64::from(at.outer_speed),
+    };
+    Pose { u: Displacement::from_array(rotor), at }
+}
