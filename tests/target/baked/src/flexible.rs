@@ -8,7 +8,7 @@
 // bearings: all
 // scene: flexible
 // scene file: scene.toml
-// scene SHA-256: 54442ba10809d9345449abcf11aa10846dc84f6a6dc2643ccb51fe1b0a7a780e
+// scene SHA-256: 2c63617aa0aa7abd796e6e001684b4dc8d85d86dbcf0318991e45c44c1213eeb
 // motion.csv SHA-256: absent
 // poses from: simulation
 // core: cortex-m4f
@@ -293,6 +293,6 @@ pub mod observer {
 // ]
 // keyphasor = { column = "keyphasor", pulses_per_turn = 1 }
 // [observer]
-// wander = 5
+// process_noise = 5
 //
 //: ballrace scene end
