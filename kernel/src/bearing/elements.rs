@@ -125,7 +125,7 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
     }
 
     // Always inlined: a matrix that a call returns is copied.
-    #[inline(always)]
+    #[inline]
     fn reaction_and_stiffness_in_cage_frame(
         &self,
         u: &Displacement<E::Scalar>,

@@ -45,14 +45,15 @@ impl<T: Scalar> LastValidWrench<T> {
     pub fn update(&mut self, input_ok: bool, evaluate: impl FnOnce() -> Reaction<T>) -> (Wrench<T>, Status) {
         let fresh = evaluate();
         let result_ok = fresh.wrench.is_finite();
-        // No branch: an invalid sample costs as much as a valid one.
+        let is_valid = input_ok & result_ok;
+        // No branch: an invalid sample costs as much as a valid one. The flags of an invalid result depend on the sign of NaN,
+        // in which processors differ.
         let status = Status::INPUT_NOT_FINITE
             .when(!input_ok)
             .union(Status::RESULT_NOT_FINITE.when(input_ok & !result_ok))
-            .union(Status::CONTACT_LOST.when(input_ok & fresh.load.is_zero()))
-            .union(fresh.status.when(input_ok));
-        self.held_count = self.held_count.saturating_add(u32::from(status.is_held()));
-        self.last = Wrench::select(!status.is_held(), fresh.wrench, self.last);
+            .union(Status::CONTACT_LOST.when(fresh.load.is_zero()).union(fresh.status).when(is_valid));
+        self.held_count = self.held_count.saturating_add(u32::from(!is_valid));
+        self.last = Wrench::select(is_valid, fresh.wrench, self.last);
         (self.last, status)
     }
 }

@@ -39,12 +39,6 @@ static ballrace_kinematic_state at_speed(const struct input *in)
     return (ballrace_kinematic_state){ .cage = in->cage, .inner = 2 * in->cage, .inner_speed = 1256.0f };
 }
 
-/* Whether a result that is not finite counts as outside the table depends on the sign of NaN, which machines differ in. */
-static uint32_t portable(uint32_t status)
-{
-    return status & BALLRACE_RESULT_NOT_FINITE ? status & ~(uint32_t)BALLRACE_OUT_OF_TABLE : status;
-}
-
 static void bearing(const struct subject *subject)
 {
     const ballrace_bearing *b = subject->bearing;
@@ -67,9 +61,9 @@ static void bearing(const struct subject *subject)
         add(loads, b->element_count);
         in = input(i);
         at = at_speed(&in);
-        add_bits(portable(ballrace_sample(b, &held, in.displacement, in.cage, wrench)));
+        add_bits(ballrace_sample(b, &held, in.displacement, in.cage, wrench));
         add(wrench, 5);
-        add_bits(portable(ballrace_sample_at(b, &held_at, in.displacement, &at, wrench)));
+        add_bits(ballrace_sample_at(b, &held_at, in.displacement, &at, wrench));
         add(wrench, 5);
     }
     add_bits(ballrace_held_count(&held));

@@ -200,10 +200,7 @@ fn of_bearing(Subject(_, count, bearing): &Subject) -> u64 {
         for (wrench, status) in
             [bearing.sample(&mut held, &u, &cage.into()), bearing.sample(&mut held_at, &u, &at_speed(cage))]
         {
-            // Whether a result that is not finite counts as outside the table depends on the sign of NaN.
-            let not_finite = status.contains(Status::RESULT_NOT_FINITE);
-            let ignored = if not_finite { Status::OUT_OF_TABLE.bits() } else { 0 };
-            sum.bits(u32::from(status.bits() & !ignored));
+            sum.bits(u32::from(status.bits()));
             sum.add(wrench.to_array());
         }
     }
