@@ -310,6 +310,7 @@ fn referenced_files(scene: &Scene) -> Vec<ReferencedFile> {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::{Field, hash_of, parsed, rounded_up};
 

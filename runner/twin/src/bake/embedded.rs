@@ -86,6 +86,7 @@ fn unescaped(line: &str) -> Option<String> {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::{CERTIFICATE, SCENE, escaped};
 
