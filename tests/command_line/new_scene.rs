@@ -1,6 +1,6 @@
 //! `new` and `check`: from a designation and a recording to a scene, and each wrong input with its probable cause.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, list, number, numbers, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, changed, list, number, short_recording, swap};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -46,7 +46,7 @@ fn from_a_designation_to_a_report_in_the_documented_commands() {
     assert!((3..=6).contains(&commands.len()), "{commands:?}");
 
     let desk = Desk::empty();
-    desk.put("run.csv", short_recording(16 * TURN));
+    desk.put("run.csv", short_recording(SAMPLES));
     desk.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
     for command in commands {
         let words: Vec<String> = command
@@ -162,16 +162,7 @@ fn wrong_options_of_new() {
     assert!(text.contains("mass = \"6 kg\""), "{text}");
 }
 
-/// The columns of the demonstration's first turns with each cell changed.
-fn changed(change: impl Fn(usize, usize, f64) -> f64) -> String {
-    let text = short_recording(16 * TURN);
-    let (header, rows) = numbers(&text);
-    let line = |(i, row): (usize, &Vec<f64>)| {
-        let cells: Vec<String> = row.iter().enumerate().map(|(k, x)| change(i, k, *x).to_string()).collect();
-        cells.join(",") + "\n"
-    };
-    header.join(",") + "\n" + &rows.iter().enumerate().map(line).collect::<String>()
-}
+const SAMPLES: usize = 16 * TURN;
 
 /// Checks the demonstration's scene after changes of its text, with a recording; returns the implausibilities.
 fn found(swaps: &[(&str, &str)], recording: &str) -> Vec<[String; 4]> {
@@ -188,7 +179,7 @@ fn found(swaps: &[(&str, &str)], recording: &str) -> Vec<[String; 4]> {
 #[test]
 fn the_demonstration_is_plausible() {
     assert_eq!(found(&[], DEMO_RECORDING), Vec::<[String; 4]>::new());
-    let drafted = drafted(&short_recording(16 * TURN));
+    let drafted = drafted(&short_recording(SAMPLES));
     drafted.put("pump.toml", filled(&drafted.read("pump.toml")));
     let text = drafted.done(&["check", "pump.toml", "--svg", "pump.svg"]).out;
     assert!(
@@ -201,11 +192,11 @@ fn the_demonstration_is_plausible() {
 /// One wrong input each, with a part of its probable cause or remedy.
 #[test]
 fn wrong_inputs_and_their_causes() {
-    let plain = short_recording(16 * TURN);
-    let probes = |factor: f64| changed(move |_, k, x| if (1..6).contains(&k) { factor * x } else { x });
+    let plain = short_recording(SAMPLES);
+    let probes = |factor: f64| changed(SAMPLES, move |_, k, x| if (1..6).contains(&k) { factor * x } else { x });
     let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
     let speed_in = |unit: &str| format!("speed = {{ column = \"keyphasor\", unit = \"{unit}\" }}");
-    let constant = |value: f64| changed(move |_, k, x| if k == 6 { value } else { x });
+    let constant = |value: f64| changed(SAMPLES, move |_, k, x| if k == 6 { value } else { x });
     let exchanged = "\"DE_Y_um\", unit = \"um\", station = \"-120 mm\", angle = \"90 deg\"";
     let other_way = exchanged.replace("90 deg", "-90 deg");
     let (nde, nde_other) = (
@@ -222,7 +213,7 @@ fn wrong_inputs_and_their_causes() {
         ("mm for um", &[], probes(0.001), "possible in mm"),
         ("nm for um", &[], probes(1000.0), "possible in nm"),
         ("mil for um", &[], probes(100.0 / 2.54), "check the unit"),
-        ("an offset", &[], changed(|_, k, x| if k == 1 { x + 900.0 } else { x }), "offset = \"900"),
+        ("an offset", &[], changed(SAMPLES, |_, k, x| if k == 1 { x + 900.0 } else { x }), "offset = \"900"),
         (
             "one direction",
             &[(exchanged, &exchanged.replace("90", "0")), (&nde, &nde.replace("90", "0"))],
@@ -233,7 +224,7 @@ fn wrong_inputs_and_their_causes() {
         (
             "one plane",
             &[],
-            changed(|_, k, x| if k == 3 || k == 4 { 0.001 * x } else { x }),
+            changed(SAMPLES, |_, k, x| if k == 3 || k == 4 { 0.001 * x } else { x }),
             "unit or sensitivity of one plane",
         ),
     ];
@@ -247,12 +238,12 @@ fn wrong_inputs_and_their_causes() {
 
 #[test]
 fn a_dead_keyphasor_and_a_slow_recorder() {
-    let dead = changed(|i, k, x| if k == 6 && i > 2 * TURN { 0.0 } else { x });
+    let dead = changed(SAMPLES, |i, k, x| if k == 6 && i > 2 * TURN { 0.0 } else { x });
     let found_dead = found(&[], &dead);
     assert!(found_dead.is_empty() || found_dead[0][0] == "shaft angle", "{found_dead:?}");
-    let none = changed(|_, k, x| if k == 6 { 0.0 } else { x });
+    let none = changed(SAMPLES, |_, k, x| if k == 6 { 0.0 } else { x });
     assert!(found(&[], &none)[0][2].contains("dead keyphasor"), "{:?}", found(&[], &none));
     let slow =
-        found(&[("rate = \"12.8 kHz\"", "rate = \"128 Hz\""), ("3000 rpm", "30 rpm")], &short_recording(16 * TURN));
+        found(&[("rate = \"12.8 kHz\"", "rate = \"128 Hz\""), ("3000 rpm", "30 rpm")], &short_recording(SAMPLES));
     assert!(slow.iter().all(|one| one[0] != "recording.rate"), "30 rpm needs 7 Hz: {slow:?}");
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, list, numbers, scene, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, changed, list, numbers, scene, short_recording, swap};
 
 /// Replays what is not plausible and returns the outcome.
 fn implausible(scene: &str, recording: &str) -> Value {
@@ -21,17 +21,6 @@ fn implausible(scene: &str, recording: &str) -> Value {
     let text = desk.run(&args[..2]).out;
     assert!(text.starts_with("The recording is not plausible") && text.contains("not judged"), "{text}");
     outcome
-}
-
-/// The demonstration's first turns with each cell of a row changed.
-fn changed(samples: usize, change: impl Fn(usize, usize, f64) -> f64) -> String {
-    let text = short_recording(samples);
-    let (header, rows) = numbers(&text);
-    let line = |(i, row): (usize, &Vec<f64>)| {
-        let cells: Vec<String> = row.iter().enumerate().map(|(k, x)| change(i, k, *x).to_string()).collect();
-        cells.join(",") + "\n"
-    };
-    header.join(",") + "\n" + &rows.iter().enumerate().map(line).collect::<String>()
 }
 
 const KEYPHASOR: usize = 6;

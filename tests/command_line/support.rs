@@ -67,6 +67,17 @@ pub fn short_recording(samples: usize) -> String {
     DEMO_RECORDING.split_inclusive('\n').take(1 + samples).collect()
 }
 
+/// The demonstration's first turns with each cell of a row changed.
+pub fn changed(samples: usize, change: impl Fn(usize, usize, f64) -> f64) -> String {
+    let text = short_recording(samples);
+    let (header, rows) = numbers(&text);
+    let line = |(i, row): (usize, &Vec<f64>)| {
+        let cells: Vec<String> = row.iter().enumerate().map(|(k, x)| change(i, k, *x).to_string()).collect();
+        cells.join(",") + "\n"
+    };
+    header.join(",") + "\n" + &rows.iter().enumerate().map(line).collect::<String>()
+}
+
 /// The recording on a [`Desk::rig`] with its lines (the header is line 1) edited.
 pub fn edited_recording(mut edit: impl FnMut(usize, &str) -> Vec<String>) -> String {
     let text = short_recording(SHORT);
