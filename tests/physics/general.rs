@@ -323,12 +323,13 @@ fn crooked_matrices_are_refused() {
         "K: invalid matrix: 5 at row 3, column 1 and 0 at row 1, column 3, expected a symmetric matrix of finite numbers"
     );
     assert!(
-        says(&|m| m.gyroscopic[(1, 0)] = 2.0).starts_with("G: found 2 at row 2, column 1 and 0 at row 1, column 2")
+        says(&|m| m.gyroscopic[(1, 0)] = 2.0)
+            .starts_with("G: invalid matrix: 2 at row 2, column 1 and 0 at row 1, column 2")
     );
     assert!(says(&|m| m.gyroscopic[(1, 1)] = 2.0).contains("row 2, column 2"));
-    assert!(says(&|m| m.damping[(1, 1)] = f64::NAN).starts_with("B: found NaN at row 2"));
+    assert!(says(&|m| m.damping[(1, 1)] = f64::NAN).starts_with("B: invalid matrix: NaN at row 2"));
     let thin = says(&|m| (m.mass[(1, 2)], m.mass[(2, 1)]) = (1.0, 1.0));
-    assert!(thin.contains("M: found 1 at row 3") && thin.contains("positive definite"), "{thin}");
+    assert!(thin.contains("M: invalid matrix: 1 at row 3") && thin.contains("positive definite"), "{thin}");
 }
 
 /// The extended vectors in any order and sign: a rotor whose coordinates are renamed moves the same.
