@@ -31,7 +31,7 @@ pub struct Draft<'a> {
 ///
 /// let bearings = vec![find("6205")?, find("6205")?];
 /// let text = draft(&Draft { name: "pump".to_owned(), speed: Some("3000 rpm".to_owned()), bearings, recording: None });
-/// assert!(text.contains("bearing = \"6205\"") && text.contains("mass = \"?\""));
+/// assert!(text.contains("bearing = \"6205 CN\"") && text.contains("mass = \"?\""));
 /// # Ok::<(), ballrace_twin::catalogue::UnknownBearing>(())
 /// ```
 #[must_use]
