@@ -97,7 +97,8 @@ fn broken_toml() {
 
 #[test]
 fn unknown_key_with_a_hint() {
-    let hint = "bearing[0].ball_daimeter: unknown key (did you mean ball_diameter?), expected one of name, bearing, station";
+    let hint =
+        "bearing[0].ball_daimeter: unknown key (did you mean ball_diameter?), expected one of name, bearing, station";
     refused_with("ball_diameter =", "ball_daimeter =", &[hint]);
 }
 

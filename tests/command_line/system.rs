@@ -201,7 +201,11 @@ fn bad_matrices_are_refused_by_entry() {
     };
     let mut crooked = whole(400.0, 0.4, 400.0);
     crooked[3][2] += 1.0;
-    refused("B.npy", npy(crooked.as_flattened(), "(5, 5)"), &["B: invalid matrix", "at row 4, column 3", "a symmetric matrix"]);
+    refused(
+        "B.npy",
+        npy(crooked.as_flattened(), "(5, 5)"),
+        &["B: invalid matrix", "at row 4, column 3", "a symmetric matrix"],
+    );
     refused("B.npy", npy(&[1.0; 4], "(2, 2)"), &["B.npy: wrong size of a matrix: 2 x 2, expected 5 x 5"]);
     refused("B.npy", npy(&[1.0; 20], "(5, 5)"), &["B.npy", "truncated file"]);
     // Found by the fuzzer: braces within braces.
@@ -213,8 +217,16 @@ fn bad_matrices_are_refused_by_entry() {
         b"1 2 3\n".to_vec(),
         &["M.mtx: unknown format of a matrix, expected a Matrix Market, NPY or MATLAB file"],
     );
-    refused("M.mtx", market(&whole(6.0, -1.0, 6.0), "symmetric").into_bytes(), &["M: invalid matrix", "positive definite"]);
-    refused("G.mtx", market(&whole(1.0, 1.0, 1.0), "general").into_bytes(), &["G: invalid matrix", "a skew-symmetric matrix"]);
+    refused(
+        "M.mtx",
+        market(&whole(6.0, -1.0, 6.0), "symmetric").into_bytes(),
+        &["M: invalid matrix", "positive definite"],
+    );
+    refused(
+        "G.mtx",
+        market(&whole(1.0, 1.0, 1.0), "general").into_bytes(),
+        &["G: invalid matrix", "a skew-symmetric matrix"],
+    );
     let broken = market(&gyroscopic(), "skew-symmetric").replace("5 5", "5 x");
     refused("G.mtx", broken.into_bytes(), &["G.mtx: invalid Matrix Market file: "]);
 }
