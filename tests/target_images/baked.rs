@@ -13,7 +13,7 @@ mod motion;
 
 use bearings::{bearing_de, bearing_nde};
 
-/// What the desktop prints with the same constants.
+/// Returns the output of the desktop for the same constants.
 fn expected() -> String {
     let mut lines = String::new();
     for (name, computed, constant) in

@@ -119,7 +119,7 @@ fn ballrace(folder: &Path, args: &[&str]) -> String {
     text(&cargo.current_dir(folder).output().expect("cargo runs"))
 }
 
-/// What a command printed that has to succeed.
+/// Returns the output of a command that has to succeed.
 fn text(output: &Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout.clone()).expect("text")

@@ -139,7 +139,7 @@ impl Image {
 }
 
 impl Linked {
-    /// What the image prints, under instruction counting.
+    /// Runs the image under instruction counting and returns its output.
     pub fn run(&self) -> String {
         super::super::emulated(&self.path, super::super::COUNTING)
     }
