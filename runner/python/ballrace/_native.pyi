@@ -111,6 +111,7 @@ class Scene:
         error: float | None = None,
         forces: str | None = None,
         force_source: str = "observer",
+        force: bool = False,
     ) -> Outcome: ...
 
 def read_machines(path: str) -> list[str]: ...

@@ -261,6 +261,7 @@ class Scene:
         error: float | None = None,
         forces: Path_ | None = None,
         force_source: str = "observer",
+        force: bool = False,
     ) -> Outcome:
         """Compare a recording with the digital twin and diagnose the machine.
 
@@ -279,6 +280,8 @@ class Scene:
             CSV file for the force of every bearing at every sample.
         force_source : {"observer", "displacement"}
             Displacement at which these forces are evaluated.
+        force : bool
+            Diagnose a recording that is not plausible for the scene all the same.
 
         Examples
         --------
@@ -294,6 +297,7 @@ class Scene:
             error,
             None if forces is None else os.fspath(forces),
             force_source,
+            force,
         )
         return Outcome(native, json.loads(native.json()))
 

@@ -334,7 +334,7 @@ impl Scene {
     }
 
     /// Replays a recording.
-    #[pyo3(signature = (recording, baseline=None, learn=false, error=None, forces=None, force_source="observer"))]
+    #[pyo3(signature = (recording, baseline=None, learn=false, error=None, forces=None, force_source="observer", force=false))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn replay<'py>(
         &self,
@@ -345,6 +345,7 @@ impl Scene {
         error: Option<f64>,
         forces: Option<PathBuf>,
         force_source: &str,
+        force: bool,
     ) -> PyResult<Outcome> {
         let force_source = match force_source {
             "observer" => ForceSource::Observer,
@@ -367,6 +368,7 @@ impl Scene {
                 live: false,
                 viewed: false,
                 learn,
+                force_diagnosis: force,
                 progress: Some(&progress),
             };
             replay(&self.content, reader, &name, &options)

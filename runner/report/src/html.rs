@@ -4,6 +4,7 @@ use super::figures::{Picture, Section, Shape, sections};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use anyhow::{Context, Result};
+use ballrace_twin::plausibility::Implausibility;
 use ballrace_twin::replay::outcome::{
     BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, SimplePredictor, Standing,
     TabularList, Timing,
@@ -47,6 +48,7 @@ fn page(outcome: &Outcome, sections: &[Section]) -> Value {
         findings => outcome.findings.iter().map(finding).collect::<Vec<_>>(),
         events => outcome.events.iter().map(|event| event.sentence.clone()).collect::<Vec<_>>(),
         event_action => words::EVENT_ACTION,
+        implausible => outcome.implausible.iter().map(implausible).collect::<Vec<_>>(),
         no_action => words::no_action(outcome),
         ball_pass => ball_pass_rows(&outcome.probes),
         bearings => outcome.bearings.iter().map(bearing).collect::<Vec<_>>(),
@@ -54,6 +56,15 @@ fn page(outcome: &Outcome, sections: &[Section]) -> Value {
         flaws => outcome.flaws.iter().map(|flaw| flaw.sentence.clone()).collect::<Vec<_>>(),
         notes => outcome.notes.clone(),
         galleries => galleries(sections),
+    }
+}
+
+fn implausible(one: &Implausibility) -> Value {
+    context! {
+        subject => one.subject.as_str(),
+        found => one.found.as_str(),
+        cause => one.cause.as_str(),
+        remedy => one.remedy.as_str(),
     }
 }
 

@@ -282,6 +282,11 @@ fn findings(page: &mut Page, outcome: &Outcome) {
     page.title("FINDINGS");
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
         page.line("  not judged");
+        for one in &outcome.implausible {
+            page.sentence("  * ", &format!("{}: {}", one.subject, one.found));
+            page.sentence("    Probable cause: ", &one.cause);
+            page.sentence("    Remedy: ", &one.remedy);
+        }
     } else if outcome.findings.is_empty() {
         page.line("  none");
     }

@@ -106,7 +106,7 @@ pub(super) const EVENT_ACTION: &str =
 /// Returns the recommended action where there is no finding.
 pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
-        return "remove the cause that the verdict states, then measure again.";
+        return "remove the cause that the verdict states, then replay or measure again.";
     }
     match (outcome.probes.is_empty(), verdict::follows(&outcome.probes)) {
         (true, _) => "none; repeat the measurement as planned.",

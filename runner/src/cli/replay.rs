@@ -41,6 +41,9 @@ pub struct Args {
     /// Run in real time: replay a recording at its own rate, or process a live source as samples arrive.
     #[arg(long)]
     pub(super) paced: bool,
+    /// Diagnose a recording that is not plausible for the scene all the same.
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     live: LiveArgs,
 }
@@ -79,6 +82,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
         source: args.force_source,
         baseline: args.baseline.as_deref(),
         learn: args.learn.is_some(),
+        force_diagnosis: args.force,
         progress: Some(&progress),
     };
     let outcome = replay::replay(&scene, reader, &name, &options);
@@ -99,6 +103,7 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
         live: true,
         viewed: false,
         learn: args.learn.is_some(),
+        force_diagnosis: args.force,
         progress: None,
     };
     let options = args.live.options(source, None, replay);

@@ -27,6 +27,9 @@ pub struct Args {
     /// Compare with a baseline stored by `replay --learn`.
     #[arg(long, value_name = "BASELINE.json")]
     baseline: Option<PathBuf>,
+    /// Diagnose samples that are not plausible for the scene all the same.
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     live: LiveArgs,
 }
@@ -46,7 +49,9 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
     let view = SharedView::default();
     let source = args.live.source(&scene, None, args.scene.is_none());
     let name = source.to_string();
-    let replay = Options { error, baseline: args.baseline.as_deref(), live: true, viewed: true, ..Options::default() };
+    let baseline = args.baseline.as_deref();
+    let replay =
+        Options { error, baseline, live: true, viewed: true, force_diagnosis: args.force, ..Options::default() };
     let options = args.live.options(source, Some(view.clone()), replay);
     let (stop, failed) = (live::stop_on_signal()?, AtomicBool::new(false));
     let (outcome, view_result) = std::thread::scope(|scope| {

@@ -128,6 +128,7 @@ pub mod outcome;
 pub mod output;
 pub mod parquet_table;
 pub mod plant;
+pub mod plausibility;
 pub mod printable;
 pub mod probes;
 pub mod recording;

@@ -3,27 +3,23 @@
 //!
 //! The recording is read once. The only model used is the static equilibrium, which bounds the readings that the bearings allow.
 
-mod findings;
-mod readings;
 mod unknown;
 
-pub use findings::Implausibility;
-pub use readings::ReadingSummary;
+pub use crate::plausibility::{Implausibility, ReadingSummary};
 pub use unknown::{UnknownValue, unknown_values};
 
+use crate::diagnosis::block::Block;
 use crate::error::Result;
 use crate::outcome::RotorDrawing;
 use crate::plant::Plant;
+use crate::plausibility::{Collector, Evidence, implausible, implausible_scene};
 use crate::recording::Reader;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
 use crate::replay::range::ReadingRange;
 use crate::scene::build::kinematics;
 use crate::scene::{RotationSource, Scene};
-use findings::Evidence;
-use readings::Readings;
 use serde::Serialize;
-use std::f64::consts::TAU;
 
 /// Largest number of samples between two pulses of a keyphasor.
 const LONGEST_WAIT: usize = 1 << 20;
@@ -104,12 +100,13 @@ pub fn check(
         })
     });
     let bearings = bearings.collect::<Result<Vec<_>>>()?;
-    let (mut recording, mut evidence) = (None, Evidence::default());
-    if let Some(reader) = reader {
-        let (summary, found) = read(scene, plant.as_ref(), reader, file, progress)?;
-        (recording, evidence) = (Some(summary), found);
-    }
-    let implausible = findings::implausible(scene, &bearings, recording.as_ref(), &evidence);
+    let (recording, implausible) = match reader {
+        Some(reader) => {
+            let (summary, found) = read(scene, plant.as_ref(), reader, file, progress)?;
+            (Some(summary), found)
+        }
+        None => (None, implausible_scene(scene)),
+    };
     Ok(Checked {
         scene: scene.name.clone(),
         bearings,
@@ -126,7 +123,7 @@ fn read(
     mut reader: Reader,
     file: &str,
     progress: &dyn Fn(u64, Option<u64>),
-) -> Result<(RecordingSummary, Evidence)> {
+) -> Result<(RecordingSummary, Vec<Implausibility>)> {
     let Some(given) = &scene.recording else {
         return Err(crate::error::ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
@@ -138,28 +135,28 @@ fn read(
     };
     let rate = reader.rate() / f64::from(recording.average);
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
-    let mut readings = Readings::new(recording.probes.len());
-    let (mut row, mut samples, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
-    let mut speeds = Speeds::default();
+    let mut collected = Collector::new(recording.probes.len(), scene.shaft.speed);
+    let mut block = Block::default();
+    let (mut row, mut rows, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
     loop {
         let goes_on = reader.next_row(&mut row)?;
         if !goes_on && rotation.is_ok() {
             rotation = tracker.finish();
         }
         while let Some(sample) = tracker.pop() {
-            speeds.add(sample.speed);
-            readings.add_at(&sample);
+            collected.add_sample(&sample);
+            block.add(&sample);
             tracker.recycle(sample.row);
         }
         if !goes_on {
             break;
         }
-        samples += 1;
-        if samples.is_multiple_of(4096) {
+        rows += 1;
+        if rows.is_multiple_of(4096) {
             let (read, total) = reader.progress();
             progress(read, total);
         }
-        readings.add(&row.probes);
+        collected.add_row(&row.probes);
         let mut full = if rotation.is_ok() { std::mem::replace(&mut row, tracker.blank()) } else { row.clone() };
         if let Some(range) = &mut range {
             range.check(&mut full);
@@ -169,42 +166,25 @@ fn read(
         }
     }
     let speed_is_measured = !matches!(recording.rotation, RotationSource::Scene);
-    let largest = range.as_ref().map(|range| range.largest().to_vec());
-    let outside = range.as_ref().map(ReadingRange::shares_outside);
+    let rotation = rotation.err();
+    let samples = block.into_samples();
+    let found = implausible(&Evidence {
+        scene,
+        rate_hz: rate,
+        collected: &collected,
+        limits: range.as_ref().map(ReadingRange::limits),
+        rotation: rotation.as_ref(),
+        samples: &samples,
+    });
     let summary = RecordingSummary {
         file: file.to_owned(),
         rate_hz: rate,
-        samples,
-        seconds: samples as f64 / reader.rate(),
-        speed_rpm: speeds.rpm(),
+        samples: rows,
+        seconds: rows as f64 / reader.rate(),
+        speed_rpm: collected.speeds().rpm(),
         speed_is_measured,
-        readings: readings.summary(given),
+        readings: collected.summary(given),
         flaws: reader.flaws().summary(),
     };
-    Ok((summary, Evidence { largest, outside, rotation: rotation.err(), noise: readings.one_x_noise() }))
-}
-
-/// Least, sum and greatest of the speeds.
-#[derive(Default)]
-struct Speeds {
-    least: f64,
-    greatest: f64,
-    sum: f64,
-    count: u64,
-}
-
-impl Speeds {
-    fn add(&mut self, speed: f64) {
-        let is_first = self.count == 0;
-        self.least = if is_first { speed } else { self.least.min(speed) };
-        self.greatest = if is_first { speed } else { self.greatest.max(speed) };
-        self.sum += speed;
-        self.count += 1;
-    }
-
-    fn rpm(&self) -> Option<[f64; 3]> {
-        let to_rpm = 60.0 / TAU;
-        let mean = self.sum / self.count as f64;
-        (self.count > 0).then(|| [self.least, mean, self.greatest].map(|speed| speed * to_rpm))
-    }
+    Ok((summary, found))
 }

@@ -18,6 +18,7 @@ pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, Rot
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
 use crate::baseline;
+use crate::plausibility::Implausibility;
 use crate::recording::flaws::FlawSummary;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -51,7 +52,7 @@ pub struct Outcome {
     /// Figures of the observer.
     pub observer: Option<ObserverOutcome>,
     /// Reasons why the recording cannot be one of the scene's machine; where there is one, nothing is diagnosed.
-    pub implausible: Vec<String>,
+    pub implausible: Vec<Implausibility>,
     /// Reasons why there is no verdict, such as quantities that are not measured.
     pub not_judged: Vec<String>,
     /// Findings on the machine, strongest first; empty where there is none.

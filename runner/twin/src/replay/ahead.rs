@@ -8,6 +8,7 @@ use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, Calibration, Diagnosis, Material};
 use crate::error::Result;
 use crate::plant::Plant;
+use crate::plausibility::implausible_samples;
 use crate::recording::rotation::Tracker;
 use crate::recording::{Reader, Row, Sample};
 use crate::scene::{Recording, Scene};
@@ -60,6 +61,11 @@ impl Ahead {
         }
         let period = f64::from(recording.average) / rate;
         Ok(Self { rows, is_whole, samples: block.into_samples(), period })
+    }
+
+    /// Returns true where the samples read cannot be of the scene's machine.
+    pub fn is_implausible(&self, scene: &Scene) -> bool {
+        !implausible_samples(scene, &self.samples, self.period).is_empty()
     }
 
     /// Diagnoses the samples read; none where they do not allow it.

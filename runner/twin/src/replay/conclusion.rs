@@ -6,8 +6,9 @@ use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
 use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
+use crate::plausibility::{Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
-use crate::scene::{RotationSource, Scene};
+use crate::scene::Scene;
 use std::f64::consts::TAU;
 
 /// Facts of a recording that the pipeline does not have.
@@ -38,19 +39,22 @@ impl Pipeline<'_> {
         let mean_speed = self.totals.speed().mean();
         let speed_hz = mean_speed.abs() / TAU;
         let mut probes = self.comparison.outcomes(self.probes, bearings, speed_hz);
-        let implausible = plausibility::implausible(&plausibility::Evidence {
-            counts: &self.counts,
-            rotation: scene.recording.as_ref().map_or(&RotationSource::Scene, |r| &r.rotation),
-            scene_speed: scene.shaft.speed,
-            mean_speed,
-            range: &self.range,
-            probes: &probes,
-            bearings: self.force.bearings(),
-            mounted: bearings,
+        let samples = std::mem::take(&mut self.block).into_samples();
+        let mut implausible = implausible(&Evidence {
+            scene,
+            rate_hz: self.rate,
+            collected: &self.collected,
+            limits: Some(self.range.limits()),
+            rotation: None,
+            samples: &samples,
         });
+        if implausible.is_empty() {
+            implausible = plausibility::unlike_twin(&probes, self.force.bearings(), bearings);
+        }
+        let overridden = if self.force_diagnosis { std::mem::take(&mut implausible) } else { vec![] };
+        self.notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
         let mut not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
-        let samples = std::mem::take(&mut self.block).into_samples();
         let material = Material {
             scene,
             plant: &self.plant,
@@ -152,7 +156,18 @@ impl Pipeline<'_> {
         if self.standstill.samples() == 0 {
             return Err(ReplayError::NoSample { recording: facts.name.to_owned() }.into());
         }
+        let implausible = self.standstill.implausible_speed().map_or_else(Vec::new, |speed| {
+            implausible(&Evidence {
+                scene,
+                rate_hz: self.rate,
+                collected: &self.collected,
+                limits: Some(self.range.limits()),
+                rotation: Some(speed),
+                samples: &[],
+            })
+        });
         let outcome = self.standstill.outcome(Measured {
+            implausible,
             probes: self.probes,
             bearings: self.force.outcomes(&self.plant.bearings),
             observation: self.location.observation().clone(),

@@ -115,7 +115,8 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
         }
     };
     let mut calibration = baseline.and_then(|baseline| baseline.calibration);
-    if options.learn {
+    let is_diagnosed = options.force_diagnosis || !ahead.is_implausible(&scene);
+    if options.learn && is_diagnosed {
         // An error of the scene is no fault of the machine.
         calibration = ahead.calibrate(&scene, &plant, recording, calibration.as_ref())?;
         if let Some(calibration) = &calibration {
@@ -123,7 +124,10 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
             plant = Plant::try_new(&scene).map_err(Error::setup)?;
         }
     }
-    let diagnosed = ahead.diagnose(&scene, &plant, recording, calibration.as_ref(), &advance)?;
+    let diagnosed = match is_diagnosed {
+        true => ahead.diagnose(&scene, &plant, recording, calibration.as_ref(), &advance)?,
+        false => None,
+    };
     drop(plant);
     if let Some(diagnosis) = &diagnosed {
         set_cages(&mut scene, &diagnosis.cages);

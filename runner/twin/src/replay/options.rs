@@ -20,6 +20,8 @@ pub struct Options<'a> {
     pub viewed: bool,
     /// The machine is in good order: its parameters are calibrated for the baseline of the outcome.
     pub learn: bool,
+    /// A recording that is not plausible for the scene is diagnosed all the same; the implausibilities are notes of the outcome.
+    pub force_diagnosis: bool,
     /// Called at intervals.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }

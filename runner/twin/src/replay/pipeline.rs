@@ -29,10 +29,11 @@ use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
 use crate::error::Result;
 use crate::plant::{AXIAL, MOST_OBSERVED, Plant, only_observable, unbalance_note};
+use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
-use crate::scene::{Probe, Scene, Speed};
+use crate::scene::{Probe, Scene};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -45,8 +46,6 @@ pub(super) struct Pipeline<'a> {
     pub(super) planes: Vec<Plane>,
     /// Reading of each probe per unit of each coordinate.
     rows: Vec<Vec<f64>>,
-    /// Shaft speed of the scene.
-    scene_speed: Speed,
     /// Samples per second.
     pub(super) rate: f64,
     pub(super) live: bool,
@@ -80,6 +79,10 @@ pub(super) struct Pipeline<'a> {
 
     pub(super) standstill: Standstill,
     pub(super) counts: Counts,
+    /// Figures for the checks of plausibility.
+    pub(super) collected: Collector,
+    /// An implausible recording is diagnosed too.
+    pub(super) force_diagnosis: bool,
     pub(super) totals: Totals,
     pub(super) timing: Ledger,
     pub(super) notices: Notices,
@@ -145,9 +148,10 @@ impl<'a> Pipeline<'a> {
             comparison: Comparison::new(probes.len(), bearings, planes.len()),
             block: Block::default(),
             diagnosed: None,
-            running_diagnosis: options
-                .live
-                .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone())),
+            running_diagnosis: options.live.then(|| {
+                let (plant, force) = (plant.clone(), options.force_diagnosis);
+                RunningDiagnosis::new(scene, plant, probes, 1.0 / rate, baseline.clone(), force)
+            }),
             calibration: None,
             baseline,
             deflection: MeanDeflection::new(&plant),
@@ -158,6 +162,8 @@ impl<'a> Pipeline<'a> {
             forces_file,
             standstill: Standstill::default(),
             counts: Counts::default(),
+            collected: Collector::new(probes.len(), scene.shaft.speed),
+            force_diagnosis: options.force_diagnosis,
             totals: Totals::default(),
             timing: Ledger::try_new(1.0 / rate)?,
             notices: Notices::default(),
@@ -165,7 +171,6 @@ impl<'a> Pipeline<'a> {
             ended_seconds: Vec::new(),
             displacements: Vec::new(),
             sample_readings: SampleReadings::default(),
-            scene_speed: scene.shaft.speed,
             probes,
             planes,
             rows,
@@ -177,7 +182,9 @@ impl<'a> Pipeline<'a> {
 
     /// Checks a sample, evaluates its readings, and queues it for the twin.
     pub(super) fn push(&mut self, mut sample: Sample) -> Result<()> {
+        self.collected.add_row(&sample.row.probes);
         self.range.check_sample(&mut sample, &mut self.notices);
+        self.collected.add_sample(&sample);
         self.readings.add(&sample, &mut self.limits);
         if let Some(found) = self.startup.push(sample, &self.range)? {
             self.start(found);
@@ -187,6 +194,7 @@ impl<'a> Pipeline<'a> {
 
     /// Adds a sample that has no shaft angle.
     pub(super) fn push_without_angle(&mut self, row: &mut Row) {
+        self.collected.add_row(&row.probes);
         self.range.check(row);
         self.standstill.add(row);
         if !self.live {
@@ -302,7 +310,7 @@ impl<'a> Pipeline<'a> {
             .and(SampleStatus::TWIN_HELD.when(self.twin.is_held()))
             .and(observed.status)
             .and(force);
-        self.counts.add(status, sample.speed, self.scene_speed);
+        self.counts.add(status);
         if let (Some(seconds), Some(nis)) = (&mut self.seconds, observed.nis) {
             seconds.add_innovation(nis);
         }

@@ -8,6 +8,7 @@
 
 use super::notices::Notices;
 use crate::plant::{MountedBearing, PRESSURE_LIMIT, Plant};
+use crate::plausibility::ReadingLimits;
 use crate::recording::flaws::{Flaw, FlawLedger, Position};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
@@ -132,21 +133,10 @@ impl ReadingRange {
         axial.abs() <= self.axial && readings.zip(&self.largest).all(|(y, &largest)| y.abs() <= largest)
     }
 
-    /// Returns the probes with more than `share` of their readings out of range: column, share, largest reading allowed (m).
-    pub fn mostly_outside(&self, share: f64) -> impl Iterator<Item = (&str, f64, f64)> {
-        let all = self.shares_outside().into_iter().zip(&self.names).zip(&self.largest);
-        all.filter(move |((found, _), _)| *found > share)
-            .map(|((found, name), largest)| (name.as_str(), found, *largest))
-    }
-
-    /// Returns the largest magnitude of each reading, m; infinite where nothing bounds it.
-    pub fn largest(&self) -> &[f64] {
-        &self.largest
-    }
-
-    /// Returns the share of the readings of each probe out of range.
-    pub fn shares_outside(&self) -> Vec<f64> {
-        self.outside.iter().zip(&self.readings).map(|(o, n)| *o as f64 / (*n).max(1) as f64).collect()
+    /// Returns the limits with the share of the readings beyond them.
+    pub(crate) fn limits(&self) -> ReadingLimits {
+        let shares = self.outside.iter().zip(&self.readings).map(|(o, n)| *o as f64 / (*n).max(1) as f64);
+        ReadingLimits { largest: self.largest.clone(), outside: shares.collect() }
     }
 
     /// Returns the number of readings out of range over all probes.

@@ -6,6 +6,7 @@ use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, Calibration, Diagnosis, Material};
 use crate::outcome::{FaultFigures, Finding, FindingKind};
 use crate::plant::Plant;
+use crate::plausibility::{Implausibility, implausible_samples};
 use crate::recording::Sample;
 use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};
@@ -26,10 +27,16 @@ struct Machine {
     /// Sample period, s.
     period: f64,
     calibration: Option<Calibration>,
+    /// Samples that are not plausible are diagnosed too.
+    force_diagnosis: bool,
 }
 
 impl Machine {
-    fn diagnose(&self, samples: &[Sample]) -> Result<Option<Diagnosis>, BuildError> {
+    fn diagnose(&self, samples: &[Sample]) -> Result<Judged, BuildError> {
+        let implausible = implausible_samples(&self.scene, samples, self.period);
+        if !implausible.is_empty() && !self.force_diagnosis {
+            return Ok(Judged::Implausible(implausible));
+        }
         let material = Material {
             scene: &self.scene,
             plant: &self.plant,
@@ -38,8 +45,17 @@ impl Machine {
             period: self.period,
             calibration: self.calibration.as_ref(),
         };
-        diagnosis::diagnose(&material, &|_| {})
+        Ok(diagnosis::diagnose(&material, &|_| {})?.map_or(Judged::Undetermined, Judged::Diagnosed))
     }
+}
+
+/// Result of a diagnosis on the thread.
+enum Judged {
+    Diagnosed(Diagnosis),
+    /// The probes do not determine the motion.
+    Undetermined,
+    /// The samples cannot be of the scene's machine.
+    Implausible(Vec<Implausibility>),
 }
 
 /// A fault that the last diagnoses found.
@@ -51,7 +67,7 @@ struct OpenFault {
 
 /// A diagnosis in progress.
 struct Running {
-    thread: JoinHandle<Result<Option<Diagnosis>, BuildError>>,
+    thread: JoinHandle<Result<Judged, BuildError>>,
     started: Instant,
     /// Time of the last sample in the recording's time, s.
     time: f64,
@@ -65,6 +81,8 @@ pub(super) struct RunningDiagnosis {
     rests_until: Option<Instant>,
     /// No diagnosis begins any more.
     has_ended: bool,
+    /// The last samples were not plausible.
+    is_implausible: bool,
     baseline: Option<Baseline>,
     faults: OpenFaults,
 }
@@ -77,14 +95,17 @@ impl RunningDiagnosis {
         probes: &[Probe],
         period: f64,
         baseline: Option<Baseline>,
+        force_diagnosis: bool,
     ) -> Self {
         let calibration = baseline.as_ref().and_then(|baseline| baseline.calibration.clone());
-        let machine = Machine { scene: scene.clone(), plant, probes: probes.to_vec(), period, calibration };
+        let machine =
+            Machine { scene: scene.clone(), plant, probes: probes.to_vec(), period, calibration, force_diagnosis };
         Self {
             machine: Arc::new(machine),
             running: None,
             rests_until: None,
             has_ended: false,
+            is_implausible: false,
             baseline,
             faults: OpenFaults::default(),
         }
@@ -101,7 +122,8 @@ impl RunningDiagnosis {
             let worked = running.started.elapsed();
             self.rests_until = Some(Instant::now() + worked.mul_f64(1.0 / SHARE - 1.0));
             match running.thread.join() {
-                Ok(Ok(Some(diagnosis))) => {
+                Ok(Ok(Judged::Diagnosed(diagnosis))) => {
+                    self.is_implausible = false;
                     let is_new = |finding: &Finding| {
                         finding.kind != FindingKind::Other && !self.baseline.as_ref().is_some_and(|b| b.knows(finding))
                     };
@@ -109,7 +131,16 @@ impl RunningDiagnosis {
                     let new = new.map(|finding| finding.with_station_as_drawn(&self.machine.scene)).collect();
                     self.faults.report(new, running.time, notices);
                 }
-                Ok(Ok(None)) => self.end("the probes do not determine the motion", running.time, notices),
+                Ok(Ok(Judged::Implausible(all))) => {
+                    if !std::mem::replace(&mut self.is_implausible, true) {
+                        let all: Vec<String> = all.iter().map(Implausibility::to_string).collect();
+                        let sentence = format!("No diagnosis while the samples are not plausible: {}.", all.join("; "));
+                        notices.add_always("implausible", running.time, sentence);
+                    }
+                }
+                Ok(Ok(Judged::Undetermined)) => {
+                    self.end("the probes do not determine the motion", running.time, notices)
+                }
                 Ok(Err(error)) => self.end(&error.to_string(), running.time, notices),
                 Err(_) => self.end("its thread ended", running.time, notices),
             }

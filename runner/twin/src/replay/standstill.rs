@@ -7,6 +7,7 @@ use crate::outcome::{
     BearingOutcome, ForceFigures, Motion, Observation, Outcome, ProbeOutcome, Record, SimplePredictor,
     SimplePredictors, TabularList, Timing,
 };
+use crate::plausibility::Implausibility;
 use crate::recording::Row;
 use crate::recording::rotation::RotationError;
 use crate::scene::{Direction, Probe};
@@ -48,6 +49,11 @@ impl Standstill {
         self.reason.get_or_insert(reason);
     }
 
+    /// Returns the reason where it is a speed that the scene's machine cannot have.
+    pub(super) fn implausible_speed(&self) -> Option<&RotationError> {
+        self.reason.as_ref().filter(|reason| matches!(reason, RotationError::ImplausibleSpeed { .. }))
+    }
+
     /// Number of samples.
     pub(super) const fn samples(&self) -> u64 {
         self.samples
@@ -74,14 +80,14 @@ impl Standstill {
             ..Record::default()
         };
         let reason = self.reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}"));
-        let (implausible, not_judged) = match &self.reason {
-            Some(speed @ RotationError::ImplausibleSpeed { .. }) => (vec![speed.to_string()], vec![]),
-            Some(RotationError::NoSpeed { .. }) => (vec![], vec![format!("the shaft speed is not measured{reason}")]),
-            _ => (vec![], vec![format!("the shaft did not turn{reason}")]),
+        let not_judged = match &self.reason {
+            _ if !of.implausible.is_empty() => vec![],
+            Some(RotationError::NoSpeed { .. }) => vec![format!("the shaft speed is not measured{reason}")],
+            _ => vec![format!("the shaft did not turn{reason}")],
         };
         Outcome {
             record,
-            implausible,
+            implausible: of.implausible,
             not_judged,
             observation: of.observation,
             probes: of.probes.iter().enumerate().map(|(i, probe)| self.probe(i, probe)).collect(),
@@ -152,6 +158,8 @@ pub(super) struct Measured<'a> {
     pub(super) angle_source: String,
     /// Constant load on the rotor.
     pub(super) load: [f64; 5],
+    /// Everything that is not plausible.
+    pub(super) implausible: Vec<Implausibility>,
     /// Compute time.
     pub(super) timing: Timing,
 }

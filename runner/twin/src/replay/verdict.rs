@@ -1,6 +1,7 @@
 //! The verdict as a sentence.
 
 use crate::outcome::{Finding, ProbeOutcome, Standing};
+use crate::plausibility::Implausibility;
 
 /// Returns the root mean square of a figure over the probes; none where a probe lacks it.
 fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
@@ -21,15 +22,13 @@ pub fn follows(probes: &[ProbeOutcome]) -> bool {
 pub fn verdict(
     findings: &[Finding],
     probes: &[ProbeOutcome],
-    implausible: &[String],
+    implausible: &[Implausibility],
     not_judged: &[String],
     out_of_range: u64,
 ) -> String {
     if !implausible.is_empty() {
-        return format!(
-            "The recording is not plausible for the scene: {}. Nothing is diagnosed.",
-            implausible.join("; ")
-        );
+        let all: Vec<String> = implausible.iter().map(|one| format!("{}: {}", one.subject, one.found)).collect();
+        return format!("The recording is not plausible for the scene: {}. Nothing is diagnosed.", all.join("; "));
     }
     if !not_judged.is_empty() {
         return format!("No verdict: {}.", not_judged.join("; "));

@@ -1,21 +1,24 @@
-//! Checks: what the recording shows, its probable cause and the remedy.
+//! Checks of readings, shaft angle, speed and rate, each with its probable cause and the remedy.
 
-use super::{BearingSummary, ReadingSummary, RecordingSummary};
+use super::{Evidence, Implausibility, ReadingSummary};
+use crate::probes;
 use crate::recording::rotation::RotationError;
-use crate::scene::{RotationSource, Scene};
-use serde::Serialize;
+use crate::scene::build::kinematics;
+use crate::scene::{Probe, Recording, RotationSource, Scene};
 use std::f64::consts::TAU;
 
 /// Ratio of measured and given speed beyond which they differ.
-const SPEED_FACTOR: f64 = 1.5;
+pub(super) const SPEED_FACTOR: f64 = 1.5;
+/// Least share of the samples at a speed within that factor: a recording may hold a start or a stop.
+const LEAST_AT_SPEED: f64 = 0.1;
 /// Largest relative distance of a speed ratio from a known mistake.
 const NEAR: f64 = 0.05;
 /// Largest share of readings out of range: spikes of a sound probe are rarer.
 const MOST_OUT_OF_RANGE: f64 = 0.1;
 /// Radial readings smaller than this share of the range that the bearings allow have another unit.
 const TOO_SMALL: f64 = 1e-4;
-/// Ratio of the 1X amplitudes of two planes beyond which one of them has another unit or sensitivity.
-const PLANE_RATIO: f64 = 50.0;
+/// Ratio of the motion at two probes beyond which one of them has another unit or sensitivity.
+const PROBE_RATIO: f64 = 50.0;
 /// Ratio of backward and forward 1X from which an orbit counts as backward.
 const BACKWARD: f64 = 3.0;
 /// Amplitude of 1X over its standard deviation by noise from which its direction is known: one in 1e6 by chance.
@@ -25,54 +28,42 @@ const SAMPLES_PER_PASS: f64 = 2.56;
 /// Units of length that a column may be in by mistake: name and metres.
 const UNITS: [(&str, f64); 5] = [("nm", 1e-9), ("um", 1e-6), ("mil", 25.4e-6), ("mm", 1e-3), ("m", 1.0)];
 
-/// Something that is not plausible.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Implausibility {
-    /// Key or column that it concerns.
-    pub subject: String,
-    /// Observation, with numbers.
-    pub found: String,
-    /// Probable cause.
-    pub cause: String,
-    /// Change that would remove it.
-    pub remedy: String,
-}
-
-/// Data of the checks beside the summary of the recording.
-#[derive(Default)]
-pub(super) struct Evidence {
-    /// Largest reading of each probe that the bearings allow, m.
-    pub largest: Option<Vec<f64>>,
+/// Limits of the readings of each probe, and how often they were exceeded.
+pub(crate) struct ReadingLimits {
+    /// Largest magnitude of each reading that the bearings allow, m.
+    pub largest: Vec<f64>,
     /// Share of the readings of each probe beyond it.
-    pub outside: Option<Vec<f64>>,
-    /// Reason why the shaft angle is not known up to the end.
-    pub rotation: Option<RotationError>,
-    /// Standard deviation of the amplitude of 1X by noise, m.
-    pub noise: Vec<f64>,
+    pub outside: Vec<f64>,
 }
 
-/// Returns all implausibilities.
-pub(super) fn implausible(
-    scene: &Scene,
-    bearings: &[BearingSummary],
-    recording: Option<&RecordingSummary>,
-    evidence: &Evidence,
-) -> Vec<Implausibility> {
-    let mut all: Vec<Implausibility> = directions(scene).into_iter().collect();
-    let Some(recording) = recording else { return all };
-    all.extend(rotation(scene, evidence));
-    all.extend(speed(scene, recording));
-    all.extend(rate(bearings, recording));
-    all.extend(out_of_range(scene, recording, evidence));
-    all.extend(too_small(scene, recording, evidence));
-    let planes = planes(recording, evidence);
+/// Figures of a recording beside its scene.
+struct Checked<'a> {
+    scene: &'a Scene,
+    recording: &'a Recording,
+    readings: Vec<ReadingSummary>,
+    evidence: &'a Evidence<'a>,
+}
+
+/// Returns the implausibilities of readings, speed and rate.
+pub(super) fn of_readings(evidence: &Evidence) -> Vec<Implausibility> {
+    let Some(recording) = &evidence.scene.recording else { return vec![] };
+    let readings = evidence.collected.summary(recording);
+    let checked = Checked { scene: evidence.scene, recording, readings, evidence };
+    let mut all: Vec<Implausibility> = directions(evidence.scene).into_iter().collect();
+    all.extend(rotation(&checked));
+    all.extend(speed(&checked));
+    all.extend(rate(&checked));
+    all.extend(monotonic(&checked));
+    all.extend(out_of_range(&checked));
+    all.extend(too_small(&checked));
+    let planes = planes(&checked);
     all.extend(backward(&planes));
-    all.extend(unequal(&planes));
+    all.extend(unequal(&checked));
     all
 }
 
 /// Radial probes that all measure one direction.
-fn directions(scene: &Scene) -> Option<Implausibility> {
+pub(super) fn directions(scene: &Scene) -> Option<Implausibility> {
     let probes = &scene.recording.as_ref()?.probes;
     let angles: Vec<f64> = probes.iter().filter_map(|probe| probe.direction.angle()).collect();
     let first = angles.first()?;
@@ -85,11 +76,11 @@ fn directions(scene: &Scene) -> Option<Implausibility> {
     })
 }
 
-fn rotation(scene: &Scene, evidence: &Evidence) -> Option<Implausibility> {
-    let error = evidence.rotation.as_ref()?;
+fn rotation(checked: &Checked) -> Option<Implausibility> {
+    let error = checked.evidence.rotation?;
     let unit = match error {
         RotationError::ImplausibleSpeed { found, .. } => {
-            let (low, high) = scene.shaft.speed.range();
+            let (low, high) = checked.scene.shaft.speed.range();
             speed_unit(found.abs() / low.abs().max(high.abs()))
         }
         _ => None,
@@ -114,50 +105,69 @@ fn speed_unit(ratio: f64) -> Option<&'static str> {
     mistakes.iter().find(|(factor, _)| near(*factor)).map(|(_, mistake)| *mistake)
 }
 
-fn speed(scene: &Scene, recording: &RecordingSummary) -> Option<Implausibility> {
-    let [_, mean, _] = recording.speed_rpm.filter(|_| recording.speed_is_measured)?;
+fn speed(checked: &Checked) -> Option<Implausibility> {
+    let (scene, speeds) = (checked.scene, checked.evidence.collected.speeds());
     let (low, high) = scene.shaft.speed.range();
-    let [slow, fast] = [low.abs().min(high.abs()), low.abs().max(high.abs())].map(|speed| speed * 60.0 / TAU);
-    if fast == 0.0 || (slow / SPEED_FACTOR..=fast * SPEED_FACTOR).contains(&mean.abs()) {
+    let is_measured = !matches!(checked.recording.rotation, RotationSource::Scene);
+    let [_, mean, _] = speeds.rpm().filter(|_| is_measured && (low != 0.0 || high != 0.0))?;
+    if speeds.share_at_speed() >= LEAST_AT_SPEED {
         return None;
     }
-    let ratio = mean.abs() / (0.5 * (slow + fast));
+    let [low, high] = [low, high].map(|speed| speed * 60.0 / TAU);
+    let ratio = mean.abs() / (0.5 * (low + high)).abs();
     let is_count = |pulses: f64| pulses > 0.5 && (pulses / pulses.round() - 1.0).abs() < NEAR;
-    let (cause, remedy) = match &scene.recording.as_ref()?.rotation {
+    let (cause, remedy) = match &checked.recording.rotation {
         RotationSource::Keyphasor { pulses_per_turn, .. } if is_count(ratio * f64::from(*pulses_per_turn)) => {
             let pulses = (ratio * f64::from(*pulses_per_turn)).round();
             let marks = if pulses == 1.0 { "mark" } else { "marks" };
-            (format!("{pulses} {marks} on the shaft"), format!("pulses_per_turn = {pulses}"))
+            (
+                format!("{pulses} {marks} on the shaft, or a recording at another speed"),
+                format!("pulses_per_turn = {pulses}, or [shaft] speed"),
+            )
         }
         RotationSource::SpeedColumn { .. } if speed_unit(ratio).is_some() => {
             (speed_unit(ratio).unwrap_or_default().to_owned(), "unit of the speed".to_owned())
         }
-        _ => ("a recording at another speed, or of another machine".to_owned(), "[shaft] speed".to_owned()),
+        _ => (
+            "a recording at another speed, of another machine or with another rate".to_owned(),
+            "[shaft] speed or [recording] rate".to_owned(),
+        ),
     };
+    let of_scene = if low == high { format!("{low:.0} rpm") } else { format!("{low:.0} to {high:.0} rpm") };
     Some(Implausibility {
         subject: "shaft speed".to_owned(),
-        found: format!("{mean:.0} rpm measured, {:.0} rpm in the scene", 0.5 * (slow + fast)),
+        found: format!("{mean:.0} rpm measured, {of_scene} in the scene; expected within a factor of {SPEED_FACTOR}"),
         cause,
         remedy,
     })
 }
 
 /// A rate at which the ball pass of a bearing cannot be seen.
-fn rate(bearings: &[BearingSummary], recording: &RecordingSummary) -> Option<Implausibility> {
-    let [_, mean, _] = recording.speed_rpm?;
-    let of = |bearing: &BearingSummary| bearing.orders[1].abs() * mean.abs() / 60.0;
-    let fastest = bearings.iter().max_by(|a, b| of(a).total_cmp(&of(b)))?;
-    let needed = SAMPLES_PER_PASS * of(fastest);
-    (recording.rate_hz < needed).then(|| Implausibility {
+fn rate(checked: &Checked) -> Option<Implausibility> {
+    let [_, mean, _] = checked.evidence.collected.speeds().rpm()?;
+    let bearings = checked.scene.bearings.iter().filter_map(|bearing| {
+        let inner = kinematics(checked.scene, bearing).ok()?.orders.inner_race;
+        Some((bearing.name.as_str(), inner.abs() * mean.abs() / 60.0))
+    });
+    let (name, fastest) = bearings.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (rate_hz, needed) = (checked.evidence.rate_hz, SAMPLES_PER_PASS * fastest);
+    (rate_hz < needed).then(|| Implausibility {
         subject: "recording.rate".to_owned(),
-        found: format!(
-            "{:.0} Hz, while the balls of {} pass its inner race {:.0} times a second",
-            recording.rate_hz,
-            fastest.name,
-            of(fastest)
-        ),
+        found: format!("{rate_hz:.0} Hz, while the balls of {name} pass its inner race {fastest:.0} times a second"),
         cause: "a rate in kHz without its unit, or a recording that is too slow for the bearings".to_owned(),
         remedy: format!("rate = \"... kHz\", or a recording with {needed:.0} Hz or more"),
+    })
+}
+
+/// A column that only rises or only falls.
+fn monotonic(checked: &Checked) -> Option<Implausibility> {
+    let column = checked.evidence.collected.monotonic()?;
+    let reading = checked.readings.get(column)?;
+    Some(Implausibility {
+        subject: reading.column.clone(),
+        found: format!("each of its {} readings is farther in one direction than the one before", reading.samples),
+        cause: "a column of time or of a count".to_owned(),
+        remedy: "the column of the probe".to_owned(),
     })
 }
 
@@ -180,13 +190,11 @@ fn unit_remedy(reading: &ReadingSummary, metres_per_unit: f64, range: f64) -> St
     }
 }
 
-fn out_of_range(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence) -> Vec<Implausibility> {
-    let (Some(largest), Some(outside), Some(given)) = (&evidence.largest, &evidence.outside, &scene.recording) else {
-        return vec![];
-    };
-    let each = recording.readings.iter().zip(&given.probes).zip(largest.iter().zip(outside));
+fn out_of_range(checked: &Checked) -> Vec<Implausibility> {
+    let Some(limits) = &checked.evidence.limits else { return vec![] };
+    let each = checked.readings.iter().zip(&checked.recording.probes).zip(limits.largest.iter().zip(&limits.outside));
     let mostly = each.filter(|(_, (_, outside))| **outside > MOST_OUT_OF_RANGE);
-    let describe = |((reading, probe), (largest, outside)): ((&ReadingSummary, &crate::scene::Probe), (&f64, &f64))| {
+    let describe = |((reading, probe), (largest, outside)): ((&ReadingSummary, &Probe), (&f64, &f64))| {
         let [largest_um, mean] = [largest * 1e6, reading.mean];
         // An offset is much larger than the motion; readings in another unit are larger by one factor.
         let is_offset = mean.abs() > largest_um && reading.peak_to_peak < 2.0 * largest_um;
@@ -215,10 +223,10 @@ fn out_of_range(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence
     mostly.map(describe).collect()
 }
 
-fn too_small(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence) -> Option<Implausibility> {
-    let (largest, given) = (evidence.largest.as_ref()?, scene.recording.as_ref()?);
+fn too_small(checked: &Checked) -> Option<Implausibility> {
+    let limits = checked.evidence.limits.as_ref()?;
     let radial = || {
-        let each = recording.readings.iter().zip(&given.probes).zip(largest);
+        let each = checked.readings.iter().zip(&checked.recording.probes).zip(&limits.largest);
         each.filter(|((reading, _), _)| reading.radial.is_some())
     };
     let is_small = |reading: &ReadingSummary, largest: f64| {
@@ -240,7 +248,6 @@ fn too_small(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence) -
 /// 1X of the two probes of one plane.
 struct Plane {
     name: String,
-    station: f64,
     /// Amplitudes of the orbit's forward and backward circle, um.
     forward: f64,
     backward: f64,
@@ -248,35 +255,18 @@ struct Plane {
     noise: f64,
 }
 
-/// Returns the planes with two probes that are not parallel.
-fn planes(recording: &RecordingSummary, evidence: &Evidence) -> Vec<Plane> {
-    let probes: Vec<(&ReadingSummary, [f64; 2], f64)> = recording
-        .readings
-        .iter()
-        .zip(&evidence.noise)
-        .filter_map(|(reading, noise)| Some((reading, reading.radial?, noise * 1e6)))
-        .collect();
-    let mut planes: Vec<Plane> = Vec::new();
-    for (i, (a, [station, angle_a], noise_a)) in probes.iter().enumerate() {
-        let partner = probes.iter().skip(i + 1).find(|(_, [other, angle], _)| {
-            (other - station).abs() < 1e-6 && (angle - angle_a).to_radians().sin().abs() > 0.3
-        });
-        if let Some((b, [_, angle_b], noise_b)) = partner
-            && let (Some(one_a), Some(one_b)) = (a.one_x, b.one_x)
-            && planes.iter().all(|plane| (plane.station - station).abs() > 1e-6)
-        {
-            let (forward, backward) = circles([*angle_a, *angle_b], [one_a, one_b]);
-            let noise = noise_a.max(*noise_b);
-            planes.push(Plane {
-                name: format!("{} and {}", a.column, b.column),
-                station: *station,
-                forward,
-                backward,
-                noise,
-            });
-        }
-    }
-    planes
+/// Returns the planes of two probes.
+fn planes(checked: &Checked) -> Vec<Plane> {
+    let noise = checked.evidence.collected.one_x_noise();
+    let plane = |plane: probes::Plane| {
+        let [a, b] = plane.probes.map(|i| checked.readings.get(i));
+        let (a, b) = (a?, b?);
+        let ([_, angle_a], [_, angle_b]) = (a.radial?, b.radial?);
+        let (forward, backward) = circles([angle_a, angle_b], [a.one_x?, b.one_x?]);
+        let noise = plane.probes.iter().filter_map(|i| noise.get(*i)).fold(0.0, |a: f64, b| a.max(*b));
+        Some(Plane { name: format!("{} and {}", a.column, b.column), forward, backward, noise: noise * 1e6 })
+    };
+    probes::planes(&checked.recording.probes).into_iter().filter_map(plane).collect()
 }
 
 /// Returns the amplitudes of the forward and backward circle of an orbit from 1X (amplitude, phase lag) of two probes: a probe at
@@ -296,13 +286,20 @@ fn circles(angles: [f64; 2], one_x: [[f64; 2]; 2]) -> (f64, f64) {
 }
 
 fn backward(planes: &[Plane]) -> Option<Implausibility> {
-    let is_backward = |plane: &Plane| plane.backward > BACKWARD * plane.forward && plane.backward > CLEAR * plane.noise;
-    let first = planes.first()?;
-    planes.iter().all(is_backward).then(|| Implausibility {
+    let is_clear = |plane: &&Plane| plane.backward.max(plane.forward) > CLEAR * plane.noise;
+    let is_backward = |plane: &&Plane| is_clear(plane) && plane.backward > BACKWARD * plane.forward;
+    let is_forward = |plane: &&Plane| is_clear(plane) && plane.forward > BACKWARD * plane.backward;
+    let first = planes.iter().find(is_backward)?;
+    // Backward whirl of one plane alone is possible between the critical speeds of two directions; there no plane is
+    // clearly forward.
+    let in_all = planes.iter().all(|plane| is_backward(&plane));
+    (in_all || planes.iter().any(|plane| is_forward(&plane))).then(|| Implausibility {
         subject: first.name.clone(),
         found: format!(
-            "the orbit of 1X is backward in every plane: {:.2} um against {:.2} um forward",
-            first.backward, first.forward
+            "the orbit of 1X is backward{}: {:.2} um against {:.2} um forward",
+            if in_all { " in every plane" } else { ", and forward in another plane" },
+            first.backward,
+            first.forward
         ),
         cause:
             "columns of X and Y exchanged, an angle from +X in the other direction, or a shaft that turns the other way"
@@ -311,15 +308,31 @@ fn backward(planes: &[Plane]) -> Option<Implausibility> {
     })
 }
 
-fn unequal(planes: &[Plane]) -> Option<Implausibility> {
-    let size = |plane: &Plane| plane.forward.hypot(plane.backward);
-    let large = planes.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
-    let small = planes.iter().min_by(|a, b| size(a).total_cmp(&size(b)))?;
-    let is_clear = size(large) > CLEAR * large.noise.max(small.noise);
-    (is_clear && size(large) > PLANE_RATIO * size(small)).then(|| Implausibility {
-        subject: format!("{}; {}", large.name, small.name),
-        found: format!("1X of {:.3} um in one plane and {:.5} um in the other", size(large), size(small)),
-        cause: "another unit or sensitivity of one plane".to_owned(),
-        remedy: "check the units of the probes".to_owned(),
+/// A radial probe whose motion is far larger or smaller than that of the others: within a plane, and between planes where
+/// the shaft is rigid.
+fn unequal(checked: &Checked) -> Option<Implausibility> {
+    let is_rigid = checked.scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none());
+    let radial: Vec<usize> = (0..checked.readings.len()).filter(|i| checked.readings[*i].radial.is_some()).collect();
+    let planes = probes::planes(&checked.recording.probes).into_iter().map(|plane| plane.probes.to_vec());
+    let groups = planes.chain(is_rigid.then_some(radial));
+    groups.filter_map(|group| odd_one(group.iter().filter_map(|i| checked.readings.get(*i)).collect())).next()
+}
+
+fn odd_one(mut group: Vec<&ReadingSummary>) -> Option<Implausibility> {
+    group.sort_by(|a, b| a.rms.total_cmp(&b.rms));
+    let (small, large, middle) = (group.first()?, group.last()?, group.get(group.len() / 2)?);
+    (large.rms > PROBE_RATIO * small.rms).then(|| {
+        // The one that is farther from the others.
+        let is_large = large.rms * small.rms > middle.rms * middle.rms;
+        let (odd, other) = if is_large { (large, small) } else { (small, large) };
+        Implausibility {
+            subject: odd.column.clone(),
+            found: format!(
+                "{:.2e} um rms about the mean, while {} has {:.2e} um; expected within a factor of {PROBE_RATIO}",
+                odd.rms, other.column, other.rms
+            ),
+            cause: "another unit or sensitivity, a dead probe or another column".to_owned(),
+            remedy: "check column, unit and cable of the probe".to_owned(),
+        }
     })
 }

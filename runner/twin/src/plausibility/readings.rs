@@ -1,0 +1,210 @@
+//! Figures of readings and speed over a recording.
+
+use super::checks::SPEED_FACTOR;
+use crate::recording::Sample;
+use crate::recording::status::SampleStatus;
+use crate::scene::{Direction, Recording, Speed};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Fewest readings of a column that only rises or falls: noise does so once in 64! times.
+const LEAST_MONOTONIC: u64 = 64;
+
+/// Readings of one column: in um for a probe, in the unit of the column for a sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReadingSummary {
+    /// The column.
+    pub column: String,
+    /// Unit of the values here.
+    pub unit: String,
+    /// Station and angle of a radial probe, mm and degrees.
+    pub radial: Option<[f64; 2]>,
+    /// Mean.
+    pub mean: f64,
+    /// Root of the mean square about the mean.
+    pub rms: f64,
+    /// Greatest less least.
+    pub peak_to_peak: f64,
+    /// Amplitude and phase lag (degrees) of the line at shaft speed; none without a shaft angle.
+    pub one_x: Option<[f64; 2]>,
+    /// Samples with a reading.
+    pub samples: u64,
+}
+
+/// Sums over one column.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    count: u64,
+    mean: f64,
+    /// Sum of the squares about the mean.
+    squares: f64,
+    least: f64,
+    greatest: f64,
+    last: f64,
+    /// No reading was below the one before, or equal to it.
+    rises: bool,
+    /// No reading was above the one before, or equal to it.
+    falls: bool,
+    /// Sums of reading times cosine and sine of the shaft angle, of cosine and sine, and the number of samples.
+    turning: [f64; 4],
+    turning_count: u64,
+}
+
+impl Default for Sums {
+    fn default() -> Self {
+        let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self {
+            count: 0,
+            mean: 0.0,
+            squares: 0.0,
+            least,
+            greatest,
+            last: f64::NAN,
+            rises: true,
+            falls: true,
+            turning: [0.0; 4],
+            turning_count: 0,
+        }
+    }
+}
+
+impl Sums {
+    fn add(&mut self, x: f64) {
+        self.count += 1;
+        let before = x - self.mean;
+        self.mean += before / self.count as f64;
+        self.squares += before * (x - self.mean);
+        self.least = self.least.min(x);
+        self.greatest = self.greatest.max(x);
+        self.rises &= self.count == 1 || x > self.last;
+        self.falls &= self.count == 1 || x < self.last;
+        self.last = x;
+    }
+
+    fn rms(&self) -> f64 {
+        (self.squares / self.count.max(1) as f64).sqrt()
+    }
+
+    /// Returns cosine and sine amplitude of 1X.
+    fn one_x(&self) -> Option<[f64; 2]> {
+        let [x_cos, x_sin, cos, sin] = self.turning;
+        let n = self.turning_count as f64;
+        (self.turning_count > 0).then(|| [2.0 * (x_cos - self.mean * cos) / n, 2.0 * (x_sin - self.mean * sin) / n])
+    }
+}
+
+/// Figures of all columns and of the shaft speed.
+pub(crate) struct Collector {
+    columns: Vec<Sums>,
+    speeds: Speeds,
+}
+
+impl Collector {
+    /// Creates a collector for this number of columns and the speed of the scene.
+    pub fn new(columns: usize, scene_speed: Speed) -> Self {
+        let (a, b) = scene_speed.range();
+        // Magnitudes only, because a keyphasor gives no sign.
+        let (slow, fast) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
+        let plausible = [slow / SPEED_FACTOR, fast * SPEED_FACTOR];
+        Self { columns: vec![Sums::default(); columns], speeds: Speeds { plausible, ..Speeds::default() } }
+    }
+
+    /// Adds the readings of a row as they were measured.
+    pub fn add_row(&mut self, readings: &[f64]) {
+        for (sums, x) in self.columns.iter_mut().zip(readings).filter(|(_, x)| x.is_finite()) {
+            sums.add(*x);
+        }
+    }
+
+    /// Adds shaft angle and speed of a sample, with the readings that are in range.
+    pub fn add_sample(&mut self, sample: &Sample) {
+        self.speeds.add(sample);
+        let (sin, cos) = sample.angle.radians().sin_cos();
+        for (sums, x) in self.columns.iter_mut().zip(&sample.row.probes).filter(|(_, x)| x.is_finite()) {
+            for (sum, term) in sums.turning.iter_mut().zip([x * cos, x * sin, cos, sin]) {
+                *sum += term;
+            }
+            sums.turning_count += 1;
+        }
+    }
+
+    /// Returns the figures of the shaft speed.
+    pub const fn speeds(&self) -> &Speeds {
+        &self.speeds
+    }
+
+    /// Returns the index of a column that only rises or only falls.
+    pub fn monotonic(&self) -> Option<usize> {
+        self.columns.iter().position(|sums| sums.count >= LEAST_MONOTONIC && (sums.rises || sums.falls))
+    }
+
+    /// Returns the standard deviation of the amplitude of 1X by noise as large as the whole reading, in SI.
+    pub fn one_x_noise(&self) -> Vec<f64> {
+        self.columns.iter().map(|sums| sums.rms() * (2.0 / sums.turning_count.max(1) as f64).sqrt()).collect()
+    }
+
+    /// Returns the figures of each column.
+    pub fn summary(&self, recording: &Recording) -> Vec<ReadingSummary> {
+        let probes = recording.probes.iter().map(|probe| {
+            let radial = match probe.direction {
+                Direction::Radial(angle) => Some([probe.station * 1e3, angle.to_degrees()]),
+                Direction::Axial => None,
+            };
+            (probe.column.clone(), "um".to_owned(), radial, 1e6)
+        });
+        let sensors = recording.sensors.iter().map(|sensor| (sensor.column.clone(), sensor.unit.clone(), None, 1.0));
+        let one = |((column, unit, radial, scale), sums): ((String, String, _, f64), &Sums)| ReadingSummary {
+            column,
+            unit,
+            radial,
+            mean: sums.mean * scale,
+            rms: sums.rms() * scale,
+            peak_to_peak: (sums.greatest - sums.least).max(0.0) * scale,
+            one_x: sums
+                .one_x()
+                .map(|[cos, sin]| [cos.hypot(sin) * scale, sin.atan2(cos).to_degrees().rem_euclid(360.0)]),
+            samples: sums.count,
+        };
+        probes.chain(sensors).zip(&self.columns).map(one).collect()
+    }
+}
+
+/// Least, mean and greatest of the shaft speed.
+#[derive(Default)]
+pub(crate) struct Speeds {
+    /// Magnitudes between which a speed is plausible, rad/s.
+    plausible: [f64; 2],
+    least: f64,
+    greatest: f64,
+    sum: f64,
+    count: u64,
+    /// Samples at a plausible speed.
+    at_speed: u64,
+}
+
+impl Speeds {
+    fn add(&mut self, sample: &Sample) {
+        if sample.status.has(SampleStatus::ANGLE_NOT_MEASURED) {
+            return;
+        }
+        let (speed, is_first) = (sample.speed, self.count == 0);
+        self.least = if is_first { speed } else { self.least.min(speed) };
+        self.greatest = if is_first { speed } else { self.greatest.max(speed) };
+        self.sum += speed;
+        self.count += 1;
+        let [slow, fast] = self.plausible;
+        self.at_speed += u64::from((slow..=fast).contains(&speed.abs()));
+    }
+
+    /// Returns least, mean and greatest, rpm; none without a sample with a measured speed.
+    pub fn rpm(&self) -> Option<[f64; 3]> {
+        let to_rpm = 60.0 / TAU;
+        let mean = self.sum / self.count as f64;
+        (self.count > 0).then(|| [self.least, mean, self.greatest].map(|speed| speed * to_rpm))
+    }
+
+    /// Returns the share of the samples at a plausible speed.
+    pub fn share_at_speed(&self) -> f64 {
+        self.at_speed as f64 / self.count.max(1) as f64
+    }
+}
