@@ -225,7 +225,7 @@ fn wrong_inputs_and_their_causes() {
             "one plane",
             &[],
             changed(SAMPLES, |_, k, x| if k == 3 || k == 4 { 0.001 * x } else { x }),
-            "unit or sensitivity of one plane",
+            "a dead probe",
         ),
     ];
     for (name, swaps, recording, part) in cases {

@@ -102,7 +102,7 @@ fn speeds_that_are_none() {
         &scene,
         &with_keyphasor("1e30"),
         4,
-        "not plausible for the scene: column keyphasor: no plausible speed in 2048 readings",
+        "not plausible for the scene: shaft angle: column keyphasor: no plausible speed in 2048 readings",
     );
 }
 

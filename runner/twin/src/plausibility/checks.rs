@@ -315,10 +315,19 @@ fn unequal(checked: &Checked) -> Option<Implausibility> {
     let radial: Vec<usize> = (0..checked.readings.len()).filter(|i| checked.readings[*i].radial.is_some()).collect();
     let planes = probes::planes(&checked.recording.probes).into_iter().map(|plane| plane.probes.to_vec());
     let groups = planes.chain(is_rigid.then_some(radial));
-    groups.filter_map(|group| odd_one(group.iter().filter_map(|i| checked.readings.get(*i)).collect())).next()
+    let rms = checked.evidence.collected.rms_in_range();
+    let motion = |i: &usize| Some(ProbeMotion { column: &checked.readings.get(*i)?.column, rms: rms.get(*i)? * 1e6 });
+    groups.filter_map(|group| odd_one(group.iter().filter_map(motion).collect())).next()
 }
 
-fn odd_one(mut group: Vec<&ReadingSummary>) -> Option<Implausibility> {
+/// Motion at a probe.
+struct ProbeMotion<'a> {
+    column: &'a str,
+    /// Root of the mean square about the mean, um.
+    rms: f64,
+}
+
+fn odd_one(mut group: Vec<ProbeMotion>) -> Option<Implausibility> {
     group.sort_by(|a, b| a.rms.total_cmp(&b.rms));
     let (small, large, middle) = (group.first()?, group.last()?, group.get(group.len() / 2)?);
     (large.rms > PROBE_RATIO * small.rms).then(|| {
@@ -326,7 +335,7 @@ fn odd_one(mut group: Vec<&ReadingSummary>) -> Option<Implausibility> {
         let is_large = large.rms * small.rms > middle.rms * middle.rms;
         let (odd, other) = if is_large { (large, small) } else { (small, large) };
         Implausibility {
-            subject: odd.column.clone(),
+            subject: odd.column.to_owned(),
             found: format!(
                 "{:.2e} um rms about the mean, while {} has {:.2e} um; expected within a factor of {PROBE_RATIO}",
                 odd.rms, other.column, other.rms

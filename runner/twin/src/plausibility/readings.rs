@@ -48,6 +48,8 @@ struct Sums {
     /// Sums of reading times cosine and sine of the shaft angle, of cosine and sine, and the number of samples.
     turning: [f64; 4],
     turning_count: u64,
+    /// Mean of the readings in range, and sum of their squares about it.
+    within: [f64; 2],
 }
 
 impl Default for Sums {
@@ -64,6 +66,7 @@ impl Default for Sums {
             falls: true,
             turning: [0.0; 4],
             turning_count: 0,
+            within: [0.0; 2],
         }
     }
 }
@@ -125,6 +128,9 @@ impl Collector {
                 *sum += term;
             }
             sums.turning_count += 1;
+            let before = x - sums.within[0];
+            sums.within[0] += before / sums.turning_count as f64;
+            sums.within[1] += before * (x - sums.within[0]);
         }
     }
 
@@ -138,9 +144,15 @@ impl Collector {
         self.columns.iter().position(|sums| sums.count >= LEAST_MONOTONIC && (sums.rises || sums.falls))
     }
 
-    /// Returns the standard deviation of the amplitude of 1X by noise as large as the whole reading, in SI.
+    /// Returns the root of the mean square about the mean of the readings in range, in SI.
+    pub fn rms_in_range(&self) -> Vec<f64> {
+        self.columns.iter().map(|sums| (sums.within[1] / sums.turning_count.max(1) as f64).sqrt()).collect()
+    }
+
+    /// Returns the standard deviation of the amplitude of 1X by noise as large as the whole motion, in SI.
     pub fn one_x_noise(&self) -> Vec<f64> {
-        self.columns.iter().map(|sums| sums.rms() * (2.0 / sums.turning_count.max(1) as f64).sqrt()).collect()
+        let noise = |(rms, sums): (f64, &Sums)| rms * (2.0 / sums.turning_count.max(1) as f64).sqrt();
+        self.rms_in_range().into_iter().zip(&self.columns).map(noise).collect()
     }
 
     /// Returns the figures of each column.
