@@ -56,3 +56,4 @@ mod trade;
 mod truth;
 mod verify;
 mod vibration;
+mod wrong_inputs;

@@ -221,12 +221,7 @@ fn wrong_inputs_and_their_causes() {
             "gives",
         ),
         ("other way", &[(exchanged, &other_way), (&nde, &nde_other)], plain.clone(), "columns of X and Y exchanged"),
-        (
-            "one plane",
-            &[],
-            changed(SAMPLES, |_, k, x| if k == 3 || k == 4 { 0.001 * x } else { x }),
-            "a dead probe",
-        ),
+        ("one plane", &[], changed(SAMPLES, |_, k, x| if k == 3 || k == 4 { 0.001 * x } else { x }), "a dead probe"),
     ];
     for (name, swaps, recording, part) in cases {
         let found = found(swaps, &recording);

@@ -71,7 +71,8 @@ fn a_speed_column_without_a_plausible_speed() {
     let outcome = implausible(&speed, &fast);
     let verdict = outcome["verdict"].as_str().unwrap();
     assert!(
-        verdict.contains("not plausible for the scene: shaft angle: column keyphasor: no plausible speed in 512 readings"),
+        verdict
+            .contains("not plausible for the scene: shaft angle: column keyphasor: no plausible speed in 512 readings"),
         "{verdict}"
     );
 }

@@ -171,18 +171,19 @@ fn monotonic(checked: &Checked) -> Option<Implausibility> {
     })
 }
 
-/// Returns the names of the units in which the readings would be in range, by the unit that the scene has.
-fn fitting_units(peak_to_peak: f64, metres_per_unit: f64, range: f64) -> Vec<&'static str> {
+/// Returns the remedy for readings of an improbable size; `is_possible` tells whether a unit in metres brings them into range.
+fn unit_remedy(
+    reading: &ReadingSummary,
+    metres_per_unit: f64,
+    range: f64,
+    is_possible: impl Fn(f64) -> bool,
+) -> String {
     let fits = |(_, metres): &&(&str, f64)| {
-        let size = peak_to_peak / metres_per_unit * metres;
-        (metres / metres_per_unit - 1.0).abs() > 1e-6 && size < 2.0 * range && size > 2.0 * TOO_SMALL * range
+        let size = reading.peak_to_peak * 1e-6 / metres_per_unit * metres;
+        let is_another = (metres / metres_per_unit - 1.0).abs() > 1e-6;
+        is_another && size < 2.0 * range && size > 2.0 * TOO_SMALL * range && is_possible(*metres)
     };
-    UNITS.iter().filter(fits).map(|(name, _)| *name).collect()
-}
-
-/// Returns the remedy for readings of an improbable size.
-fn unit_remedy(reading: &ReadingSummary, metres_per_unit: f64, range: f64) -> String {
-    let units = fitting_units(reading.peak_to_peak * 1e-6, metres_per_unit, range);
+    let units: Vec<&str> = UNITS.iter().filter(fits).map(|(name, _)| *name).collect();
     if units.is_empty() {
         "check unit, offset and sensitivity of the probe".to_owned()
     } else {
@@ -198,16 +199,16 @@ fn out_of_range(checked: &Checked) -> Vec<Implausibility> {
         let [largest_um, mean] = [largest * 1e6, reading.mean];
         // An offset is much larger than the motion; readings in another unit are larger by one factor.
         let is_offset = mean.abs() > largest_um && reading.peak_to_peak < 2.0 * largest_um;
-        let has_unit = !fitting_units(reading.peak_to_peak * 1e-6, probe.metres_per_unit, *largest).is_empty();
-        let offset = format!("offset = \"{mean:.1} um\"");
-        let (gap, unit) = ("the gap of the probe is in the readings", "another unit or sensitivity");
-        let (cause, remedy) = match (is_offset, has_unit) {
-            (true, false) => (gap.to_owned(), offset),
-            (true, true) => (
-                format!("{unit}, or {gap}"),
-                format!("{}; or {offset}", unit_remedy(reading, probe.metres_per_unit, *largest)),
-            ),
-            (false, _) => (unit.to_owned(), unit_remedy(reading, probe.metres_per_unit, *largest)),
+        let size = reading.peak_to_peak.max(mean.abs()) * 1e-6;
+        let is_smaller = |metres: f64| size * metres / probe.metres_per_unit < 2.0 * largest;
+        let units = unit_remedy(reading, probe.metres_per_unit, *largest, is_smaller);
+        let (cause, remedy) = if is_offset {
+            (
+                "the gap of the probe is in the readings, or another unit",
+                format!("offset = \"{mean:.1} um\"; or {units}"),
+            )
+        } else {
+            ("another unit or sensitivity", units)
         };
         Implausibility {
             subject: reading.column.clone(),
@@ -216,7 +217,7 @@ fn out_of_range(checked: &Checked) -> Vec<Implausibility> {
                 100.0 * outside,
                 reading.peak_to_peak
             ),
-            cause,
+            cause: cause.to_owned(),
             remedy,
         }
     };
@@ -241,7 +242,7 @@ fn too_small(checked: &Checked) -> Option<Implausibility> {
             range * 1e6
         ),
         cause: "another unit or sensitivity".to_owned(),
-        remedy: unit_remedy(first, probe.metres_per_unit, *range),
+        remedy: unit_remedy(first, probe.metres_per_unit, *range, |_| true),
     })
 }
 

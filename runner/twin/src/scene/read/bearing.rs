@@ -288,7 +288,7 @@ fn check_complete(table: &Table<'_>) -> Read<()> {
 }
 
 fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
-    let range = format!("above ball_diameter ({ball} m)");
+    let range = format!("above ball_diameter ({} mm)", (ball * 1e9).round() / 1e6);
     let wants = Dimension::Length.expected(&range);
     let node = table.required("pitch_diameter", &wants)?;
     node.within(Dimension::Length, &range, |x| x > ball)

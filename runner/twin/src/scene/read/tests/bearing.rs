@@ -14,7 +14,7 @@ fn angular_bearing_out_of_range() {
         ("elements = 8", "elements = 65", &["from 3 to 64"]),
         ("elements = 8", "elements = 8.0", &["invalid value: 8.0, expected a whole number"]),
         ("elements = 8", "elements = 16", &["invalid value: 16, expected 3 to 15: more balls"]),
-        ("pitch_diameter = \"50 mm\"", "pitch_diameter = \"10 mm\"", &["invalid value: \"10 mm\"", "above ball_diameter (0.01 m)"]),
+        ("pitch_diameter = \"50 mm\"", "pitch_diameter = \"10 mm\"", &["invalid value: \"10 mm\"", "above ball_diameter (10 mm)"]),
         ("pitch_diameter = \"50 mm\"", "pitch_diameter = \"11 mm\"", &["not even 3"]),
         ("pitch_diameter = \"50 mm\"", "", &["bearing[0].pitch_diameter", "missing here: pitch_diameter)"]),
         ("ball_diameter = \"10 mm\"", "ball_diameter = \"-10 mm\"", &["a length above 0"]),
