@@ -80,6 +80,13 @@ fn of_recording(recording: &RecordingSummary) -> String {
         let (column, unit) = (&reading.column, &reading.unit);
         let _ = writeln!(out, "{column:<20} {unit:<5} {mean:>9} {rms:>10} {peak:>14} {size:>10} {lag:>11}");
     }
+    for reading in &recording.readings {
+        let Some(voltage) = reading.voltage else { continue };
+        let [offset, mean] = [voltage.offset_v, voltage.mean_v].map(|volts| fixed(volts, 3));
+        let sensitivity = alone(voltage.sensitivity_mv_per_um);
+        let column = &reading.column;
+        let _ = writeln!(out, "{column}: {sensitivity} mV/um, mean voltage {mean} V, offset {offset} V");
+    }
     for flaw in &recording.flaws {
         paragraph(&mut out, "", &flaw.sentence, "");
     }

@@ -21,6 +21,7 @@ fn recording(column: &str) -> Recording {
         direction: Direction::Radial(0.0),
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     };
     Recording {
         file: "fuzz".into(),

@@ -2,7 +2,7 @@
 
 use super::{BearingSummary, ReadingSummary, RecordingSummary};
 use crate::recording::rotation::RotationError;
-use crate::scene::{RotationSource, Scene};
+use crate::scene::{Probe, RotationSource, Scene};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -171,8 +171,11 @@ fn fitting_units(peak_to_peak: f64, metres_per_unit: f64, range: f64) -> Vec<&'s
 }
 
 /// Returns the remedy for readings of an improbable size.
-fn unit_remedy(reading: &ReadingSummary, metres_per_unit: f64, range: f64) -> String {
-    let units = fitting_units(reading.peak_to_peak * 1e-6, metres_per_unit, range);
+fn unit_remedy(reading: &ReadingSummary, probe: &Probe, range: f64) -> String {
+    if let Some(voltage) = reading.voltage {
+        return format!("check unit, offset and sensitivity of the probe, {:.4} mV/um", voltage.sensitivity_mv_per_um);
+    }
+    let units = fitting_units(reading.peak_to_peak * 1e-6, probe.metres_per_unit, range);
     if units.is_empty() {
         "check unit, offset and sensitivity of the probe".to_owned()
     } else {
@@ -186,20 +189,23 @@ fn out_of_range(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence
     };
     let each = recording.readings.iter().zip(&given.probes).zip(largest.iter().zip(outside));
     let mostly = each.filter(|(_, (_, outside))| **outside > MOST_OUT_OF_RANGE);
-    let describe = |((reading, probe), (largest, outside)): ((&ReadingSummary, &crate::scene::Probe), (&f64, &f64))| {
+    let describe = |((reading, probe), (largest, outside)): ((&ReadingSummary, &Probe), (&f64, &f64))| {
         let [largest_um, mean] = [largest * 1e6, reading.mean];
         // An offset is much larger than the motion; readings in another unit are larger by one factor.
         let is_offset = mean.abs() > largest_um && reading.peak_to_peak < 2.0 * largest_um;
-        let has_unit = !fitting_units(reading.peak_to_peak * 1e-6, probe.metres_per_unit, *largest).is_empty();
-        let offset = format!("offset = \"{mean:.1} um\"");
+        let has_unit = reading.voltage.is_none()
+            && !fitting_units(reading.peak_to_peak * 1e-6, probe.metres_per_unit, *largest).is_empty();
+        let offset = match reading.voltage {
+            Some(voltage) => format!("offset = \"{:.4} V\"", voltage.mean_v),
+            None => format!("offset = \"{:.1} um\"", mean + probe.offset * 1e6),
+        };
         let (gap, unit) = ("the gap of the probe is in the readings", "another unit or sensitivity");
         let (cause, remedy) = match (is_offset, has_unit) {
             (true, false) => (gap.to_owned(), offset),
-            (true, true) => (
-                format!("{unit}, or {gap}"),
-                format!("{}; or {offset}", unit_remedy(reading, probe.metres_per_unit, *largest)),
-            ),
-            (false, _) => (unit.to_owned(), unit_remedy(reading, probe.metres_per_unit, *largest)),
+            (true, true) => {
+                (format!("{unit}, or {gap}"), format!("{}; or {offset}", unit_remedy(reading, probe, *largest)))
+            }
+            (false, _) => (unit.to_owned(), unit_remedy(reading, probe, *largest)),
         };
         Implausibility {
             subject: reading.column.clone(),
@@ -233,7 +239,7 @@ fn too_small(scene: &Scene, recording: &RecordingSummary, evidence: &Evidence) -
             range * 1e6
         ),
         cause: "another unit or sensitivity".to_owned(),
-        remedy: unit_remedy(first, probe.metres_per_unit, *range),
+        remedy: unit_remedy(first, probe, *range),
     })
 }
 

@@ -8,7 +8,7 @@ mod readings;
 mod unknown;
 
 pub use findings::Implausibility;
-pub use readings::ReadingSummary;
+pub use readings::{ReadingSummary, VoltageSummary};
 pub use unknown::{UnknownValue, unknown_values};
 
 use crate::error::Result;

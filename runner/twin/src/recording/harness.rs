@@ -22,6 +22,7 @@ pub(super) fn probe(column: &str, metres_per_unit: f64) -> Probe {
         direction,
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     }
 }
 

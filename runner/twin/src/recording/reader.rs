@@ -421,7 +421,7 @@ impl Wanted {
             // Sensors are passed as probes without a unit; their own unit is stored separately.
             let meant = match recording.sensors.get(place) {
                 Some(sensor) => Some(sensor.unit.as_str()),
-                None => units::length_name(probe.metres_per_unit),
+                None => probe.unit(),
             };
             if let Some(meant) = meant {
                 check(column, meant)?;

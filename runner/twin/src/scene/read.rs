@@ -402,16 +402,51 @@ fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
 }
 
 fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {
-    let table = node.table(&["column", "unit", "station", "coordinates", "angle", "axial", "noise", "offset"])?;
+    let table =
+        node.table(&["column", "unit", "station", "coordinates", "angle", "axial", "noise", "offset", "sensitivity"])?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a probe", taken)?;
-    let metres_per_unit = unit(&table, units::length_column, "um, mil, mm or m")?;
+    let (metres_per_unit, sensitivity) = conversion(&table)?;
     let noise = table.read("noise", |n| n.positive(Dimension::Length))?;
     let direction = direction(&table)?;
     let station = probe_station(&table, direction, on_system)?;
     let coordinates = bearing::coordinates(&table, "coordinates", on_system)?;
-    let offset = table.read("offset", |n| n.quantity(Dimension::Length))?.unwrap_or(0.0);
-    Ok(Probe { column, metres_per_unit, station, coordinates, direction, noise, offset })
+    let offset = table.read("offset", |n| offset(n, sensitivity))?.unwrap_or(0.0);
+    Ok(Probe { column, metres_per_unit, station, coordinates, direction, noise, offset, sensitivity })
+}
+
+/// Returns the metres per unit of a probe's column, and the sensitivity (V/m) of one in volts.
+fn conversion(table: &Table<'_>) -> Read<(f64, Option<f64>)> {
+    let wants = "the unit of the column: um, mil, mm or m, or V or mV with a sensitivity";
+    let node = table.required("unit", wants)?;
+    let text = node.text(wants)?;
+    let Ok(volts) = units::voltage_column(text) else {
+        let metres =
+            units::length_column(text).map_err(|e| node.invalid(e.found, format!("{}; or V or mV", e.expected)))?;
+        return match table.optional("sensitivity") {
+            Some(key) => {
+                Err(key.misplaced(format!("unit = \"V\" or \"mV\" with a sensitivity, found {}", node.shown())))
+            }
+            None => Ok((metres, None)),
+        };
+    };
+    let wants = "a voltage per length of a column in volts, such as \"7.87 mV/um\" or \"200 mV/mil\"";
+    let range = "that is not 0; negative where the voltage falls as the shaft moves along the angle of the probe";
+    let node = table.required("sensitivity", wants)?;
+    let sensitivity = node.within(Dimension::Sensitivity, range, |s| s != 0.0 && (volts / s).is_finite())?;
+    Ok((volts / sensitivity, Some(sensitivity)))
+}
+
+/// Reads the reading of a probe with the shaft in the middle, in m; of a probe in volts also as a voltage.
+fn offset(node: &Node<'_>, sensitivity: Option<f64>) -> Read<f64> {
+    let Some(sensitivity) = sensitivity else { return node.quantity(Dimension::Length) };
+    let wants = "a voltage or a length with its unit, such as \"-9.5 V\" or \"3.2 um\"";
+    let text = node.text(wants)?;
+    match units::parse(text, Dimension::Voltage) {
+        Ok(volts) if (volts / sensitivity).is_finite() => Ok(volts / sensitivity),
+        Ok(_) => Err(node.refuse(wants)),
+        Err(_) => units::parse(text, Dimension::Length).map_err(|e| node.invalid(e.found, wants)),
+    }
 }
 
 fn direction(table: &Table<'_>) -> Read<Direction> {

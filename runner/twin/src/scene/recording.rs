@@ -1,6 +1,6 @@
 //! The section `[recording]` of a scene: sampling, probes, sensors and the source of the shaft angle.
 
-use super::Coordinates;
+use super::{Coordinates, units};
 use std::borrow::Cow;
 use std::path::PathBuf;
 
@@ -47,9 +47,19 @@ pub struct Probe {
     pub noise: Option<f64>,
     /// `offset`, m: reading with the shaft in the middle; subtracted from every reading
     pub offset: f64,
+    /// `sensitivity`, V/m, of a column in volts; negative where the voltage falls as the shaft moves along the direction
+    pub sensitivity: Option<f64>,
 }
 
 impl Probe {
+    /// Returns the unit of its column; none where the factor is that of no unit.
+    pub(crate) fn unit(&self) -> Option<&'static str> {
+        match self.sensitivity {
+            Some(sensitivity) => units::voltage_name(self.metres_per_unit * sensitivity),
+            None => units::length_name(self.metres_per_unit),
+        }
+    }
+
     /// Returns its reading per unit of each coordinate from the displacement `u v w thu thv` at the probe per unit of each.
     #[must_use]
     pub fn row(&self, displacement: &[Vec<f64>; 5]) -> Vec<f64> {
@@ -87,6 +97,7 @@ impl Recording {
             direction: Direction::Axial,
             noise: None,
             offset: 0.0,
+            sensitivity: None,
         };
         Cow::Owned(Self { probes: self.sensors.iter().map(probe).collect(), ..self.clone() })
     }

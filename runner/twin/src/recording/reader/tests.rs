@@ -12,6 +12,7 @@ fn probe(column: &str) -> Probe {
         direction,
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     }
 }
 
