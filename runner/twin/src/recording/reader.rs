@@ -374,9 +374,8 @@ impl Wanted {
     fn new(table: &dyn Table, recording: &Recording, file: &Path) -> Result<Self, RecordingError> {
         let column = |name: &str, unit| find(table, name, file).map(|place| Column { place, unit, offset: 0.0 });
         let rotation = match &recording.rotation {
-            RotationSource::Keyphasor { column: name, .. } => Some(column(name, 1.0)?),
-            RotationSource::SpeedColumn { column: name, radians_per_second } => {
-                Some(column(name, *radians_per_second)?)
+            RotationSource::Keyphasor { column: name, .. } | RotationSource::SpeedColumn { column: name, .. } => {
+                Some(column(name, recording.rotation.factor().unwrap_or(1.0))?)
             }
             RotationSource::Scene => None,
         };
@@ -411,10 +410,7 @@ impl Wanted {
         if let Some(stamp) = &self.stamp {
             check(stamp, "s")?;
         }
-        if let (Some(column), RotationSource::SpeedColumn { radians_per_second, .. }) =
-            (&self.rotation, &recording.rotation)
-            && let Some(meant) = units::speed_name(*radians_per_second)
-        {
+        if let (Some(column), Some(meant)) = (&self.rotation, recording.rotation.unit()) {
             check(column, meant)?;
         }
         for (place, (column, probe)) in self.probes.iter().zip(&recording.probes).enumerate() {

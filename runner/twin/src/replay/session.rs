@@ -233,8 +233,11 @@ fn tracker(scene: &Scene, recording: &Recording, rate: f64, live: bool) -> Track
 
 fn angle_source(rotation: &RotationSource, tracker: &Tracker) -> String {
     match rotation {
-        RotationSource::Keyphasor { column, pulses_per_turn } => {
-            format!("keyphasor in column {column}, {} pulses, {pulses_per_turn} per revolution", tracker.pulses())
+        RotationSource::Keyphasor { column, pulses_per_turn, missing, .. } => {
+            let missing = if *missing > 0 { format!(" with {missing} missing") } else { String::new() };
+            let found = tracker.detection().map_or_else(String::new, |found| format!("; {found}"));
+            let pulses = tracker.pulses();
+            format!("keyphasor in column {column}, {pulses} pulses, {pulses_per_turn} per revolution{missing}{found}")
         }
         RotationSource::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
         RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),

@@ -20,8 +20,8 @@ use super::table::{Node, Read, Source, Table, line_of};
 pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
-    Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording,
-    RotationSource, Scene, Sensor, Shaft, Speed, System, SystemUnbalance,
+    Allowed, Bearing, Clock, Direction, Indicator, Integration, KeyphasorSignal, Limit, Method, Observer, Probe,
+    PulseDetection, Recording, RotationSource, Scene, Sensor, Shaft, Slope, Speed, System, SystemUnbalance,
 };
 use catalogue::Expansion;
 
@@ -485,14 +485,61 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
 }
 
 fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
-    let table = node.table(&["column", "pulses_per_turn"])?;
+    let table =
+        node.table(&["column", "pulses_per_turn", "missing", "kind", "unit", "threshold", "hysteresis", "slope"])?;
     let column = table.required("column", "the name of the column with the pulses")?;
     let column = column_name(&column, "the keyphasor", taken)?;
     let wants = "a whole number, 1 or more";
     let pulses = table.required("pulses_per_turn", wants)?;
     let pulses_per_turn =
         u32::try_from(pulses.integer(1, u32::MAX.into(), wants)?).map_err(|_| pulses.refuse(wants))?;
-    Ok(RotationSource::Keyphasor { column, pulses_per_turn })
+    let is_count = table.read("kind", |n| n.choice(&[("pulses", false), ("count", true)]))?.unwrap_or(false);
+    if is_count {
+        for key in ["missing", "unit", "threshold", "hysteresis", "slope"] {
+            if let Some(node) = table.optional(key) {
+                return Err(node.misplaced("only with kind = \"pulses\"; remove it"));
+            }
+        }
+        return Ok(RotationSource::Keyphasor { column, pulses_per_turn, missing: 0, signal: KeyphasorSignal::Count });
+    }
+    let missing = table.read("missing", |n| missing_teeth(n, pulses_per_turn))?.unwrap_or(0);
+    let signal = KeyphasorSignal::Pulses(pulse_detection(&table)?);
+    Ok(RotationSource::Keyphasor { column, pulses_per_turn, missing, signal })
+}
+
+/// Reads the number of absent teeth. More than half of them would be a wheel without teeth for the most part.
+fn missing_teeth(node: &Node<'_>, pulses_per_turn: u32) -> Read<u32> {
+    let most = pulses_per_turn / 2;
+    let wants =
+        format!("a whole number from 1 to {most}, half of pulses_per_turn, in which the absent teeth are counted");
+    if pulses_per_turn < 3 {
+        return Err(node.misplaced("only with pulses_per_turn of 3 or more; remove it"));
+    }
+    node.integer(1, most.into(), &wants).map(|missing| missing as u32)
+}
+
+fn pulse_detection(table: &Table<'_>) -> Read<PulseDetection> {
+    let voltage = |n: &Node<'_>| {
+        let wants = "the unit of the column: V or mV";
+        units::voltage_column(n.text(wants)?).map_err(|e| n.invalid(e.found, e.expected))
+    };
+    let volts_per_unit = table.read("unit", voltage)?;
+    let level = |node: &Node<'_>, range: &str, ok: fn(f64) -> bool| match volts_per_unit {
+        Some(_) => node.within(Dimension::Voltage, range, ok),
+        None => {
+            let range = if range.is_empty() { String::new() } else { format!(" {range}") };
+            node.number(
+                &format!("a number{range} as in the column, or a voltage{range} with unit = \"V\" or \"mV\""),
+                ok,
+            )
+        }
+    };
+    Ok(PulseDetection {
+        volts_per_unit,
+        threshold: table.read("threshold", |n| level(n, "", |_| true))?,
+        hysteresis: table.read("hysteresis", |n| level(n, "above 0", |x| x > 0.0))?,
+        slope: table.read("slope", |n| n.choice(&[("rising", Slope::Rising), ("falling", Slope::Falling)]))?,
+    })
 }
 
 fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {

@@ -126,12 +126,16 @@ impl Direction {
 /// Source of the shaft angle.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RotationSource {
-    /// `keyphasor = { column, pulses_per_turn }`
+    /// `keyphasor = { column, pulses_per_turn, ... }`
     Keyphasor {
         /// Column of the pulse.
         column: String,
-        /// 1 or more
+        /// 1 or more; on a toothed wheel with a gap, teeth and absent teeth.
         pulses_per_turn: u32,
+        /// `missing`: absent teeth of a toothed wheel, one after another; 0 without a gap.
+        missing: u32,
+        /// Meaning of the column.
+        signal: KeyphasorSignal,
     },
     /// `speed = { column, unit }`
     SpeedColumn {
@@ -142,4 +146,73 @@ pub enum RotationSource {
     },
     /// Neither: the scene's `[shaft] speed` applies, from angle 0.
     Scene,
+}
+
+impl RotationSource {
+    /// Returns the source of pulses without further keys.
+    #[must_use]
+    pub fn keyphasor(column: &str, pulses_per_turn: u32) -> Self {
+        Self::Keyphasor { column: column.to_owned(), pulses_per_turn, missing: 0, signal: KeyphasorSignal::default() }
+    }
+
+    /// Returns the unit of its column; none without a column or a unit.
+    pub(crate) fn unit(&self) -> Option<&'static str> {
+        match self {
+            Self::Keyphasor { signal: KeyphasorSignal::Pulses(pulses), .. } => {
+                pulses.volts_per_unit.and_then(units::voltage_name)
+            }
+            Self::SpeedColumn { radians_per_second, .. } => units::speed_name(*radians_per_second),
+            Self::Keyphasor { .. } | Self::Scene => None,
+        }
+    }
+
+    /// Returns the factor of its column to SI, or 1 for a column without a unit; none without a column.
+    #[must_use]
+    pub fn factor(&self) -> Option<f64> {
+        match self {
+            Self::Keyphasor { signal: KeyphasorSignal::Pulses(pulses), .. } => {
+                Some(pulses.volts_per_unit.unwrap_or(1.0))
+            }
+            Self::Keyphasor { signal: KeyphasorSignal::Count, .. } => Some(1.0),
+            Self::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
+            Self::Scene => None,
+        }
+    }
+}
+
+/// `keyphasor.kind`: meaning of the column of a keyphasor.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KeyphasorSignal {
+    /// Two levels, digital or analogue.
+    Pulses(PulseDetection),
+    /// Number of pulses so far.
+    Count,
+}
+
+impl Default for KeyphasorSignal {
+    fn default() -> Self {
+        Self::Pulses(PulseDetection::default())
+    }
+}
+
+/// Detection of pulses; keys without a value are found from the signal.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PulseDetection {
+    /// `unit`, V
+    pub volts_per_unit: Option<f64>,
+    /// `threshold`, V, or in the numbers of a column without a unit
+    pub threshold: Option<f64>,
+    /// `hysteresis`: full width of the band about the threshold, as the threshold
+    pub hysteresis: Option<f64>,
+    /// `slope`: edge at which a pulse is timed
+    pub slope: Option<Slope>,
+}
+
+/// Edge of a pulse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slope {
+    /// Upwards through the threshold.
+    Rising,
+    /// Downwards through the threshold.
+    Falling,
 }

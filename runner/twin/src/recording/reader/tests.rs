@@ -23,7 +23,7 @@ fn recording(clock: Clock) -> Recording {
         clock,
         probes: vec![probe("x"), probe("y")],
         sensors: vec![],
-        rotation: RotationSource::Keyphasor { column: "key".into(), pulses_per_turn: 1 },
+        rotation: RotationSource::keyphasor("key", 1),
     }
 }
 
@@ -278,7 +278,7 @@ fn rig_recordings_are_flawless() {
             continue;
         }
         let probes = ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"].map(probe).to_vec();
-        let rotation = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
+        let rotation = RotationSource::keyphasor("keyphasor", 1);
         let recording = Recording {
             file: path.clone(),
             clock: Clock::Column("time_s".into()),

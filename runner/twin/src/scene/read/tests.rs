@@ -170,8 +170,7 @@ fn the_whole_example_reads() {
     assert!(near(radial.metres_per_unit, 1e-6) && near(radial.station, -0.12));
     assert!(near(radial.noise.unwrap(), 0.2e-6));
     assert_eq!((axial.station, axial.direction, axial.noise), (0.0, Direction::Axial, None));
-    let keyphasor = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
-    assert_eq!(recording.rotation, keyphasor);
+    assert_eq!(recording.rotation, RotationSource::keyphasor("keyphasor", 1));
 }
 
 fn assert_angular_bearing(de: &Bearing) {
@@ -417,6 +416,43 @@ fn recording_out_of_range() {
     let recording = read(&speed).unwrap().recording.unwrap();
     assert_eq!(recording.clock, Clock::Column("t".into()));
     assert!(matches!(recording.rotation, RotationSource::SpeedColumn { radians_per_second: f, .. } if near(f, PI / 30.0)));
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn keys_of_a_keyphasor() {
+    let text = format!("{LEAST}{RECORDING}keyphasor = {{ column = \"k\", pulses_per_turn = 60 }}\n");
+    let keys = "pulses_per_turn = 60";
+    let more = |key: &str| format!("{keys}, {key}");
+    let refused = |key: &str, wants: &[&str]| assert_refused(&text, &[(keys, &more(key), wants)]);
+    refused("missing = 0", &["recording.keyphasor.missing: invalid value: 0, expected a whole number from 1 to 30"]);
+    refused("missing = 31", &["half of pulses_per_turn"]);
+    refused("missing = 1.5", &["keyphasor.missing: invalid value: 1.5"]);
+    refused("kind = \"counter\"", &["keyphasor.kind: invalid value: \"counter\", expected \"pulses\" or \"count\""]);
+    refused("kind = \"count\", slope = \"rising\"", &["keyphasor.slope: misplaced key", "only with kind = \"pulses\""]);
+    refused("kind = \"count\", missing = 1", &["keyphasor.missing: misplaced key"]);
+    refused("unit = \"um\"", &["keyphasor.unit: invalid value: \"um\" (a length), expected a unit of voltage: V or mV"]);
+    refused("threshold = \"-5 V\"", &["keyphasor.threshold: invalid value: \"-5 V\", expected a number as in the column, or a voltage with unit"]);
+    refused("unit = \"V\", threshold = \"5 um\"", &["keyphasor.threshold: invalid value: \"5 um\" (a length), expected a voltage"]);
+    refused("unit = \"V\", hysteresis = \"-1 V\"", &["keyphasor.hysteresis: invalid value: \"-1 V\", expected a voltage above 0"]);
+    refused("hysteresis = 0", &["keyphasor.hysteresis: invalid value: 0, expected a number above 0 as in the column"]);
+    refused("slope = \"down\"", &["keyphasor.slope: invalid value: \"down\", expected \"rising\" or \"falling\""]);
+    refused("treshold = 1", &["unknown key (did you mean threshold?)"]);
+    assert_refused(&text, &[(keys, "pulses_per_turn = 2, missing = 1", &["keyphasor.missing: misplaced key", "pulses_per_turn of 3 or more"])]);
+    let read = |key: &str| read(&with(&text, keys, &more(key))).unwrap().recording.unwrap().rotation;
+    let RotationSource::Keyphasor { missing, signal: KeyphasorSignal::Pulses(found), .. } =
+        read("missing = 2, unit = \"mV\", threshold = \"-5 V\", hysteresis = 0.5, slope = \"falling\"")
+    else {
+        unreachable!("pulses")
+    };
+    let wanted = PulseDetection {
+        volts_per_unit: Some(1e-3),
+        threshold: Some(-5.0),
+        hysteresis: Some(0.5),
+        slope: Some(Slope::Falling),
+    };
+    assert_eq!((missing, found), (2, wanted));
+    assert!(matches!(read("kind = \"count\""), RotationSource::Keyphasor { signal: KeyphasorSignal::Count, .. }));
 }
 
 /// Displacement of a reading by the factor and the offset of the probe.
