@@ -71,6 +71,7 @@ fn of_recording(recording: &RecordingSummary) -> String {
         let [least, mean, greatest] = [least, mean, greatest].map(|rpm| fixed(rpm, 1));
         let _ = writeln!(out, "Shaft speed, rpm: mean {mean}, {least} to {greatest} ({source})");
     }
+    paragraph(&mut out, "", &format!("Shaft angle from: {}", recording.angle_source), "");
     let _ = writeln!(out, "\n{:<20} unit       mean        rms   peak to peak         1X    lag, deg", "Column");
     for reading in &recording.readings {
         let [mean, rms, peak] = [reading.mean, reading.rms, reading.peak_to_peak].map(|x| fixed(x, 3));
@@ -86,6 +87,9 @@ fn of_recording(recording: &RecordingSummary) -> String {
         let sensitivity = alone(voltage.sensitivity_mv_per_um);
         let column = &reading.column;
         let _ = writeln!(out, "{column}: {sensitivity} mV/um, mean voltage {mean} V, offset {offset} V");
+    }
+    if let Some(note) = &recording.run_out {
+        paragraph(&mut out, "", &format!("1X without run-out: {note}"), "");
     }
     for flaw in &recording.flaws {
         paragraph(&mut out, "", &flaw.sentence, "");

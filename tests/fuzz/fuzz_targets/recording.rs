@@ -29,6 +29,7 @@ fn recording(column: &str) -> Recording {
         probes: vec![probe],
         sensors: vec![],
         rotation: RotationSource::Scene,
+        run_out: None,
         average: 1,
     }
 }

@@ -17,6 +17,7 @@ use crate::plant::Plant;
 use crate::recording::Reader;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
+use crate::recording::run_out::RunOut;
 use crate::replay::range::ReadingRange;
 use crate::scene::build::kinematics;
 use crate::scene::{RotationSource, Scene};
@@ -78,6 +79,11 @@ pub struct RecordingSummary {
     pub speed_is_measured: bool,
     /// Readings of each column.
     pub readings: Vec<ReadingSummary>,
+    /// Note on the run-out that is subtracted before 1X is computed; none without `run_out`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run_out: Option<String>,
+    /// Source of the shaft angle.
+    pub angle_source: String,
     /// Flaws of the recording.
     pub flaws: Vec<FlawSummary>,
 }
@@ -137,7 +143,9 @@ fn read(
         _ => None,
     };
     let rate = reader.rate() / f64::from(recording.average);
-    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
+    let run_out = RunOut::of(scene)?;
+    let tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
+    let mut tracker = tracker.with_run_out(run_out.clone());
     let mut readings = Readings::new(recording.probes.len());
     let (mut row, mut samples, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
     let mut speeds = Speeds::default();
@@ -179,6 +187,8 @@ fn read(
         speed_rpm: speeds.rpm(),
         speed_is_measured,
         readings: readings.summary(given),
+        run_out: run_out.map(|run_out| run_out.note()),
+        angle_source: tracker.source(),
         flaws: reader.flaws().summary(),
     };
     Ok((summary, Evidence { largest, outside, rotation: rotation.err(), noise: readings.one_x_noise() }))

@@ -22,12 +22,14 @@ mod total;
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use self::given::{SceneSpeed, SpeedColumn};
 use self::keyphasor::Keyphasor;
 use self::total::Total;
 use super::average::Average;
 use super::flaws::FlawLedger;
+use super::run_out::RunOut;
 use super::status::SampleStatus;
 use super::{Row, Sample};
 use crate::scene::{Recording, RotationSource, Speed};
@@ -188,9 +190,12 @@ fn other_gap(intervals: Option<u64>) -> String {
 /// Tracker of the shaft angle. [`push`](Self::push) adds a row; [`pop`](Self::pop) returns samples in the same order as soon
 /// as their angle is known, the last ones after [`finish`](Self::finish).
 pub struct Tracker {
+    rotation: RotationSource,
     source: Source,
     output: Output,
     average: Average,
+    /// Run-out to subtract.
+    run_out: Option<Arc<RunOut>>,
     ended: bool,
     spare: Vec<Row>,
 }
@@ -250,7 +255,16 @@ impl Tracker {
             RotationSource::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
             RotationSource::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
-        Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }
+        let rotation = rotation.clone();
+        Self {
+            rotation,
+            source,
+            output: Output::default(),
+            average: Average::new(1, rate),
+            run_out: None,
+            ended: false,
+            spare: Vec::new(),
+        }
     }
 
     /// Creates the tracker of `recording`, with its averaging.
@@ -262,6 +276,13 @@ impl Tracker {
             column.fastest = largest_speed(speed);
         }
         tracker
+    }
+
+    /// Subtracts a run-out from the readings of every sample, before they are averaged.
+    #[must_use]
+    pub fn with_run_out(mut self, run_out: Option<Arc<RunOut>>) -> Self {
+        self.run_out = run_out;
+        self
     }
 
     /// Limits the number of samples that wait for a pulse; 1024 or more.
@@ -324,7 +345,10 @@ impl Tracker {
 
     /// Returns the next sample whose angle is known.
     pub fn pop(&mut self) -> Option<Sample> {
-        while let Some(sample) = self.output.ready.pop_front() {
+        while let Some(mut sample) = self.output.ready.pop_front() {
+            if let Some(run_out) = &self.run_out {
+                run_out.subtract(sample.angle, &mut sample.row.probes);
+            }
             let (done, spare) = self.average.take(sample);
             self.spare.extend(spare);
             if done.is_some() {
@@ -345,12 +369,29 @@ impl Tracker {
 
     /// Returns how the pulses of a keyphasor are found: threshold, hysteresis and slope of a signal, or the width of a count; none
     /// without a keyphasor or before its levels are known.
-    #[must_use]
-    pub fn detection(&self) -> Option<String> {
+    fn detection(&self) -> Option<String> {
         let Source::Keyphasor(keyphasor) = &self.source else { return None };
-        let used = keyphasor.threshold();
-        used.map(|used| used.to_string())
-            .or_else(|| Some(format!("a count that wraps at 2^{}", keyphasor.count_bits()?)))
+        let used = keyphasor.threshold().map(|used| used.to_string());
+        used.or_else(|| Some(format!("a count that wraps at 2^{}", keyphasor.count_bits()?)))
+    }
+
+    /// Describes the source of the shaft angle.
+    #[must_use]
+    pub fn source(&self) -> String {
+        match &self.rotation {
+            RotationSource::Keyphasor { column, pulses_per_turn, missing, .. } => {
+                let missing = if *missing > 0 { format!(" with {missing} missing") } else { String::new() };
+                let found = self.detection().map_or_else(String::new, |found| format!("; {found}"));
+                let pulses = self.pulses();
+                format!(
+                    "keyphasor in column {column}, {pulses} pulses, {pulses_per_turn} per revolution{missing}{found}"
+                )
+            }
+            RotationSource::SpeedColumn { column, .. } => {
+                format!("speed in column {column}, angle 0 at the first sample")
+            }
+            RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
+        }
     }
 
     /// Mean speed over the delivered samples, rad/s; none before the first.

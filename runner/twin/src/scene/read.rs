@@ -12,7 +12,7 @@ mod tests;
 
 use std::fs::File;
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml_edit::{Document, TomlError};
 
@@ -323,7 +323,8 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
 type Taken = Vec<(String, &'static str)>;
 
 fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> {
-    let table = node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed"])?;
+    let table =
+        node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed", "run_out"])?;
     let wants = "the name of the recording, relative to the scene's folder";
     let file = table.required("file", wants)?.text(wants)?;
     let mut taken = Taken::new();
@@ -335,7 +336,20 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> 
         sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
         probes: if table.has("sensors") { vec![] } else { probes(&table, average, on_system, &mut taken)? },
         rotation: rotation(&table, &mut taken)?,
+        run_out: table.read("run_out", |n| run_out(n, &table, scene))?,
     })
+}
+
+/// Reads the path of the recording at slow roll.
+fn run_out(node: &Node<'_>, table: &Table<'_>, scene: &Path) -> Read<PathBuf> {
+    let file = node.text("the name of a recording at slow roll, relative to the scene's folder")?;
+    if table.has("sensors") {
+        return Err(node.misplaced("only with probes; remove it"));
+    }
+    if !table.has("keyphasor") {
+        return Err(node.misplaced("only with a keyphasor, which gives the same angle in both recordings"));
+    }
+    Ok(scene.parent().unwrap_or(Path::new("")).join(file))
 }
 
 fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {

@@ -19,6 +19,8 @@ pub struct Recording {
     pub sensors: Vec<Sensor>,
     /// Source of the shaft angle.
     pub rotation: RotationSource,
+    /// `run_out`: path of a recording at slow roll, joined to the scene's folder, whose run-out is subtracted.
+    pub run_out: Option<PathBuf>,
 }
 
 /// Sampling: a constant rate or a column of times.

@@ -24,6 +24,7 @@ fn recording(clock: Clock) -> Recording {
         probes: vec![probe("x"), probe("y")],
         sensors: vec![],
         rotation: RotationSource::keyphasor("key", 1),
+        run_out: None,
     }
 }
 
@@ -286,6 +287,7 @@ fn rig_recordings_are_flawless() {
             sensors: vec![],
             probes,
             rotation,
+            run_out: None,
         };
         let mut reader = Reader::open(&path, &recording).unwrap();
         assert!((reader.rate() - 12_800.0).abs() < 0.01, "{}", reader.rate());

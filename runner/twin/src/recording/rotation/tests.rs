@@ -430,6 +430,7 @@ fn rig_recordings() {
             sensors: vec![],
             probes: vec![],
             rotation: rotation.clone(),
+            run_out: None,
         };
         let mut reader = Reader::open(&path, &recording).unwrap();
         let mut tracker = Tracker::new(&rotation, RATE, Speed::Constant(1.0));

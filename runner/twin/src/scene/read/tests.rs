@@ -437,6 +437,11 @@ fn keys_of_a_keyphasor() {
     refused("unit = \"V\", hysteresis = \"-1 V\"", &["keyphasor.hysteresis: invalid value: \"-1 V\", expected a voltage above 0"]);
     refused("hysteresis = 0", &["keyphasor.hysteresis: invalid value: 0, expected a number above 0 as in the column"]);
     refused("slope = \"down\"", &["keyphasor.slope: invalid value: \"down\", expected \"rising\" or \"falling\""]);
+    let run_out = |line: &str, wants: &[&str]| assert_refused(&format!("{LEAST}{RECORDING}"), &[("rate = 1000", line, wants)]);
+    let with_keyphasor = "keyphasor = { column = \"k\", pulses_per_turn = 1 }";
+    run_out("rate = 1\nrun_out = \"slow.csv\"", &["recording.run_out: misplaced key: \"slow.csv\"", "only with a keyphasor"]);
+    run_out("rate = 1\nrun_out = \"slow.csv\"\nspeed = { column = \"n\", unit = \"rpm\" }", &["only with a keyphasor"]);
+    run_out(&format!("rate = 1\nrun_out = 3\n{with_keyphasor}"), &["recording.run_out: invalid value: 3, expected the name of a recording"]);
     refused("treshold = 1", &["unknown key (did you mean threshold?)"]);
     assert_refused(&text, &[(keys, "pulses_per_turn = 2, missing = 1", &["keyphasor.missing: misplaced key", "pulses_per_turn of 3 or more"])]);
     let read = |key: &str| read(&with(&text, keys, &more(key))).unwrap().recording.unwrap().rotation;
