@@ -71,6 +71,7 @@ fn of_recording(recording: &RecordingSummary) -> String {
         let [least, mean, greatest] = [least, mean, greatest].map(|rpm| fixed(rpm, 1));
         let _ = writeln!(out, "Shaft speed, rpm: mean {mean}, {least} to {greatest} ({source})");
     }
+    paragraph(&mut out, "", &format!("Shaft angle from: {}", recording.angle_source), "");
     let _ = writeln!(out, "\n{:<20} unit       mean        rms   peak to peak         1X    lag, deg", "Column");
     for reading in &recording.readings {
         let [mean, rms, peak] = [reading.mean, reading.rms, reading.peak_to_peak].map(|x| fixed(x, 3));
@@ -79,6 +80,16 @@ fn of_recording(recording: &RecordingSummary) -> String {
             .map_or_else(|| ["-".to_owned(), "-".to_owned()], |[size, lag]| [fixed(size, 3), fixed(lag, 1)]);
         let (column, unit) = (&reading.column, &reading.unit);
         let _ = writeln!(out, "{column:<20} {unit:<5} {mean:>9} {rms:>10} {peak:>14} {size:>10} {lag:>11}");
+    }
+    for reading in &recording.readings {
+        let Some(voltage) = reading.voltage else { continue };
+        let [offset, mean] = [voltage.offset_v, voltage.mean_v].map(|volts| fixed(volts, 3));
+        let sensitivity = alone(voltage.sensitivity_mv_per_um);
+        let column = &reading.column;
+        let _ = writeln!(out, "{column}: {sensitivity} mV/um, mean voltage {mean} V, offset {offset} V");
+    }
+    if let Some(note) = &recording.run_out {
+        paragraph(&mut out, "", &format!("1X without run-out: {note}"), "");
     }
     for flaw in &recording.flaws {
         paragraph(&mut out, "", &flaw.sentence, "");

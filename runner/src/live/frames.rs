@@ -6,7 +6,7 @@
 //! bytes before it.
 
 use ballrace_twin::recording::Row;
-use ballrace_twin::scene::{Recording, RotationSource};
+use ballrace_twin::scene::Recording;
 use std::time::Instant;
 
 /// Time of acknowledged frames that a source may repeat, in addition to all unacknowledged frames, s.
@@ -165,7 +165,7 @@ impl SequenceTracker {
 pub struct FrameLayout {
     /// Metres per unit, and offset in metres, of each probe.
     probes: Vec<[f64; 2]>,
-    /// Factor of the keyphasor column (1) or of the speed column (rad/s per unit); `None` without such a column.
+    /// Factor of the keyphasor column (1, or volts per unit) or of the speed column (rad/s per unit); `None` without such a column.
     rotation: Option<f64>,
     /// Frames end with their CRC-32.
     has_checksum: bool,
@@ -178,14 +178,9 @@ impl FrameLayout {
     /// Creates the decoder for the columns of a recording.
     #[must_use]
     pub fn new(recording: &Recording, has_checksum: bool) -> Self {
-        let rotation = match &recording.rotation {
-            RotationSource::Keyphasor { .. } => Some(1.0),
-            RotationSource::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
-            RotationSource::Scene => None,
-        };
         Self {
             probes: recording.probes.iter().map(|p| [p.metres_per_unit, p.offset]).collect(),
-            rotation,
+            rotation: recording.rotation.factor(),
             has_checksum,
         }
     }

@@ -21,6 +21,7 @@ fn recording(column: &str) -> Recording {
         direction: Direction::Radial(0.0),
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     };
     Recording {
         file: "fuzz".into(),
@@ -28,6 +29,7 @@ fn recording(column: &str) -> Recording {
         probes: vec![probe],
         sensors: vec![],
         rotation: RotationSource::Scene,
+        run_out: None,
         average: 1,
     }
 }

@@ -14,6 +14,7 @@ use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
+use std::iter;
 use std::path::{Path, PathBuf};
 
 /// Program and version that write a certificate.
@@ -301,7 +302,8 @@ fn referenced_files(scene: &Scene) -> Vec<ReferencedFile> {
         let required = [Some(&system.mass), system.damping.as_ref(), system.gyroscopic.as_ref()];
         required.into_iter().chain([Some(&system.stiffness), system.load.as_ref()]).flatten()
     });
-    let paths = system.chain(scene.recording.iter().map(|recording| &recording.file));
+    let paths = system
+        .chain(scene.recording.iter().flat_map(|recording| iter::once(&recording.file).chain(&recording.run_out)));
     let file = |path: &PathBuf| ReferencedFile {
         name: path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned(),
         hash: File::open(path).and_then(hash_of).ok(),

@@ -5,7 +5,7 @@
 
 mod unknown;
 
-pub use crate::plausibility::{Implausibility, ReadingSummary};
+pub use crate::plausibility::{Implausibility, ReadingSummary, VoltageSummary};
 pub use unknown::{UnknownValue, unknown_values};
 
 use crate::diagnosis::block::Block;
@@ -16,6 +16,7 @@ use crate::plausibility::{Collector, Evidence, implausible, implausible_scene};
 use crate::recording::Reader;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
+use crate::recording::run_out::RunOut;
 use crate::replay::range::ReadingRange;
 use crate::scene::build::kinematics;
 use crate::scene::{RotationSource, Scene};
@@ -74,6 +75,11 @@ pub struct RecordingSummary {
     pub speed_is_measured: bool,
     /// Readings of each column.
     pub readings: Vec<ReadingSummary>,
+    /// Note on the run-out that is subtracted before 1X is computed; none without `run_out`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run_out: Option<String>,
+    /// Source of the shaft angle.
+    pub angle_source: String,
     /// Flaws of the recording.
     pub flaws: Vec<FlawSummary>,
 }
@@ -134,7 +140,9 @@ fn read(
         _ => None,
     };
     let rate = reader.rate() / f64::from(recording.average);
-    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
+    let run_out = RunOut::of(scene)?;
+    let tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
+    let mut tracker = tracker.with_run_out(run_out.clone());
     let mut collected = Collector::new(recording.probes.len(), scene.shaft.speed);
     let mut block = Block::default();
     let (mut row, mut rows, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
@@ -184,6 +192,8 @@ fn read(
         speed_rpm: collected.speeds().rpm(),
         speed_is_measured,
         readings: collected.summary(given),
+        run_out: run_out.map(|run_out| run_out.note()),
+        angle_source: tracker.source(),
         flaws: reader.flaws().summary(),
     };
     Ok((summary, found))

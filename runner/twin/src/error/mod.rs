@@ -17,6 +17,7 @@ use crate::probes::UnobservableError;
 use crate::recording::clock::RateError;
 use crate::recording::error::RecordingError;
 use crate::recording::rotation::RotationError;
+use crate::recording::run_out::RunOutError;
 use crate::scene::build::BuildError;
 use crate::scene::read::SceneError;
 use std::path::PathBuf;
@@ -42,6 +43,8 @@ pub enum Error {
     Rate(#[from] RateError),
     /// A recording has no shaft angle.
     Rotation(#[from] RotationError),
+    /// The run-out of the probes cannot be determined.
+    RunOut(#[from] RunOutError),
     /// A baseline cannot be used.
     Baseline(#[from] BaselineError),
     /// There is no observer.
@@ -112,6 +115,7 @@ impl Error {
             Self::Scene(_) | Self::Limit(_) | Self::Setup(_) | Self::Verify(_) => true,
             Self::Plant(error) => error.is_usage_error(),
             Self::Recording(error) => error.is_scene_fault(),
+            Self::RunOut(error) => error.is_scene_fault(),
             Self::Rate(error) => matches!(error, RateError::Scene { .. }),
             Self::Baseline(error) => !matches!(error, BaselineError::Read { .. }),
             Self::Replay(error) => matches!(error, ReplayError::NoRecording { .. }),

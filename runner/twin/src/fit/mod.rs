@@ -18,6 +18,7 @@ use crate::probes::reading;
 use crate::recording::Reader;
 use crate::recording::Sample;
 use crate::recording::rotation::Tracker;
+use crate::recording::run_out::RunOut;
 use crate::scene::{RotationSource, Scene};
 use intervals::{covariance, expanded, largest_chi_square, quantile, unbalance};
 use nalgebra::DMatrix;
@@ -134,7 +135,7 @@ pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<RecordingSa
     let Some(recording) = &scene.recording else {
         return Err(FitError::NoRecording { file: scene.path.clone() }.into());
     };
-    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
+    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).with_run_out(RunOut::of(scene)?);
     let mut samples: Vec<Sample> = Vec::new();
     let mut block = Block::default();
     let mut row = tracker.blank();

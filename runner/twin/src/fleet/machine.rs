@@ -94,6 +94,9 @@ impl Machine {
                 None => hash.add("no recording"),
             },
         }
+        if let Some(file) = self.read_scene().ok().and_then(|scene| scene.recording?.run_out) {
+            hash.add_file(&file);
+        }
         match &self.baseline {
             Some(path) => hash.add_file(path),
             None => hash.add("no baseline"),

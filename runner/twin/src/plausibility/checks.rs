@@ -172,12 +172,11 @@ fn monotonic(checked: &Checked) -> Option<Implausibility> {
 }
 
 /// Returns the remedy for readings of an improbable size; `is_possible` tells whether a unit in metres brings them into range.
-fn unit_remedy(
-    reading: &ReadingSummary,
-    metres_per_unit: f64,
-    range: f64,
-    is_possible: impl Fn(f64) -> bool,
-) -> String {
+fn unit_remedy(reading: &ReadingSummary, probe: &Probe, range: f64, is_possible: impl Fn(f64) -> bool) -> String {
+    if let Some(voltage) = reading.voltage {
+        return format!("check unit, offset and sensitivity of the probe, {:.4} mV/um", voltage.sensitivity_mv_per_um);
+    }
+    let metres_per_unit = probe.metres_per_unit;
     let fits = |(_, metres): &&(&str, f64)| {
         let size = reading.peak_to_peak * 1e-6 / metres_per_unit * metres;
         let is_another = (metres / metres_per_unit - 1.0).abs() > 1e-6;
@@ -201,12 +200,13 @@ fn out_of_range(checked: &Checked) -> Vec<Implausibility> {
         let is_offset = mean.abs() > largest_um && reading.peak_to_peak < 2.0 * largest_um;
         let size = reading.peak_to_peak.max(mean.abs()) * 1e-6;
         let is_smaller = |metres: f64| size * metres / probe.metres_per_unit < 2.0 * largest;
-        let units = unit_remedy(reading, probe.metres_per_unit, *largest, is_smaller);
+        let units = unit_remedy(reading, probe, *largest, is_smaller);
+        let offset = match reading.voltage {
+            Some(voltage) => format!("offset = \"{:.4} V\"", voltage.mean_v),
+            None => format!("offset = \"{:.1} um\"", mean + probe.offset * 1e6),
+        };
         let (cause, remedy) = if is_offset {
-            (
-                "the gap of the probe is in the readings, or another unit",
-                format!("offset = \"{mean:.1} um\"; or {units}"),
-            )
+            ("the gap of the probe is in the readings, or another unit", format!("{offset}; or {units}"))
         } else {
             ("another unit or sensitivity", units)
         };
@@ -242,7 +242,7 @@ fn too_small(checked: &Checked) -> Option<Implausibility> {
             range * 1e6
         ),
         cause: "another unit or sensitivity".to_owned(),
-        remedy: unit_remedy(first, probe.metres_per_unit, *range, |_| true),
+        remedy: unit_remedy(first, probe, *range, |_| true),
     })
 }
 

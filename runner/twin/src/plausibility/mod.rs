@@ -7,7 +7,7 @@ mod checks;
 mod lines;
 mod readings;
 
-pub use readings::ReadingSummary;
+pub use readings::{ReadingSummary, VoltageSummary};
 
 pub(crate) use checks::ReadingLimits;
 pub(crate) use readings::Collector;

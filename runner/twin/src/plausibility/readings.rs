@@ -3,7 +3,7 @@
 use super::checks::SPEED_FACTOR;
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
-use crate::scene::{Direction, Recording, Speed};
+use crate::scene::{Direction, Probe, Recording, Speed};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -19,6 +19,9 @@ pub struct ReadingSummary {
     pub unit: String,
     /// Station and angle of a radial probe, mm and degrees.
     pub radial: Option<[f64; 2]>,
+    /// Wiring of a probe whose column is in volts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voltage: Option<VoltageSummary>,
     /// Mean.
     pub mean: f64,
     /// Root of the mean square about the mean.
@@ -29,6 +32,29 @@ pub struct ReadingSummary {
     pub one_x: Option<[f64; 2]>,
     /// Samples with a reading.
     pub samples: u64,
+}
+
+/// Sensitivity and mean voltage of a probe.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct VoltageSummary {
+    /// Sensitivity, mV per um.
+    pub sensitivity_mv_per_um: f64,
+    /// Voltage with the shaft in the middle, `offset` in the scene.
+    pub offset_v: f64,
+    /// Mean voltage: the gap voltage of a proximity probe.
+    pub mean_v: f64,
+}
+
+impl VoltageSummary {
+    /// Returns the summary of a probe with this mean displacement, m; none for a probe whose column is a length.
+    fn new(probe: &Probe, mean: f64) -> Option<Self> {
+        let sensitivity = probe.sensitivity?;
+        Some(Self {
+            sensitivity_mv_per_um: sensitivity * 1e-3,
+            offset_v: probe.offset * sensitivity,
+            mean_v: (mean + probe.offset) * sensitivity,
+        })
+    }
 }
 
 /// Sums over one column.
@@ -162,20 +188,24 @@ impl Collector {
                 Direction::Radial(angle) => Some([probe.station * 1e3, angle.to_degrees()]),
                 Direction::Axial => None,
             };
-            (probe.column.clone(), "um".to_owned(), radial, 1e6)
+            (probe.column.clone(), "um".to_owned(), radial, 1e6, Some(probe))
         });
-        let sensors = recording.sensors.iter().map(|sensor| (sensor.column.clone(), sensor.unit.clone(), None, 1.0));
-        let one = |((column, unit, radial, scale), sums): ((String, String, _, f64), &Sums)| ReadingSummary {
-            column,
-            unit,
-            radial,
-            mean: sums.mean * scale,
-            rms: sums.rms() * scale,
-            peak_to_peak: (sums.greatest - sums.least).max(0.0) * scale,
-            one_x: sums
-                .one_x()
-                .map(|[cos, sin]| [cos.hypot(sin) * scale, sin.atan2(cos).to_degrees().rem_euclid(360.0)]),
-            samples: sums.count,
+        let sensors =
+            recording.sensors.iter().map(|sensor| (sensor.column.clone(), sensor.unit.clone(), None, 1.0, None));
+        let one = |((column, unit, radial, scale, probe), sums): ((String, String, _, f64, Option<&Probe>), &Sums)| {
+            ReadingSummary {
+                column,
+                unit,
+                radial,
+                voltage: probe.and_then(|probe| VoltageSummary::new(probe, sums.mean)),
+                mean: sums.mean * scale,
+                rms: sums.rms() * scale,
+                peak_to_peak: (sums.greatest - sums.least).max(0.0) * scale,
+                one_x: sums
+                    .one_x()
+                    .map(|[cos, sin]| [cos.hypot(sin) * scale, sin.atan2(cos).to_degrees().rem_euclid(360.0)]),
+                samples: sums.count,
+            }
         };
         probes.chain(sensors).zip(&self.columns).map(one).collect()
     }

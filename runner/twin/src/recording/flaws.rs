@@ -29,6 +29,8 @@ pub enum Flaw {
     MissedPulse,
     /// A keyphasor pulse is spurious. It is left out.
     SpuriousPulse,
+    /// A pulse of a toothed wheel is where its gap is expected. The next gap is angle 0 again.
+    ToothInGap,
     /// There is no keyphasor pulse up to the end. The angle is extrapolated and nothing is judged there.
     DeadKeyphasor,
     /// A speed is too high for the scene's machine. The speed before it is held.
@@ -231,6 +233,12 @@ impl Entry {
                 format!("{} missing and filled in{}, {place}", counted(self.samples, "pulse"), places(count))
             }
             Flaw::SpuriousPulse => format!("{} too many and left out, {place}", counted(count, "pulse")),
+            Flaw::ToothInGap => {
+                format!(
+                    "a pulse in the gap of the toothed wheel{}, {place}: the angle begins anew at the next gap",
+                    places(count)
+                )
+            }
             Flaw::DeadKeyphasor => {
                 format!("no pulse in the last {samples}, {place}: the shaft angle there is not measured")
             }

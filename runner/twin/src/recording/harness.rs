@@ -22,6 +22,7 @@ pub(super) fn probe(column: &str, metres_per_unit: f64) -> Probe {
         direction,
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     }
 }
 
@@ -34,6 +35,7 @@ pub(super) fn recording(columns: &[&str]) -> Recording {
         probes: columns.iter().map(|column| probe(column, 1.0)).collect(),
         sensors: vec![],
         rotation: RotationSource::Scene,
+        run_out: None,
     }
 }
 

@@ -18,6 +18,7 @@ pub mod preview;
 pub mod probe;
 mod reader;
 pub mod rotation;
+pub mod run_out;
 pub mod status;
 mod table;
 mod tdms;

@@ -25,6 +25,9 @@ const VIBRATION: [(&str, &str); 8] = [
     ("v", "V"),
 ];
 
+/// Least mean of a gap voltage, V, and least ratio of mean and standard deviation: the signal of a vibration sensor has no mean.
+const GAP_VOLTAGE: (f64, f64) = (0.5, 3.0);
+
 /// Columns of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preview {
@@ -54,6 +57,8 @@ pub enum ColumnRole {
     Speed(String),
     /// Displacement in this unit, along this direction where the name of the column has it.
     Displacement(String, Option<NamedDirection>),
+    /// Gap voltage of a displacement probe in this unit, along this direction where the name of the column has it.
+    GapVoltage(String, Option<NamedDirection>),
     /// Vibration in this unit.
     Vibration(String),
     /// Not known.
@@ -125,8 +130,32 @@ fn role(name: &str, unit: Option<&str>, values: &[f64]) -> ColumnRole {
     if units::speed_column(&unit).is_ok() {
         return ColumnRole::Speed(unit);
     }
+    if let Ok(volts) = voltage(&unit)
+        && is_gap(values, volts)
+    {
+        return ColumnRole::GapVoltage(if volts == 1.0 { "V" } else { "mV" }.to_owned(), direction(&words));
+    }
     let vibration = VIBRATION.iter().find(|(name, _)| unit.eq_ignore_ascii_case(name));
     vibration.map_or(ColumnRole::Unknown, |(_, unit)| ColumnRole::Vibration((*unit).to_owned()))
+}
+
+/// Returns the volts per unit of a column; in names of columns the letters may be small.
+fn voltage(unit: &str) -> Result<f64, units::Mismatch> {
+    match unit {
+        "v" => Ok(1.0),
+        "mv" => Ok(1e-3),
+        other => units::voltage_column(other),
+    }
+}
+
+/// Returns true for a voltage about a mean that is not 0.
+fn is_gap(values: &[f64], volts: f64) -> bool {
+    let known = || values.iter().filter(|value| value.is_finite()).map(|value| value * volts);
+    let count = known().count().max(1) as f64;
+    let mean = known().sum::<f64>() / count;
+    let deviation = (known().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
+    let (least, ratio) = GAP_VOLTAGE;
+    mean.abs() > least && mean.abs() > ratio * deviation
 }
 
 /// Returns true for two levels, one of which is rare.
@@ -158,12 +187,17 @@ mod tests {
         let pulse: Vec<f64> = (0..512).map(|i| f64::from(u8::from(i % 256 < 4))).collect();
         let wave: Vec<f64> = (0..512).map(|i| f64::from(i).sin()).collect();
         let rising: Vec<f64> = (0..512).map(f64::from).collect();
+        let gap: Vec<f64> = wave.iter().map(|value| value - 9.5).collect();
+        let volts = |unit: &str, direction| ColumnRole::GapVoltage(unit.to_owned(), direction);
         let um = |direction| ColumnRole::Displacement("um".to_owned(), direction);
         let cases = [
             ("DE_X_um", None, &wave, um(Some(NamedDirection::X))),
             ("NDE Y [um]", None, &wave, um(Some(NamedDirection::Y))),
             ("axial_um", None, &wave, um(Some(NamedDirection::Axial))),
             ("gap", Some("um"), &wave, um(None)),
+            ("DE_X_V", None, &gap, volts("V", Some(NamedDirection::X))),
+            ("gap", Some("mV"), &wave.iter().map(|value| 10.0 * value - 950.0).collect(), volts("mV", None)),
+            ("DE_X_V", None, &wave, ColumnRole::Vibration("V".to_owned())),
             ("time_s", None, &rising, ColumnRole::Time),
             ("time_s", None, &wave, ColumnRole::Unknown),
             ("keyphasor", None, &wave, ColumnRole::Keyphasor),

@@ -374,9 +374,8 @@ impl Wanted {
     fn new(table: &dyn Table, recording: &Recording, file: &Path) -> Result<Self, RecordingError> {
         let column = |name: &str, unit| find(table, name, file).map(|place| Column { place, unit, offset: 0.0 });
         let rotation = match &recording.rotation {
-            RotationSource::Keyphasor { column: name, .. } => Some(column(name, 1.0)?),
-            RotationSource::SpeedColumn { column: name, radians_per_second } => {
-                Some(column(name, *radians_per_second)?)
+            RotationSource::Keyphasor { column: name, .. } | RotationSource::SpeedColumn { column: name, .. } => {
+                Some(column(name, recording.rotation.factor().unwrap_or(1.0))?)
             }
             RotationSource::Scene => None,
         };
@@ -411,17 +410,14 @@ impl Wanted {
         if let Some(stamp) = &self.stamp {
             check(stamp, "s")?;
         }
-        if let (Some(column), RotationSource::SpeedColumn { radians_per_second, .. }) =
-            (&self.rotation, &recording.rotation)
-            && let Some(meant) = units::speed_name(*radians_per_second)
-        {
+        if let (Some(column), Some(meant)) = (&self.rotation, recording.rotation.unit()) {
             check(column, meant)?;
         }
         for (place, (column, probe)) in self.probes.iter().zip(&recording.probes).enumerate() {
             // Sensors are passed as probes without a unit; their own unit is stored separately.
             let meant = match recording.sensors.get(place) {
                 Some(sensor) => Some(sensor.unit.as_str()),
-                None => units::length_name(probe.metres_per_unit),
+                None => probe.unit(),
             };
             if let Some(meant) = meant {
                 check(column, meant)?;

@@ -1,15 +1,18 @@
 //! Shaft angle, speed and acceleration of the rows of a recording.
 //!
-//! - **Keyphasor**: the first pulse is angle 0. A pulse begins where the signal, drawn straight from sample to
-//!   sample, passes half way between its two levels; the rarer level is the pulse. A pulse recorded as a step is
+//! - **Keyphasor**: the first pulse is angle 0, on a toothed wheel with a gap the first one after the gap. A pulse begins where
+//!   the signal, drawn straight from sample to sample or through the samples within the hysteresis, passes half way between its
+//!   two levels, which are followed; the rarer level is the pulse. A count of pulses gives the same instants. A pulse recorded as a step is
 //!   known to half a sample only, so the angle follows parabolas through up to 11 pulses, blended from pulse to
 //!   pulse; where those cannot follow the shaft, through fewer. A missing pulse is interpolated and a spurious one is left
 //!   out; both are counted as flaws. A sample is delayed by up to 6 pulses, by 11 at the start.
 //! - **Speed column**: its integral from 0 by the trapezium rule.
 //! - **Neither**: the closed form of the scene's speed, from angle 0 at the first sample.
 
+mod count;
 mod edges;
 mod fit;
+mod gap;
 mod given;
 mod keyphasor;
 #[cfg(test)]
@@ -19,12 +22,14 @@ mod total;
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use self::given::{SceneSpeed, SpeedColumn};
 use self::keyphasor::Keyphasor;
 use self::total::Total;
 use super::average::Average;
 use super::flaws::FlawLedger;
+use super::run_out::RunOut;
 use super::status::SampleStatus;
 use super::{Row, Sample};
 use crate::scene::{Recording, RotationSource, Speed};
@@ -61,6 +66,80 @@ pub enum RotationError {
         column: String,
         /// Line of the pulse.
         line: u64,
+    },
+    /// A threshold of the scene that the signal does not pass.
+    #[error("column {column}: no keyphasor pulses in {samples} samples: {}, expected crossings of the threshold {threshold} by the hysteresis", stays(*.low, *.high))]
+    NoCrossing {
+        /// Column of the keyphasor.
+        column: String,
+        /// Number of samples.
+        samples: usize,
+        /// Lowest value.
+        low: f64,
+        /// Highest value.
+        high: f64,
+        /// The threshold, in the same unit.
+        threshold: f64,
+    },
+    /// A count that does not rise.
+    #[error("column {column}: the count of pulses stays at {low} for {samples} samples, expected a count that rises")]
+    NoCount {
+        /// Column of the keyphasor.
+        column: String,
+        /// Number of samples.
+        samples: usize,
+        /// The count.
+        low: f64,
+    },
+    /// A count of pulses that is no whole number.
+    #[error("column {column}: line {line}: no count of pulses: {found}, expected whole numbers with kind = \"count\"")]
+    NotACount {
+        /// Column of the keyphasor.
+        column: String,
+        /// Line of the reading.
+        line: u64,
+        /// The reading.
+        found: f64,
+    },
+    /// A count of pulses that falls.
+    #[error(
+        "column {column}: line {line}: the count of pulses falls from {from} to {to}, expected a count that rises or wraps at 2^16 or 2^32"
+    )]
+    CountFalls {
+        /// Column of the keyphasor.
+        column: String,
+        /// Line of the lower count.
+        line: u64,
+        /// Count before.
+        from: f64,
+        /// The lower count.
+        to: f64,
+    },
+    /// A toothed wheel without the gap of the scene.
+    #[error("column {column}: no gap of {gap} intervals in {pulses} pulses{}, expected one in each turn (missing = {})", other_gap(*.other), gap - 1)]
+    NoGap {
+        /// Column of the keyphasor.
+        column: String,
+        /// Pulses so far.
+        pulses: u64,
+        /// Intervals between teeth in the gap of the scene.
+        gap: u64,
+        /// Intervals in another gap.
+        other: Option<u64>,
+    },
+    /// A toothed wheel with another number of teeth.
+    #[error(
+        "column {column}: {found} pulses from gap to gap, expected {expected}; the wheel has pulses_per_turn = {pulses_per_turn}"
+    )]
+    GapSpacing {
+        /// Column of the keyphasor.
+        column: String,
+        /// Pulses from gap to gap.
+        found: u64,
+        /// The same by the scene.
+        expected: u64,
+        /// Teeth and absent teeth of the wheel.
+        pulses_per_turn: u64,
     },
     /// The pulses end.
     #[error(
@@ -104,12 +183,19 @@ fn stays(low: f64, high: f64) -> String {
     if low <= high { format!("it stays between {low} and {high}") } else { String::from("it has no value") }
 }
 
+fn other_gap(intervals: Option<u64>) -> String {
+    intervals.map_or_else(String::new, |found| format!(", but one of {found} intervals"))
+}
+
 /// Tracker of the shaft angle. [`push`](Self::push) adds a row; [`pop`](Self::pop) returns samples in the same order as soon
 /// as their angle is known, the last ones after [`finish`](Self::finish).
 pub struct Tracker {
+    rotation: RotationSource,
     source: Source,
     output: Output,
     average: Average,
+    /// Run-out to subtract.
+    run_out: Option<Arc<RunOut>>,
     ended: bool,
     spare: Vec<Row>,
 }
@@ -162,13 +248,23 @@ impl Tracker {
     #[must_use]
     pub fn new(rotation: &RotationSource, rate: f64, speed: Speed) -> Self {
         let source = match rotation {
-            RotationSource::Keyphasor { column, pulses_per_turn } => {
-                Source::Keyphasor(Box::new(Keyphasor::new(column, *pulses_per_turn, rate, is_reversed(speed))))
+            RotationSource::Keyphasor { column, pulses_per_turn, missing, signal } => {
+                let wheel = (*pulses_per_turn, *missing);
+                Source::Keyphasor(Box::new(Keyphasor::new(column, wheel, signal, rate, is_reversed(speed))))
             }
             RotationSource::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
             RotationSource::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
-        Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }
+        let rotation = rotation.clone();
+        Self {
+            rotation,
+            source,
+            output: Output::default(),
+            average: Average::new(1, rate),
+            run_out: None,
+            ended: false,
+            spare: Vec::new(),
+        }
     }
 
     /// Creates the tracker of `recording`, with its averaging.
@@ -180,6 +276,13 @@ impl Tracker {
             column.fastest = largest_speed(speed);
         }
         tracker
+    }
+
+    /// Subtracts a run-out from the readings of every sample, before they are averaged.
+    #[must_use]
+    pub fn with_run_out(mut self, run_out: Option<Arc<RunOut>>) -> Self {
+        self.run_out = run_out;
+        self
     }
 
     /// Limits the number of samples that wait for a pulse; 1024 or more.
@@ -242,7 +345,10 @@ impl Tracker {
 
     /// Returns the next sample whose angle is known.
     pub fn pop(&mut self) -> Option<Sample> {
-        while let Some(sample) = self.output.ready.pop_front() {
+        while let Some(mut sample) = self.output.ready.pop_front() {
+            if let Some(run_out) = &self.run_out {
+                run_out.subtract(sample.angle, &mut sample.row.probes);
+            }
             let (done, spare) = self.average.take(sample);
             self.spare.extend(spare);
             if done.is_some() {
@@ -258,6 +364,33 @@ impl Tracker {
         match &self.source {
             Source::Keyphasor(keyphasor) => keyphasor.counted(),
             Source::Column(_) | Source::Scene(_) => 0,
+        }
+    }
+
+    /// Returns how the pulses of a keyphasor are found: threshold, hysteresis and slope of a signal, or the width of a count; none
+    /// without a keyphasor or before its levels are known.
+    fn detection(&self) -> Option<String> {
+        let Source::Keyphasor(keyphasor) = &self.source else { return None };
+        let used = keyphasor.threshold().map(|used| used.to_string());
+        used.or_else(|| Some(format!("a count that wraps at 2^{}", keyphasor.count_bits()?)))
+    }
+
+    /// Describes the source of the shaft angle.
+    #[must_use]
+    pub fn source(&self) -> String {
+        match &self.rotation {
+            RotationSource::Keyphasor { column, pulses_per_turn, missing, .. } => {
+                let missing = if *missing > 0 { format!(" with {missing} missing") } else { String::new() };
+                let found = self.detection().map_or_else(String::new, |found| format!("; {found}"));
+                let pulses = self.pulses();
+                format!(
+                    "keyphasor in column {column}, {pulses} pulses, {pulses_per_turn} per revolution{missing}{found}"
+                )
+            }
+            RotationSource::SpeedColumn { column, .. } => {
+                format!("speed in column {column}, angle 0 at the first sample")
+            }
+            RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
         }
     }
 

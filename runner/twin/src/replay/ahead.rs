@@ -10,9 +10,11 @@ use crate::error::Result;
 use crate::plant::Plant;
 use crate::plausibility::implausible_samples;
 use crate::recording::rotation::Tracker;
+use crate::recording::run_out::RunOut;
 use crate::recording::{Reader, Row, Sample};
 use crate::scene::{Recording, Scene};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Most rows that are read before the shaft is found to turn.
 const MOST_ROWS: usize = 1 << 18;
@@ -30,9 +32,15 @@ pub(super) struct Ahead {
 
 impl Ahead {
     /// Reads as many rows as a diagnosis takes.
-    pub fn read(scene: &Scene, plant: &Plant, recording: &Recording, reader: &mut Reader) -> Result<Self> {
+    pub fn read(
+        scene: &Scene,
+        plant: &Plant,
+        recording: &Recording,
+        reader: &mut Reader,
+        run_out: Option<Arc<RunOut>>,
+    ) -> Result<Self> {
         let rate = reader.rate();
-        let mut tracker = Tracker::of(recording, rate, scene.shaft.speed);
+        let mut tracker = Tracker::of(recording, rate, scene.shaft.speed).with_run_out(run_out);
         let (mut range, mut notices) = (ReadingRange::try_new(scene, plant, &recording.probes)?, Notices::default());
         let mut block = Block::default();
         let mut rows = VecDeque::new();

@@ -51,6 +51,9 @@ pub mod timing;
 mod conclusion;
 mod list;
 mod plausibility;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
 mod totals;
 pub mod verdict;
 
@@ -66,6 +69,7 @@ use crate::outcome::Outcome;
 use crate::plant::{Plant, only_observable, unbalance_note};
 use crate::recording::Reader;
 use crate::recording::clock::check_rate;
+use crate::recording::run_out::RunOut;
 use crate::scene::Scene;
 use crate::vibration;
 use ahead::Ahead;
@@ -108,7 +112,8 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
     let baseline = options.baseline.map(Baseline::parse).transpose().map_err(Error::setup)?;
     let mut scene = ahead::calibrated(scene, baseline.as_ref());
     let mut plant = Plant::try_new(&scene).map_err(Error::setup)?;
-    let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader)?;
+    let run_out = RunOut::of(given)?;
+    let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader, run_out.clone())?;
     let advance = |share: f64| {
         if let Some(progress) = options.progress {
             progress(Progress::Diagnosis(share));
@@ -132,7 +137,7 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
     if let Some(diagnosis) = &diagnosed {
         set_cages(&mut scene, &diagnosis.cages);
     }
-    let mut replay = Replay::try_new(&scene, reader.rate(), options)?;
+    let mut replay = Replay::with_run_out(&scene, recording, reader.rate(), options, run_out)?;
     let note = unbalance_note(given).filter(|_| calibration.is_some());
     replay.set_calibration(calibration, note);
     if let (true, Some(diagnosis)) = (ahead.is_whole, diagnosed) {

@@ -13,7 +13,9 @@ use crate::outcome::{Event, Outcome};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
-use crate::scene::{Recording, RotationSource, Scene};
+use crate::recording::run_out::RunOut;
+use crate::scene::{Recording, Scene};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Time without a keyphasor pulse after which a shaft counts as standing still in live operation, s.
@@ -22,8 +24,8 @@ const LONGEST_PULSE_WAIT: f64 = 10.0;
 /// A replay in progress: rows go in, the outcome comes at the end.
 pub struct Replay<'a> {
     scene: &'a Scene,
-    rotation: &'a RotationSource,
     tracker: Tracker,
+    run_out: Option<Arc<RunOut>>,
     pipeline: Pipeline<'a>,
     rows: u64,
     /// Flaws of the shaft angle before its last interruption.
@@ -48,15 +50,27 @@ impl<'a> Replay<'a> {
     /// Creates a replay of samples at `rate`, Hz.
     ///
     /// # Errors
-    /// A scene without rotor or recording, probes that do not determine the motion.
+    /// A scene without rotor or recording, probes that do not determine the motion, a run-out that cannot be determined.
     pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
         let recording = scene.recording.as_ref();
         let recording = recording.ok_or_else(|| ReplayError::NoRecording { file: scene.path.clone() })?;
-        let tracker = tracker(scene, recording, rate, options.live);
+        let run_out = RunOut::of(scene)?;
+        Self::with_run_out(scene, recording, rate, options, run_out)
+    }
+
+    /// Creates a replay with a run-out that is known already.
+    pub(super) fn with_run_out(
+        scene: &'a Scene,
+        recording: &'a Recording,
+        rate: f64,
+        options: &Options,
+        run_out: Option<Arc<RunOut>>,
+    ) -> Result<Self> {
+        let tracker = tracker(scene, recording, rate, options.live).with_run_out(run_out.clone());
         let rate = rate / f64::from(recording.average);
-        let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(Error::setup)?;
-        let rotation = &recording.rotation;
-        Ok(Self { scene, rotation, tracker, pipeline, rows: 0, flaws: vec![], has_ended: false })
+        let mut pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(Error::setup)?;
+        pipeline.notes.extend(run_out.as_ref().map(|run_out| run_out.note()));
+        Ok(Self { scene, tracker, run_out, pipeline, rows: 0, flaws: vec![], has_ended: false })
     }
 
     /// Returns an empty row to read into.
@@ -161,7 +175,8 @@ impl<'a> Replay<'a> {
         if let Some(recording) = &self.scene.recording {
             let rate = self.pipeline.rate * f64::from(recording.average);
             self.flaws.extend(self.tracker.flaws().summary());
-            self.tracker = tracker(self.scene, recording, rate, self.pipeline.live);
+            let tracker = tracker(self.scene, recording, rate, self.pipeline.live);
+            self.tracker = tracker.with_run_out(self.run_out.clone());
         }
         self.pipeline.restart();
     }
@@ -213,7 +228,7 @@ impl<'a> Replay<'a> {
         self.work(None)?;
         flaws.append(&mut self.flaws);
         flaws.extend(self.tracker.flaws().summary());
-        let angle_source = angle_source(self.rotation, &self.tracker);
+        let angle_source = self.tracker.source();
         let facts = RecordingFacts { name, rows: self.rows, angle_source, flaws };
         self.pipeline.conclude(self.scene, facts)
     }
@@ -229,14 +244,4 @@ impl<'a> Replay<'a> {
 fn tracker(scene: &Scene, recording: &Recording, rate: f64, live: bool) -> Tracker {
     let tracker = Tracker::of(recording, rate, scene.shaft.speed);
     if live { tracker.waiting_at_most((LONGEST_PULSE_WAIT * rate) as usize) } else { tracker }
-}
-
-fn angle_source(rotation: &RotationSource, tracker: &Tracker) -> String {
-    match rotation {
-        RotationSource::Keyphasor { column, pulses_per_turn } => {
-            format!("keyphasor in column {column}, {} pulses, {pulses_per_turn} per revolution", tracker.pulses())
-        }
-        RotationSource::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
-        RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
-    }
 }

@@ -62,7 +62,7 @@ impl Draft<'_> {
         let Some((_, preview)) = &self.recording else { return false };
         let has = |displacement| {
             preview.columns.iter().any(|column| match &column.role {
-                ColumnRole::Displacement(..) => displacement,
+                ColumnRole::Displacement(..) | ColumnRole::GapVoltage(..) => displacement,
                 ColumnRole::Vibration(_) => !displacement,
                 _ => false,
             })
@@ -197,6 +197,11 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
             continue;
         }
         is_empty = false;
+        if preview.columns.iter().any(|column| matches!(column.role, ColumnRole::GapVoltage(..))) {
+            page.comment(
+                "Voltages: sensitivity such as \"7.87 mV/um\"; offset such as \"-9.5 V\", with the shaft in the middle.",
+            );
+        }
         page.line(&format!("{key} = ["));
         lines.iter().for_each(|line| page.line(line));
         page.line("]");
@@ -220,8 +225,12 @@ fn speed(column: &PreviewColumn) -> Option<(&PreviewColumn, &str)> {
 }
 
 fn probe(column: &PreviewColumn) -> Option<String> {
-    let ColumnRole::Displacement(unit, direction) = &column.role else { return None };
-    let mut line = format!("  {{ column = {}, unit = {}, ", quoted(&column.name), quoted(unit));
+    let (unit, direction, conversion) = match &column.role {
+        ColumnRole::Displacement(unit, direction) => (unit, direction, ""),
+        ColumnRole::GapVoltage(unit, direction) => (unit, direction, "sensitivity = \"?\", offset = \"?\", "),
+        _ => return None,
+    };
+    let mut line = format!("  {{ column = {}, unit = {}, {conversion}", quoted(&column.name), quoted(unit));
     let direction = match direction {
         Some(NamedDirection::Axial) => "axial = true",
         Some(NamedDirection::X) => "station = \"?\", angle = \"0 deg\"",

@@ -15,7 +15,9 @@ mod table;
 pub mod units;
 
 pub use flexible_rotor::{Disk, FlexibleRotor, Section};
-pub use recording::{Clock, Direction, Probe, Recording, RotationSource, Sensor};
+pub use recording::{
+    Clock, Direction, KeyphasorSignal, Probe, PulseDetection, Recording, RotationSource, Sensor, Slope,
+};
 
 use crate::catalogue::Listed;
 use std::path::PathBuf;

@@ -12,7 +12,7 @@ mod tests;
 
 use std::fs::File;
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml_edit::{Document, TomlError};
 
@@ -20,8 +20,8 @@ use super::table::{Node, Read, Source, Table, line_of};
 pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
-    Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording,
-    RotationSource, Scene, Sensor, Shaft, Speed, System, SystemUnbalance,
+    Allowed, Bearing, Clock, Direction, Indicator, Integration, KeyphasorSignal, Limit, Method, Observer, Probe,
+    PulseDetection, Recording, RotationSource, Scene, Sensor, Shaft, Slope, Speed, System, SystemUnbalance,
 };
 use catalogue::Expansion;
 
@@ -323,7 +323,8 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
 type Taken = Vec<(String, &'static str)>;
 
 fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> {
-    let table = node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed"])?;
+    let table =
+        node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed", "run_out"])?;
     let wants = "the name of the recording, relative to the scene's folder";
     let file = table.required("file", wants)?.text(wants)?;
     let mut taken = Taken::new();
@@ -335,7 +336,20 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> 
         sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
         probes: if table.has("sensors") { vec![] } else { probes(&table, average, on_system, &mut taken)? },
         rotation: rotation(&table, &mut taken)?,
+        run_out: table.read("run_out", |n| run_out(n, &table, scene))?,
     })
+}
+
+/// Reads the path of the recording at slow roll.
+fn run_out(node: &Node<'_>, table: &Table<'_>, scene: &Path) -> Read<PathBuf> {
+    let file = node.text("the name of a recording at slow roll, relative to the scene's folder")?;
+    if table.has("sensors") {
+        return Err(node.misplaced("only with probes; remove it"));
+    }
+    if !table.has("keyphasor") {
+        return Err(node.misplaced("only with a keyphasor, which gives the same angle in both recordings"));
+    }
+    Ok(scene.parent().unwrap_or(Path::new("")).join(file))
 }
 
 fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
@@ -402,16 +416,51 @@ fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
 }
 
 fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {
-    let table = node.table(&["column", "unit", "station", "coordinates", "angle", "axial", "noise", "offset"])?;
+    let table =
+        node.table(&["column", "unit", "station", "coordinates", "angle", "axial", "noise", "offset", "sensitivity"])?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a probe", taken)?;
-    let metres_per_unit = unit(&table, units::length_column, "um, mil, mm or m")?;
+    let (metres_per_unit, sensitivity) = conversion(&table)?;
     let noise = table.read("noise", |n| n.positive(Dimension::Length))?;
     let direction = direction(&table)?;
     let station = probe_station(&table, direction, on_system)?;
     let coordinates = bearing::coordinates(&table, "coordinates", on_system)?;
-    let offset = table.read("offset", |n| n.quantity(Dimension::Length))?.unwrap_or(0.0);
-    Ok(Probe { column, metres_per_unit, station, coordinates, direction, noise, offset })
+    let offset = table.read("offset", |n| offset(n, sensitivity))?.unwrap_or(0.0);
+    Ok(Probe { column, metres_per_unit, station, coordinates, direction, noise, offset, sensitivity })
+}
+
+/// Returns the metres per unit of a probe's column, and the sensitivity (V/m) of one in volts.
+fn conversion(table: &Table<'_>) -> Read<(f64, Option<f64>)> {
+    let wants = "the unit of the column: um, mil, mm or m, or V or mV with a sensitivity";
+    let node = table.required("unit", wants)?;
+    let text = node.text(wants)?;
+    let Ok(volts) = units::voltage_column(text) else {
+        let metres =
+            units::length_column(text).map_err(|e| node.invalid(e.found, format!("{}; or V or mV", e.expected)))?;
+        return match table.optional("sensitivity") {
+            Some(key) => {
+                Err(key.misplaced(format!("unit = \"V\" or \"mV\" with a sensitivity, found {}", node.shown())))
+            }
+            None => Ok((metres, None)),
+        };
+    };
+    let wants = "a voltage per length of a column in volts, such as \"7.87 mV/um\" or \"200 mV/mil\"";
+    let range = "that is not 0; negative where the voltage falls as the shaft moves along the angle of the probe";
+    let node = table.required("sensitivity", wants)?;
+    let sensitivity = node.within(Dimension::Sensitivity, range, |s| s != 0.0 && (volts / s).is_finite())?;
+    Ok((volts / sensitivity, Some(sensitivity)))
+}
+
+/// Reads the reading of a probe with the shaft in the middle, in m; of a probe in volts also as a voltage.
+fn offset(node: &Node<'_>, sensitivity: Option<f64>) -> Read<f64> {
+    let Some(sensitivity) = sensitivity else { return node.quantity(Dimension::Length) };
+    let wants = "a voltage or a length with its unit, such as \"-9.5 V\" or \"3.2 um\"";
+    let text = node.text(wants)?;
+    match units::parse(text, Dimension::Voltage) {
+        Ok(volts) if (volts / sensitivity).is_finite() => Ok(volts / sensitivity),
+        Ok(_) => Err(node.refuse(wants)),
+        Err(_) => units::parse(text, Dimension::Length).map_err(|e| node.invalid(e.found, wants)),
+    }
 }
 
 fn direction(table: &Table<'_>) -> Read<Direction> {
@@ -450,14 +499,61 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
 }
 
 fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
-    let table = node.table(&["column", "pulses_per_turn"])?;
+    let table =
+        node.table(&["column", "pulses_per_turn", "missing", "kind", "unit", "threshold", "hysteresis", "slope"])?;
     let column = table.required("column", "the name of the column with the pulses")?;
     let column = column_name(&column, "the keyphasor", taken)?;
     let wants = "a whole number, 1 or more";
     let pulses = table.required("pulses_per_turn", wants)?;
     let pulses_per_turn =
         u32::try_from(pulses.integer(1, u32::MAX.into(), wants)?).map_err(|_| pulses.refuse(wants))?;
-    Ok(RotationSource::Keyphasor { column, pulses_per_turn })
+    let is_count = table.read("kind", |n| n.choice(&[("pulses", false), ("count", true)]))?.unwrap_or(false);
+    if is_count {
+        for key in ["missing", "unit", "threshold", "hysteresis", "slope"] {
+            if let Some(node) = table.optional(key) {
+                return Err(node.misplaced("only with kind = \"pulses\"; remove it"));
+            }
+        }
+        return Ok(RotationSource::Keyphasor { column, pulses_per_turn, missing: 0, signal: KeyphasorSignal::Count });
+    }
+    let missing = table.read("missing", |n| missing_teeth(n, pulses_per_turn))?.unwrap_or(0);
+    let signal = KeyphasorSignal::Pulses(pulse_detection(&table)?);
+    Ok(RotationSource::Keyphasor { column, pulses_per_turn, missing, signal })
+}
+
+/// Reads the number of absent teeth. More than half of them would be a wheel without teeth for the most part.
+fn missing_teeth(node: &Node<'_>, pulses_per_turn: u32) -> Read<u32> {
+    let most = pulses_per_turn / 2;
+    let wants =
+        format!("a whole number from 1 to {most}, half of pulses_per_turn, in which the absent teeth are counted");
+    if pulses_per_turn < 3 {
+        return Err(node.misplaced("only with pulses_per_turn of 3 or more; remove it"));
+    }
+    node.integer(1, most.into(), &wants).map(|missing| missing as u32)
+}
+
+fn pulse_detection(table: &Table<'_>) -> Read<PulseDetection> {
+    let voltage = |n: &Node<'_>| {
+        let wants = "the unit of the column: V or mV";
+        units::voltage_column(n.text(wants)?).map_err(|e| n.invalid(e.found, e.expected))
+    };
+    let volts_per_unit = table.read("unit", voltage)?;
+    let level = |node: &Node<'_>, range: &str, ok: fn(f64) -> bool| match volts_per_unit {
+        Some(_) => node.within(Dimension::Voltage, range, ok),
+        None => {
+            let range = if range.is_empty() { String::new() } else { format!(" {range}") };
+            node.number(
+                &format!("a number{range} as in the column, or a voltage{range} with unit = \"V\" or \"mV\""),
+                ok,
+            )
+        }
+    };
+    Ok(PulseDetection {
+        volts_per_unit,
+        threshold: table.read("threshold", |n| level(n, "", |_| true))?,
+        hysteresis: table.read("hysteresis", |n| level(n, "above 0", |x| x > 0.0))?,
+        slope: table.read("slope", |n| n.choice(&[("rising", Slope::Rising), ("falling", Slope::Falling)]))?,
+    })
 }
 
 fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {

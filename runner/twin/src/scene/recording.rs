@@ -1,6 +1,6 @@
 //! The section `[recording]` of a scene: sampling, probes, sensors and the source of the shaft angle.
 
-use super::Coordinates;
+use super::{Coordinates, units};
 use std::borrow::Cow;
 use std::path::PathBuf;
 
@@ -19,6 +19,8 @@ pub struct Recording {
     pub sensors: Vec<Sensor>,
     /// Source of the shaft angle.
     pub rotation: RotationSource,
+    /// `run_out`: path of a recording at slow roll, joined to the scene's folder, whose run-out is subtracted.
+    pub run_out: Option<PathBuf>,
 }
 
 /// Sampling: a constant rate or a column of times.
@@ -47,9 +49,19 @@ pub struct Probe {
     pub noise: Option<f64>,
     /// `offset`, m: reading with the shaft in the middle; subtracted from every reading
     pub offset: f64,
+    /// `sensitivity`, V/m, of a column in volts; negative where the voltage falls as the shaft moves along the direction
+    pub sensitivity: Option<f64>,
 }
 
 impl Probe {
+    /// Returns the unit of its column; none where the factor is that of no unit.
+    pub(crate) fn unit(&self) -> Option<&'static str> {
+        match self.sensitivity {
+            Some(sensitivity) => units::voltage_name(self.metres_per_unit * sensitivity),
+            None => units::length_name(self.metres_per_unit),
+        }
+    }
+
     /// Returns its reading per unit of each coordinate from the displacement `u v w thu thv` at the probe per unit of each.
     #[must_use]
     pub fn row(&self, displacement: &[Vec<f64>; 5]) -> Vec<f64> {
@@ -87,6 +99,7 @@ impl Recording {
             direction: Direction::Axial,
             noise: None,
             offset: 0.0,
+            sensitivity: None,
         };
         Cow::Owned(Self { probes: self.sensors.iter().map(probe).collect(), ..self.clone() })
     }
@@ -115,12 +128,16 @@ impl Direction {
 /// Source of the shaft angle.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RotationSource {
-    /// `keyphasor = { column, pulses_per_turn }`
+    /// `keyphasor = { column, pulses_per_turn, ... }`
     Keyphasor {
         /// Column of the pulse.
         column: String,
-        /// 1 or more
+        /// 1 or more; on a toothed wheel with a gap, teeth and absent teeth.
         pulses_per_turn: u32,
+        /// `missing`: absent teeth of a toothed wheel, one after another; 0 without a gap.
+        missing: u32,
+        /// Meaning of the column.
+        signal: KeyphasorSignal,
     },
     /// `speed = { column, unit }`
     SpeedColumn {
@@ -131,4 +148,73 @@ pub enum RotationSource {
     },
     /// Neither: the scene's `[shaft] speed` applies, from angle 0.
     Scene,
+}
+
+impl RotationSource {
+    /// Returns the source of pulses without further keys.
+    #[must_use]
+    pub fn keyphasor(column: &str, pulses_per_turn: u32) -> Self {
+        Self::Keyphasor { column: column.to_owned(), pulses_per_turn, missing: 0, signal: KeyphasorSignal::default() }
+    }
+
+    /// Returns the unit of its column; none without a column or a unit.
+    pub(crate) fn unit(&self) -> Option<&'static str> {
+        match self {
+            Self::Keyphasor { signal: KeyphasorSignal::Pulses(pulses), .. } => {
+                pulses.volts_per_unit.and_then(units::voltage_name)
+            }
+            Self::SpeedColumn { radians_per_second, .. } => units::speed_name(*radians_per_second),
+            Self::Keyphasor { .. } | Self::Scene => None,
+        }
+    }
+
+    /// Returns the factor of its column to SI, or 1 for a column without a unit; none without a column.
+    #[must_use]
+    pub fn factor(&self) -> Option<f64> {
+        match self {
+            Self::Keyphasor { signal: KeyphasorSignal::Pulses(pulses), .. } => {
+                Some(pulses.volts_per_unit.unwrap_or(1.0))
+            }
+            Self::Keyphasor { signal: KeyphasorSignal::Count, .. } => Some(1.0),
+            Self::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
+            Self::Scene => None,
+        }
+    }
+}
+
+/// `keyphasor.kind`: meaning of the column of a keyphasor.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KeyphasorSignal {
+    /// Two levels, digital or analogue.
+    Pulses(PulseDetection),
+    /// Number of pulses so far.
+    Count,
+}
+
+impl Default for KeyphasorSignal {
+    fn default() -> Self {
+        Self::Pulses(PulseDetection::default())
+    }
+}
+
+/// Detection of pulses; keys without a value are found from the signal.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PulseDetection {
+    /// `unit`, V
+    pub volts_per_unit: Option<f64>,
+    /// `threshold`, V, or in the numbers of a column without a unit
+    pub threshold: Option<f64>,
+    /// `hysteresis`: full width of the band about the threshold, as the threshold
+    pub hysteresis: Option<f64>,
+    /// `slope`: edge at which a pulse is timed
+    pub slope: Option<Slope>,
+}
+
+/// Edge of a pulse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slope {
+    /// Upwards through the threshold.
+    Rising,
+    /// Downwards through the threshold.
+    Falling,
 }

@@ -1,24 +1,25 @@
 //! Quantities with units, as scenes and recordings name them.
 //!
 //! A unit is a product of names with optional powers and at most one `/`; everything after the `/` divides:
-//! `N s/m`, `1/Pa`, `kg m^2`, `N/mm^1.5`, `g·mm`. What is checked is the dimension, with the angle as a dimension of its
-//! own, so that `Hz` cannot pass for a speed of rotation.
+//! `N s/m`, `1/Pa`, `kg m^2`, `N/mm^1.5`, `g·mm`. What is checked is the dimension, with the angle and the voltage as
+//! dimensions of their own: `Hz` cannot pass for a speed of rotation.
 
 use std::f64::consts::{PI, TAU};
 
-/// Powers of length, mass, time and angle.
-type Powers = [f64; 4];
+/// Powers of length, mass, time, angle and voltage.
+type Powers = [f64; 5];
 
-const LENGTH: Powers = [1.0, 0.0, 0.0, 0.0];
-const MASS: Powers = [0.0, 1.0, 0.0, 0.0];
-const TIME: Powers = [0.0, 0.0, 1.0, 0.0];
-const ANGLE: Powers = [0.0, 0.0, 0.0, 1.0];
-const FREQUENCY: Powers = [0.0, 0.0, -1.0, 0.0];
-const SPEED: Powers = [0.0, 0.0, -1.0, 1.0];
-const FORCE: Powers = [1.0, 1.0, -2.0, 0.0];
-const MOMENT: Powers = [2.0, 1.0, -2.0, 0.0];
-const UNBALANCE: Powers = [1.0, 1.0, 0.0, 0.0];
-const PRESSURE: Powers = [-1.0, 1.0, -2.0, 0.0];
+const LENGTH: Powers = [1.0, 0.0, 0.0, 0.0, 0.0];
+const MASS: Powers = [0.0, 1.0, 0.0, 0.0, 0.0];
+const TIME: Powers = [0.0, 0.0, 1.0, 0.0, 0.0];
+const ANGLE: Powers = [0.0, 0.0, 0.0, 1.0, 0.0];
+const FREQUENCY: Powers = [0.0, 0.0, -1.0, 0.0, 0.0];
+const SPEED: Powers = [0.0, 0.0, -1.0, 1.0, 0.0];
+const FORCE: Powers = [1.0, 1.0, -2.0, 0.0, 0.0];
+const MOMENT: Powers = [2.0, 1.0, -2.0, 0.0, 0.0];
+const UNBALANCE: Powers = [1.0, 1.0, 0.0, 0.0, 0.0];
+const VOLTAGE: Powers = [0.0, 0.0, 0.0, 0.0, 1.0];
+const PRESSURE: Powers = [-1.0, 1.0, -2.0, 0.0, 0.0];
 
 /// Largest relative difference between the written power of a contact stiffness and the law's exponent:
 /// 10/9 may be written 1.111.
@@ -75,6 +76,10 @@ pub enum Dimension {
     Viscosity,
     /// 1/Pa
     PressureViscosity,
+    /// V
+    Voltage,
+    /// V/m, of a displacement probe
+    Sensitivity,
     /// N/m^n of the law F = stiffness * deflection^n
     ContactStiffness(
         /// n
@@ -103,7 +108,7 @@ pub struct Mismatch {
 }
 
 /// Every dimension that has a fixed form, the more usual name first where two share their powers.
-const FIXED: [Dimension; 21] = [
+const FIXED: [Dimension; 23] = [
     Dimension::Length,
     Dimension::Mass,
     Dimension::Time,
@@ -125,6 +130,8 @@ const FIXED: [Dimension; 21] = [
     Dimension::Viscosity,
     Dimension::PressureViscosity,
     Dimension::Rate,
+    Dimension::Voltage,
+    Dimension::Sensitivity,
 ];
 
 impl Dimension {
@@ -138,28 +145,32 @@ impl Dimension {
             Self::Time => row("a time", "2 s", "s", TIME),
             Self::Angle => row("an angle", "40 deg", "rad", ANGLE),
             Self::Frequency => row("a frequency", "25.6 kHz", "Hz", FREQUENCY),
-            Self::Rate => row("a rate of decay", "60 1/s", "1/s", [0.0, 0.0, -1.0, 0.0]),
+            Self::Rate => row("a rate of decay", "60 1/s", "1/s", [0.0, 0.0, -1.0, 0.0, 0.0]),
             Self::Speed => row("a speed of rotation", "3000 rpm", "rad/s", SPEED),
-            Self::Acceleration => row("an acceleration", "9.81 m/s^2", "m/s^2", [1.0, 0.0, -2.0, 0.0]),
+            Self::Acceleration => row("an acceleration", "9.81 m/s^2", "m/s^2", [1.0, 0.0, -2.0, 0.0, 0.0]),
             Self::Force => row("a force", "500 N", "N", FORCE),
             Self::Moment => row("a moment", "2 N m", "N m", MOMENT),
-            Self::Inertia => row("a moment of inertia", "0.030 kg m^2", "kg m^2", [2.0, 1.0, 0.0, 0.0]),
+            Self::Inertia => row("a moment of inertia", "0.030 kg m^2", "kg m^2", [2.0, 1.0, 0.0, 0.0, 0.0]),
             Self::Unbalance => row("an unbalance, mass times radius", "30 g mm", "kg m", UNBALANCE),
-            Self::Damping => row("a damping", "400 N s/m", "N s/m", [0.0, 1.0, -1.0, 0.0]),
+            Self::Damping => row("a damping", "400 N s/m", "N s/m", [0.0, 1.0, -1.0, 0.0, 0.0]),
             Self::AngularDamping => {
-                per_radian(row("a damping of rotation", "0.4 N m s/rad", "N m s/rad", [2.0, 1.0, -1.0, 0.0]))
+                per_radian(row("a damping of rotation", "0.4 N m s/rad", "N m s/rad", [2.0, 1.0, -1.0, 0.0, 0.0]))
             }
-            Self::Stiffness => row("a stiffness", "1e8 N/m", "N/m", [0.0, 1.0, -2.0, 0.0]),
+            Self::Stiffness => row("a stiffness", "1e8 N/m", "N/m", [0.0, 1.0, -2.0, 0.0, 0.0]),
             Self::CrossStiffness => per_radian(row("a force per angle", "1e5 N/rad", "N/rad", FORCE)),
             Self::AngularStiffness => per_radian(row("a stiffness of rotation", "1e4 N m/rad", "N m/rad", MOMENT)),
             Self::Pressure => row("a pressure", "206 GPa", "Pa", PRESSURE),
-            Self::Density => row("a density", "7800 kg/m^3", "kg/m^3", [-3.0, 1.0, 0.0, 0.0]),
-            Self::Viscosity => row("a viscosity", "0.04 Pa s", "Pa s", [-1.0, 1.0, -1.0, 0.0]),
+            Self::Density => row("a density", "7800 kg/m^3", "kg/m^3", [-3.0, 1.0, 0.0, 0.0, 0.0]),
+            Self::Viscosity => row("a viscosity", "0.04 Pa s", "Pa s", [-1.0, 1.0, -1.0, 0.0, 0.0]),
             Self::PressureViscosity => {
-                row("a compliance to pressure", "2.2e-8 1/Pa", "1/Pa", [1.0, -1.0, 2.0, 0.0])
+                row("a compliance to pressure", "2.2e-8 1/Pa", "1/Pa", [1.0, -1.0, 2.0, 0.0, 0.0])
+            }
+            Self::Voltage => row("a voltage", "-9.5 V", "V", VOLTAGE),
+            Self::Sensitivity => {
+                row("a voltage per length", "7.87 mV/um", "V/m", [-1.0, 0.0, 0.0, 0.0, 1.0])
             }
             Self::ContactStiffness(n) => {
-                row("a contact stiffness", "1.2e10 N/m^1.5", "N/m^n", [1.0 - n, 1.0, -2.0, 0.0])
+                row("a contact stiffness", "1.2e10 N/m^1.5", "N/m^n", [1.0 - n, 1.0, -2.0, 0.0, 0.0])
             }
         }
     }
@@ -212,6 +223,7 @@ impl Dimension {
         near(powers[0], row.powers[0], length_tolerance)
             && near(powers[1], row.powers[1], POWER_TOLERANCE)
             && near(powers[2], row.powers[2], POWER_TOLERANCE)
+            && near(powers[4], row.powers[4], POWER_TOLERANCE)
             && (near(powers[3], row.powers[3], POWER_TOLERANCE)
                 || row.per_radian && near(powers[3], -1.0, POWER_TOLERANCE))
     }
@@ -246,13 +258,19 @@ pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }
 
+/// Volts in one unit of a recording's column, `V` or `mV`.
+pub fn voltage_column(unit: &str) -> Result<f64, Mismatch> {
+    column(unit, Dimension::Voltage, "a unit of voltage: V or mV")
+}
+
 /// Returns true where the unit of a column in the file differs from the scene's. A text that is no unit here, such as that of
-/// a sensor, contradicts nothing.
+/// a sensor, contradicts nothing, nor does a voltage where the scene has none: recorders write `V` beside scaled values.
 pub fn contradict(found: &str, meant: &str) -> bool {
     let known = |text: &str| unit_of(text, Dimension::Length).ok();
     let same = |(a, one): (f64, Powers), (b, other): (f64, Powers)| (a / b - 1.0).abs() < 1e-9 && one == other;
     match (known(found.trim()), known(meant)) {
         _ if found.trim() == meant => false,
+        (Some((_, found)), meant) if found == VOLTAGE && meant.is_none_or(|(_, meant)| meant != VOLTAGE) => false,
         (Some(found), Some(meant)) => !same(found, meant),
         (found, _) => found.is_some(),
     }
@@ -261,6 +279,11 @@ pub fn contradict(found: &str, meant: &str) -> bool {
 /// The unit of a column of lengths, by its factor.
 pub fn length_name(metres: f64) -> Option<&'static str> {
     ["um", "mil", "mm", "m", "nm", "cm", "in", "ft"].into_iter().find(|unit| near(length_column(unit), metres))
+}
+
+/// The unit of a column of voltages, by its factor.
+pub fn voltage_name(volts: f64) -> Option<&'static str> {
+    ["V", "mV"].into_iter().find(|unit| near(voltage_column(unit), volts))
 }
 
 /// The unit of a column of speeds, by its factor.
@@ -317,7 +340,7 @@ fn unit_of(text: &str, wanted: Dimension) -> Result<(f64, Powers), String> {
     if sides.next().is_some() {
         return Err("more than one \"/\" is ambiguous; one divides by all that follows it".into());
     }
-    let mut product = (1.0, [0.0; 4]);
+    let mut product = (1.0, [0.0; 5]);
     if above.trim() != "1" {
         multiply(&mut product, above, 1.0, wanted)?;
     }
@@ -388,7 +411,7 @@ fn atom(name: &str) -> Result<(f64, Powers), String> {
 /// Units by name with their factor to SI: decimal multiples, the definitions of the international yard and pound agreement
 /// of 1959 (inch, foot, pound, ounce) and what follows from them with standard gravity, 9.80665 m/s^2 (lbf, kgf, psi).
 #[rustfmt::skip] // a table
-const UNITS: [(&str, f64, Powers); 52] = [
+const UNITS: [(&str, f64, Powers); 54] = [
     ("m", 1.0, LENGTH),
     ("cm", 1e-2, LENGTH),
     ("mm", 1e-3, LENGTH),
@@ -438,6 +461,8 @@ const UNITS: [(&str, f64, Powers); 52] = [
     ("GPa", 1e9, PRESSURE),
     ("bar", 1e5, PRESSURE),
     ("psi", 6_894.757_293_168_361, PRESSURE),
+    ("V", 1.0, VOLTAGE),
+    ("mV", 1e-3, VOLTAGE),
     // Balancing sheets print these without a space.
     ("gmm", 1e-6, UNBALANCE),
     ("kgmm", 1e-3, UNBALANCE),
@@ -453,7 +478,7 @@ fn describe(powers: Powers) -> String {
     if exponent > 0.0 && Dimension::ContactStiffness(exponent).fits(powers) {
         return format!("a contact stiffness in N/m^{}", short(exponent));
     }
-    let named = powers.into_iter().zip(["m", "kg", "s", "rad"]);
+    let named = powers.into_iter().zip(["m", "kg", "s", "rad", "V"]);
     let units: Vec<String> = named
         .filter(|(power, _)| power.abs() > POWER_TOLERANCE)
         .map(|(power, name)| if power == 1.0 { name.to_owned() } else { format!("{name}^{}", short(power)) })

@@ -6,6 +6,7 @@ use crate::plant::Plant;
 use crate::probes::PoseSolver;
 use crate::recording::Reader;
 use crate::recording::rotation::Tracker;
+use crate::recording::run_out::RunOut;
 use crate::scene::{Recording, Scene};
 use ballrace::{BearingKinematicState, Displacement};
 use std::f64::consts::TAU;
@@ -91,7 +92,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording, most_rows: 
     let mut reader = Reader::open(path, recording)?;
     let stations: Vec<f64> = plant.bearings.iter().map(|s| s.station).collect();
     let solver = PoseSolver::try_new(&recording.probes, &stations).map_err(Error::in_file(&scene.path))?;
-    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed);
+    let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).with_run_out(RunOut::of(scene)?);
     let mut all = vec![Vec::new(); plant.bearings.len()];
     let rest = plant.pose(&plant.rest);
     let mut take = |tracker: &mut Tracker| {

@@ -12,6 +12,7 @@ fn probe(column: &str) -> Probe {
         direction,
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     }
 }
 
@@ -22,7 +23,8 @@ fn recording(clock: Clock) -> Recording {
         clock,
         probes: vec![probe("x"), probe("y")],
         sensors: vec![],
-        rotation: RotationSource::Keyphasor { column: "key".into(), pulses_per_turn: 1 },
+        rotation: RotationSource::keyphasor("key", 1),
+        run_out: None,
     }
 }
 
@@ -277,7 +279,7 @@ fn rig_recordings_are_flawless() {
             continue;
         }
         let probes = ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"].map(probe).to_vec();
-        let rotation = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
+        let rotation = RotationSource::keyphasor("keyphasor", 1);
         let recording = Recording {
             file: path.clone(),
             clock: Clock::Column("time_s".into()),
@@ -285,6 +287,7 @@ fn rig_recordings_are_flawless() {
             sensors: vec![],
             probes,
             rotation,
+            run_out: None,
         };
         let mut reader = Reader::open(&path, &recording).unwrap();
         assert!((reader.rate() - 12_800.0).abs() < 0.01, "{}", reader.rate());

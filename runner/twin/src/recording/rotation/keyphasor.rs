@@ -3,13 +3,16 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use super::edges::{Edges, Instant, Levels, range};
+use super::count::Counter;
+use super::edges::{Edges, Instant, Levels, UsedThreshold, range};
 use super::fit::{Fit, Progress, Pulse, SIDE};
+use super::gap::{Gap, Interval};
 use super::total::Total;
 use super::{LONGEST_WAIT, Motion, Output, RotationError};
 use crate::recording::Row;
 use crate::recording::flaws::{Flaw, Position};
 use crate::recording::status::SampleStatus;
+use crate::scene::{KeyphasorSignal, PulseDetection};
 
 /// Number of samples before the first search for the levels; it is repeated each time their number has grown by a quarter.
 const FIRST_LOOK: usize = 1024;
@@ -31,6 +34,9 @@ const TWICE_AS_FAST: u32 = 2;
 /// How far an interval may be from a whole multiple of the expected one to hold missed pulses.
 const WHOLE: f64 = 0.2;
 
+/// Largest relative difference of the second interval of all from one between teeth where the first was over the gap of the wheel.
+const GAP_FIRST: f64 = 0.3;
+
 /// Pulses that the next one is expected from.
 const TREND: usize = 6;
 
@@ -46,7 +52,9 @@ pub(super) struct Keyphasor {
     /// Rows that wait for their angle.
     pub(super) waiting: VecDeque<Row>,
     next_look: usize,
-    edges: Option<Edges>,
+    detector: Detector,
+    /// The gap of a toothed wheel.
+    gap: Option<Gap>,
     /// Up to `2 * SIDE` before the one at `left`, and all since.
     pulses: VecDeque<Pulse>,
     /// The pulse before the first sample that waits (after it, at the start).
@@ -66,8 +74,32 @@ pub(super) struct Keyphasor {
     halved: u32,
 }
 
+/// Finder of pulses in the readings.
+enum Detector {
+    /// By two levels, which are known after the first samples.
+    Pulses(PulseDetection, Option<Edges>),
+    /// By their count.
+    Count(Counter),
+}
+
+impl Detector {
+    const fn is_ready(&self) -> bool {
+        matches!(self, Self::Pulses(_, Some(_)) | Self::Count(_))
+    }
+}
+
 impl Keyphasor {
-    pub(super) fn new(column: &str, pulses_per_turn: u32, rate: f64, reversed: bool) -> Self {
+    pub(super) fn new(
+        column: &str,
+        (pulses_per_turn, missing): (u32, u32),
+        signal: &KeyphasorSignal,
+        rate: f64,
+        reversed: bool,
+    ) -> Self {
+        let detector = match signal {
+            KeyphasorSignal::Pulses(given) => Detector::Pulses(*given, None),
+            KeyphasorSignal::Count => Detector::Count(Counter::new(pulses_per_turn)),
+        };
         Self {
             column: column.into(),
             pulses_per_turn: pulses_per_turn.max(1),
@@ -76,7 +108,8 @@ impl Keyphasor {
             longest_wait: LONGEST_WAIT,
             waiting: VecDeque::new(),
             next_look: FIRST_LOOK,
-            edges: None,
+            detector,
+            gap: (missing > 0).then(|| Gap::new(pulses_per_turn, missing)),
             pulses: VecDeque::new(),
             left: 0,
             left_fit: None,
@@ -96,10 +129,26 @@ impl Keyphasor {
         self.counted
     }
 
+    /// Returns the threshold in use; none before the levels are known, and for a count.
+    pub(super) fn threshold(&self) -> Option<UsedThreshold> {
+        match &self.detector {
+            Detector::Pulses(given, edges) => edges.as_ref().map(|edges| edges.used(given)),
+            Detector::Count(_) => None,
+        }
+    }
+
+    /// Returns the width in bits at which a count was found to wrap.
+    pub(super) const fn count_bits(&self) -> Option<u32> {
+        match &self.detector {
+            Detector::Count(counter) => counter.bits(),
+            Detector::Pulses(..) => None,
+        }
+    }
+
     pub(super) fn push(&mut self, row: Row, output: &mut Output) -> Result<(), RotationError> {
         let (at, reading) = (Position::from(&row), row.rotation);
         self.waiting.push_back(row);
-        if self.edges.is_some() {
+        if self.detector.is_ready() {
             self.see(at, reading, output)?;
             self.release(output);
             return Ok(());
@@ -108,10 +157,10 @@ impl Keyphasor {
             self.next_look += self.next_look / 4;
             self.look(false, output)?;
         }
-        if self.edges.is_none() && self.waiting.len() >= self.longest_wait {
+        if !self.detector.is_ready() && self.waiting.len() >= self.longest_wait {
             // A slow shaft has few pulses.
             self.look(true, output)?;
-            return if self.edges.is_none() { Err(self.no_pulse()) } else { Ok(()) };
+            return if self.detector.is_ready() { Ok(()) } else { Err(self.no_pulse()) };
         }
         Ok(())
     }
@@ -120,13 +169,16 @@ impl Keyphasor {
         if self.waiting.is_empty() {
             return Ok(());
         }
-        if self.edges.is_none() {
+        if !self.detector.is_ready() {
             self.look(true, output)?;
         }
         match self.pulses.len() {
             0 => return Err(self.no_pulse()),
             1 => return Err(RotationError::OnePulse { column: self.column.clone(), line: self.last_pulse.line }),
             _ => {}
+        }
+        if let Some(gap) = self.gap.as_ref().filter(|gap| gap.origin().is_none()) {
+            return Err(gap.absent(&self.column, self.counted));
         }
         while self.left + 1 < self.pulses.len() {
             self.release_interval(output);
@@ -150,7 +202,7 @@ impl Keyphasor {
     /// the last pulse, else the one at which the next pulse was due.
     fn measured_until(&self, last: &Fit) -> u64 {
         let end = self.waiting.back().map_or(0, |row| row.index);
-        let period = last.pulse.period;
+        let period = self.spacing() * last.pulse.period;
         if Instant::sample(end).since(last.pulse.at) <= DEAD * period {
             return end;
         }
@@ -159,8 +211,11 @@ impl Keyphasor {
 
     /// Looks for the levels in all samples so far, and then for the pulses.
     fn look(&mut self, end: bool, output: &mut Output) -> Result<(), RotationError> {
-        let Some(levels) = Levels::learn(self.waiting.iter().map(|row| row.rotation), end) else { return Ok(()) };
-        self.edges = Some(Edges::new(levels));
+        let Detector::Pulses(given, edges) = &mut self.detector else { return Ok(()) };
+        let gap = self.gap.as_ref().map_or(1.0, |gap| gap.intervals() as f64);
+        let readings = self.waiting.iter().map(|row| row.rotation);
+        let Some(levels) = Levels::learn(readings, given, gap, end) else { return Ok(()) };
+        *edges = Some(Edges::new(levels));
         for row in self.waiting.iter_mut().filter(|row| levels.is_spike(row.rotation)) {
             output.ledger.record(Flaw::SpuriousPulse, Some(&self.column), Position::from(&*row), 1);
             row.rotation = f64::NAN;
@@ -183,42 +238,80 @@ impl Keyphasor {
             self.lost = Some(last_reading + at.index.saturating_sub(last_reading) / 2);
         }
         self.quiet += 1;
-        if let Some(start) = self.edges.as_mut().and_then(|edges| edges.see(at.index, reading)) {
-            self.take(start, at, output);
+        match &mut self.detector {
+            Detector::Pulses(_, edges) => {
+                if let Some(start) = edges.as_mut().and_then(|edges| edges.see(at.index, reading)) {
+                    self.take(start, at, output)?;
+                }
+            }
+            Detector::Count(counter) => {
+                if let Some((start, steps)) = counter.see(at, reading, &self.column)? {
+                    self.take_counted(start, steps, at);
+                }
+            }
         }
-        let patience = if self.pulses.len() > 1 { STANDSTILL * period } else { f64::INFINITY };
+        let patience = if self.pulses.len() > 1 { STANDSTILL * self.spacing() * period } else { f64::INFINITY };
         if self.quiet as f64 > patience.min(self.longest_wait as f64) {
-            return Err(self.standstill());
+            return Err(if self.pulses.is_empty() { self.no_pulse() } else { self.standstill() });
         }
         Ok(())
     }
 
-    /// Checks a pulse against those before it and counts it.
-    fn take(&mut self, start: Instant, at: Position, output: &mut Output) {
+    /// Adds the last of several pulses of a count, which need no check.
+    fn take_counted(&mut self, start: Instant, steps: u64, at: Position) {
+        self.lost = None;
         let Some(last) = self.pulses.back().copied() else {
             return self.add(Pulse { number: 0, at: start, period: 1.0, lost: None }, at);
+        };
+        let period = start.since(last.at) / steps as f64;
+        if self.pulses.len() == 1 {
+            self.pulses[0].period = period;
+        }
+        self.counted += steps - 1;
+        self.add(Pulse { number: last.number.saturating_add(steps), at: start, period, lost: None }, at);
+    }
+
+    /// Checks a pulse against those before it and counts it.
+    ///
+    /// # Errors
+    /// A toothed wheel without the gap of the scene.
+    fn take(&mut self, start: Instant, at: Position, output: &mut Output) -> Result<(), RotationError> {
+        let first = Pulse { number: 0, at: start, period: 1.0, lost: None };
+        let Some(mut last) = self.pulses.back().copied() else {
+            self.add(first, at);
+            return Ok(());
         };
         if self.pulses.len() == 1 && self.lost.is_some() {
             // The pulse period is unknown yet, so lost pulses cannot be counted: the count begins here.
             self.lost = None;
             self.pulses.clear();
-            return self.add(Pulse { number: 0, at: start, period: 1.0, lost: None }, at);
+            self.add(first, at);
+            return Ok(());
         }
         let interval = start.since(last.at);
+        if self.is_gap_first(interval) {
+            last = self.number_first_gap(last);
+        }
         let (plain, trend) = self.passed(&last, start);
         let short = if trend.is_some() { TOO_SHORT.1 } else { TOO_SHORT.0 };
         if self.lost.is_none() && plain.max(trend.unwrap_or(plain)) < short && self.halved < TWICE_AS_FAST {
             self.surplus += 1;
             self.surplus_at = start;
             output.ledger.record(Flaw::SpuriousPulse, Some(&self.column), at, 1);
-            return;
+            return Ok(());
         }
         let passed = trend.filter(|trend| (0.4..2.5).contains(&(trend / plain))).unwrap_or(plain);
         let whole = passed.round().max(1.0);
         let steps = if self.lost.is_some() || (passed - whole).abs() <= WHOLE { whole } else { 1.0 };
-        if steps > 1.0 {
-            output.ledger.record(Flaw::MissedPulse, Some(&self.column), at, steps as u64 - 1);
-        }
+        let steps = match self.over_gap(last.number, passed, at, output)? {
+            Some(steps) => steps,
+            None => {
+                if steps > 1.0 {
+                    output.ledger.record(Flaw::MissedPulse, Some(&self.column), at, steps as u64 - 1);
+                }
+                steps
+            }
+        };
         let number = last.number.saturating_add(steps as u64);
         let period = interval / steps;
         if self.pulses.len() == 1 {
@@ -230,6 +323,48 @@ impl Keyphasor {
         self.surplus = 0;
         let lost = self.lost.take();
         self.add(Pulse { number, at: start, period, lost }, at);
+        Ok(())
+    }
+
+    /// Returns the intervals in the gap of a toothed wheel where this one, `passed` intervals between teeth long, is the gap.
+    fn over_gap(
+        &mut self,
+        last: u64,
+        passed: f64,
+        at: Position,
+        output: &mut Output,
+    ) -> Result<Option<f64>, RotationError> {
+        let Some(gap) = &mut self.gap else { return Ok(None) };
+        if self.lost.is_some() {
+            gap.doubt();
+            return Ok(None);
+        }
+        Ok(match gap.judge(last, passed, &self.column)? {
+            Interval::Gap(steps) => Some(steps as f64),
+            Interval::Plain => None,
+            Interval::Unexpected => {
+                output.ledger.record(Flaw::ToothInGap, Some(&self.column), at, 1);
+                None
+            }
+        })
+    }
+
+    /// Returns true where the first interval of all was over the gap of a toothed wheel, which this second one shows.
+    fn is_gap_first(&self, interval: f64) -> bool {
+        let Some(gap) = self.gap.as_ref().filter(|gap| gap.origin().is_none()) else { return false };
+        let (2, Some(last)) = (self.pulses.len(), self.pulses.back()) else { return false };
+        (interval * gap.intervals() as f64 / last.period - 1.0).abs() < GAP_FIRST
+    }
+
+    /// Numbers the second pulse of all, after the gap; returns it.
+    fn number_first_gap(&mut self, mut last: Pulse) -> Pulse {
+        let Some(gap) = &mut self.gap else { return last };
+        last.number = gap.intervals();
+        last.period /= gap.intervals() as f64;
+        gap.begins_at_once();
+        self.pulses[0].period = last.period;
+        self.pulses[1] = last;
+        last
     }
 
     fn add(&mut self, pulse: Pulse, at: Position) {
@@ -264,8 +399,19 @@ impl Keyphasor {
         }
     }
 
+    /// Returns the number of pulses from one instant to the next: more than one in a count.
+    const fn spacing(&self) -> f64 {
+        match &self.detector {
+            Detector::Count(counter) => counter.spacing() as f64,
+            Detector::Pulses(..) => 1.0,
+        }
+    }
+
     /// Delivers the samples of every interval whose pulses on both sides are known.
     fn release(&mut self, output: &mut Output) {
+        if self.gap.as_ref().is_some_and(|gap| gap.origin().is_none()) {
+            return;
+        }
         let known = |place: usize| place.max(SIDE) + SIDE;
         while self.pulses.len() > known(self.left + 1)
             || (self.waiting.len() >= self.longest_wait && self.pulses.len() > self.left + 1)
@@ -309,8 +455,10 @@ impl Keyphasor {
     fn motion(&self, fit: &Fit, progress: Progress) -> Motion {
         let per_turn = f64::from(self.pulses_per_turn);
         // Whole turns go apart before anything is rounded.
-        let (turns, part) =
-            (fit.pulse.number / u64::from(self.pulses_per_turn), fit.pulse.number % u64::from(self.pulses_per_turn));
+        let origin = self.gap.as_ref().and_then(Gap::origin).unwrap_or(0);
+        let number = fit.pulse.number.wrapping_sub(origin) as i64;
+        let count = i64::from(self.pulses_per_turn);
+        let (turns, part) = (number.div_euclid(count), number.rem_euclid(count));
         let total = Total::beyond(turns, (part as f64 + progress.pulses) / per_turn);
         let sign = if self.reversed { -1.0 } else { 1.0 };
         let unit = sign * TAU / per_turn * self.rate;
@@ -323,7 +471,14 @@ impl Keyphasor {
 
     fn no_pulse(&self) -> RotationError {
         let (low, high) = range(self.waiting.iter().map(|row| row.rotation));
-        RotationError::NoPulse { column: self.column.clone(), samples: self.waiting.len(), low, high }
+        let (column, samples) = (self.column.clone(), self.waiting.len());
+        match &self.detector {
+            Detector::Count(_) => RotationError::NoCount { column, samples, low },
+            Detector::Pulses(PulseDetection { threshold: Some(threshold), .. }, _) => {
+                RotationError::NoCrossing { column, samples, low, high, threshold: *threshold }
+            }
+            Detector::Pulses(..) => RotationError::NoPulse { column, samples, low, high },
+        }
     }
 
     fn standstill(&self) -> RotationError {

@@ -8,10 +8,13 @@ use crate::recording::Reader;
 use crate::recording::flaws::Flaw;
 use crate::scene::{Clock, Recording};
 
+/// Analogue keyphasors, toothed wheels with a gap, counts.
+mod signals;
+
 const RATE: f64 = 12_800.0;
 
 fn keyphasor(pulses_per_turn: u32) -> RotationSource {
-    RotationSource::Keyphasor { column: "key".into(), pulses_per_turn }
+    RotationSource::keyphasor("key", pulses_per_turn)
 }
 
 fn row(index: u64, rotation: f64) -> Row {
@@ -419,7 +422,7 @@ fn rig_recordings() {
         if !path.exists() {
             continue;
         }
-        let rotation = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
+        let rotation = RotationSource::keyphasor("keyphasor", 1);
         let recording = Recording {
             file: path.clone(),
             clock: Clock::Rate(RATE),
@@ -427,6 +430,7 @@ fn rig_recordings() {
             sensors: vec![],
             probes: vec![],
             rotation: rotation.clone(),
+            run_out: None,
         };
         let mut reader = Reader::open(&path, &recording).unwrap();
         let mut tracker = Tracker::new(&rotation, RATE, Speed::Constant(1.0));

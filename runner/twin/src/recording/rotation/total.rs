@@ -16,7 +16,7 @@ impl Total {
     }
 
     /// `revolutions` beyond so many whole ones.
-    pub(super) fn beyond(whole: u64, revolutions: f64) -> Self {
+    pub(super) fn beyond(whole: i64, revolutions: f64) -> Self {
         Self(i128::from(whole) << 64).plus(Self::of(revolutions))
     }
 

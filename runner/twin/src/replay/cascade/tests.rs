@@ -16,6 +16,7 @@ fn probe(column: &str, angle: f64) -> Probe {
         direction: Direction::Radial(angle),
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     }
 }
 

@@ -21,6 +21,7 @@ fn probes() -> Vec<Probe> {
         direction: Direction::Radial(angle),
         noise: None,
         offset: 0.0,
+        sensitivity: None,
     };
     vec![probe("X", 0.0), probe("Y", 0.5 * std::f64::consts::PI)]
 }

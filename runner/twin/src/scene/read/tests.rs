@@ -170,8 +170,7 @@ fn the_whole_example_reads() {
     assert!(near(radial.metres_per_unit, 1e-6) && near(radial.station, -0.12));
     assert!(near(radial.noise.unwrap(), 0.2e-6));
     assert_eq!((axial.station, axial.direction, axial.noise), (0.0, Direction::Axial, None));
-    let keyphasor = RotationSource::Keyphasor { column: "keyphasor".into(), pulses_per_turn: 1 };
-    assert_eq!(recording.rotation, keyphasor);
+    assert_eq!(recording.rotation, RotationSource::keyphasor("keyphasor", 1));
 }
 
 fn assert_angular_bearing(de: &Bearing) {
@@ -289,12 +288,12 @@ fn errors_name_file_line_and_key() {
         "machines/pump.toml:26: bearing[0].ball_daimeter: unknown key (did you mean ball_diameter?), \
          expected one of name, bearing, station, facing"
     ));
-    let text = with(SPINDLE, "unit = \"um\", axial", "unit = \"V\", axial");
+    let text = with(SPINDLE, "unit = \"um\", axial", "unit = \"bit\", axial");
     let error = read(&text).unwrap_err();
     assert_eq!((error.line, error.key.as_str()), (Some(61), "recording.probes[1].unit"));
     assert_eq!(error.problem, Problem::InvalidValue);
-    assert_eq!(error.found, "\"V\" (\"V\" is no known unit)");
-    assert_eq!(error.expected, "a unit of length: um, mil, mm or m");
+    assert_eq!(error.found, "\"bit\" (\"bit\" is no known unit)");
+    assert_eq!(error.expected, "a unit of length: um, mil, mm or m; or V or mV");
 }
 
 #[test]
@@ -386,7 +385,7 @@ fn recording_out_of_range() {
         ("rate = 1000", "time = 3", &["recording.time: invalid value: 3, expected the name of a column"]),
         (probe, "", &["recording.probes: invalid value: [], expected a list of at least one probe"]),
         (probe, &format!("{probe}, {probe}"), &["recording.probes[1].column", "a column of its own (a probe"]),
-        (", unit = \"um\"", "", &["probes[0].unit: missing key", "the unit of the column: um, mil, mm or m"]),
+        (", unit = \"um\"", "", &["probes[0].unit: missing key", "the unit of the column: um, mil, mm or m, or V or mV"]),
         ("unit = \"um\"", "unit = \"rpm\"", &["invalid value: \"rpm\" (a speed of rotation), expected a unit of length"]),
         (", angle = 0", "", &["probes[0].angle: missing key", "or axial = true"]),
         (", angle = 0", ", axial = false", &["probes[0].angle: missing key"]),
@@ -394,6 +393,14 @@ fn recording_out_of_range() {
         ("angle = 0", "angle = 0, axial = true", &["no angle with axial = true"]),
         ("angle = 0", "angle = 0, axial = 1", &["invalid value: 1, expected true or false"]),
         ("angle = 0", "angle = 0, noise = 0", &["noise", "a length above 0"]),
+        ("unit = \"um\"", "unit = \"V\"", &["probes[0].sensitivity: missing key", "such as \"7.87 mV/um\""]),
+        ("angle = 0", "angle = 0, sensitivity = \"8 mV/um\"", &["probes[0].sensitivity: misplaced key: \"8 mV/um\"", "unit = \"V\" or \"mV\"", "found \"um\""]),
+        ("unit = \"um\"", "unit = \"V\", sensitivity = \"8 mV\"", &["invalid value: \"8 mV\" (a voltage), expected a voltage per length"]),
+        ("unit = \"um\"", "unit = \"V\", sensitivity = \"8 um/V\"", &["a quantity in m V^-1"]),
+        ("unit = \"um\"", "unit = \"V\", sensitivity = 0", &["invalid value: 0 (a bare number is in V/m)", "that is not 0"]),
+        ("angle = 0", "angle = 0, offset = \"-9.5 V\"", &["probes[0].offset: invalid value: \"-9.5 V\" (a voltage), expected a length"]),
+        ("unit = \"um\"", "unit = \"V\", sensitivity = \"8 mV/um\", offset = -9.5", &["probes[0].offset: invalid value: -9.5, expected a voltage or a length with its unit"]),
+        ("unit = \"um\"", "unit = \"V\", sensitivity = \"8 mV/um\", offset = \"9 N\"", &["(a force), expected a voltage or a length"]),
         ("rate = 1000", "rate = 1\nkeyphasor = { column = \"k\", pulses_per_turn = 0 }", &["a whole number, 1 or more"]),
         ("rate = 1000", "rate = 1\nkeyphasor = { column = \"k\", pulses_per_turn = 4294967296 }", &["a whole number"]),
         ("rate = 1000", "rate = 1\nkeyphasor = { column = \"x\", pulses_per_turn = 1 }", &["a column of its own"]),
@@ -409,6 +416,72 @@ fn recording_out_of_range() {
     let recording = read(&speed).unwrap().recording.unwrap();
     assert_eq!(recording.clock, Clock::Column("t".into()));
     assert!(matches!(recording.rotation, RotationSource::SpeedColumn { radians_per_second: f, .. } if near(f, PI / 30.0)));
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn keys_of_a_keyphasor() {
+    let text = format!("{LEAST}{RECORDING}keyphasor = {{ column = \"k\", pulses_per_turn = 60 }}\n");
+    let keys = "pulses_per_turn = 60";
+    let more = |key: &str| format!("{keys}, {key}");
+    let refused = |key: &str, wants: &[&str]| assert_refused(&text, &[(keys, &more(key), wants)]);
+    refused("missing = 0", &["recording.keyphasor.missing: invalid value: 0, expected a whole number from 1 to 30"]);
+    refused("missing = 31", &["half of pulses_per_turn"]);
+    refused("missing = 1.5", &["keyphasor.missing: invalid value: 1.5"]);
+    refused("kind = \"counter\"", &["keyphasor.kind: invalid value: \"counter\", expected \"pulses\" or \"count\""]);
+    refused("kind = \"count\", slope = \"rising\"", &["keyphasor.slope: misplaced key", "only with kind = \"pulses\""]);
+    refused("kind = \"count\", missing = 1", &["keyphasor.missing: misplaced key"]);
+    refused("unit = \"um\"", &["keyphasor.unit: invalid value: \"um\" (a length), expected a unit of voltage: V or mV"]);
+    refused("threshold = \"-5 V\"", &["keyphasor.threshold: invalid value: \"-5 V\", expected a number as in the column, or a voltage with unit"]);
+    refused("unit = \"V\", threshold = \"5 um\"", &["keyphasor.threshold: invalid value: \"5 um\" (a length), expected a voltage"]);
+    refused("unit = \"V\", hysteresis = \"-1 V\"", &["keyphasor.hysteresis: invalid value: \"-1 V\", expected a voltage above 0"]);
+    refused("hysteresis = 0", &["keyphasor.hysteresis: invalid value: 0, expected a number above 0 as in the column"]);
+    refused("slope = \"down\"", &["keyphasor.slope: invalid value: \"down\", expected \"rising\" or \"falling\""]);
+    let run_out = |line: &str, wants: &[&str]| assert_refused(&format!("{LEAST}{RECORDING}"), &[("rate = 1000", line, wants)]);
+    let with_keyphasor = "keyphasor = { column = \"k\", pulses_per_turn = 1 }";
+    run_out("rate = 1\nrun_out = \"slow.csv\"", &["recording.run_out: misplaced key: \"slow.csv\"", "only with a keyphasor"]);
+    run_out("rate = 1\nrun_out = \"slow.csv\"\nspeed = { column = \"n\", unit = \"rpm\" }", &["only with a keyphasor"]);
+    run_out(&format!("rate = 1\nrun_out = 3\n{with_keyphasor}"), &["recording.run_out: invalid value: 3, expected the name of a recording"]);
+    refused("treshold = 1", &["unknown key (did you mean threshold?)"]);
+    assert_refused(&text, &[(keys, "pulses_per_turn = 2, missing = 1", &["keyphasor.missing: misplaced key", "pulses_per_turn of 3 or more"])]);
+    let read = |key: &str| read(&with(&text, keys, &more(key))).unwrap().recording.unwrap().rotation;
+    let RotationSource::Keyphasor { missing, signal: KeyphasorSignal::Pulses(found), .. } =
+        read("missing = 2, unit = \"mV\", threshold = \"-5 V\", hysteresis = 0.5, slope = \"falling\"")
+    else {
+        unreachable!("pulses")
+    };
+    let wanted = PulseDetection {
+        volts_per_unit: Some(1e-3),
+        threshold: Some(-5.0),
+        hysteresis: Some(0.5),
+        slope: Some(Slope::Falling),
+    };
+    assert_eq!((missing, found), (2, wanted));
+    assert!(matches!(read("kind = \"count\""), RotationSource::Keyphasor { signal: KeyphasorSignal::Count, .. }));
+}
+
+/// Displacement of a reading by the factor and the offset of the probe.
+#[test]
+fn a_probe_in_volts() {
+    let text = format!("{LEAST}{RECORDING}");
+    let displacement = |keys: &str, reading: f64| {
+        let scene = read(&with(&text, "unit = \"um\"", keys)).unwrap();
+        let [probe] = scene.recording.as_ref().unwrap().probes.as_slice() else { unreachable!("one probe") };
+        assert!(probe.sensitivity.is_some() && probe.unit().is_some());
+        reading * probe.metres_per_unit - probe.offset
+    };
+    // The gap closes by 100 um: the voltage rises by 787 mV.
+    for (keys, reading, metres) in [
+        ("unit = \"V\", sensitivity = \"7.87 mV/um\", offset = \"-9.5 V\"", -8.713, 100e-6),
+        ("unit = \"mV\", sensitivity = \"7.87 V/mm\", offset = \"-9.5 V\"", -8713.0, 100e-6),
+        ("unit = \"V\", sensitivity = \"200 mV/mil\", offset = \"-9500 mV\"", -9.3, 25.4e-6),
+        ("unit = \"V\", sensitivity = \"-8 mV/um\", offset = \"-10 V\"", -9.2, -100e-6),
+        ("unit = \"V\", sensitivity = \"8 mV/um\", offset = \"5 um\"", 0.08, 5e-6),
+        ("unit = \"V\", sensitivity = 8000", 0.8, 100e-6),
+    ] {
+        let found = displacement(keys, reading);
+        assert!((found - metres).abs() < 1e-9, "{keys}: {found}");
+    }
 }
 
 #[test]
