@@ -238,3 +238,81 @@ fn scenes_of_the_documented_speeds_run() {
         assert!(answer.out.contains("times real time") && !answer.out.contains("beyond"), "{name}: {answer:?}");
     }
 }
+
+/// What the probes record of a simulation is replayed as a recording: the twin that made it follows it down to the noise.
+#[test]
+fn a_simulated_recording_is_replayed() {
+    let args = ["simulate", "scene.toml", "--duration", "1 s", "--settle", "0.4 s", "--as-recording", "-o"];
+    let volts = |text: &str| {
+        let text = text.replace(
+            "\"DE_X_um\", unit = \"um\"",
+            "\"DE_X_um\", unit = \"V\", sensitivity = \"7.87 mV/um\", offset = \"-9.5 V\"",
+        );
+        text.replace("pulses_per_turn = 1", "pulses_per_turn = 60, missing = 2").replace("\"12.8 kHz\"", "\"25.6 kHz\"")
+    };
+    for (scene, file) in
+        [(DEMO_SCENE.to_owned(), "r.npy"), (volts(DEMO_SCENE), "r.csv"), (volts(DEMO_SCENE), "r.parquet")]
+    {
+        let desk = Desk::with(&scene, "");
+        let summary: Value =
+            desk.done(&[&args[..], &[file, "--resolution", "5 nm", "--format", "json"]].concat()).json();
+        assert_eq!((summary["recording"].as_str(), summary["output"].as_str()), (Some(file), Some("r-truth.csv")));
+        let (header, truth) = numbers(&desk.read("r-truth.csv"));
+        assert_eq!((header[0].as_str(), truth.len()), ("t", number(&summary, "/samples") as usize));
+        let outcome = desk.replay("scene.toml", &["--recording", file]);
+        assert!(list(&outcome, "findings").is_empty(), "{outcome:#}");
+        assert!((number(&outcome, "/record/mean_speed_rpm") - 3000.0).abs() < 1.0);
+        for probe in list(&outcome, "probes") {
+            let residual = number(probe, "/residual_rms_um");
+            assert!((0.029..0.033).contains(&residual), "{file}: {probe}");
+        }
+    }
+    let desk = Desk::with(DEMO_SCENE, "");
+    let simulated = |seed: &str| {
+        desk.done(&[&args[..], &["r.csv", "--seed", seed]].concat());
+        desk.read("r.csv")
+    };
+    assert_eq!(simulated("1"), simulated("1"));
+    assert_ne!(simulated("1"), simulated("2"));
+}
+
+/// A fault of the simulated machine is found by the twin of the sound one.
+#[test]
+fn a_simulated_fault_is_found() {
+    let spall = "diametral_clearance = \"10 um\"\ndefect = [{ surface = \"outer\", azimuth = \"-90 deg\", half_width = \"2.9 deg\", depth = \"3 um\", shape = \"half-sine\" }]";
+    let desk = Desk::with(DEMO_SCENE, "");
+    desk.put("spalled.toml", swap(DEMO_SCENE, "diametral_clearance = \"10 um\"", spall));
+    desk.done(&[
+        "simulate",
+        "spalled.toml",
+        "--duration",
+        "2 s",
+        "--settle",
+        "0.4 s",
+        "--as-recording",
+        "-o",
+        "r.parquet",
+    ]);
+    let outcome = desk.replay("scene.toml", &["--recording", "r.parquet"]);
+    let first = &list(&outcome, "findings")[0];
+    assert_eq!((first["kind"].as_str(), first["bearing"].as_str()), (Some("outer-race"), Some("DE")), "{outcome:#}");
+}
+
+#[test]
+fn recordings_that_cannot_be_simulated() {
+    let desk = Desk::with(DEMO_SCENE, "");
+    let args = ["simulate", "scene.toml", "--duration", "1 s", "-o"];
+    desk.refused(&[&args[..], &["r.csv"]].concat(), 2, &["--rate"]);
+    desk.refused(&[&args[..], &["r.wav", "--as-recording"]].concat(), 1, &["r.wav", ".csv, .npy or .parquet"]);
+    desk.refused(&[&args[..], &["r.csv", "--as-recording", "--rate", "10 kHz"]].concat(), 2, &["--rate", "12800 Hz"]);
+    desk.refused(
+        &[&args[..], &["r.csv", "--as-recording", "--resolution", "5 kg"]].concat(),
+        2,
+        &["--resolution", "5 kg"],
+    );
+    let bare = DEMO_SCENE.split("[recording]").next().unwrap().to_owned();
+    desk.put("bare.toml", bare);
+    let args = ["simulate", "bare.toml", "--duration", "1 s", "--rate", "10 kHz", "--as-recording", "-o", "r.csv"];
+    desk.refused(&args, 2, &["bare.toml", "[recording]"]);
+    assert!(!desk.files().iter().any(|file| file.starts_with("r.") || file.starts_with("r-")), "{:?}", desk.files());
+}

@@ -5,12 +5,14 @@ use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
 use ballrace_twin::effect_significance::{self, EffectSignificance};
-use ballrace_twin::motion::{self, Span};
+use ballrace_twin::motion::instruments::Instruments;
+use ballrace_twin::motion::{self, ResponseSample, Span};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
-use ballrace_twin::scene::Scene;
+use ballrace_twin::recording::write::Writer;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
+use ballrace_twin::scene::{Clock, Scene};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
@@ -27,15 +29,25 @@ pub struct Args {
     /// Duration to simulate, e.g. "2 s".
     #[arg(long, value_name = "D")]
     duration: String,
-    /// Sampling rate of the output, e.g. "12.8 kHz".
+    /// Sampling rate of the output, e.g. "12.8 kHz"; with --as-recording, by default that of the scene's recording.
     #[arg(long, value_name = "R")]
-    rate: String,
+    rate: Option<String>,
     /// Transient at the start that is simulated but not written, e.g. "1 s".
     #[arg(long, value_name = "T")]
     settle: Option<String>,
     /// CSV file to write: time, displacements, velocities, forces of each bearing (SI).
     #[arg(short, long, value_name = "F")]
     output: PathBuf,
+    /// Write the readings of the scene's probes and keyphasor with their noise, in the units of their columns, to F (.csv, .npy or
+    /// .parquet); motion and forces go to a CSV file beside it, whose name ends in -truth.
+    #[arg(long)]
+    as_recording: bool,
+    /// Step to which the readings of the probes are rounded, e.g. "5 nm".
+    #[arg(long, value_name = "STEP", requires = "as_recording")]
+    resolution: Option<String>,
+    /// Selects the noise.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "as_recording")]
+    seed: u64,
 }
 
 #[derive(Serialize)]
@@ -50,6 +62,8 @@ struct Summary {
     computing_seconds: f64,
     times_real_time: f64,
     output: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recording: Option<String>,
     #[serde(rename = "effect_significance")]
     significance: Vec<EffectSignificance>,
 }
@@ -61,14 +75,23 @@ struct Summary {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let duration = parse_option("--duration", &args.duration, Dimension::Time)?;
-    let rate = parse_option("--rate", &args.rate, Dimension::Frequency)?;
+    let rate = rate(args, &scene)?;
     let settle = args.settle.as_ref().map(|text| parse_option("--settle", text, Dimension::Time)).transpose()?;
     let options = if settle.is_some() { "--duration, --settle, --rate" } else { "--duration, --rate" };
     let span = Span::try_new(duration, rate, settle.unwrap_or(0.0));
     let span = span.map_err(|invalid| UsageError(format!("{options}: {invalid}")))?;
-    check_distinct_paths(&[("--output", &args.output)], &[&args.scene])?;
+    let truth = if args.as_recording { truth_path(&args.output) } else { args.output.clone() };
+    let mut outputs = vec![("--output", args.output.as_path())];
+    if args.as_recording {
+        outputs.push(("the truth beside --output", &truth));
+    }
+    check_distinct_paths(&outputs, &[&args.scene])?;
     let plant = Plant::try_new(&scene).map_err(UsageError::new)?;
-    let summary = simulate(&scene, &plant, span, &args.output)?;
+    let measured = args.as_recording.then(|| Measured::try_new(args, &scene, &plant, span)).transpose()?;
+    let mut summary = simulate(&scene, &plant, span, &truth, measured)?;
+    if args.as_recording {
+        summary.recording = Some(args.output.display().to_string());
+    }
     print(&summary, &plant.notes, format, error)
 }
 
@@ -85,7 +108,50 @@ fn parse_option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
     Ok(value)
 }
 
-fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Summary> {
+/// Returns the sampling rate. That of a recording is the scene's, which its replay expects.
+fn rate(args: &Args, scene: &Scene) -> Result<f64> {
+    let given = args.rate.as_ref().map(|text| parse_option("--rate", text, Dimension::Frequency)).transpose()?;
+    let of_scene = match scene.recording.as_ref().map(|recording| &recording.clock) {
+        Some(Clock::Rate(rate)) if args.as_recording => Some(*rate),
+        _ => None,
+    };
+    match (given, of_scene) {
+        (Some(given), Some(rate)) if given != rate => {
+            bail!(UsageError(format!("--rate: {given} Hz, expected {rate} Hz as in [recording], or no --rate")))
+        }
+        (Some(rate), _) | (None, Some(rate)) => Ok(rate),
+        (None, None) => bail!(UsageError("--rate: missing, expected the sampling rate, such as \"12.8 kHz\"".to_owned())),
+    }
+}
+
+/// Returns the name of the file with motion and forces beside a recording.
+fn truth_path(recording: &Path) -> PathBuf {
+    let stem = recording.file_stem().unwrap_or_default().to_string_lossy();
+    recording.with_file_name(format!("{stem}-truth.csv"))
+}
+
+/// A recording of simulated readings.
+struct Measured {
+    instruments: Instruments,
+    writer: Writer,
+    row: Vec<f64>,
+}
+
+impl Measured {
+    fn try_new(args: &Args, scene: &Scene, plant: &Plant, span: Span) -> Result<Self> {
+        let step = args.resolution.as_ref().map(|text| parse_option("--resolution", text, Dimension::Length));
+        let instruments = Instruments::try_new(scene, plant, step.transpose()?, args.seed).map_err(UsageError::new)?;
+        let writer = Writer::create(&args.output, instruments.columns(), span.samples)?;
+        Ok(Self { instruments, writer, row: Vec::new() })
+    }
+
+    fn add(&mut self, sample: &ResponseSample<'_>) -> Result<()> {
+        self.instruments.read(sample, &mut self.row);
+        Ok(self.writer.add(&self.row)?)
+    }
+}
+
+fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured: Option<Measured>) -> Result<Summary> {
     let steps_per_sample = plant.substeps(1.0 / span.rate)?;
     let mut file = AtomicFile::create(path)?;
     let cannot_write = || format!("{}: this file cannot be written", path.display());
@@ -110,6 +176,9 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
                 if position.is_multiple_of(4096) {
                     bar.set_position(position);
                 }
+                if let Some(measured) = &mut measured {
+                    measured.add(now)?;
+                }
                 rows.add(now.row())
             },
         );
@@ -119,6 +188,9 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
     let seconds = (start.elapsed() - waiting_time).as_secs_f64();
     bar.finish_and_clear();
     file.finish()?;
+    if let Some(measured) = measured {
+        measured.writer.finish()?;
+    }
     Ok(Summary {
         scene: scene.name.clone(),
         samples: span.samples,
@@ -130,6 +202,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path) -> Result<Sum
         computing_seconds: seconds,
         times_real_time: total as f64 / span.rate / seconds,
         output: path.display().to_string(),
+        recording: None,
         significance: effect_significance::at_rest(scene, plant)?,
     })
 }
@@ -250,6 +323,9 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
                 writeln!(out, "{note}")?;
             }
             print_effects(&mut out, &summary.significance, error)?;
+            if let Some(recording) = &summary.recording {
+                writeln!(out, "Recording: {recording}")?;
+            }
             writeln!(out, "Written: {}", summary.output)?;
         }
     }

@@ -1,5 +1,7 @@
 //! Time response of a scene's rotor from static equilibrium, sample by sample.
 
+pub mod instruments;
+
 use crate::error::Error;
 use crate::plant::{Plant, Twin};
 use crate::recording::Row;

@@ -23,6 +23,7 @@ pub mod status;
 mod table;
 mod tdms;
 mod wav;
+pub mod write;
 
 pub use reader::Reader;
 
