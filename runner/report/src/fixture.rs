@@ -514,6 +514,7 @@ pub(crate) fn usual() -> Outcome {
         min_speed_rpm: 2997.2,
         max_speed_rpm: 3002.9,
         angle_source: "keyphasor in column KEY, 200 pulses, 1 per revolution".to_owned(),
+        is_run_out_subtracted: false,
         load: [0.0, 0.0, 60.0, 0.0, 0.0],
         spectra: SpectraSettings { lines: 2048, bin_hz: 3.125, averages: 24 },
     };

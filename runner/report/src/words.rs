@@ -212,7 +212,9 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
         ),
     ));
     facts.push(("Filter", "1X, 2X and 0.5X by the shaft's angle, blocks of 4 turns".to_owned()));
-    let compensated = if outcome.record.speed_changes() {
+    let compensated = if outcome.record.is_run_out_subtracted {
+        "run-out at slow roll subtracted from every reading; see the notes"
+    } else if outcome.record.speed_changes() {
         "compensated in Bode and polar plots where stated, nowhere else"
     } else {
         "none in this recording, not compensated"

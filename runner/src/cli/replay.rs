@@ -61,7 +61,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
         bail!(UsageError(format!("{option}: requires --paced or `ballrace watch`")));
     }
     let (reader, path) = open(args, &scene)?;
-    check_outputs(args, &path)?;
+    check_outputs(args, &scene, &path)?;
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
     let bar = progress_bar(&name);
     let progress = |progress: Progress| match progress {
@@ -94,7 +94,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
 fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<ReplayStatus> {
     let source = args.live.source(scene, args.recording.as_deref(), args.scene.is_none());
     let path = PathBuf::from(source.to_string());
-    check_outputs(args, &path)?;
+    check_outputs(args, scene, &path)?;
     let replay = Options {
         error,
         forces: args.forces.as_deref(),
@@ -125,13 +125,14 @@ fn write_results(args: &Args, outcome: &Outcome, format: Format) -> Result<Repla
 }
 
 /// Checks that all outputs can be written, before a long replay starts.
-fn check_outputs(args: &Args, recording: &Path) -> Result<()> {
+fn check_outputs(args: &Args, scene: &Scene, recording: &Path) -> Result<()> {
     let mut outputs = vec![("--report", args.report.as_path())];
     outputs.extend(args.forces.as_deref().map(|path| ("--forces", path)));
     outputs.extend(args.learn.as_deref().map(|path| ("--learn", path)));
     outputs.extend(args.live.outputs.events.as_deref().map(|path| ("--events", path)));
     let optional = args.scene.as_deref().into_iter().chain(args.baseline.as_deref());
-    let inputs: Vec<&Path> = optional.chain([recording]).collect();
+    let run_out = scene.recording.as_ref().and_then(|recording| recording.run_out.as_deref());
+    let inputs: Vec<&Path> = optional.chain([recording]).chain(run_out).collect();
     check_distinct_paths(&outputs, &inputs)?;
     // A pipe is not opened for the check: closing it again would end the input of its reader.
     let is_special = |path: &Path| path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());

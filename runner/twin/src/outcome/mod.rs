@@ -117,6 +117,9 @@ pub struct Record {
     pub max_speed_rpm: f64,
     /// Where the shaft angle comes from, in words.
     pub angle_source: String,
+    /// A run-out measured at slow roll is subtracted from the readings.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_run_out_subtracted: bool,
     /// The scene's constant load on the rotor: N (three) and N m (two).
     pub load: [f64; 5],
     /// Settings of the spectra.

@@ -91,6 +91,9 @@ impl RunOutError {
     }
 }
 
+/// Amplitudes of cosine and sine of orders 1, 2, ...
+type Harmonics = Vec<[f64; 2]>;
+
 /// Run-out of all probes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunOut {
@@ -106,8 +109,8 @@ pub struct RunOut {
 pub struct ProbeRunOut {
     /// Column of the probe.
     pub column: String,
-    /// Amplitudes of cosine and sine of orders 1, 2, ...; 0 where an order does not repeat. m
-    harmonics: Vec<[f64; 2]>,
+    /// 0 where an order does not repeat. m
+    harmonics: Harmonics,
 }
 
 impl ProbeRunOut {
@@ -221,8 +224,8 @@ struct Revolution {
     number: i64,
     /// Mean of each probe, m.
     means: Vec<f64>,
-    /// Amplitudes of cosine and sine by probe and order, m.
-    harmonics: Vec<Vec<[f64; 2]>>,
+    /// By probe, m.
+    harmonics: Vec<Harmonics>,
 }
 
 /// Whole revolutions of a recording.
@@ -280,7 +283,7 @@ impl Revolutions {
     }
 
     /// Returns mean and harmonics of the samples of each probe by least squares.
-    fn fit(&self) -> Option<(Vec<f64>, Vec<Vec<[f64; 2]>>)> {
+    fn fit(&self) -> Option<(Vec<f64>, Vec<Harmonics>)> {
         let size = 2 * self.orders + 1;
         let mut normal = DMatrix::zeros(size, size);
         let mut right = DMatrix::zeros(size, self.probes);
@@ -313,7 +316,7 @@ impl Revolutions {
     }
 
     /// Returns the mean harmonics of probe `i` up to the last one that repeats; those between that do not are 0.
-    fn repeated(&self, i: usize) -> Vec<[f64; 2]> {
+    fn repeated(&self, i: usize) -> Harmonics {
         let count = self.done.len() as f64;
         let drifts: Vec<f64> = (0..self.done.len()).map(|turn| self.drift(i, turn)).collect();
         let mean = |order: usize| {
@@ -328,7 +331,7 @@ impl Revolutions {
             let error = squares / (count * (count - 1.0));
             if a * a + b * b > CLEAR * CLEAR * error { [a, b] } else { [0.0; 2] }
         };
-        let mut harmonics: Vec<[f64; 2]> = (0..self.orders).map(mean).collect();
+        let mut harmonics: Harmonics = (0..self.orders).map(mean).collect();
         while harmonics.last() == Some(&[0.0; 2]) {
             harmonics.pop();
         }

@@ -18,6 +18,8 @@ pub(super) struct RecordingFacts<'a> {
     pub(super) rows: u64,
     /// Source of the shaft angle.
     pub(super) angle_source: String,
+    /// The readings are without run-out.
+    pub(super) is_run_out_subtracted: bool,
     pub(super) flaws: Vec<FlawSummary>,
 }
 
@@ -120,6 +122,7 @@ impl Pipeline<'_> {
             compared: self.comparison.compared,
             rate_hz: self.rate,
             angle_source: facts.angle_source,
+            is_run_out_subtracted: facts.is_run_out_subtracted,
             load: load(scene),
             spectra: self.comparison.spectra.settings(self.rate),
             ..self.totals.record()

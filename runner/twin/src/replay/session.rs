@@ -229,7 +229,8 @@ impl<'a> Replay<'a> {
         flaws.append(&mut self.flaws);
         flaws.extend(self.tracker.flaws().summary());
         let angle_source = self.tracker.source();
-        let facts = RecordingFacts { name, rows: self.rows, angle_source, flaws };
+        let is_run_out_subtracted = self.run_out.is_some();
+        let facts = RecordingFacts { name, rows: self.rows, angle_source, is_run_out_subtracted, flaws };
         self.pipeline.conclude(self.scene, facts)
     }
 

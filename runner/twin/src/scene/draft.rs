@@ -246,3 +246,21 @@ fn sensor(column: &PreviewColumn) -> Option<String> {
     let (name, unit) = (quoted(&column.name), quoted(unit));
     Some(format!("  {{ column = {name}, unit = {unit} }},  # unit by the name of the column"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_of_gap_voltages() {
+        let column = |name: &str, role| PreviewColumn { name: name.to_owned(), role };
+        let columns = vec![
+            column("DE_X_V", ColumnRole::GapVoltage("V".to_owned(), Some(NamedDirection::X))),
+            column("key", ColumnRole::Keyphasor),
+        ];
+        let preview = Preview { columns, rate: None };
+        let text = draft(&Draft { recording: Some(("a.csv".to_owned(), &preview)), ..Draft::default() });
+        let line = "{ column = \"DE_X_V\", unit = \"V\", sensitivity = \"?\", offset = \"?\", station = \"?\", angle = \"0 deg\" }";
+        assert!(text.contains(line) && text.contains("such as \"7.87 mV/um\"") && text.contains("[rotor]"), "{text}");
+    }
+}

@@ -30,6 +30,9 @@ const ENOUGH: usize = 10;
 /// The same at the end of a recording.
 const FEW: usize = 3;
 
+/// The same after the signal has left its levels.
+const AGAIN: usize = 4;
+
 /// Largest share of readings at either end that may be spikes. A pulse is longer: one sample in 256 at least.
 const SPIKES: f64 = 1.0 / 512.0;
 
@@ -105,6 +108,20 @@ impl Levels {
             .find_map(|range| between(range).filter(|levels| levels.show(readings.clone(), least, gap)));
         let all = || trimmed(0).and_then(between);
         even.or_else(|| if end { all() } else { None })
+    }
+
+    /// Finds the levels after the signal has left those of before, whose pulse was `height` high: there are pulses as before.
+    pub(super) fn learn_again(
+        readings: impl Iterator<Item = f64> + Clone,
+        given: &PulseDetection,
+        gap: f64,
+        height: f64,
+    ) -> Option<Self> {
+        let known = || readings.clone().filter(|reading| !reading.is_nan());
+        let (low, high) = range(known());
+        let noise = noise(&known().collect::<Vec<_>>());
+        let levels = Self::between((low, high), noise, given, readings.clone())?;
+        (HEIGHTS.contains(&((high - low) / height)) && levels.show(readings, AGAIN, gap)).then_some(levels)
     }
 
     /// From the lowest and the highest level; none where too many samples are between them, or the threshold of the scene is not.
@@ -271,6 +288,18 @@ impl Edges {
             slope: SlopeSums::default(),
             began_in_pulse: None,
         }
+    }
+
+    /// Returns the height of a pulse.
+    pub(super) fn height(&self) -> f64 {
+        1.0 / self.levels.scale.abs()
+    }
+
+    /// Continues with other levels.
+    pub(super) fn continue_with(&mut self, levels: Levels) {
+        let (low, high) = self.thresholds;
+        let thresholds = (low.min(levels.threshold), high.max(levels.threshold));
+        *self = Self { thresholds, ..Self::new(levels) };
     }
 
     /// Returns the threshold as it was used so far.

@@ -20,6 +20,10 @@ const FIRST_LOOK: usize = 1024;
 /// Number of intervals without a pulse after which the shaft is at standstill.
 const STANDSTILL: f64 = 20.0;
 
+/// Number of intervals without a pulse after which the signal may have left its levels, as after a step of the gap; the levels are
+/// looked for again each time that number has grown by a half.
+const LEFT: f64 = 6.0;
+
 /// Number of intervals after the last pulse of a recording beyond which the keyphasor is dead.
 const DEAD: f64 = 2.5;
 
@@ -63,6 +67,8 @@ pub(super) struct Keyphasor {
     counted: u64,
     /// Samples with a reading since the last pulse.
     quiet: u64,
+    /// Intervals without a pulse after which the levels are looked for again.
+    patience: f64,
     last_pulse: Position,
     last_reading: Option<u64>,
     /// Since the last pulse the signal was away for longer than a pulse takes.
@@ -115,6 +121,7 @@ impl Keyphasor {
             left_fit: None,
             counted: 0,
             quiet: 0,
+            patience: LEFT,
             last_pulse: Position::default(),
             last_reading: None,
             lost: None,
@@ -228,6 +235,23 @@ impl Keyphasor {
         Ok(())
     }
 
+    /// Looks for other levels in the samples since the interval after the last pulse, and for the pulses there.
+    fn look_again(&mut self, period: f64, output: &mut Output) -> Result<(), RotationError> {
+        let Detector::Pulses(given, Some(edges)) = &mut self.detector else { return Ok(()) };
+        let from = self.last_pulse.index.saturating_add(period.ceil() as u64);
+        let first = self.waiting.partition_point(|row| row.index < from);
+        let gap = self.gap.as_ref().map_or(1.0, |gap| gap.intervals() as f64);
+        let readings = self.waiting.range(first..).map(|row| row.rotation);
+        let Some(levels) = Levels::learn_again(readings, given, gap, edges.height()) else { return Ok(()) };
+        edges.continue_with(levels);
+        (self.quiet, self.patience) = (0, f64::INFINITY);
+        for place in first..self.waiting.len() {
+            let row = &self.waiting[place];
+            self.see(Position::from(row), row.rotation, output)?;
+        }
+        Ok(())
+    }
+
     fn see(&mut self, at: Position, reading: f64, output: &mut Output) -> Result<(), RotationError> {
         if reading.is_nan() {
             return Ok(());
@@ -249,6 +273,10 @@ impl Keyphasor {
                     self.take_counted(start, steps, at);
                 }
             }
+        }
+        if self.pulses.len() > 1 && self.quiet as f64 > self.patience * period {
+            self.patience *= 1.5;
+            self.look_again(period, output)?;
         }
         let patience = if self.pulses.len() > 1 { STANDSTILL * self.spacing() * period } else { f64::INFINITY };
         if self.quiet as f64 > patience.min(self.longest_wait as f64) {
@@ -371,6 +399,7 @@ impl Keyphasor {
         self.pulses.push_back(pulse);
         self.counted += 1;
         self.quiet = 0;
+        self.patience = LEFT;
         self.last_pulse = at;
     }
 

@@ -130,10 +130,10 @@ fn the_tracker_subtracts_it() {
                 count += 1;
             }
         };
-        for i in 0..columns[0].len() {
+        for (i, ((x, y), key)) in columns[0].iter().zip(&columns[1]).zip(&columns[2]).enumerate() {
             let (index, time) = (i as u64, i as f64 / RATE);
-            let probes = vec![columns[0][i], columns[1][i]];
-            tracker.push(Row { index, line: index, time, probes, rotation: columns[2][i] }).unwrap();
+            let probes = vec![*x, *y];
+            tracker.push(Row { index, line: index, time, probes, rotation: *key }).unwrap();
             take(&mut tracker);
         }
         tracker.finish().unwrap();
