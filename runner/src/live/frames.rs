@@ -181,7 +181,7 @@ impl FrameLayout {
         let rotation = match &recording.rotation {
             RotationSource::Keyphasor { .. } => Some(1.0),
             RotationSource::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
-            RotationSource::Scene => None,
+            RotationSource::Scene | RotationSource::Synchronous => None,
         };
         Self {
             probes: recording.probes.iter().map(|p| [p.metres_per_unit, p.offset]).collect(),

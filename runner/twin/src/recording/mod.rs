@@ -3,12 +3,14 @@
 mod average;
 mod bytes;
 pub mod clock;
+mod compressed;
 mod csv;
 pub mod error;
 pub mod flaws;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod harness;
+mod hdf5;
 pub mod mat;
 mod memory;
 mod npy;

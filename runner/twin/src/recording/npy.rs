@@ -11,6 +11,7 @@ use super::error::RecordingError;
 use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
 use super::table::Table;
 use crate::npy_header::{ElementType, Field, NpyHeader, PlainType};
+use crate::scene::FileLayout;
 
 const EXPECTED: &str = "an NPY file of one row for each sample, of integers or of floats with 32 or 64 bits";
 
@@ -18,7 +19,7 @@ const EXPECTED: &str = "an NPY file of one row for each sample, of integers or o
 const MOST: u64 = 1 << 16;
 
 /// Opens a file.
-pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
+pub(super) fn open(mut file: File, path: &Path, _layout: FileLayout) -> Result<Box<dyn Table>, RecordingError> {
     let layout = read(&mut file).map_err(|cause| {
         let found = match cause.kind() {
             io::ErrorKind::UnexpectedEof => "a header that is cut short".into(),

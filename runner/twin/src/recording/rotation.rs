@@ -166,6 +166,7 @@ impl Tracker {
                 Source::Keyphasor(Box::new(Keyphasor::new(column, *pulses_per_turn, rate, is_reversed(speed))))
             }
             RotationSource::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
+            RotationSource::Synchronous => Source::Column(SpeedColumn::synchronous(rate, is_reversed(speed))),
             RotationSource::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
         Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }

@@ -204,6 +204,11 @@ impl<'a> Replay<'a> {
         self.pipeline.notes.extend(note);
     }
 
+    /// Adds notes to those of the outcome.
+    pub(super) fn add_notes(&mut self, notes: Vec<String>) {
+        self.pipeline.notes.extend(notes);
+    }
+
     /// Ends the recording and returns the outcome. `flaws` are those that the reader found.
     ///
     /// # Errors
@@ -237,6 +242,7 @@ fn angle_source(rotation: &RotationSource, tracker: &Tracker) -> String {
             format!("keyphasor in column {column}, {} pulses, {pulses_per_turn} per revolution", tracker.pulses())
         }
         RotationSource::SpeedColumn { column, .. } => format!("speed in column {column}, angle 0 at the first sample"),
+        RotationSource::Synchronous => "samples synchronous with the shaft, angle 0 at the first sample".to_owned(),
         RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
     }
 }

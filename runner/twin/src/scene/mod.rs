@@ -15,7 +15,7 @@ mod table;
 pub mod units;
 
 pub use flexible_rotor::{Disk, FlexibleRotor, Section};
-pub use recording::{Clock, Direction, Probe, Recording, RotationSource, Sensor};
+pub use recording::{Clock, Direction, FileLayout, Orientation, Probe, Recording, RotationSource, Sensor};
 
 use crate::catalogue::Listed;
 use std::path::PathBuf;

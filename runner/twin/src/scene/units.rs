@@ -246,6 +246,11 @@ pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }
 
+/// Hertz in one unit of a sampling rate in a recording.
+pub fn frequency_column(unit: &str) -> Result<f64, Mismatch> {
+    column(unit, Dimension::Frequency, "a unit of frequency: Hz or kHz")
+}
+
 /// Returns true where the unit of a column in the file differs from the scene's. A text that is no unit here, such as that of
 /// a sensor, contradicts nothing.
 pub fn contradict(found: &str, meant: &str) -> bool {

@@ -6,7 +6,7 @@ use ballrace::Phase;
 use super::*;
 use crate::recording::Reader;
 use crate::recording::flaws::Flaw;
-use crate::scene::{Clock, Recording};
+use crate::scene::{Clock, FileLayout, Recording};
 
 const RATE: f64 = 12_800.0;
 
@@ -425,6 +425,7 @@ fn rig_recordings() {
             clock: Clock::Rate(RATE),
             average: 1,
             sensors: vec![],
+            layout: FileLayout::default(),
             probes: vec![],
             rotation: rotation.clone(),
         };
