@@ -14,6 +14,7 @@ mod hdf5;
 pub mod mat;
 mod memory;
 mod npy;
+mod npz;
 mod numbers;
 mod parquet;
 pub mod preview;
@@ -23,6 +24,7 @@ pub mod rotation;
 pub mod status;
 mod table;
 mod tdms;
+mod uff;
 mod wav;
 
 pub use reader::Reader;

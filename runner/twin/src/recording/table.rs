@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::compressed::{self, Compression};
 use super::error::RecordingError;
-use super::{csv, hdf5, mat, npy, parquet, tdms, wav};
+use super::{csv, hdf5, mat, npy, npz, parquet, tdms, uff, wav};
 use crate::scene::FileLayout;
 
 /// Values expected in a used cell.
@@ -98,12 +98,16 @@ const fn format(ending: &'static str, begins: &'static [u8], open: Open) -> Form
     Format { ending, begins, goes_on: (0, b""), open }
 }
 
-const FORMATS: [Format; 8] = [
+const FORMATS: [Format; 12] = [
     format("mat", b"MATLAB 5.0 MAT-file", |file, path, _| mat::open(file, path)),
     format("mat", b"MATLAB 7.3 MAT-file", |file, path, _| hdf5::open(file, path)),
     format("h5", hdf5::SIGNATURE, |file, path, _| hdf5::open(file, path)),
     format("hdf5", hdf5::SIGNATURE, |file, path, _| hdf5::open(file, path)),
     format("npy", b"\x93NUMPY", npy::open),
+    format("npz", b"PK\x03\x04", npz::open),
+    Format { goes_on: (6, b" "), ..format("uff", uff::SEPARATOR, |file, path, _| uff::open(file, path)) },
+    Format { goes_on: (6, b"\r"), ..format("unv", uff::SEPARATOR, |file, path, _| uff::open(file, path)) },
+    Format { goes_on: (6, b"\n"), ..format("uff", uff::SEPARATOR, |file, path, _| uff::open(file, path)) },
     Format { goes_on: (8, b"WAVE"), ..format("wav", b"RIFF", |file, path, _| wav::open(file, path)) },
     Format { goes_on: (4, b"\x15"), ..format("parquet", b"PAR1", |file, path, _| parquet::open(file, path)) },
     Format { goes_on: (5, b"\0\0\0"), ..format("tdms", b"TDSm", |file, path, _| tdms::open(file, path)) },
@@ -112,7 +116,7 @@ const FORMATS: [Format; 8] = [
 /// Number of bytes that identify a format.
 const IDENTIFICATION: u64 = 32;
 /// Endings of formats whose arrays have an orientation.
-const ORIENTED: [&str; 1] = ["npy"];
+const ORIENTED: [&str; 2] = ["npy", "npz"];
 
 /// Opens a file of any format and returns its size, where that is comparable with the bytes read. The format is detected from
 /// the content, then from the extension; compressed files are unpacked.
