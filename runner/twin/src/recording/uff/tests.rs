@@ -3,7 +3,7 @@ use crate::recording::harness::{cut_short, damaged, error, recording, values};
 use crate::recording::preview::preview;
 use crate::scene::{Clock, Recording};
 
-/// Files that pyuff wrote: `DE X` (1X+), `DE Y` (1Y-) in um and `KPH` without a node in V, 50 values at 1 kHz, in text of double
+/// Files as pyuff writes them: `DE X` (1X+), `DE Y` (1Y-) in um and `KPH` without a node in V, 50 values at 1 kHz, in text of double
 /// and single precision and in binary.
 const TEXT: &[u8] = include_bytes!("text.uff");
 const SINGLE: &[u8] = include_bytes!("single.uff");
