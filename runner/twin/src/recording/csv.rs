@@ -17,7 +17,7 @@ use ::csv::{ByteRecord, ReaderBuilder, Terminator};
 
 use self::decimal::{Ambiguity, DecimalMark};
 use self::header::{Header, shortened};
-use self::source::{Source, failed};
+use self::source::{Source, SqueezedBlanks, failed};
 use self::time::TimeStamps;
 use super::error::RecordingError;
 use super::table::{Cells, EXPECTED, Table};
@@ -53,7 +53,7 @@ pub(super) fn open(
 
 /// A CSV file, row by row.
 ///
-/// The delimiter (`,` `;` tab `|`) is detected from the header line. Blank lines are skipped.
+/// The delimiter (`,` `;` tab `|`, or blanks without a header) is detected from the first line. Blank lines are skipped.
 struct CsvTable {
     name: PathBuf,
     header: Header,
@@ -79,7 +79,10 @@ impl CsvTable {
     ) -> Result<Self, RecordingError> {
         let header = Header::read(&mut reader, name, layout.is_headless)?;
         let first = Cursor::new(header.first_row.clone());
-        let reader = BufReader::with_capacity(BUFFER, Box::new(first.chain(reader)) as Box<dyn Read + Send>);
+        let whole = first.chain(reader);
+        let whole: Box<dyn Read + Send> =
+            if header.delimiter == b' ' { Box::new(SqueezedBlanks::new(whole)) } else { Box::new(whole) };
+        let reader = BufReader::with_capacity(BUFFER, whole);
         let source = ReaderBuilder::new()
             .delimiter(header.delimiter)
             .has_headers(false)

@@ -222,4 +222,30 @@ mod tests {
             matches!(&found.columns[1].role, ColumnRole::Displacement(unit, Some(NamedDirection::X)) if unit == "um")
         );
     }
+
+    #[test]
+    fn columns_of_every_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let cases: [(&[u8], usize, Option<f64>); 9] = [
+            (include_bytes!("mat/structures-packed.mat"), 10, None),
+            (include_bytes!("hdf5/earliest.h5"), 12, None),
+            (include_bytes!("hdf5/matlab.mat"), 11, None),
+            (include_bytes!("npz/stored.npz"), 6, None),
+            (include_bytes!("npz/packed.npz"), 6, None),
+            (include_bytes!("uff/text.uff"), 3, Some(1000.0)),
+            (include_bytes!("uff/binary.uff"), 3, Some(1000.0)),
+            (b"0.5 2\n1.5 3\n", 2, None),
+            (b"t;x_um\n0,5;2\n1,5;3\n", 2, None),
+        ];
+        for (place, (bytes, columns, rate)) in cases.into_iter().enumerate() {
+            let path = folder.path().join("r.bin");
+            std::fs::write(&path, bytes).unwrap();
+            let found = preview(&path).unwrap();
+            assert_eq!((found.columns.len(), found.rate.map(f64::round)), (columns, rate), "{place}");
+        }
+        let path = folder.path().join("r.uff");
+        std::fs::write(&path, include_bytes!("uff/text.uff")).unwrap();
+        let roles: Vec<_> = preview(&path).unwrap().columns.into_iter().map(|column| column.role).collect();
+        assert!(matches!(&roles[0], ColumnRole::Displacement(unit, _) if unit == "um"), "{roles:?}");
+    }
 }

@@ -144,12 +144,11 @@ impl Lines {
                 return Err(refuse(format!("more than {MOST_SETS} data sets")));
             }
             let kind = self.next_or_end()?.to_owned();
-            match field(&kind, 0, 6) {
-                "58" => match self.response(&kind)? {
+            if field(&kind, 0, 6) == "58" {
+                match self.response(&kind)? {
                     Ok(response) => all.push(response),
                     Err(reason) => drop(refused.get_or_insert(reason)),
-                },
-                _ => {}
+                }
             }
             while self.next_or_end()?.trim() != "-1" {}
         }

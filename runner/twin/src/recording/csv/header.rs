@@ -52,7 +52,10 @@ impl Header {
     /// Returns the header of a file whose first line is a row already.
     fn headless(first_row: Vec<u8>, line: u64) -> Self {
         let delimiter = numeric_delimiter(&first_row);
-        let mut cells = names(first_row.trim_ascii_end(), delimiter);
+        let squeezed =
+            first_row.split(|byte| *byte == b' ').filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(&b' ');
+        let row = if delimiter == b' ' { squeezed.as_slice() } else { &first_row };
+        let mut cells = names(row.trim_ascii_end(), delimiter);
         while cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
             cells.pop();
         }
@@ -68,7 +71,9 @@ impl Header {
         };
         let other = numeric_delimiter(text);
         let is_comma = other != b',' && are_numbers(&self::names(text, other), DecimalMark::Comma);
-        if is_comma || are_numbers(&names, DecimalMark::Point) {
+        let row = String::from_utf8_lossy(text);
+        let words: Vec<String> = row.split_whitespace().map(str::to_owned).collect();
+        if is_comma || are_numbers(&names, DecimalMark::Point) || are_numbers(&words, DecimalMark::Point) {
             let found = shortened(text);
             return Err(RecordingError::NoHeader { file: file.into(), line, found });
         }
@@ -76,9 +81,11 @@ impl Header {
     }
 }
 
-/// Returns the delimiter of a row of numbers: a comma beside another delimiter is a decimal comma.
+/// Returns the delimiter of a row of numbers: a comma beside another delimiter is a decimal comma, and blanks count where there
+/// is no other.
 fn numeric_delimiter(row: &[u8]) -> u8 {
-    DELIMITERS.into_iter().skip(1).find(|delimiter| row.contains(delimiter)).unwrap_or(b',')
+    let others = DELIMITERS.into_iter().skip(1).chain([b',', b' ']);
+    others.into_iter().find(|delimiter| row.trim_ascii().contains(delimiter)).unwrap_or(b',')
 }
 
 /// Returns the delimiter that gives the most cells; of equal ones the more likely.

@@ -141,12 +141,16 @@ fn invalid_time_stamps() {
 #[test]
 fn text_without_a_header() {
     let expected = [[0.5, 2.0], [1.5, 3.0]];
-    for text in ["0.5,2\n1.5,3\n", "\n0.5\t2\r\n1.5\t3\r\n", "0,5;2\n1,5;3\n", "0.5;2;\n1.5;3;\n"] {
+    let aligned = "  5.0e-01   2.0e+00 \r\n  1.5e+00   3.0e+00\r\n";
+    for text in
+        [aligned, "0.5 2\n1.5 3\n", "0.5,2\n1.5,3\n", "\n0.5\t2\r\n1.5\t3\r\n", "0,5;2\n1,5;3\n", "0.5;2;\n1.5;3;\n"]
+    {
         assert_eq!(readings(text, &headless(&["c0", "c1"])), expected, "{text:?}");
     }
     let said = error("0.5,2\n1.5,3\n", &recording(&["c0"]));
     assert!(said.ends_with("`0.5,2`, expected a line with the names of the columns, or `header = false` in the scene"));
     assert!(error("0,5;2\n1,5;3\n", &recording(&["c0"])).contains("numbers instead of a header"));
+    assert!(error(aligned, &recording(&["c0"])).contains("numbers instead of a header"));
     let (rows, _) = read(b"\n0.5,2\n1.5,3\n", &headless(&["c1"])).unwrap();
     assert_eq!((rows[0].line, rows[1].line), (2, 3));
 }
