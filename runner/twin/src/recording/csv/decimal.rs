@@ -46,11 +46,12 @@ impl DecimalMark {
             return Some(f64::NAN);
         }
         let text = str::from_utf8(text).ok()?;
-        let number = match (self, text.split_once(',')) {
-            (Self::Comma, Some((whole, decimals))) if !text.contains('.') => {
-                format!("{whole}.{decimals}").parse::<f64>().ok()?
-            }
-            (Self::Comma, None) if text.contains('.') => return None,
+        let number = match self {
+            Self::Comma => match text.split_once(',') {
+                _ if text.contains('.') => return None,
+                Some((whole, decimals)) => format!("{whole}.{decimals}").parse::<f64>().ok()?,
+                None => text.parse::<f64>().ok()?,
+            },
             _ => text.parse::<f64>().ok()?,
         };
         (!number.is_infinite()).then_some(number)
