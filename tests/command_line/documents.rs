@@ -395,6 +395,7 @@ fn tables_of_a_scene() -> Vec<(&'static str, &'static str, String)> {
         ("## bearing", "two_spring", BEARING.replace("stiffness_matrix", "two_spring = { unknown = 1 }\n#")),
         ("## integration", "", format!("{BEARING}[integration]\nunknown = 1\n")),
         ("## recording", "", format!("{BEARING}{recording}unknown = 1\n")),
+        ("## recording", "rate", format!("{BEARING}[recording]\nfile = \"f\"\nrate = {{ unknown = 1 }}\n")),
         ("## recording", "probes", format!("{BEARING}{recording}probes = [{{ unknown = 1 }}]\n")),
         ("## recording", "sensors", format!("{BEARING}{recording}sensors = [{{ unknown = 1 }}]\n")),
         ("## recording", "keyphasor", format!("{BEARING}{recording}{probe}keyphasor = {{ unknown = 1 }}\n")),

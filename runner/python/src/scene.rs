@@ -121,11 +121,11 @@ impl Scene {
             RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => {
                 Some(column.as_str())
             }
-            RotationSource::Scene => None,
+            RotationSource::Scene | RotationSource::Synchronous => None,
         };
         let clock = match &recording.clock {
             Clock::Column(column) => Some(column.as_str()),
-            Clock::Rate(_) => None,
+            Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
         };
         Some(probes.chain(sensors).chain(rotation).chain(clock).collect())
     }

@@ -120,7 +120,9 @@ fn rate(args: &Args, scene: &Scene) -> Result<f64> {
             bail!(UsageError(format!("--rate: {given} Hz, expected {rate} Hz as in [recording], or no --rate")))
         }
         (Some(rate), _) | (None, Some(rate)) => Ok(rate),
-        (None, None) => bail!(UsageError("--rate: missing, expected the sampling rate, such as \"12.8 kHz\"".to_owned())),
+        (None, None) => {
+            bail!(UsageError("--rate: missing, expected the sampling rate, such as \"12.8 kHz\"".to_owned()))
+        }
     }
 }
 

@@ -91,7 +91,7 @@ pub fn start(
     };
     let frame_rate = match recording.clock {
         Clock::Rate(rate) => rate,
-        Clock::Column(_) => 0.0,
+        Clock::Column(_) | Clock::Stated | Clock::Number { .. } => 0.0,
     };
     let reader = SourceReader {
         layout: FrameLayout::new(recording, encoding == Encoding::FramesCrc),
@@ -192,6 +192,10 @@ impl SourceReader {
             Clock::Rate(rate) => Ok(rate),
             Clock::Column(_) => bail!(UsageError(
                 "[recording] time: frames have no time column, expected a sampling rate, such as rate = \"51.2 kHz\""
+                    .to_owned()
+            )),
+            Clock::Stated | Clock::Number { .. } => bail!(UsageError(
+                "[recording] rate: frames state no rate, expected a sampling rate, such as rate = \"51.2 kHz\""
                     .to_owned()
             )),
         }
@@ -348,7 +352,7 @@ impl SourceReader {
             RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => {
                 names.push(column.clone())
             }
-            RotationSource::Scene => {}
+            RotationSource::Scene | RotationSource::Synchronous => {}
         }
         if let Clock::Column(column) = &self.recording.clock {
             names.push(column.clone());

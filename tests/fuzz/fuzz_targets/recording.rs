@@ -2,7 +2,7 @@
 #![no_main]
 
 use ballrace_twin::recording::{Reader, Row};
-use ballrace_twin::scene::{Clock, Direction, Probe, Recording, RotationSource};
+use ballrace_twin::scene::{Clock, Direction, FileLayout, Probe, Recording, RotationSource};
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 use tempfile::TempDir;
@@ -28,6 +28,7 @@ fn recording(column: &str) -> Recording {
         clock: Clock::Rate(1000.0),
         probes: vec![probe],
         sensors: vec![],
+        layout: FileLayout::default(),
         rotation: RotationSource::Scene,
         run_out: None,
         average: 1,

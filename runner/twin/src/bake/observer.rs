@@ -45,7 +45,7 @@ impl ObserverConstants {
             return Err(undetermined("no probes", "probes with their noise"));
         }
         let Clock::Rate(rate) = recording.clock else {
-            return Err(undetermined("a column of times", "rate = \"12.8 kHz\""));
+            return Err(undetermined("a rate of the recording", "rate = \"12.8 kHz\""));
         };
         let rate = rate / f64::from(recording.average);
         let noise: Option<Vec<f64>> = recording.probes.iter().map(|p| p.noise).collect();

@@ -20,6 +20,12 @@ pub enum InstrumentError {
         /// File of the scene.
         file: PathBuf,
     },
+    /// The files of the scene state rate or shaft angle in a way that simulated ones cannot.
+    #[error("{}: rate or keyphasor from the header of a file, expected rate = \"... Hz\" or time, and a keyphasor or speed column", .file.display())]
+    FromHeader {
+        /// File of the scene.
+        file: PathBuf,
+    },
     /// A scene has no model of its housing.
     #[error("{}: vibration sensor {sensor}, expected displacement probes only: a scene has no model of the housing", .file.display())]
     Sensor {
@@ -63,6 +69,10 @@ impl Instruments {
         let Some(recording) = &scene.recording else {
             return Err(InstrumentError::NoRecording { file: scene.path.clone() });
         };
+        let is_stated = matches!(recording.clock, Clock::Stated | Clock::Number { .. });
+        if is_stated || recording.rotation == RotationSource::Synchronous {
+            return Err(InstrumentError::FromHeader { file: scene.path.clone() });
+        }
         if let Some(sensor) = recording.sensors.first() {
             let sensor = sensor.column.clone();
             return Err(InstrumentError::Sensor { file: scene.path.clone(), sensor });
@@ -116,7 +126,7 @@ impl Instruments {
             RotationSource::SpeedColumn { radians_per_second, .. } => {
                 into.push(sample.drive.speed / radians_per_second);
             }
-            RotationSource::Scene => {}
+            RotationSource::Synchronous | RotationSource::Scene => {}
         }
         self.turned = Some(sample.turned);
     }
@@ -125,11 +135,11 @@ impl Instruments {
 fn columns(recording: &Recording) -> Vec<String> {
     let time = match &recording.clock {
         Clock::Column(name) => Some(name.clone()),
-        Clock::Rate(_) => None,
+        Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
     };
     let rotation = match &recording.rotation {
         RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => Some(column.clone()),
-        RotationSource::Scene => None,
+        RotationSource::Synchronous | RotationSource::Scene => None,
     };
     time.into_iter().chain(recording.probes.iter().map(|probe| probe.column.clone())).chain(rotation).collect()
 }

@@ -17,6 +17,21 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
+    pub(super) fn u8(&mut self) -> io::Result<u8> {
+        Ok(u8::from_le_bytes(self.take(1)?.try_into().map_err(io::Error::other)?))
+    }
+
+    pub(super) fn u16(&mut self) -> io::Result<u16> {
+        let bytes = self.take(2)?.try_into().map_err(io::Error::other)?;
+        Ok(if self.big_endian { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
+    }
+
+    /// Reads a number of 1 to 8 bytes, the lowest first.
+    pub(super) fn little(&mut self, bytes: u64) -> io::Result<u64> {
+        let bytes = self.take(bytes.min(8))?;
+        Ok(bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
+    }
+
     pub(super) fn u32(&mut self) -> io::Result<u32> {
         let bytes = self.take(4)?.try_into().map_err(io::Error::other)?;
         Ok(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })

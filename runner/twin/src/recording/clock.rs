@@ -65,7 +65,7 @@ pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), 
     if rate >= least && rate <= HIGHEST_RATE {
         return Ok(());
     }
-    let by_scene = matches!(recording.clock, Clock::Rate(_));
+    let by_scene = !matches!(recording.clock, Clock::Column(_));
     // The last digits of a rate from time stamps are rounding.
     let rate = format!("{rate:.8e}").parse().unwrap_or(rate);
     Err(ImplausibleRate { rate, speed_rpm: 60.0 * turns_per_second, least, by_scene })

@@ -1,17 +1,27 @@
 //! Recordings as text: columns with a header, read row by row in bounded memory.
 
+mod decimal;
 mod header;
 mod source;
+mod system1;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
+mod time;
 
-use std::io::{BufReader, Read};
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use ::csv::{ByteRecord, ReaderBuilder, Terminator};
 
+use self::decimal::{Ambiguity, DecimalMark};
 use self::header::{Header, shortened};
-use self::source::{Source, failed};
+use self::source::{Source, SqueezedBlanks, failed};
+use self::time::TimeStamps;
 use super::error::RecordingError;
 use super::table::{Cells, EXPECTED, Table};
+use crate::scene::FileLayout;
 
 /// Bytes read from the file at once.
 const BUFFER: usize = 1 << 16;
@@ -19,24 +29,60 @@ const BUFFER: usize = 1 << 16;
 /// Values expected in a cell, with a hint about the decimal comma.
 const EXPECTED_POINT: &str = "a number with a decimal point, or NaN or nothing where the reading is missing";
 
+/// Opens a text of either form: one table with a header, or an export of System 1.
+pub(super) fn open(
+    reader: Box<dyn Read + Send>,
+    name: &Path,
+    layout: FileLayout,
+) -> Result<Box<dyn Table>, RecordingError> {
+    let mut reader = BufReader::with_capacity(BUFFER, reader);
+    let mut first = Vec::new();
+    let read = reader.by_ref().take(system1::BEGIN).read_until(b'\n', &mut first);
+    read.map_err(|cause| failed(name, 0, cause))?;
+    let is_system1 = system1::begins(&first);
+    let whole = BufReader::with_capacity(BUFFER, Box::new(Cursor::new(first).chain(reader)) as Box<dyn Read + Send>);
+    if !is_system1 {
+        return Ok(Box::new(CsvTable::new(whole, name, layout)?));
+    }
+    if layout.is_headless {
+        let expected = "no `header = false` for an export of System 1";
+        return Err(RecordingError::Misplaced { file: name.into(), key: "header", expected });
+    }
+    Ok(Box::new(system1::open(whole, name)?))
+}
+
 /// A CSV file, row by row.
 ///
-/// The delimiter (`,` `;` tab `|`) is detected from the header line, which is required. Blank lines are skipped.
-pub(super) struct CsvTable {
+/// The delimiter (`,` `;` tab `|`, or blanks without a header) is detected from the first line. Blank lines are skipped.
+struct CsvTable {
     name: PathBuf,
     header: Header,
+    /// Number of names up to the last one that is not empty: a header may end with delimiters.
+    least: usize,
     /// Indices of the cells that are used.
     selected: Vec<usize>,
     source: ::csv::Reader<Source>,
     record: ByteRecord,
     /// Line of the row read last.
     line: u64,
+    /// Rows read ahead in search of the decimal mark, with their lines.
+    ahead: VecDeque<(ByteRecord, u64)>,
+    mark: DecimalMark,
+    time: Option<TimeStamps>,
 }
 
 impl CsvTable {
-    pub(super) fn new(reader: Box<dyn Read + Send>, name: &Path) -> Result<Self, RecordingError> {
-        let mut reader = BufReader::with_capacity(BUFFER, reader);
-        let header = Header::read(&mut reader, name)?;
+    fn new(
+        mut reader: BufReader<Box<dyn Read + Send>>,
+        name: &Path,
+        layout: FileLayout,
+    ) -> Result<Self, RecordingError> {
+        let header = Header::read(&mut reader, name, layout.is_headless)?;
+        let first = Cursor::new(header.first_row.clone());
+        let whole = first.chain(reader);
+        let whole: Box<dyn Read + Send> =
+            if header.delimiter == b' ' { Box::new(SqueezedBlanks::new(whole)) } else { Box::new(whole) };
+        let reader = BufReader::with_capacity(BUFFER, whole);
         let source = ReaderBuilder::new()
             .delimiter(header.delimiter)
             .has_headers(false)
@@ -45,12 +91,23 @@ impl CsvTable {
             .terminator(Terminator::Any(b'\n'))
             .buffer_capacity(BUFFER)
             .from_reader(Source::new(reader));
+        let least = header.names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1);
         let (line, selected, record) = (header.line, Vec::new(), ByteRecord::new());
-        Ok(Self { name: name.into(), header, selected, source, record, line })
+        let mark = if header.delimiter == b',' { DecimalMark::Point } else { DecimalMark::Unknown };
+        let (name, ahead) = (name.into(), VecDeque::new());
+        Ok(Self { name, header, least, selected, source, record, line, ahead, mark, time: None })
     }
 
     /// Reads the next row that is not blank.
     fn read_record(&mut self) -> Result<bool, RecordingError> {
+        if let Some((record, line)) = self.ahead.pop_front() {
+            (self.record, self.line) = (record, line);
+            return Ok(true);
+        }
+        self.read_new_record()
+    }
+
+    fn read_new_record(&mut self) -> Result<bool, RecordingError> {
         loop {
             self.source.get_mut().allow_row();
             match self.source.read_byte_record(&mut self.record) {
@@ -67,27 +124,65 @@ impl CsvTable {
         }
     }
 
-    /// Returns the numbers of the first `whole` cells, NaN for the rest; the error is the index of a cell without a number.
-    fn parse(&self, whole: usize, values: &mut Vec<f64>) -> Result<(), usize> {
-        values.clear();
-        for place in &self.selected {
-            values.push(match self.record.get(*place) {
-                Some(text) if *place < whole => number(text).ok_or(*place)?,
-                _ => f64::NAN,
-            });
+    /// Determines the decimal mark from the row at hand, and from those after it where that is ambiguous.
+    fn find_mark(&mut self) -> Result<(), RecordingError> {
+        let cells = |record: &ByteRecord, selected: &[usize]| {
+            DecimalMark::of(selected.iter().filter_map(|place| record.get(*place)))
+        };
+        let mut found = cells(&self.record, &self.selected);
+        if found == Err(Ambiguity) {
+            let (record, line) = (self.record.clone(), self.line);
+            while found == Err(Ambiguity) && self.ahead.len() < decimal::ROWS && self.read_new_record()? {
+                self.ahead.push_back((self.record.clone(), self.line));
+                match cells(&self.record, &self.selected) {
+                    Ok(DecimalMark::Unknown) => {}
+                    mark => found = mark,
+                }
+            }
+            (self.record, self.line) = (record, line);
+        }
+        match found {
+            Ok(mark) => self.mark = mark,
+            Err(Ambiguity) => {
+                let is_ambiguous = |place: &&usize| self.record.get(**place).is_some_and(decimal::is_ambiguous);
+                let place = self.selected.iter().find(is_ambiguous).copied().unwrap_or(0);
+                return Err(self.wrong_cell(place, decimal::EXPECTED));
+            }
         }
         Ok(())
     }
 
-    fn wrong_cell(&self, place: usize) -> RecordingError {
+    /// Returns the numbers of the first `whole` cells, NaN for the rest; the error is the index of a cell without a number.
+    fn parse(&mut self, whole: usize, values: &mut Vec<f64>) -> Result<(), usize> {
+        values.clear();
+        for (column, place) in self.selected.iter().enumerate() {
+            let value = match (self.record.get(*place), &mut self.time) {
+                (Some(text), Some(time)) if *place < whole && column == 0 => time.read(text, self.mark),
+                (Some(text), _) if *place < whole => self.mark.number(text),
+                _ => Some(f64::NAN),
+            };
+            values.push(value.ok_or(*place)?);
+        }
+        Ok(())
+    }
+
+    fn wrong_cell(&self, place: usize, expected: &'static str) -> RecordingError {
         let found = shortened(self.record.get(place).unwrap_or_default());
-        let comma = found.contains(',') && found.replace(',', ".").parse::<f64>().is_ok();
-        RecordingError::Cell {
-            file: self.name.clone(),
-            line: self.line,
-            column: self.header.names[place].clone(),
-            found,
-            expected: if comma { EXPECTED_POINT } else { EXPECTED },
+        let (file, line) = (self.name.clone(), self.line);
+        let column = self.header.names.get(place).cloned().unwrap_or_default();
+        RecordingError::Cell { file, line, column, found, expected }
+    }
+
+    /// Returns the values expected in a cell that has none of them.
+    fn expected(&self, place: usize) -> &'static str {
+        let found = self.record.get(place).unwrap_or_default();
+        if self.time.is_some() && self.selected.first() == Some(&place) {
+            return time::EXPECTED;
+        }
+        match self.mark {
+            DecimalMark::Comma if found.contains(&b'.') => decimal::EXPECTED_COMMA,
+            _ if DecimalMark::Comma.number(found).is_some() => EXPECTED_POINT,
+            _ => EXPECTED,
         }
     }
 
@@ -98,6 +193,13 @@ impl CsvTable {
             _ => std::io::Error::other(text),
         };
         failed(&self.name, self.line, source)
+    }
+
+    /// Returns the number of cells without blank ones beyond the header: a row may end with delimiters.
+    fn cells(&self) -> usize {
+        let (found, expected) = (self.record.len(), self.header.names.len());
+        let is_blank = |place: usize| self.record.get(place).is_none_or(|cell| cell.trim_ascii().is_empty());
+        if (expected..found).all(is_blank) { found.min(expected) } else { found }
     }
 }
 
@@ -110,6 +212,10 @@ impl Table for CsvTable {
         Some(self.header.line)
     }
 
+    fn set_time(&mut self, _place: usize) {
+        self.time = Some(TimeStamps::default());
+    }
+
     fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {
         self.selected = places.into();
         Ok(())
@@ -119,35 +225,29 @@ impl Table for CsvTable {
         if !self.read_record()? {
             return Ok(false);
         }
-        let (found, expected) = (self.record.len(), self.header.names.len());
+        if self.mark == DecimalMark::Unknown {
+            self.find_mark()?;
+        }
+        let (found, expected) = (self.cells(), self.header.names.len());
         if found > expected {
             return Err(RecordingError::RowTooLong { file: self.name.clone(), line: self.line, found, expected });
         }
-        let mut whole = if found < expected { found.saturating_sub(1) } else { found };
+        let mut whole = if found < self.least { found.saturating_sub(1) } else { expected };
+        let broke_off = self.ahead.is_empty() && self.source.get_ref().broke_off();
         let result = match self.parse(whole, &mut cells.values) {
             // `-` or `1.2e` at the end of the file is an incomplete number, not a wrong cell.
-            Err(place) if place + 1 == expected && self.source.get_ref().broke_off() => {
+            Err(place) if place + 1 >= self.least && broke_off => {
                 whole = place;
                 self.parse(whole, &mut cells.values)
             }
             result => result,
         };
         (cells.line, cells.whole) = (self.line, whole);
-        result.map_err(|place| self.wrong_cell(place))?;
+        result.map_err(|place| self.wrong_cell(place, self.expected(place)))?;
         Ok(true)
     }
 
     fn bytes_read(&self) -> u64 {
         self.header.bytes + self.source.position().byte()
     }
-}
-
-/// A finite number, or NaN for `NaN` and for nothing.
-fn number(text: &[u8]) -> Option<f64> {
-    let text = text.trim_ascii();
-    if text.is_empty() {
-        return Some(f64::NAN);
-    }
-    let number = str::from_utf8(text).ok()?.parse::<f64>().ok()?;
-    (!number.is_infinite()).then_some(number)
 }

@@ -81,7 +81,9 @@ pub enum RecordingError {
         line: u64,
     },
     /// The first line has numbers instead of column names.
-    #[error("{file}:{line}: numbers instead of a header: `{found}`, expected a line with the names of the columns")]
+    #[error(
+        "{file}:{line}: numbers instead of a header: `{found}`, expected a line with the names of the columns, or `header = false` in the scene"
+    )]
     NoHeader {
         /// The recording.
         file: PathBuf,
@@ -109,6 +111,44 @@ pub enum RecordingError {
         found: String,
         /// Most similar name in the file, where one is similar.
         nearest: Option<String>,
+    },
+    /// A key of the scene that the format does not have.
+    #[error("{file}: [recording] {key}: misplaced key, expected {expected}")]
+    Misplaced {
+        /// The recording.
+        file: PathBuf,
+        /// The key.
+        key: &'static str,
+        /// Formats that have it.
+        expected: &'static str,
+    },
+    /// The scene names a single number that the file lacks.
+    #[error("{file}: no such single number: `{number}`, expected {found}", number = name(.number))]
+    AbsentNumber {
+        /// The recording.
+        file: PathBuf,
+        /// Name of the number in the scene.
+        number: String,
+        /// Names of the single numbers in the file, or another way to state it.
+        found: String,
+    },
+    /// The rate in the file is no sampling rate.
+    #[error("{file}: sampling rate of the file: {found}, expected {expected}")]
+    StatedRate {
+        /// The recording.
+        file: PathBuf,
+        /// Rate in the file, or its absence.
+        found: String,
+        /// Rates expected.
+        expected: &'static str,
+    },
+    /// The samples of the file are not in step with the shaft.
+    #[error(
+        "{file}: no samples in step with the shaft, expected a file that states its samples per revolution for keyphasor = \"synchronous\""
+    )]
+    NotSynchronous {
+        /// The recording.
+        file: PathBuf,
     },
     /// Two columns have the same name.
     #[error("{file}{at}: repeated column: `{column}`, expected each name once", column = name(.column), at = at_line(*.line))]
@@ -164,7 +204,15 @@ impl RecordingError {
     /// Returns true where scene and file contradict each other.
     #[must_use]
     pub const fn is_scene_fault(&self) -> bool {
-        matches!(self, Self::AbsentColumn { .. } | Self::Unit { .. } | Self::Rate { .. })
+        matches!(
+            self,
+            Self::AbsentColumn { .. }
+                | Self::Unit { .. }
+                | Self::Rate { .. }
+                | Self::AbsentNumber { .. }
+                | Self::NotSynchronous { .. }
+                | Self::Misplaced { .. }
+        )
     }
 }
 

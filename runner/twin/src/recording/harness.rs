@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use super::error::RecordingError;
 use super::flaws::FlawSummary;
 use super::{Reader, Row};
-use crate::scene::{Clock, Direction, Probe, Recording, RotationSource};
+use crate::scene::{Clock, Direction, FileLayout, Probe, Recording, RotationSource};
 
 /// Bytes of memory beyond which the tests never come, damaged files and all.
 const MOST_MEMORY: u64 = 1 << 30;
@@ -34,6 +34,7 @@ pub(super) fn recording(columns: &[&str]) -> Recording {
         clock: Clock::Rate(1000.0),
         probes: columns.iter().map(|column| probe(column, 1.0)).collect(),
         sensors: vec![],
+        layout: FileLayout::default(),
         rotation: RotationSource::Scene,
         run_out: None,
     }

@@ -1,39 +1,29 @@
-//! MATLAB files (version 5) as recordings: the vectors are the columns. Those that the scene names are held in memory. [`matrix`] reads
-//! one matrix of such a file.
+//! MATLAB files (version 5) as recordings: vectors, and columns of matrices, by their paths, such as `N09.Y(7).Data` or `x(:,2)`.
+//! Those that the scene names are held in memory. [`matrix`] reads one matrix of such a file.
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
+mod walk;
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use flate2::read::ZlibDecoder;
 use nalgebra::DMatrix;
 
 use super::bytes::Bytes;
 use super::error::RecordingError;
-use super::numbers::{Kind, Number};
+use super::numbers::Number;
 use super::table::{Cells, Table, equal_lengths};
+use walk::Element;
 
 const EXPECTED: &str = "a MATLAB file of version 5 with vectors of equal length";
 
-/// Bytes of text, version and byte order before the first variable.
-const HEADER: u64 = 128;
-/// Bytes of a variable within which its name and size are.
-const ABOUT: u64 = 4096;
 /// Largest number of bytes of all vectors, which are held in memory.
 const LARGEST: u64 = 1 << 30;
-/// Largest compression ratio of deflate.
-const TIGHTEST: u64 = 1032;
-
-/// Class of sparse matrices.
-const SPARSE: u32 = 5;
-
-/// Types of elements.
-const MATRIX: u32 = 14;
-const COMPRESSED: u32 = 15;
+/// Largest number of columns, or rows where those are longer, of a matrix that are listed.
+const MOST_COLUMNS: u64 = 4096;
 
 /// The vectors of a file.
 struct Vectors {
@@ -41,6 +31,8 @@ struct Vectors {
     file: File,
     names: Vec<String>,
     all: Vec<Vector>,
+    /// Single numbers.
+    scalars: Vec<(String, Vector)>,
     selected: Vec<(Number, Vec<u8>)>,
     rows: u64,
     row: u64,
@@ -63,32 +55,40 @@ enum Matrix {
     Sparse(Sparse),
 }
 
-/// Location of the numbers of a variable.
+/// Location of numbers: a matrix, or one of its columns or rows.
+#[derive(Clone, Copy)]
 struct Vector {
     element: Element,
-    /// Bytes of the variable before its numbers.
+    /// Bytes of the variable before the numbers of the matrix.
     before: u64,
     number: Number,
-    count: u64,
     rows: u64,
-    /// It has one column or one row, and more than one number.
-    is_vector: bool,
-}
-
-/// A piece of the file with a type of its own.
-#[derive(Clone, Copy)]
-struct Element {
-    kind: u32,
-    start: u64,
-    length: u64,
+    columns: u64,
+    /// Place of the first number in the matrix, distance to the next, and number of numbers.
+    first: u64,
+    stride: u64,
+    count: u64,
 }
 
 /// Opens a file.
 pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
-    let wanted = |bytes: Bytes<'_>, element| Ok(vector(bytes, element)?.filter(|(_, vector)| vector.is_vector));
-    let (names, all) = list(&mut file, wanted).map_err(|cause| wrong(path, &cause))?;
+    let arrays = walk::arrays(&mut file).map_err(|cause| wrong(path, &cause))?;
+    let (mut names, mut all, mut scalars) = (Vec::new(), Vec::new(), Vec::new());
+    for (name, matrix) in arrays {
+        let Matrix::Full(matrix) = matrix else { continue };
+        if matrix.count == 1 {
+            scalars.push((name, matrix));
+        } else {
+            let (own, vectors): (Vec<_>, Vec<_>) = matrix.vectors(&name).into_iter().unzip();
+            names.extend(own);
+            all.extend(vectors);
+        }
+    }
+    if all.is_empty() {
+        return Err(wrong(path, &refuse("no vector of numbers")));
+    }
     let (path, selected) = (path.into(), Vec::new());
-    Ok(Box::new(Vectors { path, file, names, all, selected, rows: 0, row: 0, bytes_read: 0 }))
+    Ok(Box::new(Vectors { path, file, names, all, scalars, selected, rows: 0, row: 0, bytes_read: 0 }))
 }
 
 fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
@@ -103,201 +103,29 @@ fn refuse(found: impl Into<String>) -> io::Error {
     io::Error::other(found.into())
 }
 
-/// Names of the variables that `read` finds in their first bytes, with what it returns.
-fn list<V>(
-    file: &mut File,
-    read: impl Fn(Bytes<'_>, Element) -> io::Result<Option<(String, V)>>,
-) -> io::Result<(Vec<String>, Vec<V>)> {
-    let size = file.metadata()?.len();
-    let mut header = [0; HEADER as usize];
-    file.read_exact(&mut header)?;
-    if header.starts_with(b"MATLAB 7.3") {
-        return Err(refuse("a MATLAB file of version 7.3, which is HDF5 (save it with -v7)"));
-    }
-    let big_endian = match header.last_chunk() {
-        Some([0, 1, b'I', b'M']) => false,
-        Some([1, 0, b'M', b'I']) => true,
-        _ => return Err(refuse("no MATLAB file of version 5")),
-    };
-    let (mut start, mut names, mut all) = (HEADER, Vec::new(), Vec::new());
-    while start < size {
-        let element = next_element(file, start, size, big_endian)?;
-        start = element.start + element.length;
-        if element.length > 0 && (element.kind == MATRIX || element.kind == COMPRESSED) {
-            let mut about = Vec::new();
-            element.open(file)?.take(ABOUT).read_to_end(&mut about)?;
-            if let Some((name, variable)) = read(Bytes { rest: &about, big_endian }, element)? {
-                names.push(name);
-                all.push(variable);
-            }
-        }
-    }
-    if all.is_empty() {
-        return Err(refuse("no vector of numbers"));
-    }
-    Ok((names, all))
-}
-
-fn next_element(file: &mut File, start: u64, size: u64, big_endian: bool) -> io::Result<Element> {
-    let mut tag = [0; 8];
-    file.seek(SeekFrom::Start(start))?;
-    file.read_exact(&mut tag)?;
-    let mut tag = Bytes { rest: &tag, big_endian };
-    let (kind, length, start) = (tag.u32()?, u64::from(tag.u32()?), start + 8);
-    if kind == 0 || kind > 18 {
-        return Err(refuse(format!("no variable at byte {}", start - 8)));
-    }
-    if length > size - start {
-        return Err(io::ErrorKind::UnexpectedEof.into());
-    }
-    Ok(Element { kind, start, length })
-}
-
-impl Element {
-    /// Its bytes, unpacked.
-    fn open<'a>(&self, file: &'a mut File) -> io::Result<Box<dyn Read + 'a>> {
-        file.seek(SeekFrom::Start(self.start))?;
-        let bytes = file.take(self.length);
-        Ok(if self.kind == COMPRESSED { Box::new(ZlibDecoder::new(bytes)) } else { Box::new(bytes) })
-    }
-
-    /// Most bytes that can be in it.
-    const fn most(&self) -> u64 {
-        self.length * if self.kind == COMPRESSED { TIGHTEST } else { 1 }
-    }
-}
-
-/// Class, lengths and name of an array.
-struct Head {
-    class: u32,
-    is_complex: bool,
-    lengths: Vec<u32>,
-    name: String,
-}
-
-/// Reads the head of a variable; nothing where it is no array.
-fn head(bytes: &mut Bytes<'_>, element: Element) -> io::Result<Option<Head>> {
-    if element.kind == COMPRESSED {
-        let (kind, _length) = (bytes.u32()?, bytes.u32()?);
-        if kind != MATRIX {
-            return Ok(None);
-        }
-    }
-    let (_, flags) = part(bytes)?;
-    let flags = Bytes { rest: flags, ..*bytes }.u32()?;
-    let (is_complex, class) = (flags & 0x800 != 0, flags & 0xff);
-    if class != SPARSE && !(6..=15).contains(&class) {
-        return Ok(None);
-    }
-    let (_, dimensions) = part(bytes)?;
-    let mut dimensions = Bytes { rest: dimensions, ..*bytes };
-    let mut lengths = Vec::new();
-    while !dimensions.rest.is_empty() {
-        lengths.push(dimensions.u32()?);
-    }
-    let (_, name) = part(bytes)?;
-    Ok(Some(Head { class, is_complex, lengths, name: String::from_utf8_lossy(name).into_owned() }))
-}
-
-/// Name and numbers of a variable; nothing where it is no full array of real numbers.
-fn vector(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, Vector)>> {
-    let all = bytes.rest.len();
-    let Some(Head { name, lengths, .. }) =
-        head(&mut bytes, element)?.filter(|head| !head.is_complex && head.class != SPARSE)
-    else {
-        return Ok(None);
-    };
-    let count = lengths.iter().fold(1_u64, |count, length| count.saturating_mul((*length).into()));
-    let (long, rows) = (lengths.iter().filter(|length| **length > 1).count(), lengths.first().copied().map(u64::from));
-    let (kind, length) = part_head(&mut bytes)?;
-    let number = number(kind, bytes.big_endian).filter(|_| long <= 2 && count > 0 && !name.is_empty());
-    let Some(number) = number else { return Ok(None) };
-    let before = (all - bytes.rest.len()) as u64;
-    if count.checked_mul(number.bytes.into()) != Some(length) || before + length > element.most() {
-        return Err(refuse(format!("{count} numbers in {length} bytes for `{name}`")));
-    }
-    Ok(Some((name, Vector { element, before, number, count, rows: rows.unwrap_or(1), is_vector: long == 1 })))
-}
-
-/// Type and length of a part of a variable. In its short form both are in four bytes.
-fn part_head(bytes: &mut Bytes<'_>) -> io::Result<(u32, u64)> {
-    let kind = bytes.u32()?;
-    match kind >> 16 {
-        0 => Ok((kind, bytes.u32()?.into())),
-        length => Ok((kind & 0xffff, length.into())),
-    }
-}
-
-/// Type and bytes of a part of a variable, with what fills it up.
-fn part<'a>(bytes: &mut Bytes<'a>) -> io::Result<(u32, &'a [u8])> {
-    let before = bytes.rest.len();
-    let (kind, length) = part_head(bytes)?;
-    let own = bytes.take(length)?;
-    let used = (before - bytes.rest.len()) as u64;
-    bytes.take(used.next_multiple_of(8) - used)?;
-    Ok((kind, own))
-}
-
-fn number(kind: u32, big_endian: bool) -> Option<Number> {
-    let (kind, bytes) = match kind {
-        1 => (Kind::Signed, 1),
-        2 => (Kind::Unsigned, 1),
-        3 => (Kind::Signed, 2),
-        4 => (Kind::Unsigned, 2),
-        5 => (Kind::Signed, 4),
-        6 => (Kind::Unsigned, 4),
-        7 => (Kind::Float, 4),
-        9 => (Kind::Float, 8),
-        12 => (Kind::Signed, 8),
-        13 => (Kind::Unsigned, 8),
-        _ => return None,
-    };
-    Some(Number::new(kind, bytes, big_endian))
-}
-
-/// Name and place of a sparse matrix of real numbers; nothing where a variable is none.
-fn sparse(mut bytes: Bytes<'_>, element: Element) -> io::Result<Option<(String, Sparse)>> {
-    let all = bytes.rest.len();
-    let found = head(&mut bytes, element)?.filter(|head| !head.is_complex && head.class == SPARSE);
-    let Some(Head { name, lengths, .. }) = found else { return Ok(None) };
-    let [rows, columns] = lengths.as_slice() else { return Ok(None) };
-    let (rows, columns) = (*rows as usize, *columns as usize);
-    let before = (all - bytes.rest.len()) as u64;
-    Ok(Some((name, Sparse { element, before, big_endian: bytes.big_endian, rows, columns })))
-}
-
 /// Reads the first of these variables that a file has, as a matrix with up to `most` rows and columns.
 ///
 /// # Errors
 /// No MATLAB file of version 5, none of the variables, a larger matrix; a file that is cut short.
 pub fn matrix(path: &Path, variables: &[&str], most: usize) -> io::Result<DMatrix<f64>> {
     let mut file = File::open(path)?;
-    let (names, all) = list(&mut file, |bytes, element| {
-        Ok(match sparse(bytes, element)? {
-            Some((name, found)) => Some((name, Matrix::Sparse(found))),
-            None => vector(bytes, element)?.map(|(name, found)| (name, Matrix::Full(found))),
-        })
-    })?;
-    let place = variables.iter().find_map(|name| names.iter().position(|found| found == name));
-    let vector = match place.and_then(|place| all.get(place)) {
-        Some(Matrix::Full(vector)) => vector,
-        Some(Matrix::Sparse(sparse)) => return sparse.load(&mut file, most),
+    let arrays = walk::arrays(&mut file)?;
+    let named = variables.iter().find_map(|name| arrays.iter().find(|(found, _)| is_same(found, name)));
+    let vector = match named {
+        Some((_, Matrix::Full(vector))) => vector,
+        Some((_, Matrix::Sparse(sparse))) => return sparse.load(&mut file, most),
         None => {
-            let found = names.join(", ");
+            let found = arrays.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
             return Err(refuse(format!("no matrix {} among its variables: {found}", variables.join(" or "))));
         }
     };
-    let (number, bytes) = vector.load(&mut file)?;
-    if vector.count * 8 > LARGEST {
-        return Err(refuse(format!("{} numbers, more than fit", vector.count)));
-    }
-    let size = usize::from(number.bytes);
-    let values: Vec<f64> = bytes.chunks_exact(size).map(|bytes| number.read(bytes)).collect();
-    let rows = vector.rows as usize;
-    let columns = values.len() / rows.max(1);
+    let (rows, columns) = (vector.rows as usize, vector.columns as usize);
     if rows.max(columns) > most {
         return Err(too_large(rows, columns, most));
     }
+    let (number, bytes) = vector.load(&mut file)?;
+    let values = bytes.chunks_exact(usize::from(number.bytes)).map(|bytes| number.read(bytes));
+    let values: Vec<f64> = values.collect();
     Ok(DMatrix::from_column_slice(rows, columns, &values))
 }
 
@@ -320,7 +148,7 @@ impl Sparse {
         bytes.take(self.before)?;
         let mut numbers = || -> io::Result<Vec<f64>> {
             let (kind, bytes_of) = part(&mut bytes)?;
-            let number = number(kind, self.big_endian).ok_or_else(|| refuse("a sparse matrix of no numbers"))?;
+            let number = walk::number(kind, self.big_endian).ok_or_else(|| refuse("a sparse matrix of no numbers"))?;
             Ok(bytes_of.chunks_exact(number.bytes.into()).map(|bytes| number.read(bytes)).collect())
         };
         let (row_of, first_of, values) = (numbers()?, numbers()?, numbers()?);
@@ -343,15 +171,64 @@ impl Sparse {
     }
 }
 
+/// Type and bytes of a part of a variable in memory; its padding is passed over.
+fn part<'a>(bytes: &mut Bytes<'a>) -> io::Result<(u32, &'a [u8])> {
+    let before = bytes.rest.len();
+    let kind = bytes.u32()?;
+    let (kind, length) = match kind >> 16 {
+        0 => (kind, bytes.u32()?.into()),
+        length => (kind & 0xffff, length.into()),
+    };
+    let own = bytes.take(length)?;
+    let used = (before - bytes.rest.len()) as u64;
+    bytes.take(used.next_multiple_of(8) - used)?;
+    Ok((kind, own))
+}
+
+/// Returns true for two paths of one array: a single structure may have the index 1.
+fn is_same(own: &str, name: &str) -> bool {
+    own == name || (name.contains("(1).") && own == name.replace("(1).", "."))
+}
+
 impl Vector {
+    /// Returns the columns of a matrix with their names, or its rows where those are longer; a vector has the name of the matrix.
+    fn vectors(self, name: &str) -> Vec<(String, Self)> {
+        let Self { rows, columns, .. } = self;
+        if rows == 1 || columns == 1 {
+            return vec![(name.to_owned(), self)];
+        }
+        if rows.min(columns) > MOST_COLUMNS {
+            return vec![];
+        }
+        let column = |j: u64| Self { first: j * rows, stride: 1, count: rows, ..self };
+        let row = |i: u64| Self { first: i, stride: rows, count: columns, ..self };
+        if rows >= columns {
+            (0..columns).map(|j| (format!("{name}(:,{})", j + 1), column(j))).collect()
+        } else {
+            (0..rows).map(|i| (format!("{name}({},:)", i + 1), row(i))).collect()
+        }
+    }
+
     /// Reads its numbers.
     fn load(&self, file: &mut File) -> io::Result<(Number, Vec<u8>)> {
+        let size = u64::from(self.number.bytes);
         let mut source = self.element.open(file)?;
-        io::copy(&mut source.by_ref().take(self.before), &mut io::sink())?;
-        let length = self.count * u64::from(self.number.bytes);
+        io::copy(&mut source.by_ref().take(self.before + self.first * size), &mut io::sink())?;
         let mut bytes = Vec::new();
-        source.take(length).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 != length {
+        if self.stride == 1 {
+            source.take(self.count * size).read_to_end(&mut bytes)?;
+        } else {
+            let mut number = [0; 8];
+            let number = &mut number[..usize::from(self.number.bytes.min(8))];
+            for place in 0..self.count {
+                if place > 0 {
+                    io::copy(&mut source.by_ref().take((self.stride - 1) * size), &mut io::sink())?;
+                }
+                source.read_exact(number)?;
+                bytes.extend_from_slice(number);
+            }
+        }
+        if bytes.len() as u64 != self.count * size {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
         Ok((self.number, bytes))
@@ -370,6 +247,20 @@ impl Vectors {
 impl Table for Vectors {
     fn columns(&self) -> &[String] {
         &self.names
+    }
+
+    fn is_called(&self, place: usize, name: &str) -> bool {
+        self.names.get(place).is_some_and(|own| is_same(own, name))
+    }
+
+    fn scalar(&mut self, name: &str) -> Result<Option<f64>, RecordingError> {
+        let Some((_, scalar)) = self.scalars.iter().find(|(own, _)| is_same(own, name)) else { return Ok(None) };
+        let (number, bytes) = scalar.load(&mut self.file).map_err(|cause| wrong(&self.path, &cause))?;
+        Ok(Some(number.read(&bytes)))
+    }
+
+    fn scalar_names(&self) -> Vec<String> {
+        self.scalars.iter().map(|(name, _)| name.clone()).collect()
     }
 
     fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {

@@ -3,15 +3,18 @@
 mod average;
 mod bytes;
 pub mod clock;
+mod compressed;
 mod csv;
 pub mod error;
 pub mod flaws;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod harness;
+mod hdf5;
 pub mod mat;
 mod memory;
 mod npy;
+mod npz;
 mod numbers;
 mod parquet;
 pub mod preview;
@@ -22,6 +25,7 @@ pub mod run_out;
 pub mod status;
 mod table;
 mod tdms;
+mod uff;
 mod wav;
 pub mod write;
 

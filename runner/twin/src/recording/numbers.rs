@@ -121,6 +121,17 @@ pub(super) struct Layout {
     pub(super) torn: bool,
     /// Values that the format allows.
     pub(super) expected: &'static str,
+    /// Single numbers of the file, each a run of one.
+    pub(super) scalars: Vec<(String, Run)>,
+    /// Assumptions about the file.
+    pub(super) notes: Vec<String>,
+}
+
+impl Layout {
+    /// Columns alone, of a file that is not cut short.
+    pub(super) const fn of(lanes: Vec<Lane>, expected: &'static str) -> Self {
+        Self { lanes, torn: false, expected, scalars: vec![], notes: vec![] }
+    }
 }
 
 /// A file whose numbers are not compressed.
@@ -201,6 +212,22 @@ impl Table for Numbers {
 
     fn rate(&self) -> Option<f64> {
         self.rate
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.layout.notes.clone()
+    }
+
+    fn scalar(&mut self, name: &str) -> Result<Option<f64>, RecordingError> {
+        let Some((_, run)) = self.layout.scalars.iter().find(|(own, _)| own == name) else { return Ok(None) };
+        let mut bytes = vec![0; run.number.bytes.into()];
+        let read = self.file.seek(SeekFrom::Start(run.start)).and_then(|_| self.file.read_exact(&mut bytes));
+        let failed = |cause| RecordingError::Read { file: self.path.clone(), line: 0, cause };
+        read.map_err(failed).map(|()| Some(run.number.read(&bytes)))
+    }
+
+    fn scalar_names(&self) -> Vec<String> {
+        self.layout.scalars.iter().map(|(name, _)| name.clone()).collect()
     }
 
     fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {

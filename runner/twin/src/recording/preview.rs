@@ -1,14 +1,15 @@
 //! First look at a recording without a scene: its columns, their units and their probable meaning.
 
-use super::csv::CsvTable;
 use super::error::RecordingError;
 use super::table::{self, Cells, Table};
-use crate::scene::units;
+use crate::scene::{FileLayout, units};
 use std::fs::File;
 use std::path::Path;
 
 /// Number of rows that are read.
 const ROWS: usize = 4096;
+/// Number of columns that are read one after the other where they cannot be read together.
+const SEPARATE: usize = 256;
 /// Largest share of rows in which a keyphasor is on its rarer level.
 const PULSES: f64 = 0.4;
 /// Parts of names of keyphasors.
@@ -35,6 +36,10 @@ pub struct Preview {
     pub columns: Vec<PreviewColumn>,
     /// Sampling rate that the file states, Hz.
     pub rate: Option<f64>,
+    /// The file is text without a line of names.
+    pub is_headless: bool,
+    /// The file was sampled in step with the shaft.
+    pub is_synchronous: bool,
 }
 
 /// One column.
@@ -82,23 +87,39 @@ pub enum NamedDirection {
 /// No such file, an unknown format, no header, no row.
 pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     let unopened = |cause| RecordingError::Open { file: path.into(), cause };
-    let mut file = File::open(path).map_err(unopened)?;
+    let file = File::open(path).map_err(unopened)?;
     if file.metadata().map_err(unopened)?.is_dir() {
         return Err(RecordingError::Folder { file: path.into() });
     }
-    let mut table: Box<dyn Table> = match table::binary(&mut file, path).map_err(unopened)? {
-        Some(open) => open(file, path)?,
-        None => Box::new(CsvTable::new(Box::new(file), path)?),
-    };
-    let count = table.columns().len();
-    table.select(&(0..count).collect::<Vec<_>>())?;
-    let mut values = vec![Vec::new(); count];
-    let mut cells = Cells::default();
-    while values.first().is_some_and(|column| column.len() < ROWS) && table.next(&mut cells)? {
-        for (column, value) in values.iter_mut().zip(&cells.values) {
-            column.push(*value);
+    drop(file);
+    let open = |layout| Ok::<_, RecordingError>(table::open(File::open(path).map_err(unopened)?, path, layout)?.0);
+    let mut layout = FileLayout::default();
+    let mut table = match open(layout) {
+        Err(RecordingError::NoHeader { .. }) => {
+            layout.is_headless = true;
+            open(layout)?
         }
-    }
+        opened => opened?,
+    };
+    let is_headless = layout.is_headless;
+    let places: Vec<_> = (0..table.columns().len()).collect();
+    let values = match table.select(&places) {
+        // Columns that do not go together, such as those of different lengths.
+        Err(RecordingError::Format { .. }) if places.len() > 1 => {
+            let mut values = vec![Vec::new(); places.len()];
+            for (place, column) in values.iter_mut().enumerate().take(SEPARATE) {
+                table = open(layout)?;
+                if table.select(&[place]).is_ok() {
+                    *column = first_rows(table.as_mut(), 1)?.pop().unwrap_or_default();
+                }
+            }
+            values
+        }
+        selected => {
+            selected?;
+            first_rows(table.as_mut(), places.len())?
+        }
+    };
     if values.iter().all(Vec::is_empty) {
         return Err(RecordingError::NoRows { file: path.into() });
     }
@@ -107,7 +128,21 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
         let role = role(&name, table.unit(place), values);
         PreviewColumn { name, role }
     };
-    Ok(Preview { columns: values.iter().enumerate().map(column).collect(), rate: table.rate() })
+    let columns = values.iter().enumerate().map(column).collect();
+    let is_synchronous = table.samples_per_revolution().is_some();
+    Ok(Preview { columns, rate: table.rate(), is_headless, is_synchronous })
+}
+
+/// Returns the first rows of the selected columns.
+fn first_rows(table: &mut dyn Table, count: usize) -> Result<Vec<Vec<f64>>, RecordingError> {
+    let mut values = vec![Vec::new(); count];
+    let mut cells = Cells::default();
+    while values.first().is_some_and(|column| column.len() < ROWS) && table.next(&mut cells)? {
+        for (column, value) in values.iter_mut().zip(&cells.values) {
+            column.push(*value);
+        }
+    }
+    Ok(values)
 }
 
 fn role(name: &str, unit: Option<&str>, values: &[f64]) -> ColumnRole {
@@ -220,5 +255,31 @@ mod tests {
         assert!(
             matches!(&found.columns[1].role, ColumnRole::Displacement(unit, Some(NamedDirection::X)) if unit == "um")
         );
+    }
+
+    #[test]
+    fn columns_of_every_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let cases: [(&[u8], usize, Option<f64>); 9] = [
+            (include_bytes!("mat/structures-packed.mat"), 10, None),
+            (include_bytes!("hdf5/earliest.h5"), 12, None),
+            (include_bytes!("hdf5/matlab.mat"), 11, None),
+            (include_bytes!("npz/stored.npz"), 6, None),
+            (include_bytes!("npz/packed.npz"), 6, None),
+            (include_bytes!("uff/text.uff"), 3, Some(1000.0)),
+            (include_bytes!("uff/binary.uff"), 3, Some(1000.0)),
+            (b"0.5 2\n1.5 3\n", 2, None),
+            (b"t;x_um\n0,5;2\n1,5;3\n", 2, None),
+        ];
+        for (place, (bytes, columns, rate)) in cases.into_iter().enumerate() {
+            let path = folder.path().join("r.bin");
+            std::fs::write(&path, bytes).unwrap();
+            let found = preview(&path).unwrap();
+            assert_eq!((found.columns.len(), found.rate.map(f64::round)), (columns, rate), "{place}");
+        }
+        let path = folder.path().join("r.uff");
+        std::fs::write(&path, include_bytes!("uff/text.uff")).unwrap();
+        let roles: Vec<_> = preview(&path).unwrap().columns.into_iter().map(|column| column.role).collect();
+        assert!(matches!(&roles[0], ColumnRole::Displacement(unit, _) if unit == "um"), "{roles:?}");
     }
 }

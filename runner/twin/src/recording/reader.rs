@@ -5,13 +5,14 @@
 mod tests;
 
 use std::collections::VecDeque;
+use std::f64::consts::TAU;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::Row;
 use super::clock::{Grid, LEARN, StampPosition};
-use super::csv::CsvTable;
+use super::csv;
 use super::error::{RecordingError, listed, nearest};
 use super::flaws::{Flaw, FlawLedger, Position};
 use super::memory::Memory;
@@ -50,6 +51,8 @@ pub struct Reader<'a> {
 struct Wanted {
     stamp: Option<Column>,
     rotation: Option<Column>,
+    /// Speed of every row without a column of it, rad/s.
+    speed: Option<f64>,
     probes: Vec<Column>,
 }
 
@@ -82,18 +85,18 @@ impl<'a> Reader<'a> {
     /// a cell that is not a number among the first rows, a unit or a rate that is not the scene's.
     pub fn open(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
         let unopened = |cause| RecordingError::Open { file: path.into(), cause };
-        let mut file = File::open(path).map_err(unopened)?;
+        let file = File::open(path).map_err(unopened)?;
         let about = file.metadata().map_err(unopened)?;
         if about.is_dir() {
             return Err(RecordingError::Folder { file: path.into() });
         }
         // A pipe has no size and cannot be rewound.
         let size = about.is_file().then_some(about.len());
-        let open = if size.is_some() { table::binary(&mut file, path).map_err(unopened)? } else { None };
-        match open {
-            Some(open) => Self::new(open(file, path)?, path, size, recording),
-            None => Self::from_reader(Box::new(file), path, size, recording),
+        if size.is_some() {
+            let (table, size) = table::open(file, path, recording.layout)?;
+            return Self::new(table, path, size, recording);
         }
+        Self::from_reader(Box::new(file), path, size, recording)
     }
 
     /// As [`open`](Self::open), from any source of CSV text; `name` stands in messages.
@@ -106,7 +109,7 @@ impl<'a> Reader<'a> {
         size: Option<u64>,
         recording: &Recording,
     ) -> Result<Self, RecordingError> {
-        Self::new(Box::new(CsvTable::new(reader, name)?), name, size, recording)
+        Self::new(csv::open(reader, name, recording.layout)?, name, size, recording)
     }
 
     /// As [`open`](Self::open), from columns in memory, which are not copied; `name` stands in messages.
@@ -130,9 +133,18 @@ impl<'a> Reader<'a> {
     ) -> Result<Self, RecordingError> {
         let columns = recording.with_sensors_as_probes();
         let recording = columns.as_ref();
-        let wanted = Wanted::new(table.as_ref(), recording, name)?;
+        let mut wanted = Wanted::new(table.as_ref(), recording, name)?;
         wanted.check_units(table.as_ref(), recording, name)?;
+        if let Some(stamp) = &wanted.stamp {
+            table.set_time(stamp.place);
+        }
         table.select(&wanted.places())?;
+        let rate = rate(table.as_mut(), recording, name)?;
+        if recording.rotation == RotationSource::Synchronous {
+            let samples = table.samples_per_revolution();
+            let samples = samples.ok_or_else(|| RecordingError::NotSynchronous { file: name.into() })?;
+            wanted.speed = rate.map(|rate| TAU * rate / samples);
+        }
         let mut reader = Self {
             name: name.into(),
             size,
@@ -140,7 +152,7 @@ impl<'a> Reader<'a> {
             wanted,
             cells: Cells::default(),
             ahead: VecDeque::new(),
-            timing: Timing::Rate { rate: 1.0, next: 0 },
+            timing: Timing::Rate { rate: rate.unwrap_or(1.0), next: 0 },
             watches: Vec::new(),
             ledger: FlawLedger::default(),
             ended: false,
@@ -156,6 +168,12 @@ impl<'a> Reader<'a> {
             Timing::Rate { rate, .. } => *rate,
             Timing::Stamps(grid) => 1.0 / grid.step(),
         }
+    }
+
+    /// Returns assumptions about the file, for the report.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        self.table.notes()
     }
 
     /// Names of all columns of the file.
@@ -201,18 +219,20 @@ impl<'a> Reader<'a> {
             return Err(RecordingError::NoRows { file: self.name.clone() });
         }
         self.check_rate(recording)?;
-        self.timing = match &recording.clock {
-            Clock::Rate(rate) => Timing::Rate { rate: *rate, next: 0 },
-            Clock::Column(column) => Timing::Stamps(self.learn(column)?),
-        };
+        if let Clock::Column(column) = &recording.clock {
+            self.timing = Timing::Stamps(self.learn(column)?);
+        }
         self.watches = recording.probes.iter().map(|_| ProbeWatch::new(self.rate())).collect();
         Ok(())
     }
 
     /// Checks that a rate in the file is the scene's.
     fn check_rate(&self, recording: &Recording) -> Result<(), RecordingError> {
-        let (Some(found), Clock::Rate(expected)) = (self.table.rate(), &recording.clock) else { return Ok(()) };
-        if (found / expected - 1.0).abs() <= RATE_TOLERANCE {
+        let (Some(found), Timing::Rate { rate: expected, .. }) = (self.table.rate(), &self.timing) else {
+            return Ok(());
+        };
+        let is_time = matches!(recording.clock, Clock::Column(_));
+        if is_time || (found / expected - 1.0).abs() <= RATE_TOLERANCE {
             return Ok(());
         }
         Err(RecordingError::Rate { file: self.name.clone(), found, expected: *expected })
@@ -377,15 +397,15 @@ impl Wanted {
             RotationSource::Keyphasor { column: name, .. } | RotationSource::SpeedColumn { column: name, .. } => {
                 Some(column(name, recording.rotation.factor().unwrap_or(1.0))?)
             }
-            RotationSource::Scene => None,
+            RotationSource::Scene | RotationSource::Synchronous => None,
         };
         let stamp = match &recording.clock {
-            Clock::Rate(_) => None,
+            Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
             Clock::Column(name) => Some(column(name, 1.0)?),
         };
         let probe = |of: &Probe| column(&of.column, of.metres_per_unit).map(|c| Column { offset: of.offset, ..c });
         let probes = recording.probes.iter().map(probe);
-        Ok(Self { probes: probes.collect::<Result<_, _>>()?, rotation, stamp })
+        Ok(Self { probes: probes.collect::<Result<_, _>>()?, rotation, speed: None, stamp })
     }
 
     fn columns(&self) -> impl Iterator<Item = &Column> + Clone {
@@ -431,10 +451,37 @@ impl Wanted {
         let mut values = values.iter();
         let mut next = |column: &Column| values.next().map_or(f64::NAN, |value| value * column.unit - column.offset);
         row.time = self.stamp.as_ref().map_or(0.0, &mut next);
-        row.rotation = self.rotation.as_ref().map_or(0.0, &mut next);
+        row.rotation = self.rotation.as_ref().map_or(self.speed.unwrap_or(0.0), &mut next);
         row.probes.clear();
         row.probes.extend(self.probes.iter().map(next));
     }
+}
+
+/// Returns the sampling rate, Hz, unless it follows from time stamps.
+fn rate(table: &mut dyn Table, recording: &Recording, file: &Path) -> Result<Option<f64>, RecordingError> {
+    let stated = |found, expected| RecordingError::StatedRate { file: file.into(), found, expected };
+    let rate = match &recording.clock {
+        Clock::Column(_) => return Ok(None),
+        Clock::Rate(rate) => return Ok(Some(*rate)),
+        Clock::Stated => {
+            table.rate().ok_or_else(|| stated("none".into(), "rate = \"12.8 kHz\" or `time` in the scene"))?
+        }
+        Clock::Number { name, hertz } => {
+            let number = table.scalar(name)?.ok_or_else(|| {
+                let names = table.scalar_names();
+                let found = match names.as_slice() {
+                    [] => "rate = \"12.8 kHz\": the file has no single number".to_owned(),
+                    names => format!("one of {}", listed(names)),
+                };
+                RecordingError::AbsentNumber { file: file.into(), number: name.clone(), found }
+            })?;
+            number * hertz
+        }
+    };
+    if rate.is_finite() && rate > 0.0 {
+        return Ok(Some(rate));
+    }
+    Err(stated(format!("{rate} Hz"), "a rate above 0"))
 }
 
 /// Index of a column that the scene names.

@@ -253,6 +253,7 @@ impl Tracker {
                 Source::Keyphasor(Box::new(Keyphasor::new(column, wheel, signal, rate, is_reversed(speed))))
             }
             RotationSource::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
+            RotationSource::Synchronous => Source::Column(SpeedColumn::synchronous(rate, is_reversed(speed))),
             RotationSource::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
         let rotation = rotation.clone();
@@ -390,6 +391,7 @@ impl Tracker {
             RotationSource::SpeedColumn { column, .. } => {
                 format!("speed in column {column}, angle 0 at the first sample")
             }
+            RotationSource::Synchronous => "samples synchronous with the shaft, angle 0 at the first sample".to_owned(),
             RotationSource::Scene => "the scene's shaft speed, angle 0 at the first sample".to_owned(),
         }
     }

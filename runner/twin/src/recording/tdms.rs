@@ -75,7 +75,7 @@ fn read(file: &mut File) -> io::Result<Layout> {
         }
     }
     let lanes = objects.all.into_iter().filter_map(Object::lane).collect();
-    Ok(Layout { lanes, torn, expected: EXPECTED })
+    Ok(Layout { torn, ..Layout::of(lanes, EXPECTED) })
 }
 
 /// Lead-in of a segment.

@@ -103,5 +103,5 @@ fn layout(format: &Format, start: u64, length: u64, size: u64) -> Layout {
         Lane { rate: Some(format.rate.into()), ..Lane::even(format!("c{channel}"), run) }
     };
     let torn = there < length || !there.is_multiple_of(frame);
-    Layout { lanes: (0..format.channels).map(lane).collect(), torn, expected: EXPECTED }
+    Layout { torn, ..Layout::of((0..format.channels).map(lane).collect(), EXPECTED) }
 }

@@ -160,5 +160,6 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
             progress(Progress::Read(read, total));
         }
     }
+    replay.add_notes(reader.notes());
     replay.finish(recording_name, reader.flaws().summary())
 }

@@ -219,6 +219,11 @@ impl<'a> Replay<'a> {
         self.pipeline.notes.extend(note);
     }
 
+    /// Adds notes to those of the outcome.
+    pub(super) fn add_notes(&mut self, notes: Vec<String>) {
+        self.pipeline.notes.extend(notes);
+    }
+
     /// Ends the recording and returns the outcome. `flaws` are those that the reader found.
     ///
     /// # Errors

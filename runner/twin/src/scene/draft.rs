@@ -173,12 +173,18 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
     page.table("[recording]");
     page.key("file", &quoted(file), "from the folder of this scene");
     let column = |role: &ColumnRole| preview.columns.iter().find(|column| column.role == *role);
+    if preview.is_headless {
+        page.key("header", "false", "the first line has values; the columns are c0, c1, ...");
+    }
     match (column(&ColumnRole::Time), preview.rate) {
+        (None, Some(_)) if preview.is_synchronous => page.key("rate", "\"file\"", "samples per revolution times speed"),
         (Some(time), _) => page.key("time", &quoted(&time.name), "column of the time in s"),
         (None, Some(rate)) => page.key("rate", &quoted(&format!("{rate} Hz")), "as the file states"),
         (None, None) => page.text("rate", None, "samples per second, such as \"12.8 kHz\": settings of the recorder"),
     }
-    if let Some(keyphasor) = column(&ColumnRole::Keyphasor) {
+    if preview.is_synchronous {
+        page.key("keyphasor", "\"synchronous\"", "the file was sampled in step with the shaft, from its mark");
+    } else if let Some(keyphasor) = column(&ColumnRole::Keyphasor) {
         let value = format!("{{ column = {}, pulses_per_turn = 1 }}", quoted(&keyphasor.name));
         page.key("keyphasor", &value, "number of marks on the shaft");
     } else if let Some((speed, unit)) = preview.columns.iter().find_map(speed) {
@@ -258,7 +264,7 @@ mod tests {
             column("DE_X_V", ColumnRole::GapVoltage("V".to_owned(), Some(NamedDirection::X))),
             column("key", ColumnRole::Keyphasor),
         ];
-        let preview = Preview { columns, rate: None };
+        let preview = Preview { columns, rate: None, is_headless: false, is_synchronous: false };
         let text = draft(&Draft { recording: Some(("a.csv".to_owned(), &preview)), ..Draft::default() });
         let line = "{ column = \"DE_X_V\", unit = \"V\", sensitivity = \"?\", offset = \"?\", station = \"?\", angle = \"0 deg\" }";
         assert!(text.contains(line) && text.contains("such as \"7.87 mV/um\"") && text.contains("[rotor]"), "{text}");

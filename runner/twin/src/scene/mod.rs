@@ -16,7 +16,8 @@ pub mod units;
 
 pub use flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use recording::{
-    Clock, Direction, KeyphasorSignal, Probe, PulseDetection, Recording, RotationSource, Sensor, Slope,
+    Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,
+    Sensor, Slope,
 };
 
 use crate::catalogue::Listed;

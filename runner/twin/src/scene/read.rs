@@ -20,8 +20,9 @@ use super::table::{Node, Read, Source, Table, line_of};
 pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
-    Allowed, Bearing, Clock, Direction, Indicator, Integration, KeyphasorSignal, Limit, Method, Observer, Probe,
-    PulseDetection, Recording, RotationSource, Scene, Sensor, Shaft, Slope, Speed, System, SystemUnbalance,
+    Allowed, Bearing, Clock, Direction, FileLayout, Indicator, Integration, KeyphasorSignal, Limit, Method, Observer,
+    Orientation, Probe, PulseDetection, Recording, RotationSource, Scene, Sensor, Shaft, Slope, Speed, System,
+    SystemUnbalance,
 };
 use catalogue::Expansion;
 
@@ -323,8 +324,20 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
 type Taken = Vec<(String, &'static str)>;
 
 fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> {
-    let table =
-        node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed", "run_out"])?;
+    let keys = [
+        "file",
+        "rate",
+        "time",
+        "average",
+        "probes",
+        "sensors",
+        "keyphasor",
+        "speed",
+        "run_out",
+        "header",
+        "orientation",
+    ];
+    let table = node.table(&keys)?;
     let wants = "the name of the recording, relative to the scene's folder";
     let file = table.required("file", wants)?.text(wants)?;
     let mut taken = Taken::new();
@@ -332,6 +345,7 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> 
     Ok(Recording {
         average,
         file: scene.parent().unwrap_or(Path::new("")).join(file),
+        layout: file_layout(&table)?,
         clock: clock(&table, &mut taken)?,
         sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
         probes: if table.has("sensors") { vec![] } else { probes(&table, average, on_system, &mut taken)? },
@@ -352,6 +366,14 @@ fn run_out(node: &Node<'_>, table: &Table<'_>, scene: &Path) -> Read<PathBuf> {
     Ok(scene.parent().unwrap_or(Path::new("")).join(file))
 }
 
+fn file_layout(table: &Table<'_>) -> Read<FileLayout> {
+    let orientations = [("samples-first", Orientation::SamplesFirst), ("channels-first", Orientation::ChannelsFirst)];
+    Ok(FileLayout {
+        is_headless: !table.read("header", Node::boolean)?.unwrap_or(true),
+        orientation: table.read("orientation", |n| n.choice(&orientations))?,
+    })
+}
+
 fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
     if table.has("sensors") {
         return Err(node.fail("average beside sensors", "sensors at the recording's own rate"));
@@ -363,11 +385,26 @@ fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
     let choice = "exactly one of rate (samples per second, such as \"12.8 kHz\") \
                   and time (the name of a column in seconds)";
     match (table.optional("rate"), table.optional("time")) {
-        (Some(rate), None) => rate.positive(Dimension::Frequency).map(Clock::Rate),
+        (Some(rate), None) => sampling_rate(&rate, taken),
         (None, Some(time)) => column_name(&time, "time", taken).map(Clock::Column),
         (Some(_), Some(time)) => Err(time.fail("both rate and time", choice)),
         (None, None) => Err(table.fail("neither rate nor time", choice)),
     }
+}
+
+fn sampling_rate(node: &Node<'_>, taken: &mut Taken) -> Read<Clock> {
+    if node.text("").is_ok_and(|text| text == "file") {
+        return Ok(Clock::Stated);
+    }
+    if !node.is_table() {
+        return node.positive(Dimension::Frequency).map(Clock::Rate);
+    }
+    let table = node.table(&["column", "unit"])?;
+    let name = table.required("column", "the name of a single number of the recording")?;
+    Ok(Clock::Number {
+        name: column_name(&name, "the rate", taken)?,
+        hertz: unit(&table, units::frequency_column, "Hz or kHz")?,
+    })
 }
 
 fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -> Read<Vec<Probe>> {
@@ -490,7 +527,15 @@ fn probe_station(table: &Table<'_>, direction: Direction, on_system: bool) -> Re
 fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
     match (table.optional("keyphasor"), table.optional("speed")) {
         (None, None) => Ok(RotationSource::Scene),
-        (Some(node), None) => keyphasor(&node, taken),
+        (Some(node), None) => {
+            let source = keyphasor(&node, taken)?;
+            if source == RotationSource::Synchronous
+                && let Some(time) = table.optional("time")
+            {
+                return Err(time.fail("time beside keyphasor = \"synchronous\"", "rate = \"file\""));
+            }
+            Ok(source)
+        }
         (None, Some(node)) => speed_column(&node, taken),
         (Some(_), Some(node)) => {
             Err(node.fail("both keyphasor and speed", "at most one of them as the source of the shaft angle"))
@@ -499,6 +544,9 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
 }
 
 fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
+    if !node.is_table() {
+        return node.choice(&[("synchronous", ())]).map(|()| RotationSource::Synchronous);
+    }
     let table =
         node.table(&["column", "pulses_per_turn", "missing", "kind", "unit", "threshold", "hysteresis", "slope"])?;
     let column = table.required("column", "the name of the column with the pulses")?;

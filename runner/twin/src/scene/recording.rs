@@ -9,6 +9,8 @@ use std::path::PathBuf;
 pub struct Recording {
     /// Path of the recording, joined to the scene's folder.
     pub file: PathBuf,
+    /// Layout of the table in the file.
+    pub layout: FileLayout,
     /// Sampling: a rate or a column of times.
     pub clock: Clock,
     /// Samples averaged into one before anything is computed from them.
@@ -28,8 +30,35 @@ pub struct Recording {
 pub enum Clock {
     /// `rate`, Hz
     Rate(f64),
+    /// `rate = "file"`: the rate that the file states
+    Stated,
+    /// `rate = { column, unit }`: a single number of the file
+    Number {
+        /// Name of the number.
+        name: String,
+        /// Hz for one unit of the number
+        hertz: f64,
+    },
     /// `time`: a column in seconds
     Column(String),
+}
+
+/// Layout of the table in a file whose format does not state it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FileLayout {
+    /// `header = false`: the first line of a text has values, and the columns are `c0`, `c1`, ...
+    pub is_headless: bool,
+    /// `orientation` of an array; detected where it is not given.
+    pub orientation: Option<Orientation>,
+}
+
+/// Dimension of an array along which the samples follow each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Orientation {
+    /// `"samples-first"`: a row for each sample.
+    SamplesFirst,
+    /// `"channels-first"`: a row for each channel.
+    ChannelsFirst,
 }
 
 /// One probe.
@@ -146,6 +175,8 @@ pub enum RotationSource {
         /// rad/s for one unit of the column
         radians_per_second: f64,
     },
+    /// `keyphasor = "synchronous"`: the file states the samples per revolution, and its first sample is at angle 0.
+    Synchronous,
     /// Neither: the scene's `[shaft] speed` applies, from angle 0.
     Scene,
 }
@@ -164,7 +195,7 @@ impl RotationSource {
                 pulses.volts_per_unit.and_then(units::voltage_name)
             }
             Self::SpeedColumn { radians_per_second, .. } => units::speed_name(*radians_per_second),
-            Self::Keyphasor { .. } | Self::Scene => None,
+            Self::Keyphasor { .. } | Self::Synchronous | Self::Scene => None,
         }
     }
 
@@ -177,7 +208,7 @@ impl RotationSource {
             }
             Self::Keyphasor { signal: KeyphasorSignal::Count, .. } => Some(1.0),
             Self::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
-            Self::Scene => None,
+            Self::Synchronous | Self::Scene => None,
         }
     }
 }

@@ -263,6 +263,11 @@ pub fn voltage_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Voltage, "a unit of voltage: V or mV")
 }
 
+/// Hertz in one unit of a sampling rate in a recording.
+pub fn frequency_column(unit: &str) -> Result<f64, Mismatch> {
+    column(unit, Dimension::Frequency, "a unit of frequency: Hz or kHz")
+}
+
 /// Returns true where the unit of a column in the file differs from the scene's. A text that is no unit here, such as that of
 /// a sensor, contradicts nothing, nor does a voltage where the scene has none: recorders write `V` beside scaled values.
 pub fn contradict(found: &str, meant: &str) -> bool {

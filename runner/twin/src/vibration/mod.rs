@@ -117,6 +117,7 @@ pub fn replay(
             .to_owned(),
     ];
     notes.extend(signals.iter().map(|s| statistics_note(&s.sensor, &s.signal)));
+    notes.extend(reader.notes());
     if !is_complete {
         notes.push(format!("Only the first {MOST_SAMPLES} samples were looked at."));
     }

@@ -4,6 +4,7 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 
 use super::RecordingError;
+use super::decimal::DecimalMark;
 use super::source::failed;
 
 /// Largest length of the first line; a longer one is a binary file.
@@ -21,11 +22,13 @@ pub(super) struct Header {
     pub(super) line: u64,
     /// Bytes read.
     pub(super) bytes: u64,
+    /// The first line, where it is a row.
+    pub(super) first_row: Vec<u8>,
 }
 
 impl Header {
     /// Reads the first line that is not blank.
-    pub(super) fn read(reader: &mut impl BufRead, file: &Path) -> Result<Self, RecordingError> {
+    pub(super) fn read(reader: &mut impl BufRead, file: &Path, is_headless: bool) -> Result<Self, RecordingError> {
         let (mut text, mut line, mut bytes) = (Vec::new(), 0, 0);
         while text.trim_ascii().is_empty() {
             text.clear();
@@ -43,18 +46,46 @@ impl Header {
                 return Err(RecordingError::NotText { file: file.into(), line });
             }
         }
-        Self::parse(text.trim_ascii_end(), line, bytes, file)
+        if is_headless { Ok(Self::headless(text, line)) } else { Self::parse(text.trim_ascii_end(), line, bytes, file) }
+    }
+
+    /// Returns the header of a file whose first line is a row already.
+    fn headless(first_row: Vec<u8>, line: u64) -> Self {
+        let delimiter = numeric_delimiter(&first_row);
+        let squeezed =
+            first_row.split(|byte| *byte == b' ').filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(&b' ');
+        let row = if delimiter == b' ' { squeezed.as_slice() } else { &first_row };
+        let mut cells = names(row.trim_ascii_end(), delimiter);
+        while cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
+            cells.pop();
+        }
+        let names = (0..cells.len()).map(|place| format!("c{place}")).collect();
+        Self { names, delimiter, line: line - 1, bytes: 0, first_row }
     }
 
     fn parse(text: &[u8], line: u64, bytes: u64, file: &Path) -> Result<Self, RecordingError> {
         let delimiter = delimiter(text);
         let names = names(text, delimiter);
-        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+        let are_numbers = |names: &[String], mark: DecimalMark| {
+            names.iter().all(|name| mark.number(name.as_bytes()).is_some()) && names.iter().any(|name| !name.is_empty())
+        };
+        let other = numeric_delimiter(text);
+        let is_comma = other != b',' && are_numbers(&self::names(text, other), DecimalMark::Comma);
+        let row = String::from_utf8_lossy(text);
+        let words: Vec<String> = row.split_whitespace().map(str::to_owned).collect();
+        if is_comma || are_numbers(&names, DecimalMark::Point) || are_numbers(&words, DecimalMark::Point) {
             let found = shortened(text);
             return Err(RecordingError::NoHeader { file: file.into(), line, found });
         }
-        Ok(Self { names, delimiter, line, bytes })
+        Ok(Self { names, delimiter, line, bytes, first_row: Vec::new() })
     }
+}
+
+/// Returns the delimiter of a row of numbers: a comma beside another delimiter is a decimal comma, and blanks count where there
+/// is no other.
+fn numeric_delimiter(row: &[u8]) -> u8 {
+    let others = DELIMITERS.into_iter().skip(1).chain([b',', b' ']);
+    others.into_iter().find(|delimiter| row.trim_ascii().contains(delimiter)).unwrap_or(b',')
 }
 
 /// Returns the delimiter that gives the most cells; of equal ones the more likely.
@@ -80,7 +111,7 @@ fn names(text: &[u8], delimiter: u8) -> Vec<String> {
 }
 
 /// UTF-8, or else Latin-1, in which loggers on Windows write their micro and degree signs.
-fn decoded(text: &[u8]) -> String {
+pub(super) fn decoded(text: &[u8]) -> String {
     match str::from_utf8(text) {
         Ok(text) => text.to_owned(),
         Err(_) => text.iter().map(|byte| char::from(*byte)).collect(),

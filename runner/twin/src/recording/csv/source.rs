@@ -54,6 +54,41 @@ impl Read for Source {
     }
 }
 
+/// Text with one blank where the inner text has several, and none at the beginning of a line.
+pub(super) struct SqueezedBlanks<R> {
+    inner: R,
+    /// The last byte was a blank or the end of a line.
+    is_separated: bool,
+}
+
+impl<R: Read> SqueezedBlanks<R> {
+    pub(super) const fn new(inner: R) -> Self {
+        Self { inner, is_separated: true }
+    }
+}
+
+impl<R: Read> Read for SqueezedBlanks<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let count = self.inner.read(buffer)?;
+            let mut kept = 0;
+            for place in 0..count {
+                let byte = buffer[place];
+                if byte == b' ' && self.is_separated {
+                    continue;
+                }
+                self.is_separated = matches!(byte, b' ' | b'\n');
+                buffer[kept] = byte;
+                kept += 1;
+            }
+            // No bytes would be the end of the text.
+            if kept > 0 || count == 0 {
+                return Ok(kept);
+            }
+        }
+    }
+}
+
 /// Returns the error of reading after `line`.
 pub(super) fn failed(file: &Path, line: u64, cause: io::Error) -> RecordingError {
     RecordingError::Read { file: file.into(), line, cause }

@@ -4,8 +4,9 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
+use crate::recording::Reader;
 use crate::recording::harness::{cut_short, damaged, error, probe, read_file, recording, values};
-use crate::scene::Clock;
+use crate::scene::{Clock, Recording};
 
 fn element(kind: u32, bytes: &[u8]) -> Vec<u8> {
     let mut out = [kind.to_le_bytes(), (bytes.len() as u32).to_le_bytes()].concat();
@@ -59,17 +60,90 @@ fn vectors_are_exact() {
 fn what_the_scene_names_has_to_be_there() {
     assert_eq!(
         error(&file(), &recording(&["X"])),
-        ": no such column: `X` (did you mean `x`?), expected one of `x`, `y`, `few`"
+        ": no such column: `X` (did you mean `x`?), expected one of `x`, `y`, `square(:,1)`, `square(:,2)`, `few`"
     );
     let said = error(&file(), &recording(&["x", "few"]));
     assert!(
         said.starts_with(": unreadable file: numbers of values 40 in `x`, 3 in `few`, expected columns of equal"),
         "{said}"
     );
-    let newer = [b"MATLAB 7.3 MAT-file".as_slice(), &[b' '; 200]].concat();
-    assert!(error(&newer, &recording(&["x"])).contains("version 7.3, which is HDF5 (save it with -v7)"));
+
     let lies = mat(&[variable("x", 6, [1 << 30, 1], 9, &[0; 16])]);
     assert!(error(&lies, &recording(&["x"])).contains("1073741824 numbers in 16 bytes for `x`"));
+}
+
+/// Files that `scipy.io.savemat` wrote: structure `bearing` (`gs`, `sr`, `rate`, `load`), `N09` with the structure array `Y` of
+/// three elements (`Name`, `Data`), cell array `x` of a text and a vector, matrices `m` (12 x 3) and `w` (2 x 12), number `fs`.
+const STRUCTURES: [&[u8]; 2] = [include_bytes!("structures.mat"), include_bytes!("structures-packed.mat")];
+
+#[test]
+fn vectors_by_their_paths() {
+    for file in STRUCTURES {
+        let rows = values(file, &["bearing.gs", "N09.Y(3).Data", "x{2}", "m(:,2)", "w(2,:)"]);
+        assert_eq!(rows.len(), 12);
+        assert_eq!(rows[4], [0.0, 12.0, 4.0 / 11.0, 13.0, 16.0]);
+        assert_eq!(values(file, &["bearing(1).gs"])[1], [-0.75]);
+        assert_eq!(
+            error(file, &recording(&["bearing.gx"])),
+            ": no such column: `bearing.gx` (did you mean `bearing.gs`?), expected one of `bearing.gs`, `N09.Y(1).Data`, \
+             `N09.Y(2).Data`, `N09.Y(3).Data`, `x{2}`, `m(:,1)`, `m(:,2)`, `m(:,3)`, `w(1,:)`, `w(2,:)`"
+        );
+    }
+}
+
+#[test]
+fn rate_of_the_file() {
+    let of = |name: &str, hertz| {
+        let clock = Clock::Number { name: name.into(), hertz };
+        Recording { clock, ..recording(&["bearing.gs"]) }
+    };
+    for file in STRUCTURES {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.mat");
+        std::fs::write(&path, file).unwrap();
+        for (name, hertz, rate) in
+            [("bearing.sr", 1.0, 97_656.0), ("N09.Info.Rate", 1.0, 64_000.0), ("fs", 1000.0, 48e6)]
+        {
+            assert_eq!(Reader::open(&path, &of(name, hertz)).unwrap().rate(), rate);
+        }
+        assert_eq!(
+            error(file, &of("bearing.fs", 1.0)),
+            ": no such single number: `bearing.fs`, expected one of `bearing.sr`, `bearing.rate`, `bearing.load`, \
+             `N09.Info.Rate`, `fs`"
+        );
+    }
+    let none = mat(&[variable("x", 6, [4, 1], 2, &[1, 2, 3, 4])]);
+    let of = Recording { clock: Clock::Stated, ..recording(&["x"]) };
+    let said = error(&none, &of);
+    assert_eq!(said, ": sampling rate of the file: none, expected rate = \"12.8 kHz\" or `time` in the scene");
+    let of = Recording { clock: Clock::Number { name: "x".into(), hertz: 1.0 }, ..of };
+    assert!(error(&none, &of).contains("`x`, expected rate = \"12.8 kHz\": the file has no single number"));
+    let zero = mat(&[variable("x", 6, [2, 1], 2, &[1, 2]), variable("fs", 6, [1, 1], 2, &[0])]);
+    let of = Recording { clock: Clock::Number { name: "fs".into(), hertz: 1.0 }, ..of };
+    assert_eq!(error(&zero, &of), ": sampling rate of the file: 0 Hz, expected a rate above 0");
+}
+
+#[test]
+fn structures_cut_short_and_damaged() {
+    for file in STRUCTURES {
+        cut_short(file, &["bearing.gs"], &(128..file.len()).collect::<Vec<_>>());
+        damaged(file, &["bearing.gs", "N09.Y(3).Data", "m(:,2)", "w(2,:)"]);
+    }
+}
+
+#[test]
+fn structures_beyond_all_bounds() {
+    // Cell arrays within each other, with a head that states more elements than there are.
+    let mut inner = variable("", 6, [2, 1], 2, &[1, 2]);
+    for _ in 0..40 {
+        let size: Vec<u8> = [1, 1].iter().flat_map(|n: &i32| n.to_le_bytes()).collect();
+        let parts = [element(6, &[1, 0, 0, 0, 0, 0, 0, 0]), element(5, &size), element(1, b"c"), inner];
+        inner = element(14, &parts.concat());
+    }
+    assert!(error(&mat(&[inner]), &recording(&["c"])).contains("no readable array at `c{1}{1}"));
+    let size: Vec<u8> = [1 << 30, 1 << 30].iter().flat_map(|n: &i32| n.to_le_bytes()).collect();
+    let parts = [element(6, &[1, 0, 0, 0, 0, 0, 0, 0]), element(5, &size), element(1, b"c")];
+    assert!(error(&mat(&[element(14, &parts.concat())]), &recording(&["c"])).contains("cut short"));
 }
 
 #[test]

@@ -1,4 +1,6 @@
+use crate::recording::Reader;
 use crate::recording::harness::{cut_short, damaged, error, recording, values};
+use crate::scene::{FileLayout, Orientation, Recording};
 
 /// A file with this description of its numbers.
 fn npy(description: &str, order: &str, shape: &str, numbers: &[u8]) -> Vec<u8> {
@@ -63,8 +65,52 @@ fn what_is_no_table_is_refused() {
     assert!(refused("'<f8'", "(9,)").contains("a truncated file: `c0` extends beyond its 192 bytes"));
     assert!(refused("'<f8'", "(4611686018427387904, 3)").contains("a truncated file"));
     assert!(refused("'<f8'", "(0,)").contains("0 in `c0`"));
-    assert!(refused("'<f8'", "(1, 1000000000)").contains("1000000000 columns"));
+    assert!(refused("'<f8'", "(70, 1000000000)").contains("1000000000 columns"));
     assert!(refused("[[[[[[[['<f8']]]]]]]]", "(9,)").contains("a structure within a structure"));
+}
+
+#[test]
+fn channels_in_rows() {
+    // Two channels of 1200 samples, in both orders of storage.
+    let file = npy("'<f8'", "False", "(2, 1200)", &doubles(2400));
+    let rows = values(&file, &["c1", "c0"]);
+    assert_eq!((rows.len(), rows[3].as_slice()), (1200, [1203.0 * 0.1, 3.0 * 0.1].as_slice()));
+    let file_f = npy("'<f8'", "True", "(2, 1200)", &doubles(2400));
+    assert_eq!(values(&file_f, &["c1", "c0"])[3], [7.0 * 0.1, 6.0 * 0.1]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.npy");
+    let with = |bytes: &[u8], orientation| {
+        std::fs::write(&path, bytes).unwrap();
+        let layout = FileLayout { orientation, ..FileLayout::default() };
+        let reader = Reader::open(&path, &Recording { layout, ..recording(&["c1"]) }).unwrap();
+        (reader.columns().len(), reader.notes())
+    };
+    let (columns, notes) = with(&file, None);
+    assert_eq!(columns, 2);
+    assert_eq!(
+        notes,
+        ["The array of 2 x 1200 is read as 2 channels, as it has fewer than 64 rows and more than 1000 columns; \
+          `orientation` in [recording] states it."]
+    );
+    assert_eq!(with(&file, Some(Orientation::ChannelsFirst)), (2, vec![]));
+    assert_eq!(with(&file, Some(Orientation::SamplesFirst)), (1200, vec![]));
+    let few = npy("'<f8'", "False", "(3, 20)", &doubles(60));
+    assert_eq!(with(&few, None), (20, vec![]));
+    assert_eq!(with(&few, Some(Orientation::ChannelsFirst)), (3, vec![]));
+}
+
+#[test]
+fn orientation_is_for_arrays() {
+    let layout = FileLayout { orientation: Some(Orientation::ChannelsFirst), ..FileLayout::default() };
+    let of = Recording { layout, ..recording(&["x"]) };
+    assert_eq!(
+        error(b"x\n1\n", &of),
+        ": [recording] orientation: misplaced key, expected `orientation` only for NPY and NPZ files"
+    );
+    let layout = FileLayout { is_headless: true, ..FileLayout::default() };
+    let of = Recording { layout, ..recording(&["c0"]) };
+    let said = error(&npy("'<f8'", "False", "(2,)", &doubles(2)), &of);
+    assert_eq!(said, ": [recording] header: misplaced key, expected `header = false` only for text");
 }
 
 #[test]

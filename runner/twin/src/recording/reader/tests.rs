@@ -1,6 +1,6 @@
 use super::*;
 use crate::recording::flaws::FlawSummary;
-use crate::scene::{Direction, Probe};
+use crate::scene::{Direction, FileLayout, Probe};
 
 fn probe(column: &str) -> Probe {
     let direction = Direction::Radial(0.0);
@@ -25,6 +25,7 @@ fn recording(clock: Clock) -> Recording {
         sensors: vec![],
         rotation: RotationSource::keyphasor("key", 1),
         run_out: None,
+        layout: FileLayout::default(),
     }
 }
 
@@ -149,9 +150,9 @@ fn wrong_cells_stop() {
     );
     assert!(error("x,y,key\n1,inf,0\n", &rated()).contains("invalid value: `inf`"));
     assert!(error("x,y,key\n1,1e999,0\n", &rated()).contains("invalid value: `1e999`"));
-    assert!(error("x;y;key\n1;0,125;0\n", &rated()).contains("decimal point"));
+    assert!(error("x,y,key\n1,\"0,125\",0\n", &rated()).contains("decimal point"));
     assert!(error("x,y,key\n1,2,0\n1,-\n1,2,-\n", &rated()).contains("r.csv:4: column key"));
-    assert!(error("x,y,key\n1,2,0,\n", &rated()).contains("too many cells: 4, expected 3"));
+    assert!(error("x,y,key\n1,2,0,9\n", &rated()).contains("too many cells: 4, expected 3"));
     // A column that is not used may hold anything.
     assert_eq!(good("x,y,key,note\n1,2,0,fine\n3,4,0,?", &rated()).1, []);
 }
@@ -285,6 +286,7 @@ fn rig_recordings_are_flawless() {
             clock: Clock::Column("time_s".into()),
             average: 1,
             sensors: vec![],
+            layout: FileLayout::default(),
             probes,
             rotation,
             run_out: None,

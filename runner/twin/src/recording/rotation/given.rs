@@ -21,6 +21,8 @@ pub(super) struct SpeedColumn {
     held: Option<Held>,
     /// Largest magnitude of a plausible speed, rad/s.
     pub(super) fastest: f64,
+    /// The column has magnitudes of speeds below 0.
+    is_reversed: bool,
     /// Readings beyond it.
     rejected: u64,
     /// The first of them, rad/s.
@@ -44,12 +46,21 @@ impl SpeedColumn {
             before: None,
             held: None,
             fastest: f64::INFINITY,
+            is_reversed: false,
             rejected: 0,
             first_rejected: f64::NAN,
         }
     }
 
-    pub(super) fn push(&mut self, row: Row, output: &mut Output) -> Result<(), RotationError> {
+    /// The speed of samples in step with the shaft, without a sign.
+    pub(super) fn synchronous(rate: f64, is_reversed: bool) -> Self {
+        Self { is_reversed, ..Self::new("speed", rate) }
+    }
+
+    pub(super) fn push(&mut self, mut row: Row, output: &mut Output) -> Result<(), RotationError> {
+        if self.is_reversed {
+            row.rotation = -row.rotation;
+        }
         let known = self.held.as_ref().map(|held| held.speed);
         let rejected = row.rotation.abs() > self.fastest;
         if rejected {

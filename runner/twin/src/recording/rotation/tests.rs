@@ -6,7 +6,7 @@ use ballrace::Phase;
 use super::*;
 use crate::recording::Reader;
 use crate::recording::flaws::Flaw;
-use crate::scene::{Clock, Recording};
+use crate::scene::{Clock, FileLayout, Recording};
 
 /// Analogue keyphasors, toothed wheels with a gap, counts.
 mod signals;
@@ -428,6 +428,7 @@ fn rig_recordings() {
             clock: Clock::Rate(RATE),
             average: 1,
             sensors: vec![],
+            layout: FileLayout::default(),
             probes: vec![],
             rotation: rotation.clone(),
             run_out: None,

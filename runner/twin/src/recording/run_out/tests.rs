@@ -1,12 +1,13 @@
 use super::*;
 use crate::recording::harness::probe;
-use crate::scene::{Clock, RotationSource};
+use crate::scene::{Clock, FileLayout, RotationSource};
 use std::path::Path;
 
 const RATE: f64 = 6400.0;
 
 fn recording() -> Recording {
     Recording {
+        layout: FileLayout::default(),
         average: 1,
         file: "slow.csv".into(),
         clock: Clock::Rate(RATE),

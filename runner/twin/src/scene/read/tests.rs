@@ -405,6 +405,43 @@ fn recording_out_of_range() {
         ("rate = 1000", "rate = 1\nkeyphasor = { column = \"k\", pulses_per_turn = 4294967296 }", &["a whole number"]),
         ("rate = 1000", "rate = 1\nkeyphasor = { column = \"x\", pulses_per_turn = 1 }", &["a column of its own"]),
         ("rate = 1000", "rate = 1\nspeed = { column = \"n\", unit = \"Hz\" }", &["invalid value: \"Hz\" (a frequency)"]),
+        ("rate = 1000", "rate = \"files\"", &["recording.rate: invalid value: \"files\"", "expected a frequency"]),
+        (
+            "rate = 1000",
+            "rate = { column = \"fs\" }",
+            &["recording.rate.unit: missing key, expected the unit of the column: Hz or kHz"],
+        ),
+        (
+            "rate = 1000",
+            "rate = { column = \"fs\", unit = \"rpm\" }",
+            &["recording.rate.unit: invalid value: \"rpm\" (a speed of rotation), expected a unit of frequency: Hz or kHz"],
+        ),
+        (
+            "rate = 1000",
+            "rate = { unit = \"Hz\" }",
+            &["recording.rate.column: missing key, expected the name of a single number of the recording"],
+        ),
+        (
+            "rate = 1000",
+            "rate = { column = \"x\", unit = \"Hz\" }",
+            &["recording.probes[0].column: repeated value", "the rate has this one"],
+        ),
+        (
+            "rate = 1000",
+            "rate = 1\nkeyphasor = \"yes\"",
+            &["recording.keyphasor: invalid value: \"yes\", expected \"synchronous\""],
+        ),
+        (
+            "rate = 1000",
+            "time = \"t\"\nkeyphasor = \"synchronous\"",
+            &["recording.time: time beside keyphasor = \"synchronous\", expected rate = \"file\""],
+        ),
+        ("rate = 1000", "rate = 1\nheader = \"no\"", &["recording.header: invalid value: \"no\", expected true or false"]),
+        (
+            "rate = 1000",
+            "rate = 1\norientation = \"rows\"",
+            &["recording.orientation: invalid value: \"rows\", expected \"samples-first\" or \"channels-first\""],
+        ),
         ("rate = 1000", "rate = 1\nspeed = { column = \"n\" }", &["recording.speed.unit: missing key"]),
         (
             "rate = 1000",
@@ -416,6 +453,13 @@ fn recording_out_of_range() {
     let recording = read(&speed).unwrap().recording.unwrap();
     assert_eq!(recording.clock, Clock::Column("t".into()));
     assert!(matches!(recording.rotation, RotationSource::SpeedColumn { radians_per_second: f, .. } if near(f, PI / 30.0)));
+    let keys = "rate = { column = \"fs\", unit = \"kHz\" }\nheader = false\norientation = \"channels-first\"";
+    let recording = read(&with(&text, "rate = 1000", keys)).unwrap().recording.unwrap();
+    assert_eq!(recording.clock, Clock::Number { name: "fs".into(), hertz: 1000.0 });
+    assert!(recording.layout.is_headless && recording.layout.orientation == Some(Orientation::ChannelsFirst));
+    let keys = "rate = \"file\"\nkeyphasor = \"synchronous\"";
+    let recording = read(&with(&text, "rate = 1000", keys)).unwrap().recording.unwrap();
+    assert_eq!((recording.clock, recording.rotation), (Clock::Stated, RotationSource::Synchronous));
 }
 
 #[test]

@@ -1,0 +1,266 @@
+use std::io::Cursor;
+use std::path::Path;
+
+use crate::recording::error::RecordingError;
+use crate::recording::flaws::FlawSummary;
+use crate::recording::harness::recording;
+use crate::recording::preview::preview;
+use crate::recording::{Reader, Row};
+use crate::scene::{Clock, FileLayout, Recording, RotationSource};
+
+type Result<T> = core::result::Result<T, RecordingError>;
+
+fn reader(text: &[u8], recording: &Recording) -> Result<Reader<'static>> {
+    Reader::from_reader(Box::new(Cursor::new(text.to_vec())), Path::new("r.csv"), None, recording)
+}
+
+fn read(text: &[u8], recording: &Recording) -> Result<(Vec<Row>, Vec<FlawSummary>)> {
+    let mut reader = reader(text, recording)?;
+    let (mut rows, mut row) = (Vec::new(), Row::default());
+    while reader.next_row(&mut row)? {
+        rows.push(row.clone());
+    }
+    Ok((rows, reader.flaws().summary()))
+}
+
+/// Readings of a flawless text.
+fn readings(text: &str, recording: &Recording) -> Vec<Vec<f64>> {
+    let (rows, flaws) = read(text.as_bytes(), recording).unwrap();
+    assert!(flaws.is_empty(), "{flaws:?}");
+    rows.into_iter().map(|row| row.probes).collect()
+}
+
+fn error(text: &str, recording: &Recording) -> String {
+    let message = read(text.as_bytes(), recording).unwrap_err().to_string();
+    assert!(!message.contains('\n'), "{message}");
+    message
+}
+
+fn headless(columns: &[&str]) -> Recording {
+    Recording { layout: FileLayout { is_headless: true, orientation: None }, ..recording(columns) }
+}
+
+fn stamped(columns: &[&str]) -> Recording {
+    Recording { clock: Clock::Column("t".into()), ..recording(columns) }
+}
+
+#[test]
+fn decimal_comma() {
+    let of = recording(&["x", "y"]);
+    for text in ["x;y\n1,5;-0,25\n2;1e-1\n", "x\ty\n1,5\t-0,25\n2\t0,1\n"] {
+        assert_eq!(readings(text, &of), [[1.5, -0.25], [2.0, 0.1]]);
+    }
+    // Three decimals may separate thousands, until a cell decides.
+    let rows = readings("x;y\n1,234;2,345\n3,456;4,567\n0,500;6,789\n7,890;1,000\n", &of);
+    assert_eq!(rows, [[1.234, 2.345], [3.456, 4.567], [0.5, 6.789], [7.89, 1.0]]);
+    assert_eq!(
+        error("x;y\n1,234;2,345\n3,456;4,567\n", &of),
+        "r.csv:2: column x: invalid value: `1,234`, expected a decimal point, or a decimal comma that is no separator of \
+         thousands: a cell such as `1,5` or `0,250` in one of the first 1000 rows"
+    );
+    assert!(
+        error("x;y\n1,5;2,5\n1.5;2,5\n", &of)
+            .contains(":3: column x: invalid value: `1.5`, expected a number with a decimal comma")
+    );
+    assert!(
+        error("x;y\n1.5;2.5\n1,5;2,5\n", &of)
+            .contains(":3: column x: invalid value: `1,5`, expected a number with a decimal point")
+    );
+    assert!(error("x;y\n1.234,5;2\n", &of).contains("invalid value: `1.234,5`"));
+    // A comma between the cells is no decimal comma.
+    assert!(error("x,y\n\"1,5\",2\n", &of).contains("a number with a decimal point"));
+}
+
+#[test]
+fn trailing_delimiters_and_blanks() {
+    let of = recording(&["x", "y"]);
+    for text in ["x,y,\n1,2,\n3,4,\n", "x,y\n1,2, \n3,4,,\n", "x,y,,\n1,2\n3,4,\n", "x;y;\n1 ; 2;\n3;4 ;  \n"] {
+        assert_eq!(readings(text, &of), [[1.0, 2.0], [3.0, 4.0]], "{text:?}");
+    }
+    assert!(error("x,y\n1,2,3\n", &of).contains(":2: too many cells: 3, expected 2 as in the header"));
+}
+
+#[test]
+fn time_stamps_of_iso_8601() {
+    let rows = |stamps: [&str; 4]| {
+        let text: String = stamps.iter().map(|stamp| format!("{stamp},1\n")).collect();
+        let (rows, flaws) = read(format!("t,x\n{text}").as_bytes(), &stamped(&["x"])).unwrap();
+        assert!(flaws.is_empty(), "{flaws:?}");
+        rows.into_iter().map(|row| row.time).collect::<Vec<_>>()
+    };
+    let tenths = [0.0, 0.1, 0.2, 0.3];
+    for (day, zone) in [("2026-11-22 ", ""), ("2026-11-22T", "Z"), ("2026-11-22T", "+05:30"), ("2026-11-22T", "-0800")]
+    {
+        let stamp = |second: &str| format!("{day}10:11:{second}{zone}");
+        let stamps = ["59.900", "60.000", "60.1", "60.200000000"].map(stamp);
+        let found = rows([&stamps[0], &stamps[1], &stamps[2], &stamps[3]]);
+        assert!(found.iter().zip(tenths).all(|(found, expected)| (found - expected).abs() < 1e-12), "{found:?}");
+    }
+    // Nanoseconds, over the end of a leap day.
+    let found = rows([
+        "2028-02-29T23:59:59.999999900",
+        "2028-03-01T00:00:00.000000000",
+        "2028-03-01T00:00:00.000000100",
+        "2028-03-01T00:00:00.000000201",
+    ]);
+    assert_eq!(found, [0.0, 100e-9, 200e-9, 301e-9]);
+    // A comma within quotation marks.
+    let found = rows([
+        "\"2026-11-22 10:11:12,345\"",
+        "\"2026-11-22 10:11:12,346\"",
+        "\"2026-11-22 10:11:12,347\"",
+        "\"2026-11-22 10:11:12,348\"",
+    ]);
+    assert!((found[3] - 0.003).abs() < 1e-12);
+}
+
+#[test]
+fn invalid_time_stamps() {
+    for wrong in [
+        "2026-11-22",
+        "2026-13-22 10:11:12",
+        "2026-11-22 24:00:00",
+        "2026-11-22 10",
+        "22.11.2026 10:11:12",
+        "10:11:12",
+        "2026-11-22 10:11:12.1234567891",
+        "2026-11-22 10:11:12+1",
+        "2026-11-22 10:11:12Zulu",
+        "2026-11-22 10:11:12Z",
+    ] {
+        let text = format!("t,x\n2026-11-22 10:11:12,1\n{wrong},1\n2026-11-22 10:11:13,1\n");
+        assert!(
+            error(&text, &stamped(&["x"]))
+                .contains(&format!(":3: column t: invalid value: `{wrong}`, expected seconds, or a time such as"))
+        );
+    }
+    assert!(error("t,x\n0,1\n2026-11-22 10:11:12,1\n", &stamped(&["x"])).contains("expected seconds, or a time"));
+    assert!(error("t,x\n2026-11-22 10:11:12,1\n1,1\n", &stamped(&["x"])).contains("expected seconds, or a time"));
+}
+
+#[test]
+fn text_without_a_header() {
+    let expected = [[0.5, 2.0], [1.5, 3.0]];
+    let aligned = "  5.0e-01   2.0e+00 \r\n  1.5e+00   3.0e+00\r\n";
+    for text in
+        [aligned, "0.5 2\n1.5 3\n", "0.5,2\n1.5,3\n", "\n0.5\t2\r\n1.5\t3\r\n", "0,5;2\n1,5;3\n", "0.5;2;\n1.5;3;\n"]
+    {
+        assert_eq!(readings(text, &headless(&["c0", "c1"])), expected, "{text:?}");
+    }
+    let said = error("0.5,2\n1.5,3\n", &recording(&["c0"]));
+    assert!(said.ends_with("`0.5,2`, expected a line with the names of the columns, or `header = false` in the scene"));
+    assert!(error("0,5;2\n1,5;3\n", &recording(&["c0"])).contains("numbers instead of a header"));
+    assert!(error(aligned, &recording(&["c0"])).contains("numbers instead of a header"));
+    let (rows, _) = read(b"\n0.5,2\n1.5,3\n", &headless(&["c1"])).unwrap();
+    assert_eq!((rows[0].line, rows[1].line), (2, 3));
+}
+
+#[test]
+fn preview_of_text_without_a_header() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.txt");
+    std::fs::write(&path, "0.5\t2\n1.5\t3\n").unwrap();
+    let found = preview(&path).unwrap();
+    assert!(found.is_headless && found.columns.len() == 2 && found.columns[1].name == "c1");
+}
+
+/// Export of two measuring points: 4 samples per revolution, 3 revolutions, 3000 rpm, so 200 Hz.
+fn export(variable: &str, times: [&str; 2]) -> String {
+    let record = |point: &str, time: &str, sign: f64| {
+        let samples: String =
+            (0..12).map(|k| format!("{},{}\r\n", f64::from(k) * 5.0, sign * f64::from(k) * 0.5)).collect();
+        format!(
+            "Machine Name,STG-10\r\nPoint Name,{point}\r\nWf Amp,51.063\r\nNumber of Revs,3\r\nX-Axis Unit,ms\r\n\
+             Y-Axis Unit,um\r\nSample Speed, 3000 rpm\r\nSample Status,Valid\r\nTimestamp,{time}\r\n\
+             Variable,{variable}\r\nX-Axis Value,Y-Axis Value\r\n{samples}"
+        )
+    };
+    format!("\u{feff}{}\r\n{}", record("1XD TURBINE", times[0], 1.0), record("1YD TURBINE", times[1], -1.0))
+}
+
+const TIME: &str = "9/21/2026 8:29:22 PM";
+
+fn synchronous(columns: &[&str]) -> Recording {
+    Recording { clock: Clock::Stated, rotation: RotationSource::Synchronous, ..recording(columns) }
+}
+
+#[test]
+fn waveforms_of_system_1() {
+    let text = export("Disp Wf(4X/3revs).KPH TURBINE", [TIME, TIME]);
+    let of = synchronous(&["1XD TURBINE", "1YD TURBINE"]);
+    assert!(error(&text, &of).contains("unit differs from the scene's: `um`, expected `m`"));
+    let mut of = of;
+    of.probes.iter_mut().for_each(|probe| probe.metres_per_unit = 1e-6);
+    let mut reader = reader(text.as_bytes(), &of).unwrap();
+    assert!((reader.rate() - 200.0).abs() < 1e-9);
+    let (rows, flaws) = read(text.as_bytes(), &of).unwrap();
+    assert!(flaws.is_empty(), "{flaws:?}");
+    assert_eq!((rows.len(), rows[0].line, rows[3].probes[1]), (12, 12, -1.5e-6));
+    // A quarter of a revolution each sample.
+    let mut tracker =
+        crate::recording::rotation::Tracker::of(&of, reader.rate(), crate::scene::Speed::Constant(-300.0));
+    let mut row = Row::default();
+    while reader.next_row(&mut row).unwrap() {
+        tracker.push(core::mem::take(&mut row)).unwrap();
+    }
+    tracker.finish().unwrap();
+    for k in 0..12 {
+        let sample = tracker.pop().unwrap();
+        assert!((sample.total_revolutions() + f64::from(k) / 4.0).abs() < 1e-9, "{}", sample.total_revolutions());
+    }
+}
+
+#[test]
+fn records_of_system_1_that_do_not_fit() {
+    let names = ["1XD TURBINE", "1YD TURBINE"];
+    let metres = |text: &str| text.replace("Y-Axis Unit,um", "Y-Axis Unit,m");
+    let of = synchronous(&names);
+    let other = metres(&export("Disp Wf(4X/3revs)", [TIME, "9/21/2026 8:30:22 PM"]));
+    assert!(error(&other, &of).contains(
+        "Timestamp `9/21/2026 8:29:22 PM` of `1XD TURBINE` and `9/21/2026 8:30:22 PM` of `1YD TURBINE`, expected records of one time"
+    ));
+    assert_eq!(readings(&other, &synchronous(&names[1..])).len(), 12);
+    // Two records of one point are numbered.
+    let twice = other.replace("1YD", "1XD");
+    assert!(error(&twice, &synchronous(&names[..1])).contains("expected one of `1XD TURBINE #1`, `1XD TURBINE #2`"));
+    assert_eq!(readings(&twice, &synchronous(&["1XD TURBINE #2"]))[2], [-1.0]);
+    let good = metres(&export("Disp Wf(4X/3revs)", [TIME, TIME]));
+    for (from, to, said) in [
+        ("3000 rpm", "50 Hz", ":7: column Sample Speed: invalid value: `50 Hz`, expected a number above 0 in rpm"),
+        ("3000 rpm", "0 rpm", "expected a number above 0 in rpm"),
+        ("Unit,ms", "Unit,rpm", "`X-Axis Unit` is `rpm` above line 11, no unit of time"),
+        ("Point Name,1XD TURBINE", "Point Name,", "a record without `Point Name`"),
+        ("5,0.5", "5,abc", ":13: column 1XD TURBINE: invalid value: `abc`"),
+    ] {
+        assert!(error(&good.replacen(from, to, 1), &of).contains(said), "{to}");
+    }
+    // Without a speed the rate follows from the X axis.
+    let free =
+        good.replace("Sample Speed, 3000 rpm\r\n", "").replace("Number of Revs,3\r\n", "").replace("(4X/3revs)", "");
+    let of = Recording { clock: Clock::Stated, ..recording(&names) };
+    assert!((reader(free.as_bytes(), &of).unwrap().rate() - 200.0).abs() < 1e-9);
+    let of = synchronous(&names);
+    assert_eq!(
+        error(&free, &of),
+        "r.csv: no samples in step with the shaft, expected a file that states its samples per revolution for keyphasor = \"synchronous\""
+    );
+    assert!(
+        error("x,y\n1,2\n", &Recording { clock: Clock::Rate(1.0), ..synchronous(&["x"]) })
+            .contains("no samples in step with the shaft")
+    );
+}
+
+/// A part of an export is an error, or its rows with a flaw.
+#[test]
+fn exports_of_system_1_cut_short() {
+    let text = export("Disp Wf(4X/3revs)", [TIME, TIME]).replace("Y-Axis Unit,um", "Y-Axis Unit,m");
+    let of = synchronous(&["1XD TURBINE", "1YD TURBINE"]);
+    let (whole, _) = read(text.as_bytes(), &of).unwrap();
+    for length in 0..text.len() - 6 {
+        if let Ok((rows, flaws)) = read(&text.as_bytes()[..length], &of) {
+            assert!(!flaws.is_empty(), "{length}");
+            let good = rows.iter().take_while(|row| !row.probes[0].is_nan()).count();
+            assert_eq!(rows[..good], whole[..good]);
+        }
+    }
+}

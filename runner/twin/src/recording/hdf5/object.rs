@@ -1,0 +1,339 @@
+//! Object headers: the messages of a group or dataset.
+
+use std::io;
+
+use super::{Source, UNDEFINED, little, refuse};
+use crate::recording::bytes::Bytes;
+use crate::recording::numbers::{Kind, Number};
+
+/// Largest number of blocks and of bytes of an object header.
+const MOST_BLOCKS: usize = 1024;
+const MOST_BYTES: u64 = 1 << 20;
+/// Largest number of dimensions.
+const MOST_DIMENSIONS: u8 = 32;
+
+/// Types of messages.
+const DATASPACE: u16 = 0x01;
+const LINK_INFO: u16 = 0x02;
+const DATATYPE: u16 = 0x03;
+const LINK: u16 = 0x06;
+const LAYOUT: u16 = 0x08;
+const FILTERS: u16 = 0x0b;
+const ATTRIBUTE: u16 = 0x0c;
+const CONTINUATION: u16 = 0x10;
+const SYMBOL_TABLE: u16 = 0x11;
+/// Flag of a message that is stored elsewhere.
+const SHARED: u8 = 2;
+
+/// Identifiers of filters.
+const DEFLATE: u16 = 1;
+const SHUFFLE: u16 = 2;
+const FLETCHER32: u16 = 3;
+
+/// Filter of chunks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Filter {
+    Deflate,
+    Shuffle,
+    /// Checksum of four bytes at the end.
+    Fletcher32,
+}
+
+/// Place of the numbers of a dataset.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Layout {
+    Compact(Vec<u8>),
+    Contiguous {
+        address: u64,
+    },
+    Chunked {
+        /// Address of the B-tree.
+        address: u64,
+        /// Lengths of a chunk.
+        chunk: Vec<u64>,
+    },
+}
+
+/// Type of the elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Type {
+    Number(Number),
+    /// Address of another object.
+    Reference,
+}
+
+/// A dataset of numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Dataset {
+    pub(super) number: Number,
+    pub(super) lengths: Vec<u64>,
+    pub(super) layout: Layout,
+    pub(super) filters: Vec<Filter>,
+}
+
+impl Dataset {
+    /// Returns the length of a dimension.
+    pub(super) fn length(&self, along: usize) -> u64 {
+        self.lengths.get(along).copied().unwrap_or(1)
+    }
+}
+
+/// Content of an object header, as far as it is used.
+#[derive(Debug, Default)]
+pub(super) struct Object {
+    pub(super) kind: Option<Type>,
+    pub(super) lengths: Option<Vec<u64>>,
+    pub(super) layout: Option<Layout>,
+    pub(super) filters: Vec<Filter>,
+    /// Names and addresses.
+    pub(super) links: Vec<(String, u64)>,
+    /// Addresses of B-tree and local heap of a group.
+    pub(super) symbols: Option<[u64; 2]>,
+    /// Addresses of fractal heap and B-tree of a group.
+    pub(super) dense: Option<[u64; 2]>,
+    /// Names of attributes with their text.
+    pub(super) texts: Vec<(String, String)>,
+    /// Names of attributes with their number.
+    pub(super) numbers: Vec<(String, f64)>,
+    /// Reason for which its numbers cannot be read.
+    pub(super) refused: Option<String>,
+}
+
+impl Object {
+    /// Reads the messages of an object.
+    pub(super) fn read(source: &mut Source, address: u64) -> io::Result<Self> {
+        let mut object = Self::default();
+        let begin = source.read(address, 16)?;
+        let mut blocks = Vec::new();
+        let mut head = little(&begin);
+        let modern = begin.starts_with(b"OHDR");
+        let mut has_order = false;
+        if modern {
+            head.take(5)?;
+            let flags = head.u8()?;
+            has_order = flags & 0x04 != 0;
+            let times = if flags & 0x20 == 0 { 0 } else { 16 };
+            let phases = if flags & 0x10 == 0 { 0 } else { 4 };
+            let width = 1 << (flags & 3);
+            let before = 6 + times + phases;
+            let length = little(&source.read(address + before, width)?).little(width)?;
+            blocks.push((address.saturating_add(before + width), length));
+        } else {
+            let version = head.u8()?;
+            if version != 1 {
+                return Err(refuse(format!("no object header at address {address}")));
+            }
+            head.take(7)?;
+            blocks.push((address.saturating_add(16), head.u32()?.into()));
+        }
+        let (mut next, mut total) = (0, 0_u64);
+        while let Some(&(start, length)) = blocks.get(next) {
+            next += 1;
+            total = total.saturating_add(length);
+            if next > MOST_BLOCKS || total > MOST_BYTES {
+                return Err(refuse(format!("an object header of more than {MOST_BYTES} bytes")));
+            }
+            let bytes = source.read(start, length)?;
+            object.block(&bytes, modern.then_some(has_order), &mut blocks)?;
+        }
+        Ok(object)
+    }
+
+    /// Reads a block of messages; `modern` is the second form, with or without orders of creation.
+    fn block(&mut self, bytes: &[u8], modern: Option<bool>, blocks: &mut Vec<(u64, u64)>) -> io::Result<()> {
+        let mut rest = little(bytes);
+        let (least, with_order) = match modern {
+            None => (8, false),
+            Some(order) => (if order { 6 } else { 4 }, order),
+        };
+        while rest.rest.len() >= least {
+            let kind = if modern.is_some() { rest.u8()?.into() } else { rest.u16()? };
+            let length = rest.u16()?;
+            let flags = rest.u8()?;
+            rest.take(if modern.is_none() {
+                3
+            } else if with_order {
+                2
+            } else {
+                0
+            })?;
+            // The end of a block may be less than a message.
+            if u64::from(length) > rest.rest.len() as u64 {
+                break;
+            }
+            let own = little(rest.take(length.into())?);
+            if kind == CONTINUATION {
+                let mut own = own;
+                let (start, length) = (own.u64()?, own.u64()?);
+                // A block of the second form has four letters before and a checksum behind.
+                blocks.push(match modern {
+                    None => (start, length),
+                    Some(_) => (start.saturating_add(4), length.saturating_sub(8)),
+                });
+            } else if flags & SHARED == 0 {
+                self.message(kind, own)?;
+            } else if kind == DATATYPE {
+                self.refused = Some("a type of its own name".to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    fn message(&mut self, kind: u16, mut bytes: Bytes<'_>) -> io::Result<()> {
+        match kind {
+            DATASPACE => self.lengths = dataspace(bytes)?,
+            DATATYPE => self.kind = datatype(bytes)?,
+            LAYOUT => match layout(bytes)? {
+                Ok(layout) => self.layout = Some(layout),
+                Err(reason) => self.refused = Some(reason),
+            },
+            FILTERS => match filters(bytes)? {
+                Ok(filters) => self.filters = filters,
+                Err(reason) => self.refused = Some(reason),
+            },
+            LINK => self.links.extend(link(bytes)?),
+            SYMBOL_TABLE => self.symbols = Some([bytes.u64()?, bytes.u64()?]),
+            LINK_INFO => {
+                let (_version, flags) = (bytes.u8()?, bytes.u8()?);
+                bytes.take(if flags & 1 == 0 { 0 } else { 8 })?;
+                let (heap, tree) = (bytes.u64()?, bytes.u64()?);
+                self.dense = (heap != UNDEFINED && tree != UNDEFINED).then_some([heap, tree]);
+            }
+            // An attribute that cannot be read has no effect on the numbers.
+            ATTRIBUTE => drop(self.attribute(bytes)),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn attribute(&mut self, mut bytes: Bytes<'_>) -> io::Result<()> {
+        let version = bytes.u8()?;
+        bytes.take(1)?;
+        let lengths = [bytes.u16()?, bytes.u16()?, bytes.u16()?].map(u64::from);
+        bytes.take(if version == 3 { 1 } else { 0 })?;
+        let mut part = |length: u64| {
+            let own = bytes.take(length)?;
+            if version == 1 {
+                bytes.take(length.next_multiple_of(8) - length)?;
+            }
+            io::Result::Ok(own)
+        };
+        let [name, kind, space] = [part(lengths[0])?, part(lengths[1])?, part(lengths[2])?];
+        let name = text(name);
+        let single = dataspace(little(space))?.is_some_and(|lengths| lengths.iter().all(|length| *length == 1));
+        const STRING: u8 = 3;
+        match (datatype(little(kind))?, kind.first().map(|class| class & 0x0f)) {
+            (Some(Type::Number(number)), _) if single && bytes.rest.len() >= usize::from(number.bytes) => {
+                self.numbers.push((name, number.read(bytes.rest)));
+            }
+            (_, Some(STRING)) => self.texts.push((name, text(bytes.rest))),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Returns the dataset that it is; nothing for groups and other types.
+    pub(super) fn dataset(&self) -> Option<(Type, Dataset)> {
+        let (kind, lengths, layout) = (self.kind?, self.lengths.clone()?, self.layout.clone()?);
+        let number = match kind {
+            Type::Number(number) => number,
+            Type::Reference => Number::new(Kind::Unsigned, 8, false),
+        };
+        if let Layout::Chunked { chunk, .. } = &layout
+            && (chunk.len() != lengths.len() || chunk.contains(&0))
+        {
+            return None;
+        }
+        Some((kind, Dataset { number, lengths, layout, filters: self.filters.clone() }))
+    }
+}
+
+/// Text up to its first zero.
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned()
+}
+
+/// Lengths of the dimensions; nothing for a space without elements.
+fn dataspace(mut bytes: Bytes<'_>) -> io::Result<Option<Vec<u64>>> {
+    let (version, dimensions) = (bytes.u8()?, bytes.u8()?);
+    let (_flags, kind) = (bytes.u8()?, bytes.u8()?);
+    bytes.take(if version == 1 { 4 } else { 0 })?;
+    const NULL: u8 = 2;
+    if dimensions > MOST_DIMENSIONS || (version != 1 && kind == NULL) {
+        return Ok(None);
+    }
+    (0..dimensions).map(|_| bytes.u64()).collect::<io::Result<Vec<_>>>().map(Some)
+}
+
+fn datatype(mut bytes: Bytes<'_>) -> io::Result<Option<Type>> {
+    let (class, bits) = (bytes.u8()? & 0x0f, bytes.u8()?);
+    bytes.take(2)?;
+    let size = bytes.u32()?;
+    let big_endian = bits & 1 != 0;
+    let number = |kind, sizes: &[u32], bytes: &mut Bytes<'_>| {
+        let (offset, precision) = (bytes.u16()?, bytes.u16()?);
+        let whole = offset == 0 && sizes.contains(&size) && u32::from(precision) == 8 * size;
+        io::Result::Ok(whole.then(|| Type::Number(Number::new(kind, size as u8, big_endian))))
+    };
+    match class {
+        0 => number(if bits & 8 == 0 { Kind::Unsigned } else { Kind::Signed }, &[1, 2, 4, 8], &mut bytes),
+        // A second bit of the order is set for machines of VAX.
+        1 if bits & 0x40 == 0 => number(Kind::Float, &[4, 8], &mut bytes),
+        7 if bits & 0x0f == 0 && size == 8 => Ok(Some(Type::Reference)),
+        // An enumeration, such as a boolean, has its type within.
+        8 => datatype(bytes),
+        _ => Ok(None),
+    }
+}
+
+/// Place of the numbers, or the reason for which it is not read.
+fn layout(mut bytes: Bytes<'_>) -> io::Result<Result<Layout, String>> {
+    let (version, class) = (bytes.u8()?, bytes.u8()?);
+    Ok(match (version, class) {
+        (3 | 4, 0) => {
+            let length = bytes.u16()?;
+            Ok(Layout::Compact(bytes.take(length.into())?.to_vec()))
+        }
+        (3 | 4, 1) => Ok(Layout::Contiguous { address: bytes.u64()? }),
+        (3, 2) => {
+            let dimensions = bytes.u8()?.saturating_sub(1).min(MOST_DIMENSIONS);
+            let address = bytes.u64()?;
+            let chunk = (0..dimensions).map(|_| bytes.u32().map(u64::from)).collect::<io::Result<_>>()?;
+            Ok(Layout::Chunked { address, chunk })
+        }
+        (4.., 2) => Err("chunks in the index of library version 1.10".to_owned()),
+        (version, class) => Err(format!("a data layout of version {version} and class {class}")),
+    })
+}
+
+/// Filters in the order of writing, or the reason for which they are not applied.
+fn filters(mut bytes: Bytes<'_>) -> io::Result<Result<Vec<Filter>, String>> {
+    let (version, count) = (bytes.u8()?, bytes.u8()?);
+    bytes.take(if version == 1 { 6 } else { 0 })?;
+    let mut all = Vec::new();
+    for _ in 0..count {
+        let id = bytes.u16()?;
+        let name = if version == 1 || id >= 256 { bytes.u16()? } else { 0 };
+        let (_flags, values) = (bytes.u16()?, u64::from(bytes.u16()?));
+        bytes.take(if version == 1 { u64::from(name).next_multiple_of(8) } else { name.into() })?;
+        bytes.take(4 * if version == 1 { values.next_multiple_of(2) } else { values })?;
+        all.push(match id {
+            DEFLATE => Filter::Deflate,
+            SHUFFLE => Filter::Shuffle,
+            FLETCHER32 => Filter::Fletcher32,
+            id => return Ok(Err(format!("the filter {id} of HDF5"))),
+        });
+    }
+    Ok(Ok(all))
+}
+
+/// Name and address of a hard link; nothing for other links.
+pub(super) fn link(mut bytes: Bytes<'_>) -> io::Result<Option<(String, u64)>> {
+    let (_version, flags) = (bytes.u8()?, bytes.u8()?);
+    let kind = if flags & 0x08 == 0 { 0 } else { bytes.u8()? };
+    bytes.take(if flags & 0x04 == 0 { 0 } else { 8 })?;
+    bytes.take(if flags & 0x10 == 0 { 0 } else { 1 })?;
+    let length = bytes.little(1 << (flags & 3))?;
+    let name = String::from_utf8_lossy(bytes.take(length)?).into_owned();
+    Ok(if kind == 0 { Some((name, bytes.u64()?)) } else { None })
+}
