@@ -127,18 +127,16 @@ fn read(
     file: &str,
     progress: &dyn Fn(u64, Option<u64>),
 ) -> Result<(RecordingSummary, Evidence)> {
-    let Some(given) = &scene.recording else {
+    let Some(recording) = &scene.recording else {
         return Err(crate::error::ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
-    let with_probes = given.with_sensors_as_probes();
-    let recording = with_probes.as_ref();
     let mut range = match plant {
-        Some(plant) if given.sensors.is_empty() => Some(ReadingRange::try_new(scene, plant, &recording.probes)?),
+        Some(plant) if !recording.probes.is_empty() => Some(ReadingRange::try_new(scene, plant, &recording.probes)?),
         _ => None,
     };
     let rate = reader.rate() / f64::from(recording.average);
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
-    let mut readings = Readings::new(recording.probes.len());
+    let mut readings = Readings::new(recording.probes.len() + recording.sensors.len());
     let (mut row, mut samples, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
     let mut speeds = Speeds::default();
     loop {
@@ -159,7 +157,7 @@ fn read(
             let (read, total) = reader.progress();
             progress(read, total);
         }
-        readings.add(&row.probes);
+        readings.add(&row);
         let mut full = if rotation.is_ok() { std::mem::replace(&mut row, tracker.blank()) } else { row.clone() };
         if let Some(range) = &mut range {
             range.check(&mut full);
@@ -178,7 +176,7 @@ fn read(
         seconds: samples as f64 / reader.rate(),
         speed_rpm: speeds.rpm(),
         speed_is_measured,
-        readings: readings.summary(given),
+        readings: readings.summary(recording),
         flaws: reader.flaws().summary(),
     };
     Ok((summary, Evidence { largest, outside, rotation: rotation.err(), noise: readings.one_x_noise() }))

@@ -1,6 +1,6 @@
 //! Statistics of the readings of each probe or sensor.
 
-use crate::recording::Sample;
+use crate::recording::{Row, Sample};
 use crate::scene::{Direction, Recording};
 use serde::Serialize;
 
@@ -68,7 +68,7 @@ impl Sums {
     }
 }
 
-/// Readings of all columns.
+/// Readings of all columns: probes, then sensors.
 pub(super) struct Readings(Vec<Sums>);
 
 impl Readings {
@@ -77,7 +77,8 @@ impl Readings {
     }
 
     /// Adds the readings of a row.
-    pub fn add(&mut self, readings: &[f64]) {
+    pub fn add(&mut self, row: &Row) {
+        let readings = row.probes.iter().chain(&row.sensors);
         for (sums, x) in self.0.iter_mut().zip(readings).filter(|(_, x)| x.is_finite()) {
             sums.add(*x);
         }
@@ -86,7 +87,8 @@ impl Readings {
     /// Adds the readings of a sample with a shaft angle.
     pub fn add_at(&mut self, sample: &Sample) {
         let (sin, cos) = sample.angle.radians().sin_cos();
-        for (sums, x) in self.0.iter_mut().zip(&sample.row.probes).filter(|(_, x)| x.is_finite()) {
+        let readings = sample.row.probes.iter().chain(&sample.row.sensors);
+        for (sums, x) in self.0.iter_mut().zip(readings).filter(|(_, x)| x.is_finite()) {
             for (sum, term) in sums.turning.iter_mut().zip([x * cos, x * sin, cos, sin]) {
                 *sum += term;
             }

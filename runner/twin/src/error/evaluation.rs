@@ -79,16 +79,8 @@ pub enum LimitError {
 /// Error returned when a vibration recording cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum VibrationError {
-    /// The speed is not constant.
-    #[error(
-        "{}: [recording] sensors: speed that changes or is measured, expected one speed in [shaft]", file.display()
-    )]
-    Speed {
-        /// Scene file.
-        file: PathBuf,
-    },
     /// The scene has limits.
-    #[error("{}: [[limit]]: limits with sensors, expected none; damage is diagnosed without", file.display())]
+    #[error("{}: [[limit]]: limits without probes, expected none; damage is diagnosed without", file.display())]
     Limits {
         /// Scene file.
         file: PathBuf,

@@ -595,6 +595,36 @@ impl FaultParameters {
     }
 }
 
+/// Measurement that shows a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EvidenceSource {
+    /// Motion of the shaft at the displacement probes.
+    ShaftMotion,
+    /// Envelope spectrum of a vibration sensor.
+    Vibration,
+}
+
+/// Line of a fault in the envelope spectrum of a vibration sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VibrationLine {
+    /// Column of the sensor.
+    pub sensor: String,
+    /// Least and greatest frequency of the band.
+    pub band_hz: [f64; 2],
+    /// Frequency of the line at the mean speed.
+    pub line_hz: f64,
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// Amplitude of the line over the band's mean square.
+    pub modulation: f64,
+    /// Line over its surroundings, or over the baseline.
+    pub level_db: f64,
+    /// Other bearings with the same lines that the sensor measures.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_excluded: Vec<String>,
+}
+
 /// Diagnosis of a fault with its evidence.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
@@ -612,6 +642,11 @@ pub struct Finding {
     pub level_db: f64,
     /// 0 to 1.
     pub confidence: f64,
+    /// Measurements that show the fault.
+    pub evidence: Vec<EvidenceSource>,
+    /// Line of the fault in the vibration, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationLine>,
     /// Place and size.
     #[serde(flatten)]
     pub parameters: FaultParameters,

@@ -8,6 +8,8 @@ use crate::error::{ReplayError, Result};
 use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{RotationSource, Scene};
+use crate::vibration::join::join;
+use crate::vibration::signals::Evaluation;
 use std::f64::consts::TAU;
 
 /// Facts of a recording that the pipeline does not have.
@@ -33,6 +35,7 @@ impl Pipeline<'_> {
         if self.totals.speed().count() == 0.0 {
             return self.conclude_at_standstill(scene, facts);
         }
+        let mut vibration = self.evaluate_vibration(scene)?;
         self.comparison.finish();
         let bearings = self.plant.bearings.as_slice();
         let mean_speed = self.totals.speed().mean();
@@ -79,6 +82,11 @@ impl Pipeline<'_> {
             let known: Vec<Finding> = known;
             diagnosis_notes.extend(known.iter().map(|finding| format!("As in the baseline: {}", finding.sentence)));
         }
+        if implausible.is_empty() {
+            findings = join(findings, std::mem::take(&mut vibration.findings), diagnosed.is_some());
+        }
+        learned.sensors = vibration.learned;
+        diagnosis_notes.extend(vibration.notes);
         if self.baseline.is_none()
             && let Some(reason) = clearance_is_estimated(scene)
         {
@@ -109,6 +117,7 @@ impl Pipeline<'_> {
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         pictures.rotor = RotorDrawing::new(scene);
+        pictures.envelopes = vibration.envelopes;
         let deflection = self.deflection.as_ref();
         pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
         let record = Record {
@@ -147,11 +156,20 @@ impl Pipeline<'_> {
         .with_stations_as_drawn(scene))
     }
 
+    /// Evaluates the signals of the vibration sensors, with a note where they have no verdict.
+    fn evaluate_vibration(&mut self, scene: &Scene) -> Result<Evaluation> {
+        let Some(signals) = self.signals.take() else { return Ok(Evaluation::default()) };
+        let mut found = signals.evaluate(scene, self.baseline.as_ref())?;
+        found.notes.extend(found.not_judged.as_ref().map(|reason| format!("Sensors: no verdict: {reason}.")));
+        Ok(found)
+    }
+
     /// Returns the outcome of a recording in which no sample has a shaft angle.
-    fn conclude_at_standstill(self, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
+    fn conclude_at_standstill(mut self, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
         if self.standstill.samples() == 0 {
             return Err(ReplayError::NoSample { recording: facts.name.to_owned() }.into());
         }
+        let vibration = self.evaluate_vibration(scene)?;
         let outcome = self.standstill.outcome(Measured {
             probes: self.probes,
             bearings: self.force.outcomes(&self.plant.bearings),
@@ -165,6 +183,7 @@ impl Pipeline<'_> {
         let events = self.limits.finish();
         let (implausible, not_judged) = (&outcome.implausible, &outcome.not_judged);
         let mut notes = outcome.notes;
+        notes.extend(vibration.notes);
         notes.extend(self.notes);
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         Ok(Outcome {

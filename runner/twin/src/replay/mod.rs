@@ -9,7 +9,7 @@ mod options;
 mod ahead;
 
 // A row becomes a sample with a shaft angle.
-mod session;
+pub(crate) mod session;
 // The stages, called in this order.
 mod pipeline;
 
@@ -50,7 +50,7 @@ pub mod timing;
 // The outcome at the end of the recording.
 mod conclusion;
 mod list;
-mod plausibility;
+pub(crate) mod plausibility;
 mod totals;
 pub mod verdict;
 
@@ -95,7 +95,7 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
     let Some(recording) = &scene.recording else {
         return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
-    if !recording.sensors.is_empty() {
+    if recording.probes.is_empty() {
         let read = |read, total| {
             if let Some(progress) = options.progress {
                 progress(Progress::Read(read, total));

@@ -33,6 +33,7 @@ use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
 use crate::scene::{Probe, Scene, Speed};
+use crate::vibration::signals::Signals;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -70,6 +71,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) calibration: Option<Calibration>,
     /// The baseline to judge against.
     pub(super) baseline: Option<Baseline>,
+    /// Signals of the vibration sensors; none without sensors, and in live operation.
+    pub(super) signals: Option<Signals>,
     pub(super) figures: FigureCollector,
     /// Static line of a flexible rotor.
     pub(super) deflection: Option<MeanDeflection>,
@@ -126,8 +129,11 @@ impl<'a> Pipeline<'a> {
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
         let planes = probes::planes(probes);
-        let baseline =
-            options.baseline.map(|path| Baseline::read(path, probes, &followed_orders(bearings))).transpose()?;
+        let sensors = scene.recording.as_ref().map_or(&[][..], |recording| &recording.sensors);
+        let baseline = options
+            .baseline
+            .map(|path| Baseline::read(path, probes, sensors, &followed_orders(bearings)))
+            .transpose()?;
         let limits = LimitMonitor::try_new(&scene.limits, probes, bearings, baseline.as_ref())?;
         let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
         let seconds = options
@@ -149,6 +155,10 @@ impl<'a> Pipeline<'a> {
                 .live
                 .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone())),
             calibration: None,
+            signals: scene.recording.as_ref().filter(|_| !options.live).and_then(|recording| {
+                // Sensors keep the rate of the recording.
+                Signals::new(recording, rate * f64::from(recording.average))
+            }),
             baseline,
             deflection: MeanDeflection::new(&plant),
             figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),
@@ -175,8 +185,18 @@ impl<'a> Pipeline<'a> {
         })
     }
 
+    /// Adds the readings of the vibration sensors.
+    pub(super) fn push_sensors(&mut self, row: &Row) {
+        if let Some(signals) = &mut self.signals {
+            signals.add(row);
+        }
+    }
+
     /// Checks a sample, evaluates its readings, and queues it for the twin.
     pub(super) fn push(&mut self, mut sample: Sample) -> Result<()> {
+        if let Some(signals) = &mut self.signals {
+            signals.add_angle(&sample);
+        }
         self.range.check_sample(&mut sample, &mut self.notices);
         self.readings.add(&sample, &mut self.limits);
         if let Some(found) = self.startup.push(sample, &self.range)? {
@@ -197,6 +217,9 @@ impl<'a> Pipeline<'a> {
 
     /// Restarts the twin with the next sample, because the shaft angle is interrupted.
     pub(super) fn restart(&mut self) {
+        if let Some(signals) = &mut self.signals {
+            signals.interrupt();
+        }
         self.readings.restart(&mut self.limits);
         self.startup.restart();
     }

@@ -37,11 +37,8 @@ pub struct Counts {
 impl Counts {
     /// Adds a sample at this shaft speed, rad/s.
     pub fn add(&mut self, status: SampleStatus, speed: f64, scene: Speed) {
-        let (a, b) = scene.range();
-        // Magnitudes only, because a keyphasor gives no sign.
-        let (slow, fast) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
         let measured = !status.has(SampleStatus::ANGLE_NOT_MEASURED);
-        let plausible = (slow / SPEED_FACTOR..=fast * SPEED_FACTOR).contains(&speed.abs());
+        let plausible = is_in_range(speed, scene);
         self.samples += 1;
         self.at_speed += u64::from(measured && plausible);
         self.angle_not_measured += u64::from(!measured);
@@ -88,6 +85,32 @@ impl Counts {
     }
 }
 
+/// Returns true where a speed is within a factor of [`SPEED_FACTOR`] of the scene's. Magnitudes only, because a keyphasor gives no sign.
+fn is_in_range(speed: f64, scene: Speed) -> bool {
+    let (a, b) = scene.range();
+    let (slow, fast) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
+    (slow / SPEED_FACTOR..=fast * SPEED_FACTOR).contains(&speed.abs())
+}
+
+/// Returns true where a measured speed can be one of the scene's shaft, rad/s.
+#[must_use]
+pub fn is_near(speed: f64, scene: Speed) -> bool {
+    scene.range() == (0.0, 0.0) || is_in_range(speed, scene)
+}
+
+/// Returns the reason why a mean speed is not one of the scene's shaft, rad/s.
+#[must_use]
+pub fn wrong_speed(mean_speed: f64, scene: Speed) -> String {
+    let (low, high) = scene.range();
+    let rpm = |w: f64| w * 60.0 / TAU;
+    let scene =
+        if low == high { format!("{:.0} rpm", rpm(low)) } else { format!("{:.0} to {:.0} rpm", rpm(low), rpm(high)) };
+    format!(
+        "mean shaft speed {:.0} rpm, the scene's is {scene}; expected within a factor of {SPEED_FACTOR} (check pulses_per_turn, the unit of the speed and [shaft] speed)",
+        rpm(mean_speed)
+    )
+}
+
 /// Data compared with the scene.
 pub struct Evidence<'a> {
     /// Counts over the recording.
@@ -124,13 +147,7 @@ fn speed(of: &Evidence) -> Option<String> {
     if !measured || (low == 0.0 && high == 0.0) || judged == 0 || at_speed >= LEAST_AT_SPEED {
         return None;
     }
-    let rpm = |w: f64| w * 60.0 / TAU;
-    let scene =
-        if low == high { format!("{:.0} rpm", rpm(low)) } else { format!("{:.0} to {:.0} rpm", rpm(low), rpm(high)) };
-    Some(format!(
-        "mean shaft speed {:.0} rpm, the scene's is {scene}; expected within a factor of {SPEED_FACTOR} (check pulses_per_turn, the unit of the speed and [shaft] speed)",
-        rpm(of.mean_speed)
-    ))
+    Some(wrong_speed(of.mean_speed, of.scene_speed))
 }
 
 fn size(of: &Evidence) -> Option<String> {

@@ -180,6 +180,8 @@ mod tests {
             order: 1.0,
             level_db: 1.0,
             confidence: 1.0,
+            evidence: vec![],
+            vibration: None,
             parameters: FaultParameters::default(),
             figures: FaultFigures::default(),
             sentence: format!("{kind:?} of {bearing}"),

@@ -14,6 +14,7 @@ use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
 use crate::scene::{Recording, RotationSource, Scene};
+use crate::vibration;
 use std::time::Instant;
 
 /// Time without a keyphasor pulse after which a shaft counts as standing still in live operation, s.
@@ -52,6 +53,7 @@ impl<'a> Replay<'a> {
     pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
         let recording = scene.recording.as_ref();
         let recording = recording.ok_or_else(|| ReplayError::NoRecording { file: scene.path.clone() })?;
+        vibration::check_bearings(scene, recording).map_err(Error::setup)?;
         let tracker = tracker(scene, recording, rate, options.live);
         let rate = rate / f64::from(recording.average);
         let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(Error::setup)?;
@@ -74,6 +76,7 @@ impl<'a> Replay<'a> {
     pub fn push(&mut self, row: Row) -> Result<()> {
         self.rows += 1;
         let time = row.time;
+        self.pipeline.push_sensors(&row);
         let pushed = self.tracker.push(row);
         self.drain()?;
         if let Err(error) = pushed {
@@ -231,7 +234,8 @@ fn tracker(scene: &Scene, recording: &Recording, rate: f64, live: bool) -> Track
     if live { tracker.waiting_at_most((LONGEST_PULSE_WAIT * rate) as usize) } else { tracker }
 }
 
-fn angle_source(rotation: &RotationSource, tracker: &Tracker) -> String {
+/// Returns the source of the shaft angle in words.
+pub fn angle_source(rotation: &RotationSource, tracker: &Tracker) -> String {
     match rotation {
         RotationSource::Keyphasor { column, pulses_per_turn } => {
             format!("keyphasor in column {column}, {} pulses, {pulses_per_turn} per revolution", tracker.pulses())

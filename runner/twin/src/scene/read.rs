@@ -332,15 +332,15 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> 
         average,
         file: scene.parent().unwrap_or(Path::new("")).join(file),
         clock: clock(&table, &mut taken)?,
-        sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
-        probes: if table.has("sensors") { vec![] } else { probes(&table, average, on_system, &mut taken)? },
+        sensors: table.read("sensors", |n| sensors(n, &mut taken))?.unwrap_or_default(),
+        probes: probes(&table, average, on_system, &mut taken)?,
         rotation: rotation(&table, &mut taken)?,
     })
 }
 
 fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
-    if table.has("sensors") {
-        return Err(node.fail("average beside sensors", "sensors at the recording's own rate"));
+    if !table.has("probes") && table.has("sensors") {
+        return Err(node.fail("average without probes", "probes to average; sensors keep the recording's own rate"));
     }
     node.integer(1, 1024, "a whole number of samples from 1 to 1024").map(|count| count as u32)
 }
@@ -359,6 +359,9 @@ fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
 fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -> Read<Vec<Probe>> {
     let wants = "a list of at least one probe, such as \
                  { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }";
+    if !table.has("probes") && table.has("sensors") {
+        return Ok(vec![]);
+    }
     let node = table.required("probes", wants)?;
     let list = node.list(wants)?;
     if list.is_empty() {
@@ -372,10 +375,7 @@ fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -
     Ok(probes)
 }
 
-fn sensors(node: &Node<'_>, table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {
-    if let Some(probes) = table.optional("probes") {
-        return Err(probes.fail("both probes and sensors", "one of them: displacements for the twin, or vibration"));
-    }
+fn sensors(node: &Node<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {
     let wants = "a list of at least one sensor, such as { column = \"DE\", unit = \"m/s^2\" }";
     let list = node.list(wants)?;
     if list.is_empty() {
