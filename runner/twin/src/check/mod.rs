@@ -136,7 +136,7 @@ fn read(
     };
     let rate = reader.rate() / f64::from(recording.average);
     let mut tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
-    let mut readings = Readings::new(recording.probes.len() + recording.sensors.len());
+    let mut readings = Readings::new(recording.probes.len() + recording.sensors.len() + recording.temperatures.len());
     let (mut row, mut samples, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
     let mut speeds = Speeds::default();
     loop {

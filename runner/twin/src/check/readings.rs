@@ -1,7 +1,7 @@
 //! Statistics of the readings of each probe or sensor.
 
 use crate::recording::{Row, Sample};
-use crate::scene::{Direction, Recording};
+use crate::scene::{Direction, Recording, TemperatureChannel};
 use serde::Serialize;
 
 /// Readings of one column: in um for a probe, in the unit of the column for a sensor.
@@ -68,7 +68,7 @@ impl Sums {
     }
 }
 
-/// Readings of all columns: probes, then sensors.
+/// Readings of all columns: probes, then sensors, then temperatures.
 pub(super) struct Readings(Vec<Sums>);
 
 impl Readings {
@@ -78,7 +78,7 @@ impl Readings {
 
     /// Adds the readings of a row.
     pub fn add(&mut self, row: &Row) {
-        let readings = row.probes.iter().chain(&row.sensors);
+        let readings = row.probes.iter().chain(&row.sensors).chain(&row.temperatures);
         for (sums, x) in self.0.iter_mut().zip(readings).filter(|(_, x)| x.is_finite()) {
             sums.add(*x);
         }
@@ -87,7 +87,7 @@ impl Readings {
     /// Adds the readings of a sample with a shaft angle.
     pub fn add_at(&mut self, sample: &Sample) {
         let (sin, cos) = sample.angle.radians().sin_cos();
-        let readings = sample.row.probes.iter().chain(&sample.row.sensors);
+        let readings = sample.row.probes.iter().chain(&sample.row.sensors).chain(&sample.row.temperatures);
         for (sums, x) in self.0.iter_mut().zip(readings).filter(|(_, x)| x.is_finite()) {
             for (sum, term) in sums.turning.iter_mut().zip([x * cos, x * sin, cos, sin]) {
                 *sum += term;
@@ -110,6 +110,8 @@ impl Readings {
             (probe.column.clone(), "um".to_owned(), radial, 1e6)
         });
         let sensors = recording.sensors.iter().map(|sensor| (sensor.column.clone(), sensor.unit.clone(), None, 1.0));
+        let temperature = |channel: &TemperatureChannel| (channel.column.clone(), "K".to_owned(), None, 1.0);
+        let temperatures = recording.temperatures.iter().map(temperature);
         let one = |((column, unit, radial, scale), sums): ((String, String, _, f64), &Sums)| ReadingSummary {
             column,
             unit,
@@ -122,6 +124,6 @@ impl Readings {
                 .map(|[cos, sin]| [cos.hypot(sin) * scale, sin.atan2(cos).to_degrees().rem_euclid(360.0)]),
             samples: sums.count,
         };
-        probes.chain(sensors).zip(&self.0).map(one).collect()
+        probes.chain(sensors).chain(temperatures).zip(&self.0).map(one).collect()
     }
 }

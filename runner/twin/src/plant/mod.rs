@@ -113,7 +113,7 @@ impl Plant {
             damping: none,
             reduction: None,
             speed: scene.shaft.speed.nominal(),
-            notes: scene.bearings.iter().filter_map(estimates).collect(),
+            notes: scene.bearings.iter().flat_map(|b| estimates(b).into_iter().chain(operating_clearance(b))).collect(),
         };
         plant.settle()?;
         plant.refine(scene)?;
@@ -504,4 +504,15 @@ fn estimates(of: &Bearing) -> Option<String> {
             estimated.join(", ")
         )
     })
+}
+
+/// Returns a note on the operating clearance of a bearing with fits or temperatures.
+fn operating_clearance(of: &Bearing) -> Option<String> {
+    let operating = of.mounting?.operating();
+    let [clearance, unmounted, by_fits, by_temperature] =
+        [operating.value(), operating.unmounted, operating.by_fits, operating.by_temperature].map(|x| x * 1e6);
+    Some(format!(
+        "Bearing {}: operating clearance {clearance:.2} um: {unmounted:.2} um before mounting, less {by_fits:.2} um by the fits and {by_temperature:.2} um by temperature.",
+        of.name
+    ))
 }

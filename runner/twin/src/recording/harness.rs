@@ -33,6 +33,7 @@ pub(super) fn recording(columns: &[&str]) -> Recording {
         clock: Clock::Rate(1000.0),
         probes: columns.iter().map(|column| probe(column, 1.0)).collect(),
         sensors: vec![],
+        temperatures: vec![],
         rotation: RotationSource::Scene,
     }
 }

@@ -18,7 +18,7 @@ use super::memory::Memory;
 use super::probe::{ProbeWatch, Verdict};
 use super::table::{self, Cells, EXPECTED, Table};
 use crate::scene::units;
-use crate::scene::{Clock, Probe, Recording, RotationSource};
+use crate::scene::{Clock, Probe, Recording, RotationSource, TemperatureChannel};
 
 /// Largest relative difference between the sampling rates of file and scene.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -53,6 +53,7 @@ struct Wanted {
     rotation: Option<Column>,
     probes: Vec<Column>,
     sensors: Vec<Column>,
+    temperatures: Vec<Column>,
 }
 
 /// A column that is used, with the factor to SI.
@@ -388,11 +389,14 @@ impl Wanted {
         let probe = |of: &Probe| column(&of.column, of.metres_per_unit).map(|c| Column { offset: of.offset, ..c });
         let probes = recording.probes.iter().map(probe).collect::<Result<_, _>>()?;
         let sensors = recording.sensors.iter().map(|sensor| column(&sensor.column, 1.0)).collect::<Result<_, _>>()?;
-        Ok(Self { stamp, rotation, probes, sensors })
+        let temperature =
+            |of: &TemperatureChannel| column(&of.column, of.kelvins_per_unit).map(|c| Column { offset: -of.zero, ..c });
+        let temperatures = recording.temperatures.iter().map(temperature).collect::<Result<_, _>>()?;
+        Ok(Self { stamp, rotation, probes, sensors, temperatures })
     }
 
     fn columns(&self) -> impl Iterator<Item = &Column> + Clone {
-        self.stamp.iter().chain(&self.rotation).chain(self.channels())
+        self.stamp.iter().chain(&self.rotation).chain(self.channels()).chain(&self.temperatures)
     }
 
     /// Columns of probes, then of sensors.
@@ -444,7 +448,9 @@ impl Wanted {
         row.probes.clear();
         row.probes.extend(self.probes.iter().map(&mut next));
         row.sensors.clear();
-        row.sensors.extend(self.sensors.iter().map(next));
+        row.sensors.extend(self.sensors.iter().map(&mut next));
+        row.temperatures.clear();
+        row.temperatures.extend(self.temperatures.iter().map(next));
     }
 }
 

@@ -5,6 +5,7 @@
 mod bearing;
 mod catalogue;
 mod effects;
+mod mounting;
 mod rotor;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -20,8 +21,8 @@ use super::table::{Node, Read, Source, Table, line_of};
 pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
-    Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording,
-    RotationSource, Scene, Sensor, Shaft, Speed, System, SystemUnbalance,
+    Allowed, Bearing, Clock, Direction, Indicator, Integration, Limit, Method, Observer, Probe, Recording, Ring,
+    RotationSource, Scene, Sensor, Shaft, Speed, System, SystemUnbalance, TemperatureChannel,
 };
 use catalogue::Expansion;
 
@@ -98,14 +99,15 @@ fn syntax_error(text: &str, path: &Path, error: &TomlError) -> SceneError {
 
 fn scene<'a>(root: &Table<'a>, path: &Path, catalogue: &'a [Option<Expansion>]) -> Read<Scene> {
     let name = root.read("name", |n| n.text("a name for the scene"))?;
+    let bearings = bearings(root, catalogue)?;
     let scene = Scene {
         name: name.map_or_else(|| stem(path), str::to_owned),
         path: path.to_owned(),
         shaft: shaft(&root.required("shaft", "a table [shaft] with speed")?)?,
         rotor: root.read("rotor", rotor::read)?,
         system: root.read("system", |n| system(n, root, path))?,
-        bearings: bearings(root, catalogue)?,
-        recording: root.read("recording", |n| recording(n, path, root.has("system")))?,
+        recording: root.read("recording", |n| recording(n, path, root.has("system"), &bearings))?,
+        bearings,
         integration: root.read("integration", integration)?.unwrap_or_default(),
         observer: root.read("observer", observer)?.unwrap_or_default(),
         limits: root.read("limit", limits)?.unwrap_or_default(),
@@ -307,6 +309,7 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
         };
         let mut bearing = bearing::read(&table, root.has("system"))?;
         bearing.catalogue = expansion.as_ref().map(|expansion| expansion.used.clone());
+        mounting::read(&table, &mut bearing)?;
         if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {
             let own = format!("a name of its own (bearing[{other}] has this one)");
             return Err(table.required("name", &own)?.repeated(own));
@@ -322,8 +325,9 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
 /// Columns that are already taken, with what takes them.
 type Taken = Vec<(String, &'static str)>;
 
-fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> {
-    let table = node.table(&["file", "rate", "time", "average", "probes", "sensors", "keyphasor", "speed"])?;
+fn recording(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[Bearing]) -> Read<Recording> {
+    let table =
+        node.table(&["file", "rate", "time", "average", "probes", "sensors", "temperature", "keyphasor", "speed"])?;
     let wants = "the name of the recording, relative to the scene's folder";
     let file = table.required("file", wants)?.text(wants)?;
     let mut taken = Taken::new();
@@ -334,6 +338,7 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> 
         clock: clock(&table, &mut taken)?,
         sensors: table.read("sensors", |n| sensors(n, &mut taken))?.unwrap_or_default(),
         probes: probes(&table, average, on_system, &mut taken)?,
+        temperatures: table.read("temperature", |n| temperatures(n, &table, bearings, &mut taken))?.unwrap_or_default(),
         rotation: rotation(&table, &mut taken)?,
     })
 }
@@ -399,6 +404,55 @@ fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
     }
     let bearing = table.read("bearing", |n| Ok(n.text("the name of a bearing")?.to_owned()))?;
     Ok(Sensor { column, unit: unit.to_owned(), bearing })
+}
+
+fn temperatures(
+    node: &Node<'_>,
+    table: &Table<'_>,
+    bearings: &[Bearing],
+    taken: &mut Taken,
+) -> Read<Vec<TemperatureChannel>> {
+    if !table.has("probes") {
+        return Err(node.misplaced("only with probes, whose twin has a clearance; remove it"));
+    }
+    let wants = "a list of at least one temperature, such as \
+                 { column = \"T_DE\", unit = \"degC\", bearing = \"DE\", ring = \"outer\" }";
+    let list = node.list(wants)?;
+    if list.is_empty() {
+        return Err(node.refuse(wants));
+    }
+    let mut channels: Vec<TemperatureChannel> = vec![];
+    for node in &list {
+        let channel = temperature(node, bearings, taken)?;
+        if channels.iter().any(|other| other.bearing == channel.bearing && other.ring == channel.ring) {
+            return Err(node.repeated("one temperature of each ring"));
+        }
+        channels.push(channel);
+    }
+    Ok(channels)
+}
+
+fn temperature(node: &Node<'_>, bearings: &[Bearing], taken: &mut Taken) -> Read<TemperatureChannel> {
+    let table = node.table(&["column", "unit", "bearing", "ring"])?;
+    let column = table.required("column", "the name of a column of the recording")?;
+    let column = column_name(&column, "a temperature", taken)?;
+    let wants = "the unit of the column: degC, K or degF";
+    let unit = table.required("unit", wants)?;
+    let Some((kelvins_per_unit, zero)) = mounting::temperature_unit(unit.text(wants)?) else {
+        return Err(unit.refuse(wants));
+    };
+    let wants = "the name of a [[bearing]]";
+    let node = table.required("bearing", wants)?;
+    let name = node.text(wants)?;
+    let Some(bearing) = bearings.iter().find(|bearing| bearing.name == name) else { return Err(node.refuse(wants)) };
+    if bearing.mounting.is_none_or(|mounting| mounting.temperatures.is_none()) {
+        return Err(
+            node.refuse("a bearing with temperatures = { inner, outer }, whose difference the other ring keeps")
+        );
+    }
+    let ring = table.required("ring", "\"inner\" or \"outer\"")?;
+    let ring = ring.choice(&[("inner", Ring::Inner), ("outer", Ring::Outer)])?;
+    Ok(TemperatureChannel { column, kelvins_per_unit, zero, bearing: name.to_owned(), ring })
 }
 
 fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {

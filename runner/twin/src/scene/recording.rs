@@ -1,6 +1,6 @@
 //! The section `[recording]` of a scene: sampling, probes, sensors and the source of the shaft angle.
 
-use super::Coordinates;
+use super::{Coordinates, Ring};
 use std::path::PathBuf;
 
 /// `[recording]`: file, sampling and columns of a recording.
@@ -16,8 +16,25 @@ pub struct Recording {
     pub probes: Vec<Probe>,
     /// Vibration sensors; at least one, unless there are probes.
     pub sensors: Vec<Sensor>,
+    /// Temperatures of bearing rings, which correct the clearance.
+    pub temperatures: Vec<TemperatureChannel>,
     /// Source of the shaft angle.
     pub rotation: RotationSource,
+}
+
+/// `temperature = [{ column, unit, bearing, ring }]`: measured temperature of a ring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemperatureChannel {
+    /// Column of the recording.
+    pub column: String,
+    /// K for one unit of the column.
+    pub kelvins_per_unit: f64,
+    /// Temperature at a reading of 0, K.
+    pub zero: f64,
+    /// Name of the bearing.
+    pub bearing: String,
+    /// Ring that is measured.
+    pub ring: Ring,
 }
 
 /// Sampling: a constant rate or a column of times.

@@ -22,6 +22,7 @@ fn recording(clock: Clock) -> Recording {
         clock,
         probes: vec![probe("x"), probe("y")],
         sensors: vec![],
+        temperatures: vec![],
         rotation: RotationSource::Keyphasor { column: "key".into(), pulses_per_turn: 1 },
     }
 }
@@ -283,6 +284,7 @@ fn rig_recordings_are_flawless() {
             clock: Clock::Column("time_s".into()),
             average: 1,
             sensors: vec![],
+            temperatures: vec![],
             probes,
             rotation,
         };

@@ -425,6 +425,7 @@ fn rig_recordings() {
             clock: Clock::Rate(RATE),
             average: 1,
             sensors: vec![],
+            temperatures: vec![],
             probes: vec![],
             rotation: rotation.clone(),
         };
