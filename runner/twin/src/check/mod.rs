@@ -12,8 +12,8 @@ pub use readings::ReadingSummary;
 pub use unknown::{UnknownValue, unknown_values};
 
 use crate::error::Result;
-use crate::outcome::RotorDrawing;
-use crate::plant::Plant;
+use crate::outcome::{ClearanceOutcome, RotorDrawing};
+use crate::plant::{Plant, operating_clearance};
 use crate::recording::Reader;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
@@ -59,6 +59,9 @@ pub struct BearingSummary {
     pub elements: usize,
     /// Orders per revolution of the shaft: outer race, inner race, cage.
     pub orders: [f64; 3],
+    /// Operating clearance; none without `fit` and `temperatures`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub operating_clearance: Option<ClearanceOutcome>,
 }
 
 /// A recording.
@@ -101,6 +104,7 @@ pub fn check(
             model: bearing.model.name(),
             elements: bearing.elements,
             orders: [orders.outer_race, orders.inner_race, orders.cage],
+            operating_clearance: bearing.mounting.map(|mounting| mounting.operating().into()),
         })
     });
     let bearings = bearings.collect::<Result<Vec<_>>>()?;
@@ -115,7 +119,8 @@ pub fn check(
         bearings,
         recording,
         implausible,
-        notes: plant.map_or_else(Vec::new, |plant| plant.notes),
+        notes: plant
+            .map_or_else(|| scene.bearings.iter().filter_map(operating_clearance).collect(), |plant| plant.notes),
         drawing: RotorDrawing::new(scene),
     })
 }

@@ -39,6 +39,14 @@ pub enum ReplayError {
         /// Name of the recording.
         recording: String,
     },
+    /// A temperature has no reading at the start of the recording.
+    #[error("{recording}: {column}: no temperature in the first second, expected a reading for the clearance")]
+    NoTemperature {
+        /// Name of the recording.
+        recording: String,
+        /// Column of the temperature.
+        column: String,
+    },
     /// A sample is processed before the twin has settled.
     #[error("the twin is not run in")]
     NotRunIn,

@@ -19,7 +19,7 @@ pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
 use crate::baseline;
 use crate::recording::flaws::FlawSummary;
-use crate::scene::Scene;
+use crate::scene::{OperatingClearance, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Result of one replay.
@@ -404,6 +404,37 @@ pub struct BearingOutcome {
     pub contact_lost_samples: u64,
     /// Number of samples with the last valid force because a reading was missing.
     pub held_samples: u64,
+}
+
+/// Operating clearance of a bearing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ClearanceOutcome {
+    /// Diametral clearance in operation.
+    pub operating_um: f64,
+    /// Diametral clearance before mounting.
+    pub unmounted_um: f64,
+    /// Reduction by the fits.
+    pub by_fits_um: f64,
+    /// Reduction by temperature.
+    pub by_temperature_um: f64,
+}
+
+impl From<OperatingClearance> for ClearanceOutcome {
+    fn from(of: OperatingClearance) -> Self {
+        let [operating_um, unmounted_um, by_fits_um, by_temperature_um] =
+            [of.value(), of.unmounted, of.by_fits, of.by_temperature].map(|x| x * 1e6);
+        Self { operating_um, unmounted_um, by_fits_um, by_temperature_um }
+    }
+}
+
+impl std::fmt::Display for ClearanceOutcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{:.2} um: {:.2} um before mounting, less {:.2} um by the fits and {:.2} um by temperature",
+            self.operating_um, self.unmounted_um, self.by_fits_um, self.by_temperature_um
+        )
+    }
 }
 
 /// Orders of one bearing per turn of the shaft.

@@ -23,6 +23,7 @@ use system::Body;
 pub use system::{Layout, Rows, Scales, only_observable, only_rotor, unbalance_note, unbalance_planes};
 pub use twin::{Step, Twin, first_five};
 
+use crate::outcome::ClearanceOutcome;
 use crate::scene::build;
 use crate::scene::{Bearing, FromCatalogue, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use ballrace::bearing::Bearing as _;
@@ -507,12 +508,7 @@ fn estimates(of: &Bearing) -> Option<String> {
 }
 
 /// Returns a note on the operating clearance of a bearing with fits or temperatures.
-fn operating_clearance(of: &Bearing) -> Option<String> {
-    let operating = of.mounting?.operating();
-    let [clearance, unmounted, by_fits, by_temperature] =
-        [operating.value(), operating.unmounted, operating.by_fits, operating.by_temperature].map(|x| x * 1e6);
-    Some(format!(
-        "Bearing {}: operating clearance {clearance:.2} um: {unmounted:.2} um before mounting, less {by_fits:.2} um by the fits and {by_temperature:.2} um by temperature.",
-        of.name
-    ))
+pub fn operating_clearance(of: &Bearing) -> Option<String> {
+    let clearance = ClearanceOutcome::from(of.mounting?.operating());
+    Some(format!("Bearing {}: operating clearance {clearance}.", of.name))
 }

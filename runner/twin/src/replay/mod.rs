@@ -19,6 +19,7 @@ mod readings;
 mod running_diagnosis;
 mod standstill;
 mod startup;
+mod temperature;
 
 // The sample passes through the stages.
 mod align;
@@ -90,8 +91,7 @@ pub fn open<'a>(scene: &'a Scene, file: Option<&'a Path>) -> Result<(Reader<'sta
 ///
 /// # Errors
 /// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
-pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
-    let scene = given;
+pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else {
         return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
@@ -106,9 +106,10 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
     check_rate(reader.rate(), recording, scene.shaft.speed).map_err(|e| e.of(scene, recording_name))?;
     only_observable(scene, "replay").map_err(Error::setup)?;
     let baseline = options.baseline.map(Baseline::parse).transpose().map_err(Error::setup)?;
-    let mut scene = ahead::calibrated(scene, baseline.as_ref());
+    let (given, first_rows) = temperature::corrected(scene, recording, &mut reader, recording_name)?;
+    let mut scene = ahead::calibrated(&given, baseline.as_ref());
     let mut plant = Plant::try_new(&scene).map_err(Error::setup)?;
-    let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader)?;
+    let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader, first_rows)?;
     let advance = |share: f64| {
         if let Some(progress) = options.progress {
             progress(Progress::Diagnosis(share));
@@ -129,7 +130,7 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
         set_cages(&mut scene, &diagnosis.cages);
     }
     let mut replay = Replay::try_new(&scene, reader.rate(), options)?;
-    let note = unbalance_note(given).filter(|_| calibration.is_some());
+    let note = unbalance_note(&given).filter(|_| calibration.is_some());
     replay.set_calibration(calibration, note);
     if let (true, Some(diagnosis)) = (ahead.is_whole, diagnosed) {
         replay.set_diagnosis(diagnosis);

@@ -7,6 +7,7 @@ use super::options::Options;
 use super::pipeline::Pipeline;
 use super::second::Second;
 use super::snapshot::Snapshot;
+use super::temperature::TemperatureMonitor;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::{Event, Outcome};
@@ -26,6 +27,7 @@ pub struct Replay<'a> {
     rotation: &'a RotationSource,
     tracker: Tracker,
     pipeline: Pipeline<'a>,
+    temperatures: Option<TemperatureMonitor>,
     rows: u64,
     /// Flaws of the shaft angle before its last interruption.
     flaws: Vec<FlawSummary>,
@@ -58,7 +60,8 @@ impl<'a> Replay<'a> {
         let rate = rate / f64::from(recording.average);
         let pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(Error::setup)?;
         let rotation = &recording.rotation;
-        Ok(Self { scene, rotation, tracker, pipeline, rows: 0, flaws: vec![], has_ended: false })
+        let temperatures = TemperatureMonitor::new(scene);
+        Ok(Self { scene, rotation, tracker, pipeline, temperatures, rows: 0, flaws: vec![], has_ended: false })
     }
 
     /// Returns an empty row to read into.
@@ -77,6 +80,9 @@ impl<'a> Replay<'a> {
         self.rows += 1;
         let time = row.time;
         self.pipeline.push_sensors(&row);
+        if let Some(temperatures) = &mut self.temperatures {
+            temperatures.add(self.scene, &row);
+        }
         let pushed = self.tracker.push(row);
         self.drain()?;
         if let Err(error) = pushed {
@@ -216,6 +222,7 @@ impl<'a> Replay<'a> {
         self.work(None)?;
         flaws.append(&mut self.flaws);
         flaws.extend(self.tracker.flaws().summary());
+        self.pipeline.notes.extend(self.temperatures.iter().flat_map(|monitor| monitor.notes(self.scene)));
         let angle_source = angle_source(self.rotation, &self.tracker);
         let facts = RecordingFacts { name, rows: self.rows, angle_source, flaws };
         self.pipeline.conclude(self.scene, facts)
