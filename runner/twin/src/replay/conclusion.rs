@@ -1,6 +1,7 @@
 //! Conclusion of a replay: the outcome from the sums of the stages.
 
 use super::pipeline::Pipeline;
+use super::running_vibration::RunningVibration;
 use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
@@ -158,7 +159,9 @@ impl Pipeline<'_> {
 
     /// Evaluates the signals of the vibration sensors, with a note where they have no verdict.
     fn evaluate_vibration(&mut self, scene: &Scene) -> Result<Evaluation> {
-        let Some(signals) = self.signals.take() else { return Ok(Evaluation::default()) };
+        let Some(signals) = self.signals.take() else {
+            return Ok(self.vibration.as_mut().map(RunningVibration::conclusion).unwrap_or_default());
+        };
         let mut found = signals.evaluate(scene, self.baseline.as_ref())?;
         found.notes.extend(found.not_judged.as_ref().map(|reason| format!("Sensors: no verdict: {reason}.")));
         Ok(found)

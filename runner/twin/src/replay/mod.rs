@@ -17,6 +17,7 @@ mod pipeline;
 pub mod range;
 mod readings;
 mod running_diagnosis;
+mod running_vibration;
 mod standstill;
 mod startup;
 mod temperature;

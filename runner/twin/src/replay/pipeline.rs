@@ -16,6 +16,7 @@ use super::plausibility::Counts;
 use super::range::ReadingRange;
 use super::readings::ReadingsStage;
 use super::running_diagnosis::RunningDiagnosis;
+use super::running_vibration::RunningVibration;
 use super::second::{Second, SecondIndicators};
 use super::snapshot::{RecentSamples, Snapshot};
 use super::standstill::Standstill;
@@ -33,6 +34,7 @@ use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
 use crate::scene::{Probe, Scene, Speed};
+use crate::vibration::join::join;
 use crate::vibration::signals::Signals;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -73,6 +75,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) baseline: Option<Baseline>,
     /// Signals of the vibration sensors; none without sensors, and in live operation.
     pub(super) signals: Option<Signals>,
+    /// Vibration sensors in live operation.
+    pub(super) vibration: Option<RunningVibration>,
     pub(super) figures: FigureCollector,
     /// Static line of a flexible rotor.
     pub(super) deflection: Option<MeanDeflection>,
@@ -155,6 +159,12 @@ impl<'a> Pipeline<'a> {
                 .live
                 .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone())),
             calibration: None,
+            vibration: if options.live {
+                let average = scene.recording.as_ref().map_or(1, |recording| recording.average);
+                RunningVibration::new(scene, rate * f64::from(average), baseline.as_ref())
+            } else {
+                None
+            },
             signals: scene.recording.as_ref().filter(|_| !options.live).and_then(|recording| {
                 // Sensors keep the rate of the recording.
                 Signals::new(recording, rate * f64::from(recording.average))
@@ -190,12 +200,18 @@ impl<'a> Pipeline<'a> {
         if let Some(signals) = &mut self.signals {
             signals.add(row);
         }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.add(row, &mut self.notices);
+        }
     }
 
     /// Checks a sample, evaluates its readings, and queues it for the twin.
     pub(super) fn push(&mut self, mut sample: Sample) -> Result<()> {
         if let Some(signals) = &mut self.signals {
             signals.add_angle(&sample);
+        }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.add_angle(&sample, &mut self.notices);
         }
         self.range.check_sample(&mut sample, &mut self.notices);
         self.readings.add(&sample, &mut self.limits);
@@ -219,6 +235,9 @@ impl<'a> Pipeline<'a> {
     pub(super) fn restart(&mut self) {
         if let Some(signals) = &mut self.signals {
             signals.interrupt();
+        }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.interrupt();
         }
         self.readings.restart(&mut self.limits);
         self.startup.restart();
@@ -427,7 +446,23 @@ impl<'a> Pipeline<'a> {
 
     /// Returns the seconds that ended since the last call.
     pub(super) fn take_ended_seconds(&mut self) -> Vec<Second> {
-        std::mem::take(&mut self.ended_seconds)
+        let mut seconds = std::mem::take(&mut self.ended_seconds);
+        if let Some(vibration) = &mut self.vibration {
+            for second in &mut seconds {
+                second.sensors = vibration.second(second.time_s);
+                vibration.drop_seconds(second.time_s);
+            }
+        }
+        seconds
+    }
+
+    /// Returns the seconds that ended since the last call while the twin was starting.
+    pub(super) fn take_preliminary(&mut self) -> Vec<Second> {
+        let mut seconds = self.readings.take_ended();
+        if let Some(vibration) = &self.vibration {
+            seconds.iter_mut().for_each(|second| second.sensors = vibration.second(second.time_s));
+        }
+        seconds
     }
 
     /// Returns the present state for a live display; none where no display is in use or the twin does not run.
@@ -447,7 +482,11 @@ impl<'a> Pipeline<'a> {
             planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
             loads: loads.collect(),
             lines: marked_lines(&self.plant.bearings, shaft.speed.abs() / TAU),
-            findings: self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
+            findings: join(
+                self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
+                self.vibration.as_ref().map(RunningVibration::findings).unwrap_or_default(),
+                self.running_diagnosis.is_some(),
+            ),
         })
     }
 }

@@ -183,9 +183,10 @@ impl<'a> Replay<'a> {
 
     /// Returns the results since the last call.
     pub fn take_update(&mut self) -> Update {
+        let preliminary = self.pipeline.take_preliminary();
         Update {
             seconds: self.pipeline.take_ended_seconds(),
-            preliminary: self.pipeline.readings.take_ended(),
+            preliminary,
             events: self.pipeline.limits.take_events(),
             notices: self.pipeline.notices.take(),
         }

@@ -34,8 +34,8 @@ pub struct ShaftAngle {
 }
 
 impl ShaftAngle {
-    /// Adds a sample with its angle, the mean of `average` samples of the recording.
-    pub fn add(&mut self, sample: &Sample, average: u32) {
+    /// Adds a sample with its angle, the mean of `average` samples of the recording; positions count from sample `first_index`.
+    pub fn add(&mut self, sample: &Sample, average: u32, first_index: u64) {
         if sample.status.has(SampleStatus::ANGLE_NOT_MEASURED) {
             return;
         }
@@ -43,7 +43,7 @@ impl ShaftAngle {
             self.stretches.push(Stretch::default());
         }
         let size = f64::from(average);
-        let position = sample.row.index as f64 * size + 0.5 * (size - 1.0);
+        let position = sample.row.index as f64 * size + 0.5 * (size - 1.0) - first_index as f64;
         let knot = Knot { position, revolutions: sample.total_revolutions() };
         if let Some(stretch) = self.stretches.last_mut() {
             stretch.add(knot, sample.speed.abs());
@@ -53,6 +53,11 @@ impl ShaftAngle {
     /// Ends the stretch: the next angle has another origin.
     pub const fn interrupt(&mut self) {
         self.is_open = false;
+    }
+
+    /// Returns the revolutions of the last stretch.
+    pub fn revolutions(&self) -> f64 {
+        self.stretches.last().map_or(0.0, Stretch::revolutions)
     }
 
     /// Returns true where the angle is interrupted.
@@ -172,6 +177,7 @@ mod tests {
             angle.add(
                 &Sample { row, angle: Phase::from_revolutions(now), revolution, speed, ..Sample::default() },
                 average,
+                0,
             );
         }
         angle

@@ -29,6 +29,8 @@ pub struct Signals {
     average: u32,
     /// Samples per second.
     rate: f64,
+    /// Number of the first sample of the recording in the signals.
+    first_index: u64,
     /// Largest number of samples of one sensor.
     most_samples: u64,
     is_complete: bool,
@@ -58,21 +60,27 @@ pub struct Evaluation {
 impl Signals {
     /// Creates the signals of a recording at `rate`, Hz; none without sensors.
     pub fn new(recording: &Recording, rate: f64) -> Option<Self> {
+        Self::of_block(recording, rate, 0, MOST_READINGS)
+    }
+
+    /// Creates the signals of a block that begins at sample `first_index` and holds at most `most_readings` of all sensors together.
+    pub fn of_block(recording: &Recording, rate: f64, first_index: u64, most_readings: u64) -> Option<Self> {
         let count = recording.sensors.len() as u64;
-        let most_samples = MOST_READINGS.checked_div(count)?;
+        let most_samples = most_readings.checked_div(count)?;
         let sensors = recording.sensors.iter().map(|sensor| (sensor.clone(), vec![])).collect();
         let (angle, average) = (ShaftAngle::default(), recording.average);
-        Some(Self { sensors, angle, average, rate, most_samples, is_complete: true })
+        Some(Self { sensors, angle, average, rate, first_index, most_samples, is_complete: true })
     }
 
     /// Adds the readings of a row; returns false where the memory for signals is full.
     pub fn add(&mut self, row: &Row) -> bool {
         // A gap in the time stamps counts too, because its samples are stored.
-        if row.index >= self.most_samples {
+        let index = row.index.saturating_sub(self.first_index);
+        if index >= self.most_samples {
             self.is_complete = false;
             return false;
         }
-        let until = row.index as usize;
+        let until = index as usize;
         for ((_, signal), &x) in self.sensors.iter_mut().zip(&row.sensors) {
             // A missing reading repeats the last one, which disturbs the spectrum less than a zero.
             let last = signal.last().copied().unwrap_or(0.0);
@@ -84,9 +92,16 @@ impl Signals {
 
     /// Adds a sample with its shaft angle.
     pub fn add_angle(&mut self, sample: &Sample) {
-        if self.is_complete || sample.row.index * u64::from(self.average) < self.most_samples {
-            self.angle.add(sample, self.average);
+        // Samples with an angle come later than their readings, and may be those before the block.
+        let index = (sample.row.index * u64::from(self.average)).checked_sub(self.first_index);
+        if index.is_some_and(|index| index < self.most_samples) {
+            self.angle.add(sample, self.average, self.first_index);
         }
+    }
+
+    /// Returns the revolutions of the shaft since the last interruption.
+    pub fn turns(&self) -> f64 {
+        self.angle.revolutions()
     }
 
     /// Interrupts the shaft angle: the next one has another origin.
