@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
+use crate::live::{connected, frame, listening, outcome};
 use crate::support::{DEMO_SCENE, Desk, recorded, swap};
+use std::io::Write;
 
 /// A scene of one bearing with one sensor.
 pub fn scene(rpm: f64, [elements, ball, pitch]: [f64; 3], file: &str, rate: &str, column: &str, unit: &str) -> String {
@@ -215,4 +217,29 @@ fn sensors_at_a_measured_speed() {
     assert_eq!(run.code, Some(4), "{}", run.err);
     let said = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("mean shaft speed 3000 rpm, the scene's is 1500 rpm"), "{said}");
+}
+
+/// Frames of the probes, the accelerometer and the keyphasor; one without the accelerometer is of a wrong size.
+#[test]
+fn an_accelerometer_in_a_stream() {
+    let desk = Desk::with(&scene_of_both(), &with_accelerometer("healthy.csv", OUTER));
+    let args = ["--encoding", "frames", "--for", "2.9 s", "--indicators", "indicators"];
+    let (child, port) = listening(&desk, "tcp", &args);
+    let mut stream = connected(port);
+    let text = desk.read("healthy.csv");
+    let cells = |line: &str| line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+    let rows: Vec<Vec<f32>> = text.lines().skip(1).map(cells).collect();
+    for sequence in 0..3 * 12_800 {
+        // Probes, keyphasor, accelerometer in the file; probes, accelerometer, keyphasor in a frame.
+        let mut row = rows[sequence as usize % rows.len()].clone();
+        row.swap(5, 6);
+        let _ = stream.write_all(&frame(sequence, &row));
+    }
+    let outcome = outcome(child);
+    assert_eq!(outcome.pointer("/timing/source/malformed_frames"), Some(&serde_json::json!(0)));
+    assert_eq!(all_findings(&outcome), [] as [Value; 0]);
+    let table = std::fs::read(desk.path("indicators/indicators-0001.parquet")).unwrap();
+    for column in ["DE_acc_g_rms", "DE_acc_g_peak", "DE_acc_g_crest_factor", "DE_acc_g_kurtosis"] {
+        assert!(table.windows(column.len()).any(|bytes| bytes == column.as_bytes()), "{column}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Operating clearance: clearance before mounting less the reductions by press fits and by temperature.
 //!
 //! Press fits: thick-walled cylinders (Lame; Timoshenko, Strength of Materials, Part II, chapter on thick-walled cylinders), each
-//! ring a plain cylinder from its seat to its raceway. Temperature: free expansion of rings and elements. Source of the method:
+//! ring a plain cylinder from its fit to its raceway. Temperature: free expansion of rings and elements. Source of the method:
 //! Harris and Kotzalas, Rolling Bearing Analysis, chapter on interference fitting and clearance, where the expansion of the
 //! elements is neglected.
 
@@ -16,14 +16,14 @@ pub struct PartMaterial {
     pub expansion: f64,
 }
 
-/// Fit of one ring on its seat.
+/// Fit of one ring on the shaft or in the housing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RingFit {
     /// Diametral interference at the temperature of assembly, m; negative is a loose fit.
     pub interference: f64,
-    /// Diameter of the seat: bore of the inner ring, outside diameter of the outer ring, m.
-    pub seat: f64,
-    /// Free diameter of the part on the other side of the seat, m: bore of the shaft (0 for a solid one), outside diameter of the
+    /// Diameter of the fit: bore of the inner ring, outside diameter of the outer ring, m.
+    pub diameter: f64,
+    /// Free diameter of the part on the other side, m: bore of the shaft (0 for a solid one), outside diameter of the
     /// housing (infinite where it is not given).
     pub free_diameter: f64,
     /// Material of shaft or housing.
@@ -125,22 +125,24 @@ impl Mounting {
 
     /// Returns the growth of the inner raceway by the press fit on the shaft, `rise` K above the temperature of assembly, m.
     fn inner_growth(&self, fit: &RingFit, rise: f64) -> f64 {
-        let (seat, raceway) = (fit.seat, self.raceways[0]);
-        let interference = fit.interference + seat * rise * (fit.material.expansion - self.ring_material.expansion);
-        let ring = (ratio(raceway, seat) + self.ring_material.poissons_ratio) / self.ring_material.youngs_modulus;
-        let shaft = (ratio(seat, fit.free_diameter) - fit.material.poissons_ratio) / fit.material.youngs_modulus;
-        let pressure = pressure(interference, seat, ring + shaft);
-        2.0 * pressure * seat * seat * raceway / (self.ring_material.youngs_modulus * (raceway * raceway - seat * seat))
+        let (diameter, raceway) = (fit.diameter, self.raceways[0]);
+        let interference = fit.interference + diameter * rise * (fit.material.expansion - self.ring_material.expansion);
+        let ring = (ratio(raceway, diameter) + self.ring_material.poissons_ratio) / self.ring_material.youngs_modulus;
+        let shaft = (ratio(diameter, fit.free_diameter) - fit.material.poissons_ratio) / fit.material.youngs_modulus;
+        let pressure = pressure(interference, diameter, ring + shaft);
+        2.0 * pressure * diameter * diameter * raceway
+            / (self.ring_material.youngs_modulus * (raceway * raceway - diameter * diameter))
     }
 
     /// Returns the shrinkage of the outer raceway by the press fit in the housing, `rise` K above the temperature of assembly, m.
     fn outer_shrinkage(&self, fit: &RingFit, rise: f64) -> f64 {
-        let (seat, raceway) = (fit.seat, self.raceways[1]);
-        let interference = fit.interference + seat * rise * (self.ring_material.expansion - fit.material.expansion);
-        let ring = (ratio(seat, raceway) - self.ring_material.poissons_ratio) / self.ring_material.youngs_modulus;
-        let housing = (ratio(fit.free_diameter, seat) + fit.material.poissons_ratio) / fit.material.youngs_modulus;
-        let pressure = pressure(interference, seat, ring + housing);
-        2.0 * pressure * seat * seat * raceway / (self.ring_material.youngs_modulus * (seat * seat - raceway * raceway))
+        let (diameter, raceway) = (fit.diameter, self.raceways[1]);
+        let interference = fit.interference + diameter * rise * (self.ring_material.expansion - fit.material.expansion);
+        let ring = (ratio(diameter, raceway) - self.ring_material.poissons_ratio) / self.ring_material.youngs_modulus;
+        let housing = (ratio(fit.free_diameter, diameter) + fit.material.poissons_ratio) / fit.material.youngs_modulus;
+        let pressure = pressure(interference, diameter, ring + housing);
+        2.0 * pressure * diameter * diameter * raceway
+            / (self.ring_material.youngs_modulus * (diameter * diameter - raceway * raceway))
     }
 }
 
@@ -150,9 +152,9 @@ fn ratio(outer: f64, inner: f64) -> f64 {
     (1.0 + square) / (1.0 - square)
 }
 
-/// Returns the pressure in a seat, Pa, from the compliances of both parts; 0 in a loose fit.
-fn pressure(interference: f64, seat: f64, compliance: f64) -> f64 {
-    interference.max(0.0) / (seat * compliance)
+/// Returns the pressure of a fit, Pa, from the compliances of both parts; 0 in a loose fit.
+fn pressure(interference: f64, diameter: f64, compliance: f64) -> f64 {
+    interference.max(0.0) / (diameter * compliance)
 }
 
 #[cfg(test)]
@@ -175,11 +177,11 @@ mod tests {
     }
 
     fn on_shaft(interference: f64, bore: f64, material: PartMaterial) -> RingFit {
-        RingFit { interference, seat: 25e-3, free_diameter: bore, material }
+        RingFit { interference, diameter: 25e-3, free_diameter: bore, material }
     }
 
     fn in_housing(interference: f64, outside: f64, material: PartMaterial) -> RingFit {
-        RingFit { interference, seat: 52e-3, free_diameter: outside, material }
+        RingFit { interference, diameter: 52e-3, free_diameter: outside, material }
     }
 
     fn near(found: f64, expected: f64) {
@@ -203,7 +205,7 @@ mod tests {
 
     /// Against the boundary-value problem of two cylinders in plane stress, solved for its four Lame constants with 30 digits.
     #[test]
-    fn seats_of_two_materials() {
+    fn fits_of_two_materials() {
         let none = in_housing(0.0, f64::INFINITY, STEEL);
         near(mounting(on_shaft(10e-6, 12e-3, ALUMINIUM), none).operating().by_fits, 5.231106932415019e-6);
         let housing = in_housing(8e-6, 80e-3, ALUMINIUM);

@@ -99,13 +99,17 @@ fn syntax_error(text: &str, path: &Path, error: &TomlError) -> SceneError {
 
 fn scene<'a>(root: &Table<'a>, path: &Path, catalogue: &'a [Option<Expansion>]) -> Read<Scene> {
     let name = root.read("name", |n| n.text("a name for the scene"))?;
+    // In the order of the file, in which errors are reported.
+    let shaft = shaft(&root.required("shaft", "a table [shaft] with speed")?)?;
+    let rotor = root.read("rotor", rotor::read)?;
+    let system = root.read("system", |n| system(n, root, path))?;
     let bearings = bearings(root, catalogue)?;
     let scene = Scene {
         name: name.map_or_else(|| stem(path), str::to_owned),
         path: path.to_owned(),
-        shaft: shaft(&root.required("shaft", "a table [shaft] with speed")?)?,
-        rotor: root.read("rotor", rotor::read)?,
-        system: root.read("system", |n| system(n, root, path))?,
+        shaft,
+        rotor,
+        system,
         recording: root.read("recording", |n| recording(n, path, root.has("system"), &bearings))?,
         bearings,
         integration: root.read("integration", integration)?.unwrap_or_default(),

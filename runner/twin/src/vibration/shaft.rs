@@ -2,7 +2,6 @@
 
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Smallest distance of two knots, samples. A vibration recording has many more samples per revolution.
@@ -22,8 +21,6 @@ struct Knot {
 pub struct Stretch {
     knots: Vec<Knot>,
     last: Option<Knot>,
-    /// Least and greatest magnitude of the speed, rad/s.
-    speeds: Option<[f64; 2]>,
 }
 
 /// Shaft angle over a recording.
@@ -46,7 +43,7 @@ impl ShaftAngle {
         let position = sample.row.index as f64 * size + 0.5 * (size - 1.0) - first_index as f64;
         let knot = Knot { position, revolutions: sample.total_revolutions() };
         if let Some(stretch) = self.stretches.last_mut() {
-            stretch.add(knot, sample.speed.abs());
+            stretch.add(knot);
         }
     }
 
@@ -72,9 +69,7 @@ impl ShaftAngle {
 }
 
 impl Stretch {
-    fn add(&mut self, knot: Knot, speed: f64) {
-        let [least, greatest] = self.speeds.unwrap_or([speed; 2]);
-        self.speeds = Some([least.min(speed), greatest.max(speed)]);
+    fn add(&mut self, knot: Knot) {
         if self.knots.last().is_none_or(|last| knot.position - last.position >= KNOT_SAMPLES) {
             self.knots.push(knot);
         }
@@ -107,9 +102,22 @@ impl Stretch {
         if samples > 0.0 { self.revolutions() / samples } else { 0.0 }
     }
 
-    /// Returns least and greatest speed, rev/s.
-    pub fn speeds_hz(&self) -> [f64; 2] {
-        self.speeds.unwrap_or_default().map(|speed| speed / TAU)
+    /// Returns the least and the greatest speed over one revolution, revolutions per sample: a wrong reading of a speed column is
+    /// shorter.
+    pub fn extreme_speeds(&self) -> [f64; 2] {
+        let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);
+        let mut starts = self.knots.iter().peekable();
+        for end in &self.knots {
+            let turned = |start: &Knot| (end.revolutions - start.revolutions).abs();
+            while let Some(start) = starts.next_if(|start| turned(start) >= 1.0) {
+                // The window that begins at the last knot from which a whole revolution has passed.
+                if starts.peek().is_none_or(|next| turned(next) < 1.0) {
+                    let speed = turned(start) / (end.position - start.position);
+                    (least, greatest) = (least.min(speed), greatest.max(speed));
+                }
+            }
+        }
+        if greatest > 0.0 { [least, greatest] } else { [self.mean(); 2] }
     }
 
     /// Returns the revolutions from the first sample of [`samples`](Self::samples), for signals with lines up to `highest_order`;
@@ -164,6 +172,7 @@ mod tests {
     use super::*;
     use crate::recording::Row;
     use ballrace::Phase;
+    use std::f64::consts::TAU;
 
     const RATE: f64 = 10_000.0;
 
@@ -206,6 +215,14 @@ mod tests {
             }
             assert!(revolutions.positions(0.1, 19_000.0).count() > 900);
         }
+    }
+
+    /// A wrong speed for a hundredth of a revolution changes the extremes by a hundredth.
+    #[test]
+    fn extreme_speeds_are_those_of_a_revolution() {
+        let jump = |t: f64| 50.0 * t + if t > 1.0 { 0.01 } else { 0.0 };
+        let [least, greatest] = angle(jump, 1).longest().unwrap().extreme_speeds().map(|speed| speed * RATE);
+        assert!((least - 50.0).abs() < 1e-6 && greatest > 50.0 && greatest < 50.6, "{least} {greatest}");
     }
 
     #[test]

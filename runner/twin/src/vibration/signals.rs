@@ -2,7 +2,7 @@
 
 use super::envelope::Rotation;
 use super::judge::Judge;
-use super::shaft::{ShaftAngle, Stretch};
+use super::shaft::ShaftAngle;
 use super::suspects;
 use crate::baseline::{Baseline, BaselineSensor};
 use crate::error::Result;
@@ -130,11 +130,11 @@ impl Signals {
             evaluation.not_judged = Some("the shaft angle is not measured".to_owned());
             return Ok(evaluation);
         };
-        let [slowest, fastest] = stretch.speeds_hz();
+        let [slowest, fastest] = stretch.extreme_speeds().map(|speed| speed * self.rate);
         let mean = stretch.mean() * self.rate;
         evaluation.turns = stretch.revolutions();
         evaluation.speeds_hz = [slowest, mean, fastest];
-        evaluation.not_judged = not_judged(&stretch);
+        evaluation.not_judged = not_judged(stretch.revolutions(), [slowest, fastest]);
         if evaluation.not_judged.is_some() {
             return Ok(evaluation);
         }
@@ -178,10 +178,8 @@ impl Signals {
     }
 }
 
-/// Returns the reason why a stretch has no verdict.
-fn not_judged(stretch: &Stretch) -> Option<String> {
-    let [slowest, fastest] = stretch.speeds_hz();
-    let turns = stretch.revolutions();
+/// Returns the reason why a stretch of so many revolutions at these speeds, rev/s, has no verdict.
+fn not_judged(turns: f64, [slowest, fastest]: [f64; 2]) -> Option<String> {
     if turns < LEAST_TURNS {
         return Some(format!("{turns:.1} revolutions of the shaft, expected {LEAST_TURNS} or more"));
     }

@@ -92,7 +92,7 @@ fn read_fit(node: &Node<'_>, bearing: &Bearing, raceways: [f64; 2], rings: PartM
         "housing_material",
     ])?;
     let entry = bearing.catalogue.as_ref().map(|used| used.listed.entry);
-    let seat = |key: &str, listed: Option<f64>, range: &str, ok: &dyn Fn(f64) -> bool| {
+    let diameter_of = |key: &str, listed: Option<f64>, range: &str, ok: &dyn Fn(f64) -> bool| {
         let expected = Dimension::Length.expected(range);
         match (table.optional(key), listed.map(|mm| mm * 1e-3).filter(|d| ok(*d))) {
             (Some(node), _) => node.limited(Dimension::Length, &expected, ok),
@@ -103,8 +103,8 @@ fn read_fit(node: &Node<'_>, bearing: &Bearing, raceways: [f64; 2], rings: PartM
     let [inner, outer] = raceways;
     let below = format!("above 0 and below the inner raceway ({:.2} mm)", inner * 1e3);
     let above = format!("above the outer raceway ({:.2} mm)", outer * 1e3);
-    let bore = seat("bore", entry.map(|e| e.bore), &below, &|d| d > 0.0 && d < inner)?;
-    let outside = seat("outside_diameter", entry.map(|e| e.outer_diameter), &above, &|d| d > outer)?;
+    let bore = diameter_of("bore", entry.map(|e| e.bore), &below, &|d| d > 0.0 && d < inner)?;
+    let outside = diameter_of("outside_diameter", entry.map(|e| e.outer_diameter), &above, &|d| d > outer)?;
     let interference = |key: &str, other: f64| {
         let most = 0.01 * other;
         let range = format!("of at most {:.2} mm; negative is a loose fit", most * 1e3);
@@ -126,13 +126,13 @@ fn read_fit(node: &Node<'_>, bearing: &Bearing, raceways: [f64; 2], rings: PartM
     Ok([
         RingFit {
             interference: interference("shaft_interference", bore)?,
-            seat: bore,
+            diameter: bore,
             free_diameter: shaft_bore.unwrap_or(0.0),
             material: part("shaft_material")?,
         },
         RingFit {
             interference: interference("housing_interference", outside)?,
-            seat: outside,
+            diameter: outside,
             free_diameter: housing_diameter.unwrap_or(f64::INFINITY),
             material: part("housing_material")?,
         },

@@ -37,14 +37,14 @@ fn a_fit_changes_the_contact_angle() {
     assert!(matches!(tight.fit, Fit::ContactAngle(angle) if (angle.to_degrees() - 13.237).abs() < 0.01));
 }
 
-/// Seats of a bearing of the catalogue.
+/// Bore and outside diameter of a bearing of the catalogue.
 #[test]
-fn the_catalogue_has_the_seats() {
+fn the_catalogue_has_the_fit_diameters() {
     let scene = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"A\"\nbearing = \"6205\"\nstation = 0\n\
                  fit = { shaft_interference = \"5 um\" }\n";
     let mounting = read(scene).unwrap().bearings[0].mounting.unwrap();
-    let seats = mounting.fits.unwrap().map(|fit| fit.seat);
-    assert!((seats[0] - 25e-3).abs() < 1e-12 && (seats[1] - 52e-3).abs() < 1e-12, "{seats:?}");
+    let diameters = mounting.fits.unwrap().map(|fit| fit.diameter);
+    assert!((diameters[0] - 25e-3).abs() < 1e-12 && (diameters[1] - 52e-3).abs() < 1e-12, "{diameters:?}");
     let growth = 5e-6 * 25e-3 / mounting.raceways[0];
     assert!((mounting.operating().by_fits - growth).abs() < 1e-15);
 }
