@@ -26,6 +26,7 @@ fn recording(clock: Clock) -> Recording {
         rotation: RotationSource::keyphasor("key", 1),
         run_out: None,
         layout: FileLayout::default(),
+        temperatures: vec![],
     }
 }
 
@@ -287,6 +288,7 @@ fn rig_recordings_are_flawless() {
             average: 1,
             sensors: vec![],
             layout: FileLayout::default(),
+            temperatures: vec![],
             probes,
             rotation,
             run_out: None,
