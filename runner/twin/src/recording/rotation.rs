@@ -116,7 +116,7 @@ pub struct Tracker {
 
 enum Source {
     Keyphasor(Box<Keyphasor>),
-    Column(SpeedColumn),
+    Column(Box<SpeedColumn>),
     Scene(SceneSpeed),
 }
 
@@ -165,7 +165,7 @@ impl Tracker {
             RotationSource::Keyphasor { column, pulses_per_turn } => {
                 Source::Keyphasor(Box::new(Keyphasor::new(column, *pulses_per_turn, rate, is_reversed(speed))))
             }
-            RotationSource::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
+            RotationSource::SpeedColumn { column, .. } => Source::Column(Box::new(SpeedColumn::new(column, rate))),
             RotationSource::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
         Self { source, output: Output::default(), average: Average::new(1, rate), ended: false, spare: Vec::new() }
