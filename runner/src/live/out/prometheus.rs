@@ -149,6 +149,8 @@ fn escaped(text: &str) -> String {
 
 /// Returns the value of an indicator.
 type IndicatorValue = fn(&ProbeSecond) -> f64;
+/// Returns the value of an indicator of a vibration sensor.
+type SensorValue = fn(&SensorSecond) -> f64;
 
 /// Returns the metrics in the Prometheus text format.
 fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &OutputFigures) -> String {
@@ -173,7 +175,7 @@ fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &Outpu
         let samples = second.probes.iter().map(|p| (format!("{{probe=\"{}\"}}", escaped(&p.name)), value(p)));
         gauge(name, help).write(&mut page, samples);
     }
-    let sensor_metrics: [(&str, &str, fn(&SensorSecond) -> f64); 4] = [
+    let sensor_metrics: [(&str, &str, SensorValue); 4] = [
         ("ballrace_sensor_rms", "RMS vibration about the mean.", |s| s.rms),
         ("ballrace_sensor_peak", "Largest deviation of the vibration from its mean.", |s| s.peak),
         ("ballrace_sensor_crest_factor", "Peak of the vibration over its RMS.", |s| s.crest_factor),

@@ -69,8 +69,9 @@ impl RunningVibration {
         self.seconds.add(row);
         match &mut self.work {
             Work::Filling(signals) => {
+                let has_room = signals.add(row);
                 // A shaft that hardly turns fills no block.
-                if !signals.add(row) {
+                if !has_room {
                     self.work = Work::Resting(Instant::now());
                 }
             }

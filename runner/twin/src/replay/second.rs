@@ -133,7 +133,7 @@ impl StatisticsOfSensors {
     pub fn of(&self, time_s: f64) -> Vec<SensorSecond> {
         let number = time_s.round() as i64 - 1;
         let found = self.seconds.iter().find(|(of, _)| *of == number).map(|(_, all)| all.clone());
-        found.unwrap_or_else(|| self.sensors.iter().map(|sensor| without_reading(sensor)).collect())
+        found.unwrap_or_else(|| self.sensors.iter().map(without_reading).collect())
     }
 
     /// Drops the seconds up to the one that ends at `time_s`.
