@@ -89,6 +89,12 @@ fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
         E::RowTooLong { file, line, found, expected } => {
             (file, Some(*line), None, Some(found.to_string()), Some(expected.to_string()))
         }
+        E::Misplaced { file, expected, .. } => (file, None, None, None, Some((*expected).to_owned())),
+        E::AbsentNumber { file, number, found } => (file, None, None, Some(found.clone()), Some(number.clone())),
+        E::StatedRate { file, found, expected } => {
+            (file, None, None, Some(found.clone()), Some((*expected).to_owned()))
+        }
+        E::NotSynchronous { file } => (file, None, None, None, Some("samples in step with the shaft".to_owned())),
         E::Clock { file, column, found } => (file, None, Some(column.clone()), Some(found.clone()), None),
     };
     fields.set_item("file", file)?;

@@ -32,7 +32,7 @@ use crate::plant::{AXIAL, MOST_OBSERVED, Plant, only_observable, unbalance_note}
 use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
-use crate::scene::{Probe, Scene, Speed};
+use crate::scene::{Probe, RotationSource, Scene, Speed};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -122,6 +122,7 @@ impl<'a> Pipeline<'a> {
             period: 1.0 / rate,
             speed: scene.shaft.speed,
             process_noise: scene.observer.process_noise,
+            is_synchronous: scene.recording.as_ref().is_some_and(|r| r.rotation == RotationSource::Synchronous),
             cancelled: Arc::new(AtomicBool::new(false)),
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
