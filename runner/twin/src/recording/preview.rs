@@ -36,6 +36,8 @@ pub struct Preview {
     pub columns: Vec<PreviewColumn>,
     /// Sampling rate that the file states, Hz.
     pub rate: Option<f64>,
+    /// Names of single numbers, of which one may be the rate.
+    pub numbers: Vec<String>,
     /// The file is text without a line of names.
     pub is_headless: bool,
     /// The file was sampled in step with the shaft.
@@ -130,7 +132,8 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     };
     let columns = values.iter().enumerate().map(column).collect();
     let is_synchronous = table.samples_per_revolution().is_some();
-    Ok(Preview { columns, rate: table.rate(), is_headless, is_synchronous })
+    let (rate, numbers) = (table.rate(), table.scalar_names());
+    Ok(Preview { columns, rate, numbers, is_headless, is_synchronous })
 }
 
 /// Returns the first rows of the selected columns.

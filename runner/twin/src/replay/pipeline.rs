@@ -34,7 +34,7 @@ use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
-use crate::scene::{Probe, Recording, Scene};
+use crate::scene::{Probe, Recording, RotationSource, Scene};
 use crate::vibration::join::join;
 use crate::vibration::signals::Signals;
 use std::f64::consts::TAU;
@@ -133,6 +133,7 @@ impl<'a> Pipeline<'a> {
             period: 1.0 / rate,
             speed: scene.shaft.speed,
             process_noise: scene.observer.process_noise,
+            is_synchronous: scene.recording.as_ref().is_some_and(|r| r.rotation == RotationSource::Synchronous),
             cancelled: Arc::new(AtomicBool::new(false)),
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();

@@ -229,6 +229,8 @@ pub(super) struct Search {
     pub(super) period: f64,
     pub(super) speed: Speed,
     pub(super) process_noise: Option<f64>,
+    /// The samples were taken in step with the shaft: there is no lag.
+    pub(super) is_synchronous: bool,
     /// Set to end the search without an observer.
     pub(super) cancelled: Arc<AtomicBool>,
 }
@@ -257,7 +259,8 @@ impl Search {
         let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MOST_SAMPLES as u64;
         let shifted =
             |lag| samples.iter().take_while(within).map(|s| align::shifted(s.clone(), lag)).collect::<Vec<_>>();
-        for _ in 0..2 {
+        let passes = if self.is_synchronous { 0 } else { 2 };
+        for _ in 0..passes {
             let shifted = shifted(*lag);
             let Some(first) = shifted.first() else { return Ok(None) };
             let mut twin = self.run_in(first)?;

@@ -10,6 +10,9 @@ pub const UNKNOWN: &str = "?";
 /// Column at which comments begin.
 const COMMENT: usize = 38;
 
+/// Number of single numbers of a recording that a comment lists.
+const NUMBERS_SHOWN: usize = 20;
+
 /// Content of a draft.
 #[derive(Debug, Default)]
 pub struct Draft<'a> {
@@ -181,6 +184,13 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
         (Some(time), _) => page.key("time", &quoted(&time.name), "column of the time in s"),
         (None, Some(rate)) => page.key("rate", &quoted(&format!("{rate} Hz")), "as the file states"),
         (None, None) => page.text("rate", None, "samples per second, such as \"12.8 kHz\": settings of the recorder"),
+    }
+    if preview.rate.is_none() && !preview.numbers.is_empty() {
+        let numbers: Vec<String> = preview.numbers.iter().take(NUMBERS_SHOWN).map(|name| quoted(name)).collect();
+        page.comment(&format!(
+            "Or rate = {{ column = \"...\", unit = \"Hz\" }} by a number of the file: {}",
+            numbers.join(", ")
+        ));
     }
     if preview.is_synchronous {
         page.key("keyphasor", "\"synchronous\"", "the file was sampled in step with the shaft, from its mark");

@@ -24,7 +24,7 @@ pub(super) enum Scalar {
     Dataset(usize),
 }
 
-/// What a file contains.
+/// Content of a file.
 #[derive(Default)]
 pub(super) struct Content {
     pub(super) datasets: Vec<Dataset>,

@@ -70,6 +70,9 @@ pub(super) fn arrays(file: &mut File) -> io::Result<Vec<(String, Matrix)>> {
     let size = file.metadata()?.len();
     let mut header = [0; HEADER as usize];
     file.read_exact(&mut header)?;
+    if header.starts_with(b"MATLAB 7.3") {
+        return Err(refuse("a MATLAB file of version 7.3, which is HDF5 (save it with -v7)"));
+    }
     let big_endian = match header.last_chunk() {
         Some([0, 1, b'I', b'M']) => false,
         Some([1, 0, b'M', b'I']) => true,
