@@ -274,7 +274,7 @@ mod tests {
             column("DE_X_V", ColumnRole::GapVoltage("V".to_owned(), Some(NamedDirection::X))),
             column("key", ColumnRole::Keyphasor),
         ];
-        let preview = Preview { columns, rate: None, is_headless: false, is_synchronous: false };
+        let preview = Preview { columns, rate: None, is_headless: false, is_synchronous: false, numbers: vec![] };
         let text = draft(&Draft { recording: Some(("a.csv".to_owned(), &preview)), ..Draft::default() });
         let line = "{ column = \"DE_X_V\", unit = \"V\", sensitivity = \"?\", offset = \"?\", station = \"?\", angle = \"0 deg\" }";
         assert!(text.contains(line) && text.contains("such as \"7.87 mV/um\"") && text.contains("[rotor]"), "{text}");
