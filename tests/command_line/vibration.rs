@@ -243,3 +243,47 @@ fn an_accelerometer_in_a_stream() {
         assert!(table.windows(column.len()).any(|bytes| bytes == column.as_bytes()), "{column}");
     }
 }
+
+/// Recordings of others are read from scenes of at most 15 lines, with bearings of the catalogue and rates of the files where they
+/// have them.
+#[test]
+fn recordings_of_others_need_short_scenes() {
+    let shared = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/recordings/real");
+    let head = |rpm: f64, bearing: &str| {
+        format!("shaft.speed = \"{rpm} rpm\"\n[[bearing]]\nname = \"DE\"\nstation = \"0 mm\"\n{bearing}\n[recording]\n")
+    };
+    let force = recorded("real/support_force_306rpm_6400Hz.csv");
+    let geometry = "model = \"angular\"\nelements = 7\nball_diameter = \"2.770 mm\"\npitch_diameter = \"10.514 mm\"\n\
+                    inner_conformity = 0.52\nouter_conformity = 0.52\ncontact_angle = \"0 deg\"";
+    let cwru = |name: &str, rate: &str, column: &str| {
+        let file = format!("{shared}/cwru_6205/{name}");
+        let sensors = format!("rate = \"{rate}\"\nsensors = [{{ column = \"{column}\", unit = \"g\" }}]\n");
+        (file, head(1797.0, "bearing = \"6205\""), sensors)
+    };
+    let tdms = |name: &str, column: &str| {
+        let sensors = format!("rate = \"file\"\nsensors = [{{ column = \"{column}\", unit = \"V\" }}]\n");
+        (format!("{shared}/tdms/{name}"), head(1500.0, "bearing = \"6205\""), sensors)
+    };
+    let force_of = "rate = \"6400 Hz\"\nsensors = [{ column = \"force_N\", unit = \"N\" }]\n";
+    let all = [
+        (force, head(306.0, geometry), force_of.to_owned()),
+        cwru("12k_Drive_End_IR007_0_105.mat", "12 kHz", "X105_DE_time"),
+        cwru("12k_Drive_End_OR007@6_0_130.mat", "12 kHz", "X130_DE_time"),
+        cwru("normal_0_97.mat", "48 kHz", "X097_DE_time"),
+        tdms("raw1.tdms", "Layer Data/First  Channel"),
+        tdms("big_endian.tdms", "Measured Data/Amplitude sweep"),
+    ];
+    for (file, head, sensors) in all {
+        if !std::path::Path::new(&file).is_file() {
+            println!("{file} is not here: not tried");
+            continue;
+        }
+        let scene = format!("{head}file = {file:?}\n{sensors}");
+        assert!(scene.lines().count() <= 15, "{scene}");
+        let desk = Desk::empty();
+        desk.put("scene.toml", &scene);
+        let checked: Value = desk.run(&["check", "scene.toml", "--format", "json"]).json();
+        println!("{file}: {} lines, {}", scene.lines().count(), checked["recording"]["samples"]);
+        assert!(checked["recording"]["samples"].as_u64().unwrap() > 1000, "{checked:#}");
+    }
+}

@@ -182,7 +182,11 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
     match (column(&ColumnRole::Time), preview.rate) {
         (None, Some(_)) if preview.is_synchronous => page.key("rate", "\"file\"", "samples per revolution times speed"),
         (Some(time), _) => page.key("time", &quoted(&time.name), "column of the time in s"),
-        (None, Some(rate)) => page.key("rate", &quoted(&format!("{rate} Hz")), "as the file states"),
+        (None, Some(rate)) => {
+            // The inverse of a stated period has rounding errors.
+            let rate = (rate * 1e6).round() / 1e6;
+            page.key("rate", &quoted(&format!("{rate} Hz")), "as the file states");
+        }
         (None, None) => page.text("rate", None, "samples per second, such as \"12.8 kHz\": settings of the recorder"),
     }
     if preview.rate.is_none() && !preview.numbers.is_empty() {
