@@ -145,8 +145,9 @@ fn unit_of_another_dimension() {
 
 #[test]
 fn probe_in_a_unit_that_is_no_length() {
-    let wants =
-        "recording.probes[0].unit: invalid value: \"V\" (\"V\" is no known unit), expected a unit of length: um";
+    let wants = "recording.probes[0].unit: invalid value: \"furlong\" (\"furlong\" is no known unit), expected a unit of length: um";
+    refused_with("unit = \"um\"", "unit = \"furlong\"", &[wants]);
+    let wants = "recording.probes[0].sensitivity: missing key, expected a voltage per length of a column in volts";
     refused_with("unit = \"um\"", "unit = \"V\"", &[wants]);
 }
 

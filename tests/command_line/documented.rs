@@ -154,7 +154,7 @@ fn kind_of(line: &str) -> Kind {
 /// A folder with the files that the documented lines name.
 fn desk(recording: &str) -> Desk {
     let desk = Desk::with(DEMO_SCENE, recording);
-    for name in ["SCENE", "machine.toml", "my-machine.toml", "rig.toml", "pump.toml"] {
+    for name in ["SCENE", "machine.toml", "my-machine.toml", "rig.toml", "pump.toml", "spalled.toml"] {
         desk.put(name, DEMO_SCENE);
     }
     desk.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
@@ -163,6 +163,9 @@ fn desk(recording: &str) -> Desk {
         "u,v,w,thu,thv,cage_phase\n0x36a7c5ac,0x00000000,0x378637bd,0x00000000,0x00000000,0x1000000000000000\n",
     );
     desk.put("machines.csv", "machine,scene\nrig,machine.toml\n");
+    // The lines run in any order; this recording is the output of one of them.
+    let spalled = ["simulate", "spalled.toml", "--duration", "0.1 s", "--as-recording", "-o", "spalled.parquet"];
+    desk.done(&spalled);
     desk
 }
 

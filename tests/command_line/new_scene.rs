@@ -212,7 +212,7 @@ fn wrong_inputs_and_their_causes() {
         ("rad/s for rpm", &[(keyphasor, &speed_in("rad/s"))], constant(3000.0), "rad/s and rpm"),
         ("mm for um", &[], probes(0.001), "possible in mm"),
         ("nm for um", &[], probes(1000.0), "possible in nm"),
-        ("mil for um", &[], probes(100.0 / 2.54), "check the unit"),
+        ("micro-inches for um", &[], probes(39.37), "another unit"),
         ("an offset", &[], changed(SAMPLES, |_, k, x| if k == 1 { x + 900.0 } else { x }), "offset = \"900"),
         (
             "one direction",

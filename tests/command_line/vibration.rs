@@ -216,7 +216,7 @@ fn sensors_at_a_measured_speed() {
     let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
     assert_eq!(run.code, Some(4), "{}", run.err);
     let said = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("mean shaft speed 3000 rpm, the scene's is 1500 rpm"), "{said}");
+    assert!(said.contains("shaft speed: 3000 rpm measured, 1500 rpm in the scene"), "{said}");
 }
 
 /// Frames of the probes, the accelerometer and the keyphasor; one without the accelerometer is of a wrong size.

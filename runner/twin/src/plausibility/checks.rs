@@ -231,7 +231,9 @@ fn too_small(checked: &Checked) -> Option<Implausibility> {
         each.filter(|((reading, _), _)| reading.radial.is_some())
     };
     let is_small = |reading: &ReadingSummary, largest: f64| {
-        reading.peak_to_peak * 1e-6 < TOO_SMALL * largest && reading.mean.abs() * 1e-6 < TOO_SMALL * largest
+        largest.is_finite()
+            && reading.peak_to_peak * 1e-6 < TOO_SMALL * largest
+            && reading.mean.abs() * 1e-6 < TOO_SMALL * largest
     };
     let ((first, probe), range) = radial().next()?;
     radial().all(|((reading, _), largest)| is_small(reading, *largest)).then(|| Implausibility {
@@ -317,7 +319,8 @@ fn unequal(checked: &Checked) -> Option<Implausibility> {
     let planes = probes::planes(&checked.recording.probes).into_iter().map(|plane| plane.probes.to_vec());
     let groups = planes.chain(is_rigid.then_some(radial));
     let rms = checked.evidence.collected.rms_in_range();
-    let motion = |i: &usize| Some(ProbeMotion { column: &checked.readings.get(*i)?.column, rms: rms.get(*i)? * 1e6 });
+    let motion =
+        |i: &usize| Some(ProbeMotion { column: &checked.readings.get(*i)?.column, rms: (*rms.get(*i)?)? * 1e6 });
     groups.filter_map(|group| odd_one(group.iter().filter_map(motion).collect())).next()
 }
 

@@ -181,14 +181,19 @@ impl Collector {
             .position(|sums| sums.count >= LEAST_MONOTONIC && (sums.rises || sums.falls))
     }
 
-    /// Returns the root of the mean square about the mean of the readings in range, in SI.
-    pub fn rms_in_range(&self) -> Vec<f64> {
-        self.columns.iter().map(|sums| (sums.within[1] / sums.turning_count.max(1) as f64).sqrt()).collect()
+    /// Returns the root of the mean square about the mean of the readings in range, in SI; none for a column that has readings in
+    /// less than half of the samples, which is a flaw of its own.
+    pub fn rms_in_range(&self) -> Vec<Option<f64>> {
+        let samples = self.columns.iter().map(|sums| sums.turning_count).max().unwrap_or(0);
+        let rms = |sums: &Sums| (sums.within[1] / sums.turning_count as f64).sqrt();
+        let is_read = |sums: &Sums| sums.turning_count > 0 && 2 * sums.turning_count >= samples;
+        self.columns.iter().map(|sums| is_read(sums).then(|| rms(sums))).collect()
     }
 
     /// Returns the standard deviation of the amplitude of 1X by noise as large as the whole motion, in SI.
     pub fn one_x_noise(&self) -> Vec<f64> {
-        let noise = |(rms, sums): (f64, &Sums)| rms * (2.0 / sums.turning_count.max(1) as f64).sqrt();
+        let noise =
+            |(rms, sums): (Option<f64>, &Sums)| rms.unwrap_or(0.0) * (2.0 / sums.turning_count.max(1) as f64).sqrt();
         self.rms_in_range().into_iter().zip(&self.columns).map(noise).collect()
     }
 

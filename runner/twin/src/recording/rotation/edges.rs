@@ -263,7 +263,7 @@ pub(super) struct Edges {
     levels: Levels,
     /// Lowest and highest threshold so far.
     thresholds: (f64, f64),
-    /// Lowest and highest reading since the last pulse began; none before the first.
+    /// Lowest and highest reading since the last pulse began, without spikes; none before the first.
     cycle: Option<(f64, f64)>,
     /// Last sample that has a reading, and its reading.
     last: Option<(u64, f64)>,
@@ -319,7 +319,7 @@ impl Edges {
         if value.is_nan() {
             return None;
         }
-        if let Some((low, high)) = &mut self.cycle {
+        if let Some((low, high)) = self.cycle.as_mut().filter(|_| !self.levels.is_spike(reading)) {
             (*low, *high) = (low.min(reading), high.max(reading));
         }
         let Some((last_index, last_reading)) = self.last.replace((index, reading)) else {
@@ -339,7 +339,9 @@ impl Edges {
 
     /// Follows the levels at the beginning of a pulse.
     fn follow(&mut self, reading: f64) {
-        if let Some(cycle) = self.cycle.replace((reading, reading)) {
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+        let first = if self.levels.is_spike(reading) { nothing } else { (reading, reading) };
+        if let Some(cycle) = self.cycle.replace(first) {
             self.levels.follow(cycle);
             let (low, high) = self.thresholds;
             self.thresholds = (low.min(self.levels.threshold), high.max(self.levels.threshold));
