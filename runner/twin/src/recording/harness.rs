@@ -37,6 +37,8 @@ pub(super) fn recording(columns: &[&str]) -> Recording {
         layout: FileLayout::default(),
         rotation: RotationSource::Scene,
         run_out: None,
+        further_files: vec![],
+        sequence: None,
     }
 }
 

@@ -16,7 +16,7 @@ pub mod units;
 
 pub use flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use recording::{
-    Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,
+    Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource, Sequence,
     Sensor, Slope,
 };
 
