@@ -398,15 +398,20 @@ fn tables_of_a_scene() -> Vec<(&'static str, &'static str, String)> {
         ("## recording", "rate", format!("{BEARING}[recording]\nfile = \"f\"\nrate = {{ unknown = 1 }}\n")),
         ("## recording", "probes", format!("{BEARING}{recording}probes = [{{ unknown = 1 }}]\n")),
         ("## recording", "sensors", format!("{BEARING}{recording}sensors = [{{ unknown = 1 }}]\n")),
+        ("## recording", "temperature", format!("{BEARING}{recording}{probe}temperature = [{{ unknown = 1 }}]\n")),
         ("## recording", "keyphasor", format!("{BEARING}{recording}{probe}keyphasor = {{ unknown = 1 }}\n")),
         ("## recording", "speed", format!("{BEARING}{recording}{probe}speed = {{ unknown = 1 }}\n")),
         ("## observer", "", format!("{BEARING}[observer]\nunknown = 1\n")),
         ("## limit", "", format!("{BEARING}[[limit]]\nunknown = 1\n")),
     ];
+    for part in ["shaft_material", "housing_material"] {
+        let seats = "shaft_interference = 0, bore = \"1 mm\", outside_diameter = \"1 m\"";
+        all.push(("## bearing", part, format!("{BALLS}fit = {{ {seats}, {part} = {{ unknown = 1 }} }}\n")));
+    }
     for list in ["defect", "waviness"] {
         all.push(("## bearing", list, format!("{BALLS}{list} = [{{ unknown = 1 }}]\n")));
     }
-    for table in ["lubricant", "preload", "table", "support", "cage_runout"] {
+    for table in ["lubricant", "preload", "table", "support", "cage_runout", "fit", "temperatures"] {
         all.push(("## bearing", table, format!("{BALLS}{table} = {{ unknown = 1 }}\n")));
     }
     all

@@ -7,6 +7,7 @@ mod bad_scene;
 mod bake;
 mod bounds;
 mod chromium;
+mod clearance;
 mod completions;
 mod contact_angle;
 mod degraded;

@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
-use crate::support::{Desk, recorded};
+use crate::live::{connected, frame, listening, outcome};
+use crate::support::{DEMO_SCENE, Desk, recorded, swap};
+use std::io::Write;
 
 /// A scene of one bearing with one sensor.
 pub fn scene(rpm: f64, [elements, ball, pitch]: [f64; 3], file: &str, rate: &str, column: &str, unit: &str) -> String {
@@ -107,17 +109,137 @@ fn sensors_are_checked() {
     desk.put("r.csv", "a\n".to_owned() + &"1\n2\n".repeat(100));
     for (from, to, says) in [
         ("unit = \"m/s^2\"", "unit = \"um\"", "m/s^2, g, m/s, mm/s, N, V"),
-        (
-            "speed = \"3000 rpm\"",
-            "speed = { from = \"1 rpm\", to = \"2 rpm\", over = \"1 s\" }",
-            "one speed in [shaft]",
-        ),
+        ("rate =", "average = 4\nrate =", "average without probes"),
         ("unit = \"m/s^2\"", "unit = \"m/s^2\", bearing = \"X\"", "the name of a [[bearing]]"),
-        ("sensors =", "probes = []\nsensors =", "both probes and sensors"),
+        ("sensors =", "probes = []\nsensors =", "a list of at least one probe"),
         ("rate = \"6 kHz\"", "rate = \"6 kHz\"", "turns of the shaft, expected 16 or more"),
     ] {
         desk.put("scene.toml", good.replacen(from, to, 1));
         let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
         assert!(run.code != Some(0) && run.err.contains(says), "{says}: {}", run.err);
+    }
+}
+
+/// The demonstration's recording `of` with an accelerometer at the drive end that rings `order` times a turn, in noise.
+fn with_accelerometer(of: &str, order: f64) -> String {
+    let text = std::fs::read_to_string(recorded(of)).unwrap();
+    let mut lines = text.lines();
+    let mut out = lines.next().unwrap().to_owned() + ",DE_acc_g\n";
+    let (mut state, mut next, mut hit) = (1_u64, 0.5, -1.0);
+    for (i, line) in lines.enumerate() {
+        let time = i as f64 / 12_800.0;
+        if order * 50.0 * time >= next {
+            (next, hit) = (next + 1.0, time);
+        }
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let noise = (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+        let since = time - hit;
+        let ring = if order > 0.0 {
+            3.0 * (-900.0 * since).exp() * (4100.0 * std::f64::consts::TAU * since).sin()
+        } else {
+            0.0
+        };
+        out += &format!("{line},{:.5}\n", 0.2 * noise + ring);
+    }
+    out
+}
+
+/// The demonstration's scene with the accelerometer, beside the probes.
+fn scene_of_both() -> String {
+    swap(
+        DEMO_SCENE,
+        "keyphasor = {",
+        "sensors = [{ column = \"DE_acc_g\", unit = \"g\", bearing = \"DE\" }]\nkeyphasor = {",
+    )
+}
+
+fn all_findings(outcome: &Value) -> Vec<Value> {
+    outcome["findings"].as_array().unwrap().clone()
+}
+
+/// Order of the outer race of the demonstration's bearings.
+const OUTER: f64 = 4.5 * (1.0 - 7.94 / 39.04);
+
+#[test]
+fn an_accelerometer_beside_the_probes() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", scene_of_both());
+    // The probes show the spall too: one finding.
+    desk.put("healthy.csv", with_accelerometer("outer-spall.csv", OUTER));
+    let outcome = desk.replay("scene.toml", &[]);
+    let found = all_findings(&outcome);
+    let same: Vec<&Value> = found.iter().filter(|f| f["kind"] == "outer-race" && f["bearing"] == "DE").collect();
+    assert_eq!(same.len(), 1, "{found:?}");
+    assert_eq!(same[0]["evidence"], serde_json::json!(["shaft-motion", "vibration"]));
+    assert_eq!(same[0]["vibration"]["sensor"], "DE_acc_g");
+    assert!(same[0]["depth_um"]["value"].as_f64().unwrap() > 0.1);
+    // The probes show a sound machine: the finding is that of the accelerometer.
+    desk.put("healthy.csv", with_accelerometer("healthy.csv", OUTER));
+    let outcome = desk.replay("scene.toml", &[]);
+    let found = all_findings(&outcome);
+    assert!(
+        matches!(&found[..], [f] if f["kind"] == "outer-race" && f["evidence"] == serde_json::json!(["vibration"])),
+        "{found:?}"
+    );
+    assert!(outcome["verdict"].as_str().unwrap().starts_with("The vibration shows a fault. Outer race of DE"));
+    assert!(
+        found[0]["sentence"].as_str().unwrap().ends_with("The vibration alone shows it, the shaft motion does not.")
+    );
+    desk.done(&["replay", "scene.toml", "--report", "r.html"]);
+    assert!(desk.read("r.html").contains("Envelope spectra"));
+    // Noise: no finding, and the probes are replayed as without the sensor.
+    desk.put("healthy.csv", with_accelerometer("healthy.csv", 0.0));
+    let with = desk.replay("scene.toml", &[]);
+    assert_eq!(all_findings(&with), [] as [Value; 0]);
+    assert!(with["notes"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().starts_with("DE_acc_g: ")));
+    desk.put("scene.toml", DEMO_SCENE);
+    let without = desk.replay("scene.toml", &[]);
+    assert_eq!(with["probes"], without["probes"]);
+    assert_eq!(with["bearings"], without["bearings"]);
+}
+
+/// A sensor with a keyphasor or a speed column, without probes and without a rotor.
+#[test]
+fn sensors_at_a_measured_speed() {
+    let desk = Desk::empty();
+    desk.put("r.csv", with_accelerometer("healthy.csv", OUTER));
+    let keyed = scene(3000.0, [9.0, 7.94, 39.04], "r.csv", "12.8 kHz", "DE_acc_g", "g")
+        + "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }\n";
+    desk.put("scene.toml", &keyed);
+    let outcome = desk.replay("scene.toml", &[]);
+    let found = all_findings(&outcome);
+    assert!(matches!(&found[..], [f] if f["kind"] == "outer-race"), "{found:?}");
+    assert!(outcome["record"]["angle_source"].as_str().unwrap().starts_with("keyphasor in column keyphasor"));
+    assert!((outcome["record"]["mean_speed_rpm"].as_f64().unwrap() - 3000.0).abs() < 1.0);
+    // A keyphasor of two pulses per revolution that the scene takes for one.
+    desk.put("scene.toml", swap(&keyed, "3000 rpm", "1500 rpm"));
+    let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
+    assert_eq!(run.code, Some(4), "{}", run.err);
+    let said = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("mean shaft speed 3000 rpm, the scene's is 1500 rpm"), "{said}");
+}
+
+/// Frames of the probes, the accelerometer and the keyphasor; one without the accelerometer is of a wrong size.
+#[test]
+fn an_accelerometer_in_a_stream() {
+    let desk = Desk::with(&scene_of_both(), &with_accelerometer("healthy.csv", OUTER));
+    let args = ["--encoding", "frames", "--for", "2.9 s", "--indicators", "indicators"];
+    let (child, port) = listening(&desk, "tcp", &args);
+    let mut stream = connected(port);
+    let text = desk.read("healthy.csv");
+    let cells = |line: &str| line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+    let rows: Vec<Vec<f32>> = text.lines().skip(1).map(cells).collect();
+    for sequence in 0..3 * 12_800 {
+        // Probes, keyphasor, accelerometer in the file; probes, accelerometer, keyphasor in a frame.
+        let mut row = rows[sequence as usize % rows.len()].clone();
+        row.swap(5, 6);
+        let _ = stream.write_all(&frame(sequence, &row));
+    }
+    let outcome = outcome(child);
+    assert_eq!(outcome.pointer("/timing/source/malformed_frames"), Some(&serde_json::json!(0)));
+    assert_eq!(all_findings(&outcome), [] as [Value; 0]);
+    let table = std::fs::read(desk.path("indicators/indicators-0001.parquet")).unwrap();
+    for column in ["DE_acc_g_rms", "DE_acc_g_peak", "DE_acc_g_crest_factor", "DE_acc_g_kurtosis"] {
+        assert!(table.windows(column.len()).any(|bytes| bytes == column.as_bytes()), "{column}");
     }
 }

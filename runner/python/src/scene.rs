@@ -117,6 +117,7 @@ impl Scene {
         let recording = self.content.recording.as_ref()?;
         let probes = recording.probes.iter().map(|p| p.column.as_str());
         let sensors = recording.sensors.iter().map(|s| s.column.as_str());
+        let temperatures = recording.temperatures.iter().map(|t| t.column.as_str());
         let rotation = match &recording.rotation {
             RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => {
                 Some(column.as_str())
@@ -127,7 +128,7 @@ impl Scene {
             Clock::Column(column) => Some(column.as_str()),
             Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
         };
-        Some(probes.chain(sensors).chain(rotation).chain(clock).collect())
+        Some(probes.chain(sensors).chain(temperatures).chain(rotation).chain(clock).collect())
     }
 
     /// Returns the scene with another value at a key; `value` is JSON.

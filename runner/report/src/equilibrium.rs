@@ -46,6 +46,9 @@ pub fn text(settled: &Settled) -> String {
         line(&mut out, &format!("  force         {fx} {fy} {fz} N, moment {mx} {my} N m"));
         let k: Vec<String> = (0..5).map(|i| format!("{:.5e}", b.stiffness[i][i])).collect();
         line(&mut out, &format!("  stiffness     {} N/m, {} N m/rad", k[..3].join(" "), k[3..].join(" ")));
+        if let Some(clearance) = &b.operating_clearance {
+            line(&mut out, &format!("  clearance     {clearance}"));
+        }
         kinematics(&mut out, b);
         element_table(&mut out, settled, &b.name);
     }

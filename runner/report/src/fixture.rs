@@ -527,6 +527,8 @@ pub(crate) fn usual() -> Outcome {
         order: OUTER,
         level_db: 17.4,
         confidence: 0.91,
+        evidence: vec![EvidenceSource::ShaftMotion],
+        vibration: None,
         sentence: "The outer race of bearing DE is damaged: its ball-pass line and two harmonics stand 17 dB above \
                    what the twin explains. Plan a replacement and repeat the measurement within a week."
             .to_owned(),

@@ -343,6 +343,8 @@ mod tests {
             order: 3.58,
             level_db: 30.0,
             confidence: 0.97,
+            evidence: vec![],
+            vibration: None,
             parameters: FaultParameters {
                 form: Some(FaultForm::Spall),
                 azimuth_deg: interval(290.0, 1.5),

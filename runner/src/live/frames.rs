@@ -165,6 +165,8 @@ impl SequenceTracker {
 pub struct FrameLayout {
     /// Metres per unit, and offset in metres, of each probe.
     probes: Vec<[f64; 2]>,
+    /// Number of vibration sensors.
+    sensors: usize,
     /// Factor of the keyphasor column (1, or volts per unit) or of the speed column (rad/s per unit); `None` without such a column.
     rotation: Option<f64>,
     /// Frames end with their CRC-32.
@@ -180,6 +182,7 @@ impl FrameLayout {
     pub fn new(recording: &Recording, has_checksum: bool) -> Self {
         Self {
             probes: recording.probes.iter().map(|p| [p.metres_per_unit, p.offset]).collect(),
+            sensors: recording.sensors.len(),
             rotation: recording.rotation.factor(),
             has_checksum,
         }
@@ -188,7 +191,7 @@ impl FrameLayout {
     /// Returns the length of a frame, bytes.
     #[must_use]
     pub fn size(&self) -> usize {
-        4 * (1 + self.probes.len() + usize::from(self.rotation.is_some()))
+        4 * (1 + self.probes.len() + self.sensors + usize::from(self.rotation.is_some()))
             + if self.has_checksum { CHECKSUM_LENGTH } else { 0 }
     }
 
@@ -216,6 +219,9 @@ impl FrameLayout {
         for ([unit, offset], value) in self.probes.iter().zip(values.by_ref()) {
             row.probes.push(if value.is_finite() { value * unit - offset } else { f64::NAN });
         }
+        row.sensors.clear();
+        row.sensors.extend(values.by_ref().take(self.sensors).map(|x| if x.is_finite() { x } else { f64::NAN }));
+        row.temperatures.clear();
         row.rotation = match self.rotation.map(|unit| (unit, values.next())) {
             Some((unit, Some(value))) if value.is_finite() => value * unit,
             Some(_) => f64::NAN,
@@ -299,9 +305,10 @@ mod tests {
     #[test]
     fn frames_of_a_wrong_size_or_checksum_are_rejected() {
         for has_checksum in [false, true] {
-            let layout = FrameLayout { probes: vec![[1e-6, 0.0], [1e-6, 2e-6]], rotation: Some(1.0), has_checksum };
+            let probes = vec![[1e-6, 0.0], [1e-6, 2e-6]];
+            let layout = FrameLayout { probes, sensors: 2, rotation: Some(1.0), has_checksum };
             let mut frame = 7_u32.to_le_bytes().to_vec();
-            for value in [1.5_f32, f32::INFINITY, 1.0] {
+            for value in [1.5_f32, f32::INFINITY, 0.25, f32::NAN, 1.0] {
                 frame.extend(value.to_le_bytes());
             }
             if has_checksum {
@@ -310,7 +317,7 @@ mod tests {
             let mut row = Row::default();
             assert_eq!(layout.read(&frame, &mut row), Some(7));
             assert_eq!((row.probes[0], row.rotation), (1.5e-6, 1.0));
-            assert!(row.probes[1].is_nan());
+            assert!(row.probes[1].is_nan() && row.sensors[0] == 0.25 && row.sensors[1].is_nan());
             for size in 0..frame.len() {
                 assert_eq!(layout.read(&frame[..size], &mut row), None);
             }

@@ -162,13 +162,13 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
 /// Returns the scene's recording of displacement probes.
 ///
 /// # Errors
-/// Returns an error if the scene has no recording, or one of vibration sensors.
+/// Returns an error if the scene has no recording, or one of vibration sensors alone.
 fn probe_recording(scene: &Scene) -> Result<&Recording> {
     let file = scene.path.display();
     match &scene.recording {
         None => bail!(UsageError(format!("{file}: missing table [recording], expected probes of the shaft's motion"))),
-        Some(recording) if !recording.sensors.is_empty() => bail!(UsageError(format!(
-            "{file}: [recording]: sensors cannot be monitored in real time, expected probes of the shaft's motion"
+        Some(recording) if recording.probes.is_empty() => bail!(UsageError(format!(
+            "{file}: [recording]: sensors alone cannot be monitored in real time, expected probes of the shaft's motion beside them"
         ))),
         Some(recording) => Ok(recording),
     }

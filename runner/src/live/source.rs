@@ -334,9 +334,10 @@ impl SourceReader {
             add(&self.sender.counters.lost, lost);
             self.ledger.record(Flaw::Gap, None, position, lost);
         }
-        for (reading, probe) in row.probes.iter().zip(&self.recording.probes) {
+        let columns = channels(&self.recording);
+        for (reading, column) in row.probes.iter().chain(&row.sensors).zip(columns) {
             if reading.is_nan() {
-                self.ledger.record(Flaw::MissingValue, Some(&probe.column), position, 1);
+                self.ledger.record(Flaw::MissingValue, Some(column), position, 1);
             }
         }
         if may_drop { self.sender.push_or_drop(row) } else { self.sender.push(FeedItem::Row(row)) }
@@ -347,7 +348,8 @@ impl SourceReader {
         if self.encoding != Encoding::Csv {
             return Preamble::Frame(self.layout.clone());
         }
-        let mut names: Vec<String> = self.recording.probes.iter().map(|probe| probe.column.clone()).collect();
+        let mut names: Vec<String> = channels(&self.recording).map(str::to_owned).collect();
+        names.extend(self.recording.temperatures.iter().map(|channel| channel.column.clone()));
         match &self.recording.rotation {
             RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => {
                 names.push(column.clone())
@@ -470,6 +472,12 @@ impl SourceReader {
         }
         Ok(())
     }
+}
+
+/// Returns the columns of probes, then of sensors.
+fn channels(recording: &Recording) -> impl Iterator<Item = &str> {
+    let probes = recording.probes.iter().map(|probe| probe.column.as_str());
+    probes.chain(recording.sensors.iter().map(|sensor| sensor.column.as_str()))
 }
 
 /// Returns `true` for an error after which the read is to be repeated.

@@ -132,8 +132,11 @@ impl Baseline {
     /// As [`Baseline::read`].
     pub fn read_sensors(path: &Path, sensors: &[Sensor]) -> Result<Self, BaselineError> {
         let found = Self::parse(path)?;
-        let same = found.sensors.iter().map(|s| &s.name).eq(sensors.iter().map(|s| &s.column));
-        if same { Ok(found) } else { Err(found.of_others(path)) }
+        if found.is_of_sensors(sensors) { Ok(found) } else { Err(found.of_others(path)) }
+    }
+
+    fn is_of_sensors(&self, sensors: &[Sensor]) -> bool {
+        self.sensors.iter().map(|s| &s.name).eq(sensors.iter().map(|s| &s.column))
     }
 
     /// Stores the faults of the machine.
@@ -179,18 +182,20 @@ impl Baseline {
         BaselineError::OtherScene { file: path.to_owned(), scene: self.scene.clone() }
     }
 
-    /// Reads the baseline of a scene with these probes, whose followed lines have these orders.
+    /// Reads the baseline of a scene with these probes and sensors, whose followed lines have these orders. A baseline without
+    /// sensors is accepted: the sensors are then judged without one.
     ///
     /// # Errors
-    /// A file that cannot be read, is no baseline, or was learned with other probes or bearings.
-    pub fn read(path: &Path, probes: &[Probe], orders: &[f64]) -> Result<Self, BaselineError> {
+    /// A file that cannot be read, is no baseline, or was learned with other probes, sensors or bearings.
+    pub fn read(path: &Path, probes: &[Probe], sensors: &[Sensor], orders: &[f64]) -> Result<Self, BaselineError> {
         let found = Self::parse(path)?;
         let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));
         // The cages of two recordings slip differently.
         let close = |(a, b): (&f64, &f64)| (a - b).abs() < 0.1 * b.abs().max(1.0);
         let same_lines = found.orders.len() == orders.len() && found.orders.iter().zip(orders).all(close);
         let whole = found.probes.iter().all(|p| p.lines_um.len() == found.orders.len());
-        if same_probes && same_lines && whole { Ok(found) } else { Err(found.of_others(path)) }
+        let same_sensors = found.sensors.is_empty() || found.is_of_sensors(sensors);
+        if same_probes && same_sensors && same_lines && whole { Ok(found) } else { Err(found.of_others(path)) }
     }
 
     /// Returns the amplitude of a line in the residual of a probe, m.

@@ -3,6 +3,7 @@
 use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
+use crate::outcome::ClearanceOutcome;
 use crate::outcome::{BearingOrders, RotorDrawing, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::scene::build::{self, AnyBearing, Kinematics};
@@ -83,6 +84,9 @@ pub struct BearingSettled {
     pub orders: Option<BearingOrders>,
     /// Orders by rolling at the mean contact angle under this load; none where no contact angle is known.
     pub orders_under_load: Option<BearingOrders>,
+    /// Operating clearance; none without `fit` and `temperatures`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub operating_clearance: Option<ClearanceOutcome>,
 }
 
 /// Contact angles of a bearing, rad, 0 or more.
@@ -259,6 +263,7 @@ fn bearing_settled(
         contact_angle: None,
         orders: None,
         orders_under_load: None,
+        operating_clearance: None,
     }
 }
 
@@ -280,6 +285,7 @@ impl BearingSettled {
             build::kinematics_of(scene, &rolling, Some(BallBearingGeometry { contact_angle, ..g }))
         };
         Ok(Self {
+            operating_clearance: of.mounting.map(|mounting| mounting.operating().into()),
             cage_ratio: of.cage_ratio,
             contact_angle,
             orders: orders(&build::kinematics(scene, of)?),

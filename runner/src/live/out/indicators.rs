@@ -350,6 +350,10 @@ fn columns(second: &Second) -> (Vec<String>, Vec<f64>) {
         let figures = [("fx_n", x), ("fy_n", y), ("fz_n", z), ("largest_radial_n", b.largest_radial_n)];
         columns.extend(figures.map(|(figure, value)| (format!("{}_{figure}", b.name), value)));
     }
+    for s in &second.sensors {
+        let figures = [("rms", s.rms), ("peak", s.peak), ("crest_factor", s.crest_factor), ("kurtosis", s.kurtosis)];
+        columns.extend(figures.map(|(figure, value)| (format!("{}_{figure}", s.name), value)));
+    }
     columns.into_iter().unzip()
 }
 

@@ -4,7 +4,7 @@ use super::super::feed::SourceCounters;
 use super::super::source::lock;
 use anyhow::{Context, Result};
 use ballrace_twin::replay::outcome::OutputFigures;
-use ballrace_twin::replay::second::{ProbeSecond, Second};
+use ballrace_twin::replay::second::{ProbeSecond, Second, SensorSecond};
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::header::{CONTENT_TYPE, HeaderValue};
@@ -149,6 +149,8 @@ fn escaped(text: &str) -> String {
 
 /// Returns the value of an indicator.
 type IndicatorValue = fn(&ProbeSecond) -> f64;
+/// Returns the value of an indicator of a vibration sensor.
+type SensorValue = fn(&SensorSecond) -> f64;
 
 /// Returns the metrics in the Prometheus text format.
 fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &OutputFigures) -> String {
@@ -172,6 +174,17 @@ fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &Outpu
     for (name, help, value) in probe_metrics {
         let samples = second.probes.iter().map(|p| (format!("{{probe=\"{}\"}}", escaped(&p.name)), value(p)));
         gauge(name, help).write(&mut page, samples);
+    }
+    let sensor_metrics: [(&str, &str, SensorValue); 4] = [
+        ("ballrace_sensor_rms", "RMS vibration about the mean.", |s| s.rms),
+        ("ballrace_sensor_peak", "Largest deviation of the vibration from its mean.", |s| s.peak),
+        ("ballrace_sensor_crest_factor", "Peak of the vibration over its RMS.", |s| s.crest_factor),
+        ("ballrace_sensor_kurtosis", "Kurtosis of the vibration: 3 for Gaussian noise.", |s| s.kurtosis),
+    ];
+    // A scene without sensors has none of these metrics.
+    for (name, help, value) in sensor_metrics.into_iter().filter(|_| !second.sensors.is_empty()) {
+        let labels = |s: &SensorSecond| format!("{{sensor=\"{}\",unit=\"{}\"}}", escaped(&s.name), escaped(&s.unit));
+        gauge(name, help).write(&mut page, second.sensors.iter().map(|s| (labels(s), value(s))));
     }
     let forces = second.bearings.iter().flat_map(|b| {
         let labels = |axis: &str| format!("{{bearing=\"{}\",axis=\"{axis}\"}}", escaped(&b.name));

@@ -10,8 +10,8 @@ pub use unknown::{UnknownValue, unknown_values};
 
 use crate::diagnosis::block::Block;
 use crate::error::Result;
-use crate::outcome::RotorDrawing;
-use crate::plant::Plant;
+use crate::outcome::{ClearanceOutcome, RotorDrawing};
+use crate::plant::{Plant, operating_clearance};
 use crate::plausibility::{Collector, Evidence, implausible, implausible_scene};
 use crate::recording::Reader;
 use crate::recording::flaws::FlawSummary;
@@ -56,6 +56,9 @@ pub struct BearingSummary {
     pub elements: usize,
     /// Orders per revolution of the shaft: outer race, inner race, cage.
     pub orders: [f64; 3],
+    /// Operating clearance; none without `fit` and `temperatures`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub operating_clearance: Option<ClearanceOutcome>,
 }
 
 /// A recording.
@@ -103,6 +106,7 @@ pub fn check(
             model: bearing.model.name(),
             elements: bearing.elements,
             orders: [orders.outer_race, orders.inner_race, orders.cage],
+            operating_clearance: bearing.mounting.map(|mounting| mounting.operating().into()),
         })
     });
     let bearings = bearings.collect::<Result<Vec<_>>>()?;
@@ -118,7 +122,8 @@ pub fn check(
         bearings,
         recording,
         implausible,
-        notes: plant.map_or_else(Vec::new, |plant| plant.notes),
+        notes: plant
+            .map_or_else(|| scene.bearings.iter().filter_map(operating_clearance).collect(), |plant| plant.notes),
         drawing: RotorDrawing::new(scene),
     })
 }
@@ -130,20 +135,18 @@ fn read(
     file: &str,
     progress: &dyn Fn(u64, Option<u64>),
 ) -> Result<(RecordingSummary, Vec<Implausibility>)> {
-    let Some(given) = &scene.recording else {
+    let Some(recording) = &scene.recording else {
         return Err(crate::error::ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
-    let with_probes = given.with_sensors_as_probes();
-    let recording = with_probes.as_ref();
     let mut range = match plant {
-        Some(plant) if given.sensors.is_empty() => Some(ReadingRange::try_new(scene, plant, &recording.probes)?),
+        Some(plant) if !recording.probes.is_empty() => Some(ReadingRange::try_new(scene, plant, &recording.probes)?),
         _ => None,
     };
     let rate = reader.rate() / f64::from(recording.average);
     let run_out = RunOut::of(scene)?;
     let tracker = Tracker::of(recording, reader.rate(), scene.shaft.speed).waiting_at_most(LONGEST_WAIT);
     let mut tracker = tracker.with_run_out(run_out.clone());
-    let mut collected = Collector::new(recording.probes.len(), scene.shaft.speed);
+    let mut collected = Collector::new(recording, scene.shaft.speed);
     let mut block = Block::default();
     let (mut row, mut rows, mut rotation) = (tracker.blank(), 0_u64, Ok(()));
     loop {
@@ -164,7 +167,7 @@ fn read(
             let (read, total) = reader.progress();
             progress(read, total);
         }
-        collected.add_row(&row.probes);
+        collected.add_row(&row);
         let mut full = if rotation.is_ok() { std::mem::replace(&mut row, tracker.blank()) } else { row.clone() };
         if let Some(range) = &mut range {
             range.check(&mut full);
@@ -191,7 +194,7 @@ fn read(
         seconds: rows as f64 / reader.rate(),
         speed_rpm: collected.speeds().rpm(),
         speed_is_measured,
-        readings: collected.summary(given),
+        readings: collected.summary(recording),
         run_out: run_out.map(|run_out| run_out.note()),
         angle_source: tracker.source(),
         flaws: reader.flaws().summary(),

@@ -9,7 +9,8 @@ use super::residual::Evidence;
 use super::surface::Component;
 use super::{Material, Prepared, Result};
 use crate::outcome::{
-    CageOutcome, DiagnosisOutcome, Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind,
+    CageOutcome, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultForm, FaultParameters, Finding,
+    FindingKind,
 };
 use crate::scene::RotationSource;
 use std::f64::consts::TAU;
@@ -376,6 +377,8 @@ impl Reported<'_, '_> {
             order,
             level_db: 10.0 * (fault.gain / LEAST_GAIN).log10(),
             confidence: explained.clamp(0.0, 1.0) * odds.map_or(1.0, |odds| odds / (1.0 + odds)),
+            evidence: vec![EvidenceSource::ShaftMotion],
+            vibration: None,
             parameters,
             sentence,
             figures: FaultFigures::default(),
@@ -463,6 +466,8 @@ impl Reported<'_, '_> {
             order,
             level_db: 10.0 * after.max(1.0).log10(),
             confidence: 0.5,
+            evidence: vec![EvidenceSource::ShaftMotion],
+            vibration: None,
             parameters: FaultParameters::default(),
             sentence: format!(
                 "Unexplained: the residual is {:.1} times its noise, and no fault of a bearing or the rotor explains it. Strongest lines, per turn of the shaft: {}.",

@@ -39,6 +39,14 @@ pub enum ReplayError {
         /// Name of the recording.
         recording: String,
     },
+    /// A temperature has no reading at the start of the recording.
+    #[error("{recording}: {column}: no temperature in the first second, expected a reading for the clearance")]
+    NoTemperature {
+        /// Name of the recording.
+        recording: String,
+        /// Column of the temperature.
+        column: String,
+    },
     /// A sample is processed before the twin has settled.
     #[error("the twin is not run in")]
     NotRunIn,
@@ -79,16 +87,8 @@ pub enum LimitError {
 /// Error returned when a vibration recording cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum VibrationError {
-    /// The speed is not constant.
-    #[error(
-        "{}: [recording] sensors: speed that changes or is measured, expected one speed in [shaft]", file.display()
-    )]
-    Speed {
-        /// Scene file.
-        file: PathBuf,
-    },
     /// The scene has limits.
-    #[error("{}: [[limit]]: limits with sensors, expected none; damage is diagnosed without", file.display())]
+    #[error("{}: [[limit]]: limits without probes, expected none; damage is diagnosed without", file.display())]
     Limits {
         /// Scene file.
         file: PathBuf,

@@ -18,7 +18,12 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, Fit
     let mut turned = false;
     for (parameter, found) in &fitted.values {
         let (_, unit, size) = parameter.kind.name(scene);
-        let shown = value(format!("{:.6} {unit}", found / size));
+        let reduction = match parameter.kind {
+            ParameterKind::Clearance(b) => reduction(scene, b),
+            ParameterKind::Play(b) => 0.5 * reduction(scene, b),
+            _ => 0.0,
+        };
+        let shown = value(format!("{:.6} {unit}", (found + reduction) / size));
         match parameter.kind {
             ParameterKind::Unbalance(i) => (force[i], turned) = (*found, true),
             ParameterKind::Couple(i) => (couple[i], turned) = (*found, true),
@@ -68,6 +73,12 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, Fit
         rotor.insert("unbalance", value(list));
     }
     Ok(document.to_string())
+}
+
+/// Returns the reduction of the clearance by fits and temperatures, m: the scene file has the clearance before mounting.
+fn reduction(scene: &Scene, bearing: usize) -> f64 {
+    let mounting = scene.bearings.get(bearing).and_then(|bearing| bearing.mounting);
+    mounting.map_or(0.0, |mounting| mounting.operating().reduction())
 }
 
 /// Puts a key into the table of a bearing; the error is the expected form.

@@ -20,7 +20,7 @@ pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 use crate::baseline;
 use crate::plausibility::Implausibility;
 use crate::recording::flaws::FlawSummary;
-use crate::scene::Scene;
+use crate::scene::{OperatingClearance, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Result of one replay.
@@ -410,6 +410,37 @@ pub struct BearingOutcome {
     pub held_samples: u64,
 }
 
+/// Operating clearance of a bearing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ClearanceOutcome {
+    /// Diametral clearance in operation.
+    pub operating_um: f64,
+    /// Diametral clearance before mounting.
+    pub unmounted_um: f64,
+    /// Reduction by the fits.
+    pub by_fits_um: f64,
+    /// Reduction by temperature.
+    pub by_temperature_um: f64,
+}
+
+impl From<OperatingClearance> for ClearanceOutcome {
+    fn from(of: OperatingClearance) -> Self {
+        let [operating_um, unmounted_um, by_fits_um, by_temperature_um] =
+            [of.value(), of.unmounted, of.by_fits, of.by_temperature].map(|x| x * 1e6);
+        Self { operating_um, unmounted_um, by_fits_um, by_temperature_um }
+    }
+}
+
+impl std::fmt::Display for ClearanceOutcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{:.2} um: {:.2} um before mounting, less {:.2} um by the fits and {:.2} um by temperature",
+            self.operating_um, self.unmounted_um, self.by_fits_um, self.by_temperature_um
+        )
+    }
+}
+
 /// Orders of one bearing per turn of the shaft.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct BearingOrders {
@@ -599,6 +630,36 @@ impl FaultParameters {
     }
 }
 
+/// Measurement that shows a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EvidenceSource {
+    /// Motion of the shaft at the displacement probes.
+    ShaftMotion,
+    /// Envelope spectrum of a vibration sensor.
+    Vibration,
+}
+
+/// Line of a fault in the envelope spectrum of a vibration sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VibrationLine {
+    /// Column of the sensor.
+    pub sensor: String,
+    /// Least and greatest frequency of the band.
+    pub band_hz: [f64; 2],
+    /// Frequency of the line at the mean speed.
+    pub line_hz: f64,
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// Amplitude of the line over the band's mean square.
+    pub modulation: f64,
+    /// Line over its surroundings, or over the baseline.
+    pub level_db: f64,
+    /// Other bearings with the same lines that the sensor measures.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_excluded: Vec<String>,
+}
+
 /// Diagnosis of a fault with its evidence.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
@@ -616,6 +677,11 @@ pub struct Finding {
     pub level_db: f64,
     /// 0 to 1.
     pub confidence: f64,
+    /// Measurements that show the fault.
+    pub evidence: Vec<EvidenceSource>,
+    /// Line of the fault in the vibration, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationLine>,
     /// Place and size.
     #[serde(flatten)]
     pub parameters: FaultParameters,

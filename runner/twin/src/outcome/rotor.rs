@@ -70,6 +70,8 @@ mod tests {
             order: 1.0,
             level_db: 0.0,
             confidence: 1.0,
+            evidence: vec![],
+            vibration: None,
             parameters: FaultParameters { station_mm: Some(estimate(-10.0)), ..FaultParameters::default() },
             sentence: String::new(),
             figures: crate::outcome::FaultFigures::default(),

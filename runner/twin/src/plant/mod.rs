@@ -23,6 +23,7 @@ use system::Body;
 pub use system::{Layout, Rows, Scales, only_observable, only_rotor, unbalance_note, unbalance_planes};
 pub use twin::{Step, Twin, first_five};
 
+use crate::outcome::ClearanceOutcome;
 use crate::scene::build;
 use crate::scene::{Bearing, FromCatalogue, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use ballrace::bearing::Bearing as _;
@@ -113,7 +114,7 @@ impl Plant {
             damping: none,
             reduction: None,
             speed: scene.shaft.speed.nominal(),
-            notes: scene.bearings.iter().filter_map(estimates).collect(),
+            notes: scene.bearings.iter().flat_map(|b| estimates(b).into_iter().chain(operating_clearance(b))).collect(),
         };
         plant.settle()?;
         plant.refine(scene)?;
@@ -504,4 +505,10 @@ fn estimates(of: &Bearing) -> Option<String> {
             estimated.join(", ")
         )
     })
+}
+
+/// Returns a note on the operating clearance of a bearing with fits or temperatures.
+pub fn operating_clearance(of: &Bearing) -> Option<String> {
+    let clearance = ClearanceOutcome::from(of.mounting?.operating());
+    Some(format!("Bearing {}: operating clearance {clearance}.", of.name))
 }

@@ -68,10 +68,10 @@ pub(crate) fn implausible_scene(scene: &Scene) -> Vec<Implausibility> {
 
 /// Returns everything about consecutive samples that is not plausible; `period` is that of the samples, s.
 pub(crate) fn implausible_samples(scene: &Scene, samples: &[Sample], period: f64) -> Vec<Implausibility> {
-    let columns = scene.recording.as_ref().map_or(0, |recording| recording.probes.len());
-    let mut collected = Collector::new(columns, scene.shaft.speed);
+    let Some(recording) = &scene.recording else { return vec![] };
+    let mut collected = Collector::new(recording, scene.shaft.speed);
     for sample in samples {
-        collected.add_row(&sample.row.probes);
+        collected.add_row(&sample.row);
         collected.add_sample(sample);
     }
     let (collected, rate_hz) = (&collected, 1.0 / period);

@@ -1,9 +1,9 @@
 //! Figures of readings and speed over a recording.
 
 use super::checks::SPEED_FACTOR;
-use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
-use crate::scene::{Direction, Probe, Recording, Speed};
+use crate::recording::{Row, Sample};
+use crate::scene::{Direction, Probe, Recording, Speed, TemperatureChannel};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -122,25 +122,33 @@ impl Sums {
     }
 }
 
+fn readings(row: &Row) -> impl Iterator<Item = &f64> {
+    row.probes.iter().chain(&row.sensors).chain(&row.temperatures)
+}
+
 /// Figures of all columns and of the shaft speed.
 pub(crate) struct Collector {
+    /// Number of probes and sensors, which come first.
+    signals: usize,
     columns: Vec<Sums>,
     speeds: Speeds,
 }
 
 impl Collector {
-    /// Creates a collector for this number of columns and the speed of the scene.
-    pub fn new(columns: usize, scene_speed: Speed) -> Self {
+    /// Creates a collector for the columns of a recording (probes, sensors, temperatures) and the speed of the scene.
+    pub fn new(recording: &Recording, scene_speed: Speed) -> Self {
+        let signals = recording.probes.len() + recording.sensors.len();
+        let columns = signals + recording.temperatures.len();
         let (a, b) = scene_speed.range();
         // Magnitudes only, because a keyphasor gives no sign.
         let (slow, fast) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
         let plausible = [slow / SPEED_FACTOR, fast * SPEED_FACTOR];
-        Self { columns: vec![Sums::default(); columns], speeds: Speeds { plausible, ..Speeds::default() } }
+        Self { signals, columns: vec![Sums::default(); columns], speeds: Speeds { plausible, ..Speeds::default() } }
     }
 
     /// Adds the readings of a row as they were measured.
-    pub fn add_row(&mut self, readings: &[f64]) {
-        for (sums, x) in self.columns.iter_mut().zip(readings).filter(|(_, x)| x.is_finite()) {
+    pub fn add_row(&mut self, row: &Row) {
+        for (sums, x) in self.columns.iter_mut().zip(readings(row)).filter(|(_, x)| x.is_finite()) {
             sums.add(*x);
         }
     }
@@ -149,7 +157,7 @@ impl Collector {
     pub fn add_sample(&mut self, sample: &Sample) {
         self.speeds.add(sample);
         let (sin, cos) = sample.angle.radians().sin_cos();
-        for (sums, x) in self.columns.iter_mut().zip(&sample.row.probes).filter(|(_, x)| x.is_finite()) {
+        for (sums, x) in self.columns.iter_mut().zip(readings(&sample.row)).filter(|(_, x)| x.is_finite()) {
             for (sum, term) in sums.turning.iter_mut().zip([x * cos, x * sin, cos, sin]) {
                 *sum += term;
             }
@@ -165,9 +173,12 @@ impl Collector {
         &self.speeds
     }
 
-    /// Returns the index of a column that only rises or only falls.
+    /// Returns the index of a probe or sensor whose readings only rise or only fall.
     pub fn monotonic(&self) -> Option<usize> {
-        self.columns.iter().position(|sums| sums.count >= LEAST_MONOTONIC && (sums.rises || sums.falls))
+        self.columns
+            .iter()
+            .take(self.signals)
+            .position(|sums| sums.count >= LEAST_MONOTONIC && (sums.rises || sums.falls))
     }
 
     /// Returns the root of the mean square about the mean of the readings in range, in SI.
@@ -192,6 +203,8 @@ impl Collector {
         });
         let sensors =
             recording.sensors.iter().map(|sensor| (sensor.column.clone(), sensor.unit.clone(), None, 1.0, None));
+        let temperature = |channel: &TemperatureChannel| (channel.column.clone(), "K".to_owned(), None, 1.0, None);
+        let temperatures = recording.temperatures.iter().map(temperature);
         let one = |((column, unit, radial, scale, probe), sums): ((String, String, _, f64, Option<&Probe>), &Sums)| {
             ReadingSummary {
                 column,
@@ -207,7 +220,7 @@ impl Collector {
                 samples: sums.count,
             }
         };
-        probes.chain(sensors).zip(&self.columns).map(one).collect()
+        probes.chain(sensors).chain(temperatures).zip(&self.columns).map(one).collect()
     }
 }
 

@@ -91,7 +91,7 @@ mod tests {
         let time = index as f64 * 1e-3;
         let turns = 7.3 * time + 0.5 * 4.0 * time * time;
         Sample {
-            row: Row { index, line: index, time, probes: vec![1.0 + 2.0 * time, -time], rotation: 0.0 },
+            row: Row { index, line: index, time, probes: vec![1.0 + 2.0 * time, -time], ..Row::default() },
             angle: Phase::from_revolutions(turns),
             revolution: turns.floor() as i64,
             speed: TAU * (7.3 + 4.0 * time),

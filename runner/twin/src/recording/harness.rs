@@ -35,6 +35,7 @@ pub(super) fn recording(columns: &[&str]) -> Recording {
         probes: columns.iter().map(|column| probe(column, 1.0)).collect(),
         sensors: vec![],
         layout: FileLayout::default(),
+        temperatures: vec![],
         rotation: RotationSource::Scene,
         run_out: None,
         further_files: vec![],

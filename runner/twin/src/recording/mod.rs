@@ -48,6 +48,10 @@ pub struct Row {
     pub time: f64,
     /// Reading of each probe, m, in the scene's order; NaN where there is none.
     pub probes: Vec<f64>,
+    /// Reading of each vibration sensor in the unit of its column, in the scene's order; NaN where there is none.
+    pub sensors: Vec<f64>,
+    /// Reading of each temperature channel, K, in the scene's order; NaN where there is none.
+    pub temperatures: Vec<f64>,
     /// Value of the keyphasor or speed column (rad/s), NaN where there is none; 0 when the scene names neither.
     pub rotation: f64,
 }

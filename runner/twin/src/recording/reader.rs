@@ -21,7 +21,7 @@ use super::memory::Memory;
 use super::probe::{ProbeWatch, Verdict};
 use super::table::{self, Cells, EXPECTED, Table};
 use crate::scene::units;
-use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence};
+use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
 
 /// Largest relative difference between the sampling rates of file and scene.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -44,6 +44,7 @@ pub struct Reader<'a> {
     /// Rows read ahead.
     ahead: VecDeque<Parsed>,
     timing: Timing,
+    /// Detection of stuck and clipped channels: probes, then sensors.
     watches: Vec<ProbeWatch>,
     ledger: FlawLedger,
     ended: bool,
@@ -58,6 +59,8 @@ struct Wanted {
     /// Speed of every row without a column of it, rad/s.
     speed: Option<f64>,
     probes: Vec<Column>,
+    sensors: Vec<Column>,
+    temperatures: Vec<Column>,
 }
 
 /// A column that is used, with the factor to SI.
@@ -162,8 +165,6 @@ impl<'a> Reader<'a> {
         size: Option<u64>,
         recording: &Recording,
     ) -> Result<Self, RecordingError> {
-        let columns = recording.with_sensors_as_probes();
-        let recording = columns.as_ref();
         let mut wanted = Wanted::new(table.as_ref(), recording, name)?;
         wanted.check_units(table.as_ref(), recording, name)?;
         if let Some(stamp) = &wanted.stamp {
@@ -260,7 +261,7 @@ impl<'a> Reader<'a> {
         if let Clock::Column(column) = &recording.clock {
             self.timing = Timing::Stamps(self.learn(column)?);
         }
-        self.watches = recording.probes.iter().map(|_| ProbeWatch::new(self.rate())).collect();
+        self.watches = self.wanted.channels().map(|_| ProbeWatch::new(self.rate())).collect();
         Ok(())
     }
 
@@ -391,7 +392,8 @@ impl<'a> Reader<'a> {
             ledger.record(Flaw::ShortRow, None, at, 1);
         }
         let name = |cell: &Column| self.table.columns()[cell.place].as_str();
-        for ((cell, reading), watch) in self.wanted.probes.iter().zip(&mut row.probes).zip(&mut self.watches) {
+        let readings = row.probes.iter_mut().chain(&mut row.sensors);
+        for ((cell, reading), watch) in self.wanted.channels().zip(readings).zip(&mut self.watches) {
             if reading.is_nan() {
                 if cell.place < whole {
                     ledger.record(Flaw::MissingValue, Some(name(cell)), at, 1);
@@ -419,7 +421,7 @@ impl<'a> Reader<'a> {
         if core::mem::replace(&mut self.ended, true) {
             return;
         }
-        for (cell, watch) in self.wanted.probes.iter().zip(&self.watches) {
+        for (cell, watch) in self.wanted.channels().zip(&self.watches) {
             for clipped in watch.clipped() {
                 let name = self.table.columns()[cell.place].as_str();
                 self.ledger.record_reading(Flaw::ClippedProbe, name, clipped.first, clipped.samples, clipped.reading);
@@ -442,12 +444,21 @@ impl Wanted {
             Clock::Column(name) => Some(column(name, 1.0)?),
         };
         let probe = |of: &Probe| column(&of.column, of.metres_per_unit).map(|c| Column { offset: of.offset, ..c });
-        let probes = recording.probes.iter().map(probe);
-        Ok(Self { probes: probes.collect::<Result<_, _>>()?, rotation, speed: None, stamp })
+        let probes = recording.probes.iter().map(probe).collect::<Result<_, _>>()?;
+        let sensors = recording.sensors.iter().map(|sensor| column(&sensor.column, 1.0)).collect::<Result<_, _>>()?;
+        let temperature =
+            |of: &TemperatureChannel| column(&of.column, of.kelvins_per_unit).map(|c| Column { offset: -of.zero, ..c });
+        let temperatures = recording.temperatures.iter().map(temperature).collect::<Result<_, _>>()?;
+        Ok(Self { stamp, rotation, speed: None, probes, sensors, temperatures })
     }
 
     fn columns(&self) -> impl Iterator<Item = &Column> + Clone {
-        self.stamp.iter().chain(&self.rotation).chain(&self.probes)
+        self.stamp.iter().chain(&self.rotation).chain(self.channels()).chain(&self.temperatures)
+    }
+
+    /// Columns of probes, then of sensors.
+    fn channels(&self) -> impl Iterator<Item = &Column> + Clone {
+        self.probes.iter().chain(&self.sensors)
     }
 
     fn places(&self) -> Vec<usize> {
@@ -471,27 +482,29 @@ impl Wanted {
         if let (Some(column), Some(meant)) = (&self.rotation, recording.rotation.unit()) {
             check(column, meant)?;
         }
-        for (place, (column, probe)) in self.probes.iter().zip(&recording.probes).enumerate() {
-            // Sensors are passed as probes without a unit; their own unit is stored separately.
-            let meant = match recording.sensors.get(place) {
-                Some(sensor) => Some(sensor.unit.as_str()),
-                None => probe.unit(),
-            };
-            if let Some(meant) = meant {
+        for (column, probe) in self.probes.iter().zip(&recording.probes) {
+            if let Some(meant) = probe.unit() {
                 check(column, meant)?;
             }
+        }
+        for (column, sensor) in self.sensors.iter().zip(&recording.sensors) {
+            check(column, &sensor.unit)?;
         }
         Ok(())
     }
 
-    /// The values of a row, in SI.
+    /// The values of a row: in SI, those of sensors in the unit of the column.
     fn fill(&self, values: &[f64], row: &mut Row) {
         let mut values = values.iter();
         let mut next = |column: &Column| values.next().map_or(f64::NAN, |value| value * column.unit - column.offset);
         row.time = self.stamp.as_ref().map_or(0.0, &mut next);
         row.rotation = self.rotation.as_ref().map_or(self.speed.unwrap_or(0.0), &mut next);
         row.probes.clear();
-        row.probes.extend(self.probes.iter().map(next));
+        row.probes.extend(self.probes.iter().map(&mut next));
+        row.sensors.clear();
+        row.sensors.extend(self.sensors.iter().map(&mut next));
+        row.temperatures.clear();
+        row.temperatures.extend(self.temperatures.iter().map(next));
     }
 }
 

@@ -202,7 +202,7 @@ pub struct Tracker {
 
 enum Source {
     Keyphasor(Box<Keyphasor>),
-    Column(SpeedColumn),
+    Column(Box<SpeedColumn>),
     Scene(SceneSpeed),
 }
 
@@ -252,8 +252,8 @@ impl Tracker {
                 let wheel = (*pulses_per_turn, *missing);
                 Source::Keyphasor(Box::new(Keyphasor::new(column, wheel, signal, rate, is_reversed(speed))))
             }
-            RotationSource::SpeedColumn { column, .. } => Source::Column(SpeedColumn::new(column, rate)),
-            RotationSource::Synchronous => Source::Column(SpeedColumn::synchronous(rate, is_reversed(speed))),
+            RotationSource::SpeedColumn { column, .. } => Source::Column(Box::new(SpeedColumn::new(column, rate))),
+            RotationSource::Synchronous => Source::Column(Box::new(SpeedColumn::synchronous(rate, is_reversed(speed)))),
             RotationSource::Scene => Source::Scene(SceneSpeed::new(speed, rate)),
         };
         let rotation = rotation.clone();

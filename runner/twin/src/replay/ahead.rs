@@ -31,13 +31,14 @@ pub(super) struct Ahead {
 }
 
 impl Ahead {
-    /// Reads as many rows as a diagnosis takes.
+    /// Reads as many rows as a diagnosis takes, after `first_rows`, which are read already.
     pub fn read(
         scene: &Scene,
         plant: &Plant,
         recording: &Recording,
         reader: &mut Reader,
         run_out: Option<Arc<RunOut>>,
+        mut first_rows: VecDeque<Row>,
     ) -> Result<Self> {
         let rate = reader.rate();
         let mut tracker = Tracker::of(recording, rate, scene.shaft.speed).with_run_out(run_out);
@@ -47,11 +48,17 @@ impl Ahead {
         let mut is_whole = false;
         let mut has_angle = true;
         while !block.is_full() && rows.len() < MOST_ROWS * recording.average as usize {
-            let mut row = Row::default();
-            if !reader.next_row(&mut row)? {
-                is_whole = true;
-                break;
-            }
+            let row = match first_rows.pop_front() {
+                Some(row) => row,
+                None => {
+                    let mut row = Row::default();
+                    if !reader.next_row(&mut row)? {
+                        is_whole = true;
+                        break;
+                    }
+                    row
+                }
+            };
             if has_angle {
                 has_angle = tracker.push(row.clone()).is_ok();
                 while let Some(mut sample) = tracker.pop() {
@@ -67,6 +74,7 @@ impl Ahead {
                 block.add(&sample);
             }
         }
+        rows.append(&mut first_rows);
         let period = f64::from(recording.average) / rate;
         Ok(Self { rows, is_whole, samples: block.into_samples(), period })
     }

@@ -1,6 +1,7 @@
 //! Conclusion of a replay: the outcome from the sums of the stages.
 
 use super::pipeline::Pipeline;
+use super::running_vibration::RunningVibration;
 use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
@@ -9,6 +10,8 @@ use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawi
 use crate::plausibility::{Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::Scene;
+use crate::vibration::join::join;
+use crate::vibration::signals::Evaluation;
 use std::f64::consts::TAU;
 
 /// Facts of a recording that the pipeline does not have.
@@ -36,6 +39,7 @@ impl Pipeline<'_> {
         if self.totals.speed().count() == 0.0 {
             return self.conclude_at_standstill(scene, facts);
         }
+        let mut vibration = self.evaluate_vibration(scene)?;
         self.comparison.finish();
         let bearings = self.plant.bearings.as_slice();
         let mean_speed = self.totals.speed().mean();
@@ -85,6 +89,11 @@ impl Pipeline<'_> {
             let known: Vec<Finding> = known;
             diagnosis_notes.extend(known.iter().map(|finding| format!("As in the baseline: {}", finding.sentence)));
         }
+        if implausible.is_empty() {
+            findings = join(findings, std::mem::take(&mut vibration.findings), diagnosed.is_some());
+        }
+        learned.sensors = vibration.learned;
+        diagnosis_notes.extend(vibration.notes);
         if self.baseline.is_none()
             && let Some(reason) = clearance_is_estimated(scene)
         {
@@ -115,6 +124,7 @@ impl Pipeline<'_> {
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         pictures.rotor = RotorDrawing::new(scene);
+        pictures.envelopes = vibration.envelopes;
         let deflection = self.deflection.as_ref();
         pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
         let record = Record {
@@ -154,8 +164,18 @@ impl Pipeline<'_> {
         .with_stations_as_drawn(scene))
     }
 
+    /// Evaluates the signals of the vibration sensors, with a note where they have no verdict.
+    fn evaluate_vibration(&mut self, scene: &Scene) -> Result<Evaluation> {
+        let Some(signals) = self.signals.take() else {
+            return Ok(self.vibration.as_mut().map(RunningVibration::conclusion).unwrap_or_default());
+        };
+        let mut found = signals.evaluate(scene, self.baseline.as_ref())?;
+        found.notes.extend(found.not_judged.as_ref().map(|reason| format!("Sensors: no verdict: {reason}.")));
+        Ok(found)
+    }
+
     /// Returns the outcome of a recording in which no sample has a shaft angle.
-    fn conclude_at_standstill(self, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
+    fn conclude_at_standstill(mut self, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
         if self.standstill.samples() == 0 {
             return Err(ReplayError::NoSample { recording: facts.name.to_owned() }.into());
         }
@@ -169,6 +189,7 @@ impl Pipeline<'_> {
                 samples: &[],
             })
         });
+        let vibration = self.evaluate_vibration(scene)?;
         let outcome = self.standstill.outcome(Measured {
             implausible,
             probes: self.probes,
@@ -183,6 +204,7 @@ impl Pipeline<'_> {
         let events = self.limits.finish();
         let (implausible, not_judged) = (&outcome.implausible, &outcome.not_judged);
         let mut notes = outcome.notes;
+        notes.extend(vibration.notes);
         notes.extend(self.notes);
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         Ok(Outcome {

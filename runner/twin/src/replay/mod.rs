@@ -9,7 +9,7 @@ mod options;
 mod ahead;
 
 // A row becomes a sample with a shaft angle.
-mod session;
+pub(crate) mod session;
 // The stages, called in this order.
 mod pipeline;
 
@@ -17,8 +17,10 @@ mod pipeline;
 pub mod range;
 mod readings;
 mod running_diagnosis;
+mod running_vibration;
 mod standstill;
 mod startup;
+mod temperature;
 
 // The sample passes through the stages.
 mod align;
@@ -94,26 +96,26 @@ pub fn open<'a>(scene: &'a Scene, file: Option<&'a Path>) -> Result<(Reader<'sta
 ///
 /// # Errors
 /// A scene without rotor or recording, probes that do not determine the motion, a recording that cannot be used.
-pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
-    let scene = given;
+pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: &Options) -> Result<Outcome> {
     let Some(recording) = &scene.recording else {
         return Err(ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
-    if !recording.sensors.is_empty() {
+    if recording.probes.is_empty() {
         let read = |read, total| {
             if let Some(progress) = options.progress {
                 progress(Progress::Read(read, total));
             }
         };
-        return vibration::replay(scene, recording, reader, recording_name, options.baseline, Some(&read));
+        return vibration::replay(scene, recording, reader, recording_name, options, Some(&read));
     }
     check_rate(reader.rate(), recording, scene.shaft.speed).map_err(|e| e.of(scene, recording_name))?;
     only_observable(scene, "replay").map_err(Error::setup)?;
     let baseline = options.baseline.map(Baseline::parse).transpose().map_err(Error::setup)?;
-    let mut scene = ahead::calibrated(scene, baseline.as_ref());
+    let (given, first_rows) = temperature::corrected(scene, recording, &mut reader, recording_name)?;
+    let mut scene = ahead::calibrated(&given, baseline.as_ref());
     let mut plant = Plant::try_new(&scene).map_err(Error::setup)?;
-    let run_out = RunOut::of(given)?;
-    let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader, run_out.clone())?;
+    let run_out = RunOut::of(&given)?;
+    let mut ahead = Ahead::read(&scene, &plant, recording, &mut reader, run_out.clone(), first_rows)?;
     let advance = |share: f64| {
         if let Some(progress) = options.progress {
             progress(Progress::Diagnosis(share));
@@ -138,7 +140,7 @@ pub fn replay(given: &Scene, mut reader: Reader, recording_name: &str, options: 
         set_cages(&mut scene, &diagnosis.cages);
     }
     let mut replay = Replay::with_run_out(&scene, recording, reader.rate(), options, run_out)?;
-    let note = unbalance_note(given).filter(|_| calibration.is_some());
+    let note = unbalance_note(&given).filter(|_| calibration.is_some());
     replay.set_calibration(calibration, note);
     if let (true, Some(diagnosis)) = (ahead.is_whole, diagnosed) {
         replay.set_diagnosis(diagnosis);

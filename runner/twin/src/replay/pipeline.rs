@@ -16,6 +16,7 @@ use super::plausibility::Counts;
 use super::range::ReadingRange;
 use super::readings::ReadingsStage;
 use super::running_diagnosis::RunningDiagnosis;
+use super::running_vibration::RunningVibration;
 use super::second::{Second, SecondIndicators};
 use super::snapshot::{RecentSamples, Snapshot};
 use super::standstill::Standstill;
@@ -33,7 +34,9 @@ use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
-use crate::scene::{Probe, Scene};
+use crate::scene::{Probe, Recording, Scene};
+use crate::vibration::join::join;
+use crate::vibration::signals::Signals;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -69,6 +72,10 @@ pub(super) struct Pipeline<'a> {
     pub(super) calibration: Option<Calibration>,
     /// The baseline to judge against.
     pub(super) baseline: Option<Baseline>,
+    /// Signals of the vibration sensors; none without sensors, and in live operation.
+    pub(super) signals: Option<Signals>,
+    /// Vibration sensors in live operation.
+    pub(super) vibration: Option<RunningVibration>,
     pub(super) figures: FigureCollector,
     /// Static line of a flexible rotor.
     pub(super) deflection: Option<MeanDeflection>,
@@ -104,7 +111,8 @@ struct ProcessedSample<'a> {
 }
 
 impl<'a> Pipeline<'a> {
-    pub(super) fn try_new(scene: &Scene, probes: &'a [Probe], rate: f64, options: &Options) -> Result<Self> {
+    pub(super) fn try_new(scene: &Scene, recording: &'a Recording, rate: f64, options: &Options) -> Result<Self> {
+        let probes = recording.probes.as_slice();
         only_observable(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
         let mut notes = plant.notes.clone();
@@ -129,8 +137,11 @@ impl<'a> Pipeline<'a> {
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
         let planes = probes::planes(probes);
-        let baseline =
-            options.baseline.map(|path| Baseline::read(path, probes, &followed_orders(bearings))).transpose()?;
+        let sensors = scene.recording.as_ref().map_or(&[][..], |recording| &recording.sensors);
+        let baseline = options
+            .baseline
+            .map(|path| Baseline::read(path, probes, sensors, &followed_orders(bearings)))
+            .transpose()?;
         let limits = LimitMonitor::try_new(&scene.limits, probes, bearings, baseline.as_ref())?;
         let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
         let seconds = options
@@ -153,6 +164,16 @@ impl<'a> Pipeline<'a> {
                 RunningDiagnosis::new(scene, plant, probes, 1.0 / rate, baseline.clone(), force)
             }),
             calibration: None,
+            vibration: if options.live {
+                let average = scene.recording.as_ref().map_or(1, |recording| recording.average);
+                RunningVibration::new(scene, rate * f64::from(average), baseline.as_ref())
+            } else {
+                None
+            },
+            signals: scene.recording.as_ref().filter(|_| !options.live).and_then(|recording| {
+                // Sensors keep the rate of the recording.
+                Signals::new(recording, rate * f64::from(recording.average))
+            }),
             baseline,
             deflection: MeanDeflection::new(&plant),
             figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),
@@ -162,7 +183,7 @@ impl<'a> Pipeline<'a> {
             forces_file,
             standstill: Standstill::default(),
             counts: Counts::default(),
-            collected: Collector::new(probes.len(), scene.shaft.speed),
+            collected: Collector::new(recording, scene.shaft.speed),
             force_diagnosis: options.force_diagnosis,
             totals: Totals::default(),
             timing: Ledger::try_new(1.0 / rate)?,
@@ -180,9 +201,25 @@ impl<'a> Pipeline<'a> {
         })
     }
 
+    /// Adds the readings of the vibration sensors.
+    pub(super) fn push_sensors(&mut self, row: &Row) {
+        if let Some(signals) = &mut self.signals {
+            signals.add(row);
+        }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.add(row, &mut self.notices);
+        }
+    }
+
     /// Checks a sample, evaluates its readings, and queues it for the twin.
     pub(super) fn push(&mut self, mut sample: Sample) -> Result<()> {
-        self.collected.add_row(&sample.row.probes);
+        self.collected.add_row(&sample.row);
+        if let Some(signals) = &mut self.signals {
+            signals.add_angle(&sample);
+        }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.add_angle(&sample, &mut self.notices);
+        }
         self.range.check_sample(&mut sample, &mut self.notices);
         self.collected.add_sample(&sample);
         self.readings.add(&sample, &mut self.limits);
@@ -194,7 +231,7 @@ impl<'a> Pipeline<'a> {
 
     /// Adds a sample that has no shaft angle.
     pub(super) fn push_without_angle(&mut self, row: &mut Row) {
-        self.collected.add_row(&row.probes);
+        self.collected.add_row(row);
         self.range.check(row);
         self.standstill.add(row);
         if !self.live {
@@ -205,6 +242,12 @@ impl<'a> Pipeline<'a> {
 
     /// Restarts the twin with the next sample, because the shaft angle is interrupted.
     pub(super) fn restart(&mut self) {
+        if let Some(signals) = &mut self.signals {
+            signals.interrupt();
+        }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.interrupt();
+        }
         self.readings.restart(&mut self.limits);
         self.startup.restart();
     }
@@ -412,7 +455,23 @@ impl<'a> Pipeline<'a> {
 
     /// Returns the seconds that ended since the last call.
     pub(super) fn take_ended_seconds(&mut self) -> Vec<Second> {
-        std::mem::take(&mut self.ended_seconds)
+        let mut seconds = std::mem::take(&mut self.ended_seconds);
+        if let Some(vibration) = &mut self.vibration {
+            for second in &mut seconds {
+                second.sensors = vibration.second(second.time_s);
+                vibration.drop_seconds(second.time_s);
+            }
+        }
+        seconds
+    }
+
+    /// Returns the seconds that ended since the last call while the twin was starting.
+    pub(super) fn take_preliminary(&mut self) -> Vec<Second> {
+        let mut seconds = self.readings.take_ended();
+        if let Some(vibration) = &self.vibration {
+            seconds.iter_mut().for_each(|second| second.sensors = vibration.second(second.time_s));
+        }
+        seconds
     }
 
     /// Returns the present state for a live display; none where no display is in use or the twin does not run.
@@ -432,7 +491,11 @@ impl<'a> Pipeline<'a> {
             planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
             loads: loads.collect(),
             lines: marked_lines(&self.plant.bearings, shaft.speed.abs() / TAU),
-            findings: self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
+            findings: join(
+                self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
+                self.vibration.as_ref().map(RunningVibration::findings).unwrap_or_default(),
+                self.running_diagnosis.is_some(),
+            ),
         })
     }
 }

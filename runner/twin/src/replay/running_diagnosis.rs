@@ -15,7 +15,7 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 /// Share of one core that diagnoses take: the thread rests four times as long as it worked.
-const SHARE: f64 = 0.2;
+pub(super) const SHARE: f64 = 0.2;
 /// Diagnoses in a row without a fault after which it has ended: one may miss a fault near its threshold.
 const MISSED: u32 = 2;
 
@@ -113,7 +113,7 @@ impl RunningDiagnosis {
 
     /// Returns the faults that the last diagnoses found.
     pub(super) fn findings(&self) -> Vec<Finding> {
-        self.faults.open.iter().map(|open| open.finding.clone()).collect()
+        self.faults.findings()
     }
 
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
@@ -170,13 +170,18 @@ impl RunningDiagnosis {
 
 /// Faults that the last diagnoses found.
 #[derive(Default)]
-struct OpenFaults {
+pub(super) struct OpenFaults {
     open: Vec<OpenFault>,
 }
 
 impl OpenFaults {
+    /// Returns the faults that the last diagnoses found.
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        self.open.iter().map(|open| open.finding.clone()).collect()
+    }
+
     /// Compares the findings of a diagnosis, made of samples up to `time` (s), with those before.
-    fn report(&mut self, findings: Vec<Finding>, time: f64, notices: &mut Notices) {
+    pub(super) fn report(&mut self, findings: Vec<Finding>, time: f64, notices: &mut Notices) {
         self.open.iter_mut().for_each(|open| open.missed += 1);
         for finding in findings {
             // The figures belong to a report.
@@ -211,6 +216,8 @@ mod tests {
             order: 1.0,
             level_db: 1.0,
             confidence: 1.0,
+            evidence: vec![],
+            vibration: None,
             parameters: FaultParameters::default(),
             figures: FaultFigures::default(),
             sentence: format!("{kind:?} of {bearing}"),

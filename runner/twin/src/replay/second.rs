@@ -2,11 +2,12 @@
 
 use super::force::EvaluatedForce;
 use crate::outcome::phase_lag_deg;
-use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
+use crate::recording::{Row, Sample};
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 const UM: f64 = 1e6;
@@ -31,6 +32,26 @@ pub struct Second {
     pub probes: Vec<ProbeSecond>,
     /// One entry a bearing.
     pub bearings: Vec<BearingSecond>,
+    /// One entry a vibration sensor, at the rate of the recording.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<SensorSecond>,
+}
+
+/// One vibration sensor over one second. Not a number where the second has no reading.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct SensorSecond {
+    /// Column of the sensor.
+    pub name: String,
+    /// Unit of the column.
+    pub unit: String,
+    /// Rms about the mean.
+    pub rms: f64,
+    /// Largest deviation from the mean.
+    pub peak: f64,
+    /// Largest deviation from the mean over the rms.
+    pub crest_factor: f64,
+    /// Kurtosis: 3 for noise, above it for impacts.
+    pub kurtosis: f64,
 }
 
 /// One probe over one second.
@@ -65,6 +86,77 @@ pub struct BearingSecond {
     pub force_n: [f64; 3],
     /// Largest radial force.
     pub largest_radial_n: f64,
+}
+
+/// Largest number of seconds that wait for the twin.
+const MOST_WAITING: usize = 3600;
+
+/// Statistics of vibration sensors by the second. The twin is behind the readings, so that several seconds wait.
+pub struct StatisticsOfSensors {
+    /// Names and units.
+    sensors: Vec<(String, String)>,
+    /// Number of each second that is not dropped, in order.
+    seconds: VecDeque<(i64, Vec<SensorSecond>)>,
+    /// Statistics and number of readings in the current second.
+    current: Vec<(Statistics<f64>, u64)>,
+    number: Option<i64>,
+}
+
+impl StatisticsOfSensors {
+    /// Creates the statistics of sensors with these names and units.
+    #[must_use]
+    pub fn new(sensors: Vec<(String, String)>) -> Self {
+        let current = vec![(Statistics::new(u32::MAX), 0); sensors.len()];
+        Self { sensors, seconds: VecDeque::new(), current, number: None }
+    }
+
+    /// Adds the readings of a row.
+    pub fn add(&mut self, row: &Row) {
+        let number = row.time.floor() as i64;
+        if let Some(before) = self.number.replace(number).filter(|before| *before != number) {
+            let all = self.sensors.iter().zip(&mut self.current).map(sensor_second).collect();
+            self.seconds.push_back((before, all));
+            if self.seconds.len() > MOST_WAITING {
+                self.seconds.pop_front();
+            }
+        }
+        for ((statistics, count), &reading) in self.current.iter_mut().zip(&row.sensors) {
+            if reading.is_finite() {
+                statistics.add::<Exact>(reading);
+                *count += 1;
+            }
+        }
+    }
+
+    /// Returns the statistics of the second that ends at `time_s`.
+    #[must_use]
+    pub fn of(&self, time_s: f64) -> Vec<SensorSecond> {
+        let number = time_s.round() as i64 - 1;
+        let found = self.seconds.iter().find(|(of, _)| *of == number).map(|(_, all)| all.clone());
+        found.unwrap_or_else(|| self.sensors.iter().map(without_reading).collect())
+    }
+
+    /// Drops the seconds up to the one that ends at `time_s`.
+    pub fn drop_until(&mut self, time_s: f64) {
+        let number = time_s.round() as i64 - 1;
+        while self.seconds.front().is_some_and(|(of, _)| *of <= number) {
+            self.seconds.pop_front();
+        }
+    }
+}
+
+fn without_reading((name, unit): &(String, String)) -> SensorSecond {
+    let nan = f64::NAN;
+    let (name, unit) = (name.clone(), unit.clone());
+    SensorSecond { name, unit, rms: nan, peak: nan, crest_factor: nan, kurtosis: nan }
+}
+
+fn sensor_second((sensor, (statistics, count)): (&(String, String), &mut (Statistics<f64>, u64))) -> SensorSecond {
+    if std::mem::take(count) == 0 {
+        return without_reading(sensor);
+    }
+    let BlockStatistics { rms, crest_factor, kurtosis, .. } = statistics.close::<Exact>();
+    SensorSecond { rms, peak: crest_factor * rms, crest_factor, kurtosis, ..without_reading(sensor) }
 }
 
 #[derive(Clone, Default)]
@@ -161,6 +253,7 @@ impl SecondIndicators {
             status: status.bits(),
             probes: (0..self.names.len()).map(|i| self.probe(i, one_x)).collect(),
             bearings: self.forces.iter_mut().zip(&self.bearings).map(|(force, name)| force.close(name)).collect(),
+            sensors: vec![],
         }
     }
 

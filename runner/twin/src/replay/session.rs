@@ -7,6 +7,7 @@ use super::options::Options;
 use super::pipeline::Pipeline;
 use super::second::Second;
 use super::snapshot::Snapshot;
+use super::temperature::TemperatureMonitor;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::{Event, Outcome};
@@ -15,6 +16,7 @@ use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
 use crate::recording::run_out::RunOut;
 use crate::scene::{Recording, Scene};
+use crate::vibration;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -27,6 +29,7 @@ pub struct Replay<'a> {
     tracker: Tracker,
     run_out: Option<Arc<RunOut>>,
     pipeline: Pipeline<'a>,
+    temperatures: Option<TemperatureMonitor>,
     rows: u64,
     /// Flaws of the shaft angle before its last interruption.
     flaws: Vec<FlawSummary>,
@@ -66,11 +69,13 @@ impl<'a> Replay<'a> {
         options: &Options,
         run_out: Option<Arc<RunOut>>,
     ) -> Result<Self> {
+        vibration::check_bearings(scene, recording).map_err(Error::setup)?;
         let tracker = tracker(scene, recording, rate, options.live).with_run_out(run_out.clone());
         let rate = rate / f64::from(recording.average);
-        let mut pipeline = Pipeline::try_new(scene, &recording.probes, rate, options).map_err(Error::setup)?;
+        let mut pipeline = Pipeline::try_new(scene, recording, rate, options).map_err(Error::setup)?;
         pipeline.notes.extend(run_out.as_ref().map(|run_out| run_out.note()));
-        Ok(Self { scene, tracker, run_out, pipeline, rows: 0, flaws: vec![], has_ended: false })
+        let temperatures = TemperatureMonitor::new(scene);
+        Ok(Self { scene, tracker, run_out, pipeline, temperatures, rows: 0, flaws: vec![], has_ended: false })
     }
 
     /// Returns an empty row to read into.
@@ -88,6 +93,10 @@ impl<'a> Replay<'a> {
     pub fn push(&mut self, row: Row) -> Result<()> {
         self.rows += 1;
         let time = row.time;
+        self.pipeline.push_sensors(&row);
+        if let Some(temperatures) = &mut self.temperatures {
+            temperatures.add(self.scene, &row);
+        }
         let pushed = self.tracker.push(row);
         self.drain()?;
         if let Err(error) = pushed {
@@ -189,9 +198,10 @@ impl<'a> Replay<'a> {
 
     /// Returns the results since the last call.
     pub fn take_update(&mut self) -> Update {
+        let preliminary = self.pipeline.take_preliminary();
         Update {
             seconds: self.pipeline.take_ended_seconds(),
-            preliminary: self.pipeline.readings.take_ended(),
+            preliminary,
             events: self.pipeline.limits.take_events(),
             notices: self.pipeline.notices.take(),
         }
@@ -233,6 +243,7 @@ impl<'a> Replay<'a> {
         self.work(None)?;
         flaws.append(&mut self.flaws);
         flaws.extend(self.tracker.flaws().summary());
+        self.pipeline.notes.extend(self.temperatures.iter().flat_map(|monitor| monitor.notes(self.scene)));
         let angle_source = self.tracker.source();
         let is_run_out_subtracted = self.run_out.is_some();
         let facts = RecordingFacts { name, rows: self.rows, angle_source, is_run_out_subtracted, flaws };

@@ -1,6 +1,6 @@
 //! The verdict as a sentence.
 
-use crate::outcome::{Finding, ProbeOutcome, Standing};
+use crate::outcome::{EvidenceSource, Finding, ProbeOutcome, Standing};
 use crate::plausibility::Implausibility;
 
 /// Returns the root mean square of a figure over the probes; none where a probe lacks it.
@@ -31,6 +31,9 @@ pub fn verdict(
         return format!("The recording is not plausible for the scene: {}. Nothing is diagnosed.", all.join("; "));
     }
     if !not_judged.is_empty() {
+        if let Some(seen) = findings.iter().find(|finding| is_of_vibration_alone(finding)) {
+            return format!("The shaft motion has no verdict: {}. {}", not_judged.join("; "), seen.sentence);
+        }
         return format!("No verdict: {}.", not_judged.join("; "));
     }
     let left_out = match out_of_range {
@@ -42,8 +45,16 @@ pub fn verdict(
     format!("{verdict}{left_out}")
 }
 
+/// Returns true for a finding that the shaft motion does not show.
+fn is_of_vibration_alone(finding: &Finding) -> bool {
+    finding.evidence == [EvidenceSource::Vibration]
+}
+
 fn judged(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
     if let Some(worst) = findings.first() {
+        if is_of_vibration_alone(worst) {
+            return format!("The vibration shows a fault. {}", worst.sentence);
+        }
         return format!("The machine departs from its twin. {}", worst.sentence);
     }
     let (residual, noise) = (rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0), rms(probes, |p| p.noise_um));

@@ -199,7 +199,7 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
     let mut is_empty = true;
     for (key, line) in lists {
         let lines: Vec<String> = preview.columns.iter().filter_map(line).collect();
-        if lines.is_empty() || !is_empty {
+        if lines.is_empty() {
             continue;
         }
         is_empty = false;

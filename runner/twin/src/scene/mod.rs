@@ -9,15 +9,17 @@ pub mod draft;
 pub mod edit;
 mod flexible_rotor;
 pub mod matrix;
+mod mounting;
 pub mod read;
 mod recording;
 mod table;
 pub mod units;
 
 pub use flexible_rotor::{Disk, FlexibleRotor, Section};
+pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};
 pub use recording::{
-    Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource, Sequence,
-    Sensor, Slope,
+    Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,
+    Sensor, Sequence, Slope, TemperatureChannel,
 };
 
 use crate::catalogue::Listed;
@@ -389,6 +391,30 @@ pub struct Bearing {
     pub solver_steps: Option<u8>,
     /// `bearing`: its entry of the catalogue, whose values stand for keys that the scene does not have.
     pub catalogue: Option<FromCatalogue>,
+    /// `fit` and `temperatures`: the clearance before mounting; geometry and law have the operating clearance.
+    pub mounting: Option<Mounting>,
+}
+
+impl Bearing {
+    /// Sets the diametral clearance of geometry and law, m. A contact angle changes with it.
+    pub fn set_clearance(&mut self, clearance: f64) {
+        if let Some(geometry) = &mut self.geometry {
+            geometry.fit = match geometry.fit {
+                Fit::DiametralClearance(_) => Fit::DiametralClearance(clearance),
+                Fit::ContactAngle(_) => Fit::ContactAngle(geometry.contact_angle_of(clearance)),
+            };
+        }
+        if let Some(play) = self.law.as_mut().and_then(|law| law.radial_play.as_mut()) {
+            *play = 0.5 * clearance;
+        }
+    }
+
+    /// Returns the diametral clearance of the law, else of the geometry, m.
+    #[must_use]
+    pub fn clearance(&self) -> Option<f64> {
+        let play = self.law.and_then(|law| law.radial_play).map(|play| 2.0 * play);
+        play.or_else(|| self.geometry.map(|geometry| geometry.clearance()))
+    }
 }
 
 /// Values of the catalogue in a scene.
@@ -559,6 +585,27 @@ pub struct Geometry {
     pub poissons_ratio: f64,
     /// Density of the balls, kg/m^3, above 0
     pub density: f64,
+}
+
+impl Geometry {
+    /// Returns the distance of the groove centres at first contact, m.
+    fn groove_centres(&self) -> f64 {
+        (self.inner_conformity + self.outer_conformity - 1.0) * self.ball_diameter
+    }
+
+    /// Returns the diametral clearance, m.
+    #[must_use]
+    pub fn clearance(&self) -> f64 {
+        match self.fit {
+            Fit::ContactAngle(angle) => 2.0 * self.groove_centres() * (1.0 - angle.cos()),
+            Fit::DiametralClearance(clearance) => clearance,
+        }
+    }
+
+    /// Returns the free contact angle with a diametral clearance, rad; 0 with an interference.
+    fn contact_angle_of(&self, clearance: f64) -> f64 {
+        (1.0 - 0.5 * clearance / self.groove_centres()).clamp(0.5, 1.0).acos()
+    }
 }
 
 /// Free contact angle, given one way or the other.

@@ -5,6 +5,7 @@
 mod bearing;
 mod catalogue;
 mod effects;
+mod mounting;
 mod rotor;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -21,8 +22,8 @@ pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
     Allowed, Bearing, Clock, Direction, FileLayout, Indicator, Integration, KeyphasorSignal, Limit, Method, Observer,
-    Orientation, Probe, PulseDetection, Recording, RotationSource, Scene, Sensor, Sequence, Shaft, Slope, Speed, System,
-    SystemUnbalance,
+    Orientation, Probe, PulseDetection, Recording, Ring, RotationSource, Scene, Sensor, Sequence, Shaft, Slope, Speed, System,
+    SystemUnbalance, TemperatureChannel,
 };
 use catalogue::Expansion;
 
@@ -99,14 +100,19 @@ fn syntax_error(text: &str, path: &Path, error: &TomlError) -> SceneError {
 
 fn scene<'a>(root: &Table<'a>, path: &Path, catalogue: &'a [Option<Expansion>]) -> Read<Scene> {
     let name = root.read("name", |n| n.text("a name for the scene"))?;
+    // In the order of the file, in which errors are reported.
+    let shaft = shaft(&root.required("shaft", "a table [shaft] with speed")?)?;
+    let rotor = root.read("rotor", rotor::read)?;
+    let system = root.read("system", |n| system(n, root, path))?;
+    let bearings = bearings(root, catalogue)?;
     let scene = Scene {
         name: name.map_or_else(|| stem(path), str::to_owned),
         path: path.to_owned(),
-        shaft: shaft(&root.required("shaft", "a table [shaft] with speed")?)?,
-        rotor: root.read("rotor", rotor::read)?,
-        system: root.read("system", |n| system(n, root, path))?,
-        bearings: bearings(root, catalogue)?,
-        recording: root.read("recording", |n| recording(n, path, root.has("system")))?,
+        shaft,
+        rotor,
+        system,
+        recording: root.read("recording", |n| recording(n, path, root.has("system"), &bearings))?,
+        bearings,
         integration: root.read("integration", integration)?.unwrap_or_default(),
         observer: root.read("observer", observer)?.unwrap_or_default(),
         limits: root.read("limit", limits)?.unwrap_or_default(),
@@ -308,6 +314,7 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
         };
         let mut bearing = bearing::read(&table, root.has("system"))?;
         bearing.catalogue = expansion.as_ref().map(|expansion| expansion.used.clone());
+        mounting::read(&table, &mut bearing)?;
         if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {
             let own = format!("a name of its own (bearing[{other}] has this one)");
             return Err(table.required("name", &own)?.repeated(own));
@@ -323,7 +330,7 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
 /// Columns that are already taken, with what takes them.
 type Taken = Vec<(String, &'static str)>;
 
-fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> {
+fn recording(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[Bearing]) -> Read<Recording> {
     let keys = [
         "file",
         "sequence",
@@ -332,6 +339,7 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> 
         "average",
         "probes",
         "sensors",
+        "temperature",
         "keyphasor",
         "speed",
         "run_out",
@@ -349,8 +357,9 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool) -> Read<Recording> 
         sequence: table.read("sequence", |n| sequence(n, &table))?,
         layout: file_layout(&table)?,
         clock: clock(&table, &mut taken)?,
-        sensors: table.read("sensors", |n| sensors(n, &table, &mut taken))?.unwrap_or_default(),
-        probes: if table.has("sensors") { vec![] } else { probes(&table, average, on_system, &mut taken)? },
+        sensors: table.read("sensors", |n| sensors(n, &mut taken))?.unwrap_or_default(),
+        probes: probes(&table, average, on_system, &mut taken)?,
+        temperatures: table.read("temperature", |n| temperatures(n, &table, bearings, &mut taken))?.unwrap_or_default(),
         rotation: rotation(&table, &mut taken)?,
         run_out: table.read("run_out", |n| run_out(n, &table, scene))?,
     })
@@ -394,7 +403,7 @@ fn sequence(node: &Node<'_>, table: &Table<'_>) -> Read<Sequence> {
 /// Reads the path of the recording at slow roll.
 fn run_out(node: &Node<'_>, table: &Table<'_>, scene: &Path) -> Read<PathBuf> {
     let file = node.text("the name of a recording at slow roll, relative to the scene's folder")?;
-    if table.has("sensors") {
+    if !table.has("probes") {
         return Err(node.misplaced("only with probes; remove it"));
     }
     if !table.has("keyphasor") {
@@ -412,8 +421,8 @@ fn file_layout(table: &Table<'_>) -> Read<FileLayout> {
 }
 
 fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
-    if table.has("sensors") {
-        return Err(node.fail("average beside sensors", "sensors at the recording's own rate"));
+    if !table.has("probes") && table.has("sensors") {
+        return Err(node.fail("average without probes", "probes to average; sensors keep the recording's own rate"));
     }
     node.integer(1, 1024, "a whole number of samples from 1 to 1024").map(|count| count as u32)
 }
@@ -447,6 +456,9 @@ fn sampling_rate(node: &Node<'_>, taken: &mut Taken) -> Read<Clock> {
 fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -> Read<Vec<Probe>> {
     let wants = "a list of at least one probe, such as \
                  { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }";
+    if !table.has("probes") && table.has("sensors") {
+        return Ok(vec![]);
+    }
     let node = table.required("probes", wants)?;
     let list = node.list(wants)?;
     if list.is_empty() {
@@ -460,10 +472,7 @@ fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -
     Ok(probes)
 }
 
-fn sensors(node: &Node<'_>, table: &Table<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {
-    if let Some(probes) = table.optional("probes") {
-        return Err(probes.fail("both probes and sensors", "one of them: displacements for the twin, or vibration"));
-    }
+fn sensors(node: &Node<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {
     let wants = "a list of at least one sensor, such as { column = \"DE\", unit = \"m/s^2\" }";
     let list = node.list(wants)?;
     if list.is_empty() {
@@ -487,6 +496,55 @@ fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
     }
     let bearing = table.read("bearing", |n| Ok(n.text("the name of a bearing")?.to_owned()))?;
     Ok(Sensor { column, unit: unit.to_owned(), bearing })
+}
+
+fn temperatures(
+    node: &Node<'_>,
+    table: &Table<'_>,
+    bearings: &[Bearing],
+    taken: &mut Taken,
+) -> Read<Vec<TemperatureChannel>> {
+    if !table.has("probes") {
+        return Err(node.misplaced("only with probes, whose twin has a clearance; remove it"));
+    }
+    let wants = "a list of at least one temperature, such as \
+                 { column = \"T_DE\", unit = \"degC\", bearing = \"DE\", ring = \"outer\" }";
+    let list = node.list(wants)?;
+    if list.is_empty() {
+        return Err(node.refuse(wants));
+    }
+    let mut channels: Vec<TemperatureChannel> = vec![];
+    for node in &list {
+        let channel = temperature(node, bearings, taken)?;
+        if channels.iter().any(|other| other.bearing == channel.bearing && other.ring == channel.ring) {
+            return Err(node.repeated("one temperature of each ring"));
+        }
+        channels.push(channel);
+    }
+    Ok(channels)
+}
+
+fn temperature(node: &Node<'_>, bearings: &[Bearing], taken: &mut Taken) -> Read<TemperatureChannel> {
+    let table = node.table(&["column", "unit", "bearing", "ring"])?;
+    let column = table.required("column", "the name of a column of the recording")?;
+    let column = column_name(&column, "a temperature", taken)?;
+    let wants = "the unit of the column: degC, K or degF";
+    let unit = table.required("unit", wants)?;
+    let Some((kelvins_per_unit, zero)) = mounting::temperature_unit(unit.text(wants)?) else {
+        return Err(unit.refuse(wants));
+    };
+    let wants = "the name of a [[bearing]]";
+    let node = table.required("bearing", wants)?;
+    let name = node.text(wants)?;
+    let Some(bearing) = bearings.iter().find(|bearing| bearing.name == name) else { return Err(node.refuse(wants)) };
+    if bearing.mounting.is_none_or(|mounting| mounting.temperatures.is_none()) {
+        return Err(
+            node.refuse("a bearing with temperatures = { inner, outer }, whose difference the other ring keeps")
+        );
+    }
+    let ring = table.required("ring", "\"inner\" or \"outer\"")?;
+    let ring = ring.choice(&[("inner", Ring::Inner), ("outer", Ring::Outer)])?;
+    Ok(TemperatureChannel { column, kelvins_per_unit, zero, bearing: name.to_owned(), ring })
 }
 
 fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {

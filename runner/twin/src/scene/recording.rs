@@ -1,7 +1,6 @@
 //! The section `[recording]` of a scene: sampling, probes, sensors and the source of the shaft angle.
 
-use super::{Coordinates, units};
-use std::borrow::Cow;
+use super::{Coordinates, Ring, units};
 use std::path::PathBuf;
 
 /// `[recording]`: file, sampling and columns of a recording.
@@ -17,12 +16,14 @@ pub struct Recording {
     pub layout: FileLayout,
     /// Sampling: a rate or a column of times.
     pub clock: Clock,
-    /// Samples averaged into one before anything is computed from them.
+    /// Samples averaged into one before anything is computed from the probes; sensors keep the recording's rate.
     pub average: u32,
     /// At least one, unless there are sensors.
     pub probes: Vec<Probe>,
-    /// Vibration sensors; empty where there are probes.
+    /// Vibration sensors; at least one, unless there are probes.
     pub sensors: Vec<Sensor>,
+    /// Temperatures of bearing rings, which correct the clearance.
+    pub temperatures: Vec<TemperatureChannel>,
     /// Source of the shaft angle.
     pub rotation: RotationSource,
     /// `run_out`: path of a recording at slow roll, joined to the scene's folder, whose run-out is subtracted.
@@ -36,6 +37,21 @@ pub enum Sequence {
     Continuous,
     /// Each file is a short recording of its own.
     Snapshots,
+}
+
+/// `temperature = [{ column, unit, bearing, ring }]`: measured temperature of a ring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemperatureChannel {
+    /// Column of the recording.
+    pub column: String,
+    /// K for one unit of the column.
+    pub kelvins_per_unit: f64,
+    /// Temperature at a reading of 0, K.
+    pub zero: f64,
+    /// Name of the bearing.
+    pub bearing: String,
+    /// Ring that is measured.
+    pub ring: Ring,
 }
 
 /// Sampling: a constant rate or a column of times.
@@ -125,26 +141,6 @@ pub struct Sensor {
     pub unit: String,
     /// `bearing`: the only bearing that it measures, where given.
     pub bearing: Option<String>,
-}
-
-impl Recording {
-    /// Returns the recording with its sensors, if it has some, as probes of the reader: columns without a conversion of units.
-    pub(crate) fn with_sensors_as_probes(&self) -> Cow<'_, Self> {
-        if self.sensors.is_empty() {
-            return Cow::Borrowed(self);
-        }
-        let probe = |sensor: &Sensor| Probe {
-            column: sensor.column.clone(),
-            metres_per_unit: 1.0,
-            station: 0.0,
-            coordinates: None,
-            direction: Direction::Axial,
-            noise: None,
-            offset: 0.0,
-            sensitivity: None,
-        };
-        Cow::Owned(Self { probes: self.sensors.iter().map(probe).collect(), ..self.clone() })
-    }
 }
 
 /// Measuring direction of a probe.

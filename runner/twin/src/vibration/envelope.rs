@@ -5,12 +5,16 @@
 //! The spectrum is that of the squared envelope, `|x_a|^2` of the band's analytic signal over its mean, averaged over blocks
 //! (Welch). An amplitude of 1 is a modulation from zero to twice the mean.
 //!
+//! Where the shaft speed varies, the squared envelope is resampled at equal steps of the shaft angle (order tracking), and the
+//! frequencies of its spectrum are orders times the mean speed. The bands stay those of the structure, in Hz.
+//!
 //! The kernel's `Envelope` follows one known band sample by sample; this search needs the whole recording, from which it finds
 //! the band that the kernel's constructor takes.
 //!
 //! Sources: Randall and Antoni 2011, Rolling element bearing diagnostics - a tutorial, Mechanical Systems and Signal
 //! Processing 25; the tree of bands: Antoni 2007, Fast computation of the kurtogram, ibid. 21.
 
+use super::shaft::Revolutions;
 use crate::spectrum::WindowedTransform;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -30,6 +34,7 @@ pub struct Envelope {
     power: Vec<f64>,
     /// Bin width, Hz.
     bin: f64,
+    /// Mean speed, rev/s.
     turn_hz: f64,
 }
 
@@ -44,9 +49,20 @@ pub struct Line {
     pub frequency: f64,
 }
 
+/// Rotation of the shaft during a signal.
+#[derive(Clone, Copy)]
+pub struct Rotation<'a> {
+    /// Mean speed, rev/s.
+    pub turn_hz: f64,
+    /// Largest speed, rev/s.
+    pub fastest_hz: f64,
+    /// Revolutions over the samples; none where the speed is constant.
+    pub revolutions: Option<&'a Revolutions>,
+}
+
 /// Returns the spectra of all bands of `signal` that begin above `lowest` (Hz) and are wide enough for lines up to `highest` (Hz).
 #[must_use]
-pub fn envelopes(signal: &[f64], rate: f64, turn_hz: f64, lowest: f64, highest: f64) -> Vec<Envelope> {
+pub fn envelopes(signal: &[f64], rate: f64, rotation: Rotation<'_>, lowest: f64, highest: f64) -> Vec<Envelope> {
     let n = signal.len();
     let mut planner = FftPlanner::new();
     let mean = signal.iter().sum::<f64>() / n.max(1) as f64;
@@ -58,7 +74,7 @@ pub fn envelopes(signal: &[f64], rate: f64, turn_hz: f64, lowest: f64, highest: 
         for i in 0..parts {
             let band = [i as f64 * width, (i + 1) as f64 * width];
             if width >= highest && band[0] >= lowest {
-                all.extend(envelope(&spectrum, rate, turn_hz, band, &mut planner));
+                all.extend(envelope(&spectrum, rate, rotation, band, &mut planner));
             }
         }
     }
@@ -68,7 +84,7 @@ pub fn envelopes(signal: &[f64], rate: f64, turn_hz: f64, lowest: f64, highest: 
 fn envelope(
     spectrum: &[Complex<f64>],
     rate: f64,
-    turn_hz: f64,
+    rotation: Rotation<'_>,
     band: [f64; 2],
     planner: &mut FftPlanner<f64>,
 ) -> Option<Envelope> {
@@ -76,15 +92,21 @@ fn envelope(
     let bin_of = |f: f64| (f * n as f64 / rate).ceil() as usize;
     let inside = spectrum.get(bin_of(band[0])..bin_of(band[1]).min(n / 2))?;
     // The band is shifted to 0 Hz: the envelope stays the same and needs fewer samples.
-    let count = (2 * inside.len()).next_power_of_two();
+    // Interpolation of the envelope between its samples needs a further factor of 2.
+    let oversampling = if rotation.revolutions.is_some() { 4 } else { 2 };
+    let count = (oversampling * inside.len()).next_power_of_two();
     let mut analytic = vec![Complex::new(0.0, 0.0); count];
     for (to, from) in analytic.iter_mut().zip(inside) {
         *to = *from;
     }
     planner.plan_fft_inverse(count).process(&mut analytic);
-    let squares: Vec<f64> = analytic.iter().map(Complex::norm_sqr).collect();
-    let mean = squares.iter().sum::<f64>() / count as f64;
-    let own_rate = count as f64 / n as f64 * rate;
+    let mut squares: Vec<f64> = analytic.iter().map(Complex::norm_sqr).collect();
+    let (turn_hz, own_rate) = (rotation.turn_hz, count as f64 / n as f64 * rate);
+    if let Some(revolutions) = rotation.revolutions {
+        squares = order_tracked(&squares, n, revolutions, turn_hz / own_rate);
+    }
+    let count = squares.len();
+    let mean = squares.iter().sum::<f64>() / count.max(1) as f64;
     let length = ((BLOCK_TURNS / turn_hz * own_rate) as usize).min(count);
     if mean <= 0.0 || length < 64 {
         return None;
@@ -101,6 +123,24 @@ fn envelope(
     let weight = 4.0 / (blocks * mean * mean);
     power.iter_mut().for_each(|p| *p *= weight);
     Some(Envelope { band, power, bin: own_rate / length as f64, turn_hz })
+}
+
+/// Returns a squared envelope at steps of `step` revolutions; it spans a signal of `samples` samples.
+fn order_tracked(squares: &[f64], samples: usize, revolutions: &Revolutions, step: f64) -> Vec<f64> {
+    let per_sample = squares.len() as f64 / samples as f64;
+    revolutions
+        .positions(step, (samples - 1) as f64)
+        .map(|position| interpolated(squares, position * per_sample))
+        .collect()
+}
+
+/// Returns a value between samples by the cubic through the four nearest (Lagrange).
+fn interpolated(values: &[f64], at: f64) -> f64 {
+    let first = (at.max(0.0) as usize).saturating_sub(1).min(values.len().saturating_sub(4));
+    let Some(&[a, b, c, d]) = values.get(first..first + 4) else { return 0.0 };
+    let t = at - first as f64;
+    let [t1, t2, t3] = [t - 1.0, t - 2.0, t - 3.0];
+    -a * t1 * t2 * t3 / 6.0 + b * t * t2 * t3 / 2.0 - c * t * t1 * t3 / 2.0 + d * t * t1 * t2 / 6.0
 }
 
 impl Envelope {
@@ -159,7 +199,8 @@ mod tests {
             (1.0 + m * (TAU * 20.0 * t).cos()) * (TAU * 1337.0 * t).sin()
         };
         let signal: Vec<f64> = (0..40_000).map(wave).collect();
-        let all = envelopes(&signal, rate, 4.7, 100.0, 100.0);
+        let rotation = Rotation { turn_hz: 4.7, fastest_hz: 4.7, revolutions: None };
+        let all = envelopes(&signal, rate, rotation, 100.0, 100.0);
         let holding: Vec<&Envelope> = all.iter().filter(|e| e.band[0] < 1300.0 && e.band[1] > 1374.0).collect();
         assert!(holding.len() >= 4);
         for envelope in holding {

@@ -1,10 +1,12 @@
 //! Diagnosis from envelope spectra: the component of the bearing to which the lines belong.
 
-use super::envelope::{Envelope, Line, envelopes};
+use super::envelope::{Envelope, Line, Rotation, envelopes};
 use super::picture;
 use super::suspect::Suspect;
 use crate::baseline::{Baseline, BaselineSensor};
-use crate::outcome::{EnvelopeSpectrum, FaultFigures, FaultParameters, Finding, FindingKind};
+use crate::outcome::{
+    EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultParameters, Finding, FindingKind, VibrationLine,
+};
 use crate::scene::Sensor;
 
 /// Largest slip against pure rolling in either direction, and number of steps of its search.
@@ -25,6 +27,10 @@ const LEAST_GROWTH_DB: f64 = 6.0;
 const LOWEST: f64 = 3.0;
 /// Smallest score of a family over that of the strongest.
 const LEAST_OF_STRONGEST: f64 = 0.7;
+
+/// Components whose lines are looked for.
+const KINDS: [FindingKind; 4] =
+    [FindingKind::OuterRace, FindingKind::InnerRace, FindingKind::Element, FindingKind::Cage];
 
 /// One part of one bearing.
 #[derive(Clone, Copy)]
@@ -55,8 +61,8 @@ impl Found {
 pub struct Judge<'a> {
     /// All bearings.
     pub suspects: &'a [Suspect],
-    /// Turns of the shaft per second.
-    pub turn_hz: f64,
+    /// Rotation of the shaft.
+    pub rotation: Rotation<'a>,
     /// Samples per second.
     pub rate: f64,
     /// Baseline of the sound machine, where it is known.
@@ -82,7 +88,13 @@ impl Judge<'_> {
             let judged: Vec<(f64, Finding, [f64; 2])> = found.iter().enumerate().filter_map(judge).collect();
             let strongest = judged.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, _, band)| *band);
             let measured: Vec<&Suspect> = self.measured_by(sensor).collect();
-            drawn.extend(picture::envelope(sensor, &measured, [self.turn_hz, self.range()], &bands, strongest));
+            drawn.extend(picture::envelope(
+                sensor,
+                &measured,
+                [self.rotation.turn_hz, self.range()],
+                &bands,
+                strongest,
+            ));
             findings.extend(judged.into_iter().map(|(score, finding, _)| (score, finding)));
         }
         findings.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -98,30 +110,38 @@ impl Judge<'_> {
     }
 
     fn families(&self) -> Vec<Family> {
-        let of = |(bearing, s): (usize, &Suspect)| {
-            let o = s.orders;
-            [
-                Family { kind: FindingKind::OuterRace, bearing, order: o.outer_race },
-                Family { kind: FindingKind::InnerRace, bearing, order: o.inner_race },
-                // A defect of a ball strikes both races in one revolution of the ball.
-                Family { kind: FindingKind::Element, bearing, order: 2.0 * o.ball_spin },
-                Family { kind: FindingKind::Cage, bearing, order: o.cage },
-            ]
-        };
+        let of = |(bearing, s): (usize, &Suspect)| KINDS.map(|kind| Family { kind, bearing, order: s.order(kind) });
         self.suspects.iter().enumerate().flat_map(of).collect()
     }
 
     /// Envelopes of all bands that are high and wide enough.
     fn bands(&self, signal: &[f64]) -> Vec<Envelope> {
-        let highest = self.families().iter().map(|f| f.order).fold(0.0, f64::max) * self.turn_hz;
-        envelopes(signal, self.rate, self.turn_hz, LOWEST * highest, self.range())
+        let fastest = self.rotation.fastest_hz;
+        let (lowest, highest) = (LOWEST * self.highest_order(), self.highest_line());
+        envelopes(signal, self.rate, self.rotation, lowest * fastest, highest * fastest)
     }
 
     /// Up to here lines are looked for, Hz.
     #[must_use]
     pub fn range(&self) -> f64 {
-        let highest = self.families().iter().map(|f| f.order).fold(0.0, f64::max) * self.turn_hz;
-        (HARMONICS as f64 + 0.5) * highest
+        self.highest_line() * self.rotation.turn_hz
+    }
+
+    /// Returns the highest order of a line that is looked for, harmonics included.
+    #[must_use]
+    pub fn highest_line(&self) -> f64 {
+        (HARMONICS as f64 + 0.5) * self.highest_order()
+    }
+
+    fn highest_order(&self) -> f64 {
+        self.families().iter().map(|f| f.order).fold(0.0, f64::max)
+    }
+
+    /// Returns the smallest sampling rate that has a band with lines, Hz.
+    #[must_use]
+    pub fn least_rate(&self) -> f64 {
+        // The upper half of the range up to Nyquist is the band that needs the least rate.
+        4.0 * self.highest_line() * self.rotation.fastest_hz
     }
 
     /// Bearings that a sensor listens to.
@@ -140,7 +160,7 @@ impl Judge<'_> {
         let found = all.iter().flat_map(|envelope| {
             (-SLIP_STEPS..=SLIP_STEPS).filter_map(move |i| {
                 let slip = SLIP * f64::from(i) / f64::from(SLIP_STEPS);
-                let frequency = family.order * self.turn_hz * (1.0 + slip);
+                let frequency = family.order * self.rotation.turn_hz * (1.0 + slip);
                 let mut lines = [Line::default(); HARMONICS];
                 for (k, line) in lines.iter_mut().enumerate() {
                     *line = envelope.line((k + 1) as f64 * frequency)?;
@@ -161,11 +181,13 @@ impl Judge<'_> {
         if !stands_out || growth.is_some_and(|g| g < LEAST_GROWTH_DB) {
             return None;
         }
-        let order = found.frequency() / self.turn_hz;
+        let order = found.frequency() / self.rotation.turn_hz;
         let bearing = self.suspects[found.family.bearing].name.clone();
-        // Bearings of the same shape have the same lines.
-        let alike = |s: &&Suspect| self.suspects.len() > 1 && sensor.bearing.is_none() && s.name != bearing;
-        let others: Vec<&str> = self.suspects.iter().filter(alike).map(|s| s.name.as_str()).collect();
+        let is_not_excluded = |s: &&Suspect| {
+            let is_same_line = (order / s.order(found.family.kind) - 1.0).abs() <= SLIP;
+            sensor.bearing.is_none() && s.name != bearing && is_same_line
+        };
+        let others: Vec<String> = self.suspects.iter().filter(is_not_excluded).map(|s| s.name.clone()).collect();
         let level_db = growth.unwrap_or(line.level_db);
         let over = if growth.is_some() { "the baseline" } else { "what is around it" };
         let sentence = format!(
@@ -192,6 +214,16 @@ impl Judge<'_> {
             order,
             level_db,
             confidence,
+            evidence: vec![EvidenceSource::Vibration],
+            vibration: Some(VibrationLine {
+                sensor: sensor.column.clone(),
+                band_hz: found.band,
+                line_hz: found.frequency(),
+                order,
+                modulation: line.modulation,
+                level_db,
+                not_excluded: others,
+            }),
             sentence,
             parameters: FaultParameters::default(),
             figures: FaultFigures::default(),

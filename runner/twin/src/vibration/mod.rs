@@ -1,84 +1,74 @@
-//! Recordings of vibration (housing acceleration, velocity or force), without a twin. Damage is diagnosed from the lines of
-//! envelope spectra.
+//! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by the lines of envelope
+//! spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the findings of both are joined.
 
 mod envelope;
+pub mod join;
 mod judge;
 mod picture;
+mod shaft;
+pub mod signals;
 mod suspect;
 #[cfg(test)]
+#[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 mod tests;
 
 use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
 use crate::outcome::{Outcome, Pictures, Record, RotorDrawing, Timing};
-use crate::recording::Reader;
-use crate::recording::Row;
-use crate::scene::{Recording, RotationSource, Scene, Sensor, Speed, build};
-use ballrace::Exact;
-use ballrace::twin::{BlockStatistics, Statistics};
-use judge::Judge;
-use std::f64::consts::TAU;
-use std::path::Path;
+use crate::plausibility::{Collector, Evidence, implausible};
+use crate::recording::flaws::FlawSummary;
+use crate::recording::rotation::{RotationError, Tracker};
+use crate::recording::{Reader, Row};
+use crate::replay::Options;
+use crate::replay::verdict::verdict;
+use crate::scene::{Recording, Scene, Sensor, build};
+use signals::{LEAST_TURNS, Signals};
 use std::time::Instant;
 use suspect::Suspect;
 
-/// Smallest number of revolutions for a verdict.
-const LEAST_TURNS: f64 = 16.0;
-/// Largest number of samples, which need half a gigabyte of memory.
-const MOST_SAMPLES: u64 = 1 << 26;
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
 
-/// Recording of one sensor.
-struct SensorSignal {
-    sensor: Sensor,
-    signal: Vec<f64>,
-}
-
-/// Replays `recording`, that of `scene`'s sensors.
+/// Checks that every sensor measures a bearing of the scene.
 ///
 /// # Errors
-/// A speed that is not constant, a recording that is too short or cannot be read.
+/// A sensor of another bearing.
+pub fn check_bearings(scene: &Scene, recording: &Recording) -> Result<(), VibrationError> {
+    let unknown = |s: &&Sensor| s.bearing.as_ref().is_some_and(|name| scene.bearings.iter().all(|b| b.name != *name));
+    let Some(sensor) = recording.sensors.iter().find(unknown) else { return Ok(()) };
+    let (sensor, found) = (sensor.column.clone(), sensor.bearing.clone().unwrap_or_default());
+    Err(VibrationError::Bearing { file: scene.path.clone(), sensor, found })
+}
+
+/// Replays `recording`, that of `scene`'s sensors, which has no probes.
+///
+/// # Errors
+/// A shaft angle that cannot be determined, a recording that is too short or cannot be read.
 pub fn replay(
     scene: &Scene,
     recording: &Recording,
     mut reader: Reader,
     name: &str,
-    baseline: Option<&Path>,
+    options: &Options,
     progress: Option<&(dyn Fn(u64, Option<u64>) + Sync)>,
 ) -> Result<Outcome> {
-    let (Speed::Constant(speed), RotationSource::Scene) = (scene.shaft.speed, &recording.rotation) else {
-        return Err(VibrationError::Speed { file: scene.path.clone() }.into());
-    };
     if !scene.limits.is_empty() {
         return Err(VibrationError::Limits { file: scene.path.clone() }.into());
     }
-    let unknown = |s: &&Sensor| s.bearing.as_ref().is_some_and(|name| scene.bearings.iter().all(|b| b.name != *name));
-    if let Some(sensor) = recording.sensors.iter().find(unknown) {
-        let (sensor, found) = (sensor.column.clone(), sensor.bearing.clone().unwrap_or_default());
-        return Err(VibrationError::Bearing { file: scene.path.clone(), sensor, found }.into());
-    }
-    let (turn_hz, rate) = (speed.abs() / TAU, reader.rate());
+    check_bearings(scene, recording)?;
+    let rate = reader.rate();
     let begun = Instant::now();
-    let mut signals: Vec<SensorSignal> =
-        recording.sensors.iter().map(|sensor| SensorSignal { sensor: sensor.clone(), signal: vec![] }).collect();
-    let mut row = Row { probes: vec![f64::NAN; signals.len()], ..Row::default() };
+    let Some(mut signals) = Signals::new(recording, rate) else {
+        return Err(VibrationError::TooShort { recording: name.to_owned(), found: 0.0, least: LEAST_TURNS }.into());
+    };
+    let mut angle = Angle::new(scene, recording, rate);
+    let mut row = angle.tracker.blank();
     let mut rows = 0;
-    let mut is_complete = true;
-    while reader.next_row(&mut row)? {
-        // A gap in the time stamps counts too, because its samples are stored.
-        if row.index >= MOST_SAMPLES {
-            is_complete = false;
-            break;
-        }
-        for (one, &x) in signals.iter_mut().zip(&row.probes) {
-            // A missing reading repeats the last one, which disturbs the spectrum less than a zero.
-            let last = one.signal.last().copied().unwrap_or(0.0);
-            let until = row.index as usize;
-            one.signal.resize(until.max(one.signal.len()), last);
-            one.signal.push(if x.is_finite() { x } else { last });
-        }
+    while reader.next_row(&mut row)? && signals.add(&row) {
+        angle.collected.add_row(&row);
         rows += 1;
+        let next = angle.tracker.blank();
+        angle.push(std::mem::replace(&mut row, next), &mut signals);
         if rows % PROGRESS_ROWS == 0
             && let Some(progress) = progress
         {
@@ -86,41 +76,50 @@ pub fn replay(
             progress(read, total);
         }
     }
-    let samples = signals.first().map_or(0, |s| s.signal.len());
-    let turns = samples as f64 / rate * turn_hz;
-    if turns < LEAST_TURNS {
-        return Err(VibrationError::TooShort { recording: name.to_owned(), found: turns, least: LEAST_TURNS }.into());
-    }
+    let (angle_source, collected, mut flaws) = angle.finish(&mut signals)?;
+    flaws.extend(reader.flaws().summary());
+    let samples = signals.samples();
     let suspects = suspects(scene)?;
-    let baseline = baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
-    let judge = Judge { suspects: &suspects, turn_hz, rate, baseline: baseline.as_ref() };
-    let (findings, learned, envelopes) = judge.all(signals.iter().map(|s| (&s.sensor, s.signal.as_slice())));
-    let verdict = findings.first().map_or_else(
-        || "No line of a bearing stands out of the envelope of any band.".to_owned(),
-        |f| f.sentence.clone(),
-    );
-    let rpm = turn_hz * 60.0;
+    let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
+    let found = signals.evaluate(scene, baseline.as_ref())?;
+    if found.turns < LEAST_TURNS {
+        return Err(
+            VibrationError::TooShort { recording: name.to_owned(), found: found.turns, least: LEAST_TURNS }.into()
+        );
+    }
+    let collected = &collected;
+    let mut implausible =
+        implausible(&Evidence { scene, rate_hz: rate, collected, limits: None, rotation: None, samples: &[] });
+    let overridden = if options.force_diagnosis { std::mem::take(&mut implausible) } else { vec![] };
+    let findings = if implausible.is_empty() { found.findings } else { vec![] };
+    let verdict = match (implausible.is_empty(), &found.not_judged) {
+        (false, _) => verdict(&[], &[], &implausible, &[], 0),
+        (true, Some(reason)) => format!("No verdict: {reason}."),
+        (true, None) => findings.first().map_or_else(
+            || "No line of a bearing stands out of the envelope of any band.".to_owned(),
+            |f| f.sentence.clone(),
+        ),
+    };
+    let [least, mean, greatest] = found.speeds_hz.map(|hz| hz * 60.0);
     let record = Record {
         samples: rows,
         compared: rows,
         rate_hz: rate,
         duration_s: samples as f64 / rate,
-        turns,
-        mean_speed_rpm: rpm,
-        min_speed_rpm: rpm,
-        max_speed_rpm: rpm,
-        angle_source: "the scene's shaft speed".to_owned(),
+        turns: found.turns,
+        mean_speed_rpm: mean,
+        min_speed_rpm: least,
+        max_speed_rpm: greatest,
+        angle_source,
         ..Record::default()
     };
     let mut notes = vec![
         "Vibration without a twin: forces and displacements are not computed, damage is diagnosed from envelope spectra."
             .to_owned(),
     ];
-    notes.extend(signals.iter().map(|s| statistics_note(&s.sensor, &s.signal)));
+    notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
+    notes.extend(found.notes);
     notes.extend(reader.notes());
-    if !is_complete {
-        notes.push(format!("Only the first {MOST_SAMPLES} samples were looked at."));
-    }
     let mut timing = Timing { samples: rows, ..Timing::default() };
     timing.wall_s = begun.elapsed().as_secs_f64();
     timing.times_real_time = record.duration_s / timing.wall_s.max(1e-9);
@@ -133,13 +132,72 @@ pub fn replay(
         record,
         bearings: suspects.iter().map(Suspect::outcome).collect(),
         timing,
+        implausible,
+        not_judged: found.not_judged.into_iter().collect(),
         findings,
-        flaws: reader.flaws().summary(),
+        flaws,
         notes,
-        learned: Baseline::of_sensors(&scene.name, name, learned),
-        pictures: Pictures { envelopes, rotor: RotorDrawing::new(scene), ..Pictures::default() },
+        learned: Baseline::of_sensors(&scene.name, name, found.learned),
+        pictures: Pictures { envelopes: found.envelopes, rotor: RotorDrawing::new(scene), ..Pictures::default() },
         ..Outcome::default()
     })
+}
+
+/// Shaft angle of the rows.
+struct Angle<'a> {
+    scene: &'a Scene,
+    recording: &'a Recording,
+    rate: f64,
+    tracker: Tracker,
+    collected: Collector,
+    flaws: Vec<FlawSummary>,
+    /// Last interruption.
+    error: Option<RotationError>,
+    has_angle: bool,
+}
+
+impl<'a> Angle<'a> {
+    fn new(scene: &'a Scene, recording: &'a Recording, rate: f64) -> Self {
+        let tracker = Tracker::of(recording, rate, scene.shaft.speed);
+        let collected = Collector::new(recording, scene.shaft.speed);
+        Self { scene, recording, rate, tracker, collected, flaws: vec![], error: None, has_angle: false }
+    }
+
+    fn push(&mut self, row: Row, signals: &mut Signals) {
+        let pushed = self.tracker.push(row);
+        self.drain(signals);
+        if let Err(error) = pushed {
+            self.error = Some(error);
+            self.flaws.extend(self.tracker.flaws().summary());
+            self.tracker = Tracker::of(self.recording, self.rate, self.scene.shaft.speed);
+            signals.interrupt();
+        }
+    }
+
+    fn drain(&mut self, signals: &mut Signals) {
+        while let Some(sample) = self.tracker.pop() {
+            self.has_angle = true;
+            self.collected.add_sample(&sample);
+            signals.add_angle(&sample);
+            self.tracker.recycle(sample.row);
+        }
+    }
+
+    /// Returns the source of the angle in words, the figures of readings and speed, and the flaws.
+    ///
+    /// # Errors
+    /// No sample with an angle.
+    fn finish(mut self, signals: &mut Signals) -> Result<(String, Collector, Vec<FlawSummary>)> {
+        let finished = self.tracker.finish();
+        self.drain(signals);
+        if !self.has_angle
+            && let Some(error) = finished.err().or(self.error)
+        {
+            return Err(error.into());
+        }
+        self.flaws.extend(self.tracker.flaws().summary());
+        Ok((self.tracker.source(), self.collected, self.flaws))
+    }
 }
 
 fn suspects(scene: &Scene) -> Result<Vec<Suspect>> {
@@ -153,19 +211,4 @@ fn suspects(scene: &Scene) -> Result<Vec<Suspect>> {
         })
     };
     scene.bearings.iter().map(suspect).collect()
-}
-
-/// Returns the statistics of a signal as a note of the report.
-fn statistics_note(sensor: &Sensor, signal: &[f64]) -> String {
-    let mut statistics = Statistics::<f64>::new(u32::MAX);
-    for &x in signal {
-        statistics.add::<Exact>(x);
-    }
-    let BlockStatistics { rms, crest_factor, kurtosis, .. } = statistics.close::<Exact>();
-    format!(
-        "{}: {rms:.4} {unit} rms, peak {peak:.4} {unit}, crest factor {crest_factor:.2}, kurtosis {kurtosis:.2} (3 is noise).",
-        sensor.column,
-        peak = crest_factor * rms,
-        unit = sensor.unit
-    )
 }

@@ -1,11 +1,17 @@
 //! Blows of known origin in noise, and what is no blow.
 
+use super::envelope::Rotation;
 use super::judge::Judge;
+use super::signals::{Evaluation, Signals};
 use super::suspect::Suspect;
-use crate::outcome::{EnvelopeSpectrum, FindingKind};
-use crate::scene::Sensor;
+use crate::outcome::{EnvelopeSpectrum, EvidenceSource, FindingKind};
+use crate::recording::{Row, Sample};
+use crate::scene::read::read_str;
+use crate::scene::{Recording, Sensor};
+use ballrace::Phase;
 use ballrace::bearing::kinematics::{Orders, orders};
 use std::f64::consts::TAU;
+use std::path::Path;
 
 const RATE: f64 = 20_000.0;
 const TURN_HZ: f64 = 24.7;
@@ -46,7 +52,8 @@ fn suspect() -> Suspect {
 fn judged(signal: &[f64]) -> (Vec<(FindingKind, f64)>, Vec<EnvelopeSpectrum>) {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
     let suspects = [suspect()];
-    let judge = Judge { suspects: &suspects, turn_hz: TURN_HZ, rate: RATE, baseline: None };
+    let rotation = Rotation { turn_hz: TURN_HZ, fastest_hz: TURN_HZ, revolutions: None };
+    let judge = Judge { suspects: &suspects, rotation, rate: RATE, baseline: None };
     let (findings, _, drawn) = judge.all(std::iter::once((&sensor, signal)));
     (findings.iter().map(|f| (f.kind, f.order)).collect(), drawn)
 }
@@ -99,4 +106,89 @@ fn the_band_that_is_drawn_shows_the_line() {
     assert!(envelope.lines.iter().any(|line| line.label == "DE outer" && (line.hz - order * TURN_HZ).abs() < 1e-9));
     let (_, sound) = judged(&blows(1.0, 3000.0, 0.0, 0.0, 1));
     assert!(sound.len() == 1 && sound[0].reason.starts_with("the most impulsive band"));
+}
+
+/// A scene of one bearing with two sensors.
+const SCENE: &str = "[shaft]\nspeed = \"1500 rpm\"\n[[bearing]]\nname = \"DE\"\nstation = \"0 mm\"\nfacing = \"both\"\n\
+    model = \"angular\"\nelements = 9\nball_diameter = \"7.94 mm\"\npitch_diameter = \"39.04 mm\"\ninner_conformity = 0.52\n\
+    outer_conformity = 0.52\ncontact_angle = \"0 deg\"\n[recording]\nfile = \"r.csv\"\nrate = \"20 kHz\"\n\
+    sensors = [{ column = \"a\", unit = \"g\" }, { column = \"b\", unit = \"g\" }]\n\
+    keyphasor = { column = \"k\", pulses_per_turn = 1 }\n";
+
+/// Impacts `order` times a turn in noise at a shaft angle of `turned(t)` revolutions.
+fn impacts_of(order: f64, turned: impl Fn(f64) -> f64, seed: u64) -> Vec<f64> {
+    let mut noise = noise(seed);
+    let mut signal: Vec<f64> = (0..SAMPLES).map(|_| 0.3 * noise()).collect();
+    let mut next = 0.5;
+    for first in 0..SAMPLES {
+        if order * turned(first as f64 / RATE) < next {
+            continue;
+        }
+        next += 1.0;
+        for (i, x) in signal.iter_mut().enumerate().skip(first).take(200) {
+            let t = (i - first) as f64 / RATE;
+            *x += 3.0 * (-900.0 * t).exp() * (TAU * 4100.0 * t).sin();
+        }
+    }
+    signal
+}
+
+/// Evaluates impacts at `order` at the first sensor, and noise at the second.
+fn evaluated(order: f64, average: u32, turned: impl Fn(f64) -> f64) -> Evaluation {
+    let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
+    let recording = Recording { average, ..scene.recording.clone().unwrap() };
+    let mut signals = Signals::new(&recording, RATE).unwrap();
+    let (damaged, sound) = (impacts_of(order, &turned, 3), impacts_of(1.0, |_| 0.0, 4));
+    for (index, (a, b)) in damaged.iter().zip(&sound).enumerate() {
+        assert!(signals.add(&Row { index: index as u64, sensors: vec![*a, *b], ..Row::default() }));
+    }
+    for index in 0..(SAMPLES / average as usize) as u64 {
+        let time = (index as f64 * f64::from(average) + 0.5 * f64::from(average - 1)) / RATE;
+        let revolutions = turned(time);
+        let speed = TAU * (turned(time + 5e-5) - turned(time - 5e-5)) / 1e-4;
+        signals.add_angle(&Sample {
+            row: Row { index, time, ..Row::default() },
+            angle: Phase::from_revolutions(revolutions),
+            revolution: revolutions.floor() as i64,
+            speed,
+            ..Sample::default()
+        });
+    }
+    signals.evaluate(&scene, None).unwrap()
+}
+
+#[test]
+fn orders_are_tracked_while_the_speed_rises() {
+    let order = suspect().orders.outer_race;
+    for average in [1, 8] {
+        // 22 to 31 rev/s within 3 s: the line smears over 32 Hz and its third multiple over 96 Hz.
+        let found = evaluated(order, average, |t| 22.0 * t + 1.5 * t * t);
+        assert_eq!(found.not_judged, None);
+        let [finding] = &found.findings[..] else { panic!("{:?}", found.findings) };
+        assert_eq!((finding.kind, finding.bearing.as_deref()), (FindingKind::OuterRace, Some("DE")));
+        assert!((finding.order / order - 1.0).abs() < 0.005, "{}", finding.order);
+        assert_eq!(finding.evidence, [EvidenceSource::Vibration]);
+        assert_eq!(finding.vibration.as_ref().unwrap().sensor, "a");
+        assert!((found.speeds_hz[1] - 26.5).abs() < 0.01, "{:?}", found.speeds_hz);
+        assert!(found.notes.iter().any(|note| note.contains("equal steps of the shaft angle")), "{:?}", found.notes);
+        assert_eq!(found.envelopes.len(), 2);
+    }
+}
+
+#[test]
+fn a_measured_constant_speed_is_not_resampled() {
+    let found = evaluated(suspect().orders.inner_race, 1, |t| 24.7 * t);
+    assert!(matches!(&found.findings[..], [f] if f.kind == FindingKind::InnerRace), "{:?}", found.findings);
+    assert!(!found.notes.iter().any(|note| note.contains("equal steps")));
+}
+
+#[test]
+fn speeds_that_have_no_verdict() {
+    let order = suspect().orders.outer_race;
+    let reason = |turned: fn(f64) -> f64| evaluated(order, 1, turned).not_judged.unwrap();
+    let varying = reason(|t| 20.0 * t + 3.0 * t * t);
+    assert_eq!(varying, "the shaft speed varies from 1209 to 2275 rpm, expected a ratio of 1.5 or less");
+    assert_eq!(reason(|t| 4.0 * t), "12.0 revolutions of the shaft, expected 16 or more");
+    let fast = reason(|t| 700.0 * t);
+    assert!(fast.starts_with("the rate of 20000 Hz has no band with the lines of the bearings, expected"), "{fast}");
 }

@@ -28,6 +28,7 @@ fn recording(clock: Clock) -> Recording {
         further_files: vec![],
         sequence: None,
         layout: FileLayout::default(),
+        temperatures: vec![],
     }
 }
 
@@ -289,6 +290,7 @@ fn rig_recordings_are_flawless() {
             average: 1,
             sensors: vec![],
             layout: FileLayout::default(),
+            temperatures: vec![],
             probes,
             rotation,
             run_out: None,

@@ -18,7 +18,7 @@ fn keyphasor(pulses_per_turn: u32) -> RotationSource {
 }
 
 fn row(index: u64, rotation: f64) -> Row {
-    Row { index, line: index + 2, time: index as f64 / RATE, probes: vec![], rotation }
+    Row { index, line: index + 2, time: index as f64 / RATE, rotation, ..Row::default() }
 }
 
 /// 1 in each sample in which `pulses` passes a whole number, as if it had been just below before.
@@ -429,6 +429,7 @@ fn rig_recordings() {
             average: 1,
             sensors: vec![],
             layout: FileLayout::default(),
+            temperatures: vec![],
             probes: vec![],
             rotation: rotation.clone(),
             run_out: None,

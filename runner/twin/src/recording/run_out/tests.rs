@@ -8,6 +8,7 @@ const RATE: f64 = 6400.0;
 fn recording() -> Recording {
     Recording {
         layout: FileLayout::default(),
+        temperatures: vec![],
         average: 1,
         file: "slow.csv".into(),
         clock: Clock::Rate(RATE),
@@ -136,7 +137,7 @@ fn the_tracker_subtracts_it() {
         for (i, ((x, y), key)) in columns[0].iter().zip(&columns[1]).zip(&columns[2]).enumerate() {
             let (index, time) = (i as u64, i as f64 / RATE);
             let probes = vec![*x, *y];
-            tracker.push(Row { index, line: index, time, probes, rotation: *key }).unwrap();
+            tracker.push(Row { index, line: index, time, probes, rotation: *key, ..Row::default() }).unwrap();
             take(&mut tracker);
         }
         tracker.finish().unwrap();

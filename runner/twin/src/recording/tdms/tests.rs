@@ -138,6 +138,7 @@ fn what_contradicts_the_scene_is_refused() {
     other.probes[0] = probe("G/x", 1e-6);
     assert_eq!(error(&file, &other), ": column G/x: unit differs from the scene's: `m`, expected `um` or no unit");
     // A sensor's unit is not a probe's.
+    other.probes.clear();
     other.sensors = vec![Sensor { column: "G/x".into(), unit: "m/s^2".into(), bearing: None }];
     assert!(error(&file, &other).contains("unit differs from the scene's: `m`, expected `m/s^2`"));
     other = recording(&["G/x"]);

@@ -9,7 +9,7 @@ use super::super::{
     Surface, Wave,
 };
 
-const KEYS: [&str; 40] = [
+const KEYS: [&str; 44] = [
     "name",
     "bearing",
     "station",
@@ -50,6 +50,10 @@ const KEYS: [&str; 40] = [
     "solver_steps",
     "coordinates",
     "housing_coordinates",
+    "fit",
+    "temperatures",
+    "inner_raceway_diameter",
+    "outer_raceway_diameter",
 ];
 
 /// Any of these starts a geometry, which then needs the first four and one of the next two.
@@ -139,6 +143,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         law,
         linear,
         catalogue: None,
+        mounting: None,
     })
 }
 

@@ -5,6 +5,8 @@ use super::*;
 
 /// Each `[[bearing]]`.
 mod bearing;
+/// Fits and temperatures.
+mod mounting;
 
 /// The example of the scene format with the keys that this version has.
 const SPINDLE: &str = r#"name = "spindle"
