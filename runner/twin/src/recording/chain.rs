@@ -52,8 +52,19 @@ pub(super) fn open(files: Files, layout: FileLayout) -> Result<(Chain, Option<u6
     let first = files.paths.first().map(PathBuf::as_path).unwrap_or(Path::new(""));
     let (table, comparable) = open_table(first, layout)?;
     let (columns, notes) = (table.columns().to_vec(), files.notes.clone());
-    let chain =
-        Chain { files, layout, at: 0, table, columns, selected: vec![], number: None, time: None, rows: 0, bytes: 0, notes };
+    let chain = Chain {
+        files,
+        layout,
+        at: 0,
+        table,
+        columns,
+        selected: vec![],
+        number: None,
+        time: None,
+        rows: 0,
+        bytes: 0,
+        notes,
+    };
     Ok((chain, comparable.and(size)))
 }
 

@@ -170,7 +170,8 @@ fn split(text: &str, digits: bool) -> (&str, &str) {
 #[must_use]
 pub fn time_in_name(path: &Path) -> Option<Time> {
     let name = path.file_name()?.to_string_lossy().into_owned();
-    let groups: Vec<&str> = name.split(|letter: char| !letter.is_ascii_digit()).filter(|group| !group.is_empty()).collect();
+    let groups: Vec<&str> =
+        name.split(|letter: char| !letter.is_ascii_digit()).filter(|group| !group.is_empty()).collect();
     (0..groups.len()).find_map(|first| {
         let mut parts: Vec<String> = vec![];
         for group in groups.get(first..)? {

@@ -11,8 +11,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::Row;
-use super::clock::{Grid, LEARN, StampPosition};
 use super::chain;
+use super::clock::{Grid, LEARN, StampPosition};
 use super::csv;
 use super::error::{RecordingError, listed, nearest};
 use super::files::Files;

@@ -22,8 +22,8 @@ pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
     Allowed, Bearing, Clock, Direction, FileLayout, Indicator, Integration, KeyphasorSignal, Limit, Method, Observer,
-    Orientation, Probe, PulseDetection, Recording, Ring, RotationSource, Scene, Sensor, Sequence, Shaft, Slope, Speed, System,
-    SystemUnbalance, TemperatureChannel,
+    Orientation, Probe, PulseDetection, Recording, Ring, RotationSource, Scene, Sensor, Sequence, Shaft, Slope, Speed,
+    System, SystemUnbalance, TemperatureChannel,
 };
 use catalogue::Expansion;
 

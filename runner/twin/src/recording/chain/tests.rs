@@ -76,7 +76,10 @@ fn files_that_do_not_agree() {
         "3.csv:3: column x: invalid value: `six`, expected a number, or NaN or nothing where the reading is missing"
     );
     assert!(error(&[good, ("2.csv", "x,y\n5,6\n"), ("3.csv", "x,y\ninf,7\n")], &continuous()).starts_with("3.csv:2: "));
-    assert_eq!(error(&[good, ("2.csv", "x,y\n")], &continuous()), "2.csv: no row below the header, expected a row for each sample");
+    assert_eq!(
+        error(&[good, ("2.csv", "x,y\n")], &continuous()),
+        "2.csv: no row below the header, expected a row for each sample"
+    );
     let timed_rows = "t,x\n0.001,1\n0.002,1\n0.003,1\n";
     assert_eq!(
         error(&[("1.csv", timed_rows), ("2.csv", timed_rows)], &timed()),

@@ -75,7 +75,10 @@ fn date(cell: &[u8]) -> Option<TimeOrigin> {
     }
     let fraction = digits(fraction)? * 10_i64.pow(9 - fraction.len() as u32);
     let seconds = days(year, month, day) * 86_400 + hour * 3600 + minute * 60 + second - offset(zone)?;
-    Some(TimeOrigin { nanoseconds: i128::from(seconds) * 1_000_000_000 + i128::from(fraction), has_zone: !zone.is_empty() })
+    Some(TimeOrigin {
+        nanoseconds: i128::from(seconds) * 1_000_000_000 + i128::from(fraction),
+        has_zone: !zone.is_empty(),
+    })
 }
 
 fn digits(text: &str) -> Option<i64> {

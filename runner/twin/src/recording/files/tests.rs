@@ -46,7 +46,10 @@ fn names_of_dates_have_no_ending() {
 fn folders_that_cannot_be_read() {
     let error = |names: &[&str]| of(folder(names).path()).unwrap_err().to_string();
     assert!(error(&[]).ends_with(": empty folder, expected files of a recording"));
-    assert!(error(&["a.md", ".b.csv"]).ends_with(": folder without a recording: 2 other files, expected files of a recording"));
+    assert!(
+        error(&["a.md", ".b.csv"])
+            .ends_with(": folder without a recording: 2 other files, expected files of a recording")
+    );
     let two = folder(&["a1.csv", "a2.csv"]);
     let absent = Files::of(two.path(), &recording(&["x"])).unwrap_err();
     assert!(absent.is_scene_fault());
