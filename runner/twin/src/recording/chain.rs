@@ -8,7 +8,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::error::{RecordingError, listed};
-use super::files::Files;
+use super::files::{Files, shown};
 use super::table::{self, Cells, Table, TimeOrigin};
 use crate::scene::FileLayout;
 
@@ -118,10 +118,10 @@ impl Chain {
     fn check(&self, next: &mut dyn Table) -> Result<(), RecordingError> {
         let differs = |subject, found: String, expected: String| RecordingError::Differs {
             file: self.path(self.at + 1),
-            first: self.path(0),
+            first: shown(&self.path(0)).into(),
             subject,
-            found,
-            expected,
+            found: found.into(),
+            expected: expected.into(),
         };
         if next.columns() != self.columns {
             return Err(differs("columns", listed(next.columns()), listed(&self.columns)));
@@ -160,7 +160,7 @@ impl Chain {
 
     /// Sets the time stamp of a row from the first row of the first file.
     fn set_stamp(&mut self, cells: &mut Cells) -> Result<(), RecordingError> {
-        let (file, first) = (self.path(self.at), self.path(0));
+        let (file, first) = (self.path(self.at), shown(&self.path(0)).into());
         let before = self.path(self.at.saturating_sub(1));
         let origin = self.table.time_origin();
         let (Some(time), Some(stamp)) = (&mut self.time, cells.values.first_mut()) else { return Ok(()) };
@@ -175,7 +175,7 @@ impl Chain {
             };
             let of_first = *time.origin.get_or_insert(origin);
             if form(origin) != form(of_first) {
-                let (found, expected) = (form(origin).to_owned(), form(of_first).to_owned());
+                let (found, expected) = (form(origin).into(), form(of_first).into());
                 return Err(RecordingError::Differs { file, first, subject: "time stamps", found, expected });
             }
             if let (Some(own), Some(of_first)) = (origin, of_first) {

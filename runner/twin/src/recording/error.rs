@@ -51,14 +51,14 @@ pub enum RecordingError {
     Differs {
         /// The file.
         file: PathBuf,
-        /// The first file.
-        first: PathBuf,
+        /// Name of the first file.
+        first: Box<str>,
         /// Property in which they differ.
         subject: &'static str,
         /// Found in the file.
-        found: String,
+        found: Box<str>,
         /// Found in the first file.
-        expected: String,
+        expected: Box<str>,
     },
     /// The time stamps of a continuous recording go back from one file to the next.
     #[error(

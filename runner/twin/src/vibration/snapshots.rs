@@ -55,9 +55,18 @@ pub fn replay(
     let baseline = baseline.as_ref().filter(|baseline| !baseline.sensors.is_empty());
     let judge = Judge { suspects: &suspects, rotation, rate, baseline };
     let mut evaluation = Evaluation::new(&judge, recording, first.files().paths.len());
+    // Files of another layout may be the last of the folder: the tenths are those of the readable files.
+    let mut readable = vec![];
     for (i, path) in first.files().paths.iter().enumerate() {
-        if let Err(reason) = evaluation.add(i, path, rate) {
-            evaluation.left_out.push((shown(path), reason));
+        match Reader::open_file(path, recording) {
+            Ok(_) => readable.push((i, path)),
+            Err(error) => evaluation.left_out.push((i, shown(path), reason(path, &error))),
+        }
+    }
+    evaluation.readable = readable.len();
+    for (position, (i, path)) in readable.into_iter().enumerate() {
+        if let Err(reason) = evaluation.add(i, position, path, rate) {
+            evaluation.left_out.push((i, shown(path), reason));
         }
         if let Some(progress) = progress {
             progress(i as u64 + 1, Some(first.files().paths.len() as u64));
@@ -74,16 +83,26 @@ pub fn replay(
     Ok(outcome)
 }
 
+/// An indicator of a sensor: its name and its value in a snapshot.
+type Indicator = (&'static str, fn(&SnapshotFigures) -> f64);
+
+/// Statistics with a trend.
+const STATISTICS: [Indicator; 4] =
+    [("rms", |f| f.rms), ("peak", |f| f.peak), ("crest-factor", |f| f.crest_factor), ("kurtosis", |f| f.kurtosis)];
+
 /// Evaluation of the snapshots so far. Signals are held for one snapshot only.
 struct Evaluation<'a> {
     judge: &'a Judge<'a>,
     recording: &'a Recording,
     /// Number of files.
     files: usize,
+    /// Number of files that can be opened.
+    readable: usize,
     /// Samples of each snapshot that are evaluated: those of the first.
     samples: Option<usize>,
     snapshots: Vec<SnapshotOutcome>,
-    left_out: Vec<(String, String)>,
+    /// Number of the file, its name, reason.
+    left_out: Vec<(usize, String, String)>,
     /// First snapshot with flaws, its first flaw, and the number of such snapshots.
     flaws: Option<(String, String, usize)>,
     /// Snapshots of the open group.
@@ -104,6 +123,7 @@ impl<'a> Evaluation<'a> {
             judge,
             recording,
             files,
+            readable: files,
             samples: None,
             snapshots: vec![],
             left_out: vec![],
@@ -127,8 +147,8 @@ impl<'a> Evaluation<'a> {
         (LEAST_TURNS / self.turns()).ceil().clamp(1.0, 1e9) as usize
     }
 
-    /// Adds the snapshot of file `i`; the error is the reason why it is left out.
-    fn add(&mut self, i: usize, path: &Path, rate: f64) -> Result<(), String> {
+    /// Adds the snapshot of file `i`, readable file `position`; the error is the reason why it is left out.
+    fn add(&mut self, i: usize, position: usize, path: &Path, rate: f64) -> Result<(), String> {
         let (signals, first_stamp) = self.read(path, rate)?;
         let samples = *self.samples.get_or_insert(signals.samples());
         if signals.samples() < samples {
@@ -154,7 +174,7 @@ impl<'a> Evaluation<'a> {
             snapshot.sensors.push(figures);
             parts.push(signal);
         }
-        let is_judged = i + tenth(self.files).max(self.group_size()) >= self.files;
+        let is_judged = position + tenth(self.readable).max(self.group_size()) >= self.readable;
         for (k, signal) in parts.into_iter().enumerate() {
             let envelopes = self.judge.bands(signal, &mut self.transforms);
             average(&mut self.group_envelopes[k], &envelopes);
@@ -172,9 +192,7 @@ impl<'a> Evaluation<'a> {
     }
 
     fn read(&mut self, path: &Path, rate: f64) -> Result<(Signals, Option<f64>), String> {
-        let text = |error: RecordingError| {
-            error.to_string().replace(&path.display().to_string(), "").trim_start_matches([':', ' ']).to_owned()
-        };
+        let text = |error: RecordingError| reason(path, &error);
         let mut reader = Reader::open_file(path, self.recording).map_err(text)?;
         if (reader.rate() / rate - 1.0).abs() > RATE_TOLERANCE {
             return Err(format!("sampling rate {} Hz, expected {rate} Hz within 0.1 %", reader.rate()));
@@ -210,12 +228,6 @@ impl<'a> Evaluation<'a> {
 
     /// Returns the trends of all indicators.
     fn trends(&self) -> Vec<SnapshotTrend> {
-        const STATISTICS: [(&str, fn(&SnapshotFigures) -> f64); 4] = [
-            ("rms", |f| f.rms),
-            ("peak", |f| f.peak),
-            ("crest-factor", |f| f.crest_factor),
-            ("kurtosis", |f| f.kurtosis),
-        ];
         let lines = |k: usize| self.groups.first().and_then(|group| group.1.get(k)).map_or(0, Vec::len);
         let sensors = self.recording.sensors.iter().enumerate();
         let count: usize = sensors.clone().map(|(k, _)| STATISTICS.len() + lines(k)).sum();
@@ -332,7 +344,9 @@ impl<'a> Evaluation<'a> {
     }
 
     fn note_left_out(&self) -> Option<String> {
-        let names = self.left_out.iter().map(|(file, reason)| format!("{file} ({reason})"));
+        let mut left_out: Vec<_> = self.left_out.iter().collect();
+        left_out.sort_by_key(|(i, ..)| *i);
+        let names = left_out.into_iter().map(|(_, file, reason)| format!("{file} ({reason})"));
         let (count, files) = (self.left_out.len(), self.files);
         (count > 0).then(|| format!("{count} of {files} snapshots are left out: {}.", listed(names)))
     }
@@ -361,6 +375,11 @@ impl<'a> Evaluation<'a> {
             "Lines closer than {bin:.2} orders are not separated, however many snapshots are averaged{close}."
         ))
     }
+}
+
+/// Returns the reason why a file is left out, without its path.
+fn reason(path: &Path, error: &RecordingError) -> String {
+    error.to_string().replace(&path.display().to_string(), "").trim_start_matches([':', ' ']).to_owned()
 }
 
 /// Returns the name of a component in a sentence.
