@@ -1,7 +1,8 @@
-//! The comparison as CSV: one row per probe, units in the column names, empty cells for missing numbers.
+//! The comparison as CSV: one row per probe, units in the column names, empty cells for missing numbers. Of snapshots: the trend, one
+//! row per snapshot and sensor.
 
 use ballrace_twin::output::quoted;
-use ballrace_twin::replay::outcome::{BallPassLine, Motion, Outcome, ProbeOutcome};
+use ballrace_twin::replay::outcome::{BallPassLine, LineLevel, Motion, Outcome, ProbeOutcome};
 
 /// Column names and cells of one row, in order.
 type Row = Vec<(String, String)>;
@@ -11,11 +12,46 @@ type Row = Vec<(String, String)>;
 /// Bearings with moving elements add five columns each, named after the bearing.
 #[must_use]
 pub fn csv(outcome: &Outcome) -> String {
+    if !outcome.snapshots.is_empty() {
+        return snapshots(outcome);
+    }
     let bearings = bearings(outcome);
     let heads = row(&ProbeOutcome::default(), &bearings).into_iter().map(|cell| cell.0);
     let mut text = joined(heads);
     for probe in &outcome.probes {
         text.push_str(&joined(row(probe, &bearings).into_iter().map(|cell| cell.1)));
+    }
+    text
+}
+
+/// Returns the figures of the snapshots as CSV, one row per snapshot and sensor.
+fn snapshots(outcome: &Outcome) -> String {
+    let lines = outcome.snapshots.iter().flat_map(|snapshot| &snapshot.sensors).map(|figures| &figures.lines);
+    let all = lines.max_by_key(|lines| lines.len()).map_or(&[][..], Vec::as_slice);
+    let same = |a: &LineLevel, b: &LineLevel| a.bearing == b.bearing && a.component == b.component;
+    let fixed = ["snapshot", "file", "time", "sensor", "rms", "peak", "crest_factor", "kurtosis"].map(str::to_owned);
+    let line_heads = all.iter().map(|line| {
+        let component = serde_json::to_string(&line.component).unwrap_or_default();
+        format!("{}_{}_db", line.bearing, component.trim_matches('"').replace('-', "_"))
+    });
+    let mut text = joined(fixed.into_iter().chain(line_heads));
+    for snapshot in &outcome.snapshots {
+        for figures in &snapshot.sensors {
+            let stamp = snapshot.first_stamp_s.map(|stamp| stamp.to_string());
+            let mut cells = vec![
+                snapshot.number.to_string(),
+                snapshot.file.clone(),
+                snapshot.time.clone().or(stamp).unwrap_or_default(),
+                figures.sensor.clone(),
+            ];
+            let values = [figures.rms, figures.peak, figures.crest_factor, figures.kurtosis];
+            cells.extend(values.map(|value| number("", value).1));
+            cells.extend(all.iter().map(|of| {
+                let level = figures.lines.iter().find(|line| same(line, of));
+                number("", level.map_or(f64::NAN, |line| line.level_db)).1
+            }));
+            text.push_str(&joined(cells.into_iter()));
+        }
     }
     text
 }

@@ -26,6 +26,7 @@ mod orbit;
 mod polar;
 mod ring;
 mod rotor;
+mod snapshots;
 mod spectrum;
 mod sweep;
 mod trace;
@@ -53,6 +54,7 @@ const REGISTRY: &[&dyn Figure] = &[
     &bode::BodePlots,
     &trace::Traces,
     &trend::Trends,
+    &snapshots::SnapshotTrends,
     &spectrum::HalfSpectra,
     &full_spectrum::FullSpectra,
     &cascade::Cascades,

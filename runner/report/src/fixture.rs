@@ -534,6 +534,8 @@ pub(crate) fn usual() -> Outcome {
             .to_owned(),
     };
     Outcome {
+        snapshots: vec![],
+        snapshot_trends: vec![],
         implausible: vec![],
         not_judged: vec![],
         scene: "Test rig with two 6205 bearings".to_owned(),
@@ -592,6 +594,8 @@ pub(crate) fn usual() -> Outcome {
 /// Nothing in it at all.
 pub(crate) fn bare() -> Outcome {
     Outcome {
+        snapshots: vec![],
+        snapshot_trends: vec![],
         implausible: vec![],
         not_judged: vec![],
         scene: String::new(),

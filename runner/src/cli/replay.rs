@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Scene file; without one, the built-in demonstration.
     scene: Option<PathBuf>,
-    /// Replay this recording instead of the scene's own.
+    /// Replay this recording, a file or a folder, instead of the scene's own.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
     /// HTML report to write.

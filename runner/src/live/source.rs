@@ -15,7 +15,7 @@ use ballrace_twin::error::Error;
 use ballrace_twin::recording::clock::check_rate;
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::recording::{Reader, Row};
-use ballrace_twin::scene::{Clock, Recording, RotationSource, Scene};
+use ballrace_twin::scene::{Clock, Recording, RotationSource, Scene, Sequence};
 use socket2::SockRef;
 use std::io::{BufReader, ErrorKind, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -204,6 +204,12 @@ impl SourceReader {
     fn read_file(&mut self, path: &Path) -> Result<()> {
         match self.encoding {
             Encoding::Csv => {
+                if self.recording.sequence == Some(Sequence::Snapshots) {
+                    bail!(UsageError(
+                        "[recording] sequence: \"snapshots\" in real time, expected \"continuous\", or replay without --paced"
+                            .to_owned()
+                    ));
+                }
                 let reader = Reader::open(path, &self.recording)?;
                 // A file starts at sample 0 again: samples from before a restart are skipped.
                 let skipped = std::mem::take(&mut self.next_index);

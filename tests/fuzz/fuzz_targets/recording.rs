@@ -31,6 +31,8 @@ fn recording(column: &str) -> Recording {
         layout: FileLayout::default(),
         rotation: RotationSource::Scene,
         run_out: None,
+        further_files: vec![],
+        sequence: None,
         average: 1,
     }
 }

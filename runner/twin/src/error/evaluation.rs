@@ -105,6 +105,12 @@ pub enum VibrationError {
         /// Name of the bearing.
         found: String,
     },
+    /// Snapshots at a speed that changes.
+    #[error("{}: [shaft] speed: speed that changes, expected one speed for sequence = \"snapshots\"", file.display())]
+    SnapshotSpeed {
+        /// Scene file.
+        file: PathBuf,
+    },
     /// The recording is too short.
     #[error("{recording}: too short: {found:.1} turns of the shaft, expected {least} or more")]
     TooShort {

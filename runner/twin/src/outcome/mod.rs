@@ -6,6 +6,7 @@ mod fault_figures;
 mod pictures;
 mod rotor;
 mod rotor_drawing;
+mod snapshots;
 mod timing;
 
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
@@ -15,6 +16,7 @@ pub use pictures::{
 };
 pub use rotor::RotorOutcome;
 pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};
+pub use snapshots::{LineLevel, SnapshotFigures, SnapshotOutcome, SnapshotTrend};
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
 use crate::baseline;
@@ -59,6 +61,12 @@ pub struct Outcome {
     pub findings: Vec<Finding>,
     /// Figures of the diagnosis; none where the recording was not diagnosed.
     pub diagnosis: Option<DiagnosisOutcome>,
+    /// Snapshots in the order of their files; empty without `sequence = "snapshots"`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub snapshots: Vec<SnapshotOutcome>,
+    /// Trends over the snapshots.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub snapshot_trends: Vec<SnapshotTrend>,
     /// Limits of the scene that were crossed.
     pub events: Vec<Event>,
     /// Flaws of the recording.

@@ -20,7 +20,7 @@ use self::header::{Header, shortened};
 use self::source::{Source, SqueezedBlanks, failed};
 use self::time::TimeStamps;
 use super::error::RecordingError;
-use super::table::{Cells, EXPECTED, Table};
+use super::table::{Cells, EXPECTED, Table, TimeOrigin};
 use crate::scene::FileLayout;
 
 /// Bytes read from the file at once.
@@ -214,6 +214,10 @@ impl Table for CsvTable {
 
     fn set_time(&mut self, _place: usize) {
         self.time = Some(TimeStamps::default());
+    }
+
+    fn time_origin(&self) -> Option<TimeOrigin> {
+        self.time.as_ref()?.origin()
     }
 
     fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {

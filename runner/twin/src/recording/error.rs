@@ -18,11 +18,61 @@ pub enum RecordingError {
         /// The system's error. Not a `source`: the message contains it.
         cause: io::Error,
     },
-    /// The path is a folder.
-    #[error("{file}: a folder, expected a file of columns")]
+    /// A folder without a file of a recording.
+    #[error("{file}: {}, expected files of a recording", other_files(*.files))]
     Folder {
         /// The path.
         file: PathBuf,
+        /// Number of other files in it.
+        files: usize,
+    },
+    /// A folder in place of a file.
+    #[error("{file}: a folder, expected one of its files")]
+    NoFile {
+        /// The path.
+        file: PathBuf,
+    },
+    /// Several files, of which the scene does not state how they follow each other.
+    #[error(
+        "{file}: {count} files from {first} to {last} without [recording] sequence, expected \"continuous\" where each file goes on where the one before ends, or \"snapshots\" where an unknown time is between them"
+    )]
+    NoSequence {
+        /// The folder or the first file.
+        file: PathBuf,
+        /// Number of files.
+        count: usize,
+        /// Name of the first file.
+        first: String,
+        /// Name of the last file.
+        last: String,
+    },
+    /// A file of a continuous recording differs from the first.
+    #[error("{file}: {subject} differ from those of {first}: {found}, expected {expected}")]
+    Differs {
+        /// The file.
+        file: PathBuf,
+        /// Name of the first file.
+        first: Box<str>,
+        /// Property in which they differ.
+        subject: &'static str,
+        /// Found in the file.
+        found: Box<str>,
+        /// Found in the first file.
+        expected: Box<str>,
+    },
+    /// The time stamps of a continuous recording go back from one file to the next.
+    #[error(
+        "{file}: time stamps begin at {found} s, before the end of {before} at {end} s, expected files in the order of their time; where the time of each file begins anew, `rate` instead of `time`"
+    )]
+    Order {
+        /// The file.
+        file: PathBuf,
+        /// The file before it.
+        before: PathBuf,
+        /// First time stamp of the file, s.
+        found: f64,
+        /// Last time stamp of the file before, s.
+        end: f64,
     },
     /// A binary file that cannot be used.
     #[error("{file}: unreadable file: {found}, expected {expected}")]
@@ -212,8 +262,13 @@ impl RecordingError {
                 | Self::AbsentNumber { .. }
                 | Self::NotSynchronous { .. }
                 | Self::Misplaced { .. }
+                | Self::NoSequence { .. }
         )
     }
+}
+
+fn other_files(count: usize) -> String {
+    if count == 0 { "empty folder".to_owned() } else { format!("folder without a recording: {count} other files") }
 }
 
 fn at_line(line: Option<u64>) -> String {

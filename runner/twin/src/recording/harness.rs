@@ -38,6 +38,8 @@ pub(super) fn recording(columns: &[&str]) -> Recording {
         temperatures: vec![],
         rotation: RotationSource::Scene,
         run_out: None,
+        further_files: vec![],
+        sequence: None,
     }
 }
 

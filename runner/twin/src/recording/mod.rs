@@ -2,10 +2,12 @@
 
 mod average;
 mod bytes;
+mod chain;
 pub mod clock;
 mod compressed;
 mod csv;
 pub mod error;
+pub mod files;
 pub mod flaws;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]

@@ -91,7 +91,7 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     let unopened = |cause| RecordingError::Open { file: path.into(), cause };
     let file = File::open(path).map_err(unopened)?;
     if file.metadata().map_err(unopened)?.is_dir() {
-        return Err(RecordingError::Folder { file: path.into() });
+        return Err(RecordingError::NoFile { file: path.into() });
     }
     drop(file);
     let open = |layout| Ok::<_, RecordingError>(table::open(File::open(path).map_err(unopened)?, path, layout)?.0);

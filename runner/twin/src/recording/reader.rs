@@ -11,15 +11,17 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::Row;
+use super::chain;
 use super::clock::{Grid, LEARN, StampPosition};
 use super::csv;
 use super::error::{RecordingError, listed, nearest};
+use super::files::Files;
 use super::flaws::{Flaw, FlawLedger, Position};
 use super::memory::Memory;
 use super::probe::{ProbeWatch, Verdict};
 use super::table::{self, Cells, EXPECTED, Table};
 use crate::scene::units;
-use crate::scene::{Clock, Probe, Recording, RotationSource, TemperatureChannel};
+use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
 
 /// Largest relative difference between the sampling rates of file and scene.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -46,6 +48,8 @@ pub struct Reader<'a> {
     watches: Vec<ProbeWatch>,
     ledger: FlawLedger,
     ended: bool,
+    /// Files of the recording; without paths where that is not a file.
+    files: Files,
 }
 
 /// Meaning of the columns, in the order of the table's values.
@@ -87,12 +91,39 @@ impl<'a> Reader<'a> {
     /// No such file, no header, a column of the scene that the file lacks, no row, time stamps without a rate,
     /// a cell that is not a number among the first rows, a unit or a rate that is not the scene's.
     pub fn open(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
+        let mut files = Files::of(path, recording)?;
+        match (files.paths.as_slice(), files.sequence) {
+            ([_, _, ..], Some(Sequence::Continuous)) => {
+                let (table, size) = chain::open(files, recording.layout)?;
+                Self::new(Box::new(table), path, size, recording)
+            }
+            (_, Some(Sequence::Snapshots)) => Self::open_first(files, recording),
+            ([file, ..], _) => {
+                let mut reader = Self::open_file(&file.clone(), recording)?;
+                reader.files.notes.append(&mut files.notes);
+                Ok(reader)
+            }
+            ([], _) => Err(RecordingError::Folder { file: path.into(), files: 0 }),
+        }
+    }
+
+    /// Opens the first readable one of several snapshots.
+    fn open_first(files: Files, recording: &Recording) -> Result<Self, RecordingError> {
+        let mut first_error = None;
+        for path in &files.paths {
+            match Self::open_file(path, recording) {
+                Ok(reader) => return Ok(Self { files, ..reader }),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        Err(first_error.unwrap_or_else(|| RecordingError::Folder { file: recording.file.clone(), files: 0 }))
+    }
+
+    /// Opens one file.
+    pub(crate) fn open_file(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
         let unopened = |cause| RecordingError::Open { file: path.into(), cause };
         let file = File::open(path).map_err(unopened)?;
         let about = file.metadata().map_err(unopened)?;
-        if about.is_dir() {
-            return Err(RecordingError::Folder { file: path.into() });
-        }
         // A pipe has no size and cannot be rewound.
         let size = about.is_file().then_some(about.len());
         if size.is_some() {
@@ -157,6 +188,7 @@ impl<'a> Reader<'a> {
             watches: Vec::new(),
             ledger: FlawLedger::default(),
             ended: false,
+            files: Files::default(),
         };
         reader.start(recording)?;
         Ok(reader)
@@ -174,7 +206,13 @@ impl<'a> Reader<'a> {
     /// Returns assumptions about the file, for the report.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        self.table.notes()
+        [self.files.notes.clone(), self.table.notes()].concat()
+    }
+
+    /// Returns the files of a recording of snapshots, of which this reader reads the first readable one.
+    #[must_use]
+    pub const fn files(&self) -> &Files {
+        &self.files
     }
 
     /// Names of all columns of the file.
@@ -271,7 +309,7 @@ impl<'a> Reader<'a> {
         let values = self.wanted.columns().zip(&self.cells.values);
         if let Some((column, value)) = values.clone().find(|(_, value)| value.is_infinite()) {
             return Err(RecordingError::Cell {
-                file: self.name.clone(),
+                file: self.table.file().unwrap_or(&self.name).into(),
                 line: self.cells.line,
                 column: self.table.columns()[column.place].clone(),
                 found: value.to_string(),

@@ -55,6 +55,16 @@ pub(super) trait Table: Send {
     /// Announces the column of time stamps, before [`select`](Self::select).
     fn set_time(&mut self, _place: usize) {}
 
+    /// Date of the first row, from which the time stamps count; none where they are seconds.
+    fn time_origin(&self) -> Option<TimeOrigin> {
+        None
+    }
+
+    /// File of the last row, where there are several.
+    fn file(&self) -> Option<&Path> {
+        None
+    }
+
     /// Line with the names of the columns, where the file has lines.
     fn header_line(&self) -> Option<u64> {
         None
@@ -68,6 +78,15 @@ pub(super) trait Table: Send {
 
     /// Bytes of the file that are read.
     fn bytes_read(&self) -> u64;
+}
+
+/// Date and time from which time stamps count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TimeOrigin {
+    /// From 1970-01-01, in UTC where there is a zone.
+    pub(super) nanoseconds: i128,
+    /// True where the file states the zone.
+    pub(super) has_zone: bool,
 }
 
 /// The cells of one row that are used.
@@ -112,6 +131,11 @@ const FORMATS: [Format; 12] = [
     Format { goes_on: (4, b"\x15"), ..format("parquet", b"PAR1", |file, path, _| parquet::open(file, path)) },
     Format { goes_on: (5, b"\0\0\0"), ..format("tdms", b"TDSm", |file, path, _| tdms::open(file, path)) },
 ];
+
+/// Returns true for the ending of a binary format.
+pub(super) fn is_ending(ending: &str) -> bool {
+    FORMATS.iter().any(|format| format.ending == ending)
+}
 
 /// Number of bytes that identify a format.
 const IDENTIFICATION: u64 = 32;

@@ -145,6 +145,8 @@ impl Pipeline<'_> {
             verdict: verdict::verdict(&findings, &probes, &implausible, &not_judged, self.counts.out_of_range()),
             implausible,
             not_judged,
+            snapshots: vec![],
+            snapshot_trends: vec![],
             record,
             planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
             observation: self.location.observation().clone(),

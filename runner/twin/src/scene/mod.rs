@@ -19,7 +19,7 @@ pub use flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};
 pub use recording::{
     Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,
-    Sensor, Slope, TemperatureChannel,
+    Sensor, Sequence, Slope, TemperatureChannel,
 };
 
 use crate::catalogue::Listed;

@@ -22,8 +22,8 @@ pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
     Allowed, Bearing, Clock, Direction, FileLayout, Indicator, Integration, KeyphasorSignal, Limit, Method, Observer,
-    Orientation, Probe, PulseDetection, Recording, Ring, RotationSource, Scene, Sensor, Shaft, Slope, Speed, System,
-    SystemUnbalance, TemperatureChannel,
+    Orientation, Probe, PulseDetection, Recording, Ring, RotationSource, Scene, Sensor, Sequence, Shaft, Slope, Speed,
+    System, SystemUnbalance, TemperatureChannel,
 };
 use catalogue::Expansion;
 
@@ -333,6 +333,7 @@ type Taken = Vec<(String, &'static str)>;
 fn recording(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[Bearing]) -> Read<Recording> {
     let keys = [
         "file",
+        "sequence",
         "rate",
         "time",
         "average",
@@ -346,13 +347,14 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[Bearing
         "orientation",
     ];
     let table = node.table(&keys)?;
-    let wants = "the name of the recording, relative to the scene's folder";
-    let file = table.required("file", wants)?.text(wants)?;
+    let (file, further_files) = files(&table, scene.parent().unwrap_or(Path::new("")))?;
     let mut taken = Taken::new();
     let average = table.read("average", |n| average(n, &table))?.unwrap_or(1);
     Ok(Recording {
         average,
-        file: scene.parent().unwrap_or(Path::new("")).join(file),
+        file,
+        further_files,
+        sequence: table.read("sequence", |n| sequence(n, &table))?,
         layout: file_layout(&table)?,
         clock: clock(&table, &mut taken)?,
         sensors: table.read("sensors", |n| sensors(n, &mut taken))?.unwrap_or_default(),
@@ -361,6 +363,41 @@ fn recording(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[Bearing
         rotation: rotation(&table, &mut taken)?,
         run_out: table.read("run_out", |n| run_out(n, &table, scene))?,
     })
+}
+
+/// Reads the path of the recording, or those of a list: the first and the others.
+fn files(table: &Table<'_>, folder: &Path) -> Read<(PathBuf, Vec<PathBuf>)> {
+    let wants = "the name of a file or a folder relative to the scene's folder, or a list of names of files";
+    let node = table.required("file", wants)?;
+    if let Ok(file) = node.text(wants) {
+        return Ok((folder.join(file), vec![]));
+    }
+    let names = node.list(wants)?.iter().map(|n| n.text(wants)).collect::<Read<Vec<_>>>()?;
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) {
+            return Err(node.fail(format!("\"{name}\" twice"), "each file once"));
+        }
+    }
+    let mut paths = names.into_iter().map(|name| folder.join(name));
+    let first = paths.next().ok_or_else(|| node.refuse(wants))?;
+    Ok((first, paths.collect()))
+}
+
+/// Reads the relation of several files to each other. Snapshots are evaluated at the speed of the scene.
+fn sequence(node: &Node<'_>, table: &Table<'_>) -> Read<Sequence> {
+    let sequence = node.choice(&[("continuous", Sequence::Continuous), ("snapshots", Sequence::Snapshots)])?;
+    let is_measured = ["keyphasor", "speed"].into_iter().find(|key| table.has(key));
+    if sequence == Sequence::Continuous {
+        return Ok(sequence);
+    }
+    if table.has("probes") {
+        let expected = "only sensors; snapshots of displacement are one row each in a table of `ballrace fleet`";
+        return Err(node.misplaced(expected));
+    }
+    match is_measured {
+        Some(key) => Err(node.misplaced(format!("no {key}: snapshots have the speed of [shaft]"))),
+        None => Ok(sequence),
+    }
 }
 
 /// Reads the path of the recording at slow roll.

@@ -6,8 +6,12 @@ use std::path::PathBuf;
 /// `[recording]`: file, sampling and columns of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    /// Path of the recording, joined to the scene's folder.
+    /// Path of the recording, a file or a folder, or of the first file of a list, joined to the scene's folder.
     pub file: PathBuf,
+    /// Further files of a list.
+    pub further_files: Vec<PathBuf>,
+    /// Relation of several files to each other.
+    pub sequence: Option<Sequence>,
     /// Layout of the table in the file.
     pub layout: FileLayout,
     /// Sampling: a rate or a column of times.
@@ -24,6 +28,15 @@ pub struct Recording {
     pub rotation: RotationSource,
     /// `run_out`: path of a recording at slow roll, joined to the scene's folder, whose run-out is subtracted.
     pub run_out: Option<PathBuf>,
+}
+
+/// `sequence`: relation of several files to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sequence {
+    /// Each file goes on where the one before ends.
+    Continuous,
+    /// Each file is a short recording of its own.
+    Snapshots,
 }
 
 /// `temperature = [{ column, unit, bearing, ring }]`: measured temperature of a ring.

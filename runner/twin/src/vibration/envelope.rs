@@ -18,6 +18,7 @@ use super::shaft::Revolutions;
 use crate::spectrum::WindowedTransform;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
+use std::collections::HashMap;
 
 /// Number of bands at each level.
 const PARTS: [usize; 9] = [2, 3, 4, 6, 8, 12, 16, 24, 32];
@@ -25,8 +26,11 @@ const PARTS: [usize; 9] = [2, 3, 4, 6, 8, 12, 16, 24, 32];
 const BLOCK_TURNS: f64 = 16.0;
 /// Range of the background on either side of a line, orders.
 const BACKGROUND_TURNS: f64 = 1.0;
+/// Smallest range of the background, bins: a line under the Hann window has four bins, which shall not be its own background.
+const LEAST_BACKGROUND: usize = 8;
 
 /// The envelope spectrum of one band.
+#[derive(Clone)]
 pub struct Envelope {
     /// Lower and upper limit of the band, Hz.
     pub band: [f64; 2],
@@ -36,6 +40,15 @@ pub struct Envelope {
     bin: f64,
     /// Mean speed, rev/s.
     turn_hz: f64,
+    /// Signals in the average.
+    signals: f64,
+}
+
+/// Transforms of the lengths used so far.
+#[derive(Default)]
+pub struct Transforms {
+    planner: Option<FftPlanner<f64>>,
+    windowed: HashMap<usize, WindowedTransform>,
 }
 
 /// A line of an envelope spectrum.
@@ -62,9 +75,16 @@ pub struct Rotation<'a> {
 
 /// Returns the spectra of all bands of `signal` that begin above `lowest` (Hz) and are wide enough for lines up to `highest` (Hz).
 #[must_use]
-pub fn envelopes(signal: &[f64], rate: f64, rotation: Rotation<'_>, lowest: f64, highest: f64) -> Vec<Envelope> {
+pub fn envelopes(
+    signal: &[f64],
+    rate: f64,
+    rotation: Rotation<'_>,
+    [lowest, highest]: [f64; 2],
+    transforms: &mut Transforms,
+) -> Vec<Envelope> {
     let n = signal.len();
-    let mut planner = FftPlanner::new();
+    let Transforms { planner, windowed } = transforms;
+    let planner = planner.get_or_insert_with(FftPlanner::new);
     let mean = signal.iter().sum::<f64>() / n.max(1) as f64;
     let mut spectrum: Vec<Complex<f64>> = signal.iter().map(|x| Complex::new(x - mean, 0.0)).collect();
     planner.plan_fft_forward(n).process(&mut spectrum);
@@ -74,7 +94,7 @@ pub fn envelopes(signal: &[f64], rate: f64, rotation: Rotation<'_>, lowest: f64,
         for i in 0..parts {
             let band = [i as f64 * width, (i + 1) as f64 * width];
             if width >= highest && band[0] >= lowest {
-                all.extend(envelope(&spectrum, rate, rotation, band, &mut planner));
+                all.extend(envelope(&spectrum, rate, rotation, band, (&mut *planner, &mut *windowed)));
             }
         }
     }
@@ -86,7 +106,7 @@ fn envelope(
     rate: f64,
     rotation: Rotation<'_>,
     band: [f64; 2],
-    planner: &mut FftPlanner<f64>,
+    (planner, windowed): (&mut FftPlanner<f64>, &mut HashMap<usize, WindowedTransform>),
 ) -> Option<Envelope> {
     let n = spectrum.len();
     let bin_of = |f: f64| (f * n as f64 / rate).ceil() as usize;
@@ -111,7 +131,7 @@ fn envelope(
     if mean <= 0.0 || length < 64 {
         return None;
     }
-    let transform = WindowedTransform::new(length);
+    let transform = windowed.entry(length).or_insert_with(|| WindowedTransform::new(length));
     let mut power = vec![0.0; length / 2];
     let mut blocks = 0.0;
     for block in (0..=count - length).step_by((length / 2).max(1)).filter_map(|s| squares.get(s..s + length)) {
@@ -122,7 +142,7 @@ fn envelope(
     }
     let weight = 4.0 / (blocks * mean * mean);
     power.iter_mut().for_each(|p| *p *= weight);
-    Some(Envelope { band, power, bin: own_rate / length as f64, turn_hz })
+    Some(Envelope { band, power, bin: own_rate / length as f64, turn_hz, signals: 1.0 })
 }
 
 /// Returns a squared envelope at steps of `step` revolutions; it spans a signal of `samples` samples.
@@ -141,6 +161,23 @@ fn interpolated(values: &[f64], at: f64) -> f64 {
     let t = at - first as f64;
     let [t1, t2, t3] = [t - 1.0, t - 2.0, t - 3.0];
     -a * t1 * t2 * t3 / 6.0 + b * t * t2 * t3 / 2.0 - c * t * t1 * t3 / 2.0 + d * t * t1 * t2 / 6.0
+}
+
+/// Averages the spectra of a further signal of the same length and rotation into `averaged`, band by band. Powers are averaged, so the
+/// signals need no common time.
+pub fn average(averaged: &mut Vec<Envelope>, further: &[Envelope]) {
+    if averaged.is_empty() {
+        averaged.extend_from_slice(further);
+        return;
+    }
+    for one in further {
+        let same = |mean: &&mut Envelope| mean.band == one.band && mean.power.len() == one.power.len();
+        let Some(mean) = averaged.iter_mut().find(same) else { continue };
+        mean.signals += 1.0;
+        for (mean_power, power) in mean.power.iter_mut().zip(&one.power) {
+            *mean_power += (power - *mean_power) / mean.signals;
+        }
+    }
 }
 
 impl Envelope {
@@ -170,7 +207,7 @@ impl Envelope {
         if (order - order.round()).abs() < 0.6 * self.bin / self.turn_hz {
             return Some(Line::default());
         }
-        let reach = (BACKGROUND_TURNS * self.turn_hz / self.bin) as usize;
+        let reach = ((BACKGROUND_TURNS * self.turn_hz / self.bin) as usize).max(LEAST_BACKGROUND);
         let mut around =
             self.power.get(at.saturating_sub(reach).max(2)..(at + reach + 1).min(self.power.len()))?.to_vec();
         around.sort_by(f64::total_cmp);
@@ -200,7 +237,7 @@ mod tests {
         };
         let signal: Vec<f64> = (0..40_000).map(wave).collect();
         let rotation = Rotation { turn_hz: 4.7, fastest_hz: 4.7, revolutions: None };
-        let all = envelopes(&signal, rate, rotation, 100.0, 100.0);
+        let all = envelopes(&signal, rate, rotation, [100.0, 100.0], &mut Transforms::default());
         let holding: Vec<&Envelope> = all.iter().filter(|e| e.band[0] < 1300.0 && e.band[1] > 1374.0).collect();
         assert!(holding.len() >= 4);
         for envelope in holding {

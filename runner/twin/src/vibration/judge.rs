@@ -1,11 +1,11 @@
 //! Diagnosis from envelope spectra: the component of the bearing to which the lines belong.
 
-use super::envelope::{Envelope, Line, Rotation, envelopes};
+use super::envelope::{Envelope, Line, Rotation, Transforms, envelopes};
 use super::picture;
 use super::suspect::Suspect;
 use crate::baseline::{Baseline, BaselineSensor};
 use crate::outcome::{
-    EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultParameters, Finding, FindingKind, VibrationLine,
+    EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultParameters, Finding, FindingKind, LineLevel, VibrationLine,
 };
 use crate::scene::Sensor;
 
@@ -75,9 +75,17 @@ impl Judge<'_> {
         &self,
         signals: impl Iterator<Item = (&'s Sensor, &'s [f64])>,
     ) -> (Vec<Finding>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
+        let mut transforms = Transforms::default();
+        self.of_bands(signals.map(|(sensor, signal)| (sensor, self.bands(signal, &mut transforms))))
+    }
+
+    /// Returns the findings from the envelopes of all bands of each sensor, as [`all`](Self::all).
+    pub fn of_bands<'s>(
+        &self,
+        sensors: impl Iterator<Item = (&'s Sensor, Vec<Envelope>)>,
+    ) -> (Vec<Finding>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
         let (mut findings, mut learned, mut drawn): (Vec<(f64, Finding)>, _, _) = (vec![], vec![], vec![]);
-        for (i, (sensor, signal)) in signals.enumerate() {
-            let bands = self.bands(signal);
+        for (i, (sensor, bands)) in sensors.enumerate() {
             let found = self.sensor(sensor, &bands);
             let modulations = found.iter().map(|f| f.as_ref().map_or(0.0, |f| f.lines[0].modulation)).collect();
             learned.push(BaselineSensor { name: sensor.column.clone(), modulations });
@@ -115,10 +123,20 @@ impl Judge<'_> {
     }
 
     /// Envelopes of all bands that are high and wide enough.
-    fn bands(&self, signal: &[f64]) -> Vec<Envelope> {
+    pub fn bands(&self, signal: &[f64], transforms: &mut Transforms) -> Vec<Envelope> {
         let fastest = self.rotation.fastest_hz;
         let (lowest, highest) = (LOWEST * self.highest_order(), self.highest_line());
-        envelopes(signal, self.rate, self.rotation, lowest * fastest, highest * fastest)
+        envelopes(signal, self.rate, self.rotation, [lowest * fastest, highest * fastest], transforms)
+    }
+
+    /// Returns the level of each line that the sensor measures, in the band where that is the greatest.
+    pub fn levels(&self, sensor: &Sensor, bands: &[Envelope]) -> Vec<LineLevel> {
+        let level = |found: Found| LineLevel {
+            bearing: self.suspects[found.family.bearing].name.clone(),
+            component: found.family.kind,
+            level_db: found.score / HARMONICS as f64,
+        };
+        self.sensor(sensor, bands).into_iter().flatten().map(level).collect()
     }
 
     /// Up to here lines are looked for, Hz.

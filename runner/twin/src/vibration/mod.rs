@@ -4,9 +4,11 @@
 mod envelope;
 pub mod join;
 mod judge;
+mod onset;
 mod picture;
 mod shaft;
 pub mod signals;
+mod snapshots;
 mod suspect;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
@@ -21,7 +23,7 @@ use crate::recording::rotation::{RotationError, Tracker};
 use crate::recording::{Reader, Row};
 use crate::replay::Options;
 use crate::replay::verdict::verdict;
-use crate::scene::{Recording, Scene, Sensor, build};
+use crate::scene::{Recording, Scene, Sensor, Sequence, build};
 use signals::{LEAST_TURNS, Signals};
 use std::time::Instant;
 use suspect::Suspect;
@@ -56,6 +58,9 @@ pub fn replay(
         return Err(VibrationError::Limits { file: scene.path.clone() }.into());
     }
     check_bearings(scene, recording)?;
+    if recording.sequence == Some(Sequence::Snapshots) {
+        return snapshots::replay(scene, recording, &reader, name, options, progress);
+    }
     let rate = reader.rate();
     let begun = Instant::now();
     let Some(mut signals) = Signals::new(recording, rate) else {

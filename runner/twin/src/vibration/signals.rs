@@ -109,6 +109,11 @@ impl Signals {
         self.angle.interrupt();
     }
 
+    /// Returns the sensors with their signals.
+    pub fn signals(&self) -> impl Iterator<Item = (&Sensor, &[f64])> {
+        self.sensors.iter().map(|(sensor, signal)| (sensor, signal.as_slice()))
+    }
+
     /// Returns the number of samples of each signal.
     pub fn samples(&self) -> usize {
         self.sensors.first().map_or(0, |(_, signal)| signal.len())
@@ -192,13 +197,18 @@ fn not_judged(turns: f64, [slowest, fastest]: [f64; 2]) -> Option<String> {
     })
 }
 
-/// Returns the statistics of a signal as a note of the report.
-fn statistics_note(sensor: &Sensor, signal: &[f64]) -> String {
+/// Returns the statistics of a signal.
+pub fn statistics(signal: &[f64]) -> BlockStatistics<f64> {
     let mut statistics = Statistics::<f64>::new(u32::MAX);
     for &x in signal {
         statistics.add::<Exact>(x);
     }
-    let BlockStatistics { rms, crest_factor, kurtosis, .. } = statistics.close::<Exact>();
+    statistics.close::<Exact>()
+}
+
+/// Returns the statistics of a signal as a note of the report.
+fn statistics_note(sensor: &Sensor, signal: &[f64]) -> String {
+    let BlockStatistics { rms, crest_factor, kurtosis, .. } = statistics(signal);
     format!(
         "{}: {rms:.4} {unit} rms, peak {peak:.4} {unit}, crest factor {crest_factor:.2}, kurtosis {kurtosis:.2} (3 is noise).",
         sensor.column,

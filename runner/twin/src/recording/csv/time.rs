@@ -1,6 +1,7 @@
 //! Time stamps in text: seconds, or date and time of ISO 8601, in seconds from the first row.
 
 use super::decimal::DecimalMark;
+use crate::recording::table::TimeOrigin;
 
 /// Values expected in a cell of time.
 pub(super) const EXPECTED: &str = "seconds, or a time such as 2026-11-22T10:11:12.345Z or 2026-11-22 10:11:12.345, \
@@ -16,18 +17,18 @@ pub(super) struct TimeStamps {
 #[derive(Debug, Clone, Copy)]
 enum First {
     Seconds,
-    Date(Date),
-}
-
-/// Date and time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Date {
-    /// From 1970-01-01, in UTC where there is a zone.
-    nanoseconds: i128,
-    has_zone: bool,
+    Date(TimeOrigin),
 }
 
 impl TimeStamps {
+    /// Returns the date of the first row; none before it, and where the time stamps are seconds.
+    pub(super) const fn origin(&self) -> Option<TimeOrigin> {
+        match self.first {
+            Some(First::Date(date)) => Some(date),
+            Some(First::Seconds) | None => None,
+        }
+    }
+
     /// Reads a cell, s; NaN for nothing. The difference to the first row is computed in whole nanoseconds.
     pub(super) fn read(&mut self, cell: &[u8], mark: DecimalMark) -> Option<f64> {
         let number = mark.number(cell);
@@ -53,7 +54,7 @@ impl TimeStamps {
 }
 
 /// Reads `2026-11-22T10:11:12.345+01:00`: `T` or a blank, up to nine decimals after a point or comma, a zone or none.
-fn date(cell: &[u8]) -> Option<Date> {
+fn date(cell: &[u8]) -> Option<TimeOrigin> {
     let text = str::from_utf8(cell.trim_ascii()).ok()?;
     let (day, time) = text.split_once(['T', 't', ' '])?;
     let mut parts = day.split('-').map(digits);
@@ -74,7 +75,10 @@ fn date(cell: &[u8]) -> Option<Date> {
     }
     let fraction = digits(fraction)? * 10_i64.pow(9 - fraction.len() as u32);
     let seconds = days(year, month, day) * 86_400 + hour * 3600 + minute * 60 + second - offset(zone)?;
-    Some(Date { nanoseconds: i128::from(seconds) * 1_000_000_000 + i128::from(fraction), has_zone: !zone.is_empty() })
+    Some(TimeOrigin {
+        nanoseconds: i128::from(seconds) * 1_000_000_000 + i128::from(fraction),
+        has_zone: !zone.is_empty(),
+    })
 }
 
 fn digits(text: &str) -> Option<i64> {

@@ -433,6 +433,8 @@ fn rig_recordings() {
             probes: vec![],
             rotation: rotation.clone(),
             run_out: None,
+            further_files: vec![],
+            sequence: None,
         };
         let mut reader = Reader::open(&path, &recording).unwrap();
         let mut tracker = Tracker::new(&rotation, RATE, Speed::Constant(1.0));

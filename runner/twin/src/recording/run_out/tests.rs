@@ -16,6 +16,8 @@ fn recording() -> Recording {
         sensors: vec![],
         rotation: RotationSource::keyphasor("key", 1),
         run_out: None,
+        further_files: vec![],
+        sequence: None,
     }
 }
 

@@ -379,6 +379,11 @@ fn recording_out_of_range() {
     let probe = "{ column = \"x\", unit = \"um\", station = 0, angle = 0 }";
     assert_refused(&text, &[
         ("file = \"a.csv\"", "", &["recording.file: missing key"]),
+        ("file = \"a.csv\"", "file = 3", &["recording.file: invalid value: 3, expected the name of a file or a folder", "or a list of names"]),
+        ("file = \"a.csv\"", "file = []", &["recording.file: invalid value: [], expected the name of a file or a folder"]),
+        ("file = \"a.csv\"", "file = [\"a\", \"a\"]", &["recording.file: \"a\" twice, expected each file once"]),
+        ("rate = 1000", "rate = 1\nsequence = \"joined\"", &["recording.sequence: invalid value: \"joined\", expected \"continuous\" or \"snapshots\""]),
+        ("rate = 1000", "rate = 1\nsequence = \"snapshots\"", &["recording.sequence: misplaced key", "one row each in a table of `ballrace fleet`"]),
         ("rate = 1000", "", &["recording: neither rate nor time", "exactly one"]),
         ("rate = 1000", "rate = 1\ntime = \"t\"", &["recording.time: both rate and time"]),
         ("rate = 1000", "rate = \"1000 rpm\"", &["(a speed of rotation), expected a frequency"]),
