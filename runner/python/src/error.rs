@@ -67,7 +67,17 @@ fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
     let set = |key: &str, value: Option<String>| value.map_or(Ok(()), |value| fields.set_item(key, value));
     let (file, line, column, found, expected) = match error {
         E::Open { file, cause } => (file, None, None, Some(cause.to_string()), None),
-        E::Folder { file } => (file, None, None, Some("a folder".to_owned()), Some("a file of columns".to_owned())),
+        E::Folder { file, .. } => (file, None, None, None, Some("files of a recording".to_owned())),
+        E::NoFile { file } => (file, None, None, Some("a folder".to_owned()), Some("one of its files".to_owned())),
+        E::NoSequence { file, count, .. } => {
+            (file, None, None, Some(format!("{count} files")), Some("sequence".to_owned()))
+        }
+        E::Differs { file, found, expected, .. } => {
+            (file, None, None, Some(found.to_string()), Some(expected.to_string()))
+        }
+        E::Order { file, found, end, .. } => {
+            (file, None, None, Some(format!("{found} s")), Some(format!("a time after {end} s")))
+        }
         E::Format { file, found, expected } => (file, None, None, Some(found.clone()), Some((*expected).to_owned())),
         E::Unit { file, column, found, expected } => {
             (file, None, Some(column.clone()), Some(found.clone()), Some(expected.clone()))
