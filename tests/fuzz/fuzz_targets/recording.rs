@@ -24,6 +24,7 @@ fn recording(column: &str) -> Recording {
         sensitivity: None,
     };
     Recording {
+        temperatures: vec![],
         file: "fuzz".into(),
         clock: Clock::Rate(1000.0),
         probes: vec![probe],
