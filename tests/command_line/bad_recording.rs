@@ -33,8 +33,11 @@ fn missing() {
 
 #[test]
 fn folder() {
-    let args = [&REPLAY[..], &["--recording", "."]].concat();
-    Desk::rig().refused(&args, 1, &[".: a folder, expected a file of columns"]);
+    let desk = Desk::rig();
+    std::fs::create_dir(desk.path("notes")).unwrap();
+    desk.put("notes/today.txt.bak", "nothing");
+    let args = [&REPLAY[..], &["--recording", "notes"]].concat();
+    desk.refused(&args, 1, &["notes: folder without a recording: 1 other file, expected files of a recording"]);
 }
 
 #[test]
