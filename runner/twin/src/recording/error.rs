@@ -268,7 +268,11 @@ impl RecordingError {
 }
 
 fn other_files(count: usize) -> String {
-    if count == 0 { "empty folder".to_owned() } else { format!("folder without a recording: {count} other files") }
+    match count {
+        0 => "empty folder".to_owned(),
+        1 => "folder without a recording: 1 other file".to_owned(),
+        _ => format!("folder without a recording: {count} other files"),
+    }
 }
 
 fn at_line(line: Option<u64>) -> String {
