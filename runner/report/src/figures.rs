@@ -187,7 +187,7 @@ mod tests {
     fn every_figure_has_a_heading_of_its_own_and_draws_data() {
         let headings: BTreeSet<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
         assert_eq!(headings.len(), REGISTRY.len());
-        let sections = sections(&fixture::run_up()).unwrap();
+        let sections = sections(&fixture::with_snapshots(fixture::run_up())).unwrap();
         let drawn: Vec<&str> = sections.iter().map(|section| section.heading).collect();
         let registered: Vec<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
         assert_eq!(drawn, registered, "in the order of the registry");

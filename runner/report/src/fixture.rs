@@ -1,8 +1,10 @@
 //! Outcomes for the tests: a usual one, an empty one, one with too much of everything; `broken` has everything wrong.
 
 mod broken;
+mod snapshots;
 
 pub(crate) use broken::{broken, with_data};
+pub(crate) use snapshots::with_snapshots;
 
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::replay::outcome::*;

@@ -77,9 +77,10 @@
 //!
 //! | layer | modules | content |
 //! | --- | --- | --- |
-//! | input | [`scene`], [`recording`] | a scene file with units, checked; recordings in several formats, row by row, with counted flaws |
+//! | input | [`scene`], [`catalogue`], [`recording`] | a scene file with units, checked; bearings by designation; recordings in several formats, row by row, with counted flaws |
 //! | model | [`scene::build`], [`handle`], [`simd`], [`plant`] | bearings of the kernel from a scene; rotor and bearings as equations of motion, with their equilibrium |
 //! | estimation | [`observer`] | displacement and unmodelled force from noisy probes |
+//! | plausibility | [`plausibility`], [`check`] | whether a recording can be one of the scene's machine |
 //! | evaluation | [`replay`], [`vibration`] | measured against computed motion, forces, indicators, limits, diagnosis: an `Outcome` |
 //! | studies | [`equilibrium`], [`campbell`], [`motion`], [`sweep`], [`force`], [`effect_significance`] | one question about a scene each |
 //! | fleets | [`fleet`] | a table of machines and recordings, evaluated one by one: rows, rank, trends, files |

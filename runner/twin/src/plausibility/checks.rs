@@ -121,8 +121,8 @@ fn speed(checked: &Checked) -> Option<Implausibility> {
             let pulses = (ratio * f64::from(*pulses_per_turn)).round();
             let marks = if pulses == 1.0 { "mark" } else { "marks" };
             (
-                format!("{pulses} {marks} on the shaft, or a recording at another speed"),
-                format!("pulses_per_turn = {pulses}, or [shaft] speed"),
+                format!("{pulses} {marks} on the shaft, or a recording at another speed or rate"),
+                format!("pulses_per_turn = {pulses}, [shaft] speed or [recording] rate"),
             )
         }
         RotationSource::SpeedColumn { .. } if speed_unit(ratio).is_some() => {
@@ -202,11 +202,13 @@ fn out_of_range(checked: &Checked) -> Vec<Implausibility> {
         let is_smaller = |metres: f64| size * metres / probe.metres_per_unit < 2.0 * largest;
         let units = unit_remedy(reading, probe, *largest, is_smaller);
         let offset = match reading.voltage {
-            Some(voltage) => format!("offset = \"{:.4} V\"", voltage.mean_v),
+            Some(voltage) => {
+                format!("offset = the voltage with the shaft in the middle, near the mean of {:.4} V", voltage.mean_v)
+            }
             None => format!("offset = \"{:.1} um\"", mean + probe.offset * 1e6),
         };
         let (cause, remedy) = if is_offset {
-            ("the gap of the probe is in the readings, or another unit", format!("{offset}; or {units}"))
+            ("the gap of the probe is in the readings, or another unit", format!("{units}; or {offset}"))
         } else {
             ("another unit or sensitivity", units)
         };

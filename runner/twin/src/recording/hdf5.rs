@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use self::object::Dataset;
 use super::bytes::Bytes;
 use super::error::RecordingError;
-use super::numbers::Number;
+use super::numbers::{LoadedColumns, Number};
 use super::table::{Cells, Table, equal_lengths};
 
 const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, uncompressed or by deflate";
@@ -137,9 +137,7 @@ struct Hdf5 {
     datasets: Vec<Dataset>,
     scalars: Vec<(String, walk::Scalar)>,
     is_matlab: bool,
-    selected: Vec<(Number, Vec<u8>)>,
-    rows: u64,
-    row: u64,
+    selected: LoadedColumns,
 }
 
 /// Opens a file.
@@ -159,7 +157,16 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
     }
     let (names, vectors) = found.vectors.into_iter().unzip();
     let (datasets, scalars, path) = (found.datasets, found.scalars, path.into());
-    Ok(Box::new(Hdf5 { path, source, names, vectors, datasets, scalars, is_matlab, selected: vec![], rows: 0, row: 0 }))
+    Ok(Box::new(Hdf5 {
+        path,
+        source,
+        names,
+        vectors,
+        datasets,
+        scalars,
+        is_matlab,
+        selected: LoadedColumns::default(),
+    }))
 }
 
 impl Hdf5 {
@@ -229,27 +236,18 @@ impl Table for Hdf5 {
             })
             .collect();
         let lengths: Vec<_> = chosen.iter().map(|(name, count, _)| (*name, *count)).collect();
-        self.rows = equal_lengths(&self.path, &lengths)?;
+        let rows = equal_lengths(&self.path, &lengths)?;
         let bytes = chosen.iter().fold(0_u64, |sum, (_, _, bytes)| sum.saturating_add(*bytes));
         if bytes > LARGEST {
             return Err(wrong(&self.path, &refuse(format!("{bytes} bytes of vectors, more than {LARGEST}"))));
         }
-        self.selected = self.load(places).map_err(|cause| wrong(&self.path, &cause))?;
+        let loaded = self.load(places).map_err(|cause| wrong(&self.path, &cause))?;
+        self.selected = LoadedColumns::new(loaded, rows);
         Ok(())
     }
 
     fn next(&mut self, cells: &mut Cells) -> Result<bool, RecordingError> {
-        if self.row == self.rows {
-            return Ok(false);
-        }
-        cells.values.clear();
-        for (number, bytes) in &self.selected {
-            let at = self.row as usize * usize::from(number.bytes);
-            cells.values.push(number.read(bytes.get(at..).unwrap_or_default()));
-        }
-        self.row += 1;
-        (cells.line, cells.whole) = (self.row, self.names.len());
-        Ok(true)
+        Ok(self.selected.next(self.names.len(), cells))
     }
 
     fn bytes_read(&self) -> u64 {

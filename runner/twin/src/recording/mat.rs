@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 
 use super::bytes::Bytes;
 use super::error::RecordingError;
-use super::numbers::Number;
+use super::numbers::{LoadedColumns, Number};
 use super::table::{Cells, Table, equal_lengths};
 use walk::Element;
 
@@ -33,9 +33,7 @@ struct Vectors {
     all: Vec<Vector>,
     /// Single numbers.
     scalars: Vec<(String, Vector)>,
-    selected: Vec<(Number, Vec<u8>)>,
-    rows: u64,
-    row: u64,
+    selected: LoadedColumns,
     bytes_read: u64,
 }
 
@@ -87,8 +85,8 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
     if all.is_empty() {
         return Err(wrong(path, &refuse("no vector of numbers")));
     }
-    let (path, selected) = (path.into(), Vec::new());
-    Ok(Box::new(Vectors { path, file, names, all, scalars, selected, rows: 0, row: 0, bytes_read: 0 }))
+    let (path, selected) = (path.into(), LoadedColumns::default());
+    Ok(Box::new(Vectors { path, file, names, all, scalars, selected, bytes_read: 0 }))
 }
 
 fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
@@ -266,29 +264,19 @@ impl Table for Vectors {
     fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {
         let named = |place: &usize| Some((self.names.get(*place)?.as_str(), self.all.get(*place)?));
         let lengths: Vec<_> = places.iter().filter_map(named).map(|(name, vector)| (name, vector.count)).collect();
-        self.rows = equal_lengths(&self.path, &lengths)?;
+        let rows = equal_lengths(&self.path, &lengths)?;
         let bytes = places.iter().filter_map(|place| self.all.get(*place));
         let bytes: u64 = bytes.map(|vector| vector.count * u64::from(vector.number.bytes)).sum();
         if bytes > LARGEST {
             return Err(wrong(&self.path, &refuse(format!("{bytes} bytes of vectors, more than {LARGEST}"))));
         }
         let loaded = places.iter().map(|place| self.load(*place)).collect::<io::Result<_>>();
-        self.selected = loaded.map_err(|cause| wrong(&self.path, &cause))?;
+        self.selected = LoadedColumns::new(loaded.map_err(|cause| wrong(&self.path, &cause))?, rows);
         Ok(())
     }
 
     fn next(&mut self, cells: &mut Cells) -> Result<bool, RecordingError> {
-        if self.row == self.rows {
-            return Ok(false);
-        }
-        cells.values.clear();
-        for (number, bytes) in &self.selected {
-            let at = self.row as usize * usize::from(number.bytes);
-            cells.values.push(number.read(bytes.get(at..).unwrap_or_default()));
-        }
-        self.row += 1;
-        (cells.line, cells.whole) = (self.row, self.names.len());
-        Ok(true)
+        Ok(self.selected.next(self.names.len(), cells))
     }
 
     fn bytes_read(&self) -> u64 {

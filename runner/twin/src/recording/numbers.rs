@@ -302,3 +302,33 @@ impl Column {
         Ok(())
     }
 }
+
+/// Columns whose values are in memory as bytes of the file.
+#[derive(Default)]
+pub(super) struct LoadedColumns {
+    columns: Vec<(Number, Vec<u8>)>,
+    rows: u64,
+    row: u64,
+}
+
+impl LoadedColumns {
+    /// Creates the columns, each with this number of values.
+    pub(super) fn new(columns: Vec<(Number, Vec<u8>)>, rows: u64) -> Self {
+        Self { columns, rows, row: 0 }
+    }
+
+    /// Reads the next row of a file with `width` columns; false at the end.
+    pub(super) fn next(&mut self, width: usize, cells: &mut Cells) -> bool {
+        if self.row == self.rows {
+            return false;
+        }
+        cells.values.clear();
+        for (number, bytes) in &self.columns {
+            let at = self.row as usize * usize::from(number.bytes);
+            cells.values.push(number.read(bytes.get(at..).unwrap_or_default()));
+        }
+        self.row += 1;
+        (cells.line, cells.whole) = (self.row, width);
+        true
+    }
+}

@@ -189,8 +189,11 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
         }
         (None, None) => page.text("rate", None, "samples per second, such as \"12.8 kHz\": settings of the recorder"),
     }
-    if preview.rate.is_none() && !preview.numbers.is_empty() {
-        let numbers: Vec<String> = preview.numbers.iter().take(NUMBERS_SHOWN).map(|name| quoted(name)).collect();
+    // A speed is a number of the file too.
+    let is_speed = |name: &str| name.to_ascii_lowercase().contains("rpm");
+    let rates = || preview.numbers.iter().filter(|name| !is_speed(name));
+    if preview.rate.is_none() && rates().next().is_some() {
+        let numbers: Vec<String> = rates().take(NUMBERS_SHOWN).map(|name| quoted(name)).collect();
         page.comment(&format!(
             "Or rate = {{ column = \"...\", unit = \"Hz\" }} by a number of the file: {}",
             numbers.join(", ")
@@ -229,6 +232,9 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
     if is_empty {
         page.comment("Such as { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }.");
         page.line("probes = [{ column = \"?\", unit = \"?\", station = \"?\", angle = \"?\" }]");
+        page.comment(
+            "Vibration of the housing instead: sensors = [{ column = \"...\", unit = \"g\" }], without probes and [rotor].",
+        );
     }
     let others: Vec<String> =
         preview.columns.iter().filter(|c| c.role == ColumnRole::Unknown).map(|c| quoted(&c.name)).collect();

@@ -23,13 +23,17 @@ use crate::recording::rotation::{RotationError, Tracker};
 use crate::recording::{Reader, Row};
 use crate::replay::Options;
 use crate::replay::verdict::verdict;
-use crate::scene::{Recording, Scene, Sensor, Sequence, build};
+use crate::scene::{Recording, RotationSource, Scene, Sensor, Sequence, build};
 use signals::{LEAST_TURNS, Signals};
 use std::time::Instant;
 use suspect::Suspect;
 
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
+
+/// Restriction of a finding without a measured speed.
+const UNMEASURED: &str =
+    "The shaft speed is that of the scene, not measured: at another speed the line belongs to another component.";
 
 /// Checks that every sensor measures a bearing of the scene.
 ///
@@ -102,7 +106,11 @@ pub fn replay(
         (true, Some(reason)) => format!("No verdict: {reason}."),
         (true, None) => findings.first().map_or_else(
             || "No line of a bearing stands out of the envelope of any band.".to_owned(),
-            |f| f.sentence.clone(),
+            |f| match recording.rotation {
+                // Every line is at a multiple of the speed: a wrong speed makes a finding of a wrong component.
+                RotationSource::Scene => format!("{} {UNMEASURED}", f.sentence),
+                _ => f.sentence.clone(),
+            },
         ),
     };
     let [least, mean, greatest] = found.speeds_hz.map(|hz| hz * 60.0);
