@@ -126,9 +126,17 @@ fn rotor(page: &mut Page, of: &Draft) {
         "about X and Y through the centre of mass, such as \"0.03 kg m^2\": CAD model",
     );
     page.text("polar_inertia", None, "about Z, such as \"0.006 kg m^2\": CAD model");
-    page.text("damping", None, "such as [400, 400, 400, 0.4, 0.4], N s/m and N m s/rad: `ballrace fit` estimates it");
+    page.text(
+        "damping",
+        None,
+        "such as [400, 400, 400, 0.4, 0.4], N s/m and N m s/rad: a guess, from which `ballrace fit` starts",
+    );
     page.by_default("gravity", "[0, -9.80665, 0]", "the default; m/s^2");
-    page.by_default("load", "[0, 0, 0, 0, 0]", "the default; constant force and moment on the rotor, N and N m");
+    page.by_default(
+        "load",
+        "[0, 0, 0, 0, 0]",
+        "the default; constant force and moment on the rotor, N and N m, such as an axial load",
+    );
     let unbalance = "[{ moment = \"60 g mm\", angle = \"0 deg\", station = \"0 mm\" }]";
     page.by_default("unbalance", unbalance, "none by default: `ballrace fit` estimates it");
     if of.bearings.len() == 1 {
@@ -174,7 +182,7 @@ fn bearing(page: &mut Page, i: usize, listed: &Listed, of: &Draft) {
 
 fn recording(page: &mut Page, file: &str, preview: &Preview) {
     page.table("[recording]");
-    page.key("file", &quoted(file), "from the folder of this scene");
+    page.key("file", &quoted(file), "recording; a relative path begins at the folder of this scene");
     let column = |role: &ColumnRole| preview.columns.iter().find(|column| column.role == *role);
     if preview.is_headless {
         page.key("header", "false", "the first line has values; the columns are c0, c1, ...");

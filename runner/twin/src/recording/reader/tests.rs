@@ -191,7 +191,7 @@ fn files_that_cannot_be_read() {
     let gone = Reader::open(Path::new("no/such/file.csv"), &rated()).err().unwrap();
     assert!(matches!(gone, RecordingError::Open { .. }) && !gone.is_scene_fault());
     let folder = Reader::open(Path::new(env!("CARGO_MANIFEST_DIR")), &rated()).err().unwrap();
-    assert!(folder.to_string().ends_with(": folder without a recording: 1 other files, expected files of a recording"));
+    assert!(folder.to_string().ends_with(": folder without a recording: 1 other file, expected files of a recording"));
 }
 
 #[test]
