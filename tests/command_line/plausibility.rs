@@ -1,6 +1,7 @@
 //! Recordings that cannot be of the scene's machine: exit code 4, the verdict says so first, nothing is diagnosed.
 
 use serde_json::Value;
+use std::path::Path;
 
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, changed, list, numbers, scene, short_recording, swap};
 
@@ -113,5 +114,33 @@ fn a_spike_of_the_keyphasor() {
             assert_eq!(outcome[key], plain[key], "{place}: {key}");
         }
         assert_eq!(list(&outcome, "flaws")[0]["kind"], "spurious_pulse", "{place}");
+    }
+}
+
+/// Eight balls in the scene, nine in the recording: `--force` diagnoses all the same and states what it overrides.
+#[test]
+fn a_forced_diagnosis() {
+    let wrong = DEMO_SCENE.replace("elements = 9", "elements = 8");
+    let spall = include_str!("../../runner/demo/outer-spall.csv");
+    implausible(&wrong, spall);
+    let outcome = Desk::with(&wrong, spall).replay("scene.toml", &["--force"]);
+    assert!(!list(&outcome, "findings").is_empty() && list(&outcome, "implausible").is_empty(), "{outcome:#}");
+    let notes = outcome["notes"].to_string();
+    assert!(notes.contains("Not plausible, diagnosed all the same: bearing DE: elements"), "{notes}");
+}
+
+/// Recordings of other machines, sound and with faults of every kind, fail no check of their scenes, where the files are at hand.
+#[test]
+fn faults_are_plausible() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings/fleet");
+    let rigs = std::fs::read_dir(&folder).into_iter().flatten().map(|rig| rig.unwrap().path());
+    let desk = Desk::empty();
+    for rig in rigs.filter(|path| path.is_dir()) {
+        for recording in std::fs::read_dir(&rig).unwrap().map(|file| file.unwrap().path()) {
+            if recording.extension().is_some_and(|ending| ending == "npy") {
+                let [scene, recording] = [&rig.join("scene.toml"), &recording].map(|path| path.to_str().unwrap());
+                desk.done(&["check", scene, "--recording", recording]);
+            }
+        }
     }
 }

@@ -239,7 +239,7 @@ fn scenes_of_the_documented_speeds_run() {
     }
 }
 
-/// What the probes record of a simulation is replayed as a recording: the twin that made it follows it down to the noise.
+/// The twin follows a recording of its own simulation down to the noise of the probes.
 #[test]
 fn a_simulated_recording_is_replayed() {
     let args = ["simulate", "scene.toml", "--duration", "1 s", "--settle", "0.4 s", "--as-recording", "-o"];

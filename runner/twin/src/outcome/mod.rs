@@ -3,6 +3,7 @@
 //! `--format json` prints [`Outcome`] with these field names. The types are plain data.
 
 mod fault_figures;
+mod finding;
 mod pictures;
 mod rotor;
 mod rotor_drawing;
@@ -10,6 +11,7 @@ mod snapshots;
 mod timing;
 
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
+pub use finding::{Estimate, EvidenceSource, FaultForm, FaultParameters, Finding, FindingKind, VibrationLine};
 pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, FilteredOrbit, ForceTrace,
     FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Trace,
@@ -23,7 +25,7 @@ use crate::baseline;
 use crate::plausibility::Implausibility;
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{OperatingClearance, Scene};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Result of one replay.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -519,214 +521,4 @@ pub struct CageOutcome {
     /// Azimuth of the first element with the shaft at its angle 0, between 0 and one pitch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_element_azimuth_deg: Option<Estimate>,
-}
-
-/// Kind of fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FindingKind {
-    /// Damage of an outer race.
-    OuterRace,
-    /// Damage of an inner race.
-    InnerRace,
-    /// Damage of a rolling element.
-    Element,
-    /// Cage.
-    Cage,
-    /// Mass unbalance.
-    Unbalance,
-    /// Shaft misalignment.
-    Misalignment,
-    /// Too much or too little clearance.
-    Clearance,
-    /// Constant load other than the scene's.
-    Load,
-    /// Another fault.
-    Other,
-}
-
-/// Form of a surface fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FaultForm {
-    /// Local damage.
-    Spall,
-    /// A wave around the whole surface.
-    Waviness,
-}
-
-/// An estimate with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Most likely value.
-    pub value: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end of the interval.
-    pub high: f64,
-}
-
-/// Place and size of a fault, as far as it has them.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct FaultParameters {
-    /// Form of a surface fault.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub form: Option<FaultForm>,
-    /// Place of a spall: on the outer ring from +X towards +Y, on the inner ring from the keyphasor mark.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub azimuth_deg: Option<Estimate>,
-    /// Number of the damaged element, from 1 at the azimuth of the first element.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub element: Option<usize>,
-    /// Half the extent of a spall along its surface.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub half_width_deg: Option<Estimate>,
-    /// Greatest depth of a spall.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth_um: Option<Estimate>,
-    /// Waves around the surface.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub waviness_order: Option<u32>,
-    /// Amplitude of the wave, zero to peak.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub amplitude_um: Option<Estimate>,
-    /// Tilt of the outer ring.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tilt_mrad: Option<Estimate>,
-    /// Axis of the tilt, from +X towards +Y.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub axis_deg: Option<Estimate>,
-    /// Diametral clearance.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub clearance_um: Option<Estimate>,
-    /// Unbalance of the whole rotor.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub moment_g_mm: Option<Estimate>,
-    /// Its angle from the keyphasor mark.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub angle_deg: Option<Estimate>,
-    /// Its station along Z as drawn.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub station_mm: Option<Estimate>,
-    /// Direction of the force of a spall, in the frame of its component: from +X, from the keyphasor mark, from element 1. It is
-    /// taken from the measured motion without the fit of the spall, 0 to 360.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force_direction_deg: Option<f64>,
-    /// Largest force of the mean pass of an element over a spall.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force_n: Option<f64>,
-    /// Constant load on the rotor along X, Y and Z, without its weight.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub load_n: Option<[Estimate; 3]>,
-    /// Logarithm of the likelihood ratio against the machine without this fault.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub log_likelihood_gain: Option<f64>,
-    /// Odds against the next likely cause, at most 1e12.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub odds_to_next: Option<f64>,
-    /// Part of the unexplained residual that this fault explains, 0 to 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub explained: Option<f64>,
-}
-
-impl FaultParameters {
-    /// Returns the size of the fault in the unit of its kind: depth, amplitude, tilt, clearance or moment.
-    #[must_use]
-    pub fn size(&self) -> Option<f64> {
-        let sizes = [self.depth_um, self.amplitude_um, self.tilt_mrad, self.clearance_um, self.moment_g_mm];
-        sizes.into_iter().flatten().next().map(|size| size.value)
-    }
-}
-
-/// Measurement that shows a fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EvidenceSource {
-    /// Motion of the shaft at the displacement probes.
-    ShaftMotion,
-    /// Envelope spectrum of a vibration sensor.
-    Vibration,
-}
-
-/// Line of a fault in the envelope spectrum of a vibration sensor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct VibrationLine {
-    /// Column of the sensor.
-    pub sensor: String,
-    /// Least and greatest frequency of the band.
-    pub band_hz: [f64; 2],
-    /// Frequency of the line at the mean speed.
-    pub line_hz: f64,
-    /// Per turn of the shaft.
-    pub order: f64,
-    /// Amplitude of the line over the band's mean square.
-    pub modulation: f64,
-    /// Line over its surroundings, or over the baseline.
-    pub level_db: f64,
-    /// Other bearings with the same lines that the sensor measures.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub not_excluded: Vec<String>,
-}
-
-/// Diagnosis of a fault with its evidence.
-#[derive(Debug, Clone, Serialize)]
-pub struct Finding {
-    /// Fault.
-    pub kind: FindingKind,
-    /// Bearing, where the fault has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bearing: Option<String>,
-    /// Frequency of the first line of the fault at the mean speed; 0 where the fault changes the mean position.
-    pub line_hz: f64,
-    /// Per turn of the shaft.
-    pub order: f64,
-    /// Of shaft motion: fall of chi-squared by the fault over the least that counts. Of vibration: the line over its
-    /// surroundings or over the baseline. dB.
-    pub level_db: f64,
-    /// 0 to 1.
-    pub confidence: f64,
-    /// Measurements that show the fault.
-    pub evidence: Vec<EvidenceSource>,
-    /// Line of the fault in the vibration, where it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub vibration: Option<VibrationLine>,
-    /// Place and size.
-    #[serde(flatten)]
-    pub parameters: FaultParameters,
-    /// The finding as a sentence.
-    pub sentence: String,
-    /// Data of its figures, not part of the JSON.
-    #[serde(skip)]
-    pub figures: FaultFigures,
-}
-
-impl Finding {
-    /// Adds the data of the figures, with the numbers of the force rose.
-    #[must_use]
-    pub fn with_figures(mut self, figures: FaultFigures) -> Self {
-        self.parameters.force_direction_deg = figures.rose.as_ref().map(|rose| rose.direction_deg);
-        self.parameters.force_n = figures.rose.as_ref().map(|rose| rose.peak_n);
-        self.figures = figures;
-        self
-    }
-}
-
-impl Finding {
-    /// Returns the finding with a station from the centre of mass replaced by that of the scene's drawing. The sentence is not changed.
-    #[must_use]
-    pub fn with_station_as_drawn(mut self, scene: &Scene) -> Self {
-        let origin_mm = scene.drawn_station(0.0) * 1e3;
-        if let Some(station) = &mut self.parameters.station_mm {
-            station.value += origin_mm;
-            station.low += origin_mm;
-            station.high += origin_mm;
-        }
-        self
-    }
-
-    /// Returns true where both name the same fault, whatever its size.
-    #[must_use]
-    pub fn is_same_fault(&self, other: &Self) -> bool {
-        self.kind == other.kind && self.bearing == other.bearing && self.parameters.form == other.parameters.form
-    }
 }

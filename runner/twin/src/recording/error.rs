@@ -2,7 +2,7 @@
 
 use crate::printable::name;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Longest list of columns that a message carries.
 const COLUMNS_SHOWN: usize = 30;
@@ -251,6 +251,15 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
+    /// Returns the error of a binary file whose reading ended with `cause`.
+    pub(super) fn unreadable(file: &Path, cause: &io::Error, expected: &'static str) -> Self {
+        let found = match cause.kind() {
+            io::ErrorKind::UnexpectedEof => "a file that is cut short".to_owned(),
+            _ => cause.to_string(),
+        };
+        Self::Format { file: file.into(), found, expected }
+    }
+
     /// Returns true where scene and file contradict each other.
     #[must_use]
     pub const fn is_scene_fault(&self) -> bool {
@@ -265,6 +274,11 @@ impl RecordingError {
                 | Self::NoSequence { .. }
         )
     }
+}
+
+/// Returns an error of reading for content that a file may not have.
+pub(super) fn refuse(found: impl Into<String>) -> io::Error {
+    io::Error::other(found.into())
 }
 
 fn other_files(count: usize) -> String {

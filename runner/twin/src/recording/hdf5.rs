@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 use self::object::Dataset;
 use super::bytes::Bytes;
-use super::error::RecordingError;
+use super::error::{RecordingError, refuse};
 use super::numbers::{LoadedColumns, Number};
 use super::table::{Cells, Table, equal_lengths};
 
@@ -105,16 +105,8 @@ const fn little(bytes: &[u8]) -> Bytes<'_> {
     Bytes { rest: bytes, big_endian: false }
 }
 
-fn refuse(found: impl Into<String>) -> io::Error {
-    io::Error::other(found.into())
-}
-
 fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
-    let found = match cause.kind() {
-        io::ErrorKind::UnexpectedEof => "a file that is cut short".into(),
-        _ => cause.to_string(),
-    };
-    RecordingError::Format { file: path.into(), found, expected: EXPECTED }
+    RecordingError::unreadable(path, cause, EXPECTED)
 }
 
 /// A vector of a dataset: all of it, or a column or row.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::DMatrix;
 
 use super::bytes::Bytes;
-use super::error::RecordingError;
+use super::error::{RecordingError, refuse};
 use super::numbers::{LoadedColumns, Number};
 use super::table::{Cells, Table, equal_lengths};
 use walk::Element;
@@ -90,15 +90,7 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
 }
 
 fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
-    let found = match cause.kind() {
-        io::ErrorKind::UnexpectedEof => "a file that is cut short".into(),
-        _ => cause.to_string(),
-    };
-    RecordingError::Format { file: path.into(), found, expected: EXPECTED }
-}
-
-fn refuse(found: impl Into<String>) -> io::Error {
-    io::Error::other(found.into())
+    RecordingError::unreadable(path, cause, EXPECTED)
 }
 
 /// Reads the first of these variables that a file has, as a matrix with up to `most` rows and columns.

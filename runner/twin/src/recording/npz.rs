@@ -14,7 +14,7 @@ use std::path::Path;
 use flate2::read::DeflateDecoder;
 
 use super::bytes::Bytes;
-use super::error::RecordingError;
+use super::error::{RecordingError, refuse};
 use super::npy::{self, Array};
 use super::numbers::{Lane, Layout, Numbers};
 use super::table::Table;
@@ -98,10 +98,6 @@ fn read(mut file: File, given: FileLayout) -> io::Result<(File, Layout)> {
         return Err(refuse("no array of numbers"));
     }
     Ok((file, layout))
-}
-
-fn refuse(found: impl Into<String>) -> io::Error {
-    io::Error::other(found.into())
 }
 
 const fn little(bytes: &[u8]) -> Bytes<'_> {

@@ -16,7 +16,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::bytes::Bytes;
-use super::error::RecordingError;
+use super::error::{RecordingError, refuse};
 use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
 use super::table::Table;
 use scale::Scales;
@@ -54,10 +54,6 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
         RecordingError::Format { file: path.into(), found, expected: EXPECTED }
     })?;
     Ok(Box::new(Numbers::new(file, path, layout)))
-}
-
-fn refuse(found: impl Into<String>) -> io::Error {
-    io::Error::other(found.into())
 }
 
 fn read(file: &mut File) -> io::Result<Layout> {

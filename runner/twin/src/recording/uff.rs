@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::error::RecordingError;
+use super::error::{RecordingError, refuse};
 use super::numbers::{Kind, Number};
 use super::table::{Cells, Table, equal_lengths};
 
@@ -81,15 +81,7 @@ pub(super) fn open(file: File, path: &Path) -> Result<Box<dyn Table>, RecordingE
 }
 
 fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
-    let found = match cause.kind() {
-        io::ErrorKind::UnexpectedEof => "a file that is cut short".into(),
-        _ => cause.to_string(),
-    };
-    RecordingError::Format { file: path.into(), found, expected: EXPECTED }
-}
-
-fn refuse(found: impl Into<String>) -> io::Error {
-    io::Error::other(found.into())
+    RecordingError::unreadable(path, cause, EXPECTED)
 }
 
 /// Returns the names of the columns: node and direction, the label, or a number from 0, whichever is unique.

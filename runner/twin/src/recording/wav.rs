@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::error::RecordingError;
+use super::error::{RecordingError, refuse};
 use super::numbers::{Kind, Lane, Layout, Number, Numbers, Run};
 use super::table::Table;
 
@@ -36,10 +36,6 @@ pub(super) fn open(file: File, path: &Path) -> Result<Box<dyn Table>, RecordingE
         _ => wrong(cause.to_string()),
     })?;
     Ok(Box::new(Numbers::new(file, path, layout)))
-}
-
-fn refuse(found: impl Into<String>) -> io::Error {
-    io::Error::other(found.into())
 }
 
 /// Reads chunk by chunk up to the samples.

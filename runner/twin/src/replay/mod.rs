@@ -9,7 +9,7 @@ mod options;
 mod ahead;
 
 // A row becomes a sample with a shaft angle.
-pub(crate) mod session;
+mod session;
 // The stages, called in this order.
 mod pipeline;
 

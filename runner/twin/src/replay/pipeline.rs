@@ -133,15 +133,14 @@ impl<'a> Pipeline<'a> {
             period: 1.0 / rate,
             speed: scene.shaft.speed,
             process_noise: scene.observer.process_noise,
-            is_synchronous: scene.recording.as_ref().is_some_and(|r| r.rotation == RotationSource::Synchronous),
+            is_synchronous: recording.rotation == RotationSource::Synchronous,
             cancelled: Arc::new(AtomicBool::new(false)),
         };
         let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
         let planes = probes::planes(probes);
-        let sensors = scene.recording.as_ref().map_or(&[][..], |recording| &recording.sensors);
         let baseline = options
             .baseline
-            .map(|path| Baseline::read(path, probes, sensors, &followed_orders(bearings)))
+            .map(|path| Baseline::read(path, probes, &recording.sensors, &followed_orders(bearings)))
             .transpose()?;
         let limits = LimitMonitor::try_new(&scene.limits, probes, bearings, baseline.as_ref())?;
         let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
@@ -165,16 +164,13 @@ impl<'a> Pipeline<'a> {
                 RunningDiagnosis::new(scene, plant, probes, 1.0 / rate, baseline.clone(), force)
             }),
             calibration: None,
+            // Sensors keep the rate of the recording.
             vibration: if options.live {
-                let average = scene.recording.as_ref().map_or(1, |recording| recording.average);
-                RunningVibration::new(scene, rate * f64::from(average), baseline.as_ref())
+                RunningVibration::new(scene, rate * f64::from(recording.average), baseline.as_ref())
             } else {
                 None
             },
-            signals: scene.recording.as_ref().filter(|_| !options.live).and_then(|recording| {
-                // Sensors keep the rate of the recording.
-                Signals::new(recording, rate * f64::from(recording.average))
-            }),
+            signals: if options.live { None } else { Signals::new(recording, rate * f64::from(recording.average)) },
             baseline,
             deflection: MeanDeflection::new(&plant),
             figures: FigureCollector::new(probes, planes.clone(), bearings, rate, scene.shaft.speed),

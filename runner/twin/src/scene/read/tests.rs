@@ -2,6 +2,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
 use super::super::{Axial, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Support};
 use super::*;
+use crate::scene::{Clock, KeyphasorSignal, Orientation, PulseDetection, RotationSource, Slope};
 
 /// Each `[[bearing]]`.
 mod bearing;

@@ -1,6 +1,7 @@
 //! Fits, temperatures and temperature channels.
 
 use super::*;
+use crate::scene::Ring;
 
 const STEEL: &str = "fit = { shaft_interference = \"10 um\", bore = \"30 mm\", outside_diameter = \"72 mm\" }";
 const WARM: &str = "temperatures = { inner = \"60 degC\", outer = \"45 degC\" }";
