@@ -136,10 +136,10 @@ fn faults_are_plausible() {
     let rigs = std::fs::read_dir(&folder).into_iter().flatten().map(|rig| rig.unwrap().path());
     let desk = Desk::empty();
     for rig in rigs.filter(|path| path.is_dir()) {
+        let scene = rig.join("scene.toml");
         for recording in std::fs::read_dir(&rig).unwrap().map(|file| file.unwrap().path()) {
             if recording.extension().is_some_and(|ending| ending == "npy") {
-                let [scene, recording] = [&rig.join("scene.toml"), &recording].map(|path| path.to_str().unwrap());
-                desk.done(&["check", scene, "--recording", recording]);
+                desk.done(&["check", scene.to_str().unwrap(), "--recording", recording.to_str().unwrap()]);
             }
         }
     }

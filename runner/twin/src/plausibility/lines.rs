@@ -4,8 +4,9 @@
 use super::{Evidence, Implausibility};
 use crate::recording::Sample;
 use crate::scene::build::kinematics;
-use crate::scene::{Direction, RotationSource, Scene};
+use crate::scene::{Bearing, Direction, RotationSource, Scene};
 use crate::spectrum::amplitudes;
+use ballrace::bearing::kinematics::Orders;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
@@ -142,7 +143,7 @@ struct BearingLines {
 impl Lines {
     fn of(scene: &Scene) -> Self {
         let bearings = scene.bearings.iter().filter(|bearing| bearing.elements > 0).filter_map(|bearing| {
-            let orders = kinematics(scene, bearing).ok()?.orders;
+            let orders = rolling_orders(scene, bearing)?;
             let cage = orders.outer_race / bearing.elements as f64;
             // A defect that turns with the inner ring or with a ball has its lines beside the harmonics.
             let parts = [(orders.outer_race, 0.0), (orders.inner_race, 1.0), (orders.ball_spin, cage)];
@@ -165,6 +166,14 @@ impl Lines {
         let bearings = self.bearings.iter().flat_map(|bearing| bearing.lines.clone());
         bearings.chain(harmonics_of_shaft()).collect()
     }
+}
+
+/// Returns the orders of pure rolling; those of `cage_ratio` only where there is no geometry. A cage ratio that was estimated from the
+/// recording with a wrong number of elements fits its line.
+fn rolling_orders(scene: &Scene, bearing: &Bearing) -> Option<Orders> {
+    let free = Bearing { cage_ratio: None, ..bearing.clone() };
+    let rolling = kinematics(scene, &free).ok().filter(|kinematics| kinematics.spin_known);
+    rolling.or_else(|| kinematics(scene, bearing).ok()).map(|kinematics| kinematics.orders)
 }
 
 fn harmonics_of_shaft() -> impl Iterator<Item = RangeInclusive<f64>> {

@@ -8,7 +8,7 @@ use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, Calibration, Diagnosis, Material};
 use crate::error::Result;
 use crate::plant::Plant;
-use crate::plausibility::implausible_samples;
+use crate::plausibility::{Implausibility, implausible_samples};
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
 use crate::recording::{Reader, Row, Sample};
@@ -79,9 +79,9 @@ impl Ahead {
         Ok(Self { rows, is_whole, samples: block.into_samples(), period })
     }
 
-    /// Returns true where the samples read cannot be of the scene's machine.
-    pub fn is_implausible(&self, scene: &Scene) -> bool {
-        !implausible_samples(scene, &self.samples, self.period).is_empty()
+    /// Returns everything about the samples read that is not plausible.
+    pub fn implausible(&self, scene: &Scene) -> Vec<Implausibility> {
+        implausible_samples(scene, &self.samples, self.period)
     }
 
     /// Diagnoses the samples read; none where they do not allow it.

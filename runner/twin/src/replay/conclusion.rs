@@ -7,7 +7,7 @@ use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
 use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
-use crate::plausibility::{Evidence, implausible};
+use crate::plausibility::{Evidence, Implausibility, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::Scene;
 use crate::vibration::join::join;
@@ -57,7 +57,12 @@ impl Pipeline<'_> {
         if implausible.is_empty() {
             implausible = plausibility::unlike_twin(&probes, self.force.bearings(), bearings);
         }
-        let overridden = if self.force_diagnosis { std::mem::take(&mut implausible) } else { vec![] };
+        let mut overridden = std::mem::take(&mut self.overridden);
+        if self.force_diagnosis {
+            let is_new = |one: &Implausibility| overridden.iter().all(|known| known.subject != one.subject);
+            let new: Vec<Implausibility> = implausible.drain(..).filter(is_new).collect();
+            overridden.extend(new);
+        }
         self.notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
         let mut not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();

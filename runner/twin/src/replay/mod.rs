@@ -122,7 +122,8 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         }
     };
     let mut calibration = baseline.and_then(|baseline| baseline.calibration);
-    let is_diagnosed = options.force_diagnosis || !ahead.is_implausible(&scene);
+    let implausible = ahead.implausible(&scene);
+    let is_diagnosed = options.force_diagnosis || implausible.is_empty();
     if options.learn && is_diagnosed {
         // An error of the scene is no fault of the machine.
         calibration = ahead.calibrate(&scene, &plant, recording, calibration.as_ref())?;
@@ -163,5 +164,8 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         }
     }
     replay.add_notes(reader.notes());
+    if options.force_diagnosis {
+        replay.override_checks(implausible);
+    }
     replay.finish(recording_name, reader.flaws().summary())
 }

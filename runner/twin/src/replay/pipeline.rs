@@ -30,7 +30,7 @@ use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
 use crate::error::Result;
 use crate::plant::{AXIAL, MOST_OBSERVED, Plant, only_observable, unbalance_note};
-use crate::plausibility::Collector;
+use crate::plausibility::{Collector, Implausibility};
 use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
@@ -90,6 +90,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) collected: Collector,
     /// An implausible recording is diagnosed too.
     pub(super) force_diagnosis: bool,
+    /// Failed checks of the first samples that a forced diagnosis overrides.
+    pub(super) overridden: Vec<Implausibility>,
     pub(super) totals: Totals,
     pub(super) timing: Ledger,
     pub(super) notices: Notices,
@@ -182,6 +184,7 @@ impl<'a> Pipeline<'a> {
             counts: Counts::default(),
             collected: Collector::new(recording, scene.shaft.speed),
             force_diagnosis: options.force_diagnosis,
+            overridden: vec![],
             totals: Totals::default(),
             timing: Ledger::try_new(1.0 / rate)?,
             notices: Notices::default(),

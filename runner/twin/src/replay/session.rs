@@ -11,6 +11,7 @@ use super::temperature::TemperatureMonitor;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::{Event, Outcome};
+use crate::plausibility::Implausibility;
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
@@ -227,6 +228,11 @@ impl<'a> Replay<'a> {
     pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>, note: Option<String>) {
         self.pipeline.calibration = calibration;
         self.pipeline.notes.extend(note);
+    }
+
+    /// Notes the checks of the first samples that failed and that a forced diagnosis overrides.
+    pub(super) fn override_checks(&mut self, implausible: Vec<Implausibility>) {
+        self.pipeline.overridden = implausible;
     }
 
     /// Adds notes to those of the outcome.
