@@ -269,8 +269,12 @@ def _on_cluster(client: Client, machines: list[str], reports: bool, error: float
     def submit(part: list[str]) -> Any:
         return client.submit(_evaluate_task, part, reports, error, pure=False)
 
+    def failed(machine: str, reason: str) -> Evaluated:
+        return _native.failed(machine, f"the machine could not be evaluated: {reason}"), None
+
     tasks = {submit(part): part for part in parts}
     done = as_completed(list(tasks))
+    suspects: list[str] = []
     for task in done:
         part = tasks.pop(task)
         try:
@@ -282,7 +286,18 @@ def _on_cluster(client: Client, machines: list[str], reports: bool, error: float
                     single = submit([machine])
                     tasks[single] = [machine]
                     done.add(single)
-                continue
-            reason = "its worker ended several times" if isinstance(cause, KilledWorker) else repr(cause)
-            yield _native.failed(part[0], f"the machine could not be evaluated: {reason}"), None
+            elif isinstance(cause, KilledWorker):
+                suspects += part
+            else:
+                yield failed(part[0], repr(cause))
+        task.release()
+    # Dask blames every task that waited on a lost worker; a machine that runs alone is to blame itself.
+    for machine in suspects:
+        task = submit([machine])
+        try:
+            yield from task.result()
+        except KilledWorker:
+            yield failed(machine, "its worker ended several times")
+        except Exception as cause:
+            yield failed(machine, repr(cause))
         task.release()
