@@ -146,6 +146,19 @@ fn the_list_of_the_catalogue() {
     assert_eq!(csv.lines().count(), rows.as_array().unwrap().len() + 1);
 }
 
+/// The path of a recording beside the folder of the scene leads there from the scene, wherever both are moved.
+#[test]
+fn a_recording_in_another_folder() {
+    let desk = Desk::empty();
+    fs::create_dir_all(desk.path("scenes/pumps")).unwrap();
+    fs::create_dir_all(desk.path("recordings")).unwrap();
+    desk.put("recordings/run.csv", short_recording(SAMPLES));
+    let args = ["new", "--bearing", "6205", "--recording", "recordings/run.csv", "-o", "scenes/pumps/a.toml"];
+    desk.done(&args);
+    let text = desk.read("scenes/pumps/a.toml");
+    assert!(text.contains("\"../../recordings/run.csv\""), "{text}");
+}
+
 #[test]
 fn wrong_options_of_new() {
     let desk = Desk::empty();

@@ -333,11 +333,15 @@ fn timing(page: &mut Page, timing: &Timing) {
 
 fn compute_times(page: &mut Page, timing: &Timing) {
     let pace = format!(
-        "{} in {} s, {} times real time; diagnosis {} s{}",
+        "{} in {} s, {} times real time{}{}",
         counted(timing.samples, "sample"),
         fixed(timing.wall_s, 3),
         alone(timing.times_real_time),
-        fixed(timing.diagnosis_s, 1),
+        if timing.diagnosis_s > 0.0 {
+            format!("; diagnosis {} s", fixed(timing.diagnosis_s, 1))
+        } else {
+            String::new()
+        },
         timing
             .peak_memory_bytes
             .map_or_else(String::new, |bytes| format!("; peak memory {} MB", fixed(bytes as f64 / 1e6, 1)))
@@ -384,6 +388,19 @@ mod tests {
         assert!(outcome.probes.iter().all(|probe| text.contains(&probe.name)));
         assert!(outcome.bearings.iter().all(|bearing| text.contains(&bearing.model)));
         assert!(outcome.findings.iter().all(|finding| text.contains(&finding.sentence[..20])));
+    }
+
+    #[test]
+    fn a_finding_of_the_verdict_is_not_repeated_and_has_its_action() {
+        let mut outcome = fixture::usual();
+        outcome.findings.truncate(1);
+        let finding = outcome.findings.first().unwrap();
+        outcome.verdict = format!("The machine departs from its twin. {}", finding.sentence);
+        let text = text(&outcome).split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = finding.sentence.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(text.matches(&said).count(), 1, "{text}");
+        assert!(text.contains(words::action(finding.kind)) && text.contains(words::severity(finding)), "{text}");
+        assert!(text.contains("diagnosis 2.5 s"), "{text}");
     }
 
     #[test]

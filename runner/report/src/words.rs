@@ -335,7 +335,7 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
 
 /// Remark where a simpler model leaves less than the twin.
 pub(super) const BEATEN: &str =
-    "WORSE: a simpler model leaves less than the twin, so the machine has a fault or differs from the scene.";
+    "WORSE: a simpler model leaves less than the twin; the machine may have a fault or differ from the scene.";
 
 /// Compares the twin with the best simpler model.
 pub(super) const fn standing(standing: Standing) -> &'static str {

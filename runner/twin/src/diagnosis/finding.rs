@@ -393,7 +393,7 @@ impl Reported<'_, '_> {
         match cause {
             Cause::Unbalance => format!(
                 "Unbalance other than the scene's: {} g mm at {} deg from the keyphasor mark, station {:.1} mm",
-                described(p.moment_g_mm, 1),
+                described_size(p.moment_g_mm, 1),
                 described(p.angle_deg, 1),
                 value(p.station_mm) + 1e3 * self.e.scene.drawn_station(0.0)
             ),
@@ -409,7 +409,7 @@ impl Reported<'_, '_> {
             }
             Cause::Misalignment(_) => format!(
                 "Misalignment of {bearing}: its outer ring is tilted by {} mrad about an axis at {} deg from +X",
-                described(p.tilt_mrad, 3),
+                described_size(p.tilt_mrad, 3),
                 described(p.axis_deg, 0)
             ),
             Cause::Spall(_, component) => {
@@ -422,7 +422,7 @@ impl Reported<'_, '_> {
                 };
                 format!(
                     "{surface} of {bearing}: a spall {place}, {} um deep, half width {:.2} deg",
-                    described(p.depth_um, 2),
+                    described_size(p.depth_um, 2),
                     value(p.half_width_deg)
                 )
             }
@@ -430,7 +430,7 @@ impl Reported<'_, '_> {
                 let surface = if component == Component::Outer { "Outer race" } else { "Inner race" };
                 format!(
                     "{surface} of {bearing}: waviness of order {order}, amplitude {} um",
-                    described(p.amplitude_um, 3)
+                    described_size(p.amplitude_um, 3)
                 )
             }
         }
@@ -484,15 +484,17 @@ fn not_negative(e: Estimate) -> Estimate {
     Estimate { low: e.low.max(0.0), ..e }
 }
 
-/// Describes an estimate by its value and interval, or by its interval alone where this reaches down to nothing.
+/// Describes an estimate by its value and interval.
 fn described(estimate: Option<Estimate>, digits: usize) -> String {
-    estimate.map_or(String::new(), |e| {
-        if e.low == 0.0 {
-            format!("between 0 and {:.digits$}", e.high)
-        } else {
-            format!("{:.digits$} ({:.digits$} to {:.digits$})", e.value, e.low, e.high)
-        }
-    })
+    estimate.map_or(String::new(), |e| format!("{:.digits$} ({:.digits$} to {:.digits$})", e.value, e.low, e.high))
+}
+
+/// Describes a size that is not negative; by its interval alone where this reaches down to nothing.
+fn described_size(estimate: Option<Estimate>, digits: usize) -> String {
+    match estimate {
+        Some(e) if e.low <= 0.0 => format!("between 0 and {:.digits$}", e.high),
+        _ => described(estimate, digits),
+    }
 }
 
 /// Returns an estimate from its standard deviation.
@@ -505,4 +507,23 @@ fn around(value: f64, deviation: f64) -> Estimate {
 fn within_turn(e: Estimate) -> Estimate {
     let shift = e.value.rem_euclid(360.0) - e.value;
     Estimate { value: e.value + shift, low: e.low + shift, high: e.high + shift }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_has_no_negative_part() {
+        let unclear = not_negative(around(3.93, 46.4));
+        assert_eq!((unclear.low, unclear.value), (0.0, 3.93));
+        assert_eq!(described_size(Some(unclear), 1), "between 0 and 94.9");
+        assert_eq!(described_size(Some(not_negative(around(3.0, 0.1))), 2), "3.00 (2.80 to 3.20)");
+    }
+
+    #[test]
+    fn an_angle_or_a_preload_may_be_zero_or_less() {
+        assert_eq!(described(Some(around(0.0, 0.0)), 1), "0.0 (0.0 to 0.0)");
+        assert_eq!(described(Some(around(-2.0, 1.0)), 1), "-2.0 (-4.0 to -0.0)");
+    }
 }

@@ -28,7 +28,7 @@ pub struct Timing {
     pub sample_period_ns: u64,
     /// Wall time from the first processed sample to the outcome.
     pub wall_s: f64,
-    /// Wall time of the diagnosis and of the estimation of the cages before it.
+    /// Wall time of calibration and diagnosis; 0 without either, and for diagnoses beside the samples of a monitor.
     pub diagnosis_s: f64,
     /// Recording's time over wall time.
     pub times_real_time: f64,

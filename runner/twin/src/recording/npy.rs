@@ -108,7 +108,7 @@ impl Array {
                 Err(io::Error::other(format!("{channels} columns of structures of {} fields", fields.len())))
             }
             ElementType::Plain(kind) if channels > MOST => Err(io::Error::other(format!(
-                "{channels} columns of type {}, expected at most {MOST}, or `orientation` in [recording]",
+                "{channels} columns of type {}, expected at most {MOST}, or orientation = \"channels-first\" in [recording]",
                 kind.text
             ))),
             ElementType::Plain(kind) => {

@@ -224,11 +224,12 @@ impl<'a> Replay<'a> {
         self.pipeline.diagnosed = Some(diagnosis);
     }
 
-    /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.
+    /// Adds the time of calibration and diagnosis before the first sample.
     pub(super) fn add_diagnosis_time(&mut self, took: Duration) {
         self.pipeline.timing.diagnosed(took);
     }
 
+    /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.
     pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>, note: Option<String>) {
         self.pipeline.calibration = calibration;
         self.pipeline.notes.extend(note);

@@ -44,7 +44,7 @@ impl Ledger {
         self.compute.saturating_record(nanoseconds(begun.elapsed()));
     }
 
-    /// Records the time of a diagnosis.
+    /// Adds the time of a calibration or diagnosis.
     pub fn diagnosed(&mut self, took: Duration) {
         self.diagnosis += took;
     }

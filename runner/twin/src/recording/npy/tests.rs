@@ -94,6 +94,11 @@ fn channels_in_rows() {
     );
     assert_eq!(with(&file, Some(Orientation::ChannelsFirst)), (2, vec![]));
     assert_eq!(with(&file, Some(Orientation::SamplesFirst)), (1200, vec![]));
+    let long = npy("'|u1'", "False", "(2, 70000)", &[0; 140_000]);
+    std::fs::write(&path, long).unwrap();
+    let layout = FileLayout { orientation: Some(Orientation::SamplesFirst), ..FileLayout::default() };
+    let error = Reader::open(&path, &Recording { layout, ..recording(&["c1"]) }).err().unwrap().to_string();
+    assert!(error.contains("70000 columns") && error.contains("orientation = \"channels-first\""), "{error}");
     let few = npy("'<f8'", "False", "(3, 20)", &doubles(60));
     assert_eq!(with(&few, None), (20, vec![]));
     assert_eq!(with(&few, Some(Orientation::ChannelsFirst)), (3, vec![]));
