@@ -112,7 +112,9 @@ fn a_page_shows_a_fault_and_a_user_acknowledges_it_once() {
     let site = Site::demonstration(&with_token);
     let page = site.get("/");
     assert!(is(&page, 200) && page.body.contains("<!DOCTYPE html>"), "{}", page.head);
-    for header in ["content-security-policy: default-src 'none'", "x-content-type-options: nosniff", "x-frame-options: deny"] {
+    for header in
+        ["content-security-policy: default-src 'none'", "x-content-type-options: nosniff", "x-frame-options: deny"]
+    {
         assert!(page.head.contains(header), "{header} in {}", page.head);
     }
     for outside in ["http://", "https://", "<style", "onclick"] {

@@ -58,7 +58,11 @@ impl Browser {
         loop {
             let mut bytes = vec![];
             self.from.read_until(0, &mut bytes).unwrap();
-            assert_eq!(bytes.pop(), Some(0), "chromium ended; type: apt-get install -y --no-install-recommends chromium");
+            assert_eq!(
+                bytes.pop(),
+                Some(0),
+                "chromium ended; type: apt-get install -y --no-install-recommends chromium"
+            );
             let mut answer: Value = serde_json::from_slice(&bytes).unwrap();
             match answer["method"].as_str() {
                 Some("Runtime.exceptionThrown") => self.problems.push(answer["params"].to_string()),
@@ -123,7 +127,9 @@ fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
     browser.evaluate("window.before = document.querySelector('#figures svg').outerHTML");
     browser.wait_for("document.querySelector('#figures svg').outerHTML !== window.before");
     let click = |token: &str| {
-        format!("document.getElementById('token').value = '{token}'; document.querySelector('#alarm-list button').click()")
+        format!(
+            "document.getElementById('token').value = '{token}'; document.querySelector('#alarm-list button').click()"
+        )
     };
     browser.evaluate(&click("a-wrong-token"));
     browser.wait_for("document.getElementById('answer').textContent.includes('wrong or missing token')");
@@ -146,8 +152,7 @@ fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
 fn markup_in_names_is_text_in_a_browser() {
     let desk = Desk::with(&hostile_scene(), &short_recording(12_800));
     let source = crate::live::port();
-    let site =
-        Site::start(desk, &["scene.toml", "--source", &format!("tcp:{source}"), "--encoding", "frames"]);
+    let site = Site::start(desk, &["scene.toml", "--source", &format!("tcp:{source}"), "--encoding", "frames"]);
     let mut browser = Browser::open(&format!("http://127.0.0.1:{}/", site.port));
     browser.has_word("NO DATA");
     let rows = rows(12_800);
@@ -159,7 +164,10 @@ fn markup_in_names_is_text_in_a_browser() {
     assert!(browser.text("machine").contains("<b>rig</b><script>"), "{}", browser.text("machine"));
     browser.wait_for("document.querySelectorAll('#figures svg').length > 5");
     browser.wait_for("document.getElementById('figures').textContent.includes('<b>')");
-    assert_eq!(browser.evaluate("document.querySelectorAll('b script, p b, svg b, nav b, script:not([src])').length"), 0);
+    assert_eq!(
+        browser.evaluate("document.querySelectorAll('b script, p b, svg b, nav b, script:not([src])').length"),
+        0
+    );
     assert_eq!(browser.problems, [""; 0]);
 }
 

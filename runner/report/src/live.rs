@@ -2,9 +2,7 @@
 
 use super::figures::{Picture, present_loads, sections, trends};
 use anyhow::Result;
-use ballrace_twin::outcome::{
-    Block, HalfSpectrum, LimitLine, Orbit, Outcome, Pictures, ProbeOutcome, Record, Trace,
-};
+use ballrace_twin::outcome::{Block, HalfSpectrum, LimitLine, Orbit, Outcome, Pictures, ProbeOutcome, Record, Trace};
 use ballrace_twin::replay::Snapshot;
 use ballrace_twin::scene::{Direction, Probe, Scene};
 use ballrace_twin::spectrum::amplitudes;

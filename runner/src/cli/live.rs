@@ -1,7 +1,7 @@
 //! Options and set-up shared by `replay --paced` and `watch`.
 
-use crate::live as monitor;
 use crate::error::UsageError;
+use crate::live as monitor;
 use crate::live::address::{Address, DEMONSTRATION};
 use crate::live::out::RequestedOutputs;
 use crate::live::page::HttpOptions;
@@ -110,9 +110,7 @@ impl LiveArgs {
             (Some(source), ..) => Ok(source.clone()),
             (None, Some(path), ..) => Ok(Address::File(path.to_owned())),
             (None, None, Some(recording), None) => Ok(Address::File(recording.file.clone())),
-            (None, None, _, demonstration) => {
-                Ok(demonstration.unwrap_or(Address::BuiltIn(DEMO_RECORDING, DEMO_NAME)))
-            }
+            (None, None, _, demonstration) => Ok(demonstration.unwrap_or(Address::BuiltIn(DEMO_RECORDING, DEMO_NAME))),
         }
     }
 }

@@ -6,8 +6,8 @@ mod input;
 mod loads;
 mod orbit;
 mod spectrum;
-mod values;
 mod trend;
+mod values;
 
 use crate::live::status::{Level, Status};
 use crate::live::view::{MonitorState, SharedView, View};
@@ -215,7 +215,11 @@ fn state(view: &View) -> Paragraph<'static> {
     };
     let word = Style::new().bg(colour).fg(Color::Black).add_modifier(Modifier::BOLD);
     let since = status.since.get(11..19).map_or_else(String::new, |clock| format!(" since {clock} UTC. "));
-    let sentence = format!("{since}{} {}", status.sentence, status.action);
+    // The panel of the findings has the sentence of an alarm.
+    let sentence = match status.title.as_str() {
+        "" => format!("{since}{} {}", status.sentence, status.action),
+        title => format!("{since}{title}. {}", status.action),
+    };
     let spans = vec![
         Span::styled(format!(" {} ", status.word), word),
         Span::raw(printable::lines(sentence.trim_end()).into_owned()),

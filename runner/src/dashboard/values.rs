@@ -28,7 +28,8 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     }
     if view.limits.is_empty() {
         let values = view.seconds.back().map(|second| {
-            let value = |p: &ballrace_twin::replay::second::ProbeSecond| format!("{} {:.2} um pp", p.name, p.peak_to_peak_um);
+            let value =
+                |p: &ballrace_twin::replay::second::ProbeSecond| format!("{} {:.2} um pp", p.name, p.peak_to_peak_um);
             second.probes.iter().map(value).collect::<Vec<_>>().join("  ")
         });
         let text = values.unwrap_or_else(|| "no complete second yet".to_owned());
@@ -37,11 +38,20 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     let mut limits: Vec<&LimitStatus> = view.limits.iter().collect();
     // Where there is no room for all, those closest to their limits are shown.
     limits.sort_by(|a, b| share(b).total_cmp(&share(a)));
-    let widths = [Constraint::Fill(2), Constraint::Fill(2), Constraint::Length(10), Constraint::Length(10), Constraint::Length(6)];
+    let widths = [
+        Constraint::Fill(2),
+        Constraint::Fill(2),
+        Constraint::Length(10),
+        Constraint::Length(10),
+        Constraint::Length(6),
+    ];
     let mut rows = limits.into_iter().map(row).collect::<Vec<_>>();
     if table_rows > 1 {
         let bold = Style::new().add_modifier(Modifier::BOLD);
-        rows.insert(0, Row::new(["probe", "indicator", "value", "limit", ""].map(|text| Cell::from(Line::styled(text, bold)))));
+        rows.insert(
+            0,
+            Row::new(["probe", "indicator", "value", "limit", ""].map(|text| Cell::from(Line::styled(text, bold)))),
+        );
     }
     frame.render_widget(Table::new(rows, widths), table);
 }

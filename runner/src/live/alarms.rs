@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct Alarm {
     /// Identifier: the limit or the fault.
     pub id: String,
+    /// The limit or the fault in a few words.
+    pub title: String,
     /// Description for users.
     pub sentence: String,
     /// Recommended action.
@@ -58,7 +60,7 @@ impl AlarmList {
     /// Raises or ends the alarm of a limit.
     pub fn limit_event(&mut self, event: &Event, sentence: &str) {
         let id = limit_id(event.indicator, event.bearing.as_deref(), &event.probe);
-        self.raise(id.clone(), sentence, report::EVENT_ACTION);
+        self.raise(id.clone(), &limit_title(&id), sentence, report::EVENT_ACTION);
         if event.end_s.is_some() {
             self.end(|alarm| alarm.id == id);
         }
@@ -75,7 +77,8 @@ impl AlarmList {
             let LimitStatus { indicator, probe, limit, unit, .. } = limit;
             let sentence = format!("Limit crossed: {indicator} at {probe}, limit {limit:.3} {unit}");
             if !self.0.iter().any(|alarm| alarm.id == id) {
-                self.raise(id, sentence.trim_end(), report::EVENT_ACTION);
+                let title = limit_title(&id);
+                self.raise(id, &title, sentence.trim_end(), report::EVENT_ACTION);
             }
         }
     }
@@ -84,7 +87,8 @@ impl AlarmList {
     pub fn update_faults(&mut self, findings: &[Finding]) {
         let ids: Vec<String> = findings.iter().map(fault_id).collect();
         for (finding, id) in findings.iter().zip(&ids) {
-            self.raise(id.clone(), &finding.sentence, report::action(finding.kind));
+            let [title, _] = report::finding(finding);
+            self.raise(id.clone(), &title, &finding.sentence, report::action(finding.kind));
         }
         self.end(|alarm| alarm.id.starts_with(FAULT) && !ids.contains(&alarm.id));
     }
@@ -99,14 +103,14 @@ impl AlarmList {
     }
 
     /// Raises an alarm. An active alarm gets the new sentence; it stays acknowledged.
-    fn raise(&mut self, id: String, sentence: &str, action: &str) {
+    fn raise(&mut self, id: String, title: &str, sentence: &str, action: &str) {
         if let Some(alarm) = self.0.iter_mut().find(|alarm| alarm.id == id && alarm.is_active()) {
             sentence.clone_into(&mut alarm.sentence);
             return;
         }
         self.0.retain(|alarm| alarm.id != id);
-        let (sentence, action) = (sentence.to_owned(), action.to_owned());
-        self.0.push(Alarm { id, sentence, action, raised_at: now(), ..Alarm::default() });
+        let [title, sentence, action] = [title, sentence, action].map(str::to_owned);
+        self.0.push(Alarm { id, title, sentence, action, raised_at: now(), ..Alarm::default() });
     }
 
     fn end(&mut self, has_ended: impl Fn(&Alarm) -> bool) {
@@ -126,6 +130,11 @@ fn limit_id(indicator: &str, bearing: Option<&str>, probe: &str) -> String {
         Some(bearing) => format!("{LIMIT} {indicator} of {bearing} at {probe}"),
         None => format!("{LIMIT} {indicator} at {probe}"),
     }
+}
+
+/// Returns the title of a limit's alarm.
+fn limit_title(id: &str) -> String {
+    format!("Above its limit: {}", id.strip_prefix(LIMIT).unwrap_or(id).trim_start())
 }
 
 /// Returns the identifier of a fault, whatever its size.

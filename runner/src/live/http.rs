@@ -168,7 +168,8 @@ async fn accept(listener: TcpListener, service: impl Service) {
             continue;
         };
         clients.retain(|(task, _)| !task.is_finished());
-        let is_short = |(_, connection): &&(AbortHandle, Arc<Connection>)| !connection.is_stream.load(Ordering::Relaxed);
+        let is_short =
+            |(_, connection): &&(AbortHandle, Arc<Connection>)| !connection.is_stream.load(Ordering::Relaxed);
         if clients.iter().filter(is_short).count() >= MAX_CLIENTS
             && let Some((oldest, _)) = clients.iter().find(is_short)
         {

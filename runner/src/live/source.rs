@@ -6,8 +6,8 @@
 
 use super::address::Address;
 use super::connections::{Connections, Preamble, SourceStream};
-use super::demonstration;
 use super::datagrams::{DatagramStream, Datagrams, MAX_DATAGRAM_LENGTH};
+use super::demonstration;
 use super::feed::{FeedItem, FeedSender, add};
 use super::frames::{FrameLayout, FramePosition, SequenceTracker};
 use crate::error::UsageError;

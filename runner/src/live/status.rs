@@ -25,6 +25,8 @@ pub struct Status {
     pub word: &'static str,
     /// Urgency.
     pub level: Level,
+    /// The most urgent alarm in a few words, with the number of others; empty without an alarm.
+    pub title: String,
     /// Diagnosis as a sentence.
     pub sentence: String,
     /// Recommended action; empty where there is nothing to do.
@@ -40,6 +42,7 @@ impl Status {
         let status = |word, level, sentence: &str, action: &str| Self {
             word,
             level,
+            title: String::new(),
             sentence: sentence.to_owned(),
             action: action.to_owned(),
             since: view.state_since.clone(),
@@ -113,14 +116,15 @@ impl Status {
         };
         let others = match alarms.len() - 1 {
             0 => String::new(),
-            1 => " One more alarm.".to_owned(),
-            count => format!(" {count} more alarms."),
+            1 => ", and one more alarm".to_owned(),
+            count => format!(", and {count} more alarms"),
         };
         let silence = if view.state == MonitorState::Silent { " The source sends no data." } else { "" };
         Some(Self {
             word,
             level,
-            sentence: format!("{}{others}{silence}", alarm.sentence),
+            title: format!("{}{others}", alarm.title),
+            sentence: format!("{}{silence}", alarm.sentence),
             action: alarm.action.clone(),
             since: alarm.ended_at.as_ref().unwrap_or(&alarm.raised_at).clone(),
         })

@@ -31,8 +31,7 @@ pub struct SecondValues {
 /// # Errors
 /// Returns an error if a file cannot be read.
 pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&SecondValues)) -> Result<()> {
-    let wanted: Vec<String> =
-        names.iter().flat_map(|name| COLUMNS.map(|column| format!("{name}_{column}"))).collect();
+    let wanted: Vec<String> = names.iter().flat_map(|name| COLUMNS.map(|column| format!("{name}_{column}"))).collect();
     let mut journal_number = None;
     let path = folder.join(JOURNAL);
     if let Ok(bytes) = std::fs::read(&path)
@@ -89,7 +88,8 @@ fn read_file(path: &Path, wanted: &[String], visit: &mut impl FnMut(&SecondValue
 
 /// Returns the age of a file, s; 0 if the clock was set back.
 fn age(path: &Path) -> Result<f64> {
-    let modified = path.metadata().and_then(|metadata| metadata.modified()).with_context(|| path.display().to_string())?;
+    let modified =
+        path.metadata().and_then(|metadata| metadata.modified()).with_context(|| path.display().to_string())?;
     Ok(SystemTime::now().duration_since(modified).map_or(0.0, |age| age.as_secs_f64()))
 }
 

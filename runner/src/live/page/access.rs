@@ -6,8 +6,8 @@ use crate::live::address::parse_local;
 use anyhow::{Context, Result, bail};
 use hyper::Request;
 use hyper::header::{AUTHORIZATION, HOST, HeaderValue};
-use hyper::http::uri::Authority;
 use hyper::http::Uri;
+use hyper::http::uri::Authority;
 use std::net::{IpAddr, SocketAddr};
 use subtle::ConstantTimeEq;
 
@@ -29,7 +29,8 @@ impl Access {
     pub fn try_new(options: &HttpOptions) -> Result<Self> {
         let token = match &options.token_file {
             Some(file) => {
-                let text = std::fs::read_to_string(file).with_context(|| format!("--http-token-file: {}", file.display()))?;
+                let text =
+                    std::fs::read_to_string(file).with_context(|| format!("--http-token-file: {}", file.display()))?;
                 let token = text.trim().to_owned();
                 if token.len() < MIN_TOKEN_LENGTH || !token.bytes().all(|byte| byte.is_ascii_graphic()) {
                     bail!(UsageError(format!(
@@ -88,7 +89,9 @@ pub fn parse_origin(text: &str) -> Result<String, String> {
     let uri: Uri = text.parse().map_err(|_| expected())?;
     let is_web = matches!(uri.scheme_str(), Some("http" | "https"));
     match uri.authority() {
-        Some(authority) if is_web && uri.path() == "/" && uri.query().is_none() && !authority.as_str().contains('@') => {
+        Some(authority)
+            if is_web && uri.path() == "/" && uri.query().is_none() && !authority.as_str().contains('@') =>
+        {
             Ok(format!("{}://{authority}", uri.scheme_str().unwrap_or_default()))
         }
         _ => Err(expected()),
@@ -111,10 +114,12 @@ mod tests {
 
     #[test]
     fn hosts_are_addresses_localhost_and_allowed_names() {
-        for host in ["127.0.0.1:80", "[::1]:8080", "localhost:1", "LOCALHOST", "10.0.0.7", "rig.plant", "Rig.Plant:80"] {
+        for host in ["127.0.0.1:80", "[::1]:8080", "localhost:1", "LOCALHOST", "10.0.0.7", "rig.plant", "Rig.Plant:80"]
+        {
             assert!(access().allows_host(&request(HOST, host)), "{host}");
         }
-        for host in ["evil.example", "127.0.0.1.evil.example", "rig.plant.evil.example:80", "", "a b", "localhost@x.y"] {
+        for host in ["evil.example", "127.0.0.1.evil.example", "rig.plant.evil.example:80", "", "a b", "localhost@x.y"]
+        {
             assert!(!access().allows_host(&request(HOST, host)), "{host}");
         }
         assert!(!access().allows_host(&Request::builder().body(()).unwrap()));
@@ -134,7 +139,9 @@ mod tests {
     fn origins_have_no_path() {
         assert_eq!(parse_origin("http://127.0.0.1:8082/").as_deref(), Ok("http://127.0.0.1:8082"));
         assert_eq!(parse_origin("https://rig.plant").as_deref(), Ok("https://rig.plant"));
-        for text in ["127.0.0.1:8082", "ftp://a", "http://a/b", "http://a?x", "http://u@a", "*", "http://a; script-src *"] {
+        for text in
+            ["127.0.0.1:8082", "ftp://a", "http://a/b", "http://a?x", "http://u@a", "*", "http://a; script-src *"]
+        {
             assert!(parse_origin(text).is_err(), "{text}");
         }
         assert!(parse_address("8080").is_ok_and(|address| address.ip().is_loopback()));

@@ -96,7 +96,13 @@ impl History {
         let number = |value: f64| if value.is_finite() { value } else { f64::NAN };
         let figures = |values: [f64; INDICATORS]| {
             let [greatest_um_pp, one_x, residual_rms_um, kurtosis] = values.map(number);
-            BlockFigures { greatest_um_pp, one_x_um: [one_x, 0.0], residual_rms_um, kurtosis, ..BlockFigures::default() }
+            BlockFigures {
+                greatest_um_pp,
+                one_x_um: [one_x, 0.0],
+                residual_rms_um,
+                kurtosis,
+                ..BlockFigures::default()
+            }
         };
         let mut blocks = vec![];
         for (i, interval) in self.intervals.iter().enumerate().rev() {
@@ -121,7 +127,10 @@ mod tests {
 
     #[test]
     fn hours_are_bounded() {
-        assert_eq!((parse_hours(""), parse_hours("hours=24"), parse_hours("a=1&hours=0.5")), (Some(1.0), Some(24.0), Some(0.5)));
+        assert_eq!(
+            (parse_hours(""), parse_hours("hours=24"), parse_hours("a=1&hours=0.5")),
+            (Some(1.0), Some(24.0), Some(0.5))
+        );
         for query in ["hours=0", "hours=1e9", "hours=nan", "hours=", "hours=-1"] {
             assert_eq!(parse_hours(query), None, "{query}");
         }

@@ -30,7 +30,8 @@ function clock(at) {
   const time = new Date(at);
   if (isNaN(time)) return "";
   const isToday = time.toDateString() === new Date().toDateString();
-  return isToday ? time.toLocaleTimeString() : time.toLocaleString();
+  const style = { hourCycle: "h23" };
+  return isToday ? time.toLocaleTimeString([], style) : time.toLocaleString([], style);
 }
 
 function duration(at) {
@@ -49,10 +50,11 @@ function number(value, digits = 2) {
   return typeof value === "number" ? value.toFixed(digits) : "\u2013";
 }
 
-function showBanner(level, word, sinceText, sentence, action) {
+function showBanner(level, word, title, sinceText, sentence, action) {
   const banner = byId("banner");
   if (banner.className !== level) banner.className = level;
   setText(byId("word"), word);
+  setText(byId("title"), title);
   setText(byId("since"), sinceText);
   setText(byId("sentence"), sentence);
   setText(byId("action"), action);
@@ -62,14 +64,14 @@ function showBanner(level, word, sinceText, sentence, action) {
 function showState() {
   if (lostSince !== null) {
     const last = latest ? ` The last state was ${latest.status.word}.` : "";
-    showBanner("lost", "NO CONNECTION", since(lostSince), `The monitor does not answer.${last}`,
+    showBanner("lost", "NO CONNECTION", "", since(lostSince), `The monitor does not answer.${last}`,
       "Check that the monitor runs and that this computer reaches it.");
     return;
   }
   if (!latest) return;
   const status = latest.status;
   setText(byId("machine"), `${latest.machine} \u2013 ${latest.source}`);
-  showBanner(status.level, status.word, since(status.since), status.sentence, status.action);
+  showBanner(status.level, status.word, status.title, since(status.since), status.sentence, status.action);
 }
 
 function showAlarms() {
@@ -84,7 +86,8 @@ function showAlarms() {
   list.replaceChildren(...alarms.map((alarm) => {
     const item = element("li", alarm.acknowledged_at ? "acknowledged" : alarm.ended_at ? "ended" : "active");
     const text = element("div", "text");
-    text.append(element("b", "", alarm.sentence), element("span", "", alarm.action), element("br"));
+    text.append(element("b", "", alarm.title), element("span", "", alarm.sentence), element("br"),
+      element("span", "", `To do: ${alarm.action}`), element("br"));
     const times = [`raised ${clock(alarm.raised_at)}`];
     if (alarm.ended_at) times.push(`ended ${clock(alarm.ended_at)}`);
     if (alarm.acknowledged_at) times.push(`acknowledged ${clock(alarm.acknowledged_at)}`);
