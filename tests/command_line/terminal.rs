@@ -36,7 +36,7 @@ pub fn read_until(pty: &Pty, text: &str) {
 fn ends(end: impl FnOnce(Pty, u32)) -> Desk {
     let (desk, port) = (Desk::with(DEMO_SCENE, &short_recording(12_800)), port());
     let (pty, child) = watched(&desk, port);
-    read_until(&pty, "waiting");
+    read_until(&pty, "NO DATA");
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
