@@ -257,6 +257,7 @@ fn timing(timing: &Timing) -> Value {
         ("Samples", count(timing.samples)),
         ("Samples come every", format!("{} us", alone(microseconds(timing.sample_period_ns)))),
         ("Wall time", format!("{} s", fixed(timing.wall_s, 3))),
+        ("Diagnosis", format!("{} s", fixed(timing.diagnosis_s, 1))),
         ("Pace", format!("{} times real time", alone(timing.times_real_time))),
     ];
     facts.extend(timing.peak_memory_bytes.map(|bytes| ("Peak memory", format!("{} MB", fixed(bytes as f64 / 1e6, 1)))));

@@ -20,7 +20,7 @@ use crate::recording::run_out::RunOut;
 use crate::scene::{Recording, Scene};
 use crate::vibration;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Time without a keyphasor pulse after which a shaft counts as standing still in live operation, s.
 const LONGEST_PULSE_WAIT: f64 = 10.0;
@@ -255,6 +255,10 @@ impl<'a> Replay<'a> {
     }
 
     /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.
+    pub(super) fn add_diagnosis_time(&mut self, took: Duration) {
+        self.pipeline.timing.diagnosed(took);
+    }
+
     pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>, note: Option<String>) {
         self.pipeline.calibration = calibration;
         self.pipeline.notes.extend(note);
