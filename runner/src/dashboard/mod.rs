@@ -135,7 +135,7 @@ fn draw(frame: &mut Frame, info: &RunInfo, view: &View, settings: DisplaySetting
         let (columns, rows) = MIN_SIZE;
         let message =
             format!("terminal is too small: {} x {}, expected at least {columns} x {rows}", area.width, area.height);
-        return frame.render_widget(Paragraph::new(message), area);
+        return frame.render_widget(Paragraph::new(message).wrap(Wrap { trim: true }), area);
     }
     let rows = [Constraint::Length(1), Constraint::Length(HEADER_ROWS), Constraint::Min(0), Constraint::Length(1)];
     let rows = Layout::vertical(rows).split(area);
