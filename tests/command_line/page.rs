@@ -194,7 +194,17 @@ fn a_thousand_idle_clients_do_not_disturb_the_monitor() {
             return serde_json::from_str::<Value>(state).unwrap();
         }
     };
-    let before = next();
+    let misses = |state: &Value| state["deadline_misses"].as_u64().unwrap();
+    let mut follow = || {
+        let (since, mut last) = (Instant::now(), next());
+        while since.elapsed() < Duration::from_secs(5) {
+            last = next();
+        }
+        last
+    };
+    // Other programs of this machine delay blocks as well: five seconds without the clients, then with them.
+    let first = misses(&follow());
+    let before = follow();
     let memory = resident(site.child.id());
     let idle: Vec<TcpStream> = (0..1000)
         .filter_map(|_| {
@@ -203,17 +213,12 @@ fn a_thousand_idle_clients_do_not_disturb_the_monitor() {
             Some(client)
         })
         .collect();
-    let since = Instant::now();
-    let mut last = before.clone();
-    while since.elapsed() < Duration::from_secs(5) {
-        last = next();
-    }
+    let last = follow();
     let time = |state: &Value| state["time_s"].as_f64().unwrap();
     assert!(time(&last) - time(&before) > 3.0, "the monitor goes on");
-    let misses = |state: &Value| state["deadline_misses"].as_u64().unwrap();
-    println!("{} clients, {} deadlines missed", idle.len(), misses(&last) - misses(&before));
-    // Other programs of this machine may delay a block now and then; idle clients would delay hundreds.
-    assert!(misses(&last) - misses(&before) < 50);
+    let (without, with) = (misses(&before) - first, misses(&last) - misses(&before));
+    println!("{} clients: {with} deadlines missed in 5 s, {without} without them", idle.len());
+    assert!(with <= 3 * without + 50, "{with} deadlines missed, {without} without the clients");
     let grown = resident(site.child.id()).saturating_sub(memory);
     assert!(grown < 32 << 20, "{grown} bytes");
     drop(idle);
