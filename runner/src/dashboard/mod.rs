@@ -348,7 +348,7 @@ mod tests {
             "peak-to-peak",
             "Loads",
             "DE",
-            "Deadlines",
+            "deadlines",
             "Events",
             "quit",
             "3000.0 rpm",
@@ -365,8 +365,8 @@ mod tests {
         assert!(screen(80, 24, &view, &[KeyCode::Char('p')]).contains("DE_Y_um"));
         assert!(screen(80, 24, &view, &[KeyCode::Char('i')]).contains("rms"));
         let one = screen(80, 24, &view, &[KeyCode::Char('2')]);
-        assert!(one.contains("Spectrum") && !one.contains("Deadlines"), "{one}");
-        assert!(screen(80, 24, &view, &[KeyCode::Char('2'), KeyCode::Char('2')]).contains("Deadlines"));
+        assert!(one.contains("Spectrum") && !one.contains("deadlines"), "{one}");
+        assert!(screen(80, 24, &view, &[KeyCode::Char('2'), KeyCode::Char('2')]).contains("deadlines"));
     }
 
     #[test]
