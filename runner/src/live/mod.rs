@@ -17,6 +17,7 @@ pub mod frames;
 pub mod out;
 pub mod pace;
 pub mod realtime;
+mod service;
 pub mod source;
 pub mod state;
 pub mod view;
@@ -33,6 +34,7 @@ use ballrace_twin::scene::{Recording, Scene};
 use feed::{CAPACITY, EventMessage, FeedItem, FeedReceiver, SourceCounters};
 use out::{EventRecord, Network, Outputs};
 use pace::{BLOCK_PERIOD, BlockSchedule};
+use service::Service;
 use source::{Encoding, ReaderHandle, Resume, lock};
 use state::{State, StateFile};
 use std::io::Write;
@@ -91,8 +93,9 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let reader = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
     let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
     state.as_mut().map_or(Ok(()), StateFile::begin)?;
+    let mut service = Service::ready();
     update_view(options, |view| view.state = "waiting for the source");
-    let rate = wait_for_rate(&reader, &mut receiver, stop, |message| {
+    let rate = wait_for_rate(&reader, &mut receiver, stop, &mut service, |message| {
         let event = EventRecord::new(message, start_time);
         update_view(options, |view| view.add_event(&event));
         outputs.add_event(&event)?;
@@ -132,6 +135,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
         schedule: BlockSchedule::try_new()?,
         view_updated: Instant::now(),
+        service,
     };
     let result = monitor.run(stop);
     // After an error, the results up to the error are written.
@@ -180,9 +184,11 @@ fn wait_for_rate(
     reader: &ReaderHandle,
     receiver: &mut FeedReceiver,
     stop: &AtomicBool,
+    service: &mut Service,
     mut record: impl FnMut(EventMessage) -> Result<()>,
 ) -> Result<Option<f64>> {
     loop {
+        service.keep_alive();
         while let Some(FeedItem::Event(message)) = receiver.pop_if(|_| false) {
             record(message)?;
         }
@@ -262,12 +268,14 @@ struct Monitor<'a, 'o> {
     source: SourceFigures,
     schedule: BlockSchedule,
     view_updated: Instant,
+    service: Service,
 }
 
 impl Monitor<'_, '_> {
     fn run(&mut self, stop: &AtomicBool) -> Result<()> {
         while !stop.load(Ordering::Relaxed) && !self.receiver.is_finished() && !self.has_reached_duration() {
             let block_time = self.schedule.wait();
+            self.service.keep_alive();
             let block_start = Instant::now();
             let caught_up = self.process_block(block_time)?;
             self.publish()?;
@@ -308,6 +316,7 @@ impl Monitor<'_, '_> {
             if self.replay.is_searching() {
                 std::thread::sleep(BLOCK_PERIOD);
             }
+            self.service.keep_alive();
             self.replay.work(Some(Instant::now() + WORK_LIMIT))?;
             self.publish()?;
             self.update_view();
@@ -401,7 +410,8 @@ impl Monitor<'_, '_> {
             update_view(self.options, |view| view.add_second(second));
             if second.time_s >= self.published_time {
                 self.published_time = second.time_s;
-                self.outputs.publish(second, &self.receiver.counters, self.schedule.misses());
+                let limits = self.replay.limits();
+                self.outputs.publish(second, &limits, &self.receiver.counters, self.schedule.misses());
             }
         }
         if is_state_changed || self.outputs.is_retry_due() {

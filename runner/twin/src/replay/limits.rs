@@ -202,6 +202,13 @@ impl LimitMonitor {
         self.limits.iter().map(line).collect()
     }
 
+    /// Returns every limit, and whether it is exceeded and the event of its start was returned.
+    #[must_use]
+    pub fn exceeded(&self) -> Vec<(LimitLine, bool)> {
+        let is_exceeded = |limit: &ProbeLimit| limit.crossing.as_ref().is_some_and(|open| open.is_reported);
+        self.lines().into_iter().zip(self.limits.iter().map(is_exceeded)).collect()
+    }
+
     /// Continues from `state`: samples before its indices are ignored. Crossings of limits that the scene does not have are
     /// dropped.
     pub fn restore(&mut self, state: &LimitState) {

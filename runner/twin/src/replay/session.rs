@@ -10,6 +10,7 @@ use super::snapshot::Snapshot;
 use super::temperature::TemperatureMonitor;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
+use crate::outcome::LimitLine;
 use crate::outcome::{Event, Outcome};
 use crate::plausibility::Implausibility;
 use crate::recording::Row;
@@ -217,6 +218,12 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn limit_state(&self) -> Option<LimitState> {
         self.pipeline.limits.state()
+    }
+
+    /// Returns every limit of the scene, and whether it is exceeded.
+    #[must_use]
+    pub fn limits(&self) -> Vec<(LimitLine, bool)> {
+        self.pipeline.limits.exceeded()
     }
 
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
