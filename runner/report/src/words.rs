@@ -101,7 +101,7 @@ fn capitalised(text: &str) -> String {
 }
 
 /// Recommended action after a limit was crossed.
-pub(super) const EVENT_ACTION: &str =
+pub const EVENT_ACTION: &str =
     "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
 /// Returns the recommended action where there is no finding.
 pub(super) fn no_action(outcome: &Outcome) -> &'static str {
@@ -122,7 +122,8 @@ pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and 
                                 degrees of lag, 0 to 360; frequency in Hz and orders (X)";
 
 /// Returns the recommended action for a kind of finding.
-pub(super) const fn action(kind: FindingKind) -> &'static str {
+#[must_use]
+pub const fn action(kind: FindingKind) -> &'static str {
     match kind {
         FindingKind::OuterRace | FindingKind::InnerRace | FindingKind::Element => {
             "Order a spare bearing, repeat the measurement within a week and replace the bearing where the line grows."

@@ -4,6 +4,7 @@ use super::live::{self, DEMO_NAME, DEMO_RECORDING, LiveArgs};
 use super::{Format, ReplayStatus, check_distinct_paths};
 use crate::error::UsageError;
 use crate::live as monitor;
+use crate::live::address::Address;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
@@ -92,7 +93,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
 
 /// Replays in real time.
 fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<ReplayStatus> {
-    let source = args.live.source(scene, args.recording.as_deref(), args.scene.is_none());
+    let recording = args.scene.is_none().then_some(Address::BuiltIn(DEMO_RECORDING, DEMO_NAME));
+    let source = args.live.source(scene, args.recording.as_deref(), recording)?;
     let path = PathBuf::from(source.to_string());
     check_outputs(args, scene, &path)?;
     let replay = Options {

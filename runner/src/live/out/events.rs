@@ -25,6 +25,9 @@ pub struct EventRecord {
     /// Details of an exceeded limit.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub limit: Option<Event>,
+    /// Identifier of the alarm that a user acknowledged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alarm: Option<String>,
 }
 
 impl EventRecord {
@@ -35,17 +38,32 @@ impl EventRecord {
         let time_s = event.end_s.unwrap_or(event.start_s);
         // The flattened event must not repeat the key `sentence`.
         let sentence = std::mem::take(&mut event.sentence);
-        Self { at: now(), time_s, kind, sentence, limit: Some(event) }
+        Self { at: now(), time_s, kind, sentence, limit: Some(event), alarm: None }
     }
 
     /// Creates the record of an event of the source, an output or the monitor.
     #[must_use]
     pub fn new(message: EventMessage, time_s: f64) -> Self {
-        Self { at: now(), time_s, kind: message.kind, sentence: message.sentence, limit: None }
+        Self { at: now(), time_s, kind: message.kind, sentence: message.sentence, limit: None, alarm: None }
+    }
+
+    /// Creates the record of an acknowledged alarm.
+    #[must_use]
+    pub fn acknowledgement(alarm: String, alarm_sentence: &str, time_s: f64) -> Self {
+        let sentence = format!("Acknowledged: {alarm_sentence}");
+        Self { alarm: Some(alarm), ..Self::new(EventMessage { kind: "alarm-acknowledged", sentence }, time_s) }
+    }
+
+    /// Returns `true` for an event that changes the monitor's state: a limit, a fault or an acknowledgement.
+    #[must_use]
+    pub fn changes_state(&self) -> bool {
+        self.limit.is_some() || self.alarm.is_some() || self.kind.starts_with("fault-")
     }
 }
 
-fn now() -> String {
+/// Returns the time of day, RFC 3339 in UTC.
+#[must_use]
+pub fn now() -> String {
     humantime::format_rfc3339_millis(SystemTime::now()).to_string()
 }
 
@@ -54,7 +72,7 @@ const MAX_PENDING: usize = 10_000;
 
 /// File to which events are appended.
 ///
-/// A line is pending until it is on disk. A line of a limit is appended only after [`EventLog::release`]: the monitor first
+/// A line is pending until it is on disk. A line that changes the monitor's state is appended only after [`EventLog::release`]: the monitor first
 /// writes it to its state, so that a restart can check whether it was appended.
 pub struct EventLog {
     file: File,
@@ -139,13 +157,13 @@ impl EventLog {
             self.lost += 1;
             return Ok(());
         }
-        let requires_state = event.limit.is_some();
+        let requires_state = event.changes_state();
         let text = serde_json::to_string(event)? + "\n";
         self.pending.push_back(Line { text, is_released: !requires_state, requires_state });
         Ok(())
     }
 
-    /// Returns the pending lines of limits, for the monitor's state.
+    /// Returns the pending lines that change the state, for the monitor's state.
     #[must_use]
     pub fn unconfirmed(&self) -> Vec<String> {
         self.pending.iter().filter(|line| line.requires_state).map(|line| line.text.clone()).collect()

@@ -2,12 +2,13 @@
 
 mod events;
 mod health;
+pub mod history;
 mod indicators;
 #[cfg(feature = "mqtt")]
 mod mqtt;
 mod prometheus;
 
-pub use events::{EventLog, EventRecord};
+pub use events::{EventLog, EventRecord, now};
 
 use super::feed::{EventMessage, SourceCounters};
 use super::state::{State, StateFile};

@@ -1,44 +1,30 @@
 //! Prometheus endpoint with the indicators of the latest second, on a port of 127.0.0.1.
 
 use super::super::feed::SourceCounters;
+use super::super::http::{self, Body, Client, Server, Service};
 use super::super::source::lock;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::{ProbeSecond, Second, SensorSecond};
-use http_body_util::Full;
-use hyper::body::Bytes;
-use hyper::header::{CONTENT_TYPE, HeaderValue};
+use hyper::body::Incoming;
 use hyper::{Method, Request, Response, StatusCode};
-use hyper_util::rt::{TokioIo, TokioTimer};
-use std::collections::VecDeque;
-use std::convert::Infallible;
 use std::fmt::Write;
-use std::net::Ipv4Addr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
-use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::oneshot;
-use tokio::task::AbortHandle;
 
-/// Maximum number of clients; a further client replaces the oldest one.
-const MAX_CLIENTS: usize = 32;
-/// Time limit for the header of a request.
-const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
-/// Time limit for a request and its response.
-const CLIENT_TIMEOUT: Duration = Duration::from_secs(10);
-/// Maximum length of a request header, bytes.
-const MAX_HEADER_LENGTH: usize = 16 << 10;
-/// Pause after a failed accept, for example without free file descriptors.
-const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
+/// Format of the metrics.
+const METRICS_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
 
-type Page = Arc<Mutex<String>>;
-
-/// HTTP endpoint on a thread of its own, which ends on drop.
+/// HTTP endpoint, which ends on drop.
 pub struct Prometheus {
     page: Page,
-    _stop: oneshot::Sender<()>,
+    _server: Server,
 }
+
+/// Latest metrics.
+#[derive(Clone, Default)]
+struct Page(Arc<Mutex<String>>);
 
 impl Prometheus {
     /// Listens on `port` of 127.0.0.1.
@@ -46,82 +32,29 @@ impl Prometheus {
     /// # Errors
     /// Returns an error if the port is in use.
     pub fn listen(port: u16) -> Result<Self> {
-        let cannot_listen = || format!("--prometheus: cannot listen on this port: {port}, expected a free port");
-        let listener = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(cannot_listen)?;
-        listener.set_nonblocking(true).with_context(cannot_listen)?;
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
-        let listener = {
-            let _entered = runtime.enter();
-            TcpListener::from_std(listener).with_context(cannot_listen)?
-        };
+        let listener = http::bind("--prometheus", SocketAddr::from((Ipv4Addr::LOCALHOST, port)))?;
         let page = Page::default();
-        let (stop, stopped) = oneshot::channel();
-        let served_page = page.clone();
-        let serve = move || {
-            runtime.block_on(async {
-                tokio::select! {
-                    // Completes as well when the sender is dropped.
-                    _ = stopped => {}
-                    () = accept(listener, served_page) => {}
-                }
-            });
-        };
-        std::thread::Builder::new().name("prometheus".to_owned()).spawn(serve)?;
-        Ok(Self { page, _stop: stop })
+        let server = Server::start("prometheus", listener, page.clone(), std::future::ready(()))?;
+        Ok(Self { page, _server: server })
     }
 
     /// Replaces the served metrics.
     pub fn update(&self, second: &Second, counters: &SourceCounters, misses: u64, outputs: &OutputFigures) {
-        *lock(&self.page) = page(second, counters, misses, outputs);
+        *lock(&self.page.0) = page(second, counters, misses, outputs);
     }
 }
 
-/// Accepts clients in an endless loop.
-async fn accept(listener: TcpListener, page: Page) {
-    let mut clients: VecDeque<AbortHandle> = VecDeque::new();
-    loop {
-        let Ok((stream, _)) = listener.accept().await else {
-            tokio::time::sleep(ACCEPT_PAUSE).await;
-            continue;
-        };
-        clients.retain(|client| !client.is_finished());
-        if clients.len() >= MAX_CLIENTS
-            && let Some(oldest) = clients.pop_front()
-        {
-            oldest.abort();
+impl Service for Page {
+    async fn respond(&self, request: Request<Incoming>, _: Client) -> Response<Body> {
+        match (request.method(), request.uri().path()) {
+            (&Method::GET | &Method::HEAD, "/metrics" | "/") => {
+                let page = lock(&self.0).clone();
+                http::text(StatusCode::OK, METRICS_TYPE, page)
+            }
+            (&Method::GET | &Method::HEAD, _) => http::text(StatusCode::NOT_FOUND, METRICS_TYPE, "see /metrics\n"),
+            _ => http::text(StatusCode::METHOD_NOT_ALLOWED, METRICS_TYPE, "expected GET\n"),
         }
-        let task = tokio::time::timeout(CLIENT_TIMEOUT, serve_client(stream, page.clone()));
-        clients.push_back(tokio::spawn(task).abort_handle());
     }
-}
-
-/// Serves one request. The body of the request is not read.
-async fn serve_client(stream: TcpStream, page: Page) {
-    let service = hyper::service::service_fn(|request: Request<hyper::body::Incoming>| {
-        let response = response(request.method(), request.uri().path(), &page);
-        async { Ok::<_, Infallible>(response) }
-    });
-    // An error of one client does not affect the others.
-    let _ = hyper::server::conn::http1::Builder::new()
-        .timer(TokioTimer::new())
-        .header_read_timeout(HEADER_TIMEOUT)
-        .max_buf_size(MAX_HEADER_LENGTH)
-        .keep_alive(false)
-        .serve_connection(TokioIo::new(stream), service)
-        .await;
-}
-
-fn response(method: &Method, path: &str, page: &Page) -> Response<Full<Bytes>> {
-    let (status, text) = match (method, path) {
-        (&Method::GET | &Method::HEAD, "/metrics" | "/") => (StatusCode::OK, lock(page).clone()),
-        (&Method::GET | &Method::HEAD, _) => (StatusCode::NOT_FOUND, "see /metrics\n".to_owned()),
-        _ => (StatusCode::METHOD_NOT_ALLOWED, "expected GET\n".to_owned()),
-    };
-    let mut response = Response::new(Full::from(text));
-    *response.status_mut() = status;
-    let kind = HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8");
-    response.headers_mut().insert(CONTENT_TYPE, kind);
-    response
 }
 
 /// Name, description and type of a metric.

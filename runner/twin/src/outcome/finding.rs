@@ -39,7 +39,7 @@ pub enum FaultForm {
 }
 
 /// An estimate with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Most likely value.
     pub value: f64,
@@ -50,7 +50,7 @@ pub struct Estimate {
 }
 
 /// Place and size of a fault, as far as it has them.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FaultParameters {
     /// Form of a surface fault.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,7 +122,7 @@ impl FaultParameters {
 }
 
 /// Measurement that shows a fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EvidenceSource {
     /// Motion of the shaft at the displacement probes.
@@ -132,7 +132,7 @@ pub enum EvidenceSource {
 }
 
 /// Line of a fault in the envelope spectrum of a vibration sensor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VibrationLine {
     /// Column of the sensor.
     pub sensor: String,
@@ -147,12 +147,12 @@ pub struct VibrationLine {
     /// Line over its surroundings, or over the baseline.
     pub level_db: f64,
     /// Other bearings with the same lines that the sensor measures.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_excluded: Vec<String>,
 }
 
 /// Diagnosis of a fault with its evidence.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Finding {
     /// Fault.
     pub kind: FindingKind,

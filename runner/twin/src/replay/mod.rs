@@ -61,6 +61,7 @@ pub mod verdict;
 
 pub use crate::{baseline, outcome};
 pub use options::{Options, Progress, Source};
+pub use running_diagnosis::{DiagnosisState, FaultState};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 

@@ -1,16 +1,17 @@
 //! A replay driven row by row: a file reader or a live source delivers the rows.
 
 use super::conclusion::RecordingFacts;
-use super::limits::LimitState;
+use super::limits::{LimitState, LimitStatus};
 use super::notices::Notice;
 use super::options::Options;
 use super::pipeline::Pipeline;
+use super::running_diagnosis::{DiagnosisState, FaultState};
 use super::second::Second;
 use super::snapshot::Snapshot;
 use super::temperature::TemperatureMonitor;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
-use crate::outcome::{Event, Outcome};
+use crate::outcome::{Event, Finding, Outcome};
 use crate::plausibility::Implausibility;
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
@@ -195,6 +196,35 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         self.pipeline.snapshot().unwrap_or_default()
+    }
+
+    /// Returns the faults that the last diagnoses found, each once, strongest first.
+    #[must_use]
+    pub fn findings(&self) -> Vec<Finding> {
+        self.pipeline.findings()
+    }
+
+    /// Returns the state of the diagnosis.
+    #[must_use]
+    pub fn diagnosis_state(&self) -> DiagnosisState {
+        self.pipeline.diagnosis_state()
+    }
+
+    /// Returns the present value of every limited indicator.
+    #[must_use]
+    pub fn limit_status(&self) -> Vec<LimitStatus> {
+        self.pipeline.limits.status()
+    }
+
+    /// Returns the faults of the last diagnoses, from which another process can continue.
+    #[must_use]
+    pub fn fault_state(&self) -> FaultState {
+        self.pipeline.faults()
+    }
+
+    /// Continues with the faults of an earlier process: a fault that is still found is not reported as a new one.
+    pub fn restore_faults(&mut self, faults: &FaultState) {
+        self.pipeline.restore_faults(faults);
     }
 
     /// Returns the results since the last call.
