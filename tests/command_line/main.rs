@@ -39,6 +39,8 @@ mod new_scene;
 mod observer;
 mod outliers;
 mod outputs;
+mod page;
+mod page_in_chromium;
 mod plausibility;
 mod prometheus;
 mod replay;

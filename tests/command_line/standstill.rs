@@ -62,7 +62,7 @@ fn reported(scene: &str, recording: &str, code: i32, cause: &str) {
     for part in [cause, "MOTION AT THE PROBES", "DE_X_um", "not judged", "none compared"] {
         assert!(text.split_whitespace().collect::<Vec<_>>().join(" ").contains(part), "{part:?} is not in {text}");
     }
-    for part in ["MEASURED - TWIN", "FORCES", "twin  ", "NaN", "follows"] {
+    for part in ["RESIDUAL, measured", "FORCES", "twin  ", "NaN", "follows"] {
         assert!(!text.contains(part), "{part:?} in {text}");
     }
     assert!(run("csv").out.contains("DE_X_um"));

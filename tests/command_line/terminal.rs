@@ -10,7 +10,7 @@ use std::process::Child;
 use std::time::Duration;
 
 /// Longest time from the end of the terminal to the end of the program.
-const WITHIN: Duration = Duration::from_millis(2500);
+const WITHIN: Duration = Duration::from_secs(1);
 
 /// A monitor in a pseudo-terminal, followed until it shows a source, and its state and events.
 fn watched(desk: &Desk, port: u16) -> (Pty, Child) {
@@ -36,7 +36,7 @@ pub fn read_until(pty: &Pty, text: &str) {
 fn ends(end: impl FnOnce(Pty, u32)) -> Desk {
     let (desk, port) = (Desk::with(DEMO_SCENE, &short_recording(12_800)), port());
     let (pty, child) = watched(&desk, port);
-    read_until(&pty, "waiting");
+    read_until(&pty, "NO DATA");
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
@@ -72,4 +72,34 @@ fn a_key_ends_the_view() {
         { &pty }.write_all(b"q").unwrap();
         std::thread::spawn(move || { &pty }.read_to_end(&mut vec![]));
     });
+}
+
+/// The display of the demonstration, without a scene.
+fn demonstration(columns: u16, rows: u16) -> (Pty, Child) {
+    let (pty, terminal) = open().unwrap();
+    pty.resize(pty_process::Size::new(rows, columns)).unwrap();
+    let child = Command::new(program()).arg("watch").env("TERM", "xterm").spawn(terminal).unwrap();
+    (pty, child)
+}
+
+/// The demonstration goes on after its recording of one second would have ended, and finds its fault.
+#[test]
+fn the_demonstration_has_no_end() {
+    let (pty, mut child) = demonstration(120, 36);
+    for text in ["STARTING", "ALARM", "Spall on the outer race, bearing DE", "Order a spare bearing", "7 Values"] {
+        read_until(&pty, text);
+    }
+    assert!(child.try_wait().unwrap().is_none());
+    drop(pty);
+    let output = ended(child, WITHIN);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[test]
+fn a_small_terminal_shows_the_least_size() {
+    let (pty, child) = demonstration(40, 10);
+    read_until(&pty, "too small");
+    read_until(&pty, "60 x 22");
+    drop(pty);
+    ended(child, WITHIN);
 }

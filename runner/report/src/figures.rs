@@ -36,6 +36,7 @@ mod trend;
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
 pub(super) use mode_shape::mode_shapes;
+pub(super) use ring::present_loads;
 pub(super) use rotor::rotor;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};
@@ -133,16 +134,16 @@ impl Context<'_> {
 }
 
 /// Points of all lines of a report together, of about ten bytes each.
-const POINTS: usize = 160_000;
+pub(super) const POINTS: usize = 160_000;
 
 /// Largest number of points in one line, so that a report of many probes stays small.
 #[derive(Debug, Clone, Copy)]
 struct PointBudget(usize);
 
 impl PointBudget {
-    fn new(data: &Pictures) -> Self {
+    fn new(data: &Pictures, points: usize) -> Self {
         let lines: usize = REGISTRY.iter().map(|figure| figure.lines(data)).sum();
-        Self((POINTS / lines.max(1)).clamp(64, 2000))
+        Self((points / lines.max(1)).clamp(64, 2000))
     }
 
     /// Returns the limit of a line over time.
@@ -156,24 +157,36 @@ impl PointBudget {
     }
 }
 
-/// Draws all figures that have data.
+/// Draws all figures that have data, with about `points` points together.
 ///
 /// # Errors
 /// Returns an error if an SVG element cannot be drawn.
-pub(super) fn sections(outcome: &Outcome) -> Result<Vec<Section>> {
-    let data = &outcome.pictures;
-    let context = Context {
-        outcome,
-        data,
-        budget: PointBudget::new(data),
-        forward: if outcome.record.mean_speed_rpm < 0.0 { -1.0 } else { 1.0 },
-        over_speed: outcome.record.speed_changes(),
-    };
+pub(super) fn sections(outcome: &Outcome, points: usize) -> Result<Vec<Section>> {
+    let context = context(outcome, points);
     let section = |figure: &&dyn Figure| {
         Ok(Section { heading: figure.heading(), shape: figure.shape(), pictures: figure.draw(&context)? })
     };
     let all = REGISTRY.iter().map(section).collect::<Result<Vec<_>>>()?;
     Ok(all.into_iter().filter(|section| !section.pictures.is_empty()).collect())
+}
+
+/// Draws the trends of all probes.
+///
+/// # Errors
+/// Returns an error if an SVG element cannot be drawn.
+pub(super) fn trends(outcome: &Outcome, points: usize) -> Result<Vec<Picture>> {
+    trend::Trends.draw(&context(outcome, points))
+}
+
+fn context(outcome: &Outcome, points: usize) -> Context<'_> {
+    let data = &outcome.pictures;
+    Context {
+        outcome,
+        data,
+        budget: PointBudget::new(data, points),
+        forward: if outcome.record.mean_speed_rpm < 0.0 { -1.0 } else { 1.0 },
+        over_speed: outcome.record.speed_changes(),
+    }
 }
 
 #[cfg(test)]
@@ -187,7 +200,7 @@ mod tests {
     fn every_figure_has_a_heading_of_its_own_and_draws_data() {
         let headings: BTreeSet<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
         assert_eq!(headings.len(), REGISTRY.len());
-        let sections = sections(&fixture::with_snapshots(fixture::run_up())).unwrap();
+        let sections = sections(&fixture::with_snapshots(fixture::run_up()), POINTS).unwrap();
         let drawn: Vec<&str> = sections.iter().map(|section| section.heading).collect();
         let registered: Vec<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
         assert_eq!(drawn, registered, "in the order of the registry");
@@ -195,6 +208,6 @@ mod tests {
 
     #[test]
     fn a_figure_without_data_has_no_section() {
-        assert!(sections(&Outcome::default()).unwrap().is_empty());
+        assert!(sections(&Outcome::default(), POINTS).unwrap().is_empty());
     }
 }

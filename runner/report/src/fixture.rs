@@ -450,6 +450,7 @@ fn timing() -> Timing {
         outputs: None,
         sample_period_ns: 78_125,
         wall_s: 4.003,
+        diagnosis_s: 2.5,
         times_real_time: 0.9993,
         peak_memory_bytes: Some(18_400_000),
     }

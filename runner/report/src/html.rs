@@ -1,6 +1,6 @@
 //! The HTML page of a replay: one self-contained file with a style for print.
 
-use super::figures::{Picture, Section, Shape, sections};
+use super::figures::{POINTS, Picture, Section, Shape, sections};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use anyhow::{Context, Result};
@@ -27,7 +27,7 @@ pub fn html(outcome: &Outcome) -> Result<String> {
     // The name ends in .html: every value is escaped, save those marked as safe.
     environment.add_template(NAME, TEMPLATE).context("reading the report's template")?;
     let template = environment.get_template(NAME).context("reading the report's template")?;
-    template.render(page(outcome, &sections(outcome)?)).context("writing the report")
+    template.render(page(outcome, &sections(outcome, POINTS)?)).context("writing the report")
 }
 
 fn page(outcome: &Outcome, sections: &[Section]) -> Value {
@@ -257,6 +257,7 @@ fn timing(timing: &Timing) -> Value {
         ("Samples", count(timing.samples)),
         ("Samples come every", format!("{} us", alone(microseconds(timing.sample_period_ns)))),
         ("Wall time", format!("{} s", fixed(timing.wall_s, 3))),
+        ("Diagnosis", format!("{} s", fixed(timing.diagnosis_s, 1))),
         ("Pace", format!("{} times real time", alone(timing.times_real_time))),
     ];
     facts.extend(timing.peak_memory_bytes.map(|bytes| ("Peak memory", format!("{} MB", fixed(bytes as f64 / 1e6, 1)))));

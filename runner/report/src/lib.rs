@@ -11,6 +11,7 @@ pub mod fit;
 pub(crate) mod fixture;
 pub mod fleet;
 mod html;
+pub mod live;
 pub mod number;
 pub mod sweep;
 mod text;
@@ -23,7 +24,7 @@ use ballrace_twin::replay::outcome::Outcome;
 pub use csv::csv;
 pub use html::html;
 pub use text::text;
-pub use words::{finding, pacing};
+pub use words::{EVENT_ACTION, action, finding, pacing};
 
 /// Returns the outcome as JSON, without the data of the figures. A number that is not finite becomes `null`.
 ///

@@ -16,9 +16,10 @@ const COMPONENTS: [&str; 5] = ["FX, N", "FY, N", "FZ, N", "MX, N m", "MY, N m"];
 pub fn text(outcome: &Outcome) -> String {
     let mut page = Page::default();
     page.sentence("", if outcome.verdict.is_empty() { "No verdict." } else { &outcome.verdict });
-    page.gap();
+    findings(&mut page, outcome);
+    page.title("RECORDING");
     for (name, value) in words::facts(outcome) {
-        page.sentence(&format!("{:<21}", format!("{name}:")), if value.is_empty() { NONE } else { &value });
+        page.sentence(&format!("  {:<21}", format!("{name}:")), if value.is_empty() { NONE } else { &value });
     }
     motion(&mut page, outcome);
     if outcome.probes.iter().any(ProbeOutcome::has_twin) {
@@ -28,7 +29,6 @@ pub fn text(outcome: &Outcome) -> String {
         forces(&mut page, outcome);
     }
     orders(&mut page, &outcome.bearings);
-    findings(&mut page, outcome);
     sentences(&mut page, "FLAWS OF THE RECORDING", outcome.flaws.iter().map(|flaw| flaw.sentence.as_str()));
     sentences(&mut page, "NOTES", outcome.notes.iter().map(String::as_str));
     timing(&mut page, &outcome.timing);
@@ -163,7 +163,7 @@ fn phase_lag(motion: &Motion) -> String {
 }
 
 fn residual(page: &mut Page, outcome: &Outcome) {
-    page.title("MEASURED - TWIN");
+    page.title("RESIDUAL, measured - twin");
     let figures = |of: fn(&ProbeOutcome) -> f64| column(&outcome.probes.iter().map(of).collect::<Vec<_>>());
     let columns = [
         outcome.probes.iter().map(|probe| name(&probe.name)).collect(),
@@ -185,7 +185,7 @@ fn residual(page: &mut Page, outcome: &Outcome) {
 }
 
 fn baselines(page: &mut Page, outcome: &Outcome) {
-    page.title("RESIDUAL OF SIMPLER PREDICTORS, um rms (the twin should leave less)");
+    page.title("RESIDUAL OF SIMPLER MODELS, um rms");
     let values = |probe: &ProbeOutcome| {
         let [mean, persistence, one_x, linear] = probe.baselines.all().map(|b| b.residual_rms_um);
         [probe.residual_rms_um, mean, persistence, one_x, linear]
@@ -199,10 +199,13 @@ fn baselines(page: &mut Page, outcome: &Outcome) {
         row
     };
     let heads: [&[&str]; 2] = [
-        &["probe", "twin", "own", "sample", "mean", "linear", "twin to"],
-        &["", "", "mean", "before", "and 1X", "springs", "the best"],
+        &["probe", "twin", "mean", "previous", "mean", "linear", "twin is"],
+        &["", "", "", "sample", "and 1X", "springs", ""],
     ];
     page.table(1, &heads, &outcome.probes.iter().map(row).collect::<Vec<_>>());
+    if !words::beaten(&outcome.probes).is_empty() {
+        page.sentence("  ", words::BEATEN);
+    }
 }
 
 fn ball_pass(page: &mut Page, outcome: &Outcome) {
@@ -291,15 +294,19 @@ fn findings(page: &mut Page, outcome: &Outcome) {
         page.line("  none");
     }
     for finding in &outcome.findings {
-        page.sentence("  * ", &finding.sentence);
+        // The verdict is the sentence of the first finding.
+        let is_said = outcome.verdict.contains(&finding.sentence);
+        let [cause, _] = words::finding(finding);
+        page.sentence("  * ", if is_said { &cause } else { &finding.sentence });
         let line = if finding.order == 0.0 {
             String::new()
         } else {
             format!("line {} Hz, order {}, ", fixed(finding.line_hz, 1), fixed(finding.order, 3))
         };
         let (level, confidence) = (fixed(finding.level_db, 1), fixed(100.0 * finding.confidence, 0));
-        let evidence = format!("{line}{level} dB, confidence {confidence} %");
+        let evidence = format!("{}: {line}{level} dB, confidence {confidence} %", words::severity(finding));
         page.sentence("    ", &evidence);
+        page.sentence("    Action: ", words::action(finding.kind));
     }
 }
 
@@ -326,10 +333,11 @@ fn timing(page: &mut Page, timing: &Timing) {
 
 fn compute_times(page: &mut Page, timing: &Timing) {
     let pace = format!(
-        "{} in {} s, {} times real time{}",
+        "{} in {} s, {} times real time; diagnosis {} s{}",
         counted(timing.samples, "sample"),
         fixed(timing.wall_s, 3),
         alone(timing.times_real_time),
+        fixed(timing.diagnosis_s, 1),
         timing
             .peak_memory_bytes
             .map_or_else(String::new, |bytes| format!("; peak memory {} MB", fixed(bytes as f64 / 1e6, 1)))

@@ -101,7 +101,7 @@ fn capitalised(text: &str) -> String {
 }
 
 /// Recommended action after a limit was crossed.
-pub(super) const EVENT_ACTION: &str =
+pub const EVENT_ACTION: &str =
     "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
 /// Returns the recommended action where there is no finding.
 pub(super) fn no_action(outcome: &Outcome) -> &'static str {
@@ -122,7 +122,8 @@ pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and 
                                 degrees of lag, 0 to 360; frequency in Hz and orders (X)";
 
 /// Returns the recommended action for a kind of finding.
-pub(super) const fn action(kind: FindingKind) -> &'static str {
+#[must_use]
+pub const fn action(kind: FindingKind) -> &'static str {
     match kind {
         FindingKind::OuterRace | FindingKind::InnerRace | FindingKind::Element => {
             "Order a spare bearing, repeat the measurement within a week and replace the bearing where the line grows."
@@ -134,9 +135,13 @@ pub(super) const fn action(kind: FindingKind) -> &'static str {
         FindingKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
         FindingKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene anew.",
         FindingKind::Load => {
-            "Check belt, gear or thrust loads and what the machine drives; if the load is meant, correct the scene."
+            "Check mass, load and signs of the probes in the scene first, as each of them shows as a load; then belt, gear or \
+             thrust loads and what the machine drives."
         }
-        FindingKind::Other => "Look at the residual's spectrum and orbit, and check mounting and probes.",
+        FindingKind::Other => {
+            "If the scene is not fitted to this machine, run ballrace fit on a recording of the sound machine; else look at the \
+             residual's spectrum and orbit, and check mounting and probes."
+        }
     }
 }
 
@@ -329,7 +334,11 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
     remarks
 }
 
-/// Compares the twin with the best simpler predictor.
+/// Remark where a simpler model leaves less than the twin.
+pub(super) const BEATEN: &str =
+    "WORSE: a simpler model leaves less than the twin, so the machine has a fault or differs from the scene.";
+
+/// Compares the twin with the best simpler model.
 pub(super) const fn standing(standing: Standing) -> &'static str {
     match standing {
         Standing::Better => "better",
@@ -338,7 +347,7 @@ pub(super) const fn standing(standing: Standing) -> &'static str {
     }
 }
 
-/// Returns the probes at which a simpler predictor is better than the twin, such as "DE_X, NDE_X".
+/// Returns the probes at which a simpler model is better than the twin, such as "DE_X, NDE_X".
 pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
     let names: Vec<&str> =
         probes.iter().filter(|p| p.baselines.worst() == Standing::Worse).map(|p| p.name.as_str()).collect();

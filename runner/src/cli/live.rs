@@ -1,8 +1,10 @@
 //! Options and set-up shared by `replay --paced` and `watch`.
 
+use crate::error::UsageError;
 use crate::live as monitor;
-use crate::live::address::Address;
+use crate::live::address::{Address, DEMONSTRATION};
 use crate::live::out::RequestedOutputs;
+use crate::live::page::HttpOptions;
 use crate::live::source::Encoding;
 use crate::live::view::SharedView;
 use anyhow::{Context, Result};
@@ -13,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Scene of the built-in demonstration: a healthy machine.
-pub(super) const DEMO_SCENE: &str = include_str!("../../demo/healthy.toml");
+pub(super) const DEMO_SCENE: &str = crate::live::demonstration::SCENE;
 /// Recording of the built-in demonstration: the same machine with a spall on an outer race.
 pub(super) const DEMO_RECORDING: &[u8] = include_bytes!("../../demo/outer-spall.csv");
 /// Name of the demonstration's recording.
@@ -23,7 +25,7 @@ pub(super) const DEMO_NAME: &str = "outer-spall.csv (built in)";
 #[derive(Debug, Clone, clap::Args)]
 pub struct LiveArgs {
     /// Source of the samples: a file, - for standard input, tcp:PORT or udp:PORT to listen on this machine, or
-    /// tcp:ADDRESS:PORT [default: the scene's recording].
+    /// tcp:ADDRESS:PORT, or demonstration without SCENE, which is simulated without an end [default: the scene's recording].
     #[arg(long, value_name = "SOURCE")]
     pub source: Option<Address>,
     /// Encoding of the samples on a stream.
@@ -37,6 +39,8 @@ pub struct LiveArgs {
     pub state: Option<PathBuf>,
     #[command(flatten)]
     pub outputs: RequestedOutputs,
+    #[command(flatten)]
+    pub http: HttpOptions,
     /// Request first-in-first-out scheduling (SCHED_FIFO) and locked memory (Linux).
     #[arg(long)]
     pub realtime: bool,
@@ -59,6 +63,7 @@ impl LiveArgs {
             (self.outputs.prometheus.is_some(), "--prometheus"),
             #[cfg(feature = "mqtt")]
             (self.outputs.mqtt.url.is_some(), "--mqtt"),
+            (self.http.address.is_some(), "--http"),
             (self.realtime, "--realtime"),
             (self.core.is_some(), "--core"),
         ];
@@ -71,14 +76,16 @@ impl LiveArgs {
         &'a self,
         source: Address,
         view: Option<SharedView>,
-        replay: ballrace_twin::replay::Options<'a>,
+        mut replay: ballrace_twin::replay::Options<'a>,
     ) -> monitor::Options<'a> {
+        replay.viewed = view.is_some() || self.http.address.is_some();
         monitor::Options {
             source,
             encoding: self.encoding,
             duration: self.duration,
             state: self.state.as_deref(),
             outputs: &self.outputs,
+            http: &self.http,
             realtime: self.realtime,
             core: self.core,
             view,
@@ -86,14 +93,24 @@ impl LiveArgs {
         }
     }
 
-    /// Returns the address of the source: `--source`, else `recording`, else the scene's recording, else the demonstration's.
-    #[must_use]
-    pub fn source(&self, scene: &Scene, recording: Option<&Path>, is_demo: bool) -> Address {
-        match (&self.source, recording, &scene.recording) {
-            (Some(source), ..) => source.clone(),
-            (None, Some(path), _) => Address::File(path.to_owned()),
-            (None, None, Some(recording)) if !is_demo => Address::File(recording.file.clone()),
-            _ => Address::BuiltIn(DEMO_RECORDING, DEMO_NAME),
+    /// Returns the address of the source: `--source`, else `recording`, else the scene's recording, else `demonstration`.
+    ///
+    /// # Errors
+    /// Returns an error if the simulated demonstration is requested for another scene.
+    pub fn source(
+        &self,
+        scene: &Scene,
+        recording: Option<&Path>,
+        demonstration: Option<Address>,
+    ) -> Result<Address, UsageError> {
+        match (&self.source, recording, &scene.recording, demonstration) {
+            (Some(Address::Demonstration), _, _, None) => Err(UsageError(format!(
+                "--source {DEMONSTRATION}: simulates the built-in machine, expected no SCENE, or another source"
+            ))),
+            (Some(source), ..) => Ok(source.clone()),
+            (None, Some(path), ..) => Ok(Address::File(path.to_owned())),
+            (None, None, Some(recording), None) => Ok(Address::File(recording.file.clone())),
+            (None, None, _, demonstration) => Ok(demonstration.unwrap_or(Address::BuiltIn(DEMO_RECORDING, DEMO_NAME))),
         }
     }
 }

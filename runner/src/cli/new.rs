@@ -101,7 +101,16 @@ fn path_from(folder: &Path, path: &Path) -> Result<String> {
         path.canonicalize().with_context(|| path.display().to_string())
     };
     let (folder, file) = (real(folder)?, real(path)?);
-    let relative = file.strip_prefix(&folder).unwrap_or(&file);
+    // Two files without a common folder have a path from the root alone.
+    let common = folder.ancestors().find(|common| common.parent().is_some() && file.starts_with(common));
+    let relative = common.map_or_else(
+        || file.clone(),
+        |common| {
+            let steps = folder.components().count() - common.components().count();
+            let below = file.strip_prefix(common).unwrap_or(&file);
+            std::iter::repeat_n(Path::new(".."), steps).chain([below]).collect()
+        },
+    );
     let text = relative.to_str().with_context(|| format!("{}: a name that is not UTF-8 text", path.display()))?;
     Ok(text.to_owned())
 }

@@ -98,7 +98,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
 
 /// Replays in real time.
 fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) -> Result<ReplayStatus> {
-    let source = args.live.source(scene, args.recording.as_deref(), args.scene.is_none());
+    let recording = args.scene.is_none().then_some(Address::BuiltIn(DEMO_RECORDING, DEMO_NAME));
+    let source = args.live.source(scene, args.recording.as_deref(), recording)?;
     let path = PathBuf::from(source.to_string());
     let report = report_path(args);
     check_outputs(args, scene, &path, report.as_deref())?;

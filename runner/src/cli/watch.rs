@@ -5,8 +5,8 @@ use super::live::{self, LiveArgs};
 use crate::dashboard;
 use crate::error::UsageError;
 use crate::live as monitor;
-use crate::live::source::lock;
-use crate::live::view::{Conclusion, SharedView};
+use crate::live::address::Address;
+use crate::live::view::{Conclusion, MonitorState, SharedView};
 use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
@@ -47,7 +47,8 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
     }
     let scene = live::read_scene(args.scene.as_deref())?;
     let view = SharedView::default();
-    let source = args.live.source(&scene, None, args.scene.is_none());
+    // The display of the demonstration has no end.
+    let source = args.live.source(&scene, None, args.scene.is_none().then_some(Address::Demonstration))?;
     let name = source.to_string();
     let baseline = args.baseline.as_deref();
     let replay =
@@ -59,12 +60,11 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
             let outcome = monitor::monitor(&scene, &options, &stop);
             match &outcome {
                 // The final state is displayed until the user presses q.
-                Ok(outcome) => {
-                    let mut view = lock(&view);
-                    view.state = "ended: press q";
+                Ok(outcome) => view.update(|view| {
+                    view.set_state(MonitorState::Ended);
                     view.conclusion =
                         Some(Conclusion { verdict: outcome.verdict.clone(), findings: outcome.findings.clone() });
-                }
+                }),
                 Err(_) => failed.store(true, Ordering::Relaxed),
             }
             outcome

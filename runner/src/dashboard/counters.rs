@@ -8,38 +8,31 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Wrap};
 
-pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
-    let microseconds = |ns: u64| format!("{:.0}", ns as f64 * 1e-3);
+/// Returns the counters as two lines; those above 0 stand out.
+pub(super) fn lines(view: &View) -> [Line<'static>; 2] {
+    let milliseconds = |ns: u64| format!("{:.1}", ns as f64 * 1e-6);
     let source = &view.source;
     let counter = |label: &str, count: u64| {
         let style = if count > 0 { Style::new().fg(ALARM) } else { Style::new() };
         Span::styled(format!("{label} {count}  "), style)
     };
-    let lines = vec![
+    [
         Line::from(vec![
-            Span::raw(format!(
-                "late us {} / {}  ",
-                microseconds(view.lateness.p50_ns),
-                microseconds(view.lateness.max_ns)
-            )),
-            Span::raw(format!("work us {}", microseconds(view.compute.p99_ns))),
-        ]),
-        Line::from(vec![
-            counter("missed", view.misses),
-            counter("lost", source.lost_frames),
-            counter("repeated", source.repeated_frames),
-        ]),
-        Line::from(vec![
-            counter("dropped", source.dropped_rows),
-            counter("malformed", source.malformed_frames),
+            counter("deadlines missed", view.misses),
+            Span::raw(format!("late {} ms  ", milliseconds(view.lateness.max_ns))),
             Span::raw(view.idle_percent.map_or_else(String::new, |idle| format!("idle {idle:.0} %"))),
         ]),
-    ];
-    frame.render_widget(Paragraph::new(lines).block(panel_block(" Deadlines ".to_owned())), area);
+        Line::from(vec![
+            counter("lost", source.lost_frames),
+            counter("repeated", source.repeated_frames),
+            counter("dropped", source.dropped_rows),
+            counter("malformed", source.malformed_frames),
+        ]),
+    ]
 }
 
 pub(super) fn draw_events(frame: &mut Frame, area: Rect, view: &View) {
-    let block = panel_block(format!(" Events, {} ", view.events.len()));
+    let block = panel_block(format!(" 5 Events, {} ", view.events.len()));
     let lines: Vec<Line> = view
         .events
         .iter()

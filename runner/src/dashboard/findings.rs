@@ -11,9 +11,9 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Wrap};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
-    let findings = view.conclusion.as_ref().map_or(&view.snapshot.findings, |conclusion| &conclusion.findings);
+    let findings = view.conclusion.as_ref().map_or(&view.findings, |conclusion| &conclusion.findings);
     if findings.is_empty() && view.conclusion.is_none() {
-        return draw_empty(frame, area, panel_block(" Findings ".to_owned()), "no fault found so far");
+        return draw_empty(frame, area, panel_block(" 6 Findings ".to_owned()), "no fault found so far");
     }
     let mut lines = vec![];
     for finding in findings {
@@ -26,6 +26,6 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
         lines
             .push(Line::from(Span::styled(printable::lines(&conclusion.verdict).into_owned(), Style::new().fg(MUTED))));
     }
-    let block = panel_block(format!(" Findings, {} ", findings.len()));
+    let block = panel_block(format!(" 6 Findings, {} ", findings.len()));
     frame.render_widget(Paragraph::new(lines).wrap(Wrap { trim: true }).block(block), area);
 }

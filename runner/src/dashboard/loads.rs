@@ -11,10 +11,10 @@ use ratatui::widgets::canvas::{Canvas, Circle, Line};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View, bearing: usize) {
     let Some((name, loads)) = view.snapshot.loads.get(bearing).filter(|(_, loads)| !loads.is_empty()) else {
-        return draw_empty(frame, area, panel_block(" Loads ".to_owned()), "no samples yet");
+        return draw_empty(frame, area, panel_block(" 4 Loads ".to_owned()), "no samples yet");
     };
     let largest = loads.iter().map(|l| l.1).fold(0.0_f64, f64::max);
-    let block = panel_block(format!(" Loads {name}, up to {largest:.1} N "));
+    let block = panel_block(format!(" 4 Loads {name}, up to {largest:.1} N "));
     let (width, height) =
         (2.0 * f64::from(area.width.saturating_sub(2).max(1)), 4.0 * f64::from(area.height.saturating_sub(2).max(1)));
     let shorter = width.min(height);

@@ -1,4 +1,4 @@
-//! Live display in the terminal: orbits, spectrum, trends, loads, counters, events and findings.
+//! Live display in the terminal: state and diagnosis, orbits, spectrum, trends, loads, events, findings, values and counters.
 
 mod counters;
 mod findings;
@@ -7,17 +7,19 @@ mod loads;
 mod orbit;
 mod spectrum;
 mod trend;
+mod values;
 
-use crate::live::source::lock;
-use crate::live::view::{SharedView, View};
+use crate::live::status::{Level, Status};
+use crate::live::view::{MonitorState, SharedView, View};
 use anyhow::Result;
+use ballrace_twin::printable;
 use ballrace_twin::scene::{Limit, Scene};
 use input::Input;
 use ratatui::crossterm::event::{KeyCode, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, Paragraph};
+use ratatui::widgets::{Block, Paragraph, Wrap};
 use ratatui::{DefaultTerminal, Frame};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
@@ -26,7 +28,7 @@ use std::time::Duration;
 /// Interval at which the display is updated. Only changed cells are sent to the terminal.
 const REFRESH: Duration = Duration::from_millis(250);
 /// Minimum size of the terminal: columns, rows.
-const MIN_SIZE: (u16, u16) = (60, 20);
+const MIN_SIZE: (u16, u16) = (60, 22);
 
 const MEASURED: Color = Color::Cyan;
 const TWIN: Color = Color::Yellow;
@@ -52,6 +54,7 @@ enum Panel {
     Loads,
     Events,
     Findings,
+    Values,
 }
 
 /// Data that are constant during a run.
@@ -81,11 +84,11 @@ pub fn show(scene: &Scene, source: &str, view: &SharedView, stop: &AtomicBool, f
 
 fn run(terminal: &mut DefaultTerminal, info: &RunInfo, view: &SharedView, end_flags: [&AtomicBool; 2]) {
     let mut settings = DisplaySettings { probe: 0, bearing: 0, indicator: 0, panel: None, is_paused: false };
-    let mut shown = View::default();
+    let mut shown = view.get();
     let Ok(inputs) = input::start() else { return };
     while !end_flags.iter().any(|flag| flag.load(Ordering::Relaxed)) {
         if !settings.is_paused {
-            shown = lock(view).clone();
+            shown = view.get();
         }
         if terminal.draw(|frame| draw(frame, info, &shown, settings)).is_err() {
             return;
@@ -120,6 +123,7 @@ impl DisplaySettings {
             KeyCode::Char('4') => panel(Panel::Loads),
             KeyCode::Char('5') => panel(Panel::Events),
             KeyCode::Char('6') => panel(Panel::Findings),
+            KeyCode::Char('7') => panel(Panel::Values),
             _ => self,
         }
     }
@@ -133,19 +137,21 @@ fn draw(frame: &mut Frame, info: &RunInfo, view: &View, settings: DisplaySetting
             format!("terminal is too small: {} x {}, expected at least {columns} x {rows}", area.width, area.height);
         return frame.render_widget(Paragraph::new(message), area);
     }
-    let rows = Layout::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).split(area);
-    frame.render_widget(header(info, view, settings.is_paused), rows[0]);
-    frame.render_widget(key_help(), rows[2]);
+    let rows = [Constraint::Length(1), Constraint::Length(HEADER_ROWS), Constraint::Min(0), Constraint::Length(1)];
+    let rows = Layout::vertical(rows).split(area);
+    frame.render_widget(title(info, view, settings.is_paused), rows[0]);
+    frame.render_widget(state(view), rows[1]);
+    frame.render_widget(key_help(), rows[3]);
     match settings.panel {
-        Some(panel) => draw_panel(frame, rows[1], panel, info, view, settings),
-        None => draw_overview(frame, rows[1], info, view, settings),
+        Some(panel) => draw_panel(frame, rows[2], panel, info, view, settings),
+        None => draw_overview(frame, rows[2], info, view, settings),
     }
 }
 
 fn draw_overview(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, settings: DisplaySettings) {
-    let counter_rows = 5;
-    let half = area.height.saturating_sub(counter_rows) / 2;
-    let heights = [Constraint::Min(half), Constraint::Length(half), Constraint::Length(counter_rows)];
+    let last_rows = 5;
+    let half = area.height.saturating_sub(last_rows) / 2;
+    let heights = [Constraint::Min(half), Constraint::Length(half), Constraint::Length(last_rows)];
     let rows = Layout::vertical(heights).split(area);
     let halves = |row: Rect| Layout::horizontal([Constraint::Percentage(50), Constraint::Percentage(50)]).split(row);
     let (upper, middle, last) = (halves(rows[0]), halves(rows[1]), halves(rows[2]));
@@ -153,13 +159,14 @@ fn draw_overview(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, set
     if view.conclusion.is_some() {
         panels.push((Panel::Findings, rows[1]));
     } else {
-        let second = if view.snapshot.findings.is_empty() { Panel::Loads } else { Panel::Findings };
+        let second = if view.findings.is_empty() { Panel::Loads } else { Panel::Findings };
         panels.extend([(Panel::Trend, middle[0]), (second, middle[1])]);
     }
+    // Values against limits where the scene has limits, else the counters, which are below the values in their panel.
+    panels.push((Panel::Values, last[0]));
     for (panel, area) in panels {
         draw_panel(frame, area, panel, info, view, settings);
     }
-    counters::draw(frame, last[0], view);
 }
 
 fn draw_panel(frame: &mut Frame, area: Rect, panel: Panel, info: &RunInfo, view: &View, settings: DisplaySettings) {
@@ -170,27 +177,59 @@ fn draw_panel(frame: &mut Frame, area: Rect, panel: Panel, info: &RunInfo, view:
         Panel::Loads => loads::draw(frame, area, view, settings.bearing),
         Panel::Events => counters::draw_events(frame, area, view),
         Panel::Findings => findings::draw(frame, area, view),
+        Panel::Values => values::draw(frame, area, view),
     }
 }
 
-fn header(info: &RunInfo, view: &View, is_paused: bool) -> Paragraph<'static> {
+/// Rows of the state: word with diagnosis on two lines, action.
+const HEADER_ROWS: u16 = 3;
+
+fn title(info: &RunInfo, view: &View, is_paused: bool) -> Paragraph<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
-    let state = if is_paused { "display paused" } else { view.state };
-    let alarm = view.state.contains("silent") || is_paused;
     let mut spans = vec![
         Span::styled(format!(" {} ", info.name), bold.add_modifier(Modifier::REVERSED)),
-        Span::raw(format!(" {}  ", info.source)),
-        Span::styled(state.to_owned(), if alarm { bold.fg(ALARM) } else { bold.fg(Color::Green) }),
+        Span::raw(format!(" {}", info.source)),
     ];
     if view.snapshot.rate_hz > 0.0 {
         spans.push(Span::raw(format!("  {:.1} rpm  {:.1} s", view.snapshot.speed_rpm, view.snapshot.time_s)));
     }
+    let state = match (is_paused, view.state) {
+        (true, _) => "  display paused".to_owned(),
+        (_, MonitorState::Starting) => format!("  twin starting, {:.0} s", view.starting_s),
+        (_, MonitorState::Running) if view.starting_s > 0.0 => format!("  twin started in {:.1} s", view.starting_s),
+        (_, MonitorState::Ended) => "  press q".to_owned(),
+        _ => String::new(),
+    };
+    spans.push(Span::styled(state, Style::new().fg(MUTED)));
     Paragraph::new(Line::from(spans))
+}
+
+/// State of the machine in colour and word, with the present diagnosis as a sentence.
+fn state(view: &View) -> Paragraph<'static> {
+    let status = Status::of(view);
+    let colour = match status.level {
+        Level::Alarm => ALARM,
+        Level::Warning => Color::Yellow,
+        Level::Unknown => Color::Blue,
+        Level::Normal => Color::Green,
+    };
+    let word = Style::new().bg(colour).fg(Color::Black).add_modifier(Modifier::BOLD);
+    let since = status.since.get(11..19).map_or_else(String::new, |clock| format!(" since {clock} UTC. "));
+    // The panel of the findings has the sentence of an alarm.
+    let sentence = match status.title.as_str() {
+        "" => format!("{since}{} {}", status.sentence, status.action),
+        title => format!("{since}{title}. {}", status.action),
+    };
+    let spans = vec![
+        Span::styled(format!(" {} ", status.word), word),
+        Span::raw(printable::lines(sentence.trim_end()).into_owned()),
+    ];
+    Paragraph::new(Line::from(spans)).wrap(Wrap { trim: true })
 }
 
 fn key_help() -> Paragraph<'static> {
     let keys =
-        [("q", "quit"), ("p", "probe"), ("b", "bearing"), ("i", "indicator"), ("1-6", "one panel"), ("space", "pause")];
+        [("q", "quit"), ("p", "probe"), ("b", "bearing"), ("i", "indicator"), ("1-7", "one panel"), ("space", "pause")];
     let spans = keys.into_iter().flat_map(|(key, action)| {
         [
             Span::styled(format!(" {key} "), Style::new().add_modifier(Modifier::REVERSED)),
@@ -259,7 +298,6 @@ mod tests {
             planes,
             loads: vec![("DE".to_owned(), loads)],
             lines: vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: 50.0 }],
-            findings: vec![],
         };
         let second = |i: i32| Second {
             time_s: f64::from(i),
@@ -276,10 +314,10 @@ mod tests {
         let message =
             crate::live::feed::EventMessage { kind: "source-silent", sentence: "The source sends no data.".to_owned() };
         View {
-            state: "running",
-            snapshot,
-            seconds: (0..60).map(second).collect(),
-            events: [EventRecord::new(message, 3.0)].into(),
+            state: MonitorState::Running,
+            snapshot: snapshot.into(),
+            seconds: (0..60).map(|i| second(i).into()).collect(),
+            events: [EventRecord::new(message, 3.0).into()].into(),
             ..View::default()
         }
     }
@@ -356,7 +394,8 @@ mod tests {
             figures: FaultFigures::default(),
         };
         let mut view = running(&scene);
-        view.snapshot.findings.push(finding.clone());
+        view.findings.push(finding.clone());
+        view.alarms.update_faults(&view.findings);
         assert!(screen(120, 24, &view, &[]).contains("Spall on the outer race, bearing DE"));
         let conclusion = Conclusion { verdict: "DE: damage of the outer race.".to_owned(), findings: vec![finding] };
         let view = View { conclusion: Some(conclusion), ..running(&scene) };
@@ -377,9 +416,9 @@ mod tests {
     fn missing_samples_and_a_small_terminal_are_reported() {
         assert!(screen(80, 24, &View::default(), &[]).contains("no samples yet"));
         assert!(screen(40, 10, &View::default(), &[]).contains("too small"));
-        for (width, height) in [(60, 20), (200, 60), (61, 21), (300, 20)] {
+        for (width, height) in [(60, 22), (200, 60), (61, 23), (300, 22)] {
             let scene = read_str(DEMO, Path::new("demo")).unwrap();
-            for key in ['0', '1', '2', '3', '4', '5', '6'] {
+            for key in ['0', '1', '2', '3', '4', '5', '6', '7'] {
                 screen(width, height, &running(&scene), &[KeyCode::Char(key)]);
             }
         }

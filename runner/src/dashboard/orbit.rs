@@ -20,7 +20,7 @@ const SAMPLES: usize = 512;
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     let planes = &view.snapshot.planes;
     if planes.is_empty() || view.snapshot.samples.is_empty() {
-        return draw_empty(frame, area, panel_block(" Orbits ".to_owned()), "no samples yet");
+        return draw_empty(frame, area, panel_block(" 1 Orbits ".to_owned()), "no samples yet");
     }
     let width = Constraint::Ratio(1, planes.len() as u32);
     let areas = Layout::horizontal(vec![width; planes.len()]).split(area);
@@ -66,7 +66,7 @@ impl Curves {
 
 fn draw_orbit(frame: &mut Frame, area: Rect, name: &str, curves: &Curves) {
     let size = format!(" {:.2} um pp ", curves.half_extent / 0.55);
-    let block = panel_block(format!(" {name} ")).title_bottom(Line::from(size).right_aligned());
+    let block = panel_block(format!(" 1 {name} ")).title_bottom(Line::from(size).right_aligned());
     // A cell with a braille character has two columns and four rows of dots with about equal spacing.
     let (width, height) =
         (2.0 * f64::from(area.width.saturating_sub(2).max(1)), 4.0 * f64::from(area.height.saturating_sub(2).max(1)));

@@ -15,7 +15,7 @@ const MAX_ORDER: f64 = 16.0;
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, probe: usize) {
     let name = info.probes.get(probe).map_or("", String::as_str);
-    let block = panel_block(format!(" Spectrum {name}, um peak "));
+    let block = panel_block(format!(" 2 Spectrum {name}, um peak "));
     let Some((amplitudes, bin)) = spectrum(view, probe) else {
         return draw_empty(frame, area, block, "no samples yet");
     };

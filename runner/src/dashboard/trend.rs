@@ -28,7 +28,7 @@ pub(super) const INDICATORS: [(&str, &str, IndicatorValue, Option<Indicator>); 7
 pub(super) fn draw(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, settings: DisplaySettings) {
     let (name, unit, indicator_value, indicator) = INDICATORS[settings.indicator % INDICATORS.len()];
     let probe = info.probes.get(settings.probe).map_or("", String::as_str);
-    let block = panel_block(format!(" {probe} {name}{}{unit} ", if unit.is_empty() { "" } else { ", " }));
+    let block = panel_block(format!(" 3 {probe} {name}{}{unit} ", if unit.is_empty() { "" } else { ", " }));
     let value = |p: &ProbeSecond| (p.name == probe).then(|| indicator_value(p));
     let points: Vec<(f64, f64)> =
         view.seconds.iter().filter_map(|s| Some((s.time_s, s.probes.iter().find_map(value)?))).collect();

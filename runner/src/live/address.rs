@@ -4,11 +4,16 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::str::FromStr;
 
+/// Name of the simulated demonstration.
+pub const DEMONSTRATION: &str = "demonstration";
+
 /// A source of samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Address {
     /// File in any recording format, replayed at its own rate.
     File(PathBuf),
+    /// Endless simulation of the demonstration's machine with a spall.
+    Demonstration,
     /// CSV recording that is part of the program, and its name.
     BuiltIn(&'static [u8], &'static str),
     /// Standard input.
@@ -23,7 +28,7 @@ impl Address {
     /// Returns `true` for a recording, which is replayed at its own rate.
     #[must_use]
     pub const fn is_recording(&self) -> bool {
-        matches!(self, Self::File(_) | Self::BuiltIn(..))
+        matches!(self, Self::File(_) | Self::BuiltIn(..) | Self::Demonstration)
     }
 }
 
@@ -33,6 +38,7 @@ impl FromStr for Address {
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once(':') {
             _ if text == "-" => Ok(Self::StandardInput),
+            _ if text == DEMONSTRATION => Ok(Self::Demonstration),
             Some(("tcp", address)) => parse_socket(address).map(Self::Tcp),
             Some(("udp", address)) => parse_socket(address).map(Self::Udp),
             _ => Ok(Self::File(text.into())),
@@ -40,18 +46,24 @@ impl FromStr for Address {
     }
 }
 
-/// Parses `PORT` or `ADDRESS:PORT`. A port without an address is a port of the loopback interface.
 fn parse_socket(text: &str) -> Result<SocketAddr, String> {
-    let loopback = |port: u16| SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
-    text.parse().map(loopback).ok().or_else(|| text.parse().ok()).ok_or_else(|| {
+    parse_local(text).ok_or_else(|| {
         "expected tcp:PORT, tcp:ADDRESS:PORT, udp:PORT, udp:ADDRESS:PORT, - or the name of a file".to_owned()
     })
+}
+
+/// Parses `PORT` or `ADDRESS:PORT`. A port without an address is a port of the loopback interface.
+#[must_use]
+pub fn parse_local(text: &str) -> Option<SocketAddr> {
+    let loopback = |port: u16| SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
+    text.parse().map(loopback).ok().or_else(|| text.parse().ok())
 }
 
 impl std::fmt::Display for Address {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::File(path) => write!(f, "{}", path.display()),
+            Self::Demonstration => write!(f, "{DEMONSTRATION} (simulated)"),
             Self::BuiltIn(_, name) => write!(f, "{name}"),
             Self::StandardInput => write!(f, "standard input"),
             Self::Tcp(address) => write!(f, "tcp:{address}"),

@@ -9,17 +9,23 @@
 //! are missing in the log, and ignores samples before the positions.
 
 pub mod address;
+pub mod alarms;
 mod backlog;
 mod connections;
 mod datagrams;
+pub mod demonstration;
+mod display;
 pub mod feed;
 pub mod frames;
+mod http;
 pub mod out;
 pub mod pace;
+pub mod page;
 pub mod realtime;
 mod service;
 pub mod source;
 pub mod state;
+pub mod status;
 pub mod view;
 
 use crate::error::UsageError;
@@ -31,6 +37,7 @@ use ballrace_twin::recording::flaws::FlawSummary;
 use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
 use ballrace_twin::replay::{self, Replay};
 use ballrace_twin::scene::{Recording, Scene};
+use display::Display;
 use feed::{CAPACITY, EventMessage, FeedItem, FeedReceiver, SourceCounters};
 use out::{EventRecord, Network, Outputs};
 use pace::{BLOCK_PERIOD, BlockSchedule};
@@ -41,12 +48,10 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use view::SharedView;
+use view::{MonitorState, SharedView};
 
 /// Time without samples after which a source is silent.
 const SILENCE_TIMEOUT: Duration = Duration::from_secs(1);
-/// Interval at which the data of the live display are updated.
-const VIEW_INTERVAL: Duration = Duration::from_millis(200);
 /// Time limit for the end of the reader thread, which may be blocked by standard input.
 const READER_TIMEOUT: Duration = Duration::from_millis(500);
 /// Longest time for which the twin processes samples in one block.
@@ -64,6 +69,8 @@ pub struct Options<'a> {
     pub state: Option<&'a Path>,
     /// Requested outputs.
     pub outputs: &'a out::RequestedOutputs,
+    /// Live page.
+    pub http: &'a page::HttpOptions,
     /// Request real-time scheduling and locked memory.
     pub realtime: bool,
     /// Request to run on this processor.
@@ -83,6 +90,8 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     // The state is locked and the ports are bound before any file is changed, so that a failed start changes nothing.
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
     let network = Network::bind(options.outputs)?;
+    let shared = options.view.clone().or_else(|| options.http.address.map(|_| SharedView::default()));
+    let page = shared.as_ref().map(|shared| page::Page::start(options, scene, shared)).transpose()?.flatten();
     let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();
     let previous = state.as_ref().map_or_else(State::default, |file| file.state.clone());
     let (resume, start_time, is_resumed) = (previous.resume(can_repeat), previous.time_s, previous.starts > 0);
@@ -94,10 +103,14 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
     state.as_mut().map_or(Ok(()), StateFile::begin)?;
     let mut service = Service::ready();
-    update_view(options, |view| view.state = "waiting for the source");
+    let mut display = Display::new(shared);
+    display.view.alarms = previous.alarms.clone();
+    display.view.set_state(MonitorState::Waiting);
+    display.publish();
     let rate = wait_for_rate(&reader, &mut receiver, stop, &mut service, |message| {
         let event = EventRecord::new(message, start_time);
-        update_view(options, |view| view.add_event(&event));
+        display.view.add_event(&event);
+        display.publish();
         outputs.add_event(&event)?;
         outputs.save_events();
         Ok(())
@@ -109,6 +122,9 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     if let Some(limits) = &previous.limits {
         replay.restore_limits(&limits.clone().map_positions(|index| index.div_ceil(average)));
     }
+    replay.restore_faults(&previous.faults);
+    display.view.alarms.restore_limits(&replay.limit_status());
+    display.view.alarms.update_faults(&replay.findings());
     if is_resumed {
         let sentence = format!("The monitor resumed at sample {} ({:.3} s).", resume.index, start_time);
         outputs.add_event(&EventRecord::new(EventMessage { kind: "monitor-resumed", sentence }, start_time))?;
@@ -134,7 +150,9 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         backlog: Backlog::new(matches!(options.source, Address::Udp(_))),
         source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
         schedule: BlockSchedule::try_new()?,
-        view_updated: Instant::now(),
+        display,
+        page,
+        is_state_changed: false,
         service,
     };
     let result = monitor.run(stop);
@@ -218,12 +236,6 @@ fn join_reader(thread: std::thread::JoinHandle<Result<Vec<FlawSummary>>>) -> Res
     thread.join().unwrap_or_else(|_| bail!("the reader thread panicked")).map(Some)
 }
 
-fn update_view(options: &Options, change: impl FnOnce(&mut view::View)) {
-    if let Some(view) = &options.view {
-        change(&mut lock(view));
-    }
-}
-
 fn copy_counters(counters: &SourceCounters, figures: &mut SourceFigures) {
     let read = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
     figures.rows = read(&counters.rows);
@@ -267,7 +279,10 @@ struct Monitor<'a, 'o> {
     backlog: Backlog,
     source: SourceFigures,
     schedule: BlockSchedule,
-    view_updated: Instant,
+    display: Display,
+    page: Option<page::Page>,
+    /// The state has to be written.
+    is_state_changed: bool,
     service: Service,
 }
 
@@ -281,6 +296,7 @@ impl Monitor<'_, '_> {
             self.publish()?;
             self.check_silence()?;
             self.report_backlog()?;
+            self.acknowledge_alarms()?;
             self.update_view();
             self.schedule.finish_block(block_start, caught_up);
         }
@@ -381,16 +397,24 @@ impl Monitor<'_, '_> {
     }
 
     fn record_event(&mut self, event: &EventRecord) -> Result<()> {
-        update_view(self.options, |view| view.add_event(event));
+        self.display.view.add_event(event);
+        self.is_state_changed |= event.changes_state();
         self.outputs.add_event(event)
     }
 
     /// Passes new events and seconds to the outputs, and writes them.
     fn publish(&mut self) -> Result<()> {
         let update = self.replay.take_update();
-        let is_state_changed = !update.events.is_empty() || !update.seconds.is_empty();
+        self.is_state_changed |= !update.seconds.is_empty();
         for event in update.events {
-            self.record_event(&EventRecord::limit(event))?;
+            let record = EventRecord::limit(event);
+            if let Some(event) = &record.limit {
+                self.display.view.alarms.limit_event(event, &record.sentence);
+            }
+            self.record_event(&record)?;
+        }
+        if !update.notices.is_empty() {
+            self.display.view.alarms.update_faults(&self.replay.findings());
         }
         for notice in update.notices {
             let message = EventMessage { kind: notice.kind, sentence: notice.sentence };
@@ -407,14 +431,14 @@ impl Monitor<'_, '_> {
         }
         // While the twin catches up, its seconds are older than the preliminary ones, which have readings only.
         for second in update.preliminary.iter().chain(&update.seconds) {
-            update_view(self.options, |view| view.add_second(second));
+            self.display.view.add_second(second);
             if second.time_s >= self.published_time {
                 self.published_time = second.time_s;
-                let limits = self.replay.limits();
+                let limits = self.replay.limit_status();
                 self.outputs.publish(second, &limits, &self.receiver.counters, self.schedule.misses());
             }
         }
-        if is_state_changed || self.outputs.is_retry_due() {
+        if std::mem::take(&mut self.is_state_changed) || self.outputs.is_retry_due() {
             self.save();
         } else {
             // Events of the source are not part of the state.
@@ -434,6 +458,8 @@ impl Monitor<'_, '_> {
                 (state.seconds_index, state.time_s) = (self.seconds_index, self.seconds_time);
             }
             let average = self.average;
+            state.alarms.clone_from(&self.display.view.alarms);
+            state.faults = self.replay.fault_state();
             state.limits = self.replay.limit_state().map(|limits| limits.map_positions(|index| index * average));
             let index = state.first_unprocessed();
             // Sequence numbers count lost samples too, so that differences of sample numbers apply to them.
@@ -523,27 +549,39 @@ impl Monitor<'_, '_> {
         Ok(())
     }
 
-    /// Updates the data of the live display if they are due.
+    /// Acknowledges the alarms that users of the live page have acknowledged.
+    fn acknowledge_alarms(&mut self) -> Result<()> {
+        while let Some(id) = self.page.as_ref().and_then(page::Page::next_acknowledgement) {
+            if let Some(sentence) = self.display.view.alarms.acknowledge(&id) {
+                self.record_event(&EventRecord::acknowledgement(id, &sentence, self.time))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Updates the data of the live displays if they are due.
     fn update_view(&mut self) {
-        if self.options.view.is_none() || self.view_updated.elapsed() < VIEW_INTERVAL {
+        if !self.display.is_due() {
             return;
         }
-        self.view_updated = Instant::now();
         copy_counters(&self.receiver.counters, &mut self.source);
-        let state = match (self.first_time, self.is_silent, self.replay.has_started()) {
-            (None, ..) => "waiting for the source",
-            (_, true, _) => "source silent",
-            (_, _, false) => "starting",
-            _ => "running",
-        };
-        let snapshot = self.replay.snapshot();
         let pacing = self.schedule.statistics(String::new());
-        update_view(self.options, |view| {
-            view.state = state;
-            view.snapshot = snapshot;
-            (view.lateness, view.compute) = (pacing.lateness, pacing.compute);
-            (view.misses, view.idle_percent) = (pacing.deadline_misses, pacing.idle_percent);
-            view.source = self.source.clone();
+        if self.display.take_is_read() {
+            self.display.view.snapshot = std::sync::Arc::new(self.replay.snapshot());
+        }
+        let view = &mut self.display.view;
+        view.set_state(match (self.first_time, self.is_silent, self.replay.has_started()) {
+            (None, ..) => MonitorState::Waiting,
+            (_, true, _) => MonitorState::Silent,
+            (_, _, false) => MonitorState::Starting,
+            _ => MonitorState::Running,
         });
+        view.time_s = self.time;
+        (view.findings, view.diagnosis) = (self.replay.findings(), self.replay.diagnosis_state());
+        view.limits = self.replay.limit_status();
+        (view.lateness, view.compute, view.starting_s) = (pacing.lateness, pacing.compute, pacing.starting_s);
+        (view.misses, view.idle_percent) = (pacing.deadline_misses, pacing.idle_percent);
+        view.source = self.source.clone();
+        self.display.publish();
     }
 }

@@ -7,6 +7,7 @@
 use super::address::Address;
 use super::connections::{Connections, Preamble, SourceStream};
 use super::datagrams::{DatagramStream, Datagrams, MAX_DATAGRAM_LENGTH};
+use super::demonstration;
 use super::feed::{FeedItem, FeedSender, add};
 use super::frames::{FrameLayout, FramePosition, SequenceTracker};
 use crate::error::UsageError;
@@ -153,6 +154,8 @@ impl SourceReader {
             (_, Some(listener), _) => self.read_connections(listener),
             (_, _, Some(socket)) => self.read_datagrams(socket),
             (Address::File(path), ..) => self.read_file(path),
+            (Address::Demonstration, ..) => demonstration::start()
+                .and_then(|stream| self.read_stream(Box::new(stream), &Address::Demonstration.to_string())),
             (Address::BuiltIn(bytes, name), ..) => self.read_stream(Box::new(std::io::Cursor::new(*bytes)), name),
             _ => self.read_stream(Box::new(std::io::stdin()), "standard input"),
         };

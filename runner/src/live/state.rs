@@ -3,10 +3,12 @@
 //! The indicators and the limits have separate positions in the stream of samples. A restart reads from the earlier position;
 //! indicators and limits each ignore samples before their own position, so that nothing is written twice.
 
+use super::alarms::AlarmList;
 use super::source::Resume;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output;
+use ballrace_twin::replay::FaultState;
 use ballrace_twin::replay::limits::LimitState;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -17,7 +19,7 @@ const FORMAT_VERSION: u32 = 2;
 const VERSION_WITHOUT_LIMITS: u32 = 1;
 
 /// State of a monitor.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct State {
     /// Version of the file format.
@@ -35,6 +37,10 @@ pub struct State {
     pub time_s: f64,
     /// State of the limits; `None` for a scene without limits.
     pub limits: Option<LimitState>,
+    /// Alarms that are active or not acknowledged.
+    pub alarms: AlarmList,
+    /// Faults that the last diagnoses found.
+    pub faults: FaultState,
     /// Lines that may be missing in the event log: they are appended after this state was written.
     pub events: Vec<String>,
     /// Number of starts of the monitor.

@@ -62,6 +62,24 @@ pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Result<Picture
     })
 }
 
+/// The load on every element of a bearing at one moment: azimuth (rad) and load (N).
+pub(crate) fn present_loads(name: &str, loads: &[(f64, f64)]) -> Result<Picture> {
+    let radial = Axis::from_zero(extent(loads.iter().map(|load| load.1)).map(|range| range.1), 5, "");
+    let svg = picture((2.0 * MIDDLE.0 + 60.0, 330.0), Dashes::None, |canvas| {
+        canvas.legend(8.0, 0.0, &[(Key::Line(MEAN), "load on each element now")])?;
+        rings(canvas, &radial)?;
+        for (azimuth, load) in loads.iter().filter(|(azimuth, load)| azimuth.is_finite() && *load > 0.0) {
+            canvas.line(&[MIDDLE, around(*azimuth, radial.place(*load))], Stroke(MEASURED, 3.0))?;
+        }
+        for (value, label) in radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
+            canvas.text(&format!("{label} N"), around(FRAC_PI_2 / 2.0, radial.place(*value)), Anchor::Middle, INK)?;
+        }
+        Ok(())
+    })?;
+    let title = format!("Load on the elements of bearing {name}");
+    Ok(Picture { title, note: "At the estimated displacement. Azimuth from +X towards +Y.".to_owned(), svg })
+}
+
 fn legend() -> [(Key, &'static str); 3] {
     [
         (Key::Line(MEAN), "mean, from measured displacement"),

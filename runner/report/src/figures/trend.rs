@@ -159,8 +159,9 @@ struct Clock {
 
 impl Clock {
     fn of(blocks: &[Block]) -> Self {
-        let last = blocks.last().map_or(0.0, |block| block.end_s);
-        let (unit, title) = match last {
+        // A history has negative times up to the present.
+        let longest = blocks.iter().flat_map(|block| [block.start_s, block.end_s]).fold(0.0_f64, |t, x| t.max(x.abs()));
+        let (unit, title) = match longest {
             t if t > 3.0 * 3600.0 => (3600.0, "Time, h"),
             t if t > 600.0 => (60.0, "Time, min"),
             _ => (1.0, "Time, s"),

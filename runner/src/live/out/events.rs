@@ -1,7 +1,6 @@
 //! Event log in JSON lines.
 
 use super::super::feed::EventMessage;
-use super::now;
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::outcome::Event;
@@ -10,6 +9,7 @@ use std::collections::VecDeque;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Event with its times, as in the log and in MQTT messages. The tag is the version of its JSON schema.
 #[derive(Debug, Clone, Serialize)]
@@ -27,6 +27,9 @@ pub struct EventRecord {
     /// Details of an exceeded limit.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub limit: Option<Event>,
+    /// Identifier of the alarm that a user acknowledged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alarm: Option<String>,
 }
 
 impl EventRecord {
@@ -37,14 +40,33 @@ impl EventRecord {
         let time_s = event.end_s.unwrap_or(event.start_s);
         // The flattened event must not repeat the key `sentence`.
         let sentence = std::mem::take(&mut event.sentence);
-        Self { at: now(), time_s, kind, sentence, limit: Some(event) }
+        Self { at: now(), time_s, kind, sentence, limit: Some(event), alarm: None }
     }
 
     /// Creates the record of an event of the source, an output or the monitor.
     #[must_use]
     pub fn new(message: EventMessage, time_s: f64) -> Self {
-        Self { at: now(), time_s, kind: message.kind, sentence: message.sentence, limit: None }
+        Self { at: now(), time_s, kind: message.kind, sentence: message.sentence, limit: None, alarm: None }
     }
+
+    /// Creates the record of an acknowledged alarm.
+    #[must_use]
+    pub fn acknowledgement(alarm: String, alarm_sentence: &str, time_s: f64) -> Self {
+        let sentence = format!("Acknowledged: {alarm_sentence}");
+        Self { alarm: Some(alarm), ..Self::new(EventMessage { kind: "alarm-acknowledged", sentence }, time_s) }
+    }
+
+    /// Returns `true` for an event that changes the monitor's state: a limit, a fault or an acknowledgement.
+    #[must_use]
+    pub fn changes_state(&self) -> bool {
+        self.limit.is_some() || self.alarm.is_some() || self.kind.starts_with("fault-")
+    }
+}
+
+/// Returns the time of day, RFC 3339 in UTC.
+#[must_use]
+pub fn now() -> String {
+    humantime::format_rfc3339_millis(SystemTime::now()).to_string()
 }
 
 /// Maximum number of pending lines while the log cannot be written.
@@ -52,7 +74,7 @@ const MAX_PENDING: usize = 10_000;
 
 /// File to which events are appended.
 ///
-/// A line is pending until it is on disk. A line of a limit is appended only after [`EventLog::release`]: the monitor first
+/// A line is pending until it is on disk. A line that changes the monitor's state is appended only after [`EventLog::release`]: the monitor first
 /// writes it to its state, so that a restart can check whether it was appended.
 pub struct EventLog {
     file: File,
@@ -136,13 +158,13 @@ impl EventLog {
             self.lost += 1;
             return Ok(());
         }
-        let requires_state = event.limit.is_some();
+        let requires_state = event.changes_state();
         let text = serde_json::to_string(event)? + "\n";
         self.pending.push_back(Line { text, is_released: !requires_state, requires_state });
         Ok(())
     }
 
-    /// Returns the pending lines of limits, for the monitor's state.
+    /// Returns the pending lines that change the state, for the monitor's state.
     #[must_use]
     pub fn unconfirmed(&self) -> Vec<String> {
         self.pending.iter().filter(|line| line.requires_state).map(|line| line.text.clone()).collect()

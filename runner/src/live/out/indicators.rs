@@ -22,7 +22,7 @@ const MAX_PENDING: usize = 2 * HOUR;
 /// Version of the journal's format.
 const FORMAT_VERSION: u32 = 2;
 /// Name of the journal.
-const JOURNAL: &str = "indicators.journal";
+pub(super) const JOURNAL: &str = "indicators.journal";
 
 /// Indicator files in a folder that is locked by this process.
 pub struct Indicators {
@@ -42,16 +42,16 @@ pub struct Indicators {
 
 /// Seconds of one file.
 #[derive(Default)]
-struct Table {
-    names: Vec<ColumnName>,
-    rows: Vec<Row>,
+pub(super) struct Table {
+    pub(super) names: Vec<ColumnName>,
+    pub(super) rows: Vec<Row>,
 }
 
 /// Indicators of one second.
-struct Row {
+pub(super) struct Row {
     /// Number of the first sample after the second.
     next_index: u64,
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
 }
 
 /// Journal on disk.
@@ -67,10 +67,10 @@ struct Journal {
 
 /// First line of the journal, in JSON. Each further line has the number of the first sample after a second, and its values.
 #[derive(Serialize, Deserialize)]
-struct Header {
+pub(super) struct Header {
     #[serde(rename = "form")]
     format_version: u32,
-    number: u32,
+    pub(super) number: u32,
     owner: String,
     /// Number of the first sample after the last second of the previous file.
     after_index: u64,
@@ -303,7 +303,7 @@ fn write_parquet(folder: &Path, number: u32, table: &Table) -> Result<()> {
 }
 
 /// Returns the header of a journal, its complete rows, and the length of both in bytes; `None` without a valid header.
-fn parse_journal(bytes: &[u8]) -> Option<(Header, Table, usize)> {
+pub(super) fn parse_journal(bytes: &[u8]) -> Option<(Header, Table, usize)> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = text.split_inclusive('\n').take_while(|line| line.ends_with('\n'));
     let first = lines.next()?;

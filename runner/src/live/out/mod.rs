@@ -2,6 +2,7 @@
 
 mod events;
 mod health;
+pub mod history;
 mod indicators;
 #[cfg(feature = "mqtt")]
 mod mqtt;
@@ -10,12 +11,13 @@ mod prometheus;
 mod schemas;
 mod second;
 
-pub use events::{EventLog, EventRecord};
+pub use events::{EventLog, EventRecord, now};
 
 use super::feed::{EventMessage, SourceCounters};
 use super::state::{State, StateFile};
 use anyhow::Result;
-use ballrace_twin::replay::outcome::{LimitLine, OutputFigures};
+use ballrace_twin::replay::limits::LimitStatus;
+use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::Second;
 use ballrace_twin::scene::units;
 use health::OutputHealth;
@@ -25,11 +27,6 @@ use second::SecondRecord;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::SystemTime;
-
-/// Returns the time of day, RFC 3339 in UTC.
-fn now() -> String {
-    humantime::format_rfc3339_millis(SystemTime::now()).to_string()
-}
 
 /// Requested outputs.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -160,7 +157,7 @@ impl Outputs {
     }
 
     /// Updates the Prometheus metrics.
-    pub fn publish(&self, second: &Second, limits: &[(LimitLine, bool)], counters: &SourceCounters, misses: u64) {
+    pub fn publish(&self, second: &Second, limits: &[LimitStatus], counters: &SourceCounters, misses: u64) {
         if let Some(prometheus) = &self.network.prometheus {
             let outputs = self.figures();
             prometheus.update(&Metrics { second, limits, counters, misses, outputs, event_counts: &self.event_counts });

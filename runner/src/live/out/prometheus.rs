@@ -1,45 +1,29 @@
 //! Prometheus endpoint with the indicators of the latest second, on a port of 127.0.0.1.
 
 use super::super::feed::SourceCounters;
+use super::super::http::{self, Body, Client, Server, Service};
 use super::super::source::lock;
-use anyhow::{Context, Result};
-use ballrace_twin::replay::outcome::{LimitLine, OutputFigures};
+use anyhow::Result;
+use ballrace_twin::replay::limits::LimitStatus;
+use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::{BearingSecond, ProbeSecond, Second, SecondFigure, SensorSecond};
-use http_body_util::Full;
-use hyper::body::Bytes;
-use hyper::header::{CONTENT_TYPE, HeaderValue};
+use hyper::body::Incoming;
 use hyper::{Method, Request, Response, StatusCode};
-use hyper_util::rt::{TokioIo, TokioTimer};
-use std::collections::{BTreeMap, VecDeque};
-use std::convert::Infallible;
+use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::net::Ipv4Addr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
-use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::oneshot;
-use tokio::task::AbortHandle;
 
-/// Maximum number of clients; a further client replaces the oldest one.
-const MAX_CLIENTS: usize = 32;
-/// Time limit for the header of a request.
-const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
-/// Time limit for a request and its response.
-const CLIENT_TIMEOUT: Duration = Duration::from_secs(10);
-/// Maximum length of a request header, bytes.
-const MAX_HEADER_LENGTH: usize = 16 << 10;
-/// Pause after a failed accept, for example without free file descriptors.
-const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
-
-type Page = Arc<Mutex<String>>;
+/// Format of the metrics.
+const METRICS_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
 
 /// Data of the metrics.
 pub struct Metrics<'a> {
     /// Latest second.
     pub second: &'a Second,
-    /// Limits of the scene, and whether they are exceeded.
-    pub limits: &'a [(LimitLine, bool)],
+    /// Limits of the scene.
+    pub limits: &'a [LimitStatus],
     /// Counters of the source.
     pub counters: &'a SourceCounters,
     /// Missed deadlines.
@@ -50,11 +34,15 @@ pub struct Metrics<'a> {
     pub event_counts: &'a BTreeMap<&'static str, u64>,
 }
 
-/// HTTP endpoint on a thread of its own, which ends on drop.
+/// HTTP endpoint, which ends on drop.
 pub struct Prometheus {
     page: Page,
-    _stop: oneshot::Sender<()>,
+    _server: Server,
 }
+
+/// Latest metrics.
+#[derive(Clone, Default)]
+struct Page(Arc<Mutex<String>>);
 
 impl Prometheus {
     /// Listens on `port` of 127.0.0.1.
@@ -62,82 +50,29 @@ impl Prometheus {
     /// # Errors
     /// Returns an error if the port is in use.
     pub fn listen(port: u16) -> Result<Self> {
-        let cannot_listen = || format!("--prometheus: cannot listen on this port: {port}, expected a free port");
-        let listener = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(cannot_listen)?;
-        listener.set_nonblocking(true).with_context(cannot_listen)?;
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
-        let listener = {
-            let _entered = runtime.enter();
-            TcpListener::from_std(listener).with_context(cannot_listen)?
-        };
+        let listener = http::bind("--prometheus", SocketAddr::from((Ipv4Addr::LOCALHOST, port)))?;
         let page = Page::default();
-        let (stop, stopped) = oneshot::channel();
-        let served_page = page.clone();
-        let serve = move || {
-            runtime.block_on(async {
-                tokio::select! {
-                    // Completes as well when the sender is dropped.
-                    _ = stopped => {}
-                    () = accept(listener, served_page) => {}
-                }
-            });
-        };
-        std::thread::Builder::new().name("prometheus".to_owned()).spawn(serve)?;
-        Ok(Self { page, _stop: stop })
+        let server = Server::start("prometheus", listener, page.clone(), std::future::ready(()))?;
+        Ok(Self { page, _server: server })
     }
 
     /// Replaces the served metrics.
     pub fn update(&self, metrics: &Metrics) {
-        *lock(&self.page) = page(metrics);
+        *lock(&self.page.0) = page(metrics);
     }
 }
 
-/// Accepts clients in an endless loop.
-async fn accept(listener: TcpListener, page: Page) {
-    let mut clients: VecDeque<AbortHandle> = VecDeque::new();
-    loop {
-        let Ok((stream, _)) = listener.accept().await else {
-            tokio::time::sleep(ACCEPT_PAUSE).await;
-            continue;
-        };
-        clients.retain(|client| !client.is_finished());
-        if clients.len() >= MAX_CLIENTS
-            && let Some(oldest) = clients.pop_front()
-        {
-            oldest.abort();
+impl Service for Page {
+    async fn respond(&self, request: Request<Incoming>, _: Client) -> Response<Body> {
+        match (request.method(), request.uri().path()) {
+            (&Method::GET | &Method::HEAD, "/metrics" | "/") => {
+                let page = lock(&self.0).clone();
+                http::text(StatusCode::OK, METRICS_TYPE, page)
+            }
+            (&Method::GET | &Method::HEAD, _) => http::text(StatusCode::NOT_FOUND, METRICS_TYPE, "see /metrics\n"),
+            _ => http::text(StatusCode::METHOD_NOT_ALLOWED, METRICS_TYPE, "expected GET\n"),
         }
-        let task = tokio::time::timeout(CLIENT_TIMEOUT, serve_client(stream, page.clone()));
-        clients.push_back(tokio::spawn(task).abort_handle());
     }
-}
-
-/// Serves one request. The body of the request is not read.
-async fn serve_client(stream: TcpStream, page: Page) {
-    let service = hyper::service::service_fn(|request: Request<hyper::body::Incoming>| {
-        let response = response(request.method(), request.uri().path(), &page);
-        async { Ok::<_, Infallible>(response) }
-    });
-    // An error of one client does not affect the others.
-    let _ = hyper::server::conn::http1::Builder::new()
-        .timer(TokioTimer::new())
-        .header_read_timeout(HEADER_TIMEOUT)
-        .max_buf_size(MAX_HEADER_LENGTH)
-        .keep_alive(false)
-        .serve_connection(TokioIo::new(stream), service)
-        .await;
-}
-
-fn response(method: &Method, path: &str, page: &Page) -> Response<Full<Bytes>> {
-    let (status, text) = match (method, path) {
-        (&Method::GET | &Method::HEAD, "/metrics" | "/") => (StatusCode::OK, lock(page).clone()),
-        (&Method::GET | &Method::HEAD, _) => (StatusCode::NOT_FOUND, "see /metrics\n".to_owned()),
-        _ => (StatusCode::METHOD_NOT_ALLOWED, "expected GET\n".to_owned()),
-    };
-    let mut response = Response::new(Full::from(text));
-    *response.status_mut() = status;
-    let kind = HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8");
-    response.headers_mut().insert(CONTENT_TYPE, kind);
-    response
 }
 
 /// Name, description and type of a metric.
@@ -177,11 +112,11 @@ fn write_gauges(page: &mut String, prefix: &str, objects: &[Labelled]) {
 }
 
 /// Returns the labels of a limit, and 1 where it is exceeded.
-fn limit_series((line, is_exceeded): &(LimitLine, bool)) -> (String, f64) {
-    let bearing = line.bearing.as_ref().map_or_else(String::new, |name| format!(",bearing=\"{}\"", escaped(name)));
-    let LimitLine { indicator, probe, max, .. } = line;
-    let labels = format!("{{indicator=\"{indicator}\",probe=\"{}\",max=\"{max}\"{bearing}}}", escaped(probe));
-    (labels, f64::from(u8::from(*is_exceeded)))
+fn limit_series(status: &LimitStatus) -> (String, f64) {
+    let LimitStatus { indicator, probe, bearing, limit, .. } = status;
+    let bearing = bearing.as_ref().map_or_else(String::new, |name| format!(",bearing=\"{}\"", escaped(name)));
+    let labels = format!("{{indicator=\"{indicator}\",probe=\"{}\",limit=\"{limit}\"{bearing}}}", escaped(probe));
+    (labels, f64::from(u8::from(status.exceeded_since_s.is_some())))
 }
 
 /// Returns the metrics in the Prometheus text format. A figure has the name of its JSON key and of its Parquet column.
@@ -254,16 +189,18 @@ mod tests {
             sensors: vec![SensorSecond { unit: "m/s^2".to_owned(), ..SensorSecond::default() }],
             ..Second::default()
         };
-        let limit = |max: f64| LimitLine {
+        let limit = |limit: f64, exceeded_since_s: Option<f64>| LimitStatus {
             indicator: "rms",
             probe: "DE".to_owned(),
             bearing: Some("NDE".to_owned()),
-            max,
-            largest: None,
+            unit: "um",
+            value: None,
+            limit,
+            exceeded_since_s,
         };
         page(&Metrics {
             second: &second,
-            limits: &[(limit(4.0), true), (limit(4.0), true), (limit(8.0), false)],
+            limits: &[limit(4.0, Some(1.0)), limit(4.0, Some(1.0)), limit(8.0, None)],
             counters: &SourceCounters::default(),
             misses: 3,
             outputs: OutputFigures::default(),
@@ -285,8 +222,8 @@ mod tests {
             "ballrace_probe_one_x_um{probe=\"DE \\\"X\\\"\"} 2.5\n",
             "ballrace_bearing_FX_N{bearing=\"DE\"} -30\n",
             "ballrace_sensor_rms{sensor=\"\",unit=\"m/s^2\"} 0\n",
-            "ballrace_limit_exceeded{indicator=\"rms\",probe=\"DE\",max=\"4\",bearing=\"NDE\"} 1\n",
-            "ballrace_limit_exceeded{indicator=\"rms\",probe=\"DE\",max=\"8\",bearing=\"NDE\"} 0\n",
+            "ballrace_limit_exceeded{indicator=\"rms\",probe=\"DE\",limit=\"4\",bearing=\"NDE\"} 1\n",
+            "ballrace_limit_exceeded{indicator=\"rms\",probe=\"DE\",limit=\"8\",bearing=\"NDE\"} 0\n",
             "ballrace_events_total{kind=\"fault-found\"} 0\n",
             "ballrace_deadline_misses_total 3\n",
         ] {

@@ -86,7 +86,7 @@ pub(super) fn diagnosis(material: &Material, of: &Prepared, faults: &[Fault]) ->
         let each = if matches!(fault.cause, Cause::Waviness(..)) { 2 } else { 1 };
         let at = fault.cause.next_index(&of.healthy.machine) + each * earlier;
         let figures = fault_figures(material, e, &of.healthy.machine, &last, (fault.cause, at))?;
-        findings.push(reported.finding(fault, at).with_figures(figures));
+        findings.push(reported.finding(fault, at, i == 0).with_figures(figures));
     }
     let strength = |finding: &Finding| finding.parameters.log_likelihood_gain.unwrap_or(0.0);
     findings.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -238,7 +238,7 @@ impl Reported<'_, '_> {
             (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
         let across = across / size;
         [
-            around(size / unit, (along / unit).hypot(STIFFNESS_ERROR * size / unit)),
+            not_negative(around(size / unit, (along / unit).hypot(STIFFNESS_ERROR * size / unit))),
             within_turn(around(b.atan2(a).to_degrees(), across.to_degrees())),
         ]
     }
@@ -302,8 +302,8 @@ impl Reported<'_, '_> {
                     form: Some(FaultForm::Spall),
                     azimuth_deg: on_race.then(|| self.angle(Unknown::SpallAzimuth(b, at), component)),
                     element,
-                    half_width_deg: Some(self.estimate(Unknown::SpallWidth(b, at), TAU / 360.0)),
-                    depth_um: Some(self.estimate(Unknown::SpallDepth(b, at), 1e-6)),
+                    half_width_deg: Some(not_negative(self.estimate(Unknown::SpallWidth(b, at), TAU / 360.0))),
+                    depth_um: Some(not_negative(self.estimate(Unknown::SpallDepth(b, at), 1e-6))),
                     ..FaultParameters::default()
                 }
             }
@@ -341,7 +341,7 @@ impl Reported<'_, '_> {
         }
     }
 
-    fn finding(&self, fault: &Fault, at: usize) -> Finding {
+    fn finding(&self, fault: &Fault, at: usize, is_first: bool) -> Finding {
         let cause = fault.cause;
         let bearings: Vec<String> = self.e.plant.bearings.iter().map(|b| b.name.clone()).collect();
         let bearing = cause.bearing().map(|b| bearings[b].clone());
@@ -367,8 +367,9 @@ impl Reported<'_, '_> {
         });
         let place = self.described(cause, &parameters, bearing.as_deref().unwrap_or_default());
         let sentence = format!(
-            "{place}. It explains {:.0} % of the unexplained residual{next}.",
-            100.0 * explained.clamp(0.0, 1.0)
+            "{place}. It explains {:.0} % of {}{next}.",
+            100.0 * explained.clamp(0.0, 1.0),
+            if is_first { "the unexplained residual" } else { "what the other findings leave" }
         );
         Finding {
             kind: cause.kind(),
@@ -388,16 +389,12 @@ impl Reported<'_, '_> {
     /// Describes a fault with its place and size.
     fn described(&self, cause: Cause, p: &FaultParameters, bearing: &str) -> String {
         let value = |estimate: Option<Estimate>| estimate.map_or(0.0, |e| e.value);
-        let size = |estimate: Option<Estimate>, digits: usize| {
-            estimate
-                .map_or(String::new(), |e| format!("{:.digits$} ({:.digits$} to {:.digits$})", e.value, e.low, e.high))
-        };
         let scene = |b: usize| clearance(&self.e.scene.bearings[b]) * 1e6;
         match cause {
             Cause::Unbalance => format!(
                 "Unbalance other than the scene's: {} g mm at {} deg from the keyphasor mark, station {:.1} mm",
-                size(p.moment_g_mm, 1),
-                size(p.angle_deg, 1),
+                described(p.moment_g_mm, 1),
+                described(p.angle_deg, 1),
                 value(p.station_mm) + 1e3 * self.e.scene.drawn_station(0.0)
             ),
             Cause::Load => {
@@ -408,30 +405,33 @@ impl Reported<'_, '_> {
                 )
             }
             Cause::Clearance(b) => {
-                format!("Clearance of {bearing}: {} um instead of {:.1} um", size(p.clearance_um, 2), scene(b))
+                format!("Clearance of {bearing}: {} um instead of {:.1} um", described(p.clearance_um, 2), scene(b))
             }
             Cause::Misalignment(_) => format!(
                 "Misalignment of {bearing}: its outer ring is tilted by {} mrad about an axis at {} deg from +X",
-                size(p.tilt_mrad, 3),
-                size(p.axis_deg, 0)
+                described(p.tilt_mrad, 3),
+                described(p.axis_deg, 0)
             ),
             Cause::Spall(_, component) => {
                 let (surface, place) = match component {
-                    Component::Outer => ("Outer race", format!("at {} deg from +X", size(p.azimuth_deg, 1))),
+                    Component::Outer => ("Outer race", format!("at {} deg from +X", described(p.azimuth_deg, 1))),
                     Component::Inner => {
-                        ("Inner race", format!("at {} deg from the keyphasor mark", size(p.azimuth_deg, 1)))
+                        ("Inner race", format!("at {} deg from the keyphasor mark", described(p.azimuth_deg, 1)))
                     }
                     Component::Ball => ("Rolling element", format!("on element {}", p.element.unwrap_or(1))),
                 };
                 format!(
                     "{surface} of {bearing}: a spall {place}, {} um deep, half width {:.2} deg",
-                    size(p.depth_um, 2),
+                    described(p.depth_um, 2),
                     value(p.half_width_deg)
                 )
             }
             Cause::Waviness(_, component, order) => {
                 let surface = if component == Component::Outer { "Outer race" } else { "Inner race" };
-                format!("{surface} of {bearing}: waviness of order {order}, amplitude {} um", size(p.amplitude_um, 3))
+                format!(
+                    "{surface} of {bearing}: waviness of order {order}, amplitude {} um",
+                    described(p.amplitude_um, 3)
+                )
             }
         }
     }
@@ -477,6 +477,22 @@ impl Reported<'_, '_> {
             figures: FaultFigures::default(),
         }
     }
+}
+
+/// Returns the estimate of a size, whose interval has no negative part.
+fn not_negative(e: Estimate) -> Estimate {
+    Estimate { low: e.low.max(0.0), ..e }
+}
+
+/// Describes an estimate by its value and interval, or by its interval alone where this reaches down to nothing.
+fn described(estimate: Option<Estimate>, digits: usize) -> String {
+    estimate.map_or(String::new(), |e| {
+        if e.low == 0.0 {
+            format!("between 0 and {:.digits$}", e.high)
+        } else {
+            format!("{:.digits$} ({:.digits$} to {:.digits$})", e.value, e.low, e.high)
+        }
+    })
 }
 
 /// Returns an estimate from its standard deviation.

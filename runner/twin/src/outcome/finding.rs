@@ -41,7 +41,7 @@ pub enum FaultForm {
 }
 
 /// An estimate with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
     /// Most likely value.
@@ -53,7 +53,7 @@ pub struct Estimate {
 }
 
 /// Place and size of a fault, as far as it has them.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FaultParameters {
     /// Form of a surface fault.
@@ -126,7 +126,7 @@ impl FaultParameters {
 }
 
 /// Measurement that shows a fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum EvidenceSource {
@@ -137,7 +137,7 @@ pub enum EvidenceSource {
 }
 
 /// Line of a fault in the envelope spectrum of a vibration sensor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VibrationLine {
     /// Column of the sensor.
@@ -153,12 +153,12 @@ pub struct VibrationLine {
     /// Line over its surroundings, or over the baseline.
     pub level_db: f64,
     /// Other bearings with the same lines that the sensor measures.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_excluded: Vec<String>,
 }
 
 /// Diagnosis of a fault with its evidence.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finding {
     /// Fault.

@@ -28,8 +28,10 @@ pub struct Timing {
     pub compute: Quantiles,
     /// The time from one sample to the next.
     pub sample_period_ns: u64,
-    /// Wall time of the whole replay.
+    /// Wall time from the first processed sample to the outcome.
     pub wall_s: f64,
+    /// Wall time of the diagnosis and of the estimation of the cages before it.
+    pub diagnosis_s: f64,
     /// Recording's time over wall time.
     pub times_real_time: f64,
     /// Peak resident memory of the process, where the system reports it.

@@ -107,9 +107,10 @@ impl Array {
             ElementType::Structure(fields) => {
                 Err(io::Error::other(format!("{channels} columns of structures of {} fields", fields.len())))
             }
-            ElementType::Plain(kind) if channels > MOST => {
-                Err(io::Error::other(format!("{channels} columns of type {}", kind.text)))
-            }
+            ElementType::Plain(kind) if channels > MOST => Err(io::Error::other(format!(
+                "{channels} columns of type {}, expected at most {MOST}, or `orientation` in [recording]",
+                kind.text
+            ))),
             ElementType::Plain(kind) => {
                 let number = number(&kind).ok_or_else(|| io::Error::other(format!("numbers of type {}", kind.text)))?;
                 Ok(array(number, start, [samples, channels], is_fortran != is_channels_first))

@@ -13,6 +13,7 @@ use crate::scene::Scene;
 use crate::vibration::join::join;
 use crate::vibration::signals::Evaluation;
 use std::f64::consts::TAU;
+use std::time::Instant;
 
 /// Facts of a recording that the pipeline does not have.
 pub(super) struct RecordingFacts<'a> {
@@ -75,6 +76,7 @@ impl Pipeline<'_> {
             calibration: self.calibration.as_ref(),
         };
         let reason = diagnosis::not_applicable(scene, &samples);
+        let begun = Instant::now();
         let diagnosed = match self.diagnosed.take() {
             Some(known) => Some(known),
             None if is_judged && reason.is_none() && !self.startup.is_cancelled() => {
@@ -82,6 +84,7 @@ impl Pipeline<'_> {
             }
             None => None,
         };
+        self.timing.diagnosed(begun.elapsed());
         let diagnosed = diagnosed.filter(|_| is_judged);
         let (mut findings, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));

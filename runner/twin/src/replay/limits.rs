@@ -64,6 +64,26 @@ pub struct OpenCrossing {
     pub worst_s: f64,
 }
 
+/// Present value of a limited indicator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitStatus {
+    /// The indicator, as the scene names it.
+    pub indicator: &'static str,
+    /// The probe's column.
+    pub probe: String,
+    /// The bearing, for the line of a race.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<String>,
+    /// um, or empty.
+    pub unit: &'static str,
+    /// Value of the last block of 16 revolutions; none before it.
+    pub value: Option<f64>,
+    /// The limit, in the same unit.
+    pub limit: f64,
+    /// Start of the exceedance in the recording's time; none while the value is within the limit.
+    pub exceeded_since_s: Option<f64>,
+}
+
 /// Monitor of one limit on one probe.
 struct ProbeLimit {
     limit: Limit,
@@ -71,6 +91,8 @@ struct ProbeLimit {
     /// Index of the followed line, where the indicator is a line.
     line: Option<usize>,
     max: f64,
+    /// Value of the last block.
+    present: Option<f64>,
     /// Largest value so far.
     largest: Option<f64>,
     crossing: Option<Crossing>,
@@ -168,7 +190,8 @@ impl LimitMonitor {
                     Allowed::Most(max) => max,
                     Allowed::Growth(factor) => factor * usual(limit, line, probe, baseline)?,
                 };
-                monitored.push(ProbeLimit { limit: limit.clone(), probe, line, max, largest: None, crossing: None });
+                let limit = limit.clone();
+                monitored.push(ProbeLimit { limit, probe, line, max, present: None, largest: None, crossing: None });
             }
             if !any {
                 return Err(LimitError::Probe { found: named.unwrap_or("no radial probe").to_owned() });
@@ -202,11 +225,23 @@ impl LimitMonitor {
         self.limits.iter().map(line).collect()
     }
 
-    /// Returns every limit, and whether it is exceeded and the event of its start was returned.
+    /// Returns the present value of every limited indicator, in um where it is a length.
     #[must_use]
-    pub fn exceeded(&self) -> Vec<(LimitLine, bool)> {
-        let is_exceeded = |limit: &ProbeLimit| limit.crossing.as_ref().is_some_and(|open| open.is_reported);
-        self.lines().into_iter().zip(self.limits.iter().map(is_exceeded)).collect()
+    pub fn status(&self) -> Vec<LimitStatus> {
+        let status = |monitored: &ProbeLimit| {
+            let (indicator, is_length) = monitored.limit.indicator.name();
+            let (scale, unit) = if is_length { (UM, "um") } else { (1.0, "") };
+            LimitStatus {
+                indicator,
+                probe: self.names.get(monitored.probe).cloned().unwrap_or_default(),
+                bearing: monitored.limit.bearing.clone(),
+                unit,
+                value: monitored.present.map(|value| value * scale),
+                limit: monitored.max * scale,
+                exceeded_since_s: monitored.crossing.as_ref().filter(|open| open.is_reported).map(|open| open.start),
+            }
+        };
+        self.limits.iter().map(status).collect()
     }
 
     /// Continues from `state`: samples before its indices are ignored. Crossings of limits that the scene does not have are
@@ -373,6 +408,7 @@ impl LimitMonitor {
 impl ProbeLimit {
     /// Adds the value of a block from `start` to `end`; returns the event that it ends.
     fn add(&mut self, value: f64, start: f64, end: f64, probe: &str) -> Option<Event> {
+        self.present = Some(value);
         self.largest = Some(self.largest.map_or(value, |largest| largest.max(value)));
         match &mut self.crossing {
             None => {
@@ -463,79 +499,4 @@ fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Bas
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-mod tests {
-    use super::*;
-
-    /// One limit of the peak-to-peak value at 1 um, with a duration in s.
-    fn monitor(duration: f64) -> LimitMonitor {
-        let limit = Limit {
-            indicator: Indicator::PeakToPeak,
-            probe: None,
-            bearing: None,
-            allowed: Allowed::Most(1e-6),
-            hysteresis: 0.1,
-            duration,
-        };
-        let monitored = ProbeLimit { limit, probe: 0, line: None, max: 1e-6, largest: None, crossing: None };
-        LimitMonitor {
-            limits: vec![monitored],
-            names: vec!["X".to_owned()],
-            readings: Block::new(1),
-            residuals: Block::new(1),
-            events: vec![],
-            new_events: vec![],
-        }
-    }
-
-    /// Blocks of ten samples, 1 s each; those of `high` exceed the limit.
-    fn run(monitor: &mut LimitMonitor, samples: std::ops::Range<u64>, high: std::ops::Range<u64>) -> Vec<Event> {
-        for index in samples {
-            let size = if high.contains(&(index / 10)) { 3e-6 } else { 0.1e-6 };
-            let time = index as f64 / 10.0;
-            monitor.add_readings(index, time, &[if index % 2 == 0 { 0.0 } else { size }]);
-            if monitor.are_readings_due(index) && index % 10 == 9 {
-                monitor.close_readings(index, time, |_, _| 0.0);
-            }
-        }
-        monitor.take_events()
-    }
-
-    /// An interruption of the shaft angle ends a crossing at the end of its last block, and the next block holds no sample from before.
-    #[test]
-    fn an_interruption_ends_a_crossing() {
-        let mut monitor = monitor(0.0);
-        let begun = run(&mut monitor, 0..55, 3..9);
-        assert_eq!(begun.len(), 1, "{begun:?}");
-        monitor.interrupt_readings();
-        let ended = monitor.take_events();
-        assert_eq!(ended.iter().map(|e| e.end_s).collect::<Vec<_>>(), [Some(4.9)]);
-        // Samples 55 to 59 were high: without the interruption the next block would cross.
-        assert!(run(&mut monitor, 100..120, 0..1).is_empty());
-        let again = run(&mut monitor, 120..140, 12..14);
-        assert_eq!(again.len(), 1, "{again:?}");
-    }
-
-    /// Stopped at any sample and restored from its state at that moment, the limits report what they would have reported.
-    #[test]
-    fn a_restored_monitor_reports_what_is_left() {
-        for duration in [0.0, 2.0] {
-            let expected = run(&mut monitor(duration), 0..100, 3..7);
-            assert_eq!(expected.len(), 2, "{expected:?}");
-            for stop in 0..100 {
-                let mut first = monitor(duration);
-                let mut events = run(&mut first, 0..stop, 3..7);
-                let Some(state) = first.state() else { continue };
-                let text = serde_json::to_string(&state).unwrap();
-                let mut second = monitor(duration);
-                second.restore(&serde_json::from_str(&text).unwrap());
-                // The indicators may have to read again from farther back.
-                let again = state.readings_index.unwrap().saturating_sub(7)..100;
-                events.extend(run(&mut second, again, 3..7));
-                let key = |e: &Event| (e.end_s.is_some(), e.start_s.round() as u64);
-                let (found, wanted): (Vec<_>, Vec<_>) =
-                    (events.iter().map(key).collect(), expected.iter().map(key).collect());
-                assert_eq!(found, wanted, "stopped at {stop}");
-            }
-        }
-    }
-}
+mod tests;

@@ -61,6 +61,7 @@ pub mod verdict;
 
 pub use crate::{baseline, outcome};
 pub use options::{Options, Progress, Source};
+pub use running_diagnosis::{DiagnosisState, FaultState};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 
@@ -76,6 +77,7 @@ use crate::scene::Scene;
 use crate::vibration;
 use ahead::Ahead;
 use std::path::Path;
+use std::time::Instant;
 
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
@@ -122,6 +124,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         }
     };
     let mut calibration = baseline.and_then(|baseline| baseline.calibration);
+    let begun = Instant::now();
     let implausible = ahead.implausible(&scene);
     let is_diagnosed = options.force_diagnosis || implausible.is_empty();
     if options.learn && is_diagnosed {
@@ -136,6 +139,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
         true => ahead.diagnose(&scene, &plant, recording, calibration.as_ref(), &advance)?,
         false => None,
     };
+    let took = begun.elapsed();
     drop(plant);
     if let Some(diagnosis) = &diagnosed {
         set_cages(&mut scene, &diagnosis.cages);
@@ -143,6 +147,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     let mut replay = Replay::with_run_out(&scene, recording, reader.rate(), options, run_out)?;
     let note = unbalance_note(&given).filter(|_| calibration.is_some());
     replay.set_calibration(calibration, note);
+    replay.add_diagnosis_time(took);
     if let (true, Some(diagnosis)) = (ahead.is_whole, diagnosed) {
         replay.set_diagnosis(diagnosis);
     }

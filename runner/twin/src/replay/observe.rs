@@ -170,17 +170,17 @@ impl Innovations {
 /// Returns the outcome of the observer as a sentence.
 pub(super) fn sentence(observer: &ObserverOutcome) -> String {
     let judged = if observer.consistent {
-        "consistent with model and noise"
+        "the measured motion departs from its prediction as far as the noise of the probes explains"
     } else if observer.nis_mean < observer.nis_expected {
-        "smaller than model and noise predict: the noise is less than assumed"
+        "the measured motion departs less from its prediction than the noise of the probes explains, so the noise is less than the scene says"
     } else {
-        "larger than model and noise predict: there is motion that neither explains"
+        "the measured motion departs further from its prediction than the noise of the probes explains"
     };
     let [x, y, z, ..] = observer.unknown_load_rms;
     let distrusted = match (observer.rejected_samples, observer.restarts, observer.distrusted_samples) {
         (0, 0, 0) => String::new(),
         (rejected, restarts, samples) => format!(
-            " Samples beyond the gate of {:.0}: {rejected}, which corrected nothing; restarts of the observer: {restarts}; samples in which the force comes from the displacement instead: {samples}.",
+            " {rejected} samples departed so far (normalised square above {:.0}) that they corrected nothing; restarts of the observer: {restarts}; for {samples} samples the force is computed from the measured displacement instead.",
             observer.gate
         ),
     };
@@ -188,10 +188,10 @@ pub(super) fn sentence(observer: &ObserverOutcome) -> String {
     let unknown = if force.is_nan() {
         String::new()
     } else {
-        format!("; the unknown force on the rotor is {force:.2} N rms about its mean")
+        format!("; the force on the rotor that the scene does not have is {force:.2} N rms about its mean")
     };
     format!(
-        "Observer: the innovations are {judged} (mean normalised square {:.2}, expected {:.0}, 99 % range {:.2} to {:.2}){unknown}.{distrusted} --forces writes the estimated forces.",
+        "Observer: {judged} (mean normalised square of the departure {:.2}, expected {:.0}, 99 % range {:.2} to {:.2}){unknown}.{distrusted} --forces writes the estimated forces.",
         observer.nis_mean, observer.nis_expected, observer.nis_bounds[0], observer.nis_bounds[1],
     )
 }

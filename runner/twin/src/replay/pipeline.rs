@@ -15,7 +15,7 @@ use super::pictures::{FigureCollector, marked_lines, passes_keyphasor};
 use super::plausibility::Counts;
 use super::range::ReadingRange;
 use super::readings::ReadingsStage;
-use super::running_diagnosis::RunningDiagnosis;
+use super::running_diagnosis::{DiagnosisState, FaultState, RunningDiagnosis};
 use super::running_vibration::RunningVibration;
 use super::second::{Second, SecondIndicators};
 use super::snapshot::{RecentSamples, Snapshot};
@@ -29,6 +29,7 @@ use crate::diagnosis::block::Block;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
 use crate::error::Result;
+use crate::outcome::Finding;
 use crate::plant::{AXIAL, MOST_OBSERVED, Plant, only_observable, unbalance_note};
 use crate::plausibility::{Collector, Implausibility};
 use crate::probes::{self, Plane};
@@ -491,11 +492,35 @@ impl<'a> Pipeline<'a> {
             planes: self.planes.iter().map(|plane| (name(plane), plane.clone())).collect(),
             loads: loads.collect(),
             lines: marked_lines(&self.plant.bearings, shaft.speed.abs() / TAU),
-            findings: join(
-                self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
-                self.vibration.as_ref().map(RunningVibration::findings).unwrap_or_default(),
-                self.running_diagnosis.is_some(),
-            ),
         })
+    }
+
+    /// Returns the faults that the last diagnoses found, of shaft motion and of vibration.
+    pub(super) fn faults(&self) -> FaultState {
+        FaultState {
+            shaft_motion: self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
+            vibration: self.vibration.as_ref().map(RunningVibration::findings).unwrap_or_default(),
+        }
+    }
+
+    /// Returns these faults as findings, each fault once.
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        let FaultState { shaft_motion, vibration } = self.faults();
+        join(shaft_motion, vibration, self.running_diagnosis.is_some())
+    }
+
+    /// Continues with the faults of an earlier process.
+    pub(super) fn restore_faults(&mut self, faults: &FaultState) {
+        if let Some(diagnosis) = &mut self.running_diagnosis {
+            diagnosis.restore(&faults.shaft_motion);
+        }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.restore(&faults.vibration);
+        }
+    }
+
+    /// Returns the state of the diagnosis of shaft motion; that of a diagnosis which is not made outside live operation.
+    pub(super) fn diagnosis_state(&self) -> DiagnosisState {
+        self.running_diagnosis.as_ref().map(RunningDiagnosis::state).unwrap_or_default()
     }
 }

@@ -10,6 +10,7 @@ use crate::plausibility::{Implausibility, implausible_samples};
 use crate::recording::Sample;
 use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
@@ -58,6 +59,39 @@ enum Judged {
     Implausible(Vec<Implausibility>),
 }
 
+/// State of the diagnosis of a running machine.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum DiagnosisState {
+    /// No block of samples was diagnosed yet.
+    #[default]
+    NotMade,
+    /// The last diagnosis, of samples up to this time of the recording, s.
+    Made {
+        /// Time of the last sample.
+        time_s: f64,
+    },
+    /// The last samples were not plausible.
+    Implausible {
+        /// Reason as a sentence.
+        sentence: String,
+    },
+    /// No further diagnosis is made.
+    Ended {
+        /// Reason as a sentence.
+        sentence: String,
+    },
+}
+
+/// Faults at the end of the last diagnoses, from which another process can continue.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FaultState {
+    /// Faults found in the motion of the shaft.
+    pub shaft_motion: Vec<Finding>,
+    /// Faults found in the vibration.
+    pub vibration: Vec<Finding>,
+}
+
 /// A fault that the last diagnoses found.
 struct OpenFault {
     finding: Finding,
@@ -79,10 +113,7 @@ pub(super) struct RunningDiagnosis {
     running: Option<Running>,
     /// No diagnosis begins before.
     rests_until: Option<Instant>,
-    /// No diagnosis begins any more.
-    has_ended: bool,
-    /// The last samples were not plausible.
-    is_implausible: bool,
+    state: DiagnosisState,
     baseline: Option<Baseline>,
     faults: OpenFaults,
 }
@@ -104,8 +135,7 @@ impl RunningDiagnosis {
             machine: Arc::new(machine),
             running: None,
             rests_until: None,
-            has_ended: false,
-            is_implausible: false,
+            state: DiagnosisState::default(),
             baseline,
             faults: OpenFaults::default(),
         }
@@ -116,6 +146,16 @@ impl RunningDiagnosis {
         self.faults.findings()
     }
 
+    /// Continues with the faults of an earlier process.
+    pub(super) fn restore(&mut self, faults: &[Finding]) {
+        self.faults = OpenFaults::new(faults);
+    }
+
+    /// Returns the state of the diagnosis.
+    pub(super) fn state(&self) -> DiagnosisState {
+        self.state.clone()
+    }
+
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
     pub(super) fn poll(&mut self, block: &Block, time: f64, notices: &mut Notices) {
         if let Some(running) = self.running.take_if(|running| running.thread.is_finished()) {
@@ -123,7 +163,7 @@ impl RunningDiagnosis {
             self.rests_until = Some(Instant::now() + worked.mul_f64(1.0 / SHARE - 1.0));
             match running.thread.join() {
                 Ok(Ok(Judged::Diagnosed(diagnosis))) => {
-                    self.is_implausible = false;
+                    self.state = DiagnosisState::Made { time_s: running.time };
                     let is_new = |finding: &Finding| {
                         finding.kind != FindingKind::Other && !self.baseline.as_ref().is_some_and(|b| b.knows(finding))
                     };
@@ -132,11 +172,12 @@ impl RunningDiagnosis {
                     self.faults.report(new, running.time, notices);
                 }
                 Ok(Ok(Judged::Implausible(all))) => {
-                    if !std::mem::replace(&mut self.is_implausible, true) {
-                        let all: Vec<String> = all.iter().map(Implausibility::to_string).collect();
-                        let sentence = format!("No diagnosis while the samples are not plausible: {}.", all.join("; "));
-                        notices.add_always("implausible", running.time, sentence);
+                    let all: Vec<String> = all.iter().map(Implausibility::to_string).collect();
+                    let sentence = format!("No diagnosis while the samples are not plausible: {}.", all.join("; "));
+                    if !matches!(self.state, DiagnosisState::Implausible { .. }) {
+                        notices.add_always("implausible", running.time, sentence.clone());
                     }
+                    self.state = DiagnosisState::Implausible { sentence };
                 }
                 Ok(Ok(Judged::Undetermined)) => {
                     self.end("the probes do not determine the motion", running.time, notices)
@@ -146,7 +187,8 @@ impl RunningDiagnosis {
             }
         }
         let rests = self.rests_until.is_some_and(|until| Instant::now() < until);
-        if self.has_ended || self.running.is_some() || rests || !block.is_full() {
+        let has_ended = matches!(self.state, DiagnosisState::Ended { .. });
+        if has_ended || self.running.is_some() || rests || !block.is_full() {
             return;
         }
         let (machine, samples) = (self.machine.clone(), block.clone().into_samples());
@@ -163,8 +205,9 @@ impl RunningDiagnosis {
 
     /// Ends the diagnoses; limits stay in force.
     fn end(&mut self, reason: &str, time: f64, notices: &mut Notices) {
-        self.has_ended = true;
-        notices.add_always("diagnosis-ended", time, format!("The monitor makes no diagnosis any more: {reason}."));
+        let sentence = format!("The monitor makes no diagnosis any more: {reason}.");
+        self.state = DiagnosisState::Ended { sentence: sentence.clone() };
+        notices.add_always("diagnosis-ended", time, sentence);
     }
 }
 
@@ -175,6 +218,11 @@ pub(super) struct OpenFaults {
 }
 
 impl OpenFaults {
+    /// Creates the list of faults that an earlier process found.
+    pub(super) fn new(faults: &[Finding]) -> Self {
+        Self { open: faults.iter().map(|finding| OpenFault { finding: finding.clone(), missed: 0 }).collect() }
+    }
+
     /// Returns the faults that the last diagnoses found.
     pub(super) fn findings(&self) -> Vec<Finding> {
         self.open.iter().map(|open| open.finding.clone()).collect()

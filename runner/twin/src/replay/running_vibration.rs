@@ -140,6 +140,11 @@ impl RunningVibration {
         self.faults.findings()
     }
 
+    /// Continues with the faults of an earlier process.
+    pub fn restore(&mut self, faults: &[Finding]) {
+        self.faults = OpenFaults::new(faults);
+    }
+
     /// Returns the statistics of the second that ends at `time_s`.
     pub fn second(&self, time_s: f64) -> Vec<SensorSecond> {
         self.seconds.of(time_s)

@@ -1,17 +1,17 @@
 //! A replay driven row by row: a file reader or a live source delivers the rows.
 
 use super::conclusion::RecordingFacts;
-use super::limits::LimitState;
+use super::limits::{LimitState, LimitStatus};
 use super::notices::Notice;
 use super::options::Options;
 use super::pipeline::Pipeline;
+use super::running_diagnosis::{DiagnosisState, FaultState};
 use super::second::Second;
 use super::snapshot::Snapshot;
 use super::temperature::TemperatureMonitor;
 use crate::diagnosis::{Calibration, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
-use crate::outcome::LimitLine;
-use crate::outcome::{Event, Outcome};
+use crate::outcome::{Event, Finding, Outcome};
 use crate::plausibility::Implausibility;
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
@@ -20,7 +20,7 @@ use crate::recording::run_out::RunOut;
 use crate::scene::{Recording, Scene};
 use crate::vibration;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Time without a keyphasor pulse after which a shaft counts as standing still in live operation, s.
 const LONGEST_PULSE_WAIT: f64 = 10.0;
@@ -198,6 +198,35 @@ impl<'a> Replay<'a> {
         self.pipeline.snapshot().unwrap_or_default()
     }
 
+    /// Returns the faults that the last diagnoses found, each once, strongest first.
+    #[must_use]
+    pub fn findings(&self) -> Vec<Finding> {
+        self.pipeline.findings()
+    }
+
+    /// Returns the state of the diagnosis.
+    #[must_use]
+    pub fn diagnosis_state(&self) -> DiagnosisState {
+        self.pipeline.diagnosis_state()
+    }
+
+    /// Returns the present value of every limited indicator.
+    #[must_use]
+    pub fn limit_status(&self) -> Vec<LimitStatus> {
+        self.pipeline.limits.status()
+    }
+
+    /// Returns the faults of the last diagnoses, from which another process can continue.
+    #[must_use]
+    pub fn fault_state(&self) -> FaultState {
+        self.pipeline.faults()
+    }
+
+    /// Continues with the faults of an earlier process: a fault that is still found is not reported as a new one.
+    pub fn restore_faults(&mut self, faults: &FaultState) {
+        self.pipeline.restore_faults(faults);
+    }
+
     /// Returns the results since the last call.
     pub fn take_update(&mut self) -> Update {
         let preliminary = self.pipeline.take_preliminary();
@@ -220,18 +249,16 @@ impl<'a> Replay<'a> {
         self.pipeline.limits.state()
     }
 
-    /// Returns every limit of the scene, and whether it is exceeded.
-    #[must_use]
-    pub fn limits(&self) -> Vec<(LimitLine, bool)> {
-        self.pipeline.limits.exceeded()
-    }
-
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
     pub(super) fn set_diagnosis(&mut self, diagnosis: Diagnosis) {
         self.pipeline.diagnosed = Some(diagnosis);
     }
 
     /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.
+    pub(super) fn add_diagnosis_time(&mut self, took: Duration) {
+        self.pipeline.timing.diagnosed(took);
+    }
+
     pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>, note: Option<String>) {
         self.pipeline.calibration = calibration;
         self.pipeline.notes.extend(note);

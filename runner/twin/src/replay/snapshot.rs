@@ -1,6 +1,6 @@
 //! The last samples and the present state, for a live display.
 
-use crate::outcome::{Finding, MarkedLine};
+use crate::outcome::MarkedLine;
 use crate::probes::Plane;
 use std::collections::VecDeque;
 
@@ -35,8 +35,6 @@ pub struct Snapshot {
     pub loads: Vec<(String, Vec<(f64, f64)>)>,
     /// Lines to mark in a spectrum.
     pub lines: Vec<MarkedLine>,
-    /// Faults that the last diagnoses found.
-    pub findings: Vec<Finding>,
 }
 
 /// The last [`KEPT`] samples.

@@ -11,6 +11,7 @@ pub struct Ledger {
     start: Option<Instant>,
     first: f64,
     last: f64,
+    diagnosis: Duration,
 }
 
 /// Returns a histogram from 1 ns to 1000 s with three digits, 50 kB at any number of entries.
@@ -27,7 +28,7 @@ impl Ledger {
     /// # Errors
     /// None in practice.
     pub fn try_new(period: f64) -> Result<Self, CreationError> {
-        Ok(Self { compute: histogram()?, period, start: None, first: 0.0, last: 0.0 })
+        Ok(Self { compute: histogram()?, period, start: None, first: 0.0, last: 0.0, diagnosis: Duration::ZERO })
     }
 
     /// Marks the start of the work on the sample at `time` (s).
@@ -43,6 +44,11 @@ impl Ledger {
         self.compute.saturating_record(nanoseconds(begun.elapsed()));
     }
 
+    /// Records the time of a diagnosis.
+    pub fn diagnosed(&mut self, took: Duration) {
+        self.diagnosis += took;
+    }
+
     /// Returns the timing for the outcome.
     #[must_use]
     pub fn finish(&self) -> Timing {
@@ -53,6 +59,7 @@ impl Ledger {
             compute: quantiles(&self.compute),
             sample_period_ns: (self.period * 1e9).round() as u64,
             wall_s: wall,
+            diagnosis_s: self.diagnosis.as_secs_f64(),
             times_real_time: span / wall.max(1e-9),
             peak_memory_bytes: peak_memory(),
             ..Timing::default()

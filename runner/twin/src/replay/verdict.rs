@@ -9,7 +9,7 @@ fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Op
     values.map(|values| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt())
 }
 
-/// Returns true where the twin is as good as any simpler predictor, or its residual is noise.
+/// Returns true where the twin is as good as any simpler model, or its residual is noise.
 #[must_use]
 pub fn follows(probes: &[ProbeOutcome]) -> bool {
     let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
@@ -63,15 +63,15 @@ fn judged(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
     let (better, worse) = (count(Standing::Better), count(Standing::Worse));
     let follows = if follows(probes) { "follows" } else { "does not follow" };
     let rivals = if better == probes.len() {
-        "it beats all four simpler predictors on every probe".to_owned()
+        "it beats all four simpler models on every probe".to_owned()
     } else if worse == 0 {
         format!(
-            "no simpler predictor does better, and on {} of {} probes one does as well",
+            "no simpler model does better, and on {} of {} probes one does as well",
             probes.len() - better,
             probes.len()
         )
     } else {
-        format!("a simpler predictor does better on {worse} of {} probes", probes.len())
+        format!("a simpler model does better on {worse} of {} probes", probes.len())
     };
     format!("The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; no fault is found.")
 }

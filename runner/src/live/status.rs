@@ -1,0 +1,132 @@
+//! State of the machine in one word and one sentence, for the terminal and the live page.
+
+use super::view::{MonitorState, View};
+use ballrace_twin::replay::DiagnosisState;
+use serde::Serialize;
+
+/// Urgency of a state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Level {
+    /// A limit is exceeded or a fault is found.
+    Alarm,
+    /// A user has to look.
+    Warning,
+    /// No verdict is possible yet.
+    Unknown,
+    /// Nothing to do.
+    Normal,
+}
+
+/// State of the machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Status {
+    /// One or two words.
+    pub word: &'static str,
+    /// Urgency.
+    pub level: Level,
+    /// The most urgent alarm in a few words, with the number of others; empty without an alarm.
+    pub title: String,
+    /// Diagnosis as a sentence.
+    pub sentence: String,
+    /// Recommended action; empty where there is nothing to do.
+    pub action: String,
+    /// Time of day since which the state lasts, RFC 3339 in UTC; empty before the first sample.
+    pub since: String,
+}
+
+impl Status {
+    /// Returns the state that a view shows.
+    #[must_use]
+    pub fn of(view: &View) -> Self {
+        let status = |word, level, sentence: &str, action: &str| Self {
+            word,
+            level,
+            title: String::new(),
+            sentence: sentence.to_owned(),
+            action: action.to_owned(),
+            since: view.state_since.clone(),
+        };
+        if let Some(conclusion) = &view.conclusion {
+            let level = if conclusion.findings.is_empty() { Level::Unknown } else { Level::Alarm };
+            return status("ENDED", level, &conclusion.verdict, "");
+        }
+        if let Some(status) = Self::of_alarms(view) {
+            return status;
+        }
+        let has_limits = !view.limits.is_empty();
+        let limits = if has_limits { "All values are within their limits" } else { "The scene has no limits" };
+        match (view.state, &view.diagnosis) {
+            (MonitorState::Waiting, _) => status(
+                "NO DATA",
+                Level::Warning,
+                "The monitor waits for the first sample of its source.",
+                "Check that the source runs and sends to this monitor.",
+            ),
+            (MonitorState::Silent, _) => status(
+                "NO DATA",
+                Level::Warning,
+                "The source sends no data.",
+                "Check the source, its connection and its power supply.",
+            ),
+            (MonitorState::Ended, _) => status("ENDED", Level::Unknown, "The monitor has ended.", ""),
+            (MonitorState::Starting, _) if has_limits => status(
+                "STARTING",
+                Level::Unknown,
+                "All values are within their limits. The twin is starting; there is no diagnosis yet.",
+                "",
+            ),
+            (MonitorState::Starting, _) => {
+                status("STARTING", Level::Unknown, "The twin is starting; there is no diagnosis yet.", "")
+            }
+            (MonitorState::Running, DiagnosisState::Implausible { sentence }) => status(
+                "NOT PLAUSIBLE",
+                Level::Warning,
+                sentence,
+                "Check probes, wiring and scene: the samples cannot be those of this machine.",
+            ),
+            (MonitorState::Running, DiagnosisState::Made { time_s }) => {
+                let sentence = format!("No fault found in the samples up to {time_s:.1} s. {limits}.");
+                status("NORMAL", Level::Normal, &sentence, "")
+            }
+            (MonitorState::Running, DiagnosisState::NotMade) if has_limits => {
+                status("WITHIN LIMITS", Level::Normal, &format!("{limits}. There is no diagnosis yet."), "")
+            }
+            (MonitorState::Running, DiagnosisState::NotMade) => {
+                status("NO VERDICT YET", Level::Unknown, "The first diagnosis is not finished yet.", "")
+            }
+            (MonitorState::Running, DiagnosisState::Ended { sentence }) => {
+                let (word, level) =
+                    if has_limits { ("WITHIN LIMITS", Level::Normal) } else { ("NO VERDICT", Level::Warning) };
+                status(word, level, &format!("{limits}. {sentence}"), "")
+            }
+        }
+    }
+
+    /// Returns the state of a machine with alarms.
+    fn of_alarms(view: &View) -> Option<Self> {
+        let alarms = view.alarms.alarms();
+        let active = || alarms.iter().filter(|alarm| alarm.is_active());
+        // A new alarm is more urgent than one that somebody has seen.
+        let first = active().find(|alarm| alarm.is_unacknowledged()).or_else(|| active().next());
+        let (alarm, word, level) = match first {
+            Some(alarm) if alarm.is_unacknowledged() => (alarm, "ALARM", Level::Alarm),
+            Some(alarm) => (alarm, "ALARM, ACKNOWLEDGED", Level::Alarm),
+            None => (alarms.first()?, "ALARM ENDED", Level::Warning),
+        };
+        let others = match alarms.len() - 1 {
+            0 => String::new(),
+            1 => ", and one more alarm".to_owned(),
+            count => format!(", and {count} more alarms"),
+        };
+        let silence = if view.state == MonitorState::Silent { " The source sends no data." } else { "" };
+        Some(Self {
+            word,
+            level,
+            title: format!("{}{others}", alarm.title),
+            sentence: format!("{}{silence}", alarm.sentence),
+            action: alarm.action.clone(),
+            since: alarm.ended_at.as_ref().unwrap_or(&alarm.raised_at).clone(),
+        })
+    }
+}

@@ -1,0 +1,276 @@
+//! The live page of a running monitor: requests, acknowledgement, restart, hostile clients.
+
+use crate::live::{connected, kinds, port};
+use crate::live_start::{terminate, wait};
+use crate::support::{DEMO_SCENE, Desk, short_recording, swap};
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::Child;
+use std::time::{Duration, Instant};
+
+const TOKEN: &str = "correct-horse-battery";
+
+/// A monitor with a live page; killed at the end.
+pub struct Site {
+    child: Child,
+    pub port: u16,
+    pub desk: Desk,
+}
+
+/// Status line and headers, and body of a response.
+pub struct Response {
+    pub head: String,
+    pub body: String,
+}
+
+impl Site {
+    /// The built-in machine with a spall, simulated without an end.
+    pub fn demonstration(options: &[&str]) -> Self {
+        let args = [&["--source", "demonstration"], options].concat();
+        Self::start(Desk::empty(), &args)
+    }
+
+    pub fn start(desk: Desk, args: &[&str]) -> Self {
+        let port = port();
+        desk.put("token", format!("{TOKEN}\n"));
+        let address = format!("127.0.0.1:{port}");
+        let args = [&["replay", "--paced", "--http", &address], args].concat();
+        let site = Self { child: desk.command(&args).spawn().unwrap(), port, desk };
+        drop(connected(port));
+        site
+    }
+
+    pub fn send(&self, request: &str) -> Response {
+        let mut stream = connected(self.port);
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        let text = String::from_utf8_lossy(&answer).into_owned();
+        let (head, body) = text.split_once("\r\n\r\n").unwrap_or((&text, ""));
+        Response { head: head.to_lowercase(), body: body.to_owned() }
+    }
+
+    pub fn get(&self, path: &str) -> Response {
+        self.send(&format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n\r\n", self.port))
+    }
+
+    pub fn state(&self) -> Value {
+        serde_json::from_str(&self.get("/state").body).unwrap()
+    }
+
+    /// Waits for a state of which `get` returns something.
+    pub fn wait<T>(&self, what: &str, get: impl Fn(&Value) -> Option<T>) -> T {
+        wait(what, || {
+            std::thread::sleep(Duration::from_millis(100));
+            get(&self.state())
+        })
+    }
+
+    /// Waits for the first alarm and returns its identifier.
+    pub fn alarm(&self) -> String {
+        self.wait("an alarm", |state| Some(state["alarms"][0]["id"].as_str()?.to_owned()))
+    }
+
+    fn acknowledge(&self, alarm: &str, header: &str) -> Response {
+        let body = serde_json::json!({ "alarm": alarm }).to_string();
+        self.send(&format!(
+            "POST /acknowledge HTTP/1.1\r\nHost: localhost:{}\r\n{header}Content-Length: {}\r\n\r\n{body}",
+            self.port,
+            body.len()
+        ))
+    }
+
+    /// Kills the monitor and returns its desk.
+    fn kill(mut self) -> Desk {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+        std::mem::replace(&mut self.desk, Desk::empty())
+    }
+}
+
+impl Drop for Site {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn is(response: &Response, status: u16) -> bool {
+    response.head.split(' ').nth(1) == Some(status.to_string().as_str())
+}
+
+fn bearer(token: &str) -> String {
+    format!("Authorization: Bearer {token}\r\n")
+}
+
+#[test]
+fn a_page_shows_a_fault_and_a_user_acknowledges_it_once() {
+    let options = ["--state", "state", "--events", "events.jsonl", "--indicators", "trend"];
+    let with_token = [&options[..], &["--http-token-file", "token"]].concat();
+    let site = Site::demonstration(&with_token);
+    let page = site.get("/");
+    assert!(is(&page, 200) && page.body.contains("<!DOCTYPE html>"), "{}", page.head);
+    for header in
+        ["content-security-policy: default-src 'none'", "x-content-type-options: nosniff", "x-frame-options: deny"]
+    {
+        assert!(page.head.contains(header), "{header} in {}", page.head);
+    }
+    for outside in ["http://", "https://", "<style", "onclick"] {
+        assert!(!page.body.contains(outside), "{outside}");
+    }
+    let alarm = site.alarm();
+    assert_eq!(alarm, "fault spall outer-race of DE");
+    let state = site.state();
+    assert_eq!((&state["status"]["word"], &state["status"]["level"]), (&"ALARM".into(), &"alarm".into()), "{state:#}");
+    assert!(state["status"]["action"].as_str().unwrap().contains("spare bearing"), "{state:#}");
+    // A header without the token, and the wrong one.
+    assert!(is(&site.acknowledge(&alarm, ""), 403) && is(&site.acknowledge(&alarm, &bearer("correct")), 403));
+    assert!(is(&site.acknowledge("fault of nothing", &bearer(TOKEN)), 404));
+    assert!(is(&site.acknowledge(&alarm, &bearer(TOKEN)), 202));
+    let is_acknowledged = |state: &Value| state["alarms"][0]["acknowledged_at"].as_str().map(str::to_owned);
+    let at = site.wait("the acknowledgement", is_acknowledged);
+    assert_eq!(site.state()["status"]["word"], "ALARM, ACKNOWLEDGED");
+    wait("the event", || kinds(&site.desk, "events.jsonl").contains(&"alarm-acknowledged".to_owned()).then_some(()));
+    // The figures of the newest samples, and the history.
+    let figures = wait("figures", || {
+        let figures: Vec<Value> = serde_json::from_str(&site.get("/figures").body).unwrap();
+        (figures.len() > 5).then_some(figures)
+    });
+    assert!(figures.iter().any(|figure| figure["title"].as_str().unwrap().starts_with("Orbit of DE_X_um")));
+    let history: Vec<Value> = serde_json::from_str(&site.get("/history?hours=1").body).unwrap();
+    assert!(history.len() == 5 && history[0]["note"].as_str().unwrap().contains("files"), "{}", history[0]["note"]);
+    assert!(is(&site.get("/history?hours=1e9"), 400));
+    // A restart keeps the acknowledgement and does not report the fault again.
+    let desk = site.kill();
+    let site = Site::start(desk, &[&["--source", "demonstration"], &options[..]].concat());
+    assert_eq!(site.wait("the state before", is_acknowledged), at);
+    site.wait("a diagnosis", |state| {
+        let events = state["events"].as_array().unwrap();
+        events.iter().any(|event| event["kind"] == "fault-size").then_some(())
+    });
+    assert_eq!(is_acknowledged(&site.state()), Some(at));
+    assert!(is(&site.acknowledge(&alarm, &bearer(TOKEN)), 403), "read-only without a token file");
+    terminate(site.child.id());
+    let desk = site.kill();
+    let kinds = kinds(&desk, "events.jsonl");
+    for once in ["fault-found", "alarm-acknowledged"] {
+        assert_eq!(kinds.iter().filter(|kind| *kind == once).count(), 1, "{once} in {kinds:?}");
+    }
+}
+
+#[test]
+fn foreign_hosts_methods_and_paths_are_refused() {
+    let site = Site::demonstration(&["--http-host", "rig.plant", "--http-origin", "http://127.0.0.1:1"]);
+    let with_host = |host: &str| site.send(&format!("GET /state HTTP/1.1\r\nHost: {host}\r\n\r\n"));
+    for host in ["evil.example", "127.0.0.1.evil.example:80", ""] {
+        assert!(is(&with_host(host), 403), "{host}");
+    }
+    for host in ["localhost", "127.0.0.1", "[::1]:80", "rig.plant"] {
+        assert!(is(&with_host(host), 200), "{host}");
+    }
+    assert!(is(&site.send("GET / HTTP/1.0\r\n\r\n"), 403));
+    assert!(is(&site.get("/etc/passwd"), 404) && is(&site.get("/acknowledge"), 405));
+    assert!(is(&site.send("DELETE /state HTTP/1.1\r\nHost: localhost\r\n\r\n"), 405));
+    let from = |origin: &str| site.send(&format!("GET /state HTTP/1.1\r\nHost: localhost\r\nOrigin: {origin}\r\n\r\n"));
+    assert!(from("http://127.0.0.1:1").head.contains("access-control-allow-origin: http://127.0.0.1:1"));
+    assert!(!from("http://127.0.0.1:2").head.contains("access-control-allow-origin"));
+}
+
+/// A stream of states goes on while a thousand clients hold connections; memory is bounded and the loop keeps its deadlines.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_thousand_idle_clients_do_not_disturb_the_monitor() {
+    let site = Site::demonstration(&[]);
+    // The first diagnosis is over: what it needed does not count.
+    site.alarm();
+    let mut stream = connected(site.port);
+    write!(stream, "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    let mut lines = BufReader::new(stream).lines();
+    let mut next = || loop {
+        let line = lines.next().unwrap().unwrap();
+        if let Some(state) = line.strip_prefix("data: ") {
+            return serde_json::from_str::<Value>(state).unwrap();
+        }
+    };
+    let before = next();
+    let memory = resident(site.child.id());
+    let idle: Vec<TcpStream> = (0..1000)
+        .filter_map(|_| {
+            let mut client = TcpStream::connect(("127.0.0.1", site.port)).ok()?;
+            let _ = client.write_all(b"GET /f");
+            Some(client)
+        })
+        .collect();
+    let since = Instant::now();
+    let mut last = before.clone();
+    while since.elapsed() < Duration::from_secs(5) {
+        last = next();
+    }
+    let time = |state: &Value| state["time_s"].as_f64().unwrap();
+    assert!(time(&last) - time(&before) > 3.0, "the monitor goes on");
+    let misses = |state: &Value| state["deadline_misses"].as_u64().unwrap();
+    println!("{} clients, {} deadlines missed", idle.len(), misses(&last) - misses(&before));
+    // Other programs of this machine may delay a block now and then; idle clients would delay hundreds.
+    assert!(misses(&last) - misses(&before) < 50);
+    let grown = resident(site.child.id()).saturating_sub(memory);
+    assert!(grown < 32 << 20, "{grown} bytes");
+    drop(idle);
+    wait("an answer", || is(&site.get("/state"), 200).then_some(()));
+}
+
+/// Resident memory of a process, bytes.
+#[cfg(target_os = "linux")]
+fn resident(id: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmRSS")).unwrap();
+    1024 * line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
+}
+
+/// More streams than are served, and one that is never read.
+#[test]
+fn streams_are_bounded() {
+    let site = Site::demonstration(&[]);
+    let open = || {
+        let mut stream = connected(site.port);
+        write!(stream, "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+        let mut line = String::new();
+        BufReader::new(stream.try_clone().unwrap()).read_line(&mut line).unwrap();
+        (stream, line)
+    };
+    let streams: Vec<_> = (0..32).map(|_| open()).collect();
+    assert!(streams.iter().all(|(_, line)| line.contains("200 OK")));
+    assert!(open().1.contains("503"));
+    assert!(is(&site.get("/state"), 200));
+    drop(streams);
+    wait("a free stream", || open().1.contains("200 OK").then_some(()));
+}
+
+#[test]
+fn wrong_options_are_refused() {
+    let desk = Desk::with(DEMO_SCENE, &short_recording(256));
+    desk.put("short", "abc");
+    let paced = |more: &[&'static str]| -> Vec<&'static str> { [&["replay", "scene.toml", "--paced"], more].concat() };
+    // Refused by the parser of the command line, which adds a usage.
+    for (options, expected) in [
+        (&["--http", "name:1"][..], "expected PORT or ADDRESS:PORT"),
+        (&["--http-token-file", "short"], "--http"),
+        (&["--http", "0", "--http-also", "http://a/b"], "without a path"),
+    ] {
+        let answer = desk.run(&paced(options));
+        assert!(answer.code == Some(2) && answer.err.contains(expected), "{answer:?}");
+    }
+    desk.refused(&paced(&["--http", "0", "--http-token-file", "short"]), 2, &["short", "at least 8"]);
+    desk.refused(&paced(&["--http", "0", "--http-token-file", "absent"]), 1, &["absent"]);
+    desk.refused(&paced(&["--http", "192.0.2.1:1"]), 1, &["192.0.2.1:1", "address of this machine"]);
+    desk.refused(&["replay", "scene.toml", "--http", "0"], 2, &["--http", "--paced"]);
+    desk.refused(&paced(&["--source", "demonstration"]), 2, &["--source demonstration", "no SCENE"]);
+}
+
+/// A machine whose names are markup, with a limit that is exceeded.
+pub fn hostile_scene() -> String {
+    let scene = swap(DEMO_SCENE, "name = \"6205 rig\"", "name = \"<b>rig</b><script>alert(1)</script>\"");
+    let scene = swap(&scene, "name = \"DE\"", "name = \"<b>\"");
+    scene + "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"0.1 um\"\n"
+}
