@@ -101,6 +101,7 @@ fn probes(values: &[f64]) -> Vec<[f64; INDICATORS]> {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::super::indicators::Indicators;
+    use super::super::second::SecondRecord;
     use super::*;
     use ballrace_twin::replay::second::{ProbeSecond, Second};
 
@@ -118,7 +119,8 @@ mod tests {
                 ..ProbeSecond::default()
             };
             let second = Second { time_s: f64::from(i), probes: vec![probe], ..Second::default() };
-            indicators.add(&second, u64::from(100 * i));
+            let record = SecondRecord { at: SystemTime::now(), second: &second };
+            indicators.add(&record, u64::from(100 * i));
             indicators.save().unwrap();
         }
         let mut seconds = vec![];
