@@ -1,4 +1,5 @@
 //! The JSON schemas in `docs/schema` are those of the types. `BALLRACE_WRITE=1` writes them.
+#![expect(clippy::panic, reason = "a test fails by panicking")]
 
 use super::EventRecord;
 use super::second::SecondRecord;
