@@ -58,11 +58,11 @@ fn two_outputs_in_one_file() {
 #[test]
 fn file_from_before_stays_when_the_work_fails() {
     let desk = Desk::with(DEMO_SCENE, &(short_recording(600) + "0.1,0,0,0,oops,0,0\n"));
-    for name in ["ballrace-report.html", "forces.csv"] {
+    for name in ["scene-report.html", "forces.csv"] {
         desk.put(name, "from before");
     }
     desk.refused(&["replay", "scene.toml", "--forces", "forces.csv"], 1, &["healthy.csv:602: column NDE_Y_um: "]);
-    for name in ["ballrace-report.html", "forces.csv"] {
+    for name in ["scene-report.html", "forces.csv"] {
         assert_eq!(desk.read(name), "from before");
     }
 }

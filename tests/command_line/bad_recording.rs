@@ -142,7 +142,7 @@ fn flawed(scene: &str, recording: &str, wanted: &[Flaw]) -> Value {
         let said = flaw["sentence"].as_str().unwrap();
         assert!(said.contains(sentence), "{said}");
         assert!(text.contains(said), "the text lacks {said:?}: {text}");
-        assert!(desk.read("ballrace-report.html").contains(said), "the report lacks {said:?}");
+        assert!(desk.read("scene-report.html").contains(said), "the report lacks {said:?}");
     }
     let rows = desk.read("forces.csv").lines().count() as f64 - 1.0;
     assert_eq!(rows, number(&outcome, "/record/samples"), "a row of forces for every sample");

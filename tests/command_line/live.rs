@@ -264,7 +264,7 @@ fn prometheus_and_only_where_asked_for() {
         let mut page = String::new();
         scrape.read_to_string(&mut page).unwrap();
         // The seconds of the start are shown before the twin has passed through them, without forces.
-        if (page.contains("ballrace_time_seconds 2") && page.contains("ballrace_bearing_force_newtons{"))
+        if (page.contains("ballrace_time_s 2") && page.contains("ballrace_bearing_FY_N{"))
             || since.elapsed() > Duration::from_secs(120)
         {
             break page;
@@ -275,7 +275,7 @@ fn prometheus_and_only_where_asked_for() {
     child.wait().unwrap();
     for metric in [
         "ballrace_probe_peak_to_peak_um{probe=\"DE_X_um\"}",
-        "ballrace_bearing_force_newtons{bearing=\"DE\",axis=\"y\"}",
+        "ballrace_bearing_FY_N{bearing=\"DE\"}",
         "# TYPE ballrace_rows_total counter",
         "ballrace_frames_lost_total 0",
     ] {

@@ -11,6 +11,7 @@ mod clearance;
 mod completions;
 mod contact_angle;
 mod degraded;
+mod deploy;
 mod diagnosis;
 mod documented;
 mod documents;

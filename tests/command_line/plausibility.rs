@@ -17,7 +17,7 @@ fn implausible(scene: &str, recording: &str) -> Value {
     assert!(!verdict.contains("follows"), "{verdict}");
     assert_eq!(list(&outcome, "findings").len(), 0, "{outcome:#}");
     assert!(!list(&outcome, "implausible").is_empty());
-    assert!(desk.read("ballrace-report.html").contains("not plausible"));
+    assert!(desk.read("scene-report.html").contains("not plausible"));
     assert!(!desk.files().contains(&"learned.json".to_owned()), "it is no baseline");
     let text = desk.run(&args[..2]).out;
     assert!(text.starts_with("The recording is not plausible") && text.contains("not judged"), "{text}");

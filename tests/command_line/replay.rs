@@ -11,6 +11,26 @@ fn unbroken(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// Runs that share a folder have reports of their own, and `--no-report` writes none.
+#[test]
+fn reports_are_named_after_scene_and_recording() {
+    let desk = Desk::rig();
+    desk.put("pump.toml", DEMO_SCENE);
+    desk.put("today.csv", short_recording(SHORT));
+    let before = desk.files();
+    desk.done(&["replay", "scene.toml", "--no-report"]);
+    assert_eq!(desk.files(), before);
+    let both = desk.run(&["replay", "scene.toml", "--no-report", "--report", "a.html"]);
+    assert!(both.code == Some(2) && both.err.contains("'--no-report' cannot be used with '--report"), "{both:?}");
+    assert_eq!(desk.files(), before);
+    let text = desk.done(&["replay", "scene.toml"]).out;
+    assert!(text.contains("Report: scene-report.html"), "{text}");
+    desk.done(&["replay", "pump.toml"]);
+    desk.done(&["replay", "pump.toml", "--recording", "today.csv"]);
+    let reports: Vec<String> = desk.files().into_iter().filter(|name| name.ends_with(".html")).collect();
+    assert_eq!(reports, ["pump-report.html", "pump-today-report.html", "scene-report.html"]);
+}
+
 #[test]
 fn demonstration_in_an_empty_folder() {
     let desk = Desk::empty();

@@ -75,7 +75,7 @@ fn long_limits_and_signals_do_not_wait_for_the_run_in_after_a_gap() {
         scrape.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
         let mut page = String::new();
         scrape.read_to_string(&mut page).unwrap();
-        page.contains("ballrace_bearing_force_newtons{").then_some(())
+        page.contains("ballrace_bearing_FY_N{").then_some(())
     });
     let crossings = || kinds(&desk, "events.jsonl").iter().filter(|kind| kind.starts_with("limit-")).count();
     let before = crossings();

@@ -87,23 +87,23 @@ fn motion(whose: &str, motion: &Motion) -> Row {
         number(&format!("{whose}_mean_um"), motion.mean_um),
         number(&format!("{whose}_peak_to_peak_um"), motion.peak_to_peak_um),
         number(&format!("{whose}_rms_um"), motion.rms_um),
-        number(&format!("{whose}_1x_um_peak"), motion.one_x_um),
-        number(&format!("{whose}_1x_lag_deg"), motion.one_x_phase_lag_deg),
+        number(&format!("{whose}_one_x_um"), motion.one_x_um),
+        number(&format!("{whose}_one_x_phase_lag_deg"), motion.one_x_phase_lag_deg),
     ]
 }
 
 fn difference(probe: &ProbeOutcome) -> Row {
     vec![
-        number("1x_vector_error_um_peak", probe.one_x_error_um),
+        number("one_x_error_um", probe.one_x_error_um),
         number("residual_bias_um", probe.residual_bias_um),
         number("residual_rms_um", probe.residual_rms_um),
         number("nrmse_percent", probe.nrmse_percent),
         ("nrmse_normaliser".to_owned(), probe.nrmse_normaliser.clone()),
-        number("noise_rms_um", probe.noise_um.unwrap_or(f64::NAN)),
-        number("baseline_mean_rms_um", probe.baselines.mean.residual_rms_um),
-        number("baseline_persistence_rms_um", probe.baselines.persistence.residual_rms_um),
-        number("baseline_1x_rms_um", probe.baselines.one_x.residual_rms_um),
-        number("baseline_linear_rms_um", probe.baselines.linear.residual_rms_um),
+        number("noise_um", probe.noise_um.unwrap_or(f64::NAN)),
+        number("baselines_mean_residual_rms_um", probe.baselines.mean.residual_rms_um),
+        number("baselines_persistence_residual_rms_um", probe.baselines.persistence.residual_rms_um),
+        number("baselines_one_x_residual_rms_um", probe.baselines.one_x.residual_rms_um),
+        number("baselines_linear_residual_rms_um", probe.baselines.linear.residual_rms_um),
         ("twin_to_best_baseline".to_owned(), super::words::standing(probe.baselines.worst()).to_lowercase()),
     ]
 }
@@ -113,10 +113,10 @@ fn ball_pass(bearing: &str, line: Option<&BallPassLine>) -> Row {
     let value = |of: fn(&BallPassLine) -> f64| line.map_or(f64::NAN, of);
     vec![
         number(&head("order"), value(|line| line.order)),
-        number(&head("hz"), value(|line| line.frequency_hz)),
-        number(&head("measured_um_peak"), value(|line| line.measured_um)),
-        number(&head("twin_um_peak"), value(|line| line.twin_um)),
-        number(&head("residual_um_peak"), value(|line| line.residual_um)),
+        number(&head("frequency_hz"), value(|line| line.frequency_hz)),
+        number(&head("measured_um"), value(|line| line.measured_um)),
+        number(&head("twin_um"), value(|line| line.twin_um)),
+        number(&head("residual_um"), value(|line| line.residual_um)),
     ]
 }
 
@@ -149,6 +149,29 @@ mod tests {
         }
     }
 
+    /// A column is named after the path of its JSON key: `measured_one_x_um` is `one_x_um` of `measured`.
+    #[test]
+    fn columns_have_the_names_of_json_keys() {
+        fn paths(value: &serde_json::Value, before: &str, into: &mut Vec<String>) {
+            for (key, value) in value.as_object().into_iter().flatten() {
+                let path = format!("{before}{key}");
+                paths(value, &format!("{path}_"), into);
+                into.push(path);
+            }
+        }
+        let probe = &fixture::usual().probes[0];
+        let mut known = vec!["probe".to_owned(), "twin_to_best_baseline".to_owned()];
+        paths(&serde_json::to_value(probe).unwrap(), "", &mut known);
+        for line in &probe.ball_pass {
+            paths(&serde_json::to_value(line).unwrap(), &format!("{}_ball_pass_", line.bearing), &mut known);
+        }
+        let text = csv(&fixture::usual());
+        let mut reader = ::csv::Reader::from_reader(text.as_bytes());
+        let unknown: Vec<&str> =
+            reader.headers().unwrap().iter().filter(|head| !known.iter().any(|name| name == head)).collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
+    }
+
     #[test]
     fn figures_stand_under_their_heads() {
         let outcome = fixture::usual();
@@ -159,6 +182,6 @@ mod tests {
         let cell = |name: &str| row.get(heads.iter().position(|head| head == name).unwrap()).unwrap().to_owned();
         assert_eq!(cell("probe"), "DE_X");
         assert_eq!(cell("residual_rms_um").parse::<f64>().unwrap(), outcome.probes[0].residual_rms_um);
-        assert_eq!(cell("NDE_ball_pass_twin_um_peak").parse::<f64>().unwrap(), outcome.probes[0].ball_pass[1].twin_um);
+        assert_eq!(cell("NDE_ball_pass_twin_um").parse::<f64>().unwrap(), outcome.probes[0].ball_pass[1].twin_um);
     }
 }

@@ -374,9 +374,10 @@ pub fn pacing(timing: &Timing) -> Vec<String> {
 fn not_written(outputs: OutputFigures) -> Option<String> {
     (outputs != OutputFigures::default()).then(|| {
         format!(
-            "Not written: {}, {} of indicators.",
+            "Not written: {}, {} of indicators, {} to the MQTT broker.",
             counted(outputs.events_not_written, "event"),
-            counted(outputs.seconds_not_written, "second")
+            counted(outputs.seconds_not_written, "second"),
+            counted(outputs.messages_not_delivered, "message")
         )
     })
 }

@@ -62,7 +62,7 @@ impl LiveArgs {
             (self.outputs.indicators.is_some(), "--indicators"),
             (self.outputs.prometheus.is_some(), "--prometheus"),
             #[cfg(feature = "mqtt")]
-            (self.outputs.mqtt.is_some(), "--mqtt"),
+            (self.outputs.mqtt.url.is_some(), "--mqtt"),
             (self.http.address.is_some(), "--http"),
             (self.realtime, "--realtime"),
             (self.core.is_some(), "--core"),

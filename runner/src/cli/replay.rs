@@ -24,9 +24,13 @@ pub struct Args {
     /// Replay this recording, a file or a folder, instead of the scene's own.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
-    /// HTML report to write.
-    #[arg(long, value_name = "FILE.html", default_value = "ballrace-report.html")]
-    report: PathBuf,
+    /// HTML report to write [default: ballrace-report.html, or SCENE-report.html with a scene, SCENE-RECORDING-report.html
+    /// with another recording or source].
+    #[arg(long, value_name = "FILE.html", conflicts_with = "no_report")]
+    report: Option<PathBuf>,
+    /// Write no HTML report.
+    #[arg(long)]
+    no_report: bool,
     /// Write the force of every bearing at every sample.
     #[arg(long, value_name = "FILE.csv")]
     forces: Option<PathBuf>,
@@ -62,7 +66,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
         bail!(UsageError(format!("{option}: requires --paced or `ballrace watch`")));
     }
     let (reader, path) = open(args, &scene)?;
-    check_outputs(args, &scene, &path)?;
+    let report = report_path(args);
+    check_outputs(args, &scene, &path, report.as_deref())?;
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
     let bar = progress_bar(&name);
     let progress = |progress: Progress| match progress {
@@ -88,7 +93,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
     };
     let outcome = replay::replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
-    write_results(args, &outcome?, format)
+    write_results(args, &outcome?, report.as_deref(), format)
 }
 
 /// Replays in real time.
@@ -96,7 +101,8 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
     let recording = args.scene.is_none().then_some(Address::BuiltIn(DEMO_RECORDING, DEMO_NAME));
     let source = args.live.source(scene, args.recording.as_deref(), recording)?;
     let path = PathBuf::from(source.to_string());
-    check_outputs(args, scene, &path)?;
+    let report = report_path(args);
+    check_outputs(args, scene, &path, report.as_deref())?;
     let replay = Options {
         error,
         forces: args.forces.as_deref(),
@@ -111,24 +117,46 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
     let options = args.live.options(source, None, replay);
     let stop = live::stop_on_signal()?;
     let outcome = monitor::monitor(scene, &options, &stop)?;
-    write_results(args, &outcome, format)
+    write_results(args, &outcome, report.as_deref(), format)
 }
 
 /// Writes the report and the baseline, and prints the outcome. A recording that is not plausible for the scene is not stored
 /// as a baseline.
-fn write_results(args: &Args, outcome: &Outcome, format: Format) -> Result<ReplayStatus> {
-    AtomicFile::write(&args.report, &report::html(outcome)?)?;
+fn write_results(args: &Args, outcome: &Outcome, report_path: Option<&Path>, format: Format) -> Result<ReplayStatus> {
+    if let Some(path) = report_path {
+        AtomicFile::write(path, &report::html(outcome)?)?;
+    }
     let is_plausible = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
     if let Some(path) = args.learn.as_ref().filter(|_| is_plausible) {
         AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
     }
-    print(outcome, &args.report, format)?;
+    print(outcome, report_path, format)?;
     Ok(ReplayStatus::from(outcome))
 }
 
+/// Returns the path of the report; none with `--no-report`. Without `--report` the name has the scene, and the recording or the
+/// source where the command line names one, so that runs in one folder have reports of their own.
+fn report_path(args: &Args) -> Option<PathBuf> {
+    if args.no_report {
+        return None;
+    }
+    if let Some(path) = &args.report {
+        return Some(path.clone());
+    }
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let source = args.live.source.as_ref().map(|source| match source {
+        Address::File(path) => stem(path),
+        other => other.to_string().replace(|c: char| !c.is_ascii_alphanumeric() && c != '.', "-"),
+    });
+    let recording = source.or_else(|| args.recording.as_deref().map(stem));
+    let scene = args.scene.as_deref().map_or_else(|| "ballrace".to_owned(), stem);
+    let parts: Vec<String> = [Some(scene), recording, Some("report".to_owned())].into_iter().flatten().collect();
+    Some(PathBuf::from(parts.join("-") + ".html"))
+}
+
 /// Checks that all outputs can be written, before a long replay starts.
-fn check_outputs(args: &Args, scene: &Scene, recording: &Path) -> Result<()> {
-    let mut outputs = vec![("--report", args.report.as_path())];
+fn check_outputs(args: &Args, scene: &Scene, recording: &Path, report: Option<&Path>) -> Result<()> {
+    let mut outputs: Vec<(&str, &Path)> = report.map(|path| ("--report", path)).into_iter().collect();
     outputs.extend(args.forces.as_deref().map(|path| ("--forces", path)));
     outputs.extend(args.learn.as_deref().map(|path| ("--learn", path)));
     outputs.extend(args.live.outputs.events.as_deref().map(|path| ("--events", path)));
@@ -175,7 +203,7 @@ fn progress_bar(name: &str) -> ProgressBar {
     bar
 }
 
-fn print(outcome: &Outcome, report_path: &Path, format: Format) -> Result<()> {
+fn print(outcome: &Outcome, report_path: Option<&Path>, format: Format) -> Result<()> {
     let text = match format {
         Format::Text => report::text(outcome),
         Format::Json => report::json(outcome)?,
@@ -186,8 +214,8 @@ fn print(outcome: &Outcome, report_path: &Path, format: Format) -> Result<()> {
     if !text.ends_with('\n') {
         out.write_all(b"\n")?;
     }
-    if format == Format::Text {
-        writeln!(out, "\nReport: {}", report_path.display())?;
+    if let Some(path) = report_path.filter(|_| format == Format::Text) {
+        writeln!(out, "\nReport: {}", path.display())?;
     }
     Ok(out.flush()?)
 }

@@ -40,7 +40,8 @@ fn simulate(scene: &Scene, writer: PipeWriter) -> Result<()> {
     let settle = (TRANSIENT * rate) as u64;
     let span = Span { rate: *rate, settle, samples: u64::MAX - settle };
     let mut writer = BufWriter::new(writer);
-    writeln!(writer, "{}", instruments.columns().join(","))?;
+    let names: Vec<&str> = instruments.columns().iter().map(|column| column.name.as_str()).collect();
+    writeln!(writer, "{}", names.join(","))?;
     let (mut readings, mut line) = (vec![], String::new());
     let run = motion::run(
         scene,

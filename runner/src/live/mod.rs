@@ -22,6 +22,7 @@ pub mod out;
 pub mod pace;
 pub mod page;
 pub mod realtime;
+mod service;
 pub mod source;
 pub mod state;
 pub mod status;
@@ -40,6 +41,7 @@ use display::Display;
 use feed::{CAPACITY, EventMessage, FeedItem, FeedReceiver, SourceCounters};
 use out::{EventRecord, Network, Outputs};
 use pace::{BLOCK_PERIOD, BlockSchedule};
+use service::Service;
 use source::{Encoding, ReaderHandle, Resume, lock};
 use state::{State, StateFile};
 use std::io::Write;
@@ -100,11 +102,12 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let reader = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
     let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
     state.as_mut().map_or(Ok(()), StateFile::begin)?;
+    let mut service = Service::ready();
     let mut display = Display::new(shared);
     display.view.alarms = previous.alarms.clone();
     display.view.set_state(MonitorState::Waiting);
     display.publish();
-    let rate = wait_for_rate(&reader, &mut receiver, stop, |message| {
+    let rate = wait_for_rate(&reader, &mut receiver, stop, &mut service, |message| {
         let event = EventRecord::new(message, start_time);
         display.view.add_event(&event);
         display.publish();
@@ -150,6 +153,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         display,
         page,
         is_state_changed: false,
+        service,
     };
     let result = monitor.run(stop);
     // After an error, the results up to the error are written.
@@ -198,9 +202,11 @@ fn wait_for_rate(
     reader: &ReaderHandle,
     receiver: &mut FeedReceiver,
     stop: &AtomicBool,
+    service: &mut Service,
     mut record: impl FnMut(EventMessage) -> Result<()>,
 ) -> Result<Option<f64>> {
     loop {
+        service.keep_alive();
         while let Some(FeedItem::Event(message)) = receiver.pop_if(|_| false) {
             record(message)?;
         }
@@ -277,12 +283,14 @@ struct Monitor<'a, 'o> {
     page: Option<page::Page>,
     /// The state has to be written.
     is_state_changed: bool,
+    service: Service,
 }
 
 impl Monitor<'_, '_> {
     fn run(&mut self, stop: &AtomicBool) -> Result<()> {
         while !stop.load(Ordering::Relaxed) && !self.receiver.is_finished() && !self.has_reached_duration() {
             let block_time = self.schedule.wait();
+            self.service.keep_alive();
             let block_start = Instant::now();
             let caught_up = self.process_block(block_time)?;
             self.publish()?;
@@ -324,6 +332,7 @@ impl Monitor<'_, '_> {
             if self.replay.is_searching() {
                 std::thread::sleep(BLOCK_PERIOD);
             }
+            self.service.keep_alive();
             self.replay.work(Some(Instant::now() + WORK_LIMIT))?;
             self.publish()?;
             self.update_view();
@@ -425,7 +434,8 @@ impl Monitor<'_, '_> {
             self.display.view.add_second(second);
             if second.time_s >= self.published_time {
                 self.published_time = second.time_s;
-                self.outputs.publish(second, &self.receiver.counters, self.schedule.misses());
+                let limits = self.replay.limit_status();
+                self.outputs.publish(second, &limits, &self.receiver.counters, self.schedule.misses());
             }
         }
         if std::mem::take(&mut self.is_state_changed) || self.outputs.is_retry_due() {

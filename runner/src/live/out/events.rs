@@ -11,8 +11,10 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Event with its times, as in the log.
+/// Event with its times, as in the log and in MQTT messages. The tag is the version of its JSON schema.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(tag = "schema", rename = "ballrace-event-1")]
 pub struct EventRecord {
     /// Time of day, RFC 3339 in UTC.
     pub at: String,
@@ -120,8 +122,7 @@ impl EventLog {
         let mut reader = BufReader::new(&mut file);
         let is_log = {
             let content = reader.fill_buf().with_context(name)?;
-            let start = content.get(..LINE_START.len()).unwrap_or(content);
-            LINE_START.starts_with(start)
+            LINE_STARTS.iter().any(|start| content.starts_with(start) || start.starts_with(content))
         };
         if !is_log {
             bail!(UsageError(format!("{}: not an event log, expected an event log or a new file", path.display())));
@@ -209,8 +210,8 @@ impl EventLog {
     }
 }
 
-/// Start of every line of a log.
-const LINE_START: &[u8] = b"{\"at\":";
+/// Starts of the lines of a log, with and without the version of the schema.
+const LINE_STARTS: [&[u8]; 2] = [b"{\"schema\":\"ballrace-event-", b"{\"at\":"];
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]

@@ -13,7 +13,7 @@ use std::time::SystemTime;
 /// Number of indicators that are read.
 pub const INDICATORS: usize = 4;
 /// Ends of their columns: peak to peak, 1X, rms of the residual, kurtosis.
-const COLUMNS: [&str; INDICATORS] = ["peak_to_peak_um", "1x_um", "residual_rms_um", "kurtosis"];
+const COLUMNS: [&str; INDICATORS] = ["peak_to_peak_um", "one_x_um", "residual_rms_um", "kurtosis"];
 
 /// Indicators of one second.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&S
         && let Some((header, table, _)) = parse_journal(&bytes)
     {
         journal_number = Some(header.number);
-        let column = |name: &str| table.names.iter().position(|known| known == name);
+        let column = |name: &str| table.names.iter().position(|known| known.name == name);
         let (time, columns) = (column("time_s"), wanted.iter().map(|name| column(name)).collect::<Vec<_>>());
         let value = |values: &[f64], i: Option<usize>| i.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN);
         let last = table.rows.last().map_or(f64::NAN, |row| value(&row.values, time));
@@ -101,6 +101,7 @@ fn probes(values: &[f64]) -> Vec<[f64; INDICATORS]> {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::super::indicators::Indicators;
+    use super::super::second::SecondRecord;
     use super::*;
     use ballrace_twin::replay::second::{ProbeSecond, Second};
 
@@ -118,7 +119,8 @@ mod tests {
                 ..ProbeSecond::default()
             };
             let second = Second { time_s: f64::from(i), probes: vec![probe], ..Second::default() };
-            indicators.add(&second, u64::from(100 * i));
+            let record = SecondRecord { at: SystemTime::now(), second: &second };
+            indicators.add(&record, u64::from(100 * i));
             indicators.save().unwrap();
         }
         let mut seconds = vec![];

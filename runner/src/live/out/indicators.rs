@@ -4,11 +4,11 @@
 //! new journal, so that a killed process loses nothing. A second is identified by the number of the first sample after it; a
 //! second that is already on disk is ignored.
 
+use super::second::{ColumnName, SecondRecord, TIME_OF_DAY};
 use anyhow::{Context, Result};
 use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output::{self, AtomicFile};
-use ballrace_twin::parquet_table::{self, Column};
-use ballrace_twin::replay::second::Second;
+use ballrace_twin::parquet_table::{self, Column, Values};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions};
@@ -43,7 +43,7 @@ pub struct Indicators {
 /// Seconds of one file.
 #[derive(Default)]
 pub(super) struct Table {
-    pub(super) names: Vec<String>,
+    pub(super) names: Vec<ColumnName>,
     pub(super) rows: Vec<Row>,
 }
 
@@ -75,6 +75,9 @@ pub(super) struct Header {
     /// Number of the first sample after the last second of the previous file.
     after_index: u64,
     columns: Vec<String>,
+    /// Units of the columns, where they are not the ends of the names.
+    #[serde(default)]
+    units: Vec<Option<String>>,
 }
 
 impl Indicators {
@@ -128,7 +131,7 @@ impl Indicators {
     }
 
     /// Adds a second, which [`Indicators::save`] writes; `next_index` is the number of the first sample after it.
-    pub fn add(&mut self, second: &Second, next_index: u64) {
+    pub fn add(&mut self, second: &SecondRecord, next_index: u64) {
         if next_index <= self.last_index {
             return;
         }
@@ -137,7 +140,7 @@ impl Indicators {
             self.lost += 1;
             return;
         }
-        let (names, values) = columns(second);
+        let (names, values) = second.columns();
         let fits = |table: &&mut Table| {
             table.rows.is_empty() || (table.names == names && table.rows.len() < self.seconds_per_file)
         };
@@ -270,7 +273,8 @@ fn create_journal(folder: &Path, number: u32, owner: &str, after_index: u64, tab
         number,
         owner: owner.to_owned(),
         after_index,
-        columns: table.names.clone(),
+        columns: table.names.iter().map(|column| column.name.clone()).collect(),
+        units: table.names.iter().map(|column| column.unit.clone()).collect(),
     };
     let mut text = serde_json::to_string(&header)? + "\n";
     text.extend(table.rows.iter().map(Row::line));
@@ -281,9 +285,16 @@ fn create_journal(folder: &Path, number: u32, owner: &str, after_index: u64, tab
 }
 
 fn write_parquet(folder: &Path, number: u32, table: &Table) -> Result<()> {
-    let column = |(i, name): (usize, &String)| {
+    let column = |(i, of): (usize, &ColumnName)| {
         let values = table.rows.iter().map(|row| row.values.get(i).copied().filter(|x| x.is_finite()));
-        Column::Number(name.clone(), values.collect())
+        if of.name == TIME_OF_DAY {
+            return Column::new(&of.name, Values::Time(values.map(|at| at.map(|ms| ms as i64)).collect()));
+        }
+        let column = Column::new(&of.name, Values::Number(values.collect()));
+        match &of.unit {
+            Some(unit) => column.with_unit(unit),
+            None => column,
+        }
     };
     let columns: Vec<Column> = table.names.iter().enumerate().map(column).collect();
     let mut out = AtomicFile::create(&parquet_path(folder, number))?;
@@ -312,7 +323,9 @@ pub(super) fn parse_journal(bytes: &[u8]) -> Option<(Header, Table, usize)> {
         rows.push(Row { next_index, values });
         length += line.len();
     }
-    let names = header.columns.clone();
+    let unit = |i: usize| header.units.get(i).cloned().flatten();
+    let names = header.columns.iter().enumerate().map(|(i, name)| ColumnName { name: name.clone(), unit: unit(i) });
+    let names = names.collect();
     Some((header, Table { names, rows }, length))
 }
 
@@ -320,48 +333,23 @@ pub(super) fn parse_journal(bytes: &[u8]) -> Option<(Header, Table, usize)> {
 fn parse_header_version_1(line: &str) -> Option<Header> {
     let (number, names) = line.trim_end().split_once(',')?;
     let columns = names.split(',').map(str::to_owned).collect();
-    Some(Header { format_version: 1, number: number.parse().ok()?, owner: String::new(), after_index: 0, columns })
-}
-
-/// Returns the names and the values of the columns.
-fn columns(second: &Second) -> (Vec<String>, Vec<f64>) {
-    let mut columns: Vec<(String, f64)> = vec![
-        ("time_s".to_owned(), second.time_s),
-        ("samples".to_owned(), second.samples as f64),
-        ("speed_rpm".to_owned(), second.speed_rpm),
-        ("innovation".to_owned(), second.innovation),
-        ("status".to_owned(), f64::from(second.status)),
-    ];
-    for p in &second.probes {
-        let figures = [
-            ("mean_um", p.mean_um),
-            ("peak_to_peak_um", p.peak_to_peak_um),
-            ("rms_um", p.rms_um),
-            ("crest_factor", p.crest_factor),
-            ("kurtosis", p.kurtosis),
-            ("residual_rms_um", p.residual_rms_um),
-            ("1x_um", p.one_x_um),
-            ("1x_phase_lag_deg", p.one_x_phase_lag_deg),
-        ];
-        columns.extend(figures.map(|(figure, value)| (format!("{}_{figure}", p.name), value)));
-    }
-    for b in &second.bearings {
-        let [x, y, z] = b.force_n;
-        let figures = [("fx_n", x), ("fy_n", y), ("fz_n", z), ("largest_radial_n", b.largest_radial_n)];
-        columns.extend(figures.map(|(figure, value)| (format!("{}_{figure}", b.name), value)));
-    }
-    for s in &second.sensors {
-        let figures = [("rms", s.rms), ("peak", s.peak), ("crest_factor", s.crest_factor), ("kurtosis", s.kurtosis)];
-        columns.extend(figures.map(|(figure, value)| (format!("{}_{figure}", s.name), value)));
-    }
-    columns.into_iter().unzip()
+    Some(Header {
+        format_version: 1,
+        number: number.parse().ok()?,
+        owner: String::new(),
+        after_index: 0,
+        columns,
+        units: vec![],
+    })
 }
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+    use ballrace_twin::replay::second::Second;
     use parquet::file::reader::{FileReader, SerializedFileReader};
+    use std::time::SystemTime;
 
     /// A second of 100 samples.
     fn second(time_s: f64) -> Second {
@@ -375,9 +363,14 @@ mod tests {
 
     fn add(indicators: &mut Indicators, seconds: impl IntoIterator<Item = u64>) {
         for i in seconds {
-            indicators.add(&second(i as f64), 100 * i);
+            add_second(indicators, i);
             indicators.save().unwrap();
         }
+    }
+
+    fn add_second(indicators: &mut Indicators, i: u64) {
+        let record = SecondRecord { at: SystemTime::now(), second: &second(i as f64) };
+        indicators.add(&record, 100 * i);
     }
 
     fn times(folder: &Path, number: u32) -> Vec<f64> {
@@ -435,7 +428,7 @@ mod tests {
         let path = folder.path();
         let mut indicators = Indicators::open(path, "state", 3).unwrap();
         add(&mut indicators, 1..=2);
-        indicators.add(&second(3.0), 300);
+        add_second(&mut indicators, 3);
         indicators.append_rows().unwrap();
         let journal = std::fs::read(path.join(JOURNAL)).unwrap();
         indicators.save().unwrap();
@@ -470,8 +463,8 @@ mod tests {
         add(&mut indicators, 1..=2);
         let moved = folder.path().join("moved");
         std::fs::rename(&path, &moved).unwrap();
-        for i in 3..=8_u32 {
-            indicators.add(&second(f64::from(i)), u64::from(100 * i));
+        for i in 3..=8 {
+            add_second(&mut indicators, i);
             let _ = indicators.save();
         }
         assert!(indicators.pending() >= 5 && indicators.lost() == 0);

@@ -7,19 +7,26 @@ mod indicators;
 #[cfg(feature = "mqtt")]
 mod mqtt;
 mod prometheus;
+#[cfg(test)]
+mod schemas;
+mod second;
 
 pub use events::{EventLog, EventRecord, now};
 
 use super::feed::{EventMessage, SourceCounters};
 use super::state::{State, StateFile};
 use anyhow::Result;
+use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::Second;
 use ballrace_twin::scene::units;
 use health::OutputHealth;
 use indicators::{HOUR, Indicators};
-use prometheus::Prometheus;
+use prometheus::{Metrics, Prometheus};
+use second::SecondRecord;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::time::SystemTime;
 
 /// Requested outputs.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -36,10 +43,10 @@ pub struct RequestedOutputs {
     /// Serve Prometheus metrics on this port of 127.0.0.1.
     #[arg(long, value_name = "PORT")]
     pub prometheus: Option<u16>,
-    /// Publish indicators and events to an MQTT broker: mqtt://HOST:PORT/TOPIC.
+    /// Connection to an MQTT broker.
     #[cfg(feature = "mqtt")]
-    #[arg(long, value_name = "URL")]
-    pub mqtt: Option<String>,
+    #[command(flatten)]
+    pub mqtt: mqtt::MqttArgs,
 }
 
 /// Maximum length of an indicator file, s: one day.
@@ -52,6 +59,9 @@ fn parse_file_length(text: &str) -> Result<usize, String> {
         .map(|seconds| seconds.round() as usize)
         .ok_or_else(|| "expected a time from \"1 s\" to \"24 h\" with its unit".to_owned())
 }
+
+/// Kinds of events with a counter from the start: a monitoring system sees the first one as an increase from 0.
+const COUNTED_FROM_START: [&str; 4] = ["fault-found", "limit-crossed", "output-failing", "source-silent"];
 
 /// Network outputs, bound before any file is changed.
 pub struct Network {
@@ -69,7 +79,7 @@ impl Network {
         Ok(Self {
             prometheus: requested.prometheus.map(Prometheus::listen).transpose()?,
             #[cfg(feature = "mqtt")]
-            mqtt: requested.mqtt.as_deref().map(mqtt::Publisher::connect).transpose()?,
+            mqtt: requested.mqtt.connect()?,
         })
     }
 }
@@ -87,6 +97,8 @@ pub struct Outputs {
     network: Network,
     /// Events about the outputs themselves.
     output_events: Vec<EventMessage>,
+    /// Number of events of each kind.
+    event_counts: BTreeMap<&'static str, u64>,
 }
 
 impl Outputs {
@@ -107,6 +119,7 @@ impl Outputs {
             state_health: OutputHealth::default(),
             network,
             output_events: vec![],
+            event_counts: COUNTED_FROM_START.map(|kind| (kind, 0)).into(),
         })
     }
 
@@ -115,11 +128,12 @@ impl Outputs {
     /// # Errors
     /// Returns an error if the event cannot be serialised.
     pub fn add_event(&mut self, event: &EventRecord) -> Result<()> {
+        *self.event_counts.entry(event.kind).or_default() += 1;
         if let Some(log) = &mut self.events {
             log.add(event)?;
         }
         #[cfg(feature = "mqtt")]
-        if let Some(publisher) = &mut self.network.mqtt {
+        if let Some(publisher) = &self.network.mqtt {
             publisher.publish("events", &serde_json::to_string(event)?);
         }
         Ok(())
@@ -131,20 +145,22 @@ impl Outputs {
     /// # Errors
     /// Returns an error if the second cannot be serialised.
     pub fn add_second(&mut self, second: &Second, next_index: u64) -> Result<()> {
+        let record = SecondRecord { at: SystemTime::now(), second };
         if let Some(indicators) = &mut self.indicators {
-            indicators.add(second, next_index);
+            indicators.add(&record, next_index);
         }
         #[cfg(feature = "mqtt")]
-        if let Some(publisher) = &mut self.network.mqtt {
-            publisher.publish("indicators", &serde_json::to_string(second)?);
+        if let Some(publisher) = &self.network.mqtt {
+            publisher.publish("indicators", &serde_json::to_string(&record)?);
         }
         Ok(())
     }
 
     /// Updates the Prometheus metrics.
-    pub fn publish(&self, second: &Second, counters: &SourceCounters, misses: u64) {
+    pub fn publish(&self, second: &Second, limits: &[LimitStatus], counters: &SourceCounters, misses: u64) {
         if let Some(prometheus) = &self.network.prometheus {
-            prometheus.update(second, counters, misses, &self.figures());
+            let outputs = self.figures();
+            prometheus.update(&Metrics { second, limits, counters, misses, outputs, event_counts: &self.event_counts });
         }
     }
 
@@ -189,6 +205,8 @@ impl Outputs {
 
     /// Removes and returns the events about the outputs themselves.
     pub fn take_events(&mut self) -> Vec<EventMessage> {
+        #[cfg(feature = "mqtt")]
+        self.output_events.extend(self.network.mqtt.iter().flat_map(mqtt::Publisher::take_events));
         std::mem::take(&mut self.output_events)
     }
 
@@ -200,19 +218,30 @@ impl Outputs {
         OutputFigures {
             events_not_written: events_lost + overdue(&self.events_health, events_pending),
             seconds_not_written: seconds_lost + overdue(&self.indicators_health, seconds_pending),
+            messages_not_delivered: self.messages_not_delivered(),
         }
     }
 
-    /// Closes the outputs; returns the numbers of events and seconds that were not written.
+    #[cfg(feature = "mqtt")]
+    fn messages_not_delivered(&self) -> u64 {
+        self.network.mqtt.as_ref().map_or(0, mqtt::Publisher::not_delivered)
+    }
+
+    #[cfg(not(feature = "mqtt"))]
+    const fn messages_not_delivered(&self) -> u64 {
+        0
+    }
+
+    /// Closes the outputs; returns the numbers of records that were not written or delivered.
     pub fn finish(mut self) -> OutputFigures {
         if let Some(indicators) = &mut self.indicators {
             self.indicators_health.attempt(&mut self.output_events, || indicators.finish());
         }
         #[cfg(feature = "mqtt")]
-        if let Some(publisher) = self.network.mqtt.take() {
-            publisher.finish();
-        }
-        self.figures()
+        let messages_not_delivered = self.network.mqtt.take().map_or(0, mqtt::Publisher::finish);
+        #[cfg(not(feature = "mqtt"))]
+        let messages_not_delivered = 0;
+        OutputFigures { messages_not_delivered, ..self.figures() }
     }
 }
 

@@ -1,94 +1,328 @@
-//! Publisher of indicators and events to an MQTT broker. The client reconnects; messages sent meanwhile may be lost.
+//! Publisher of indicators and events to an MQTT broker, at least once each.
+//!
+//! A message stays in the queue until the broker has acknowledged it. After a lost connection all unacknowledged messages are
+//! sent again. The client library is given a new session for every connection: it drops its own queue when a broker that
+//! restarted does not know the session.
 
+use super::super::feed::EventMessage;
+use super::super::source::lock;
+use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
-use rumqttc::{Client, MqttOptions, QoS};
-use std::time::Duration;
+use rumqttc::{Client, Event, LastWill, MqttOptions, Outgoing, Packet, QoS, Transport};
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Capacity of the message queue.
-const QUEUE_CAPACITY: usize = 256;
+/// Messages that wait for an acknowledgement of the broker at the same time.
+const WINDOW: usize = 64;
+/// Maximum number of messages in the queue; further ones are counted as lost.
+const MAX_PENDING: usize = 10_000;
+/// Maximum length of a message, bytes.
+const MAX_LENGTH: usize = 1 << 20;
 /// Interval between two connection attempts.
-const RETRY_INTERVAL: Duration = Duration::from_secs(2);
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
+/// Interval of keepalive messages, after one and a half of which the broker publishes the last will.
+const KEEP_ALIVE: Duration = Duration::from_secs(10);
 /// Time for sending queued messages at the end.
-const FLUSH_TIME: Duration = Duration::from_millis(300);
+const FLUSH_TIME: Duration = Duration::from_secs(2);
+/// Environment variable with the password.
+const PASSWORD: &str = "BALLRACE_MQTT_PASSWORD";
+/// Topic below the monitor's with the retained `online` or `offline`.
+const STATUS: &str = "status";
+
+/// Options of the connection to a broker.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct MqttArgs {
+    /// Publish indicators and events to an MQTT broker: mqtt://HOST:PORT/TOPIC, or mqtts:// with TLS; mqtt://USER@HOST:PORT/TOPIC
+    /// with the password in the environment variable BALLRACE_MQTT_PASSWORD or in --mqtt-password-file.
+    #[arg(long = "mqtt", value_name = "URL")]
+    pub url: Option<String>,
+    /// Certificates (PEM) of the authorities that sign the broker's certificate; required for mqtts://.
+    #[arg(long = "mqtt-ca", value_name = "FILE.pem", requires = "url")]
+    pub ca: Option<PathBuf>,
+    /// File with the password of the MQTT user.
+    #[arg(long = "mqtt-password-file", value_name = "FILE", requires = "url")]
+    pub password_file: Option<PathBuf>,
+}
+
+/// Parts of the URL of a broker.
+#[derive(Debug, PartialEq, Eq)]
+struct Url<'a> {
+    has_tls: bool,
+    user: Option<&'a str>,
+    host: &'a str,
+    port: u16,
+    topic: &'a str,
+}
+
+impl<'a> Url<'a> {
+    fn parse(url: &'a str) -> Result<Self> {
+        let invalid = || UsageError(format!("--mqtt: invalid URL: {url:?}, expected mqtt://HOST:PORT/TOPIC"));
+        let (scheme, rest) = url.split_once("://").with_context(invalid)?;
+        let (address, topic) = rest.split_once('/').with_context(invalid)?;
+        let (user, address) = address.rsplit_once('@').map_or((None, address), |(user, host)| (Some(user), host));
+        let (host, port) = address.rsplit_once(':').with_context(invalid)?;
+        let port: u16 = port.parse().map_err(|_| invalid())?;
+        if user.is_some_and(|user| user.contains(':')) {
+            // The URL is not repeated: other users of the machine can read the messages of the service.
+            bail!(UsageError(format!(
+                "--mqtt: the URL has a password, expected it in {PASSWORD} or in --mqtt-password-file"
+            )));
+        }
+        let is_complete = !host.is_empty() && !topic.is_empty() && user != Some("");
+        if !matches!(scheme, "mqtt" | "mqtts") || !is_complete || topic.contains(['#', '+', '\0']) {
+            bail!(invalid());
+        }
+        Ok(Self { has_tls: scheme == "mqtts", user, host, port, topic })
+    }
+}
+
+impl MqttArgs {
+    /// Connects to the broker, if one is given.
+    ///
+    /// # Errors
+    /// Returns an error if the URL is invalid or a file cannot be read. A broker that cannot be reached is not an error.
+    pub fn connect(&self) -> Result<Option<Publisher>> {
+        let Some(url) = &self.url else { return Ok(None) };
+        let url = Url::parse(url)?;
+        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let name = format!("ballrace-{}-{:x}", std::process::id(), since_1970.as_nanos());
+        let mut options = MqttOptions::new(name, url.host, url.port);
+        options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(MAX_LENGTH, MAX_LENGTH);
+        let status = format!("{}/{STATUS}", url.topic);
+        options.set_last_will(LastWill::new(&status, "offline", QoS::AtLeastOnce, true));
+        match (url.user, self.password()?) {
+            (Some(user), Some(password)) => drop(options.set_credentials(user, password)),
+            (Some(user), None) => bail!(UsageError(format!(
+                "--mqtt: no password of the user {user:?}, expected it in {PASSWORD} or in --mqtt-password-file"
+            ))),
+            (None, _) if self.password_file.is_some() => {
+                bail!(UsageError("--mqtt-password-file: no user, expected mqtt://USER@HOST:PORT/TOPIC".to_owned()))
+            }
+            (None, _) => {}
+        }
+        match (&self.ca, url.has_tls) {
+            (Some(path), true) => drop(options.set_transport(Transport::tls(certificates(path)?, None, None))),
+            (None, false) => {}
+            (None, true) => bail!(UsageError(
+                "--mqtt: mqtts:// without --mqtt-ca, expected the certificates of the authorities, such as /etc/ssl/certs/ca-certificates.crt"
+                    .to_owned()
+            )),
+            (Some(_), false) => bail!(UsageError("--mqtt-ca: the URL has no TLS, expected mqtts://".to_owned())),
+        }
+        Ok(Some(Publisher::start(options, url.topic)?))
+    }
+
+    fn password(&self) -> Result<Option<String>> {
+        let Some(path) = &self.password_file else { return Ok(std::env::var(PASSWORD).ok()) };
+        let text = std::fs::read_to_string(path).with_context(|| unreadable("--mqtt-password-file", path))?;
+        Ok(Some(text.trim_end_matches(['\r', '\n']).to_owned()))
+    }
+}
+
+fn unreadable(option: &str, path: &Path) -> String {
+    format!("{option}: {}: this file cannot be read", path.display())
+}
+
+fn certificates(path: &Path) -> Result<Vec<u8>> {
+    let bytes = std::fs::read(path).with_context(|| unreadable("--mqtt-ca", path))?;
+    if !String::from_utf8_lossy(&bytes).contains("-----BEGIN CERTIFICATE-----") {
+        bail!(UsageError(format!("--mqtt-ca: {}: no certificate, expected certificates in PEM", path.display())));
+    }
+    Ok(bytes)
+}
+
+/// Message in the queue.
+#[derive(Clone)]
+struct Message {
+    topic: String,
+    payload: String,
+    is_retained: bool,
+}
+
+/// Messages that the broker has not acknowledged, in order.
+#[derive(Default)]
+struct Queue {
+    messages: VecDeque<Message>,
+    /// Number of messages at the front that were given to the client since it connected.
+    sent: usize,
+    /// Client of the present connection.
+    client: Option<Client>,
+    /// Time at which the connection was lost.
+    lost_connection: Option<Instant>,
+    /// Messages dropped because too many were pending.
+    dropped: u64,
+    is_finishing: bool,
+    events: Vec<EventMessage>,
+}
+
+impl Queue {
+    /// Gives the client as many messages as the window allows.
+    fn send(&mut self) {
+        let Some(client) = &self.client else { return };
+        while self.sent < WINDOW
+            && let Some(Message { topic, payload, is_retained }) = self.messages.get(self.sent).cloned()
+            && client.try_publish(topic, QoS::AtLeastOnce, is_retained, payload).is_ok()
+        {
+            self.sent += 1;
+        }
+    }
+
+    fn begin(&mut self, client: Client, status: String) {
+        // Acknowledgements are counted for the messages of the queue only, so that this one has none.
+        let _ = client.try_publish(status, QoS::AtMostOnce, true, "online");
+        self.client = Some(client);
+        if let Some(since) = self.lost_connection.take() {
+            let sentence = format!("The MQTT broker answers again, after {:.0} s.", since.elapsed().as_secs_f64());
+            self.events.push(EventMessage { kind: "output-recovered", sentence });
+        }
+        self.send();
+    }
+
+    /// Removes the oldest sent message: a broker acknowledges messages in their order (MQTT 3.1.1, 4.6).
+    fn acknowledge(&mut self) {
+        if self.sent > 0 {
+            self.messages.pop_front();
+            self.sent -= 1;
+        }
+        self.send();
+    }
+
+    fn disconnect(&mut self, broker: &str, error: &rumqttc::ConnectionError) {
+        (self.client, self.sent) = (None, 0);
+        if self.lost_connection.is_none() {
+            self.lost_connection = Some(Instant::now());
+            let sentence = format!(
+                "MQTT broker {broker}: {error}; the monitor continues, keeps the messages and retries every second."
+            );
+            self.events.push(EventMessage { kind: "output-failing", sentence });
+        }
+    }
+}
+
+/// Queue and the signal of its changes.
+#[derive(Default)]
+struct Shared {
+    queue: Mutex<Queue>,
+    changed: Condvar,
+}
 
 /// Connection to a broker, on a thread of its own.
 pub struct Publisher {
-    client: Client,
+    shared: Arc<Shared>,
     topic: String,
+    thread: JoinHandle<()>,
 }
 
 impl Publisher {
-    /// Connects to the broker at `url`, of the form `mqtt://HOST:PORT/TOPIC`.
-    ///
-    /// # Errors
-    /// Returns an error if the URL is invalid. A broker that cannot be reached is not an error.
-    pub fn connect(url: &str) -> Result<Self> {
-        let invalid = || format!("--mqtt: invalid URL: {url:?}, expected mqtt://HOST:PORT/TOPIC");
-        let rest = url.strip_prefix("mqtt://").with_context(invalid)?;
-        let (address, topic) = rest.split_once('/').with_context(invalid)?;
-        let (host, port) = address.rsplit_once(':').with_context(invalid)?;
-        let port: u16 = port.parse().with_context(invalid)?;
-        if host.is_empty() || topic.is_empty() || topic.contains(['#', '+']) {
-            bail!(invalid());
+    fn start(options: MqttOptions, topic: &str) -> Result<Self> {
+        let shared = Arc::<Shared>::default();
+        let (of_thread, status) = (shared.clone(), format!("{topic}/{STATUS}"));
+        let thread =
+            std::thread::Builder::new().name("mqtt".to_owned()).spawn(move || run(&of_thread, &options, &status))?;
+        Ok(Self { shared, topic: topic.to_owned(), thread })
+    }
+
+    fn push(&self, subtopic: &str, payload: &str, is_retained: bool) {
+        let mut queue = lock(&self.shared.queue);
+        if queue.messages.len() >= MAX_PENDING || payload.len() > MAX_LENGTH / 2 {
+            queue.dropped += 1;
+            return;
         }
-        let name = format!("ballrace-{}", std::process::id());
-        let (client, mut connection) = Client::new(MqttOptions::new(name, host, port), QUEUE_CAPACITY);
-        std::thread::Builder::new().name("mqtt".to_owned()).spawn(move || {
-            for event in connection.iter() {
-                match event {
-                    Ok(rumqttc::Event::Outgoing(rumqttc::Outgoing::Disconnect)) => break,
-                    Ok(_) => {}
-                    Err(_) => std::thread::sleep(RETRY_INTERVAL),
+        let topic = format!("{}/{subtopic}", self.topic);
+        queue.messages.push_back(Message { topic, payload: payload.to_owned(), is_retained });
+        queue.send();
+    }
+
+    /// Publishes a message under `TOPIC/subtopic` with quality of service 1.
+    pub fn publish(&self, subtopic: &str, payload: &str) {
+        self.push(subtopic, payload, false);
+    }
+
+    /// Removes and returns the events about the connection.
+    pub fn take_events(&self) -> Vec<EventMessage> {
+        std::mem::take(&mut lock(&self.shared.queue).events)
+    }
+
+    /// Returns the number of messages that are lost, or wait for a broker that does not answer.
+    #[must_use]
+    pub fn not_delivered(&self) -> u64 {
+        let queue = lock(&self.shared.queue);
+        queue.dropped + if queue.client.is_none() { queue.messages.len() as u64 } else { 0 }
+    }
+
+    /// Sends the queued messages and disconnects; returns the number of messages that the broker has not acknowledged.
+    pub fn finish(self) -> u64 {
+        self.push(STATUS, "offline", true);
+        let mut queue = lock(&self.shared.queue);
+        queue.is_finishing = true;
+        self.shared.changed.notify_all();
+        let waited = self.shared.changed.wait_timeout_while(queue, FLUSH_TIME, |queue| !queue.messages.is_empty());
+        let (queue, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        let remaining = queue.messages.iter().filter(|message| !message.is_retained).count() as u64;
+        let not_delivered = queue.dropped + remaining;
+        let client = queue.client.clone();
+        drop(queue);
+        if client.is_some_and(|client| client.try_disconnect().is_ok()) {
+            let _ = self.thread.join();
+        }
+        not_delivered
+    }
+}
+
+/// Connects until the monitor ends.
+fn run(shared: &Shared, options: &MqttOptions, status: &str) {
+    let (host, port) = options.broker_address();
+    loop {
+        let (client, mut connection) = Client::new(options.clone(), WINDOW + 2);
+        for event in connection.iter() {
+            let mut queue = lock(&shared.queue);
+            match event {
+                Ok(Event::Incoming(Packet::ConnAck(_))) => queue.begin(client.clone(), status.to_owned()),
+                Ok(Event::Incoming(Packet::PubAck(_))) => queue.acknowledge(),
+                Ok(Event::Outgoing(Outgoing::Disconnect)) => return,
+                Ok(_) => continue,
+                Err(error) => {
+                    queue.disconnect(&format!("{host}:{port}"), &error);
+                    break;
                 }
             }
-        })?;
-        Ok(Self { client, topic: topic.to_owned() })
-    }
-
-    /// Publishes a message under `TOPIC/subtopic` with quality of service 1; drops it if the queue is full.
-    pub fn publish(&mut self, subtopic: &str, message: &str) {
-        let _ = self.client.try_publish(format!("{}/{subtopic}", self.topic), QoS::AtLeastOnce, false, message);
-    }
-
-    /// Sends the queued messages and disconnects.
-    pub fn finish(self) {
-        std::thread::sleep(FLUSH_TIME);
-        let _ = self.client.try_disconnect();
+            drop(queue);
+            shared.changed.notify_all();
+        }
+        let waited = shared
+            .changed
+            .wait_timeout_while(lock(&shared.queue), RETRY_INTERVAL, |queue| !queue.is_finishing)
+            .unwrap_or_else(PoisonError::into_inner);
+        if waited.0.is_finishing {
+            return;
+        }
     }
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use std::io::{Read, Write};
-    use std::net::TcpListener;
 
     #[test]
-    fn a_broker_receives_topic_and_message() {
-        let broker = TcpListener::bind("127.0.0.1:0").unwrap();
-        let url = format!("mqtt://127.0.0.1:{}/plant/pump", broker.local_addr().unwrap().port());
-        let mut publisher = Publisher::connect(&url).unwrap();
-        publisher.publish("indicators", "{\"time_s\":1}");
-        let (mut stream, _) = broker.accept().unwrap();
-        let (mut received, mut buffer) = (Vec::<u8>::new(), [0; 1024]);
-        while !received.windows(12).any(|w| w == b"{\"time_s\":1}") {
-            let length = stream.read(&mut buffer).unwrap();
-            assert!(length > 0, "closed before the message");
-            if received.is_empty() {
-                // MQTT 3.1.1, CONNACK: accepted.
-                stream.write_all(&[0x20, 2, 0, 0]).unwrap();
-            }
-            received.extend(&buffer[..length]);
+    fn urls_are_parsed() {
+        let url = Url { has_tls: true, user: Some("rig"), host: "broker.works", port: 8883, topic: "plant/pump" };
+        assert_eq!(Url::parse("mqtts://rig@broker.works:8883/plant/pump").ok(), Some(url));
+        let urls = [
+            "localhost:1883/t",
+            "mqtt://localhost/t",
+            "mqtt://localhost:1883",
+            "mqtt://:1/t",
+            "mqtt://h:1/a/#",
+            "http://h:1/a",
+            "mqtt://@h:1/a",
+        ];
+        for url in urls {
+            assert!(Url::parse(url).is_err_and(|e| e.to_string().contains("expected mqtt://")), "{url}");
         }
-        assert!(received.windows(21).any(|w| w == b"plant/pump/indicators"));
-    }
-
-    #[test]
-    fn an_invalid_url_is_rejected() {
-        for url in ["localhost:1883/t", "mqtt://localhost/t", "mqtt://localhost:1883", "mqtt://:1/t", "mqtt://h:1/a/#"]
-        {
-            assert!(Publisher::connect(url).is_err_and(|e| e.to_string().contains("expected mqtt://")), "{url}");
-        }
+        let error = Url::parse("mqtt://rig:secret@h:1/a").map_err(|e| e.to_string()).err().unwrap_or_default();
+        assert!(error.contains(PASSWORD) && !error.contains("secret"), "{error}");
     }
 }

@@ -4,10 +4,12 @@ use super::super::feed::SourceCounters;
 use super::super::http::{self, Body, Client, Server, Service};
 use super::super::source::lock;
 use anyhow::Result;
+use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::outcome::OutputFigures;
-use ballrace_twin::replay::second::{ProbeSecond, Second, SensorSecond};
+use ballrace_twin::replay::second::{BearingSecond, ProbeSecond, Second, SecondFigure, SensorSecond};
 use hyper::body::Incoming;
 use hyper::{Method, Request, Response, StatusCode};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::atomic::Ordering;
@@ -15,6 +17,22 @@ use std::sync::{Arc, Mutex};
 
 /// Format of the metrics.
 const METRICS_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
+
+/// Data of the metrics.
+pub struct Metrics<'a> {
+    /// Latest second.
+    pub second: &'a Second,
+    /// Limits of the scene.
+    pub limits: &'a [LimitStatus],
+    /// Counters of the source.
+    pub counters: &'a SourceCounters,
+    /// Missed deadlines.
+    pub misses: u64,
+    /// Records that outputs could not write.
+    pub outputs: OutputFigures,
+    /// Number of events of each kind.
+    pub event_counts: &'a BTreeMap<&'static str, u64>,
+}
 
 /// HTTP endpoint, which ends on drop.
 pub struct Prometheus {
@@ -39,8 +57,8 @@ impl Prometheus {
     }
 
     /// Replaces the served metrics.
-    pub fn update(&self, second: &Second, counters: &SourceCounters, misses: u64, outputs: &OutputFigures) {
-        *lock(&self.page.0) = page(second, counters, misses, outputs);
+    pub fn update(&self, metrics: &Metrics) {
+        *lock(&self.page.0) = page(metrics);
     }
 }
 
@@ -80,53 +98,49 @@ fn escaped(text: &str) -> String {
     text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
 }
 
-/// Returns the value of an indicator.
-type IndicatorValue = fn(&ProbeSecond) -> f64;
-/// Returns the value of an indicator of a vibration sensor.
-type SensorValue = fn(&SensorSecond) -> f64;
+/// Figures of one labelled object: labels and figures.
+type Labelled = (String, Vec<SecondFigure>);
 
-/// Returns the metrics in the Prometheus text format.
-fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &OutputFigures) -> String {
+/// Appends one gauge for each figure, with a sample for each object; nothing without an object.
+fn write_gauges(page: &mut String, prefix: &str, objects: &[Labelled]) {
+    let Some((_, first)) = objects.first() else { return };
+    for (i, figure) in first.iter().enumerate() {
+        let samples = objects.iter().filter_map(|(labels, all)| Some((labels.clone(), all.get(i)?.value)));
+        let name = format!("{prefix}_{}", figure.name);
+        Metric { name: &name, help: figure.help, kind: "gauge" }.write(page, samples);
+    }
+}
+
+/// Returns the labels of a limit, and 1 where it is exceeded.
+fn limit_series(status: &LimitStatus) -> (String, f64) {
+    let LimitStatus { indicator, probe, bearing, limit, .. } = status;
+    let bearing = bearing.as_ref().map_or_else(String::new, |name| format!(",bearing=\"{}\"", escaped(name)));
+    let labels = format!("{{indicator=\"{indicator}\",probe=\"{}\",limit=\"{limit}\"{bearing}}}", escaped(probe));
+    (labels, f64::from(u8::from(status.exceeded_since_s.is_some())))
+}
+
+/// Returns the metrics in the Prometheus text format. A figure has the name of its JSON key and of its Parquet column.
+fn page(metrics: &Metrics) -> String {
+    let Metrics { second, limits, counters, misses, outputs, event_counts } = metrics;
     let mut page = String::new();
     let gauge = |name, help| Metric { name, help, kind: "gauge" };
-    gauge("ballrace_time_seconds", "End of the latest second, in the time of the recording.")
-        .write(&mut page, [(String::new(), second.time_s)]);
-    gauge("ballrace_shaft_speed_rpm", "Mean shaft speed.").write(&mut page, [(String::new(), second.speed_rpm)]);
-    gauge("ballrace_innovation_ratio", "Normalised innovation squared over its expectation; 1 for an exact model.")
-        .write(&mut page, [(String::new(), second.innovation)]);
-    let probe_metrics: [(&str, &str, IndicatorValue); 8] = [
-        ("ballrace_probe_mean_um", "Mean position.", |p| p.mean_um),
-        ("ballrace_probe_peak_to_peak_um", "Peak-to-peak displacement.", |p| p.peak_to_peak_um),
-        ("ballrace_probe_rms_um", "RMS displacement about the mean.", |p| p.rms_um),
-        ("ballrace_probe_crest_factor", "Largest deviation from the mean over the RMS.", |p| p.crest_factor),
-        ("ballrace_probe_kurtosis", "Kurtosis: 3 for Gaussian noise, 1.5 for a sine.", |p| p.kurtosis),
-        ("ballrace_probe_residual_rms_um", "RMS of measured minus twin, about its mean.", |p| p.residual_rms_um),
-        ("ballrace_probe_1x_um", "1X amplitude, zero to peak.", |p| p.one_x_um),
-        ("ballrace_probe_1x_phase_lag_degrees", "1X phase lag behind the keyphasor mark.", |p| p.one_x_phase_lag_deg),
-    ];
-    for (name, help, value) in probe_metrics {
-        let samples = second.probes.iter().map(|p| (format!("{{probe=\"{}\"}}", escaped(&p.name)), value(p)));
-        gauge(name, help).write(&mut page, samples);
+    write_gauges(&mut page, "ballrace", &[(String::new(), second.figures().to_vec())]);
+    let probe = |p: &ProbeSecond| (format!("{{probe=\"{}\"}}", escaped(&p.name)), p.figures().to_vec());
+    write_gauges(&mut page, "ballrace_probe", &second.probes.iter().map(probe).collect::<Vec<_>>());
+    let sensor = |s: &SensorSecond| {
+        let labels = format!("{{sensor=\"{}\",unit=\"{}\"}}", escaped(&s.name), escaped(&s.unit));
+        (labels, s.figures().to_vec())
+    };
+    write_gauges(&mut page, "ballrace_sensor", &second.sensors.iter().map(sensor).collect::<Vec<_>>());
+    let bearing = |b: &BearingSecond| (format!("{{bearing=\"{}\"}}", escaped(&b.name)), b.figures().to_vec());
+    write_gauges(&mut page, "ballrace_bearing", &second.bearings.iter().map(bearing).collect::<Vec<_>>());
+    if !limits.is_empty() {
+        // Equal limits of a scene are one series.
+        let series: BTreeMap<String, f64> = limits.iter().map(limit_series).collect();
+        gauge("ballrace_limit_exceeded", "1 where a limit of the scene is exceeded.").write(&mut page, series);
     }
-    let sensor_metrics: [(&str, &str, SensorValue); 4] = [
-        ("ballrace_sensor_rms", "RMS vibration about the mean.", |s| s.rms),
-        ("ballrace_sensor_peak", "Largest deviation of the vibration from its mean.", |s| s.peak),
-        ("ballrace_sensor_crest_factor", "Peak of the vibration over its RMS.", |s| s.crest_factor),
-        ("ballrace_sensor_kurtosis", "Kurtosis of the vibration: 3 for Gaussian noise.", |s| s.kurtosis),
-    ];
-    // A scene without sensors has none of these metrics.
-    for (name, help, value) in sensor_metrics.into_iter().filter(|_| !second.sensors.is_empty()) {
-        let labels = |s: &SensorSecond| format!("{{sensor=\"{}\",unit=\"{}\"}}", escaped(&s.name), escaped(&s.unit));
-        gauge(name, help).write(&mut page, second.sensors.iter().map(|s| (labels(s), value(s))));
-    }
-    let forces = second.bearings.iter().flat_map(|b| {
-        let labels = |axis: &str| format!("{{bearing=\"{}\",axis=\"{axis}\"}}", escaped(&b.name));
-        ["x", "y", "z"].map(labels).into_iter().zip(b.force_n).collect::<Vec<_>>()
-    });
-    gauge("ballrace_bearing_force_newtons", "Mean force on the inner ring.").write(&mut page, forces);
-    let largest = second.bearings.iter();
-    let largest = largest.map(|b| (format!("{{bearing=\"{}\"}}", escaped(&b.name)), b.largest_radial_n));
-    gauge("ballrace_bearing_largest_radial_newtons", "Largest radial force in the second.").write(&mut page, largest);
+    let events = event_counts.iter().map(|(kind, count)| (format!("{{kind=\"{kind}\"}}"), *count as f64));
+    Metric { name: "ballrace_events_total", help: "Events since the start.", kind: "counter" }.write(&mut page, events);
     let totals = [
         ("ballrace_rows_total", "Samples read.", &counters.rows),
         ("ballrace_frames_lost_total", "Frames missing between received frames.", &counters.lost),
@@ -141,7 +155,7 @@ fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &Outpu
     }
     let deadline_misses =
         Metric { name: "ballrace_deadline_misses_total", help: "Missed deadlines of blocks.", kind: "counter" };
-    deadline_misses.write(&mut page, [(String::new(), misses as f64)]);
+    deadline_misses.write(&mut page, [(String::new(), *misses as f64)]);
     let not_written = [
         (
             "ballrace_events_not_written",
@@ -149,9 +163,89 @@ fn page(second: &Second, counters: &SourceCounters, misses: u64, outputs: &Outpu
             outputs.events_not_written,
         ),
         ("ballrace_seconds_not_written", "Seconds of indicators that are not on disk.", outputs.seconds_not_written),
+        (
+            "ballrace_messages_not_delivered",
+            "Messages that wait for the MQTT broker or are lost.",
+            outputs.messages_not_delivered,
+        ),
     ];
     for (name, help, value) in not_written {
         gauge(name, help).write(&mut page, [(String::new(), value as f64)]);
     }
     page
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Metrics of a scene with everything.
+    fn served() -> String {
+        let second = Second {
+            probes: vec![ProbeSecond { name: "DE \"X\"".to_owned(), one_x_um: 2.5, ..ProbeSecond::default() }],
+            bearings: vec![BearingSecond { name: "DE".to_owned(), fx_n: -30.0, ..BearingSecond::default() }],
+            sensors: vec![SensorSecond { unit: "m/s^2".to_owned(), ..SensorSecond::default() }],
+            ..Second::default()
+        };
+        let limit = |limit: f64, exceeded_since_s: Option<f64>| LimitStatus {
+            indicator: "rms",
+            probe: "DE".to_owned(),
+            bearing: Some("NDE".to_owned()),
+            unit: "um",
+            value: None,
+            limit,
+            exceeded_since_s,
+        };
+        page(&Metrics {
+            second: &second,
+            limits: &[limit(4.0, Some(1.0)), limit(4.0, Some(1.0)), limit(8.0, None)],
+            counters: &SourceCounters::default(),
+            misses: 3,
+            outputs: OutputFigures::default(),
+            event_counts: &BTreeMap::from([("fault-found", 0)]),
+        })
+    }
+
+    /// Names of metrics in a text.
+    fn names(text: &str) -> BTreeSet<String> {
+        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let words = text.split(|c: char| !is_part(c));
+        words.filter(|word| word.starts_with("ballrace_")).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn each_figure_is_a_gauge_with_its_labels() {
+        let page = served();
+        for line in [
+            "ballrace_probe_one_x_um{probe=\"DE \\\"X\\\"\"} 2.5\n",
+            "ballrace_bearing_FX_N{bearing=\"DE\"} -30\n",
+            "ballrace_sensor_rms{sensor=\"\",unit=\"m/s^2\"} 0\n",
+            "ballrace_limit_exceeded{indicator=\"rms\",probe=\"DE\",limit=\"4\",bearing=\"NDE\"} 1\n",
+            "ballrace_limit_exceeded{indicator=\"rms\",probe=\"DE\",limit=\"8\",bearing=\"NDE\"} 0\n",
+            "ballrace_events_total{kind=\"fault-found\"} 0\n",
+            "ballrace_deadline_misses_total 3\n",
+        ] {
+            assert_eq!(page.matches(line).count(), 1, "{line} in {page}");
+        }
+    }
+
+    /// The rules and the dashboard use metrics that exist, and the documentation lists all of them and no other.
+    #[test]
+    fn documents_name_the_metrics_that_are_served() {
+        let served: BTreeSet<String> = served()
+            .lines()
+            .filter_map(|line| Some(line.strip_prefix("# TYPE ")?.split(' ').next()?.to_owned()))
+            .collect();
+        let read =
+            |name: &str| std::fs::read_to_string(format!("{}/../docs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        for file in ["deploy/prometheus-rules.yml", "deploy/prometheus-rules-test.yml", "deploy/grafana-dashboard.json"]
+        {
+            let used = names(&read(file));
+            let unknown: Vec<_> = used.difference(&served).collect();
+            assert!(!used.is_empty() && unknown.is_empty(), "{file}: {unknown:?}");
+        }
+        assert_eq!(names(&read("src/live.md")), served);
+    }
 }

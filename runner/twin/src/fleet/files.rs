@@ -4,7 +4,7 @@ use super::row::{Row, State};
 use super::trend::Trend;
 use crate::caught::caught;
 use crate::error::FleetError;
-use crate::parquet_table::{self, Column};
+use crate::parquet_table::{self, Column, Values};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde::Serialize;
@@ -66,10 +66,10 @@ pub fn parquet<'a>(out: impl Write + Send, rows: impl IntoIterator<Item = &'a Ro
     for row in &rows {
         words.iter_mut().zip(texts(row)?).for_each(|(column, text)| column.push(text));
     }
-    let words = TEXTS.iter().zip(words).map(|(name, column)| Column::Word((*name).to_owned(), column));
+    let words = TEXTS.iter().zip(words).map(|(name, column)| Column::new(name, Values::Word(column)));
     let figures = NUMBERS.iter().enumerate().map(|(i, name)| {
         let column = rows.iter().map(|row| numbers(row).get(i).copied().flatten()).collect();
-        Column::Number((*name).to_owned(), column)
+        Column::new(name, Values::Number(column))
     });
     let columns: Vec<Column> = words.chain(figures).collect();
     parquet_table::write(out, "outcomes", &columns).map_err(failed)

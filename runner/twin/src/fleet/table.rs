@@ -186,7 +186,7 @@ fn text(field: &Field, nanoseconds: bool) -> String {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::parquet_table::{self, Column};
+    use crate::parquet_table::{self, Column, Values};
     use std::path::PathBuf;
 
     fn joined(folder: &str, name: &str) -> PathBuf {
@@ -250,12 +250,12 @@ mod tests {
     fn parquet_is_read_as_csv_is() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("m.parquet");
-        let word = |name: &str, cells: [&str; 2]| Column::Word(name.to_owned(), cells.map(str::to_owned).to_vec());
+        let word = |name: &str, cells: [&str; 2]| Column::new(name, Values::Word(cells.map(str::to_owned).to_vec()));
         let columns = [
             word("machine", ["a", "b"]),
             word("scene", ["a.toml", "b.toml"]),
             word("time", ["2026-01-01", ""]),
-            Column::Count("line".to_owned(), vec![Some(7), None]),
+            Column::new("line", Values::Count(vec![Some(7), None])),
         ];
         parquet_table::write(File::create(&file).unwrap(), "machines", &columns).unwrap();
         let machines = read_table(&file).unwrap();

@@ -2,6 +2,7 @@
 
 use super::ResponseSample;
 use crate::plant::Plant;
+use crate::recording::write::WrittenColumn;
 use crate::scene::{Clock, KeyphasorSignal, PulseDetection, Recording, RotationSource, Scene, Slope};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -38,7 +39,7 @@ pub enum InstrumentError {
 
 /// Instruments of a scene, with the state of their noise.
 pub struct Instruments {
-    columns: Vec<String>,
+    columns: Vec<WrittenColumn>,
     has_time: bool,
     probes: Vec<Instrument>,
     rotation: RotationSource,
@@ -96,7 +97,7 @@ impl Instruments {
 
     /// Returns the names of the columns: time where the scene names it, probes, keyphasor or speed.
     #[must_use]
-    pub fn columns(&self) -> &[String] {
+    pub fn columns(&self) -> &[WrittenColumn] {
         &self.columns
     }
 
@@ -132,16 +133,21 @@ impl Instruments {
     }
 }
 
-fn columns(recording: &Recording) -> Vec<String> {
+fn columns(recording: &Recording) -> Vec<WrittenColumn> {
     let time = match &recording.clock {
-        Clock::Column(name) => Some(name.clone()),
+        Clock::Column(name) => Some(WrittenColumn { name: name.clone(), unit: Some("s") }),
         Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
     };
     let rotation = match &recording.rotation {
-        RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => Some(column.clone()),
+        RotationSource::Keyphasor { column, .. } | RotationSource::SpeedColumn { column, .. } => {
+            Some(WrittenColumn { name: column.clone(), unit: recording.rotation.unit() })
+        }
         RotationSource::Synchronous | RotationSource::Scene => None,
     };
-    time.into_iter().chain(recording.probes.iter().map(|probe| probe.column.clone())).chain(rotation).collect()
+    time.into_iter()
+        .chain(recording.probes.iter().map(|probe| WrittenColumn { name: probe.column.clone(), unit: probe.unit() }))
+        .chain(rotation)
+        .collect()
 }
 
 /// A keyphasor wheel: tooth 0 is at angle 0, and the last teeth of a turn may be absent.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Kind of fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {
     /// Damage of an outer race.
@@ -30,6 +31,7 @@ pub enum FindingKind {
 
 /// Form of a surface fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultForm {
     /// Local damage.
@@ -40,6 +42,7 @@ pub enum FaultForm {
 
 /// An estimate with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
     /// Most likely value.
     pub value: f64,
@@ -51,6 +54,7 @@ pub struct Estimate {
 
 /// Place and size of a fault, as far as it has them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FaultParameters {
     /// Form of a surface fault.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -123,6 +127,7 @@ impl FaultParameters {
 
 /// Measurement that shows a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum EvidenceSource {
     /// Motion of the shaft at the displacement probes.
@@ -133,6 +138,7 @@ pub enum EvidenceSource {
 
 /// Line of a fault in the envelope spectrum of a vibration sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VibrationLine {
     /// Column of the sensor.
     pub sensor: String,
@@ -153,6 +159,7 @@ pub struct VibrationLine {
 
 /// Diagnosis of a fault with its evidence.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finding {
     /// Fault.
     pub kind: FindingKind,

@@ -27,8 +27,10 @@ use crate::recording::flaws::FlawSummary;
 use crate::scene::{OperatingClearance, Scene};
 use serde::Serialize;
 
-/// Result of one replay.
+/// Result of one replay. The tag is the version of its JSON schema, which rises with every incompatible change.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "schema", rename = "ballrace-outcome-1")]
 pub struct Outcome {
     /// Name of the scene.
     pub scene: String,
@@ -108,6 +110,7 @@ impl Outcome {
 
 /// The recording as a whole.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Record {
     /// Rows delivered by the reader.
     pub samples: u64,
@@ -146,6 +149,7 @@ impl Record {
 
 /// Settings of the spectra.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpectraSettings {
     /// Spectral lines from 0 Hz to half the rate.
     pub lines: usize,
@@ -157,6 +161,7 @@ pub struct SpectraSettings {
 
 /// Least-squares problem from probes to the shaft's pose.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Observation {
     /// Condition number of the probe matrix, tilts scaled by the probe span; 1 is perfect, above 100 the probes are badly placed.
     pub condition_number: f64,
@@ -168,6 +173,7 @@ pub struct Observation {
 
 /// Motion at one probe. Amplitudes are peak (not peak-to-peak) unless the name says so.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Motion {
     /// Mean position.
     pub mean_um: f64,
@@ -190,6 +196,7 @@ pub fn phase_lag_deg(cosine: f64, sine: f64) -> f64 {
 
 /// Ball-pass line of one bearing at one probe.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BallPassLine {
     /// The bearing.
     pub bearing: String,
@@ -207,6 +214,7 @@ pub struct BallPassLine {
 
 /// Comparison of the twin with a simpler predictor.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
     /// The residual of the twin is more than 2 % smaller.
@@ -220,6 +228,7 @@ pub enum Standing {
 
 /// One simpler predictor of the same signal.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SimplePredictor {
     /// Rms of its residual.
     pub residual_rms_um: f64,
@@ -245,6 +254,7 @@ impl SimplePredictor {
 
 /// Simpler predictors of the signal at a probe.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SimplePredictors {
     /// Mean of the signal.
     pub mean: SimplePredictor,
@@ -272,6 +282,7 @@ impl SimplePredictors {
 
 /// Comparison at one probe.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ProbeOutcome {
     /// The probe's column.
     pub name: String,
@@ -313,6 +324,7 @@ impl ProbeOutcome {
 
 /// One row of the tabular list: means over blocks of four turns. A length says in its name what it is.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TabularList {
     /// Overall, peak to peak within a block.
     pub direct_um_pp: f64,
@@ -338,6 +350,7 @@ pub struct TabularList {
 
 /// Motion in a plane of two radial probes: means over blocks of four turns.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlaneOutcome {
     /// Names of its probes.
     pub name: String,
@@ -355,6 +368,7 @@ pub struct PlaneOutcome {
 
 /// One force component over the recording.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForceFigures {
     /// Mean.
     pub mean: f64,
@@ -368,6 +382,7 @@ pub struct ForceFigures {
 
 /// Figures of the observer.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ObserverOutcome {
     /// Mean of the innovations' normalised squares.
     pub nis_mean: f64,
@@ -397,6 +412,7 @@ pub struct ObserverOutcome {
 
 /// Results of one bearing.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BearingOutcome {
     /// Its name.
     pub name: String,
@@ -422,6 +438,7 @@ pub struct BearingOutcome {
 
 /// Operating clearance of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClearanceOutcome {
     /// Diametral clearance in operation.
     pub operating_um: f64,
@@ -453,6 +470,7 @@ impl std::fmt::Display for ClearanceOutcome {
 
 /// Orders of one bearing per turn of the shaft.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BearingOrders {
     /// Cage.
     pub cage: f64,
@@ -466,6 +484,7 @@ pub struct BearingOrders {
 
 /// Event: a limit that was crossed.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Event {
     /// The indicator, as the scene names it.
     pub indicator: &'static str,
@@ -493,6 +512,7 @@ pub struct Event {
 
 /// Figures of a diagnosis.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DiagnosisOutcome {
     /// Samples that were used, the last ones of the recording in a row.
     pub samples: usize,
@@ -508,6 +528,7 @@ pub struct DiagnosisOutcome {
 
 /// Estimate of one cage.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CageOutcome {
     /// Bearing.
     pub bearing: String,

@@ -8,6 +8,7 @@ const MM: f64 = 1e3;
 
 /// Mass and inertia of a flexible rotor, and the error of its reduced model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RotorOutcome {
     /// Mass.
     pub mass_kg: f64,

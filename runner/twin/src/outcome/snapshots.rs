@@ -5,6 +5,7 @@ use serde::Serialize;
 
 /// One snapshot: a short recording of its own.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SnapshotOutcome {
     /// Number of the file, from 1.
     pub number: usize,
@@ -22,6 +23,7 @@ pub struct SnapshotOutcome {
 
 /// Figures of one sensor in a snapshot.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SnapshotFigures {
     /// Column of the sensor.
     pub sensor: String,
@@ -39,6 +41,7 @@ pub struct SnapshotFigures {
 
 /// Level of a line in the envelope spectrum.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LineLevel {
     /// Name of the bearing.
     pub bearing: String,
@@ -50,6 +53,7 @@ pub struct LineLevel {
 
 /// Trend of one indicator over the snapshots.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SnapshotTrend {
     /// Column of the sensor.
     pub sensor: String,

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// Quantiles of one duration, from a histogram.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Quantiles {
     /// Median, ns.
     pub p50_ns: u64,
@@ -17,6 +18,7 @@ pub struct Quantiles {
 
 /// Deadline ledger.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// In real time, from a recording or from a source.
     pub paced: bool,
@@ -47,15 +49,19 @@ pub struct Timing {
 
 /// Counts of records that outputs could not write, such as on a full disk.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OutputFigures {
     /// Events that are not in the log.
     pub events_not_written: u64,
     /// Seconds that are not in the indicators.
     pub seconds_not_written: u64,
+    /// Messages that the MQTT broker has not acknowledged.
+    pub messages_not_delivered: u64,
 }
 
 /// Blocks of a timeline. A block's work is due when the next one begins.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Pacing {
     /// From one block to the next.
     pub block_ns: u64,
@@ -79,6 +85,7 @@ pub struct Pacing {
 
 /// Counts of a source.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SourceFigures {
     /// Samples read.
     pub rows: u64,

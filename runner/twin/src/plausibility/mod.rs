@@ -20,6 +20,7 @@ use std::fmt::{Display, Formatter, Result};
 
 /// Something that is not plausible.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Implausibility {
     /// Key or column that it concerns.
     pub subject: String,

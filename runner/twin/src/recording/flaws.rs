@@ -7,6 +7,7 @@ const PLACES: usize = 5;
 
 /// Kind of flaw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Flaw {
     /// A cell is NaN or empty. The sample has no reading there.
@@ -48,6 +49,7 @@ impl Flaw {
 
 /// Position in the recording.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Position {
     /// Sample, counted from 0 in samples of the nominal rate.
     pub index: u64,
@@ -66,6 +68,7 @@ impl From<&super::Row> for Position {
 
 /// One occurrence of a flaw.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Occurrence {
     /// Its first sample.
     #[serde(flatten)]
@@ -98,6 +101,7 @@ pub struct FlawLedger {
 
 /// Summary of one kind of flaw in one column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlawSummary {
     /// Kind.
     pub kind: Flaw,

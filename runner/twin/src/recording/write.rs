@@ -1,7 +1,7 @@
 //! Writer of recordings: columns of numbers as CSV, NPY or Parquet, by the ending of the file.
 
 use crate::output::{AtomicFile, OutputError, quoted};
-use crate::parquet_table::{self, Column};
+use crate::parquet_table::{self, Column, Values};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -38,11 +38,20 @@ pub enum WriteError {
     },
 }
 
+/// Column of a written recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WrittenColumn {
+    /// Name.
+    pub name: String,
+    /// Unit, if it has one.
+    pub unit: Option<&'static str>,
+}
+
 /// A recording in progress; the file appears when it is finished.
 pub struct Writer {
     path: PathBuf,
     file: AtomicFile,
-    names: Vec<String>,
+    columns: Vec<WrittenColumn>,
     format: Format,
 }
 
@@ -57,27 +66,27 @@ impl Writer {
     ///
     /// # Errors
     /// An unknown ending, a Parquet file that is too large, a file that cannot be created.
-    pub fn create(path: &Path, names: &[String], rows: u64) -> Result<Self, WriteError> {
+    pub fn create(path: &Path, columns: &[WrittenColumn], rows: u64) -> Result<Self, WriteError> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let found = rows.saturating_mul(names.len() as u64);
+        let found = rows.saturating_mul(columns.len() as u64);
         let format = match ending.as_str() {
             "csv" => Format::Csv,
             "npy" => Format::Npy,
             "parquet" if found > LARGEST => return Err(WriteError::TooLarge { file: path.into(), found }),
-            "parquet" => Format::Parquet(vec![Vec::new(); names.len()]),
+            "parquet" => Format::Parquet(vec![Vec::new(); columns.len()]),
             _ => return Err(WriteError::Ending { file: path.into() }),
         };
         let mut file = AtomicFile::create(path)?;
         let begun = match &format {
             Format::Csv => {
-                let heads: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+                let heads: Vec<String> = columns.iter().map(|column| quoted(&column.name)).collect();
                 writeln!(file, "{}", heads.join(","))
             }
-            Format::Npy => file.write_all(&npy_header(names, rows)),
+            Format::Npy => file.write_all(&npy_header(columns, rows)),
             Format::Parquet(_) => Ok(()),
         };
         begun.map_err(|cause| WriteError::Write { file: path.into(), cause })?;
-        Ok(Self { path: path.into(), file, names: names.to_vec(), format })
+        Ok(Self { path: path.into(), file, columns: columns.to_vec(), format })
     }
 
     /// Adds a row.
@@ -105,8 +114,11 @@ impl Writer {
     /// A file that cannot be written.
     pub fn finish(mut self) -> Result<(), WriteError> {
         if let Format::Parquet(columns) = self.format {
-            let columns = self.names.into_iter().zip(columns);
-            let columns: Vec<Column> = columns.map(|(name, values)| Column::Number(name, values)).collect();
+            let columns = self.columns.iter().zip(columns);
+            let column = |(of, values): (&WrittenColumn, _)| {
+                Column::new(&of.name, Values::Number(values)).with_unit(of.unit.unwrap_or_default())
+            };
+            let columns: Vec<Column> = columns.map(column).collect();
             parquet_table::write(&mut self.file, "recording", &columns)
                 .map_err(|e| WriteError::Write { file: self.path, cause: io::Error::other(e) })?;
         }
@@ -122,9 +134,10 @@ fn cell(x: f64) -> String {
 /// Returns the header of a structured array with a field for each column.
 ///
 /// Format: `numpy.lib.format`, version 3, whose names are UTF-8.
-fn npy_header(names: &[String], rows: u64) -> Vec<u8> {
-    let field = |name: &String| format!("('{}', '<f8'), ", name.replace('\\', "\\\\").replace('\'', "\\'"));
-    let fields: String = names.iter().map(field).collect();
+fn npy_header(columns: &[WrittenColumn], rows: u64) -> Vec<u8> {
+    let field =
+        |column: &WrittenColumn| format!("('{}', '<f8'), ", column.name.replace('\\', "\\\\").replace('\'', "\\'"));
+    let fields: String = columns.iter().map(field).collect();
     let mut text = format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}");
     // Magic, version and length take 12 bytes; the data begin at a multiple of 64.
     let length = (12 + text.len() + 1).next_multiple_of(64) - 12;
@@ -146,7 +159,7 @@ mod tests {
     #[test]
     fn written_files_read_back_as_the_same_numbers() {
         let folder = tempfile::tempdir().unwrap();
-        let names = ["DE_X".to_owned(), "it's µ".to_owned()];
+        let names = ["DE_X", "it's µ"].map(|name| WrittenColumn { name: name.to_owned(), unit: Some("um") });
         let rows: Vec<[f64; 2]> = (0..500).map(|i| [f64::from(i).sin(), 1e-7 * f64::from(i * i)]).collect();
         for ending in ["csv", "npy", "parquet"] {
             let path = folder.path().join(format!("r.{ending}"));

@@ -14,6 +14,7 @@ const UM: f64 = 1e6;
 
 /// Indicators of one second.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Second {
     /// End of the second in the recording's time.
     pub time_s: f64,
@@ -39,6 +40,7 @@ pub struct Second {
 
 /// One vibration sensor over one second. Not a number where the second has no reading.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorSecond {
     /// Column of the sensor.
     pub name: String,
@@ -56,6 +58,7 @@ pub struct SensorSecond {
 
 /// One probe over one second.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ProbeSecond {
     /// Column of the probe.
     pub name: String,
@@ -79,13 +82,98 @@ pub struct ProbeSecond {
 
 /// One bearing over one second.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BearingSecond {
     /// Name of the bearing.
     pub name: String,
-    /// Mean force on the inner ring at the observer's position: FX, FY, FZ.
-    pub force_n: [f64; 3],
+    /// Mean force on the inner ring along X at the observer's position.
+    #[serde(rename = "FX_N")]
+    pub fx_n: f64,
+    /// The same along Y.
+    #[serde(rename = "FY_N")]
+    pub fy_n: f64,
+    /// The same along Z.
+    #[serde(rename = "FZ_N")]
+    pub fz_n: f64,
     /// Largest radial force.
+    #[serde(rename = "largest_radial_N")]
     pub largest_radial_n: f64,
+}
+
+/// One figure of a second, for outputs with one column or metric per figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondFigure {
+    /// Name, equal to the JSON key.
+    pub name: &'static str,
+    /// Description.
+    pub help: &'static str,
+    /// Value; not a number without a reading.
+    pub value: f64,
+}
+
+const fn figure(name: &'static str, help: &'static str, value: f64) -> SecondFigure {
+    SecondFigure { name, help, value }
+}
+
+impl Second {
+    /// Returns the figures of the machine.
+    #[must_use]
+    pub fn figures(&self) -> [SecondFigure; 5] {
+        [
+            figure("time_s", "End of the latest second in the time of the recording.", self.time_s),
+            figure("samples", "Samples with a reading of every probe in the second.", self.samples as f64),
+            figure("speed_rpm", "Mean shaft speed.", self.speed_rpm),
+            figure(
+                "innovation",
+                "Normalised innovation squared over its expectation; 1 for an exact model.",
+                self.innovation,
+            ),
+            figure("status", "Sum of the status flags of all samples.", f64::from(self.status)),
+        ]
+    }
+}
+
+impl ProbeSecond {
+    /// Returns the figures of the probe.
+    #[must_use]
+    pub const fn figures(&self) -> [SecondFigure; 8] {
+        [
+            figure("mean_um", "Mean position.", self.mean_um),
+            figure("peak_to_peak_um", "Peak-to-peak displacement.", self.peak_to_peak_um),
+            figure("rms_um", "RMS displacement about the mean.", self.rms_um),
+            figure("crest_factor", "Largest deviation from the mean over the RMS.", self.crest_factor),
+            figure("kurtosis", "Kurtosis: 3 for Gaussian noise, 1.5 for a sine.", self.kurtosis),
+            figure("residual_rms_um", "RMS of measured minus twin, about its mean.", self.residual_rms_um),
+            figure("one_x_um", "1X amplitude, zero to peak.", self.one_x_um),
+            figure("one_x_phase_lag_deg", "1X phase lag behind the keyphasor mark.", self.one_x_phase_lag_deg),
+        ]
+    }
+}
+
+impl SensorSecond {
+    /// Returns the figures of the sensor, of which rms and peak are in its unit.
+    #[must_use]
+    pub const fn figures(&self) -> [SecondFigure; 4] {
+        [
+            figure("rms", "RMS vibration about the mean.", self.rms),
+            figure("peak", "Largest deviation of the vibration from its mean.", self.peak),
+            figure("crest_factor", "Peak of the vibration over its RMS.", self.crest_factor),
+            figure("kurtosis", "Kurtosis of the vibration: 3 for Gaussian noise.", self.kurtosis),
+        ]
+    }
+}
+
+impl BearingSecond {
+    /// Returns the figures of the bearing.
+    #[must_use]
+    pub const fn figures(&self) -> [SecondFigure; 4] {
+        [
+            figure("FX_N", "Mean force on the inner ring along X.", self.fx_n),
+            figure("FY_N", "Mean force on the inner ring along Y.", self.fy_n),
+            figure("FZ_N", "Mean force on the inner ring along Z.", self.fz_n),
+            figure("largest_radial_N", "Largest radial force in the second.", self.largest_radial_n),
+        ]
+    }
 }
 
 /// Largest number of seconds that wait for the twin.
@@ -277,6 +365,41 @@ impl SecondIndicators {
 impl Force {
     fn close(&mut self, name: &str) -> BearingSecond {
         let Self { count, sum, largest } = std::mem::take(self);
-        BearingSecond { name: name.to_owned(), force_n: sum.map(|f| f / count.max(1.0)), largest_radial_n: largest }
+        let [fx_n, fy_n, fz_n] = sum.map(|f| f / count.max(1.0));
+        BearingSecond { name: name.to_owned(), fx_n, fy_n, fz_n, largest_radial_n: largest }
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    /// Names of all figures, once as JSON keys and once as columns and metrics.
+    #[test]
+    fn figures_have_the_names_of_their_json_keys() {
+        let second = Second {
+            probes: vec![ProbeSecond::default()],
+            bearings: vec![BearingSecond::default()],
+            sensors: vec![SensorSecond::default()],
+            ..Second::default()
+        };
+        let json = serde_json::to_value(&second).unwrap();
+        let keys = |value: &serde_json::Value| {
+            let is_figure = |(_, value): &(&String, &serde_json::Value)| value.is_number();
+            let mut names: Vec<String> =
+                value.as_object().unwrap().iter().filter(is_figure).map(|(key, _)| key.clone()).collect();
+            names.sort();
+            names
+        };
+        let names = |figures: &[SecondFigure]| {
+            let mut names: Vec<String> = figures.iter().map(|figure| figure.name.to_owned()).collect();
+            names.sort();
+            names
+        };
+        assert_eq!(names(&second.figures()), keys(&json));
+        assert_eq!(names(&second.probes[0].figures()), keys(&json["probes"][0]));
+        assert_eq!(names(&second.bearings[0].figures()), keys(&json["bearings"][0]));
+        assert_eq!(names(&second.sensors[0].figures()), keys(&json["sensors"][0]));
     }
 }

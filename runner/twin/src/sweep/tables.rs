@@ -1,24 +1,25 @@
 //! The results of a sweep as tables: CSV and Parquet, the same numbers in the same order.
 
-use crate::parquet_table::{self, Column};
+use crate::parquet_table::{self, Column, Values};
 use std::io::Write;
 
 use super::{Axis, Row};
 
 fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
     let number = |name: &str, of: &dyn Fn(&Row) -> Option<f64>| {
-        Column::Number(name.to_owned(), rows.iter().map(|row| of(row)).collect())
+        Column::new(name, Values::Number(rows.iter().map(|row| of(row)).collect()))
     };
     let count = |name: &str, of: &dyn Fn(&Row) -> Option<i64>| {
-        Column::Count(name.to_owned(), rows.iter().map(|row| of(row)).collect())
+        Column::new(name, Values::Count(rows.iter().map(|row| of(row)).collect()))
     };
     let mut all = vec![
         count("point", &|r| i64::try_from(r.point).ok()),
-        Column::Word("way".to_owned(), rows.iter().map(|r| r.way.clone()).collect()),
+        Column::new("way", Values::Word(rows.iter().map(|r| r.way.clone()).collect())),
     ];
     for (i, axis) in axes.iter().enumerate() {
         let unit = if axis.unit.is_empty() { String::new() } else { format!("_{}", axis.unit.replace(' ', "_")) };
-        all.push(number(&format!("{}{unit}", axis.key), &|r| r.values.get(i).copied()));
+        let values = number(&format!("{}{unit}", axis.key), &|r| r.values.get(i).copied());
+        all.push(values.with_unit(&axis.unit));
     }
     all.push(number("speed_rpm", &|r| Some(r.figures.speed_rpm)));
     all.push(count("held_steps", &|r| i64::try_from(r.figures.held).ok()));
@@ -26,7 +27,7 @@ fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
         all.push(number(&format!("{along}_peak_to_peak_um"), &|r| Some(r.figures.peak_to_peak[i])));
         all.push(number(&format!("{along}_mean_um"), &|r| Some(r.figures.mean[i])));
     }
-    for (k, line) in ["1x", "ball_pass", "half_section", "third_section"].into_iter().enumerate() {
+    for (k, line) in ["one_x", "ball_pass", "half_section", "third_section"].into_iter().enumerate() {
         for (i, along) in ["u", "v"].into_iter().enumerate() {
             all.push(number(&format!("{along}_{line}_um"), &|r| Some(r.figures.lines[k][i])));
         }
@@ -37,10 +38,12 @@ fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
 }
 
 fn cell(column: &Column, i: usize) -> String {
-    match column {
-        Column::Number(_, values) => values.get(i).copied().flatten().map_or(String::new(), |x| format!("{x:.16e}")),
-        Column::Count(_, values) => values.get(i).copied().flatten().map_or(String::new(), |x| x.to_string()),
-        Column::Word(_, values) => values.get(i).cloned().unwrap_or_default(),
+    match &column.values {
+        Values::Number(values) => values.get(i).copied().flatten().map_or(String::new(), |x| format!("{x:.16e}")),
+        Values::Count(values) | Values::Time(values) => {
+            values.get(i).copied().flatten().map_or(String::new(), |x| x.to_string())
+        }
+        Values::Word(values) => values.get(i).cloned().unwrap_or_default(),
     }
 }
 
@@ -50,7 +53,7 @@ fn cell(column: &Column, i: usize) -> String {
 /// Returns the writer's error.
 pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> std::io::Result<()> {
     let columns = columns(axes, rows);
-    let names: Vec<&str> = columns.iter().map(Column::name).collect();
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     writeln!(out, "{}", names.join(","))?;
     for i in 0..rows.len() {
         let cells: Vec<String> = columns.iter().map(|column| cell(column, i)).collect();
