@@ -133,6 +133,8 @@ fn a_short_recording_is_not_diagnosed() {
     let text = short_recording(2560);
     let outcome = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
     let notes = list(&outcome, "notes");
-    let said = |note: &Value| note.as_str().unwrap().starts_with("Not diagnosed: 10.0 revolutions in a row");
+    let said = |note: &Value| {
+        note.as_str().unwrap().starts_with("The shaft motion is not diagnosed: 10.0 revolutions in a row")
+    };
     assert!(notes.iter().any(said), "{notes:#?}");
 }

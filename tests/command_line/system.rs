@@ -318,7 +318,7 @@ fn a_recording_of_a_system_is_replayed() {
     assert_eq!(list(&outcome, "planes").len(), 1, "two probes are at the same coordinates: {outcome:#}");
     assert!(outcome["observer"]["consistent"].as_bool().unwrap(), "{}", outcome["observer"]);
     let notes = outcome["notes"].to_string();
-    assert!(notes.contains("Not diagnosed: a [system] has no stations"), "{notes}");
+    assert!(notes.contains("The shaft motion is not diagnosed: a [system] has no stations"), "{notes}");
     let (head, forces) = numbers(&desk.read("forces.csv"));
     let place = |name: &str| head.iter().position(|column| column.starts_with(name)).unwrap();
     for (i, name) in ["DE_FX", "DE_FY", "NDE_FX", "NDE_FY"].into_iter().enumerate() {

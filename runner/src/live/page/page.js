@@ -208,7 +208,8 @@ async function loadFigures() {
   } catch {
     // The next event tries again; the banner reports a lost connection.
   }
-  figuresAt = Date.now();
+  // The monitor collects samples for figures once somebody asks for them.
+  figuresAt = byId("figures").firstChild ? Date.now() : 0;
 }
 
 async function loadHistory() {

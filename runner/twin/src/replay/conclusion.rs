@@ -1,6 +1,7 @@
 //! Conclusion of a replay: the outcome from the sums of the stages.
 
 use super::pipeline::Pipeline;
+use super::running_diagnosis::RunningDiagnosis;
 use super::running_vibration::RunningVibration;
 use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
@@ -75,14 +76,31 @@ impl Pipeline<'_> {
             period: 1.0 / self.rate,
             calibration: self.calibration.as_ref(),
         };
-        let reason = diagnosis::not_applicable(scene, &samples);
+        let mut undiagnosed = diagnosis::not_applicable(scene, &samples);
         let begun = Instant::now();
         let diagnosed = match self.diagnosed.take() {
             Some(known) => Some(known),
-            None if is_judged && reason.is_none() && !self.startup.is_cancelled() => {
-                diagnosis::diagnose(&material, &|_| {})?
+            None if !is_judged || undiagnosed.is_some() => None,
+            // A monitor that was told to stop ends with its last diagnosis.
+            None if self.startup.is_cancelled() => {
+                match self.running_diagnosis.as_mut().and_then(RunningDiagnosis::take) {
+                    Some((diagnosis, time)) => {
+                        self.notes.push(format!(
+                            "The diagnosis is of the samples up to {time:.1} s, the last before the stop."
+                        ));
+                        Some(diagnosis)
+                    }
+                    None => {
+                        undiagnosed = Some("the monitor was stopped before its first diagnosis".to_owned());
+                        None
+                    }
+                }
             }
-            None => None,
+            None => {
+                let made = diagnosis::diagnose(&material, &|_| {})?;
+                undiagnosed = made.is_none().then(|| "the probes do not determine the motion".to_owned());
+                made
+            }
         };
         self.timing.diagnosed(begun.elapsed());
         let diagnosed = diagnosed.filter(|_| is_judged);
@@ -118,12 +136,8 @@ impl Pipeline<'_> {
         let mut notes = std::mem::take(&mut self.notes);
         notes.extend(self.closing_notes());
         notes.extend(diagnosis_notes);
-        if diagnosed.is_none() && is_judged {
-            notes.push(format!(
-                "Not diagnosed: {}.",
-                reason.unwrap_or_else(|| "the probes do not determine the motion".to_owned())
-            ));
-        }
+        let undiagnosed = undiagnosed.filter(|_| diagnosed.is_none() && is_judged);
+        notes.extend(undiagnosed.as_ref().map(|reason| format!("The shaft motion is not diagnosed: {reason}.")));
         notes.extend(observer.as_ref().map(observe::sentence));
         let limits = self.limits.lines();
         let events = self.limits.finish();
@@ -150,7 +164,14 @@ impl Pipeline<'_> {
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            verdict: verdict::verdict(&findings, &probes, &implausible, &not_judged, self.counts.out_of_range()),
+            verdict: verdict::verdict(
+                &findings,
+                &probes,
+                &implausible,
+                &not_judged,
+                undiagnosed.as_deref(),
+                self.counts.out_of_range(),
+            ),
             implausible,
             not_judged,
             snapshots: vec![],
@@ -223,7 +244,7 @@ impl Pipeline<'_> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             rotor: RotorOutcome::new(scene, &self.plant),
             pictures: Pictures { rotor: RotorDrawing::new(scene), ..outcome.pictures },
-            verdict: verdict::verdict(&[], &[], implausible, not_judged, 0),
+            verdict: verdict::verdict(&[], &[], implausible, not_judged, None, 0),
             events,
             flaws: facts.flaws,
             notes,

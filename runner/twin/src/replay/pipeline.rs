@@ -68,7 +68,7 @@ pub(super) struct Pipeline<'a> {
     /// Diagnosis of the whole recording, where it was made before.
     pub(super) diagnosed: Option<Diagnosis>,
     /// Diagnosis in live operation.
-    running_diagnosis: Option<RunningDiagnosis>,
+    pub(super) running_diagnosis: Option<RunningDiagnosis>,
     /// Calibration of the scene by this recording.
     pub(super) calibration: Option<Calibration>,
     /// The baseline to judge against.

@@ -114,6 +114,8 @@ pub(super) struct RunningDiagnosis {
     /// No diagnosis begins before.
     rests_until: Option<Instant>,
     state: DiagnosisState,
+    /// The last diagnosis, and the time of its last sample, s.
+    last: Option<(Diagnosis, f64)>,
     baseline: Option<Baseline>,
     faults: OpenFaults,
 }
@@ -136,6 +138,7 @@ impl RunningDiagnosis {
             running: None,
             rests_until: None,
             state: DiagnosisState::default(),
+            last: None,
             baseline,
             faults: OpenFaults::default(),
         }
@@ -156,6 +159,11 @@ impl RunningDiagnosis {
         self.state.clone()
     }
 
+    /// Takes the last diagnosis and the time of its last sample, s.
+    pub(super) fn take(&mut self) -> Option<(Diagnosis, f64)> {
+        self.last.take()
+    }
+
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
     pub(super) fn poll(&mut self, block: &Block, time: f64, notices: &mut Notices) {
         if let Some(running) = self.running.take_if(|running| running.thread.is_finished()) {
@@ -167,9 +175,10 @@ impl RunningDiagnosis {
                     let is_new = |finding: &Finding| {
                         finding.kind != FindingKind::Other && !self.baseline.as_ref().is_some_and(|b| b.knows(finding))
                     };
-                    let new = diagnosis.findings.into_iter().filter(is_new);
+                    let new = diagnosis.findings.iter().filter(|finding| is_new(finding)).cloned();
                     let new = new.map(|finding| finding.with_station_as_drawn(&self.machine.scene)).collect();
                     self.faults.report(new, running.time, notices);
+                    self.last = Some((diagnosis, running.time));
                 }
                 Ok(Ok(Judged::Implausible(all))) => {
                     let all: Vec<String> = all.iter().map(Implausibility::to_string).collect();

@@ -17,13 +17,15 @@ pub fn follows(probes: &[ProbeOutcome]) -> bool {
     at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
 }
 
-/// Returns the verdict as a sentence: why there is none, else the strongest finding, else whether the twin follows.
+/// Returns the verdict as a sentence: why there is none, else the strongest finding, else whether the twin follows. `undiagnosed` is
+/// the reason why the shaft motion was not diagnosed.
 #[must_use]
 pub fn verdict(
     findings: &[Finding],
     probes: &[ProbeOutcome],
     implausible: &[Implausibility],
     not_judged: &[String],
+    undiagnosed: Option<&str>,
     out_of_range: u64,
 ) -> String {
     if !implausible.is_empty() {
@@ -41,7 +43,7 @@ pub fn verdict(
         1 => " 1 sample with a reading out of range is left out.".to_owned(),
         count => format!(" {count} samples with a reading out of range are left out."),
     };
-    let verdict = judged(findings, probes);
+    let verdict = judged(findings, probes, undiagnosed);
     format!("{verdict}{left_out}")
 }
 
@@ -50,7 +52,7 @@ fn is_of_vibration_alone(finding: &Finding) -> bool {
     finding.evidence == [EvidenceSource::Vibration]
 }
 
-fn judged(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
+fn judged(findings: &[Finding], probes: &[ProbeOutcome], undiagnosed: Option<&str>) -> String {
     if let Some(worst) = findings.first() {
         if is_of_vibration_alone(worst) {
             return format!("The vibration shows a fault. {}", worst.sentence);
@@ -73,5 +75,9 @@ fn judged(findings: &[Finding], probes: &[ProbeOutcome]) -> String {
     } else {
         format!("a simpler model does better on {worse} of {} probes", probes.len())
     };
-    format!("The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; no fault is found.")
+    let faults = undiagnosed.map_or_else(
+        || "no fault is found".to_owned(),
+        |reason| format!("the shaft motion is not diagnosed: {reason}"),
+    );
+    format!("The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; {faults}.")
 }

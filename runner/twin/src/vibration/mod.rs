@@ -102,7 +102,7 @@ pub fn replay(
     let overridden = if options.force_diagnosis { std::mem::take(&mut implausible) } else { vec![] };
     let findings = if implausible.is_empty() { found.findings } else { vec![] };
     let verdict = match (implausible.is_empty(), &found.not_judged) {
-        (false, _) => verdict(&[], &[], &implausible, &[], 0),
+        (false, _) => verdict(&[], &[], &implausible, &[], None, 0),
         (true, Some(reason)) => format!("No verdict: {reason}."),
         (true, None) => findings.first().map_or_else(
             || "No line of a bearing stands out of the envelope of any band.".to_owned(),
