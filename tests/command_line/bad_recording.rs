@@ -51,6 +51,15 @@ fn header_only() {
     refused(short_recording(0), 1, &["healthy.csv: no row below the header, expected a row for each sample"]);
 }
 
+/// The keyphasor's levels seem to change again and again within few samples; this recording overflowed the stack.
+#[test]
+fn a_keyphasor_whose_levels_change_in_every_revolution() {
+    let desk = Desk::rig();
+    desk.put("healthy.csv", include_bytes!("../fuzz/corpus/csv/nested-levels.csv"));
+    let answer = desk.run(&REPLAY);
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+}
+
 #[test]
 fn no_header() {
     let rows = short_recording(300).lines().skip(1).collect::<Vec<_>>().join("\n");

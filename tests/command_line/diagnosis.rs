@@ -1,6 +1,7 @@
 //! The diagnosis of the release binary: nothing on a machine in good order, cause, place and size of a spall. The scene to
 //! diagnose has neither cage slip nor cage angle nor the spall.
 
+use crate::frames_source::signal;
 use crate::observer::{TURN, motion, recording, rotor};
 use crate::support::{DEMO_SCENE, Desk, list, number, short_recording, swap};
 use serde_json::Value;
@@ -111,7 +112,10 @@ fn a_further_recording_refines_the_calibration_of_a_baseline() {
 #[test]
 fn a_spall_is_reported_while_the_monitor_runs() {
     let desk = desk(&spall(), 3000);
-    let mut monitor = desk.command(&["replay", "scene.toml", "--paced", "--events", "events.jsonl"]).spawn().unwrap();
+    let mut monitor = desk
+        .command(&["replay", "scene.toml", "--paced", "--events", "events.jsonl", "--format", "json"])
+        .spawn()
+        .unwrap();
     let found = loop {
         let log = std::fs::read_to_string(desk.path("events.jsonl")).unwrap_or_default();
         let whole = log.split_inclusive('\n').filter(|line| line.ends_with('\n'));
@@ -122,9 +126,16 @@ fn a_spall_is_reported_while_the_monitor_runs() {
         assert!(monitor.try_wait().unwrap().is_none(), "no fault was found: {log}");
         std::thread::sleep(Duration::from_millis(100));
     };
-    monitor.kill().unwrap();
-    monitor.wait().unwrap();
     assert!(found["sentence"].as_str().unwrap().starts_with("Outer race of A: a spall"), "{found:#}");
+    // The report of a monitor that is told to stop has its last diagnosis.
+    signal(&monitor, "TERM");
+    let report: Value = serde_json::from_slice(&monitor.wait_with_output().unwrap().stdout).unwrap();
+    assert!(
+        list(&report, "findings")[0]["sentence"].as_str().unwrap().starts_with("Outer race of A: a spall"),
+        "{report:#}"
+    );
+    let says = |note: &Value| note.as_str().unwrap().ends_with("the last before the stop.");
+    assert!(list(&report, "notes").iter().any(says), "{report:#}");
 }
 
 /// Ten revolutions are too few, and the note gives their number.

@@ -310,12 +310,14 @@ fn events_of_one_kind_are_limited_in_number() {
         listening(&desk, "tcp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
-    for i in 0..200 {
+    // 170 connections within the 0.9 s; the last one sends on until the monitor ends.
+    for i in 0..170 {
         let mut stream = connected(port);
-        (i * 64..(i + 1) * 64).for_each(|sequence| offer(&mut stream, &frame_of(sequence)));
+        let end = if i < 169 { (i + 1) * 64 } else { 12_800 };
+        (i * 64..end).for_each(|sequence| offer(&mut stream, &frame_of(sequence)));
     }
     let outcome = outcome(child);
-    assert!(source(&outcome, "connections") > 150.0);
+    assert!(source(&outcome, "connections") > 120.0);
     let kinds = kinds(&desk, "events.jsonl");
     assert!(kinds.len() < 40, "{}", kinds.len());
     let notes = outcome["notes"].to_string();

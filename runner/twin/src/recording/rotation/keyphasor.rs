@@ -153,10 +153,9 @@ impl Keyphasor {
     }
 
     pub(super) fn push(&mut self, row: Row, output: &mut Output) -> Result<(), RotationError> {
-        let (at, reading) = (Position::from(&row), row.rotation);
         self.waiting.push_back(row);
         if self.detector.is_ready() {
-            self.see(at, reading, output)?;
+            self.see_from(self.waiting.len() - 1, output)?;
             self.release(output);
             return Ok(());
         }
@@ -227,34 +226,38 @@ impl Keyphasor {
             output.ledger.record(Flaw::SpuriousPulse, Some(&self.column), Position::from(&*row), 1);
             row.rotation = f64::NAN;
         }
-        for place in 0..self.waiting.len() {
-            let row = &self.waiting[place];
-            self.see(Position::from(row), row.rotation, output)?;
-        }
+        self.see_from(0, output)?;
         self.release(output);
         Ok(())
     }
 
-    /// Looks for other levels in the samples since the interval after the last pulse, and for the pulses there.
-    fn look_again(&mut self, period: f64, output: &mut Output) -> Result<(), RotationError> {
-        let Detector::Pulses(given, Some(edges)) = &mut self.detector else { return Ok(()) };
-        let from = self.last_pulse.index.saturating_add(period.ceil() as u64);
+    /// Looks for other levels in the samples since the interval after the last pulse; returns the place in `waiting` from which
+    /// the pulses are to be looked for again, if there are any.
+    fn look_again(&mut self, period: f64) -> Option<usize> {
+        let Detector::Pulses(given, Some(edges)) = &mut self.detector else { return None };
+        let from = self.last_pulse.index.saturating_add(period.ceil().max(1.0) as u64);
         let first = self.waiting.partition_point(|row| row.index < from);
         let gap = self.gap.as_ref().map_or(1.0, |gap| gap.intervals() as f64);
         let readings = self.waiting.range(first..).map(|row| row.rotation);
-        let Some(levels) = Levels::learn_again(readings, given, gap, edges.height()) else { return Ok(()) };
-        edges.continue_with(levels);
+        edges.continue_with(Levels::learn_again(readings, given, gap, edges.height())?);
         (self.quiet, self.patience) = (0, f64::INFINITY);
-        for place in first..self.waiting.len() {
-            let row = &self.waiting[place];
-            self.see(Position::from(row), row.rotation, output)?;
+        Some(first)
+    }
+
+    /// Sees the samples in `waiting` from `place` on.
+    fn see_from(&mut self, mut place: usize, output: &mut Output) -> Result<(), RotationError> {
+        // A restart is an interval after a pulse that was found since the restart before, so this ends.
+        while let Some(row) = self.waiting.get(place) {
+            let (at, reading) = (Position::from(row), row.rotation);
+            place = self.see(at, reading, output)?.unwrap_or(place + 1);
         }
         Ok(())
     }
 
-    fn see(&mut self, at: Position, reading: f64, output: &mut Output) -> Result<(), RotationError> {
+    /// Sees a sample; returns the place in `waiting` from which samples are to be seen again, if other levels were found.
+    fn see(&mut self, at: Position, reading: f64, output: &mut Output) -> Result<Option<usize>, RotationError> {
         if reading.is_nan() {
-            return Ok(());
+            return Ok(None);
         }
         let last_reading = self.last_reading.replace(at.index).unwrap_or(at.index);
         let period = self.period();
@@ -276,13 +279,15 @@ impl Keyphasor {
         }
         if self.pulses.len() > 1 && self.quiet as f64 > self.patience * period {
             self.patience *= 1.5;
-            self.look_again(period, output)?;
+            if let Some(first) = self.look_again(period) {
+                return Ok(Some(first));
+            }
         }
         let patience = if self.pulses.len() > 1 { STANDSTILL * self.spacing() * period } else { f64::INFINITY };
         if self.quiet as f64 > patience.min(self.longest_wait as f64) {
             return Err(if self.pulses.is_empty() { self.no_pulse() } else { self.standstill() });
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Adds the last of several pulses of a count, which need no check.
