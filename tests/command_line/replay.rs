@@ -27,8 +27,15 @@ fn reports_are_named_after_scene_and_recording() {
     assert!(text.contains("Report: scene-report.html"), "{text}");
     desk.done(&["replay", "pump.toml"]);
     desk.done(&["replay", "pump.toml", "--recording", "today.csv"]);
+    desk.run(&["replay", "--paced", "--source", "demonstration", "--for", "0.1 s"]);
     let reports: Vec<String> = desk.files().into_iter().filter(|name| name.ends_with(".html")).collect();
-    assert_eq!(reports, ["pump-report.html", "pump-today-report.html", "scene-report.html"]);
+    let expected = [
+        "ballrace-demonstration-simulated-report.html",
+        "pump-report.html",
+        "pump-today-report.html",
+        "scene-report.html",
+    ];
+    assert_eq!(reports, expected);
 }
 
 #[test]

@@ -146,7 +146,11 @@ fn report_path(args: &Args) -> Option<PathBuf> {
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let source = args.live.source.as_ref().map(|source| match source {
         Address::File(path) => stem(path),
-        other => other.to_string().replace(|c: char| !c.is_ascii_alphanumeric() && c != '.', "-"),
+        other => {
+            let text = other.to_string();
+            let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '.').filter(|word| !word.is_empty());
+            words.collect::<Vec<_>>().join("-")
+        }
     });
     let recording = source.or_else(|| args.recording.as_deref().map(stem));
     let scene = args.scene.as_deref().map_or_else(|| "ballrace".to_owned(), stem);

@@ -1,6 +1,7 @@
 //! Reads indicator files and the journal back, for the history of the live page.
 
 use super::indicators::{JOURNAL, parse_journal};
+use super::second::TIME_OF_DAY;
 use anyhow::{Context, Result};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
@@ -8,7 +9,7 @@ use parquet::schema::types::Type;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::SystemTime;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Number of indicators that are read.
 pub const INDICATORS: usize = 4;
@@ -26,8 +27,6 @@ pub struct SecondValues {
 
 /// Passes the seconds of the last `span_s` in a folder of indicators to `visit`, for probes of these names.
 ///
-/// The files have no time of day: the last second of a file is as old as the file.
-///
 /// # Errors
 /// Returns an error if a file cannot be read.
 pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&SecondValues)) -> Result<()> {
@@ -39,13 +38,11 @@ pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&S
     {
         journal_number = Some(header.number);
         let column = |name: &str| table.names.iter().position(|known| known.name == name);
-        let (time, columns) = (column("time_s"), wanted.iter().map(|name| column(name)).collect::<Vec<_>>());
-        let value = |values: &[f64], i: Option<usize>| i.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN);
-        let last = table.rows.last().map_or(f64::NAN, |row| value(&row.values, time));
-        let file_age = age(&path)?;
+        let (at, columns) = (column(TIME_OF_DAY), wanted.iter().map(|name| column(name)).collect::<Vec<_>>());
         for row in &table.rows {
-            let values: Vec<f64> = columns.iter().map(|i| value(&row.values, *i)).collect();
-            visit(&SecondValues { age_s: file_age + last - value(&row.values, time), probes: probes(&values) });
+            let value = |i: Option<usize>| i.and_then(|i| row.values.get(i)).copied().unwrap_or(f64::NAN);
+            let values: Vec<f64> = columns.iter().map(|i| value(*i)).collect();
+            visit(&SecondValues { age_s: age_of_second(value(at)), probes: probes(&values) });
         }
     }
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -62,28 +59,31 @@ pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&S
 }
 
 fn read_file(path: &Path, wanted: &[String], visit: &mut impl FnMut(&SecondValues)) -> Result<()> {
-    let file_age = age(path)?;
     let reader = SerializedFileReader::new(File::open(path)?)?;
     let schema = reader.metadata().file_metadata().schema();
-    let is_wanted = |field: &&Arc<Type>| field.name() == "time_s" || wanted.iter().any(|name| name == field.name());
+    let is_wanted = |field: &&Arc<Type>| field.name() == TIME_OF_DAY || wanted.iter().any(|name| name == field.name());
     let fields = schema.get_fields().iter().filter(is_wanted).cloned().collect();
     let projection = Type::group_type_builder(schema.name()).with_fields(fields).build()?;
     let number = |row: &Row, name: &str| {
         row.get_column_iter().find(|(column, _)| *column == name).map_or(f64::NAN, |(_, field)| match field {
             Field::Double(value) => *value,
+            Field::TimestampMillis(value) => *value as f64,
             _ => f64::NAN,
         })
     };
-    let mut seconds: Vec<(f64, Vec<f64>)> = vec![];
     for row in reader.get_row_iter(Some(projection))? {
         let row = row?;
-        seconds.push((number(&row, "time_s"), wanted.iter().map(|name| number(&row, name)).collect()));
-    }
-    let last = seconds.last().map_or(f64::NAN, |second| second.0);
-    for (time, values) in seconds {
-        visit(&SecondValues { age_s: file_age + last - time, probes: probes(&values) });
+        let values: Vec<f64> = wanted.iter().map(|name| number(&row, name)).collect();
+        visit(&SecondValues { age_s: age_of_second(number(&row, TIME_OF_DAY)), probes: probes(&values) });
     }
     Ok(())
+}
+
+/// Returns the age of a second from its time of day (ms since 1970), s; 0 if the clock was set back.
+fn age_of_second(at_ms: f64) -> f64 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let age_s = now.as_secs_f64() - 1e-3 * at_ms;
+    if age_s < 0.0 { 0.0 } else { age_s }
 }
 
 /// Returns the age of a file, s; 0 if the clock was set back.
@@ -104,6 +104,7 @@ mod tests {
     use super::super::second::SecondRecord;
     use super::*;
     use ballrace_twin::replay::second::{ProbeSecond, Second};
+    use std::time::Duration;
 
     /// Seconds in two files and a journal are read back, each once.
     #[test]
@@ -119,7 +120,9 @@ mod tests {
                 ..ProbeSecond::default()
             };
             let second = Second { time_s: f64::from(i), probes: vec![probe], ..Second::default() };
-            let record = SecondRecord { at: SystemTime::now(), second: &second };
+            // Written at once, but from the last hour.
+            let at = SystemTime::now() - Duration::from_secs(u64::from(1000 - i));
+            let record = SecondRecord { at, second: &second };
             indicators.add(&record, u64::from(100 * i));
             indicators.save().unwrap();
         }
@@ -129,7 +132,9 @@ mod tests {
         values.sort_by(f64::total_cmp);
         assert_eq!(values, (1..=25).map(f64::from).collect::<Vec<_>>());
         let first = seconds.iter().find(|second| second.probes[0][0] == 21.0).unwrap();
-        assert!((4.0..6.0).contains(&first.age_s), "{first:?}");
+        assert!((979.0..985.0).contains(&first.age_s), "{first:?}");
+        let oldest = seconds.iter().find(|second| second.probes[0][0] == 1.0).unwrap();
+        assert!((999.0..1005.0).contains(&oldest.age_s), "{oldest:?}");
         assert!(first.probes[0][1].is_nan() && first.probes[0][3] == 3.0 && first.probes[1][0].is_nan());
         assert!(read(&folder.path().join("absent"), &["X"], 1.0, |_| {}).is_err());
     }
