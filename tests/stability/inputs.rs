@@ -92,9 +92,9 @@ fn random_bits_as_input() {
     random_bits(&models::balanced::<f32, Exact>(), 40_000, 0xdead_beef_0bad_cafe);
 }
 
-/// A hundred million of them, in some minutes.
+/// A hundred million of them.
 #[test]
-#[ignore = "takes minutes; tests/run --all runs it"]
+#[ignore = "slow: half a minute; tests/run --all runs it"]
 fn a_hundred_million_random_bits() {
     random_bits(&models::direct::<f32, Exact>(), 97_000_000, 0x2545_f491_4f6c_dd1d);
     random_bits(&models::balanced::<f32, Exact>(), 3_000_000, 0x0bad_cafe_dead_beef);

@@ -83,9 +83,8 @@ fn ten_million_steps_keep_energy_and_phase() {
     many_steps(10_000_000);
 }
 
-/// Minutes: `cargo test --release -p ballrace-tests --test stability -- --ignored billion`.
 #[test]
-#[ignore = "takes seven minutes in release, a quarter of what tests/run may take, which runs ten million steps instead"]
+#[ignore = "slow: half a minute; tests/run --all runs it"]
 fn a_billion_steps_keep_energy_and_phase() {
     many_steps(1_000_000_000);
 }

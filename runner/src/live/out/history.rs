@@ -31,6 +31,7 @@ pub struct SecondValues {
 /// Returns an error if a file cannot be read.
 pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&SecondValues)) -> Result<()> {
     let wanted: Vec<String> = names.iter().flat_map(|name| COLUMNS.map(|column| format!("{name}_{column}"))).collect();
+    let now = SystemTime::now();
     let mut journal_number = None;
     let path = folder.join(JOURNAL);
     if let Ok(bytes) = std::fs::read(&path)
@@ -42,7 +43,7 @@ pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&S
         for row in &table.rows {
             let value = |i: Option<usize>| i.and_then(|i| row.values.get(i)).copied().unwrap_or(f64::NAN);
             let values: Vec<f64> = columns.iter().map(|i| value(*i)).collect();
-            visit(&SecondValues { age_s: age_of_second(value(at)), probes: probes(&values) });
+            visit(&SecondValues { age_s: age_of_second(now, value(at)), probes: probes(&values) });
         }
     }
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -50,15 +51,15 @@ pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&S
         let number = path.file_name().and_then(|name| name.to_str());
         let number = number.and_then(|name| name.strip_prefix("indicators-")?.strip_suffix(".parquet")?.parse().ok());
         // A journal that was converted just now is not read twice.
-        if number.is_none() || number == journal_number || age(&path)? > span_s {
+        if number.is_none() || number == journal_number || age(now, &path)? > span_s {
             continue;
         }
-        read_file(&path, &wanted, &mut visit).with_context(|| path.display().to_string())?;
+        read_file(&path, &wanted, now, &mut visit).with_context(|| path.display().to_string())?;
     }
     Ok(())
 }
 
-fn read_file(path: &Path, wanted: &[String], visit: &mut impl FnMut(&SecondValues)) -> Result<()> {
+fn read_file(path: &Path, wanted: &[String], now: SystemTime, visit: &mut impl FnMut(&SecondValues)) -> Result<()> {
     let reader = SerializedFileReader::new(File::open(path)?)?;
     let schema = reader.metadata().file_metadata().schema();
     let is_wanted = |field: &&Arc<Type>| field.name() == TIME_OF_DAY || wanted.iter().any(|name| name == field.name());
@@ -74,23 +75,22 @@ fn read_file(path: &Path, wanted: &[String], visit: &mut impl FnMut(&SecondValue
     for row in reader.get_row_iter(Some(projection))? {
         let row = row?;
         let values: Vec<f64> = wanted.iter().map(|name| number(&row, name)).collect();
-        visit(&SecondValues { age_s: age_of_second(number(&row, TIME_OF_DAY)), probes: probes(&values) });
+        visit(&SecondValues { age_s: age_of_second(now, number(&row, TIME_OF_DAY)), probes: probes(&values) });
     }
     Ok(())
 }
 
-/// Returns the age of a second from its time of day (ms since 1970), s; 0 if the clock was set back.
-fn age_of_second(at_ms: f64) -> f64 {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let age_s = now.as_secs_f64() - 1e-3 * at_ms;
+/// Returns the age of a second from its time of day (ms since 1970), s; 0 if the clock was set back, NaN if it has none.
+fn age_of_second(now: SystemTime, at_ms: f64) -> f64 {
+    let age_s = now.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64() - 1e-3 * at_ms;
     if age_s < 0.0 { 0.0 } else { age_s }
 }
 
 /// Returns the age of a file, s; 0 if the clock was set back.
-fn age(path: &Path) -> Result<f64> {
+fn age(now: SystemTime, path: &Path) -> Result<f64> {
     let modified =
         path.metadata().and_then(|metadata| metadata.modified()).with_context(|| path.display().to_string())?;
-    Ok(SystemTime::now().duration_since(modified).map_or(0.0, |age| age.as_secs_f64()))
+    Ok(now.duration_since(modified).map_or(0.0, |age| age.as_secs_f64()))
 }
 
 fn probes(values: &[f64]) -> Vec<[f64; INDICATORS]> {

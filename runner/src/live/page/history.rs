@@ -144,6 +144,8 @@ mod tests {
             let value = if age == 8000 { 50.0 } else { 1.0 };
             history.add(&SecondValues { age_s: f64::from(age), probes: vec![[value, f64::NAN, 2.0, 3.0]] });
         }
+        // A second without a time of day has no place.
+        history.add(&SecondValues { age_s: f64::NAN, probes: vec![[99.0, f64::NAN, 2.0, 3.0]] });
         let blocks = history.blocks();
         assert!(blocks.len() < 801, "{}", blocks.len());
         let values: Vec<f64> = blocks.iter().map(|block| block.probes[0].greatest_um_pp).collect();
