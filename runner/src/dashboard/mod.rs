@@ -256,9 +256,9 @@ fn draw_empty(frame: &mut Frame, area: Rect, block: Block<'static>, message: &st
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::live::out::EventRecord;
     use crate::live::view::Conclusion;
     use ballrace_twin::probes::planes;
+    use ballrace_twin::record::{EventMessage, EventRecord};
     use ballrace_twin::replay::Snapshot;
     use ballrace_twin::replay::outcome::{
         Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind, MarkedLine,
@@ -311,8 +311,7 @@ mod tests {
                 .collect(),
             ..Second::default()
         };
-        let message =
-            crate::live::feed::EventMessage { kind: "source-silent", sentence: "The source sends no data.".to_owned() };
+        let message = EventMessage { kind: "source-silent", sentence: "The source sends no data.".to_owned() };
         View {
             state: MonitorState::Running,
             snapshot: snapshot.into(),

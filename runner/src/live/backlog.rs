@@ -1,6 +1,7 @@
 //! Events of a monitor that is slower than its source: full buffer, end of the backlog, dropped samples.
 
-use super::feed::{EventMessage, FeedReceiver};
+use super::feed::FeedReceiver;
+use ballrace_twin::record::EventMessage;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 

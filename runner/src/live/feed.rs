@@ -1,5 +1,6 @@
 //! Channel from the reader thread to the monitor loop: a bounded ring of rows, events, and counters.
 
+use ballrace_twin::record::EventMessage;
 use ballrace_twin::recording::Row;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::BTreeMap;
@@ -22,15 +23,6 @@ pub enum FeedItem {
     Row(Row),
     /// Event between two samples.
     Event(EventMessage),
-}
-
-/// Kind and text of an event.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EventMessage {
-    /// Identifier for programs, such as `source-connected`.
-    pub kind: &'static str,
-    /// Description for users.
-    pub sentence: String,
 }
 
 /// Counters of a source, which other threads may read at any time.

@@ -1,8 +1,8 @@
 //! Data of the live displays.
 
 use super::alarms::AlarmList;
-use super::out::{EventRecord, now};
 use super::source::lock;
+use ballrace_twin::record::{EventRecord, now};
 use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::outcome::{Finding, Quantiles, SourceFigures};
 use ballrace_twin::replay::second::Second;

@@ -40,8 +40,8 @@ pub struct Solution {
     pub jacobian: DMatrix<f64>,
 }
 
-/// Minimises the sum of squares from `start`, until an iteration reduces it by less than the share `least_fall`; calls
-/// `progress` after each iteration.
+/// Returns the unknowns that minimise the sum of squares, from `start`, until an iteration reduces it by less than the share
+/// `least_fall`.
 ///
 /// # Errors
 /// As [`solve_within`].
@@ -49,13 +49,13 @@ pub fn solve<E: From<std::io::Error> + Send>(
     start: Vec<f64>,
     residuals: Residuals<E>,
     least_fall: f64,
-    progress: &mut dyn FnMut(usize),
-) -> Result<Solution, E> {
+) -> Result<Vec<f64>, E> {
     let limits = Limits::none(start.len());
-    solve_within(start, &limits, residuals, least_fall, progress)
+    Ok(minimise(start, &limits, residuals, least_fall, &mut |_| {})?.x)
 }
 
-/// Minimises the sum of squares as [`solve`], with `residuals` evaluated only within `limits`.
+/// Minimises the sum of squares as [`solve`], with `residuals` evaluated only within `limits`; calls `progress` before each
+/// iteration.
 ///
 /// # Errors
 /// An error of `residuals` at the start or next to an accepted point. A trial step at which it fails is rejected and a
@@ -67,24 +67,46 @@ pub fn solve_within<E: From<std::io::Error> + Send>(
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Solution, E> {
+    let Minimum { x, residuals: r, jacobian } = minimise(start, limits, residuals, least_fall, progress)?;
+    let jacobian = match jacobian {
+        Some(jacobian) => jacobian,
+        None => slopes(&x, &limits.bounds, residuals)?,
+    };
+    Ok(Solution { x, residuals: r, jacobian })
+}
+
+/// End of a search.
+struct Minimum {
+    x: Vec<f64>,
+    residuals: DVector<f64>,
+    /// Jacobian at `x`, where it was needed.
+    jacobian: Option<DMatrix<f64>>,
+}
+
+fn minimise<E: From<std::io::Error> + Send>(
+    start: Vec<f64>,
+    limits: &Limits,
+    residuals: Residuals<E>,
+    least_fall: f64,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Minimum, E> {
     let mut x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
     let mut r = DVector::from_vec(residuals(&x)?);
-    let mut jacobian = slopes(&x, &limits.bounds, residuals)?;
     let mut damping = 1e-3;
     for iteration in 0..ITERATIONS {
         progress(iteration);
+        let jacobian = slopes(&x, &limits.bounds, residuals)?;
         let (normal, gradient) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &r);
         let Some((next, reduced)) = step((&x, &r), limits, (&normal, &gradient), &mut damping, residuals) else {
-            break;
+            return Ok(Minimum { x, residuals: r, jacobian: Some(jacobian) });
         };
         let fall = 1.0 - reduced.norm_squared() / r.norm_squared();
         (x, r) = (next, reduced);
-        jacobian = slopes(&x, &limits.bounds, residuals)?;
         if fall < least_fall {
             break;
         }
     }
-    Ok(Solution { x, residuals: r, jacobian })
+    Ok(Minimum { x, residuals: r, jacobian: None })
 }
 
 /// Returns the next unknowns; none where no step reduces the residuals. An unknown at a bound that the step would cross is

@@ -82,6 +82,7 @@
 //! | estimation | [`observer`] | displacement and unmodelled force from noisy probes |
 //! | plausibility | [`plausibility`], [`check`] | whether a recording can be one of the scene's machine |
 //! | evaluation | [`replay`], [`vibration`] | measured against computed motion, forces, indicators, limits, diagnosis: an `Outcome` |
+//! | publication | [`record`] | events and seconds of a running monitor, as logs and messages have them |
 //! | studies | [`equilibrium`], [`campbell`], [`motion`], [`sweep`], [`force`], [`effect_significance`] | one question about a scene each |
 //! | fleets | [`fleet`] | a table of machines and recordings, evaluated one by one: rows, rank, trends, files |
 //! | inverse problems | [`fit`], [`trade`], [`bake`] | parameters from a recording; the cheapest adequate model; constants for firmware |
@@ -132,6 +133,7 @@ pub mod plant;
 pub mod plausibility;
 pub mod printable;
 pub mod probes;
+pub mod record;
 pub mod recording;
 pub mod replay;
 pub mod scene;

@@ -1,7 +1,7 @@
 //! Retries of an output that fails temporarily, for example on a full disk, with an event at each change.
 
-use super::super::feed::EventMessage;
 use anyhow::Result;
+use ballrace_twin::record::EventMessage;
 use std::time::{Duration, Instant};
 
 /// Interval between two attempts to write a failing output.

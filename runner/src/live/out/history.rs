@@ -1,8 +1,8 @@
 //! Reads indicator files and the journal back, for the history of the live page.
 
 use super::indicators::{JOURNAL, parse_journal};
-use super::second::TIME_OF_DAY;
 use anyhow::{Context, Result};
+use ballrace_twin::record::TIME_OF_DAY;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
 use parquet::schema::types::Type;
@@ -101,8 +101,8 @@ fn probes(values: &[f64]) -> Vec<[f64; INDICATORS]> {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::super::indicators::Indicators;
-    use super::super::second::SecondRecord;
     use super::*;
+    use ballrace_twin::record::SecondRecord;
     use ballrace_twin::replay::second::{ProbeSecond, Second};
     use std::time::Duration;
 

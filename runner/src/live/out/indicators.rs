@@ -4,11 +4,11 @@
 //! new journal, so that a killed process loses nothing. A second is identified by the number of the first sample after it; a
 //! second that is already on disk is ignored.
 
-use super::second::{ColumnName, SecondRecord, TIME_OF_DAY};
 use anyhow::{Context, Result};
 use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output::{self, AtomicFile};
 use ballrace_twin::parquet_table::{self, Column, Values};
+use ballrace_twin::record::{ColumnName, SecondRecord, TIME_OF_DAY};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions};

@@ -7,15 +7,13 @@ mod indicators;
 #[cfg(feature = "mqtt")]
 mod mqtt;
 mod prometheus;
-#[cfg(test)]
-mod schemas;
-mod second;
 
-pub use events::{EventLog, EventRecord, now};
+pub use events::EventLog;
 
-use super::feed::{EventMessage, SourceCounters};
+use super::feed::SourceCounters;
 use super::state::{State, StateFile};
 use anyhow::Result;
+use ballrace_twin::record::{EventMessage, EventRecord, SecondRecord};
 use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::outcome::OutputFigures;
 use ballrace_twin::replay::second::Second;
@@ -23,7 +21,6 @@ use ballrace_twin::scene::units;
 use health::OutputHealth;
 use indicators::{HOUR, Indicators};
 use prometheus::{Metrics, Prometheus};
-use second::SecondRecord;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::SystemTime;

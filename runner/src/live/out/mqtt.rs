@@ -4,10 +4,10 @@
 //! sent again. The client library is given a new session for every connection: it drops its own queue when a broker that
 //! restarted does not know the session.
 
-use super::super::feed::EventMessage;
 use super::super::source::lock;
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
+use ballrace_twin::record::EventMessage;
 use rumqttc::{Client, Event, LastWill, MqttOptions, Outgoing, Packet, QoS, Transport};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

@@ -3,11 +3,11 @@
 use super::HttpOptions;
 use crate::live::address::Address;
 use crate::live::alarms::Alarm;
-use crate::live::out::{EventRecord, now};
 use crate::live::status::Status;
 use crate::live::view::{MonitorState, View};
 use ballrace_report as report;
 use ballrace_twin::outcome::SourceFigures;
+use ballrace_twin::record::{EventRecord, now};
 use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::second::Second;
 use ballrace_twin::scene::Scene;

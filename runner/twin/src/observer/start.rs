@@ -64,5 +64,5 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
         left.extend_from_slice(x);
         Ok(left)
     };
-    Ok(at(&least_squares::solve(vec![0.0; units.len()], &residuals, LEAST_FALL, &mut |_| {})?.x))
+    Ok(at(&least_squares::solve(vec![0.0; units.len()], &residuals, LEAST_FALL)?))
 }

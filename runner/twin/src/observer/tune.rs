@@ -48,13 +48,24 @@ pub struct TunedObserver {
 
 /// Number of samples in the likelihood.
 const SAMPLES: usize = 4096;
-/// Exponents of the process noises tried: powers of [`STRIDE`] times the weight of the rotor per root second.
+/// Exponents of the process noises: powers of [`STRIDE`] times the weight of the rotor per root second. The likelihood has one
+/// maximum over them: every third is tried, then the neighbours of the best.
 const PROCESS_NOISES: std::ops::RangeInclusive<i32> = -6..=8;
+const COARSE: i32 = 3;
 const STRIDE: f64 = 3.162_277_660_168_379_5;
 /// Noise by third differences over the given noise from which the former is used.
 const LARGER_NOISE: f64 = 1.2;
 /// Lower bound of the noise of a probe, m: a tenth of the resolution of the finest.
 const LEAST_NOISE: f64 = 1e-10;
+
+/// Observer with one process noise.
+struct Candidate {
+    /// Twice the negative logarithm of its likelihood.
+    cost: f64,
+    exponent: i32,
+    process_noise: f64,
+    gains: Gains,
+}
 
 /// Identifies the observer of `plant`; `linear` is the same plant on linear springs, `guess` the state of the twin at the first
 /// sample.
@@ -76,19 +87,31 @@ pub fn identify(
         (0..data.rows.len()).map(|p| noise(data.samples, p, data.given_noise.get(p).copied().flatten())).collect();
     let start = start::start(plant, data, &noise, guess)?;
     let weight = model::weight(plant)?;
-    let mut best: Option<(f64, f64, Gains)> = None;
-    let powers = PROCESS_NOISES.map(|i| weight * STRIDE.powi(i));
-    let process_noises = data.process_noise.map_or_else(|| powers.collect(), |given| vec![given]);
-    for process_noise in process_noises {
+    let mut best: Option<Candidate> = None;
+    let try_one = |best: &mut Option<Candidate>, exponent: i32, process_noise: f64| -> Result<()> {
         data.check_cancelled()?;
         let of = Uncertainty::new(&noise, process_noise, weight);
-        let Ok(gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { continue };
+        let Ok(gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { return Ok(()) };
         let cost = negative_log_likelihood(plant, data, &gains, &start)?;
-        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-            best = Some((cost, process_noise, gains));
+        if best.as_ref().is_none_or(|best| cost < best.cost) {
+            *best = Some(Candidate { cost, exponent, process_noise, gains });
+        }
+        Ok(())
+    };
+    match data.process_noise {
+        Some(given) => try_one(&mut best, 0, given)?,
+        None => {
+            let by_exponent = |i: i32| weight * STRIDE.powi(i);
+            for i in PROCESS_NOISES.step_by(COARSE as usize) {
+                try_one(&mut best, i, by_exponent(i))?;
+            }
+            let coarse = best.as_ref().map_or(0, |best| best.exponent);
+            for i in (coarse - COARSE + 1..coarse + COARSE).filter(|i| *i != coarse && PROCESS_NOISES.contains(i)) {
+                try_one(&mut best, i, by_exponent(i))?;
+            }
         }
     }
-    Ok(best.map(|(_, process_noise, gains)| TunedObserver { gains, start, process_noise, noise }))
+    Ok(best.map(|Candidate { process_noise, gains, .. }| TunedObserver { gains, start, process_noise, noise }))
 }
 
 /// Returns twice the negative logarithm of the likelihood of the innovations, up to a constant.

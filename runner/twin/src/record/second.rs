@@ -1,17 +1,17 @@
 //! Indicators of one second with their time of day, as messages and as rows.
 
-use ballrace_twin::replay::second::{Second, SecondFigure};
+use crate::replay::second::{Second, SecondFigure};
 use serde::{Serialize, Serializer};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Second with the time of day at which it was evaluated, as in MQTT messages. The tag is the version of its JSON schema.
 #[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "schema", rename = "ballrace-second-1")]
 pub struct SecondRecord<'a> {
     /// Time of day, RFC 3339 in UTC.
     #[serde(serialize_with = "rfc3339")]
-    #[cfg_attr(test, schemars(with = "String"))]
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub at: SystemTime,
     /// Indicators.
     #[serde(flatten)]

@@ -1,9 +1,8 @@
 //! The JSON schemas in `docs/schema` are those of the types. `BALLRACE_WRITE=1` writes them.
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
-use super::EventRecord;
-use super::second::SecondRecord;
-use ballrace_twin::outcome::Outcome;
+use super::{EventRecord, SecondRecord};
+use crate::outcome::Outcome;
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
@@ -45,7 +44,7 @@ fn schema<T: JsonSchema>() -> Value {
 }
 
 fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/schema").join(format!("{name}.schema.json"))
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema").join(format!("{name}.schema.json"))
 }
 
 #[test]
