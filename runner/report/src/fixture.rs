@@ -589,7 +589,7 @@ pub(crate) fn usual() -> Outcome {
             "The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(),
             "Runout was not removed: part of 1X may be runout.".to_owned(),
         ],
-        learned: ballrace_twin::replay::baseline::Baseline::default(),
+        learned: baseline::Baseline::default(),
         pictures: pictures(),
     }
 }
@@ -618,7 +618,7 @@ pub(crate) fn bare() -> Outcome {
         diagnosis: None,
         flaws: Vec::new(),
         notes: Vec::new(),
-        learned: ballrace_twin::replay::baseline::Baseline::default(),
+        learned: baseline::Baseline::default(),
         pictures: Pictures::default(),
     }
 }

@@ -4,7 +4,7 @@ use super::figures::{POINTS, Picture, Section, Shape, sections};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use anyhow::{Context, Result};
-use ballrace_twin::plausibility::Implausibility;
+use ballrace_twin::outcome::Implausibility;
 use ballrace_twin::replay::outcome::{
     BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, SimplePredictor, Standing,
     TabularList, Timing,

@@ -1,7 +1,7 @@
 //! Alarms of a monitor: limits that are exceeded and faults that are found, until they have ended and are acknowledged
 //! (IEC 62682).
 
-use super::out::now;
+use super::feed::now;
 use ballrace_report as report;
 use ballrace_twin::outcome::{Event, Finding};
 use ballrace_twin::replay::limits::LimitStatus;

@@ -5,7 +5,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// Capacity of the ring, rows: several seconds at 51.2 kHz, the time in which the twin starts.
 pub const CAPACITY: usize = 1 << 18;
@@ -136,15 +136,22 @@ pub struct EventSender {
 impl EventSender {
     /// Sends an event unless the rate limit omits it.
     pub fn send(&self, kind: &'static str, sentence: String) {
-        if let Some(message) = lock_limiter(&self.limiter).pass(EventMessage { kind, sentence }) {
+        if let Some(message) = lock(&self.limiter).pass(EventMessage { kind, sentence }) {
             // The receiver is dropped at the end of the monitor.
             let _ = self.sender.send(message);
         }
     }
 }
 
-fn lock_limiter(mutex: &Mutex<EventLimiter>) -> MutexGuard<'_, EventLimiter> {
+/// Locks a mutex, also after a panic of a thread that held it: the data of the monitor's mutexes stay consistent.
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns the time of day, RFC 3339 in UTC.
+#[must_use]
+pub fn now() -> String {
+    humantime::format_rfc3339_millis(SystemTime::now()).to_string()
 }
 
 /// Adds `increment` to a counter.
@@ -231,7 +238,7 @@ impl FeedSender {
 
     /// Pushes an event into the ring, between the samples before and after it, unless the rate limit omits it.
     pub fn push_event(&mut self, kind: &'static str, sentence: String) {
-        let message = lock_limiter(&self.events.limiter).pass(EventMessage { kind, sentence });
+        let message = lock(&self.events.limiter).pass(EventMessage { kind, sentence });
         if let Some(message) = message {
             self.push(FeedItem::Event(message));
         }
@@ -290,13 +297,13 @@ impl FeedReceiver {
     /// Applies the rate limit to an event of the monitor loop itself; returns `None` if the event is omitted.
     #[must_use]
     pub fn limited(&self, message: EventMessage) -> Option<EventMessage> {
-        lock_limiter(&self.limiter).pass(message)
+        lock(&self.limiter).pass(message)
     }
 
     /// Returns one sentence for each kind with omitted events.
     #[must_use]
     pub fn omitted_events(&self) -> Vec<String> {
-        lock_limiter(&self.limiter).omitted()
+        lock(&self.limiter).omitted()
     }
 
     /// Requests the end of the reader thread.

@@ -1,8 +1,8 @@
 //! Data of the live displays.
 
 use super::alarms::AlarmList;
-use super::out::{EventRecord, now};
-use super::source::lock;
+use super::feed::{lock, now};
+use super::out::EventRecord;
 use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::outcome::{Finding, Quantiles, SourceFigures};
 use ballrace_twin::replay::second::Second;

@@ -332,7 +332,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         force,
         stiffness: rows(&plant.stiffness),
         elements: all,
-        rotor: RotorOutcome::new(scene, &plant),
+        rotor: plant.rotor_outcome(scene),
         drawing: RotorDrawing::new(scene),
         natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
         mode_shapes: mode_shapes(scene, &plant, speed)?,

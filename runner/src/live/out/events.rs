@@ -1,6 +1,6 @@
 //! Event log in JSON lines.
 
-use super::super::feed::EventMessage;
+use super::super::feed::{EventMessage, now};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::outcome::Event;
@@ -9,7 +9,6 @@ use std::collections::VecDeque;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 /// Event with its times, as in the log and in MQTT messages. The tag is the version of its JSON schema.
 #[derive(Debug, Clone, Serialize)]
@@ -61,12 +60,6 @@ impl EventRecord {
     pub fn changes_state(&self) -> bool {
         self.limit.is_some() || self.alarm.is_some() || self.kind.starts_with("fault-")
     }
-}
-
-/// Returns the time of day, RFC 3339 in UTC.
-#[must_use]
-pub fn now() -> String {
-    humantime::format_rfc3339_millis(SystemTime::now()).to_string()
 }
 
 /// Maximum number of pending lines while the log cannot be written.

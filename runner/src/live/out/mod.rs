@@ -11,7 +11,7 @@ mod prometheus;
 mod schemas;
 mod second;
 
-pub use events::{EventLog, EventRecord, now};
+pub use events::{EventLog, EventRecord};
 
 use super::feed::{EventMessage, SourceCounters};
 use super::state::{State, StateFile};

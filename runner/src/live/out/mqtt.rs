@@ -5,7 +5,7 @@
 //! restarted does not know the session.
 
 use super::super::feed::EventMessage;
-use super::super::source::lock;
+use super::super::feed::lock;
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use rumqttc::{Client, Event, LastWill, MqttOptions, Outgoing, Packet, QoS, Transport};

@@ -3,7 +3,8 @@
 use super::HttpOptions;
 use crate::live::address::Address;
 use crate::live::alarms::Alarm;
-use crate::live::out::{EventRecord, now};
+use crate::live::feed::now;
+use crate::live::out::EventRecord;
 use crate::live::status::Status;
 use crate::live::view::{MonitorState, View};
 use ballrace_report as report;

@@ -2,7 +2,7 @@
 
 use super::Result;
 use super::machine::{Machine, Part, Unknown};
-use super::residual::{Evidence, Spectra};
+use super::residual::{Evidence, Spectra, dot};
 use nalgebra::{DMatrix, DVector};
 
 /// A machine with its unknowns fitted.
@@ -20,19 +20,6 @@ pub struct Fitted {
 
 pub fn square(r: &[f64]) -> f64 {
     dot(r, r)
-}
-
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Eight sums side by side.
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; 8];
-    for (a, b) in a8.zip(b8) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    rest + sums.iter().sum::<f64>()
 }
 
 /// Returns the machine as it is.

@@ -3,9 +3,9 @@
 use super::Prepared;
 use super::Result;
 use super::cage;
-use super::fit::{Fitted, LEAST_FALL, dot, evaluate, fit};
+use super::fit::{Fitted, LEAST_FALL, evaluate, fit};
 use super::machine::{Machine, MachineBearing, Unknown, clearance, waves};
-use super::residual::Evidence;
+use super::residual::{Evidence, dot};
 use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
 use crate::scene::Surface;
 use nalgebra::{DMatrix, DVector};

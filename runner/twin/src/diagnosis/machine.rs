@@ -2,7 +2,7 @@
 
 use super::Result;
 use super::dynamics::Tangent;
-use super::motion::{D, Motion};
+use super::motion::{D, Motion, PARTS};
 use crate::plant::{Plant, unbalance_planes};
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{Bearing as BearingScene, Defect, DefectShape, Fit, Linear, Model, Scene, Surface, Unbalance, Wave};
@@ -125,9 +125,6 @@ pub struct Evaluated {
     cage_ratio: f64,
     ball_ratio: f64,
 }
-
-/// Instants per sample period at which a pulse of a spall is evaluated.
-pub const PARTS: usize = 4;
 
 /// Model by which a bearing is evaluated: that of the scene; of a linearised one the model that it stands for.
 fn model(of: &BearingScene) -> Model {

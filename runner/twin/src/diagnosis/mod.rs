@@ -26,9 +26,9 @@ mod motion;
 mod residual;
 mod surface;
 
-pub use calibration::Calibration;
 pub use finding::{CageEstimate, Diagnosis};
 
+use crate::outcome::Calibration;
 use crate::plant::Plant;
 use crate::probes::PoseSolver;
 use crate::recording::Sample;

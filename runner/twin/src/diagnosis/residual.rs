@@ -5,7 +5,6 @@ mod weights;
 use super::Result;
 use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
 use super::filter::LineFilter;
-use super::fit::dot;
 use super::machine::{Evaluated, Machine, MachineBearing, Part, Unknown};
 use super::motion::{C, D, Motion, Transform};
 use crate::plant::Plant;
@@ -27,6 +26,7 @@ pub const MEAN_LINES: usize = 5;
 const ELASTICITY_ERROR: f64 = 0.02;
 /// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
 const MOMENT_ROUNDS: usize = 2;
+
 /// How residuals are weighted: probes with their noise.
 pub(super) struct Weighting {
     pub probes: Vec<Probe>,
@@ -511,4 +511,18 @@ fn whitened(whitening: &[Vec<[C; D]>], force: &[Vec<C>; D]) -> Vec<f64> {
         }
     }
     out
+}
+
+/// Returns the scalar product of two series of equal length.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Eight sums side by side.
+    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 8];
+    for (a, b) in a8.zip(b8) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    rest + sums.iter().sum::<f64>()
 }

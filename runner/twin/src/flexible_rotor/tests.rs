@@ -1,7 +1,8 @@
 //! Free and supported rotors against ROSS 2.3.0 (`tests/golden/rotor_fe.json`).
 
 use super::{FreeRotor, ReducedRotor, rigid_body};
-use crate::plant::{eigenvalues, response};
+use crate::eigenvalues::eigenvalues;
+use crate::plant::response;
 use crate::scene::{Disk, FlexibleRotor, Section};
 use nalgebra::DMatrix;
 use serde_json::Value;

@@ -11,10 +11,11 @@ mod tune;
 pub use consistency::{Consistency, Verdict, gate};
 pub use model::{Uncertainty, memory, weight};
 pub use running::{Correction, RunningObserver};
-pub use tune::{IdentificationData, TunedObserver, estimator, identify, noise};
+pub use tune::{IdentificationData, TunedObserver, identify, noise};
 
 use crate::error::Result;
-use crate::plant::{Fit, Plant, Step, SystemTask, array};
+use crate::plant::{Fit, MountedBearing, Plant, Step, SystemTask, array};
+use crate::recording::Sample;
 use crate::scene::Speed;
 use ballrace::rotor::{ComponentAngles, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion};
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
@@ -156,6 +157,26 @@ pub trait StateEstimator {
     fn coordinates(&self) -> &[f64];
     /// Returns the estimated unknown force and moment on the rotor, about its centre of mass.
     fn load(&self) -> [f64; 5];
+}
+
+/// Starts an estimator at `sample`.
+///
+/// # Errors
+/// A plant that the kernel rejects.
+pub fn estimator(
+    plant: &Plant,
+    rows: &[Vec<f64>],
+    gains: &Gains,
+    start: InitialState,
+    sample: &Sample,
+    period: f64,
+) -> Result<Box<dyn StateEstimator>> {
+    let revolutions = sample.total_revolutions();
+    let parts =
+        plant.bearings.iter().map(|bearing: &MountedBearing| bearing.kinematics.parts_at(revolutions)).collect();
+    let step = plant.step(period)?;
+    let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period, step };
+    Ok(plant.observed(task)?)
 }
 
 /// Task that starts an estimator.

@@ -1,7 +1,7 @@
 //! Initial state of the observer: the state from which the model follows the first revolutions best.
 
 use super::model::{self, Levers};
-use super::{Gains, IdentificationData, InitialState, tune};
+use super::{Gains, IdentificationData, InitialState, estimator};
 use crate::error::Result;
 use crate::least_squares;
 use crate::plant::Plant;
@@ -47,7 +47,7 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
     let none = Gains::none(n);
     let residuals = |x: &[f64]| -> Result<Vec<f64>> {
         data.check_cancelled()?;
-        let mut estimator = tune::estimator(plant, rows, &none, at(x), first, period)?;
+        let mut estimator = estimator(plant, rows, &none, at(x), first, period)?;
         let mut left = Vec::with_capacity(samples.len() * rows.len() + x.len());
         for (i, sample) in samples.iter().enumerate() {
             let position = estimator.coordinates();

@@ -1,9 +1,9 @@
 //! Identification of the observer: the process noise of the unknown force under which the first revolutions are most likely.
 
 use super::model::{self, Uncertainty};
-use super::{EstimatorTask, Gains, InitialState, MOST_PROBES, StateEstimator, start};
+use super::{Gains, InitialState, MOST_PROBES, estimator, start};
 use crate::error::{ObserverError, Result};
-use crate::plant::{MountedBearing, Plant};
+use crate::plant::Plant;
 use crate::recording::Sample;
 use crate::scene::Speed;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -113,26 +113,6 @@ fn negative_log_likelihood(
         last = sample;
     }
     Ok(if sum.is_finite() { sum } else { f64::INFINITY })
-}
-
-/// Starts an estimator at `sample`.
-///
-/// # Errors
-/// A plant that the kernel rejects.
-pub fn estimator(
-    plant: &Plant,
-    rows: &[Vec<f64>],
-    gains: &Gains,
-    start: InitialState,
-    sample: &Sample,
-    period: f64,
-) -> Result<Box<dyn StateEstimator>> {
-    let revolutions = sample.total_revolutions();
-    let parts =
-        plant.bearings.iter().map(|bearing: &MountedBearing| bearing.kinematics.parts_at(revolutions)).collect();
-    let step = plant.step(period)?;
-    let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period, step };
-    Ok(plant.observed(task)?)
 }
 
 /// Returns the rms noise of a probe: the given one, or that of the third differences where it is clearly larger.

@@ -2,16 +2,21 @@
 //!
 //! `--format json` prints [`Outcome`] with these field names. The types are plain data.
 
+pub mod baseline;
+mod calibration;
 mod fault_figures;
 mod finding;
+mod implausibility;
 mod pictures;
 mod rotor;
 mod rotor_drawing;
 mod snapshots;
 mod timing;
 
+pub use calibration::{CalibratedParameter, Calibration, ParameterName};
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 pub use finding::{Estimate, EvidenceSource, FaultForm, FaultParameters, Finding, FindingKind, VibrationLine};
+pub use implausibility::Implausibility;
 pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, FilteredOrbit, ForceTrace,
     FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Trace,
@@ -21,8 +26,6 @@ pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, Rot
 pub use snapshots::{LineLevel, SnapshotFigures, SnapshotOutcome, SnapshotTrend};
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
-use crate::baseline;
-use crate::plausibility::Implausibility;
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{OperatingClearance, Scene};
 use serde::Serialize;

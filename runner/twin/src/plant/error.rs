@@ -1,10 +1,10 @@
 //! Errors of assembling a rotor on its bearings.
 
-use super::eigen::EigenvalueError;
+use super::matrix::MatrixError;
 use super::{MOST_BEARINGS, MOST_SUBSTEPS};
+use crate::eigenvalues::EigenvalueError;
 use crate::scene::Coordinates;
 use crate::scene::build::BuildError;
-use crate::scene::matrix::MatrixError;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::rotor::InvalidMatrix;
 use std::path::PathBuf;

@@ -1,8 +1,9 @@
 //! A system given by its matrices.
 
 use super::error::{PlantError, Result};
+use super::matrix;
 use super::{Rows, Scales};
-use crate::scene::{Coordinates, Scene, System, matrix};
+use crate::scene::{Coordinates, Scene, System};
 use ballrace::rotor::SystemMatrices;
 use nalgebra::DMatrix;
 use std::path::PathBuf;

@@ -1,9 +1,9 @@
 //! The plant: the scene's rotor on its bearings, with its static equilibrium and its natural frequencies.
 
-mod eigen;
 mod error;
 mod given;
 mod machine;
+pub mod matrix;
 mod mounted;
 mod reduction;
 mod run_in;
@@ -12,7 +12,6 @@ mod twin;
 mod warm;
 
 pub use crate::scene::build::PRESSURE_LIMIT;
-pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
 pub use machine::Fit;
 pub use machine::{LARGEST, MOST_BEARINGS, MOST_OBSERVED, SystemTask};
@@ -23,7 +22,8 @@ use system::Body;
 pub use system::{Layout, Rows, Scales, only_observable, only_rotor, unbalance_note, unbalance_planes};
 pub use twin::{Step, Twin, first_five};
 
-use crate::outcome::ClearanceOutcome;
+use crate::eigenvalues::eigenvalues;
+use crate::outcome::{ClearanceOutcome, RotorOutcome};
 use crate::scene::build;
 use crate::scene::{Bearing, FromCatalogue, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use ballrace::bearing::Bearing as _;
@@ -39,6 +39,7 @@ use twin::StartTask;
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Largest number of integration steps in one sample period.
 pub const MOST_SUBSTEPS: u32 = 10_000;
+const MM: f64 = 1e3;
 /// Coordinate of the centre of mass along the axis.
 pub const AXIAL: usize = 2;
 /// Frequency that holds a coordinate without stiffness, over the highest natural frequency.
@@ -295,6 +296,24 @@ impl Plant {
     #[must_use]
     pub fn pose(&self, coordinates: &[f64]) -> Displacement<f64> {
         if self.layout.is_given() { self.displacement(0, coordinates) } else { first_five(coordinates) }
+    }
+
+    /// Returns mass and inertia of a flexible rotor, and the error of its reduced model; none of another rotor.
+    #[must_use]
+    pub fn rotor_outcome(&self, scene: &Scene) -> Option<RotorOutcome> {
+        let (rotor, reduction) = (scene.rotor.as_ref()?, self.reduction?);
+        Some(RotorOutcome {
+            mass_kg: rotor.mass,
+            centre_of_mass_mm: rotor.centre_of_mass * MM,
+            diametral_inertia_kg_m2: rotor.diametral_inertia,
+            polar_inertia_kg_m2: rotor.polar_inertia,
+            coordinates: self.layout.rotor_order(),
+            finite_element_coordinates: reduction.full_coordinates,
+            highest_line_hz: reduction.highest_line,
+            frequency_error_percent: 100.0 * reduction.frequency,
+            deflection_error_percent: 100.0 * reduction.deflection,
+            response_error_percent: 100.0 * reduction.response,
+        })
     }
 
     /// Returns the scene's rotor, where it has one.

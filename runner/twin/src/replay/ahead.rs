@@ -3,12 +3,14 @@
 
 use super::notices::Notices;
 use super::range::ReadingRange;
-use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, Calibration, Diagnosis, Material};
+use crate::diagnosis::{self, Diagnosis, Material};
 use crate::error::Result;
+use crate::outcome::Calibration;
+use crate::outcome::Implausibility;
+use crate::outcome::baseline::Baseline;
 use crate::plant::Plant;
-use crate::plausibility::{Implausibility, implausible_samples};
+use crate::plausibility::implausible_samples;
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
 use crate::recording::{Reader, Row, Sample};

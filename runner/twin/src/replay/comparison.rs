@@ -2,7 +2,7 @@
 
 use super::lines::{Angles, Demodulator, followed, followed_orders, outer_line};
 use super::statistics::Sums;
-use crate::baseline::{Baseline, BaselineProbe};
+use crate::outcome::baseline::{Baseline, BaselineProbe};
 use crate::outcome::{BallPassLine, Motion, ProbeOutcome, SimplePredictor, SimplePredictors};
 use crate::plant::MountedBearing;
 use crate::probes::{Plane, reading};

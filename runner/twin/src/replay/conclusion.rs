@@ -7,8 +7,9 @@ use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
-use crate::plausibility::{Evidence, Implausibility, implausible};
+use crate::outcome::Implausibility;
+use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing};
+use crate::plausibility::{Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::Scene;
 use crate::vibration::join::join;
@@ -180,7 +181,7 @@ impl Pipeline<'_> {
             planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
             observation: self.location.observation().clone(),
             probes,
-            rotor: RotorOutcome::new(scene, &self.plant),
+            rotor: self.plant.rotor_outcome(scene),
             bearings: self.force.outcomes(bearings),
             timing: self.timing.finish(),
             observer,
@@ -242,7 +243,7 @@ impl Pipeline<'_> {
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            rotor: RotorOutcome::new(scene, &self.plant),
+            rotor: self.plant.rotor_outcome(scene),
             pictures: Pictures { rotor: RotorDrawing::new(scene), ..outcome.pictures },
             verdict: verdict::verdict(&[], &[], implausible, not_judged, None, 0),
             events,

@@ -1,9 +1,9 @@
 //! Whether the readings can be those of the twin's machine, and whether enough is measured for a verdict.
 
 use super::force::BearingForces;
+use crate::outcome::Implausibility;
 use crate::outcome::{Motion, ProbeOutcome};
 use crate::plant::MountedBearing;
-use crate::plausibility::Implausibility;
 use crate::recording::status::SampleStatus;
 
 /// Readings smaller than this multiple of the twin's at every probe have another unit.

@@ -1,12 +1,14 @@
 //! Diagnosis while a recording runs: the last block of samples on a thread of its own, with a bounded share of one core.
 
 use super::notices::Notices;
-use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, Calibration, Diagnosis, Material};
+use crate::diagnosis::{self, Diagnosis, Material};
+use crate::outcome::Calibration;
+use crate::outcome::Implausibility;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{FaultFigures, Finding, FindingKind};
 use crate::plant::Plant;
-use crate::plausibility::{Implausibility, implausible_samples};
+use crate::plausibility::implausible_samples;
 use crate::recording::Sample;
 use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};

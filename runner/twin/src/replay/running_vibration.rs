@@ -4,8 +4,8 @@
 use super::notices::Notices;
 use super::running_diagnosis::{OpenFaults, SHARE};
 use super::second::{SensorSecond, StatisticsOfSensors};
-use crate::baseline::Baseline;
 use crate::error::Result;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{Finding, FindingKind};
 use crate::recording::{Row, Sample};
 use crate::scene::{Recording, Scene};

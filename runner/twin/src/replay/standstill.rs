@@ -3,11 +3,11 @@
 //! Nothing is computed from them. Where a recording has no other samples, their statistics are the report.
 
 use super::statistics::Running;
+use crate::outcome::Implausibility;
 use crate::outcome::{
     BearingOutcome, ForceFigures, Motion, Observation, Outcome, ProbeOutcome, Record, SimplePredictor,
     SimplePredictors, TabularList, Timing,
 };
-use crate::plausibility::Implausibility;
 use crate::recording::Row;
 use crate::recording::rotation::RotationError;
 use crate::scene::{Direction, Probe};

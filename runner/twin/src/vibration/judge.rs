@@ -3,7 +3,7 @@
 use super::envelope::{Envelope, Line, Rotation, Transforms, envelopes};
 use super::picture;
 use super::suspect::Suspect;
-use crate::baseline::{Baseline, BaselineSensor};
+use crate::outcome::baseline::{Baseline, BaselineSensor};
 use crate::outcome::{
     EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultParameters, Finding, FindingKind, LineLevel, VibrationLine,
 };

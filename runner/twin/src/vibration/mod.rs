@@ -14,16 +14,16 @@ mod suspect;
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 mod tests;
 
-use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
+use crate::options::Options;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{Outcome, Pictures, Record, RotorDrawing, Timing};
 use crate::plausibility::{Collector, Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
 use crate::recording::{Reader, Row};
-use crate::replay::Options;
-use crate::replay::verdict::verdict;
 use crate::scene::{Recording, RotationSource, Scene, Sensor, Sequence, build};
+use crate::verdict::verdict;
 use signals::{LEAST_TURNS, Signals};
 use std::time::Instant;
 use suspect::Suspect;

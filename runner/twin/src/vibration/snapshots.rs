@@ -14,8 +14,9 @@ use super::onset::{growth, tenth};
 use super::signals::{LEAST_TURNS, Signals, statistics};
 use super::suspect::Suspect;
 use super::suspects;
-use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
+use crate::options::Options;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{
     Finding, FindingKind, LineLevel, Outcome, Pictures, Record, RotorDrawing, SnapshotFigures, SnapshotOutcome,
     SnapshotTrend, Timing,
@@ -23,7 +24,6 @@ use crate::outcome::{
 use crate::recording::error::RecordingError;
 use crate::recording::files::{listed, shown, time_in_name};
 use crate::recording::{Reader, Row};
-use crate::replay::Options;
 use crate::scene::{Clock, Recording, Scene, Sensor, Speed};
 use std::f64::consts::TAU;
 use std::path::Path;

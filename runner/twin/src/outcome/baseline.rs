@@ -1,7 +1,6 @@
 //! Baseline: the residual of a sound machine, written by `--learn` and compared with by `--baseline`.
 
-use crate::diagnosis::Calibration;
-use crate::outcome::{FaultForm, Finding, FindingKind};
+use super::{Calibration, FaultForm, Finding, FindingKind};
 use crate::scene::{Probe, Sensor};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

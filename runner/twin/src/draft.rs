@@ -30,7 +30,7 @@ pub struct Draft<'a> {
 ///
 /// ```
 /// use ballrace_twin::catalogue::find;
-/// use ballrace_twin::scene::draft::{Draft, draft};
+/// use ballrace_twin::draft::{Draft, draft};
 ///
 /// let bearings = vec![find("6205")?, find("6205")?];
 /// let text = draft(&Draft { name: "pump".to_owned(), speed: Some("3000 rpm".to_owned()), bearings, recording: None });
