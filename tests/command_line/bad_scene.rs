@@ -27,7 +27,7 @@ fn refused_with(from: &str, to: &str, parts: &[&str]) {
 }
 
 #[test]
-fn the_same_commands_take_the_scene_as_it_is() {
+fn the_commands_accept_the_unchanged_scene() {
     let desk = Desk::rig();
     desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
     for command in COMMANDS {
@@ -241,7 +241,7 @@ fn two_probes_in_one_direction() {
 }
 
 #[test]
-fn opposite_directions_are_one() {
+fn opposite_probe_directions_are_parallel() {
     let de = [("DE_X_um", "-120 mm", "0 deg"), ("DE_Y_um", "-120 mm", "180 deg")];
     let nde = [("NDE_X_um", "120 mm", "0 deg"), ("NDE_Y_um", "120 mm", "-180 deg")];
     not_observable(&[de, nde].concat(), "so the motion across it is not observable");

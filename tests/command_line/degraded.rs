@@ -75,7 +75,7 @@ fn off(found: &[[f64; 2]], right: &[[f64; 2]]) -> f64 {
 }
 
 #[test]
-fn flaws_of_a_recording_and_what_they_do() {
+fn flaws_of_a_recording_and_their_effects() {
     let (header, clean) = rows();
     let right = verdict(DEMO_SCENE, &written(&header, &clean)).unwrap();
     assert!(right.findings.is_empty() && right.flaws == 0);

@@ -30,7 +30,7 @@ fn settled(scene: &str, more: &[&str]) -> Value {
 }
 
 #[test]
-fn natural_frequencies_of_model_f8() {
+fn natural_frequencies_of_the_reference_rotor() {
     let back_to_back = ["+z", "-z"];
     for (rpm, facing, expected) in [
         (0, back_to_back, [1428.3188, 1960.8358, 1960.8358, 2618.6353, 2618.6353]),
@@ -84,7 +84,7 @@ fn harris_218_under_its_load() {
 }
 
 #[test]
-fn the_table_settles_where_the_balls_do() {
+fn table_and_balls_have_one_equilibrium() {
     let effects = "effects = [\"centrifugal\", \"gyroscopic\"]\n";
     let load = ["--load", "3000,0,0,0,0"];
     let solved = settled(&harris(effects), &load);
@@ -114,7 +114,7 @@ fn text_and_page() {
 }
 
 #[test]
-fn what_cannot_settle() {
+fn scenes_without_equilibrium() {
     let desk = Desk::empty();
     let scene = harris("");
     desk.put("scene.toml", scene.replace("preload = { force = \"17800 N\" }\n", ""));
@@ -129,7 +129,7 @@ fn what_cannot_settle() {
 
 /// The natural frequencies over speed: the tilting pair splits, backward below and forward above; the others stay.
 #[test]
-fn campbell_table_of_model_f8() {
+fn campbell_table_of_the_reference_rotor() {
     let desk = Desk::empty();
     desk.put("scene.toml", rotor(0, ["+z", "-z"], ""));
     let all: Value = desk
@@ -170,7 +170,7 @@ fn campbell_table_of_model_f8() {
 
 /// Damping by hand: one spring and one damper, `c/(2 sqrt(k m))`.
 #[test]
-fn campbell_table_knows_damping() {
+fn campbell_table_contains_damping() {
     let desk = Desk::empty();
     desk.put("scene.toml", Desk::empty().done(&["scenes", "two-spring-rotor"]).out);
     let all: Value = desk.done(&["campbell", "scene.toml", "--speeds", "3000rpm", "--format", "json"]).json();

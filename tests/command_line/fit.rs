@@ -26,7 +26,7 @@ fn interval(found: &Value, name: &str) -> [f64; 3] {
 /// From a scene that is wrong in every number: each fact of the rig is within the interval found for it, and the fitted
 /// scene leaves the probes' noise.
 #[test]
-fn the_rigs_facts_are_found() {
+fn fit_finds_the_parameters_of_the_rig() {
     let desk = Desk::rig();
     desk.put("healthy.csv", crate::support::DEMO_RECORDING);
     desk.put("wrong.toml", wrong());
@@ -144,7 +144,7 @@ fn cages_that_cannot_be_estimated_are_named() {
 }
 
 #[test]
-fn what_cannot_be_fitted_is_refused() {
+fn parameters_that_cannot_be_fitted_are_rejected() {
     let desk = Desk::rig();
     let scene = wrong();
     desk.put("bare.toml", scene.split("[recording]").next().unwrap());

@@ -142,7 +142,7 @@ fn a_disk_that_is_full_for_a_while_loses_nothing() {
 }
 
 #[test]
-fn a_disk_that_stays_full_costs_neither_monitor_nor_report() {
+fn permanently_full_disk_stops_neither_monitor_nor_report() {
     if !can_mount() {
         return;
     }

@@ -209,7 +209,7 @@ pub fn times(desk: &Desk, name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_burst_of_datagrams_is_taken_or_counted() {
+fn burst_of_datagrams_is_processed_or_counted() {
     let desk = desk();
     let (child, port) = listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s"]);
     let rows = rows(12_800);
@@ -284,7 +284,7 @@ fn prometheus_and_only_where_asked_for() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn contradictory_options_are_rejected() {
     let desk = desk();
     let refused = |args: &[&str], parts: &[&str]| desk.refused(&[&["replay", "scene.toml"], args].concat(), 2, parts);
     refused(&["--source", "tcp:9"], &["--source", "--paced"]);

@@ -235,7 +235,7 @@ fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
 }
 
 #[test]
-fn wrong_frames_move_nothing() {
+fn wrong_frames_do_not_advance_the_twin() {
     let desk = desk();
     let (child, port) =
         listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);

@@ -57,7 +57,7 @@ fn assert_no_larger(long: Option<f64>, factor: f64) {
 }
 
 #[test]
-fn ten_times_as_long() {
+fn recording_ten_times_as_long() {
     let desk = Desk::with(DEMO_SCENE, "");
     let samples = write_repeated(&desk, 9 * DEMO_RECORDING.len() as u64 + 1, 0);
     assert_eq!(samples, 128_000.0);
@@ -77,10 +77,10 @@ fn free_bytes(desk: &Desk) -> Option<u64> {
 #[test]
 #[ignore = "writes and replays 1 GB; tests/run --all runs it"]
 fn one_gigabyte() {
-    const LEAST_FREE: u64 = 3_000_000_000;
+    const MIN_FREE: u64 = 3_000_000_000;
     let desk = Desk::with(DEMO_SCENE, "");
     match free_bytes(&desk) {
-        Some(free) if free >= LEAST_FREE => {}
+        Some(free) if free >= MIN_FREE => {}
         Some(free) => return println!("skipped: {:.1} GB free for temporary files, 3 GB needed", free as f64 / 1e9),
         None => return println!("skipped: df does not tell how much is free for temporary files"),
     }

@@ -76,7 +76,7 @@ fn forces(desk: &Desk, source: &str) -> (Value, Vec<Vec<f64>>) {
 /// A strong spall breaks out after the observer was tuned to a sound bearing: no force without a flag is far from the model
 /// at the measured displacement, and none at all is beyond it.
 #[test]
-fn a_strong_spall_does_not_carry_the_observer_away() {
+fn strong_spall_does_not_bias_the_observer() {
     let desk = Desk::empty();
     let spall = "defect = [{ surface = \"outer\", azimuth = \"-90 deg\", half_width = \"4 deg\", depth = \"100 um\", shape = \"half-sine\" }]";
     desk.put("sound.toml", rotor("angular", "", "Z"));
@@ -212,14 +212,14 @@ const STRONG: Spall = Spall {
 };
 
 #[test]
-fn strong_spalls_carry_no_force_away() {
+fn strong_spalls_do_not_bias_the_force() {
     Spall { depth_um: 500, half_width_deg: 8, ..STRONG }.check();
     Spall { with_axial_probe: false, ..STRONG }.check();
 }
 
 #[test]
 #[ignore = "slow: ten recordings; tests/run --all runs it"]
-fn long_strong_spalls_carry_no_force_away() {
+fn long_strong_spalls_do_not_bias_the_force() {
     for rpm in [1500, 6000] {
         Spall { rpm, ..STRONG }.check();
         Spall { rpm, surface: "inner", ..STRONG }.check();

@@ -70,7 +70,7 @@ fn demonstration_is_the_scene_and_recording_of_the_source() {
 }
 
 #[test]
-fn json_has_what_programs_rely_on() {
+fn json_has_the_documented_keys() {
     let outcome = Desk::rig().replay("scene.toml", &[]);
     let names = |key: &str| list(&outcome, key).iter().map(|p| p["name"].as_str().unwrap()).collect::<Vec<_>>();
     assert_eq!(names("probes"), ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"]);
@@ -250,7 +250,7 @@ fn same_recording_in_other_forms() {
 }
 
 #[test]
-fn a_learned_baseline_is_judged_against() {
+fn recording_is_compared_with_a_learned_baseline() {
     let desk = Desk::empty();
     let scene = recorded("healthy.toml");
     let run = |recording: &str, option: &str, file: &str| {

@@ -193,7 +193,7 @@ fn cage_runout_brings_side_bands() {
 
 /// Harsha: more balls make the varying compliance smaller and faster.
 #[test]
-fn more_balls_shake_less() {
+fn more_balls_vibrate_less() {
     let at = |balls: u32| {
         let count = format!("elements = {balls}");
         let scene = shipped("harsha-number-of-balls", &[("elements = 9", &count)]);

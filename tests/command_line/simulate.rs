@@ -37,7 +37,7 @@ fn header_and_rows() {
 }
 
 #[test]
-fn starts_from_the_position_of_rest() {
+fn starts_from_static_equilibrium() {
     let (_, rows) = simulated(&Desk::rig(), "1 ms");
     let first = &rows[0];
     assert_eq!(first[VELOCITY..FORCES], [0.0; 5]);
@@ -49,7 +49,7 @@ fn starts_from_the_position_of_rest() {
 }
 
 #[test]
-fn stays_at_rest_without_anything_that_moves_it() {
+fn stays_in_equilibrium_without_excitation() {
     let still = scene(&[("speed = \"3000 rpm\"", "speed = 0"), ("unbalance = [", "unbalance = [] # [")]);
     let (_, rows) = simulated(&Desk::with(&still, DEMO_RECORDING), "50 ms");
     let away = |row: &Vec<f64>| (POSE..POSE + 3).map(|i| (row[i] - rows[0][i]).abs()).fold(0.0, f64::max);
@@ -65,7 +65,7 @@ fn forces_are_those_of_the_force_command() {
 
 /// The twin's quasi-static bearings go on from where their balls were: what they answer is what a cold start answers.
 #[test]
-fn balls_that_go_on_answer_as_from_a_cold_start() {
+fn warm_started_balls_equal_a_cold_start() {
     let solved = DEMO_SCENE.replace("\"angular\"", "\"quasi-static\"\neffects = [\"centrifugal\", \"gyroscopic\"]");
     assert_forces_of_the_force_command(&Desk::with(&solved, DEMO_RECORDING));
 }
@@ -103,7 +103,7 @@ fn one_x(signal: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
 }
 
 #[test]
-fn settles_on_the_motion_of_the_twin() {
+fn transient_decays_to_the_motion_of_the_twin() {
     let desk = Desk::with(DEMO_SCENE, DEMO_RECORDING);
     let outcome = desk.replay("scene.toml", &[]);
     let (_, rows) = simulated(&desk, "2 s");
@@ -207,7 +207,7 @@ fn statistics_of_the_rig() {
 
 /// A step beyond the integrator's limit and balls pressed flat are said, and what overflows is held.
 #[test]
-fn what_is_beyond_its_range_is_said() {
+fn values_out_of_range_are_reported() {
     let desk = Desk::rig();
     let args = ["simulate", "coarse.toml", "--duration", "0.05 s", "--rate", "1 kHz", "-o", "o.csv"];
     desk.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nmethod = \"verlet\"\nstep = \"1 ms\"\n");

@@ -232,7 +232,7 @@ fn bad_matrices_are_refused_by_entry() {
 }
 
 #[test]
-fn what_does_not_go_with_a_system() {
+fn keys_that_a_system_excludes() {
     let refused = |from: &str, to: &str, parts: &[&str]| {
         let desk = desk();
         desk.put("scene.toml", swap(&desk.read("scene.toml"), from, to));

@@ -144,7 +144,7 @@ fn the_models_on_a_spindle() {
 }
 
 #[test]
-fn what_is_chosen_meets_what_was_asked() {
+fn the_chosen_model_meets_the_goal() {
     let desk = desk(SPINDLE);
     let out = desk.done(&["trade", "scene.toml", "--forces-only", "--error", "0.2%"]).out;
     assert!(out.contains("scene-chosen.toml"), "{out}");
@@ -199,7 +199,7 @@ fn what_is_chosen_meets_what_was_asked() {
 }
 
 #[test]
-fn springs_of_balls_have_no_dearer_truth() {
+fn lumped_model_has_no_costlier_reference() {
     let desk = desk(LUMPED);
     let all = desk.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
     assert_eq!(all["truth"], "lumped");
@@ -217,7 +217,7 @@ fn springs_of_balls_have_no_dearer_truth() {
 }
 
 #[test]
-fn goals_that_say_nothing_are_refused() {
+fn invalid_goals_are_rejected() {
     let desk = desk(LUMPED);
     let refused = |more: &[&str], words: &[&str]| {
         desk.refused(&[&["trade", "scene.toml"], more].concat(), 2, words);

@@ -74,7 +74,7 @@ fn any_number_of_elements() {
 
 /// Places that are not in opposite pairs, or in pairs but not in the order of the ring.
 #[test]
-fn any_places() {
+fn any_element_positions() {
     let at = |revolutions: &[f64]| {
         revolutions.iter().map(|&r| ElementPosition::from_azimuth(Phase::from_revolutions(r))).collect::<Vec<_>>()
     };

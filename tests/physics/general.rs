@@ -110,7 +110,7 @@ fn a_general_system_without_supports_is_the_rigid_rotor() {
 /// A steady Verlet steps as Verlet: to the bit where the speed changes, and to rounding at a speed that stays; a speed that is
 /// no number is held and forgotten.
 #[test]
-fn a_steady_verlet_steps_as_verlet() {
+fn steady_verlet_equals_verlet() {
     let (machine, verlet) = (on_supports(&[SOFT, SOFT]), Verlet { step: 2e-5 });
     let mut steady = SteadyVerlet::new(verlet, &machine.rotor, 0.0);
     let mut state = RotorState::stationary([0.0; 9], Phase::ZERO, [Phase::ZERO; 2]);
@@ -474,7 +474,7 @@ fn tangent_of_moving_balls() {
 
 /// A spinning bearing throws its balls outward: each presses the outer race with its centrifugal force.
 #[test]
-fn moving_balls_are_thrown_outward() {
+fn centrifugal_force_moves_balls_outward() {
     let machine = on_moving_balls(&MOVING);
     let at = BearingKinematicState { inner_speed: 3000.0, ..BearingKinematicState::default() };
     let rest = equilibrium(&machine, &[at], [0.0; 14]);
@@ -496,7 +496,7 @@ fn moving_balls_are_thrown_outward() {
 
 /// A rotor on moving balls comes to rest where the static solution is.
 #[test]
-fn moving_balls_settle() {
+fn moving_balls_reach_static_equilibrium() {
     let machine = on_moving_balls(&MOVING);
     let rest = equilibrium(&machine, &[BearingKinematicState::default()], [0.0; 14]);
     let mut state = RotorState::stationary(rest.q, Phase::ZERO, [Phase::ZERO]);

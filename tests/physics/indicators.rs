@@ -11,7 +11,7 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 #[test]
-fn sums_lose_nothing() {
+fn compensated_sums_keep_their_digits() {
     let mut sum = CompensatedSum::<f32>::new();
     for _ in 0..10_000_000 {
         sum.add(0.1);
@@ -40,7 +40,7 @@ fn statistics_of_a_sine() {
 }
 
 #[test]
-fn statistics_of_nothing() {
+fn statistics_without_samples() {
     let mut statistics = Statistics::<f64>::new(8);
     for _ in 0..7 {
         assert!(statistics.add::<Exact>(2.5).is_none());

@@ -124,7 +124,7 @@ fn a_million_balls_are_balanced_or_flagged_in_f32() {
 }
 
 #[test]
-fn more_steps_settle_more_balls() {
+fn more_steps_converge_more_balls() {
     let counts = [2, 4, 6, 8, 12, 24].map(|steps| run::<f64>(30_000, steps, 1.1e-9).total());
     assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
 }

@@ -149,7 +149,7 @@ fn stiffness_ratios_of_a_million_million() {
 
 /// A shaft that falls on one ball and leaves it again, thousands of times: the height that it comes back to stays.
 #[test]
-fn a_ball_that_leaves_and_meets_the_race() {
+fn ball_that_loses_and_regains_contact() {
     let places: ElementPositions<f64, 3> = evenly_spaced(Phase::from_revolutions(-0.25));
     let bearing = Radial::<f64, Exact, _, _>::try_new(places, PointContactLaw { stiffness: 8e9 }, 10e-6).unwrap();
     let params = RotorParams { gravity: [0.0, -9.80665, 0.0], ..PARAMS };

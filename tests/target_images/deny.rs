@@ -36,7 +36,7 @@ fn no_fused_and_no_estimated_operations() {
 /// The C yardstick is compiled with leave to fuse, and the check sees that it does.
 #[test]
 #[ignore = "needs gcc-arm-none-eabi; tests/run runs it"]
-fn the_check_sees_a_fused_operation() {
+fn the_check_detects_a_fused_operation() {
     let folder = tempfile::tempdir().expect("a folder");
     let image = super::counts::yardstick::compiled_into(folder.path());
     assert_eq!(found("arm-none-eabi-objdump", &image, &ARM)[..1], ["vfma"]);

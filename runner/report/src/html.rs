@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn names_everything_and_loads_nothing() {
+    fn page_names_everything_and_has_no_external_resource() {
         for outcome in [fixture::usual(), fixture::crowded(), fixture::run_up()] {
             let page = html(&outcome).unwrap();
             assert!(outcome.probes.iter().all(|probe| page.contains(&escaped(&probe.name))));

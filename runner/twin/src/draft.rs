@@ -1,11 +1,11 @@
-//! Draft of a scene: every value that the catalogue and a recording give, and `"?"` for those that only the user knows.
+//! Draft of a scene: every value that the catalogue and a recording give, and `"?"` for those that the user has to fill in.
 
 use crate::catalogue::{BearingKind, Listed, scene_keys};
 use crate::recording::preview::{ColumnRole, NamedDirection, Preview, PreviewColumn};
 use std::fmt::Write;
 use toml_edit::Value;
 
-/// Value of a key that only the user knows.
+/// Value of a key that the user has to fill in.
 pub const UNKNOWN: &str = "?";
 /// Column at which comments begin.
 const COMMENT: usize = 38;

@@ -11,7 +11,7 @@ pub struct Options<'a> {
     pub source: Source,
     /// Tolerated error of the force: the effect significance reports neglected effects beyond it.
     pub error: Option<f64>,
-    /// File with a baseline to judge against.
+    /// File with a baseline for comparison.
     pub baseline: Option<&'a Path>,
     /// Live operation: indicators of every second are kept for [`Replay::take_update`](crate::replay::Replay::take_update), the start of the twin does not block, and
     /// forces that are not written to a file are computed for a limited number of samples per second.

@@ -23,10 +23,10 @@ impl ParameterName {
         (Self::CoupleY, Unknown::Unbalance(3)),
     ];
 
-    /// Relative standard deviation of a scene's value; none where a scene says nothing about a machine.
+    /// Relative standard deviation of a scene's value; none where the scene's value has no relation to the machine.
     ///
     /// Bearing steels differ by 2 % and catalogue dimensions make it 5 % of stiffness; a clearance class spans a factor of two;
-    /// damping is seldom measured; a rotor is balanced anew.
+    /// damping is seldom measured; a rotor is rebalanced.
     fn deviation(self) -> Option<f64> {
         match self {
             Self::YoungsModulus => Some(0.05),
@@ -138,7 +138,7 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Res
         let unknowns = [all.clone(), cage::unknowns(&of.observable)].concat();
         now = fit_whole(&of.evidence, &now, &unknowns, &prior, 20)?;
         of.evidence.weight_for(&now.machine)?;
-        let (settled, seen) = cage::settle(&of.evidence, &of.band, &now.machine, SLIPS)?;
+        let (settled, seen) = cage::fit_cages(&of.evidence, &of.band, &now.machine, SLIPS)?;
         of.observable = seen;
         now = settled;
     }

@@ -1,7 +1,7 @@
 //! Maximum-likelihood fit of a few unknowns of a machine: Levenberg-Marquardt on the residual at the probes.
 
 use super::Result;
-use super::machine::{Machine, Part, Unknown};
+use super::machine::{ForceSource, Machine, Unknown};
 use super::residual::{Evidence, Spectra, dot};
 use nalgebra::{DMatrix, DVector};
 
@@ -42,13 +42,13 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
     let mut spectra = before.spectra.clone();
     for (i, (old, new)) in before.machine.bearings.iter().zip(&machine.bearings).enumerate() {
         if old != new {
-            spectra = e.changed(&spectra, machine, Part::Bearing(i))?;
+            spectra = e.changed(&spectra, machine, ForceSource::Bearing(i))?;
         }
     }
     let of_rotor = |m: &Machine| (m.load, m.damping, m.unbalance);
     if of_rotor(&before.machine) != of_rotor(machine) {
         // It may move the bearings.
-        spectra = e.changed(&spectra, machine, Part::Rotor)?;
+        spectra = e.changed(&spectra, machine, ForceSource::Rotor)?;
     }
     let residual = e.residual(&spectra);
     let chi_square = square(&residual);
@@ -56,9 +56,9 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
 }
 
 /// Fall of chi-squared in a step below which a fit ends.
-pub const LEAST_FALL: f64 = 0.5;
+pub const MIN_FALL: f64 = 0.5;
 /// The same, over the excess of chi-squared.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 /// Dampings tried in a step.
 const DAMPINGS: usize = 6;
 
@@ -205,7 +205,7 @@ fn levenberg_marquardt(
         let fall = objective(&now) - objective(&next);
         now = Fitted { unknowns: unknowns.to_vec(), ..next };
         // Far from the recording, a small share of what is left decides nothing.
-        if fall < LEAST_FALL + LEAST_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0) {
+        if fall < MIN_FALL + MIN_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0) {
             break;
         }
     }

@@ -5,7 +5,7 @@ mod weights;
 use super::Result;
 use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
 use super::filter::LineFilter;
-use super::machine::{Evaluated, Machine, MachineBearing, Part, Unknown};
+use super::machine::{Evaluated, ForceSource, Machine, MachineBearing, Unknown};
 use super::motion::{C, D, Motion, Transform};
 use crate::plant::Plant;
 use crate::probes::PoseSolver;
@@ -117,7 +117,7 @@ impl Shaft {
         (motion, pose): (&Motion, &[[f64; D]]),
     ) -> Option<Self> {
         let of_probes = (weighting.probes.as_slice(), &weighting.solver);
-        // A rotor that the plant is made of can be reduced.
+        // The plant is built from this rotor, so that it can be reduced.
         let dynamics = Dynamics::new(scene, plant, of_probes, &transform.lines, motion.mean_speed()).ok()??;
         Some(Self {
             by_pose: Arc::new(dynamics.displacements(pose)),
@@ -388,11 +388,11 @@ impl<'a> Evidence<'a> {
     }
 
     /// Returns the spectra of `machine`, which differs from that of `from` in one part only.
-    pub fn changed(&self, from: &Spectra, machine: &Machine, part: Part) -> Result<Spectra> {
+    pub fn changed(&self, from: &Spectra, machine: &Machine, part: ForceSource) -> Result<Spectra> {
         let mut spectra = from.clone();
         match part {
-            Part::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
-            Part::Rotor => {
+            ForceSource::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
+            ForceSource::Rotor => {
                 spectra.rotor = self.rotor(machine);
                 if self.shaft.dynamics.is_elastic() {
                     for i in 0..machine.bearings.len() {
@@ -482,11 +482,11 @@ impl<'a> Evidence<'a> {
         let mut difference: [Vec<C>; D] = Default::default();
         let pairs = changed.bearings.iter().zip(&spectra.bearings);
         let all = match unknown.part() {
-            Part::Bearing(i) => vec![(&changed.bearings[i], &spectra.bearings[i])],
-            Part::Rotor if self.shaft.dynamics.is_elastic() => {
+            ForceSource::Bearing(i) => vec![(&changed.bearings[i], &spectra.bearings[i])],
+            ForceSource::Rotor if self.shaft.dynamics.is_elastic() => {
                 pairs.chain(std::iter::once((&changed.rotor, &spectra.rotor))).collect()
             }
-            Part::Rotor => vec![(&changed.rotor, &spectra.rotor)],
+            ForceSource::Rotor => vec![(&changed.rotor, &spectra.rotor)],
         };
         for (i, difference) in difference.iter_mut().enumerate() {
             *difference = vec![C::new(0.0, 0.0); self.transform.lines.len()];

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 const GOLDEN: &str = include_str!("../../../../tests/golden/rotor_fe.json");
 
-/// Elastic coordinates in each plane: so many that the mesh decides.
+/// Elastic coordinates in each plane: enough that only the mesh limits the accuracy.
 const MODES: usize = 14;
 
 fn number(of: &Value) -> f64 {

@@ -1,7 +1,7 @@
 //! Identification of the observer: the process noise of the unknown force under which the first revolutions are most likely.
 
 use super::model::{self, Uncertainty};
-use super::{Gains, InitialState, MOST_PROBES, estimator, start};
+use super::{Gains, InitialState, MAX_PROBES, estimator, start};
 use crate::error::{ObserverError, Result};
 use crate::plant::Plant;
 use crate::recording::Sample;
@@ -54,7 +54,7 @@ const STRIDE: f64 = 3.162_277_660_168_379_5;
 /// Noise by third differences over the given noise from which the former is used.
 const LARGER_NOISE: f64 = 1.2;
 /// Lower bound of the noise of a probe, m: a tenth of the resolution of the finest.
-const LEAST_NOISE: f64 = 1e-10;
+const MIN_NOISE: f64 = 1e-10;
 
 /// Identifies the observer of `plant`; `linear` is the same plant on linear springs, `guess` the state of the twin at the first
 /// sample.
@@ -69,8 +69,8 @@ pub fn identify(
     data: &IdentificationData,
     guess: InitialState,
 ) -> Result<Option<TunedObserver>> {
-    if data.rows.len() > MOST_PROBES {
-        return Err(ObserverError::Probes { found: data.rows.len(), most: MOST_PROBES }.into());
+    if data.rows.len() > MAX_PROBES {
+        return Err(ObserverError::Probes { found: data.rows.len(), most: MAX_PROBES }.into());
     }
     let noise: Vec<f64> =
         (0..data.rows.len()).map(|p| noise(data.samples, p, data.given_noise.get(p).copied().flatten())).collect();
@@ -106,7 +106,7 @@ fn negative_log_likelihood(
         let steps = sample.row.index - last.row.index;
         let drive = last.shaft_motion();
         for k in 0..steps {
-            let missing = [f64::NAN; MOST_PROBES];
+            let missing = [f64::NAN; MAX_PROBES];
             let readings = if k + 1 == steps { sample.row.probes.as_slice() } else { &missing };
             sum += estimator.step(&drive.after(k as f64 * data.period), readings).0 + gains.log_determinant;
         }
@@ -127,5 +127,5 @@ pub fn noise(samples: &[Sample], probe: usize, given: Option<f64>) -> f64 {
     let given = given.unwrap_or(0.0);
     // A small excess over the given noise is motion.
     let noise = if shown > LARGER_NOISE * given { shown } else { given };
-    noise.max(LEAST_NOISE)
+    noise.max(MIN_NOISE)
 }

@@ -13,8 +13,8 @@ mod warm;
 
 pub use crate::scene::build::PRESSURE_LIMIT;
 pub use given::Given;
-pub use machine::Fit;
-pub use machine::{LARGEST, MOST_BEARINGS, MOST_OBSERVED, SystemTask};
+pub use machine::ReactingElement;
+pub use machine::{LARGEST, MAX_BEARINGS, MAX_OBSERVED, SystemTask};
 pub use mounted::{Balls, MountedBearing};
 pub use reduction::{ReductionError, response};
 pub use run_in::RunIn;
@@ -38,7 +38,7 @@ use twin::StartTask;
 /// Largest residual of a static equilibrium over the load.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Largest number of integration steps in one sample period.
-pub const MOST_SUBSTEPS: u32 = 10_000;
+pub const MAX_SUBSTEPS: u32 = 10_000;
 const MM: f64 = 1e3;
 /// Coordinate of the centre of mass along the axis.
 pub const AXIAL: usize = 2;
@@ -84,7 +84,7 @@ impl Plant {
         if scene.rotor.is_none() && scene.system.is_none() {
             return Err(PlantError::NoRotor { file: scene.path.clone() });
         }
-        if scene.bearings.len() > MOST_BEARINGS {
+        if scene.bearings.len() > MAX_BEARINGS {
             return Err(PlantError::Bearings { file: scene.path.clone(), found: scene.bearings.len() });
         }
         let mounted = scene
@@ -404,11 +404,11 @@ impl Plant {
     /// Returns the number of integration steps in one sample period.
     ///
     /// # Errors
-    /// More than [`MOST_SUBSTEPS`]: longer steps would not be stable.
+    /// More than [`MAX_SUBSTEPS`]: longer steps would not be stable.
     pub fn substeps(&self, sample_period: f64) -> Result<u32> {
         let step = self.integration.step.unwrap_or_else(|| self.own_step());
         let steps = (sample_period / step * (1.0 - 1e-9)).ceil().max(1.0);
-        if steps > f64::from(MOST_SUBSTEPS) {
+        if steps > f64::from(MAX_SUBSTEPS) {
             return Err(PlantError::Substeps { found: steps, step, is_given: self.integration.step.is_some() });
         }
         Ok(steps as u32)
@@ -417,7 +417,7 @@ impl Plant {
     /// Runs `task` with the system on moving bearings.
     ///
     /// # Errors
-    /// More than [`MOST_OBSERVED`] coordinates, a parameter that the kernel rejects.
+    /// More than [`MAX_OBSERVED`] coordinates, a parameter that the kernel rejects.
     pub fn observed<R>(&self, task: impl SystemTask<R>) -> Result<R> {
         self.with_observed_machine(MountedBearing::moving, task)
     }
@@ -501,7 +501,7 @@ impl SystemTask<Rest> for RestTask {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Rest
     where
         S: SecondOrderSystem<f64, D> + 'static,
-        C: Fit<D> + 'static,
+        C: ReactingElement<D> + 'static,
     {
         let n = self.start.len();
         let found: Equilibrium<f64, D> = equilibrium(&machine, &array::<_, N>(&self.at), array::<_, D>(&self.start));

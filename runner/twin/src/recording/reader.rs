@@ -19,7 +19,7 @@ use super::files::Files;
 use super::flaws::{Flaw, FlawLedger, Position};
 use super::format;
 use super::memory::Memory;
-use super::probe::{ProbeWatch, Verdict};
+use super::probe::{ProbeWatch, ReadingState};
 use super::table::{Cells, EXPECTED, Table};
 use crate::scene::units;
 use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
@@ -402,11 +402,11 @@ impl<'a> Reader<'a> {
                 continue;
             }
             match watch.see(*reading, at) {
-                Verdict::Good => continue,
-                Verdict::Stuck { since, samples } => {
+                ReadingState::Good => continue,
+                ReadingState::Stuck { since, samples } => {
                     ledger.record_reading(Flaw::StuckProbe, name(cell), since, samples, *reading);
                 }
-                Verdict::StillStuck => ledger.lengthen(Flaw::StuckProbe, Some(name(cell))),
+                ReadingState::StillStuck => ledger.lengthen(Flaw::StuckProbe, Some(name(cell))),
             }
             *reading = f64::NAN;
         }

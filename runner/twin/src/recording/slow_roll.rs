@@ -25,11 +25,11 @@ const HIGHEST: usize = 32;
 /// Least number of samples per revolution and harmonic.
 const SAMPLES_PER_HARMONIC: usize = 8;
 /// Least number of samples in a revolution.
-const LEAST_SAMPLES: usize = 64;
+const MIN_SAMPLES: usize = 64;
 /// Least number of whole revolutions, from which the scatter of a harmonic is known.
-const LEAST_TURNS: usize = 4;
+const MIN_TURNS: usize = 4;
 /// Largest number of revolutions that are used.
-const MOST_TURNS: usize = 64;
+const MAX_TURNS: usize = 64;
 /// Largest share of the machine's speed at which the rotor does not move: forces of unbalance are a hundredth there.
 const SLOW: f64 = 0.1;
 /// Standard errors by which a harmonic differs from 0: noise reaches that once in 200 of four revolutions.
@@ -61,7 +61,7 @@ pub enum RunOutError {
     },
     /// The recording is too short.
     #[error(
-        "recording.run_out: {file}: too short: {found} whole revolutions with a reading of every probe, expected at least {LEAST_TURNS}"
+        "recording.run_out: {file}: too short: {found} whole revolutions with a reading of every probe, expected at least {MIN_TURNS}"
     )]
     Short {
         /// The recording.
@@ -70,7 +70,7 @@ pub enum RunOutError {
         found: usize,
     },
     /// The sampling is too coarse.
-    #[error("recording.run_out: {file}: too few samples: {found} in a revolution, expected at least {LEAST_SAMPLES}")]
+    #[error("recording.run_out: {file}: too few samples: {found} in a revolution, expected at least {MIN_SAMPLES}")]
     Coarse {
         /// The recording.
         file: PathBuf,
@@ -114,7 +114,7 @@ impl RunOut {
         let rotation = |cause| RunOutError::Rotation { file: file.clone(), cause };
         let mut row = Row::default();
         let mut goes_on = true;
-        while goes_on && turns.done.len() < MOST_TURNS {
+        while goes_on && turns.done.len() < MAX_TURNS {
             goes_on = reader.next_row(&mut row).map_err(RunOutError::Recording)?;
             if goes_on {
                 let next = tracker.blank();
@@ -127,7 +127,7 @@ impl RunOut {
             }
         }
         let found = turns.done.len();
-        if found < LEAST_TURNS {
+        if found < MIN_TURNS {
             return Err(RunOutError::Short { file, found });
         }
         let (low, high) = speed.range();
@@ -193,7 +193,7 @@ impl Revolutions {
     /// Evaluates the samples of a whole revolution; one with missing readings is left out.
     fn close(&mut self) -> Result<(), usize> {
         let count = self.samples.len();
-        if count < LEAST_SAMPLES {
+        if count < MIN_SAMPLES {
             return Err(count);
         }
         if self.samples.iter().any(|sample| sample.row.probes.iter().any(|reading| !reading.is_finite())) {

@@ -27,7 +27,7 @@ pub struct SampleReadings {
 }
 
 impl SampleReadings {
-    /// Computes the readings of a sample from the coordinates of the twins. `measured` is absent where the sample is not judged.
+    /// Computes the readings of a sample from the coordinates of the twins. `measured` is absent where the sample is not compared.
     pub fn evaluate(
         &mut self,
         measured: Option<&[f64]>,

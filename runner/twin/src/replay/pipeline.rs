@@ -32,7 +32,7 @@ use crate::outcome::Calibration;
 use crate::outcome::Finding;
 use crate::outcome::Implausibility;
 use crate::outcome::baseline::Baseline;
-use crate::plant::{AXIAL, MOST_OBSERVED, Plant, only_observable, unbalance_note};
+use crate::plant::{AXIAL, MAX_OBSERVED, Plant, only_observable, unbalance_note};
 use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
@@ -73,7 +73,7 @@ pub(super) struct Pipeline<'a> {
     pub(super) running_diagnosis: Option<RunningDiagnosis>,
     /// Calibration of the scene by this recording.
     pub(super) calibration: Option<Calibration>,
-    /// The baseline to judge against.
+    /// Baseline for comparison.
     pub(super) baseline: Option<Baseline>,
     /// Signals of the vibration sensors; none without sensors, and in live operation.
     pub(super) signals: Option<Signals>,
@@ -124,7 +124,7 @@ impl<'a> Pipeline<'a> {
         notes.extend(unbalance_note(scene));
         notes.extend(effect_significance::describe(
             &effect_significance::at_rest(scene, &plant)?,
-            options.error.unwrap_or(effect_significance::GOOD_ENOUGH),
+            options.error.unwrap_or(effect_significance::DEFAULT_FORCE_ERROR),
         ));
         let linear = Arc::new(plant.linearised(&vec![true; plant.bearings.len()])?);
         let plant = Arc::new(plant);
@@ -238,7 +238,7 @@ impl<'a> Pipeline<'a> {
         self.range.check(row);
         self.standstill.add(row);
         if !self.live {
-            // A monitored shaft may stand still for hours; in a file, the keyphasor may as well be dead.
+            // A monitored shaft may stand still for hours; in a file, the keyphasor may have failed instead.
             self.counts.add_without_angle();
         }
     }
@@ -299,9 +299,9 @@ impl<'a> Pipeline<'a> {
             let note = if self.startup.is_cancelled() {
                 "Stopped before the observer was found: forces at the observer's position are those at the twin's."
                     .to_owned()
-            } else if order > MOST_OBSERVED {
+            } else if order > MAX_OBSERVED {
                 format!(
-                    "No observer: the system has {order} coordinates, more than {MOST_OBSERVED}. Forces come from the displacement that the probes show."
+                    "No observer: the system has {order} coordinates, more than {MAX_OBSERVED}. Forces come from the displacement that the probes show."
                 )
             } else {
                 "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter (an axial probe or an axial stiffness is missing). Forces come from the displacement that the probes show.".to_owned()
@@ -360,7 +360,7 @@ impl<'a> Pipeline<'a> {
         if let (Some(seconds), Some(nis)) = (&mut self.seconds, observed.nis) {
             seconds.add_innovation(nis);
         }
-        // An extrapolated angle is not judged, except in live operation, where limits stay in force.
+        // Samples with an extrapolated angle are not compared, except in live operation, where limits stay in force.
         let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let readings = is_judged.then_some(sample.row.probes.as_slice());
         let twins = [self.twin.coordinates(), self.twin.linear_coordinates()];
@@ -370,9 +370,9 @@ impl<'a> Pipeline<'a> {
         self.record(&processed)?;
         self.displacements = processed.displacements;
         if self.twin.stop_if_stuck(time) {
-            self.notes.push(format!("The twin's motion overflowed; it started anew after line {}.", sample.row.line));
+            self.notes.push(format!("The twin's motion overflowed; it restarted after line {}.", sample.row.line));
             self.notices
-                .add("twin-restarted", time, || "The motion of the twin overflowed; it started anew.".to_owned());
+                .add("twin-restarted", time, || "The motion of the twin overflowed; it restarted.".to_owned());
         }
         Ok(())
     }

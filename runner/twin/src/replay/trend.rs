@@ -15,11 +15,11 @@ const UM: f64 = 1e6;
 /// Revolutions of one block.
 pub const TURNS: i64 = 4;
 /// Largest number of points in a trend.
-const MOST_POINTS: usize = 512;
+const MAX_POINTS: usize = 512;
 /// Largest number of samples in a block; a block of a very slow shaft is dropped.
-const MOST_SAMPLES: usize = 1 << 18;
+const MAX_SAMPLES: usize = 1 << 18;
 /// Smallest share of its revolutions in which a block has readings.
-const LEAST_COVERED: f64 = 0.98;
+const MIN_COVERED: f64 = 0.98;
 /// Steps longer than this many revolutions are gaps.
 const GAP: f64 = 0.25;
 
@@ -54,7 +54,7 @@ impl Trend {
             start: 0.0,
             end: 0.0,
             speed: 0.0,
-            history: History::new(MOST_POINTS),
+            history: History::new(MAX_POINTS),
         }
     }
 
@@ -62,7 +62,7 @@ impl Trend {
     pub fn add(&mut self, sample: &Sample, twin: &[f64], revolutions: f64) {
         let index = sample.revolution.div_euclid(TURNS);
         let gap = revolutions.abs() > GAP;
-        if self.index != Some(index) || gap || self.bases.len() >= MOST_SAMPLES {
+        if self.index != Some(index) || gap || self.bases.len() >= MAX_SAMPLES {
             if !gap {
                 self.close();
             }
@@ -91,7 +91,7 @@ impl Trend {
 
     /// Evaluates the current block, where it is complete.
     fn close(&mut self) {
-        if self.covered < LEAST_COVERED * TURNS as f64 {
+        if self.covered < MIN_COVERED * TURNS as f64 {
             return;
         }
         let count = self.bases.len() as f64;

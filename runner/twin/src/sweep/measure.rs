@@ -2,7 +2,7 @@
 
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{Result, SweepError};
-use crate::motion::{self, MOST_SAMPLES, ResponseSample, Span};
+use crate::motion::{self, MAX_SAMPLES, ResponseSample, Span};
 use crate::plant::{Plant, Twin};
 use crate::scene::Scene;
 use crate::spectrum::amplitudes;
@@ -106,8 +106,8 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
     let settle = options.settle.unwrap_or_else(|| plant.settling_time());
     // Whole periods, so that the section is taken at the same place at every point.
     let settle = (settle * section).ceil() * A_PERIOD as f64;
-    if settle > MOST_SAMPLES {
-        return Err(SweepError::Samples { found: settle, rate, most: MOST_SAMPLES }.into());
+    if settle > MAX_SAMPLES {
+        return Err(SweepError::Samples { found: settle, rate, most: MAX_SAMPLES }.into());
     }
     let span = Span { rate, settle: settle as u64, samples: (options.periods * A_PERIOD) as u64 };
     let mut path = Path::default();

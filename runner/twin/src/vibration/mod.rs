@@ -1,9 +1,9 @@
 //! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by the lines of envelope
 //! spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the findings of both are joined.
 
+mod detector;
 mod envelope;
 pub mod join;
-mod judge;
 mod onset;
 mod picture;
 mod shaft;
@@ -24,7 +24,7 @@ use crate::recording::rotation::{RotationError, Tracker};
 use crate::recording::{Reader, Row};
 use crate::scene::{Recording, RotationSource, Scene, Sensor, Sequence, build};
 use crate::verdict::verdict;
-use signals::{LEAST_TURNS, Signals};
+use signals::{MIN_TURNS, Signals};
 use std::time::Instant;
 use suspect::Suspect;
 
@@ -68,7 +68,7 @@ pub fn replay(
     let rate = reader.rate();
     let begun = Instant::now();
     let Some(mut signals) = Signals::new(recording, rate) else {
-        return Err(VibrationError::TooShort { recording: name.to_owned(), found: 0.0, least: LEAST_TURNS }.into());
+        return Err(VibrationError::TooShort { recording: name.to_owned(), found: 0.0, least: MIN_TURNS }.into());
     };
     let mut angle = Angle::new(scene, recording, rate);
     let mut row = angle.tracker.blank();
@@ -91,9 +91,9 @@ pub fn replay(
     let suspects = suspects(scene)?;
     let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
     let found = signals.evaluate(scene, baseline.as_ref())?;
-    if found.turns < LEAST_TURNS {
+    if found.turns < MIN_TURNS {
         return Err(
-            VibrationError::TooShort { recording: name.to_owned(), found: found.turns, least: LEAST_TURNS }.into()
+            VibrationError::TooShort { recording: name.to_owned(), found: found.turns, least: MIN_TURNS }.into()
         );
     }
     let collected = &collected;
