@@ -135,7 +135,7 @@ fn rotor(page: &mut Page, of: &Draft) {
     page.by_default(
         "load",
         "[0, 0, 0, 0, 0]",
-        "the default; constant force and moment on the rotor, N and N m, such as an axial load",
+        "the default; constant force and moment on the rotor, N and N m, such as an axial load, which `ballrace fit` does not estimate",
     );
     let unbalance = "[{ moment = \"60 g mm\", angle = \"0 deg\", station = \"0 mm\" }]";
     page.by_default("unbalance", unbalance, "none by default: `ballrace fit` estimates it");

@@ -10,7 +10,7 @@
 mod bending;
 
 use crate::plant::{Plant, Result};
-use crate::scene::build::{self, point_contact_approach, point_contact_load};
+use crate::scene::build::{self, point_contact_approach, point_contact_load, rolling_speed};
 use crate::scene::{Bearing as BearingScene, Effects, Facing, FreeAngle, Model, Preload, Scene};
 use ballrace::bearing::angular::{Angular, GrooveCentres};
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -410,8 +410,7 @@ impl Inertia {
 
     /// rad/s
     fn orbit(&self, ball: &Ball) -> f64 {
-        let gamma = self.gamma(ball);
-        0.5 * (self.inner_speed * (1.0 - gamma) + self.outer_speed * (1.0 + gamma))
+        rolling_speed(self.gamma(ball), self.inner_speed, self.outer_speed)
     }
 
     /// N

@@ -3,10 +3,9 @@
 use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
-use crate::outcome::ClearanceOutcome;
-use crate::outcome::{BearingOrders, RotorDrawing, RotorOutcome};
+use crate::outcome::{BearingOrders, ClearanceOutcome, RotorDrawing, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
-use crate::scene::build::{self, AnyBearing, Kinematics};
+use crate::scene::build::{self, AnyBearing, Kinematics, rolling_speed};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -200,7 +199,7 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
     };
     let solving_seconds = begun.elapsed().as_secs_f64();
     let elements = elements(of, &built, &u, &at)?;
-    let one = bearing_settled(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
+    let one = equilibrium_of_bearing(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
     // The displacement contains the preload.
     let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(StaticEquilibrium {
@@ -247,7 +246,7 @@ fn rows<S: nalgebra::RawStorage<f64, R, C>, R: nalgebra::Dim, C: nalgebra::Dim>(
 }
 
 /// Returns the equilibrium of `bearing`, which reacts to the displacement `moved`; `total` contains the preload.
-fn bearing_settled(
+fn equilibrium_of_bearing(
     name: &str,
     bearing: &AnyBearing<f64>,
     moved: &Displacement<f64>,
@@ -316,7 +315,7 @@ fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
     for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
         let at = plant.resting(mounted, Phase::ZERO);
         let (moved, total) = displacements(&plant, i);
-        let one = bearing_settled(&mounted.name, &mounted.bearing, &moved, &total, &at);
+        let one = equilibrium_of_bearing(&mounted.name, &mounted.bearing, &moved, &total, &at);
         let wrench = ballrace::Wrench::from_array(one.force).from_station(mounted.station).to_array();
         for (sum, f) in force.iter_mut().zip(wrench) {
             *sum += f;
@@ -426,7 +425,7 @@ fn film_ratio(
     let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
     let half = 0.5 * g.pitch_diameter;
     // A massless ball has the speed of the ideal cage.
-    let ideal = at.outer_speed + 0.5 * (at.inner_speed - at.outer_speed) * (1.0 - gamma);
+    let ideal = rolling_speed(gamma, at.inner_speed, at.outer_speed);
     let orbital = if s.centrifugal > 0.0 { s.orbital_speed } else { ideal };
     let near = (at.inner_speed - orbital).abs() * half * (1.0 - ratio * s.inner_direction[0]);
     let far = (orbital - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);

@@ -1,11 +1,9 @@
 //! The machine in good order: parameters of a scene fitted to a recording of it.
 
-use super::Prepared;
-use super::Result;
-use super::cage;
 use super::fit::{Prior, fit_whole};
 use super::hypothesis::SLIPS;
 use super::machine::{Machine, Unknown};
+use super::{Prepared, Result, cage};
 use crate::outcome::{CalibratedParameter, Calibration, ParameterName};
 use crate::scene::Scene;
 use nalgebra::{DMatrix, DVector};

@@ -1,12 +1,10 @@
 //! Hypotheses: faults added to the machine, one after the other, as long as the recording supports them.
 
-use super::Prepared;
-use super::Result;
-use super::cage;
 use super::fit::{Fitted, MIN_FALL, evaluate, fit};
 use super::machine::{Machine, MachineBearing, Unknown, clearance, waves};
 use super::residual::{Evidence, dot};
 use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
+use super::{Prepared, Result, cage};
 use crate::scene::Surface;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;

@@ -28,10 +28,8 @@ use crate::diagnosis::block::Block;
 use crate::effect_significance;
 use crate::error::Result;
 use crate::options::Options;
-use crate::outcome::Calibration;
-use crate::outcome::Finding;
-use crate::outcome::Implausibility;
 use crate::outcome::baseline::Baseline;
+use crate::outcome::{Calibration, Finding, Implausibility};
 use crate::plant::{AXIAL, MAX_OBSERVED, Plant, only_observable, unbalance_note};
 use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
@@ -371,8 +369,7 @@ impl<'a> Pipeline<'a> {
         self.displacements = processed.displacements;
         if self.twin.stop_if_stuck(time) {
             self.notes.push(format!("The twin's motion overflowed; it restarted after line {}.", sample.row.line));
-            self.notices
-                .add("twin-restarted", time, || "The motion of the twin overflowed; it restarted.".to_owned());
+            self.notices.add("twin-restarted", time, || "The motion of the twin overflowed; it restarted.".to_owned());
         }
         Ok(())
     }

@@ -1,8 +1,7 @@
 //! Whether the readings can be those of the twin's machine, and whether enough is measured for a verdict.
 
 use super::force::BearingForces;
-use crate::outcome::Implausibility;
-use crate::outcome::{Motion, ProbeOutcome};
+use crate::outcome::{Implausibility, Motion, ProbeOutcome};
 use crate::plant::MountedBearing;
 use crate::recording::status::SampleStatus;
 

@@ -3,10 +3,8 @@
 use super::notices::Notices;
 use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, Diagnosis, DiagnosisInput};
-use crate::outcome::Calibration;
-use crate::outcome::Implausibility;
 use crate::outcome::baseline::Baseline;
-use crate::outcome::{FaultFigures, Finding, FindingKind};
+use crate::outcome::{Calibration, FaultFigures, Finding, FindingKind, Implausibility};
 use crate::plant::Plant;
 use crate::plausibility::implausible_samples;
 use crate::recording::Sample;

@@ -3,9 +3,8 @@
 //! Nothing is computed from them. Where a recording has no other samples, their statistics are the report.
 
 use super::statistics::Running;
-use crate::outcome::Implausibility;
 use crate::outcome::{
-    BearingOutcome, ForceFigures, Motion, Observation, Outcome, ProbeOutcome, Record, SimplePredictor,
+    BearingOutcome, ForceFigures, Implausibility, Motion, Observation, Outcome, ProbeOutcome, Record, SimplePredictor,
     SimplePredictors, TabularList, Timing,
 };
 use crate::recording::Row;

@@ -12,7 +12,7 @@ pub use balls::{
 };
 pub use error::BuildError;
 use kinematics::outer_ratio;
-pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rotation_at};
+pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rolling_speed, rotation_at};
 pub use lumped::{Exponent, law};
 pub use preload::{loaded, preload_offset, preloaded};
 
