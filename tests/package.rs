@@ -1,4 +1,4 @@
-//! What the package says of itself is true of its dependencies.
+//! Statements of the packages about counts, Rust version and dependencies are true.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;

@@ -75,7 +75,7 @@ fn file_from_before_is_replaced() {
     assert!(desk.read("report.html").starts_with("<!DOCTYPE html>"));
 }
 
-/// `ballrace ... | head` with a head that wants nothing.
+/// `ballrace ... | head` where `head` has closed its input.
 #[test]
 fn closed_standard_output_is_no_error() {
     let desk = Desk::rig();
@@ -117,7 +117,7 @@ fn output_follows_a_symbolic_link() {
     assert!(desk.read("real.html").contains("<html"));
 }
 
-/// What goes into a pipe comes out of it; the pipe is not replaced by a file.
+/// Output goes through a named pipe, which is not replaced by a file.
 #[cfg(unix)]
 #[test]
 fn output_to_a_named_pipe_keeps_the_pipe() {

@@ -2,14 +2,14 @@
 
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, scene, short_recording, swap};
 
-/// Every command that reads a scene, asked for every output that it has.
+/// Every command that reads a scene, with every output that it has.
 const COMMANDS: [&[&str]; 3] = [
     &["replay", "scene.toml", "--report", "report.html", "--forces", "forces.csv"],
     &["force", "scene.toml", "--bearing", "DE", "--displacements", "u.csv"],
     &["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "1 kHz", "-o", "motion.csv"],
 ];
 
-/// Every command refuses this scene with one line that has all `parts`.
+/// Every command rejects this scene with one line that has all `parts`.
 fn refused(scene: impl AsRef<[u8]>, parts: &[&str]) {
     let desk = Desk::rig();
     desk.put("scene.toml", scene);
@@ -19,7 +19,7 @@ fn refused(scene: impl AsRef<[u8]>, parts: &[&str]) {
     }
 }
 
-/// Every command refuses the demonstration's scene with `to` instead of `from`, naming that line.
+/// Every command rejects the demonstration's scene with `to` instead of `from`, naming that line.
 fn refused_with(from: &str, to: &str, parts: &[&str]) {
     let line = 1 + DEMO_SCENE[..DEMO_SCENE.find(from).unwrap()].matches('\n').count();
     let place = format!("scene.toml:{line}: ");
@@ -218,7 +218,7 @@ fn a_rotor_that_replay_does_not_take() {
     desk.refused(&["replay", "scene.toml", "--report", "report.html"], 2, &[wants]);
 }
 
-/// `replay` refuses the demonstration's scene with these probes, naming `why`.
+/// `replay` rejects the demonstration's scene with these probes, naming `why`.
 fn not_observable(probes: &[(&str, &str, &str)], why: &str) {
     let entry = |(column, station, angle): &(&str, &str, &str)| {
         format!("{{ column = \"{column}\", unit = \"um\", station = \"{station}\", angle = \"{angle}\" }}")

@@ -107,7 +107,7 @@ outer_conformity = 0.52
 diametral_clearance = "10 um"
 "#;
 
-/// What is baked compiles without `std` and answers with the bits of `force --precision f32`.
+/// Baked constants compile without `std` and give the bits of `force --precision f32`.
 #[test]
 fn every_model_of_firmware_is_baked() {
     let desk = Desk::empty();

@@ -13,7 +13,7 @@ const MAX_BYTES: usize = 3_000_000;
 /// A desk's screen and a telephone's.
 const WIDTHS: [u32; 2] = [1280, 400];
 
-/// What `measure.html` says of a page.
+/// Measurements of a page by `measure.html`.
 #[derive(Debug, Deserialize)]
 struct SampleReadings {
     width: u32,

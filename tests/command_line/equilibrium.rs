@@ -78,7 +78,7 @@ fn harris_218_under_its_load() {
     }
     let effects: Vec<&str> = list(&outcome, "effects").iter().map(|e| e["effect"].as_str().unwrap()).collect();
     assert_eq!(effects, ["centrifugal", "gyroscopic"]);
-    // At rest it settles at 35.98169 um: what both effects do together.
+    // Without rotation the displacement is 35.98169 um; the difference is that of both effects together.
     let rest = settled(&harris(""), &[]);
     assert!((rest["displacement"][2].as_f64().unwrap() - 35.98169e-6).abs() < 1e-10);
 }
@@ -156,7 +156,7 @@ fn campbell_table_of_the_reference_rotor() {
         assert!((modes[0]["frequency_hz"].as_f64().unwrap() - 1428.3188).abs() < 2e-3);
         assert_eq!(modes[0]["whirl"], "straight");
     }
-    // Started the other way round, the shaft's own direction is the other one.
+    // With the opposite sense of rotation, the forward direction is the other one.
     let back: Value = desk.done(&["campbell", "scene.toml", "--speeds=-12000rpm", "--format", "json"]).json();
     assert_eq!((&back[0]["modes"][3]["whirl"], &back[0]["modes"][4]["whirl"]), (&"forward".into(), &"backward".into()));
     let text = desk.done(&["campbell", "scene.toml", "--speeds", "0rpm..30000rpm:1000rpm"]).out;

@@ -54,12 +54,12 @@ fn fit_finds_the_parameters_of_the_rig() {
         println!("{name}: {value:.4} from {low:.4} to {high:.4}, fact {fact:.4}");
         assert!((low..=high).contains(&fact), "{name}: {fact} not in {low} to {high}");
     }
-    // Useful intervals, where the recording can tell.
+    // Useful intervals, where the recording determines the parameter.
     for (name, width) in [("unbalance: moment", 10.0), ("DE: diametral_clearance", 3.0), ("damping of tilt", 0.2)] {
         let [low, _, high] = interval(&found, name);
         assert!(high - low < width, "{name}: {low} to {high}");
     }
-    // A start that dies out in a tenth of the recording says little of the radial damping, and the report says so.
+    // A transient that decays in a tenth of the recording determines the radial damping poorly, and the report states this.
     let notes = found["notes"].to_string();
     assert!(notes.contains("damping along X and Y is not identifiable"), "{notes}");
     let outcome = desk.replay("wrong-fitted.toml", &[]);

@@ -31,7 +31,7 @@ fn displacements(case: &Case) -> String {
     case.displacement.map(|x| format!("{x:?}")).join(",")
 }
 
-/// What one row of `--format csv` says: digits checked, numbers and status.
+/// Content of one row of `--format csv`: numbers with checked digits, and status.
 fn row(line: &str, digits: usize) -> ([f64; 5], &str) {
     let cells: Vec<&str> = line.split(',').collect();
     assert_eq!(cells.len(), 6, "{line}");

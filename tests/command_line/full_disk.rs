@@ -24,7 +24,7 @@ cp -r disk copy
 exit $code
 "#;
 
-/// True where this machine lets a user mount a disk in a namespace; says so where it does not.
+/// True where this machine lets a user mount a disk in a namespace; prints a note where it does not.
 fn can_mount() -> bool {
     let desk = Desk::empty();
     fs::create_dir(desk.path("disk")).unwrap();
@@ -60,7 +60,7 @@ impl SmallDisk {
         Self { rig, metrics, monitor }
     }
 
-    /// A file on the disk, as the monitor sees it.
+    /// A file on the disk, in the monitor's mount namespace.
     fn path(&self, name: &str) -> PathBuf {
         let pid = self.rig.desk.read("program.pid");
         let desk = self.rig.desk.path("disk");

@@ -27,7 +27,7 @@ fn write_repeated(desk: &Desk, at_least: u64, spare: usize) -> f64 {
     (times * rows.lines().count() as u64) as f64
 }
 
-/// The outcome and the peak memory of the process, where the system tells it.
+/// The outcome and the peak memory of the process, where the system reports it.
 fn replayed(desk: &Desk, samples: f64) -> (Value, Option<f64>) {
     let outcome = desk.replay("scene.toml", &[]);
     assert_eq!(number(&outcome, "/record/compared"), samples);
@@ -66,7 +66,7 @@ fn recording_ten_times_as_long() {
     assert_no_larger(memory, 1.2);
 }
 
-/// Bytes free where the desk stands, as `df` tells them.
+/// Free bytes in the folder of the desk, by `df`.
 fn free_bytes(desk: &Desk) -> Option<u64> {
     let output = Command::new("df").arg("-Pk").arg(desk.path("")).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;

@@ -36,7 +36,7 @@ pub fn rotor(model: &str, defect: &str, axial: &str) -> String {
     )
 }
 
-/// The motion that the program computes for a scene: `u, v, w, thu, thv` at each sample of so many turns after the start.
+/// The motion that the program computes for a scene: `u, v, w, thu, thv` at each sample of a number of turns after the start.
 pub fn motion(desk: &Desk, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f64>> {
     let duration = format!("{} s", (turns.end * TURN) as f64 / RATE);
     desk.done(&["simulate", scene, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);

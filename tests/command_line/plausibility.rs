@@ -1,4 +1,4 @@
-//! Recordings that cannot be of the scene's machine: exit code 4, the verdict says so first, nothing is diagnosed.
+//! Recordings that cannot be of the scene's machine: exit code 4, the verdict states it first, nothing is diagnosed.
 
 use serde_json::Value;
 use std::path::Path;
@@ -84,7 +84,7 @@ fn the_demonstration_is_plausible() {
     assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0));
 }
 
-/// A keyphasor that dies: its part of the recording is flagged and nothing is said of the machine.
+/// A keyphasor that fails: its part of the recording is flagged and the machine has no verdict.
 #[test]
 fn keyphasor_that_fails() {
     let dead = 10 * TURN;

@@ -15,7 +15,7 @@ struct Endpoint {
 }
 
 impl Endpoint {
-    /// With at most so many descriptors, where given.
+    /// With a limit of the descriptors, where given.
     fn start(descriptors: Option<u32>) -> Self {
         let desk = Desk::with(DEMO_SCENE, &short_recording(256));
         let (source, port) = (format!("tcp:{}", port()), port());

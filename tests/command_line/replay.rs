@@ -1,4 +1,4 @@
-//! `ballrace replay`: the demonstration, the forms of its output, what it says of sound and unsound machines.
+//! `ballrace replay`: the demonstration, the formats of its output, verdicts on machines in good order and with faults.
 
 use std::time::Instant;
 
@@ -147,7 +147,7 @@ fn unpaced_has_no_lateness() {
     assert_eq!((&outcome["timing"]["lateness"], &outcome["timing"]["deadline_misses"]), (&Value::Null, &Value::Null));
 }
 
-/// What the sound machine's scene says to a recording.
+/// Outcome of a recording against the scene of the machine in good order.
 fn sound_scene_on(recording: &str) -> Value {
     Desk::empty().replay(&recorded("healthy.toml"), &["--recording", &recorded(recording)])
 }
@@ -199,7 +199,7 @@ fn each_recording_is_explained_by_its_own_scene() {
     }
 }
 
-/// Degrees from one angle to another, the short way.
+/// Smallest difference of two angles, degrees.
 fn apart(a: f64, b: f64) -> f64 {
     ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs()
 }

@@ -63,7 +63,7 @@ fn forces_are_those_of_the_force_command() {
     assert_forces_of_the_force_command(&Desk::rig());
 }
 
-/// The twin's quasi-static bearings go on from where their balls were: what they answer is what a cold start answers.
+/// The quasi-static bearings of the twin start from the last positions of their balls: the forces are those of a cold start.
 #[test]
 fn warm_started_balls_equal_a_cold_start() {
     let solved = DEMO_SCENE.replace("\"angular\"", "\"quasi-static\"\neffects = [\"centrifugal\", \"gyroscopic\"]");
@@ -122,7 +122,7 @@ fn transient_decays_to_the_motion_of_the_twin() {
         let (twin, twin_lag) = (number(probe, "/twin/one_x_um"), number(probe, "/twin/one_x_phase_lag_deg"));
         println!("{}: {:.5} um, {lag:.2} deg; twin {twin:.5} um, {twin_lag:.2} deg", probe["name"], size * 1e6);
         assert!((size * 1e6 / twin - 1.0).abs() < 0.02, "{probe:#}");
-        // The keyphasor of the recording tells the angle to half a sample, 0.7 degrees.
+        // The keyphasor of the recording resolves the angle to half a sample, 0.7 degrees.
         assert!(((lag - twin_lag + 180.0).rem_euclid(360.0) - 180.0).abs() < 2.0, "{probe:#}");
     }
 }
@@ -141,7 +141,7 @@ fn summary_in_three_formats() {
     assert!(text.contains("500 samples") && text.contains("Written: motion.csv"), "{text}");
 }
 
-/// What each of the rig's five probes reads of a row of the simulation, um.
+/// Reading of each of the rig's five probes at a row of the simulation, um.
 fn probes(row: &[f64]) -> [f64; 5] {
     let (u, v, w, thu, thv) = (row[POSE], row[POSE + 1], row[POSE + 2], row[POSE + 3], row[POSE + 4]);
     let at = |z: f64| [u + z * thv, v - z * thu];

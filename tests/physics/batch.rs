@@ -113,7 +113,7 @@ fn stops_at_the_shortest_slice() {
     }
 }
 
-/// A bad sample spoils its own answer and no other.
+/// A bad sample affects its own result only.
 #[test]
 fn not_a_number_stays_where_it_is() {
     for play in [5e-6, -5e-6] {

@@ -109,7 +109,7 @@ proptest! {
         let seen_places = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), seen, DisplacementDatum::Touching).unwrap();
         let here = Wrench::from_array(wrench_of(&seen_places, u, cage)).mirrored().to_array();
         prop_assert_eq!(there, here);
-        // And a thrust bearing turned round carries thrust the other way.
+        // A mirrored thrust bearing carries thrust in the opposite direction.
         let push = Displacement { w: 10e-6, ..Displacement::default() };
         prop_assert!(wrench_of(&plain, push, cage)[2] < -400.0);
         prop_assert!(wrench_of(&mirrored, push, cage)[2] > -1.0);

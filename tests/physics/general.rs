@@ -204,7 +204,7 @@ fn plucked() -> RotorState<f64, 9, 2> {
 }
 
 /// A million steps of the undamped rotor with gyroscopic moments at a tenth of the stability limit: Verlet's energy
-/// swings and does not drift, Newmark's stands still, Runge-Kutta's falls as its theory says.
+/// swings and does not drift, Newmark's stands still, Runge-Kutta's falls at the theoretical rate.
 #[test]
 fn energy_over_a_million_steps() {
     let (machine, matrices) = elastic();
@@ -258,7 +258,7 @@ fn highest(matrices: &SystemMatrices<9>, k: &SMatrix<f64, 9, 9>) -> f64 {
     (root * k * root).symmetric_eigenvalues().max().sqrt()
 }
 
-/// The error of one mode falls with the step as theory says: h^4, h^2, h^2.
+/// The error of one mode falls with the step at the theoretical rates: h^4, h^2, h^2.
 #[test]
 fn observed_orders() {
     let (machine, _) = elastic();
@@ -309,7 +309,7 @@ fn largest_stable_steps() {
     assert!(newmark(1.0) && newmark(100.0));
 }
 
-/// A matrix that is not what it should be is refused with the entry's place.
+/// An invalid matrix is rejected with the position of the entry.
 #[test]
 fn crooked_matrices_are_refused() {
     let good = SystemMatrices::<3>::unit_mass();

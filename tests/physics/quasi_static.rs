@@ -301,7 +301,7 @@ fn mirrored_bearing_has_mirrored_forces() {
     let seen = Wave { amplitude: -wave.amplitude, ..wave };
     let backward = Mirrored(backward.with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Wave(seen).mirrored()])));
     let at = BearingKinematicState { cage: Phase::from_revolutions(0.21), outer: Phase(5), ..inner_at(12_000.0) };
-    // Reflected in its plane a bearing faces the other way; rotation about Z looks the same in that mirror.
+    // Reflected in its plane a bearing has the opposite facing; rotation about Z looks the same in that mirror.
     let reflected = Displacement { w: -U.w, thu: -U.thu, thv: -U.thv, ..U };
     let Wrench { fx, fy, fz, mx, my } = forward.reaction(&U, &at).wrench;
     let found = backward.reaction(&reflected, &at).wrench.to_array();
@@ -336,7 +336,7 @@ fn no_work_around_a_closed_path_without_rotation() {
     assert!(work.abs() < 1e-6 * size, "{work:e} of {size:e}");
 }
 
-/// Central differences with the balls settled to rounding.
+/// Central differences with the balls converged to rounding.
 fn differences(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Stiffness<f64> {
     let mut k = Stiffness::zeros();
     for j in 0..5 {

@@ -48,7 +48,7 @@ struct Flagged {
     /// Inner race control with a ball at the edge of the inner contact: the moment vanishes at once with the contact, and
     /// no state in between is balanced.
     edge: u32,
-    /// Not settled in the steps given.
+    /// Not converged in the steps given.
     slow: u32,
 }
 
@@ -106,7 +106,7 @@ where
     flagged
 }
 
-/// Cold steps that the kernel takes unless told otherwise.
+/// Default number of cold steps of the kernel.
 const STEPS: u8 = ballrace::bearing::quasi_static::DEFAULT_NEWTON_STEPS;
 /// As many as the tests say.
 const STATES: u32 = 1_000_000;

@@ -1,4 +1,4 @@
-//! Bad samples are flagged, counted and answered with the last good value.
+//! Bad samples are flagged, counted and replaced by the last valid value.
 
 use ballrace::bearing::{Bearing, LastValidWrench};
 use ballrace::{Displacement, Phase, Status};

@@ -257,7 +257,7 @@ fn a_large_common_displacement_of_both_rings() {
     }
 }
 
-/// No ball is lost in silence: what did not settle is flagged, what did has positive loads.
+/// A ball without convergence is flagged, a ball with convergence has positive loads.
 #[test]
 fn balls_without_convergence_are_flagged() {
     let places: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
