@@ -326,7 +326,8 @@ fn package_sources(packages: &[&str]) -> Vec<PathBuf> {
     for package in packages {
         sources(&root().join(package).join("src"), &mut files);
     }
-    let is_test = |file: &Path| file.iter().any(|name| name == "tests" || name == "tests.rs");
+    let is_test =
+        |file: &Path| file.strip_prefix(root()).unwrap().iter().any(|name| name == "tests" || name == "tests.rs");
     files.retain(|file| file.extension().is_some_and(|extension| extension == "rs") && !is_test(file));
     files
 }
