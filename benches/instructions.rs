@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What callgrind collects and dumps after: it is found by this name.
+/// Function that callgrind measures, found by this name.
 #[inline(never)]
 fn counted(subject: &mut Subject) {
     black_box(&mut subject.run)();

@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 
 /// Rounds; odd, so that the median is one of them.
 pub const ROUNDS: usize = 301;
-/// What one turn takes about: far above the clock's resolution, far below a time slice.
+/// Duration of one round: far above the clock's resolution, far below a time slice.
 const TURN: Duration = Duration::from_micros(100);
 
-/// Of each subject the time of a call in each round, ns.
+/// Time of a call of each subject in each round, ns.
 pub struct Times(Vec<Vec<f64>>);
 
 /// Measures them all, some seconds long.

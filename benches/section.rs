@@ -6,7 +6,7 @@ use std::process;
 
 const NOT_MEASURED: &str = "–";
 
-/// What the preamble of a section begins with.
+/// Start of the preamble of a section.
 pub const COMPILED_BY: &str = "Compiled by ";
 
 /// A table between `<!-- name:begin -->` and `<!-- name:end -->`.
@@ -29,7 +29,7 @@ impl Section {
         )
     }
 
-    /// What stands between the marks, if they are there.
+    /// Text between the marks, if they exist.
     pub fn content<'a>(&self, text: &'a str) -> Option<&'a str> {
         let [begin, end] = self.marks();
         Some(text.split_once(&begin)?.1.split_once(&end)?.0)

@@ -1,4 +1,4 @@
-//! Tells the kernel whether its target has a square root in hardware: stable Rust shows no cfg for the FPU.
+//! Sets a cfg where the target has a square root in hardware: stable Rust shows no cfg for the FPU.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! What the package says of itself is true of its dependencies.
+//! Statements of the packages about counts, Rust version and dependencies are true.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -13,7 +13,7 @@ fn version(text: &str) -> Vec<u32> {
 
 /// The Cortex-M4F costs that `ballrace trade` reads are those of `docs/src/performance.md`, which the tests of the target hold.
 #[test]
-fn the_runner_knows_the_counts_of_the_target() {
+fn the_runner_has_the_counts_of_the_target() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let read = |path: &str| std::fs::read_to_string(root.join(path)).expect("a file of this project");
     let chapter = read("docs/src/performance.md");

@@ -102,7 +102,7 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
     Ok(subjects)
 }
 
-/// A smooth way through the poses, each ball starting where it was.
+/// A smooth path through the poses; each ball starts at its last position.
 fn warm(bearing: Massive) -> Subject {
     let bearing = bearing.with_newton_steps(WARM_STEPS);
     let at = BearingKinematicState { inner_speed: SPEED, ..BearingKinematicState::default() };
@@ -124,7 +124,7 @@ fn warm(bearing: Massive) -> Subject {
 /// Passes over the poses that one run of the C program makes: what the pipe costs is then below a hundredth.
 const PASSES: u32 = 8;
 
-/// The C program, told through its input to go through the poses.
+/// The C program with the poses as its input.
 struct Yardstick {
     child: Child,
     orders: ChildStdin,

@@ -10,7 +10,7 @@ use ballrace::{Displacement, Exact, Fast, Phase, Scalar};
 
 /// One thing to measure, in one precision and with one math backend.
 pub struct Subject {
-    /// What it is; the table has one row a name.
+    /// Name; the table has one row for each.
     pub row: String,
     /// In which numbers; one of [`COLUMNS`].
     pub column: &'static str,
@@ -27,7 +27,7 @@ pub const COLUMNS: [&str; 4] = ["f64", "f64 Fast", "f32", "f32 Fast"];
 pub const BATCH: &str = "batch over samples: lumped, point contact, N = 8, play";
 /// The same bearing preloaded: every element takes its own.
 pub const BATCH_PRELOADED: &str = "batch over samples: lumped, point contact, N = 8, preload";
-/// What the batches are held against.
+/// Reference of the batches.
 pub const ROOTS: &str = "8 square roots over arrays";
 
 /// All of them, those of one row side by side.

@@ -14,7 +14,7 @@ use std::hint::black_box;
 const RADIAL_PLAY: f64 = 5e-6;
 const ROLLER_LENGTH: f64 = 8e-3;
 
-/// The model that knows neither elements nor math backend.
+/// The model without elements and math backend.
 pub fn linear<T: Scalar>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter>
 where
     Exact: Math<T>,

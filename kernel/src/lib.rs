@@ -7,7 +7,6 @@ mod choice;
 pub mod contact;
 pub mod frame;
 pub mod kinematic_state;
-mod lanes;
 pub mod math;
 pub mod phase;
 pub mod rotor;

@@ -247,7 +247,7 @@ fn the_last_will_of_a_killed_monitor_is_published() {
 
 /// A wrong password and a broker of another authority stop no monitor and deliver nothing.
 #[test]
-fn a_broker_that_refuses_or_is_not_trusted_gets_nothing() {
+fn no_data_for_a_broker_that_rejects_or_is_not_trusted() {
     let desk = Desk::new();
     let _broker = desk.broker();
     let received = desk.subscribe();

@@ -2,7 +2,7 @@
 
 use crate::support::{DEMO_SCENE, Desk, scene, short_recording};
 
-/// What the parser of the command line refuses, in several lines of its own.
+/// Command lines that the parser rejects, with its own message of several lines.
 fn no_such(args: &[&str], part: &str) {
     let desk = Desk::rig();
     let answer = desk.run(args);

@@ -75,9 +75,9 @@ fn file_from_before_is_replaced() {
     assert!(desk.read("report.html").starts_with("<!DOCTYPE html>"));
 }
 
-/// `ballrace ... | head` with a head that wants nothing.
+/// `ballrace ... | head` where `head` has closed its input.
 #[test]
-fn nobody_reads_on() {
+fn closed_standard_output_is_no_error() {
     let desk = Desk::rig();
     desk.put("u.csv", format!("u,v,w,thu,thv\n{}", "0,0,6e-5,0,0\n".repeat(5000)));
     for args in [
@@ -108,7 +108,7 @@ fn full_disk_behind_standard_output() {
 /// A link is followed: its target is replaced, the link stays.
 #[cfg(unix)]
 #[test]
-fn a_link_stays_a_link() {
+fn output_follows_a_symbolic_link() {
     let desk = Desk::rig();
     desk.put("real.html", "old");
     std::os::unix::fs::symlink(desk.path("real.html"), desk.path("link.html")).unwrap();
@@ -117,10 +117,10 @@ fn a_link_stays_a_link() {
     assert!(desk.read("real.html").contains("<html"));
 }
 
-/// What goes into a pipe comes out of it; the pipe is not replaced by a file.
+/// Output goes through a named pipe, which is not replaced by a file.
 #[cfg(unix)]
 #[test]
-fn a_pipe_stays_a_pipe() {
+fn output_to_a_named_pipe_keeps_the_pipe() {
     let desk = Desk::rig();
     let made = std::process::Command::new("mkfifo").arg(desk.path("pipe")).status();
     if !made.is_ok_and(|status| status.success()) {

@@ -14,7 +14,7 @@ const DE_X: usize = 1;
 const DE_Y: usize = 2;
 const KEYPHASOR: usize = 6;
 
-/// The demonstration's scene refuses this recording.
+/// This recording is rejected with the demonstration's scene.
 fn refused(recording: impl AsRef<[u8]>, code: i32, parts: &[&str]) {
     let desk = Desk::rig();
     desk.put("healthy.csv", recording);
@@ -135,7 +135,7 @@ fn edited(line: usize, edit: impl Fn(&str) -> String) -> String {
     edited_recording(|i, row| vec![if i == line { edit(row) } else { row.into() }])
 }
 
-/// What is wanted of a flaw: kind, column, line of the first, how often, samples, sentence.
+/// Expected flaw: kind, column, line of the first, how often, samples, sentence.
 type Flaw<'a> = (&'a str, Option<&'a str>, u64, u64, u64, &'a str);
 
 /// Replays a recording to its end; its flaws are exactly those wanted, in JSON, in the text and in the report.

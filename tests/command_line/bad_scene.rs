@@ -2,14 +2,14 @@
 
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, scene, short_recording, swap};
 
-/// Every command that reads a scene, asked for every output that it has.
+/// Every command that reads a scene, with every output that it has.
 const COMMANDS: [&[&str]; 3] = [
     &["replay", "scene.toml", "--report", "report.html", "--forces", "forces.csv"],
     &["force", "scene.toml", "--bearing", "DE", "--displacements", "u.csv"],
     &["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "1 kHz", "-o", "motion.csv"],
 ];
 
-/// Every command refuses this scene with one line that has all `parts`.
+/// Every command rejects this scene with one line that has all `parts`.
 fn refused(scene: impl AsRef<[u8]>, parts: &[&str]) {
     let desk = Desk::rig();
     desk.put("scene.toml", scene);
@@ -19,7 +19,7 @@ fn refused(scene: impl AsRef<[u8]>, parts: &[&str]) {
     }
 }
 
-/// Every command refuses the demonstration's scene with `to` instead of `from`, naming that line.
+/// Every command rejects the demonstration's scene with `to` instead of `from`, naming that line.
 fn refused_with(from: &str, to: &str, parts: &[&str]) {
     let line = 1 + DEMO_SCENE[..DEMO_SCENE.find(from).unwrap()].matches('\n').count();
     let place = format!("scene.toml:{line}: ");
@@ -27,7 +27,7 @@ fn refused_with(from: &str, to: &str, parts: &[&str]) {
 }
 
 #[test]
-fn the_same_commands_take_the_scene_as_it_is() {
+fn the_commands_accept_the_unchanged_scene() {
     let desk = Desk::rig();
     desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
     for command in COMMANDS {
@@ -218,7 +218,7 @@ fn a_rotor_that_replay_does_not_take() {
     desk.refused(&["replay", "scene.toml", "--report", "report.html"], 2, &[wants]);
 }
 
-/// `replay` refuses the demonstration's scene with these probes, naming `why`.
+/// `replay` rejects the demonstration's scene with these probes, naming `why`.
 fn not_observable(probes: &[(&str, &str, &str)], why: &str) {
     let entry = |(column, station, angle): &(&str, &str, &str)| {
         format!("{{ column = \"{column}\", unit = \"um\", station = \"{station}\", angle = \"{angle}\" }}")
@@ -241,7 +241,7 @@ fn two_probes_in_one_direction() {
 }
 
 #[test]
-fn opposite_directions_are_one() {
+fn opposite_probe_directions_are_parallel() {
     let de = [("DE_X_um", "-120 mm", "0 deg"), ("DE_Y_um", "-120 mm", "180 deg")];
     let nde = [("NDE_X_um", "120 mm", "0 deg"), ("NDE_Y_um", "120 mm", "-180 deg")];
     not_observable(&[de, nde].concat(), "so the motion across it is not observable");

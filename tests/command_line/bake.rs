@@ -15,7 +15,7 @@ const SCENE: &str = include_str!("../target/baked/scene.toml");
 const BAKED: [(&str, &str); 2] = [("bearings.rs", SCENE), ("flexible.rs", FLEXIBLE)];
 
 #[test]
-fn the_firmware_has_what_its_scene_says() {
+fn the_firmware_has_the_constants_of_its_scene() {
     for (name, scene) in BAKED {
         let desk = Desk::empty();
         desk.put("scene.toml", scene);
@@ -32,7 +32,7 @@ fn the_firmware_has_what_its_scene_says() {
 }
 
 #[test]
-fn constants_answer_as_the_scene_does() {
+fn constants_give_the_forces_of_the_scene() {
     let desk = Desk::empty();
     desk.put("scene.toml", SCENE);
     let rows = ["1e-6,2e-6,1e-5,0,0", "-3e-6,0,8e-6,1e-4,-5e-5", "0,5e-6,4e-6,0,2e-4", "2e-5,0,1e-5,0,0"];
@@ -107,7 +107,7 @@ outer_conformity = 0.52
 diametral_clearance = "10 um"
 "#;
 
-/// What is baked compiles without `std` and answers with the bits of `force --precision f32`.
+/// Baked constants compile without `std` and give the bits of `force --precision f32`.
 #[test]
 fn every_model_of_firmware_is_baked() {
     let desk = Desk::empty();
@@ -137,7 +137,7 @@ fn every_model_of_firmware_is_baked() {
 }
 
 #[test]
-fn what_firmware_has_no_constants_for_is_refused() {
+fn scenes_without_firmware_constants_are_rejected() {
     let desk = Desk::empty();
     let displaced: Vec<&str> = vec!["[0, 0, 0]"; 9];
     let housing = format!("radial_play = \"2 um\"\nhousing_displacement = [{}]", displaced.join(", "));

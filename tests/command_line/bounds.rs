@@ -1,4 +1,4 @@
-//! Inputs without end and numbers beyond every use: refused at once, in bounded memory.
+//! Endless inputs and extreme numbers: rejected at once, in bounded memory.
 
 use crate::support::{DEMO_SCENE, Desk, scene, swap};
 use std::time::Duration;
@@ -89,7 +89,7 @@ fn two_columns_of_one_name_are_refused() {
     desk.done(&force);
 }
 
-/// A rotor that nothing holds along an axis of its load has no equilibrium: it is printed, and the exit code says so.
+/// A rotor that nothing holds along an axis of its load has no equilibrium: it is printed, and the exit code is 1.
 #[test]
 fn no_equilibrium_exits_with_one_and_prints() {
     let desk = Desk::empty();

@@ -9,11 +9,11 @@ use serde_json::Value;
 use crate::support::{Desk, recorded};
 
 /// Largest file that one sends by mail.
-const MOST_BYTES: usize = 3_000_000;
+const MAX_BYTES: usize = 3_000_000;
 /// A desk's screen and a telephone's.
 const WIDTHS: [u32; 2] = [1280, 400];
 
-/// What `measure.html` says of a page.
+/// Measurements of a page by `measure.html`.
 #[derive(Debug, Deserialize)]
 struct SampleReadings {
     width: u32,
@@ -59,7 +59,7 @@ fn looks_right(desk: &Desk, args: &[&str], expected: &[&str]) {
     let outcome: Value = desk.done(&args).json();
     let verdict = outcome["verdict"].as_str().unwrap();
     let report = desk.read("report.html");
-    assert!(report.len() < MOST_BYTES, "{} bytes", report.len());
+    assert!(report.len() < MAX_BYTES, "{} bytes", report.len());
     let seen = seen(desk, &report);
     let mut widths: Vec<u32> = seen.iter().map(|one| one.width).collect();
     widths.sort_unstable_by(|a, b| b.cmp(a));

@@ -34,7 +34,7 @@ fn equilibrium_states_the_angle_of_the_orders_and_that_under_load() {
     }
 }
 
-/// `cage_ratio` of the scene overrides the angle, and the text says so.
+/// `cage_ratio` of the scene overrides the angle, and the text states this.
 #[test]
 fn a_cage_ratio_of_the_scene_is_stated() {
     let desk = Desk::empty();

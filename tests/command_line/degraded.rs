@@ -1,4 +1,4 @@
-//! What flaws of a recording do to force and verdict: noise, coarse steps, clipping, lost rows, jitter, a wrong rate.
+//! Effect of flaws of a recording on force and verdict: noise, coarse steps, clipping, lost rows, jitter, a wrong rate.
 
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, numbers};
 use serde_json::Value;
@@ -14,7 +14,7 @@ impl Random {
         (self.0 >> 11) as f64 / 9_007_199_254_740_992.0
     }
 
-    /// Of unit spread, by the sum of twelve.
+    /// A normal number with unit variance, by the sum of twelve.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
     }
@@ -75,7 +75,7 @@ fn off(found: &[[f64; 2]], right: &[[f64; 2]]) -> f64 {
 }
 
 #[test]
-fn flaws_of_a_recording_and_what_they_do() {
+fn flaws_of_a_recording_and_their_effects() {
     let (header, clean) = rows();
     let right = verdict(DEMO_SCENE, &written(&header, &clean)).unwrap();
     assert!(right.findings.is_empty() && right.flaws == 0);
@@ -116,7 +116,7 @@ fn flaws_of_a_recording_and_what_they_do() {
     judge("time stamps off by 10 us", &with_time(), &rows, true);
     judge("rate stated 1 % too high", &DEMO_SCENE.replace("12.8 kHz", "12.928 kHz"), &clean, true);
     let at = |name: &str| table.iter().find(|row| row.0.contains(name)).unwrap_or_else(|| panic!("{name}"));
-    // Force is off in proportion to the noise, as the report's band says, and noise alone is no finding.
+    // The error of force is proportional to the noise, as the band of the report states, and noise alone is no fault.
     for (small, large) in [("0.1 um", "0.3 um"), ("0.3 um", "1 um"), ("1 um", "3 um")] {
         let ratio = at(&format!("noise of {large}")).1 / at(&format!("noise of {small}")).1;
         assert!((2.0..5.0).contains(&ratio), "{small} to {large}: {ratio}");

@@ -98,7 +98,7 @@ fn prometheus_scrapes_the_monitor_and_its_alert_fires() {
 
 /// Readiness, watchdog and end as datagrams of the protocol of systemd.
 #[test]
-fn the_service_manager_hears_the_monitor() {
+fn the_service_manager_is_notified() {
     let rig = Rig::new(&["--no-report"]);
     let path = rig.desk.path("notify");
     let socket = UnixDatagram::bind(&path).unwrap();

@@ -237,7 +237,7 @@ fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
         // The demonstration has no end.
         crate::terminal::read_until(&pty, if line == "ballrace watch" { "ALARM" } else { "ENDED" });
         { &pty }.write_all(b"q").unwrap();
-        // What it shows at its end has to go somewhere.
+        // Its output at the end is read.
         std::thread::spawn(move || { &pty }.read_to_end(&mut vec![]));
         let status = child.wait().unwrap();
         assert!(matches!(status.code(), Some(0 | 3)), "{line}: {status:?}");

@@ -30,7 +30,7 @@ fn settled(scene: &str, more: &[&str]) -> Value {
 }
 
 #[test]
-fn natural_frequencies_of_model_f8() {
+fn natural_frequencies_of_the_reference_rotor() {
     let back_to_back = ["+z", "-z"];
     for (rpm, facing, expected) in [
         (0, back_to_back, [1428.3188, 1960.8358, 1960.8358, 2618.6353, 2618.6353]),
@@ -78,13 +78,13 @@ fn harris_218_under_its_load() {
     }
     let effects: Vec<&str> = list(&outcome, "effects").iter().map(|e| e["effect"].as_str().unwrap()).collect();
     assert_eq!(effects, ["centrifugal", "gyroscopic"]);
-    // At rest it settles at 35.98169 um: what both effects do together.
+    // Without rotation the displacement is 35.98169 um; the difference is that of both effects together.
     let rest = settled(&harris(""), &[]);
     assert!((rest["displacement"][2].as_f64().unwrap() - 35.98169e-6).abs() < 1e-10);
 }
 
 #[test]
-fn the_table_settles_where_the_balls_do() {
+fn table_and_balls_have_one_equilibrium() {
     let effects = "effects = [\"centrifugal\", \"gyroscopic\"]\n";
     let load = ["--load", "3000,0,0,0,0"];
     let solved = settled(&harris(effects), &load);
@@ -114,7 +114,7 @@ fn text_and_page() {
 }
 
 #[test]
-fn what_cannot_settle() {
+fn scenes_without_equilibrium() {
     let desk = Desk::empty();
     let scene = harris("");
     desk.put("scene.toml", scene.replace("preload = { force = \"17800 N\" }\n", ""));
@@ -129,7 +129,7 @@ fn what_cannot_settle() {
 
 /// The natural frequencies over speed: the tilting pair splits, backward below and forward above; the others stay.
 #[test]
-fn campbell_table_of_model_f8() {
+fn campbell_table_of_the_reference_rotor() {
     let desk = Desk::empty();
     desk.put("scene.toml", rotor(0, ["+z", "-z"], ""));
     let all: Value = desk
@@ -156,7 +156,7 @@ fn campbell_table_of_model_f8() {
         assert!((modes[0]["frequency_hz"].as_f64().unwrap() - 1428.3188).abs() < 2e-3);
         assert_eq!(modes[0]["whirl"], "straight");
     }
-    // Started the other way round, the shaft's own direction is the other one.
+    // With the opposite sense of rotation, the forward direction is the other one.
     let back: Value = desk.done(&["campbell", "scene.toml", "--speeds=-12000rpm", "--format", "json"]).json();
     assert_eq!((&back[0]["modes"][3]["whirl"], &back[0]["modes"][4]["whirl"]), (&"forward".into(), &"backward".into()));
     let text = desk.done(&["campbell", "scene.toml", "--speeds", "0rpm..30000rpm:1000rpm"]).out;
@@ -170,7 +170,7 @@ fn campbell_table_of_model_f8() {
 
 /// Damping by hand: one spring and one damper, `c/(2 sqrt(k m))`.
 #[test]
-fn campbell_table_knows_damping() {
+fn campbell_table_contains_damping() {
     let desk = Desk::empty();
     desk.put("scene.toml", Desk::empty().done(&["scenes", "two-spring-rotor"]).out);
     let all: Value = desk.done(&["campbell", "scene.toml", "--speeds", "3000rpm", "--format", "json"]).json();

@@ -26,7 +26,7 @@ fn interval(found: &Value, name: &str) -> [f64; 3] {
 /// From a scene that is wrong in every number: each fact of the rig is within the interval found for it, and the fitted
 /// scene leaves the probes' noise.
 #[test]
-fn the_rigs_facts_are_found() {
+fn fit_finds_the_parameters_of_the_rig() {
     let desk = Desk::rig();
     desk.put("healthy.csv", crate::support::DEMO_RECORDING);
     desk.put("wrong.toml", wrong());
@@ -54,12 +54,12 @@ fn the_rigs_facts_are_found() {
         println!("{name}: {value:.4} from {low:.4} to {high:.4}, fact {fact:.4}");
         assert!((low..=high).contains(&fact), "{name}: {fact} not in {low} to {high}");
     }
-    // Useful intervals, where the recording can tell.
+    // Useful intervals, where the recording determines the parameter.
     for (name, width) in [("unbalance: moment", 10.0), ("DE: diametral_clearance", 3.0), ("damping of tilt", 0.2)] {
         let [low, _, high] = interval(&found, name);
         assert!(high - low < width, "{name}: {low} to {high}");
     }
-    // A start that dies out in a tenth of the recording says little of the radial damping, and the report says so.
+    // A transient that decays in a tenth of the recording determines the radial damping poorly, and the report states this.
     let notes = found["notes"].to_string();
     assert!(notes.contains("damping along X and Y is not identifiable"), "{notes}");
     let outcome = desk.replay("wrong-fitted.toml", &[]);
@@ -144,7 +144,7 @@ fn cages_that_cannot_be_estimated_are_named() {
 }
 
 #[test]
-fn what_cannot_be_fitted_is_refused() {
+fn parameters_that_cannot_be_fitted_are_rejected() {
     let desk = Desk::rig();
     let scene = wrong();
     desk.put("bare.toml", scene.split("[recording]").next().unwrap());

@@ -64,7 +64,7 @@ fn a_search_at_the_bound_of_the_clearance_goes_on() {
     }
 }
 
-/// The other way round: a recording of a bearing without clearance leads the search to the bound from above.
+/// The opposite case: a recording of a bearing without clearance leads the search to the bound from above.
 #[test]
 fn a_bearing_without_clearance_is_fitted_at_the_bound() {
     let desk = Desk::rig();

@@ -7,9 +7,9 @@ use std::fs;
 
 /// Rms noise of the probes, um.
 const NOISE: f64 = 0.05;
-/// A sample of the truth for so many of the recording.
+/// Samples of the recording per sample of the truth.
 const TRUTH_STRIDE: usize = 16;
-/// Samples of the truth before which the observer settles.
+/// Samples of the truth during the transient of the observer.
 const SETTLING: usize = 40;
 
 fn scene() -> String {

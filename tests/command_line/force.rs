@@ -31,7 +31,7 @@ fn displacements(case: &Case) -> String {
     case.displacement.map(|x| format!("{x:?}")).join(",")
 }
 
-/// What one row of `--format csv` says: digits checked, numbers and status.
+/// Content of one row of `--format csv`: numbers with checked digits, and status.
 fn row(line: &str, digits: usize) -> ([f64; 5], &str) {
     let cells: Vec<&str> = line.split(',').collect();
     assert_eq!(cells.len(), 6, "{line}");
@@ -145,7 +145,7 @@ fn time_or_cage_angle_that_is_no_number_holds_the_last_force() {
 }
 
 #[test]
-fn displacement_beyond_all_numbers() {
+fn displacement_that_overflows() {
     let found = forces(&rig(), &table(&[GOOD[0], "1e300,1e300,1e300,1e300,1e300"]), 17, &["--bearing", "DE"]);
     assert_eq!(found[1], (found[0].0, "result-not-finite".to_owned()));
 }
@@ -162,7 +162,7 @@ fn no_contact_no_force() {
 }
 
 #[test]
-fn time_turns_the_cage() {
+fn the_cage_rotates_with_time() {
     // 3000 rpm and a cage at 0.4 of that: a tenth of a turn after 5 ms.
     let desk = Desk::empty();
     desk.put("scene.toml", scene(&[("elements = 9", "elements = 9\ncage_ratio = 0.4")]));
@@ -193,7 +193,7 @@ fn both_bearings_and_other_models() {
 }
 
 #[test]
-fn the_three_formats_say_the_same() {
+fn the_three_formats_agree() {
     let desk = rig();
     let rows = table(&[GOOD[0], "NaN,0,0,0,0", GOOD[1]]);
     let csv = forces(&desk, &rows, 17, &["--bearing", "DE"]);
@@ -218,7 +218,7 @@ fn the_three_formats_say_the_same() {
 }
 
 #[test]
-fn nothing_to_answer() {
+fn no_rows_give_no_forces() {
     assert_eq!(forces(&rig(), &format!("{HEAD}\n"), 17, &["--bearing", "DE"]), []);
 }
 

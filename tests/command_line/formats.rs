@@ -173,7 +173,7 @@ fn files_cut_short() {
         let replay = ["replay", "scene.toml", "--recording", name];
         desk.refused(&replay, 1, &[name, ": unreadable file: ", ", expected a"]);
     }
-    // What a logger wrote before it was stopped is used.
+    // The rows that a logger wrote before it was stopped are used.
     let whole = tdms("um");
     desk.put("r.tdms", &whole[..whole.len() - 100]);
     let outcome = desk.replay("scene.toml", &["--recording", "r.tdms"]);

@@ -79,7 +79,7 @@ impl Frames {
     }
 }
 
-/// A desk with a monitor's folders, and a source that remembers what was acknowledged.
+/// A desk with a monitor's folders, and a source that stores the acknowledged sequence number.
 pub struct Rig {
     pub desk: Desk,
     pub frames: Frames,

@@ -24,7 +24,7 @@ cp -r disk copy
 exit $code
 "#;
 
-/// True where this machine lets a user mount a disk in a namespace; says so where it does not.
+/// True where this machine lets a user mount a disk in a namespace; prints a note where it does not.
 fn can_mount() -> bool {
     let desk = Desk::empty();
     fs::create_dir(desk.path("disk")).unwrap();
@@ -60,7 +60,7 @@ impl SmallDisk {
         Self { rig, metrics, monitor }
     }
 
-    /// A file on the disk, as the monitor sees it.
+    /// A file on the disk, in the monitor's mount namespace.
     fn path(&self, name: &str) -> PathBuf {
         let pid = self.rig.desk.read("program.pid");
         let desk = self.rig.desk.path("disk");
@@ -142,7 +142,7 @@ fn a_disk_that_is_full_for_a_while_loses_nothing() {
 }
 
 #[test]
-fn a_disk_that_stays_full_costs_neither_monitor_nor_report() {
+fn permanently_full_disk_stops_neither_monitor_nor_report() {
     if !can_mount() {
         return;
     }

@@ -33,7 +33,7 @@ fn renamed(name: &str) -> Desk {
 }
 
 #[test]
-fn a_column_name_cannot_steer_the_terminal() {
+fn control_characters_of_a_column_name_are_escaped() {
     let absent = ["healthy.csv", "no such column: `DE_X_um`", "\\u{1b}]0;title"];
     refused(&renamed(HOSTILE), &["replay", "scene.toml"], &absent);
     let two_lines = "\"DE\nballrace: all is well\"";
@@ -49,7 +49,7 @@ fn a_column_name_of_a_megabyte_is_cut() {
 }
 
 #[test]
-fn a_cell_cannot_steer_the_terminal() {
+fn control_characters_of_a_cell_are_escaped() {
     for cell in [HOSTILE.to_owned(), "y".repeat(1 << 20)] {
         let text = crate::support::edited_recording(|line, row| {
             vec![if line == 9 { crate::support::with_cell(row, 1, &cell) } else { row.to_owned() }]
@@ -59,7 +59,7 @@ fn a_cell_cannot_steer_the_terminal() {
 }
 
 #[test]
-fn displacements_cannot_steer_the_terminal() {
+fn control_characters_of_displacements_are_escaped() {
     let args = ["force", "scene.toml", "--bearing", "DE", "--displacements", "d.csv"];
     let long = "z".repeat(1 << 20);
     let texts = [
@@ -76,7 +76,7 @@ fn displacements_cannot_steer_the_terminal() {
 }
 
 #[test]
-fn an_array_file_cannot_steer_the_terminal() {
+fn control_characters_of_an_array_file_are_escaped() {
     let head = format!("{{'descr': '{HOSTILE}', 'fortran_order': False, 'shape': (3,), }}\n");
     let mut npy = b"\x93NUMPY\x01\x00".to_vec();
     npy.extend(u16::try_from(head.len()).unwrap().to_le_bytes());
@@ -88,7 +88,7 @@ fn an_array_file_cannot_steer_the_terminal() {
 
 /// Names of a scene are refused with their control characters escaped.
 #[test]
-fn names_of_a_scene_cannot_steer_the_terminal() {
+fn control_characters_of_scene_names_are_escaped() {
     for name in ["DE", "6205 rig", "DE_X_um"] {
         let hostile = "\"\\u001b[2J\\u001b]0;title\\u0007\\u009b1m\"";
         let scene = swap(DEMO_SCENE, &format!("\"{name}\""), hostile);

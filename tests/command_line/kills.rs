@@ -113,7 +113,7 @@ fn a_crossing_of_an_acknowledged_second_is_reported_after_a_kill() {
             };
             // A sample waits for the keyphasor's next pulses, up to 0.12 s.
             rig.feed(319 * RATE / 100, has_three_seconds);
-            // Also an acknowledgement that is still on its way counts.
+            // An acknowledgement in transit counts too.
             std::thread::sleep(Duration::from_millis(100));
             kill(child);
             let log = rig.limit_events("events.jsonl");

@@ -22,7 +22,7 @@ fn events(desk: &Desk, code: i32, args: &[&str]) -> Vec<Value> {
 
 /// Four times the unbalance: the 1X crosses its limit in every block, that of a sound machine does not.
 #[test]
-fn a_limit_is_crossed_where_it_is() {
+fn unbalance_exceeds_a_1x_limit() {
     let limit = "\n[[limit]]\nindicator = \"1X\"\nmax = \"0.25 um\"\nprobe = \"DE_Y_um\"\nduration = \"0.1 s\"\n";
     assert!(events(&desk("healthy", limit), 0, &[]).is_empty());
     let found = events(&desk("healthy", limit), 3, &["--recording", &recorded("unbalanced.csv")]);

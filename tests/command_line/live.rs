@@ -97,7 +97,7 @@ fn frames_lost_repeated_and_of_a_wrong_size_are_counted() {
     let flaws = list(&outcome, "flaws");
     assert!(flaws.iter().any(|f| f["kind"] == "gap" && f["samples_affected"] == 40), "{flaws:#?}");
     assert_eq!(list(&outcome, "findings").len(), 0);
-    // What was heard is as good as the file.
+    // The received samples give the outcome of the file.
     let from_file = desk.replay("scene.toml", &[]);
     let one_x = |outcome: &Value| number(outcome, "/probes/0/measured/one_x_um");
     assert!((one_x(&outcome) / one_x(&from_file) - 1.0).abs() < 0.01);
@@ -121,7 +121,7 @@ fn a_source_that_stalls_dies_and_comes_back_is_followed() {
     assert_eq!(told.recv_timeout(Duration::from_secs(120)), Ok(12_799));
     std::thread::sleep(Duration::from_millis(1600));
     send(&mut stream, 16_000..20_000);
-    // It dies in the middle of a frame.
+    // It ends in the middle of a frame.
     stream.write_all(&frame_of(20_000)[..7]).unwrap();
     stream.shutdown(std::net::Shutdown::Both).unwrap();
     let mut stream = connected(port);
@@ -136,7 +136,7 @@ fn a_source_that_stalls_dies_and_comes_back_is_followed() {
     assert_eq!(kinds.iter().filter(|k| *k == "source-connected").count(), 2, "{kinds:?}");
 }
 
-/// Tells the acknowledged sequence numbers of a connection as they come.
+/// Sends the acknowledged sequence numbers of a connection to a channel.
 pub fn acknowledged(stream: &TcpStream) -> std::sync::mpsc::Receiver<u32> {
     let (tell, told) = std::sync::mpsc::channel();
     let lines = BufReader::new(stream.try_clone().unwrap()).lines();
@@ -209,7 +209,7 @@ pub fn times(desk: &Desk, name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_burst_of_datagrams_is_taken_or_counted() {
+fn burst_of_datagrams_is_processed_or_counted() {
     let desk = desk();
     let (child, port) = listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s"]);
     let rows = rows(12_800);
@@ -284,7 +284,7 @@ fn prometheus_and_only_where_asked_for() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn contradictory_options_are_rejected() {
     let desk = desk();
     let refused = |args: &[&str], parts: &[&str]| desk.refused(&[&["replay", "scene.toml"], args].concat(), 2, parts);
     refused(&["--source", "tcp:9"], &["--source", "--paced"]);

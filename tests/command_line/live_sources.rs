@@ -131,7 +131,7 @@ fn a_monitor_slower_than_its_source_reports_what_it_skips() {
     assert!(last.contains(&format!(" {dropped} since the start")), "{dropped}: {last}");
 }
 
-/// A connection that asks for something else does not end the source that pauses.
+/// A connection with another request does not end the source that pauses.
 #[test]
 fn a_foreign_connection_does_not_replace_a_source_that_pauses() {
     let desk = desk();
@@ -235,7 +235,7 @@ fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
 }
 
 #[test]
-fn wrong_frames_move_nothing() {
+fn wrong_frames_do_not_advance_the_twin() {
     let desk = desk();
     let (child, port) =
         listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
@@ -289,7 +289,7 @@ fn frames_with_a_checksum_are_checked() {
     for sequence in 0..12_800 {
         let mut frame = checked(sequence, &rows[sequence as usize]);
         if sequence == 4_000 {
-            // A reading changed on its way.
+            // A reading changed in transit.
             frame[9] ^= 0x40;
         }
         if sequence == 6_000 {

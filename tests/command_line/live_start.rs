@@ -216,7 +216,7 @@ fn a_paced_start_is_not_a_silent_source() {
 }
 
 #[test]
-fn a_source_that_goes_does_not_send_again() {
+fn source_that_disconnects_sends_no_row_twice() {
     let desk = desk();
     let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let rows = rows(12_800);

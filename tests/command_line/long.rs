@@ -27,7 +27,7 @@ fn write_repeated(desk: &Desk, at_least: u64, spare: usize) -> f64 {
     (times * rows.lines().count() as u64) as f64
 }
 
-/// The outcome and the peak memory of the process, where the system tells it.
+/// The outcome and the peak memory of the process, where the system reports it.
 fn replayed(desk: &Desk, samples: f64) -> (Value, Option<f64>) {
     let outcome = desk.replay("scene.toml", &[]);
     assert_eq!(number(&outcome, "/record/compared"), samples);
@@ -57,7 +57,7 @@ fn assert_no_larger(long: Option<f64>, factor: f64) {
 }
 
 #[test]
-fn ten_times_as_long() {
+fn recording_ten_times_as_long() {
     let desk = Desk::with(DEMO_SCENE, "");
     let samples = write_repeated(&desk, 9 * DEMO_RECORDING.len() as u64 + 1, 0);
     assert_eq!(samples, 128_000.0);
@@ -66,7 +66,7 @@ fn ten_times_as_long() {
     assert_no_larger(memory, 1.2);
 }
 
-/// Bytes free where the desk stands, as `df` tells them.
+/// Free bytes in the folder of the desk, by `df`.
 fn free_bytes(desk: &Desk) -> Option<u64> {
     let output = Command::new("df").arg("-Pk").arg(desk.path("")).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
@@ -77,10 +77,10 @@ fn free_bytes(desk: &Desk) -> Option<u64> {
 #[test]
 #[ignore = "writes and replays 1 GB; tests/run --all runs it"]
 fn one_gigabyte() {
-    const LEAST_FREE: u64 = 3_000_000_000;
+    const MIN_FREE: u64 = 3_000_000_000;
     let desk = Desk::with(DEMO_SCENE, "");
     match free_bytes(&desk) {
-        Some(free) if free >= LEAST_FREE => {}
+        Some(free) if free >= MIN_FREE => {}
         Some(free) => return println!("skipped: {:.1} GB free for temporary files, 3 GB needed", free as f64 / 1e9),
         None => return println!("skipped: df does not tell how much is free for temporary files"),
     }

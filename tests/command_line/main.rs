@@ -35,6 +35,7 @@ mod live;
 mod live_sources;
 mod live_start;
 mod long;
+mod modules;
 mod new_scene;
 mod observer;
 mod outliers;

@@ -36,7 +36,7 @@ pub fn rotor(model: &str, defect: &str, axial: &str) -> String {
     )
 }
 
-/// The motion that the program computes for a scene: `u, v, w, thu, thv` at each sample of so many turns after the start.
+/// The motion that the program computes for a scene: `u, v, w, thu, thv` at each sample of a number of turns after the start.
 pub fn motion(desk: &Desk, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f64>> {
     let duration = format!("{} s", (turns.end * TURN) as f64 / RATE);
     desk.done(&["simulate", scene, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
@@ -76,7 +76,7 @@ fn forces(desk: &Desk, source: &str) -> (Value, Vec<Vec<f64>>) {
 /// A strong spall breaks out after the observer was tuned to a sound bearing: no force without a flag is far from the model
 /// at the measured displacement, and none at all is beyond it.
 #[test]
-fn a_strong_spall_does_not_carry_the_observer_away() {
+fn strong_spall_does_not_bias_the_observer() {
     let desk = Desk::empty();
     let spall = "defect = [{ surface = \"outer\", azimuth = \"-90 deg\", half_width = \"4 deg\", depth = \"100 um\", shape = \"half-sine\" }]";
     desk.put("sound.toml", rotor("angular", "", "Z"));
@@ -212,14 +212,14 @@ const STRONG: Spall = Spall {
 };
 
 #[test]
-fn strong_spalls_carry_no_force_away() {
+fn strong_spalls_do_not_bias_the_force() {
     Spall { depth_um: 500, half_width_deg: 8, ..STRONG }.check();
     Spall { with_axial_probe: false, ..STRONG }.check();
 }
 
 #[test]
 #[ignore = "slow: ten recordings; tests/run --all runs it"]
-fn long_strong_spalls_carry_no_force_away() {
+fn long_strong_spalls_do_not_bias_the_force() {
     for rpm in [1500, 6000] {
         Spall { rpm, ..STRONG }.check();
         Spall { rpm, surface: "inner", ..STRONG }.check();

@@ -93,7 +93,7 @@ fn one_running_monitor_owns_state_log_and_indicators() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_full_disk_under_the_events_costs_events_only() {
+fn full_disk_of_the_event_log_affects_events_only() {
     let rig = Rig::new(&["--events", "/dev/full", "--indicators", "trend", "--report", "report.html"]);
     let child = rig.start();
     let since = Instant::now();

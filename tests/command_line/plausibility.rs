@@ -1,4 +1,4 @@
-//! Recordings that cannot be of the scene's machine: exit code 4, the verdict says so first, nothing is diagnosed.
+//! Recordings that cannot be of the scene's machine: exit code 4, the verdict states it first, nothing is diagnosed.
 
 use serde_json::Value;
 use std::path::Path;
@@ -84,9 +84,9 @@ fn the_demonstration_is_plausible() {
     assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0));
 }
 
-/// A keyphasor that dies: its part of the recording is flagged and nothing is said of the machine.
+/// A keyphasor that fails: its part of the recording is flagged and the machine has no verdict.
 #[test]
-fn a_keyphasor_that_dies() {
+fn keyphasor_that_fails() {
     let dead = 10 * TURN;
     let text = changed(SAMPLES, |i, k, x| if k == KEYPHASOR && i > dead { 0.0 } else { x });
     let desk = Desk::with(DEMO_SCENE, &text);
@@ -119,7 +119,7 @@ fn a_spike_of_the_keyphasor() {
 
 /// Eight balls in the scene, nine in the recording: `--force` diagnoses all the same and states what it overrides.
 #[test]
-fn a_forced_diagnosis() {
+fn diagnosis_despite_implausible_data() {
     let wrong = DEMO_SCENE.replace("elements = 9", "elements = 8");
     let spall = include_str!("../../runner/demo/outer-spall.csv");
     implausible(&wrong, spall);

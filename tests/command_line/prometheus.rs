@@ -15,7 +15,7 @@ struct Endpoint {
 }
 
 impl Endpoint {
-    /// With at most so many descriptors, where given.
+    /// With a limit of the descriptors, where given.
     fn start(descriptors: Option<u32>) -> Self {
         let desk = Desk::with(DEMO_SCENE, &short_recording(256));
         let (source, port) = (format!("tcp:{}", port()), port());
@@ -75,7 +75,7 @@ fn requests_that_are_none_are_answered_or_closed() {
 }
 
 #[test]
-fn a_body_that_never_comes_blocks_nobody() {
+fn request_without_its_body_blocks_no_other_client() {
     let endpoint = Endpoint::start(None);
     let mut clients = vec![];
     for header in ["Content-Length: 1000000", "Transfer-Encoding: chunked"] {

@@ -1,4 +1,4 @@
-//! `ballrace replay`: the demonstration, the forms of its output, what it says of sound and unsound machines.
+//! `ballrace replay`: the demonstration, the formats of its output, verdicts on machines in good order and with faults.
 
 use std::time::Instant;
 
@@ -70,7 +70,7 @@ fn demonstration_is_the_scene_and_recording_of_the_source() {
 }
 
 #[test]
-fn json_has_what_programs_rely_on() {
+fn json_has_the_documented_keys() {
     let outcome = Desk::rig().replay("scene.toml", &[]);
     let names = |key: &str| list(&outcome, key).iter().map(|p| p["name"].as_str().unwrap()).collect::<Vec<_>>();
     assert_eq!(names("probes"), ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"]);
@@ -147,7 +147,7 @@ fn unpaced_has_no_lateness() {
     assert_eq!((&outcome["timing"]["lateness"], &outcome["timing"]["deadline_misses"]), (&Value::Null, &Value::Null));
 }
 
-/// What the sound machine's scene says to a recording.
+/// Outcome of a recording against the scene of the machine in good order.
 fn sound_scene_on(recording: &str) -> Value {
     Desk::empty().replay(&recorded("healthy.toml"), &["--recording", &recorded(recording)])
 }
@@ -199,7 +199,7 @@ fn each_recording_is_explained_by_its_own_scene() {
     }
 }
 
-/// Degrees from one angle to another, the short way.
+/// Smallest difference of two angles, degrees.
 fn apart(a: f64, b: f64) -> f64 {
     ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs()
 }
@@ -250,7 +250,7 @@ fn same_recording_in_other_forms() {
 }
 
 #[test]
-fn a_learned_baseline_is_judged_against() {
+fn recording_is_compared_with_a_learned_baseline() {
     let desk = Desk::empty();
     let scene = recorded("healthy.toml");
     let run = |recording: &str, option: &str, file: &str| {

@@ -1,4 +1,4 @@
-//! A rotor with so little damping that its twin takes long to settle: the monitor does not wait for it.
+//! A rotor with so little damping that the transient of its twin is long: the monitor does not wait for its end.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -10,7 +10,7 @@ use crate::live::{connected, kinds, listening, port};
 use crate::live_start::{ended, terminate, wait, wait_for_event};
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, short_recording, swap};
 
-/// The demonstration with a damping under which a twin settles for 10 s of the recording's time, and a limit.
+/// The demonstration with a damping under which the transient of the twin takes 10 s of the recording's time, and a limit.
 fn lightly_damped(step: &str) -> String {
     let damping = "damping = [\"400 N s/m\", \"400 N s/m\", \"400 N s/m\", \"0.4 N m s/rad\", \"0.4 N m s/rad\"]";
     let scene = swap(DEMO_SCENE, damping, "damping = [4, 4, 4, 0.004, 0.004]");
@@ -79,7 +79,7 @@ fn long_limits_and_signals_do_not_wait_for_the_run_in_after_a_gap() {
     });
     let crossings = || kinds(&desk, "events.jsonl").iter().filter(|kind| kind.starts_with("limit-")).count();
     let before = crossings();
-    // Still, then moving again: the crossing ends and begins anew.
+    // Still, then moving again: the crossing ends and begins again.
     let still = "0,0,0,0,0,0\n";
     let rest: String = (0..256).map(|i| format!("{:.9},{still}", 100.0 + f64::from(i) / 12_800.0)).collect();
     stream.write_all((rest + &from(100.02, 12_800)).as_bytes()).unwrap();

@@ -193,7 +193,7 @@ fn cage_runout_brings_side_bands() {
 
 /// Harsha: more balls make the varying compliance smaller and faster.
 #[test]
-fn more_balls_shake_less() {
+fn more_balls_vibrate_less() {
     let at = |balls: u32| {
         let count = format!("elements = {balls}");
         let scene = shipped("harsha-number-of-balls", &[("elements = 9", &count)]);
@@ -324,7 +324,7 @@ fn preload_unbalance_and_waviness_of_the_angular_pair() {
     assert!((wavier[0] / base[0] - 1.0).abs() < 0.02 && (wavier[1] / base[1] - 2.0).abs() < 0.05);
 }
 
-/// Every one of them is listed, reads, and moves (or, without a rotor, settles).
+/// Every scene is listed, read and simulated (or, without a rotor, brought to equilibrium).
 #[test]
 fn all_of_them_run() {
     let listed: Value = Desk::empty().done(&["scenes", "--format", "json"]).json();

@@ -37,7 +37,7 @@ fn header_and_rows() {
 }
 
 #[test]
-fn starts_from_the_position_of_rest() {
+fn starts_from_static_equilibrium() {
     let (_, rows) = simulated(&Desk::rig(), "1 ms");
     let first = &rows[0];
     assert_eq!(first[VELOCITY..FORCES], [0.0; 5]);
@@ -49,7 +49,7 @@ fn starts_from_the_position_of_rest() {
 }
 
 #[test]
-fn stays_at_rest_without_anything_that_moves_it() {
+fn stays_in_equilibrium_without_excitation() {
     let still = scene(&[("speed = \"3000 rpm\"", "speed = 0"), ("unbalance = [", "unbalance = [] # [")]);
     let (_, rows) = simulated(&Desk::with(&still, DEMO_RECORDING), "50 ms");
     let away = |row: &Vec<f64>| (POSE..POSE + 3).map(|i| (row[i] - rows[0][i]).abs()).fold(0.0, f64::max);
@@ -63,9 +63,9 @@ fn forces_are_those_of_the_force_command() {
     assert_forces_of_the_force_command(&Desk::rig());
 }
 
-/// The twin's quasi-static bearings go on from where their balls were: what they answer is what a cold start answers.
+/// The quasi-static bearings of the twin start from the last positions of their balls: the forces are those of a cold start.
 #[test]
-fn balls_that_go_on_answer_as_from_a_cold_start() {
+fn warm_started_balls_equal_a_cold_start() {
     let solved = DEMO_SCENE.replace("\"angular\"", "\"quasi-static\"\neffects = [\"centrifugal\", \"gyroscopic\"]");
     assert_forces_of_the_force_command(&Desk::with(&solved, DEMO_RECORDING));
 }
@@ -103,7 +103,7 @@ fn one_x(signal: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
 }
 
 #[test]
-fn settles_on_the_motion_of_the_twin() {
+fn transient_decays_to_the_motion_of_the_twin() {
     let desk = Desk::with(DEMO_SCENE, DEMO_RECORDING);
     let outcome = desk.replay("scene.toml", &[]);
     let (_, rows) = simulated(&desk, "2 s");
@@ -122,7 +122,7 @@ fn settles_on_the_motion_of_the_twin() {
         let (twin, twin_lag) = (number(probe, "/twin/one_x_um"), number(probe, "/twin/one_x_phase_lag_deg"));
         println!("{}: {:.5} um, {lag:.2} deg; twin {twin:.5} um, {twin_lag:.2} deg", probe["name"], size * 1e6);
         assert!((size * 1e6 / twin - 1.0).abs() < 0.02, "{probe:#}");
-        // The keyphasor of the recording tells the angle to half a sample, 0.7 degrees.
+        // The keyphasor of the recording resolves the angle to half a sample, 0.7 degrees.
         assert!(((lag - twin_lag + 180.0).rem_euclid(360.0) - 180.0).abs() < 2.0, "{probe:#}");
     }
 }
@@ -141,7 +141,7 @@ fn summary_in_three_formats() {
     assert!(text.contains("500 samples") && text.contains("Written: motion.csv"), "{text}");
 }
 
-/// What each of the rig's five probes reads of a row of the simulation, um.
+/// Reading of each of the rig's five probes at a row of the simulation, um.
 fn probes(row: &[f64]) -> [f64; 5] {
     let (u, v, w, thu, thv) = (row[POSE], row[POSE + 1], row[POSE + 2], row[POSE + 3], row[POSE + 4]);
     let at = |z: f64| [u + z * thv, v - z * thu];
@@ -207,7 +207,7 @@ fn statistics_of_the_rig() {
 
 /// A step beyond the integrator's limit and balls pressed flat are said, and what overflows is held.
 #[test]
-fn what_is_beyond_its_range_is_said() {
+fn values_out_of_range_are_reported() {
     let desk = Desk::rig();
     let args = ["simulate", "coarse.toml", "--duration", "0.05 s", "--rate", "1 kHz", "-o", "o.csv"];
     desk.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nmethod = \"verlet\"\nstep = \"1 ms\"\n");

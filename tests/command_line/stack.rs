@@ -63,7 +63,7 @@ fn desk() -> Desk {
     desk
 }
 
-/// The program with stacks of so many KiB; what it answers is thrown away.
+/// Runs the program with stacks of `kib` KiB and drops its output.
 fn ends_well(desk: &Desk, args: &[&str], main: u32, others: u32) -> bool {
     let mut command = Command::new("sh");
     command.arg("-c").arg(format!("ulimit -s {main} && exec \"$0\" \"$@\"")).arg(program()).args(args);

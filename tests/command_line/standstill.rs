@@ -94,7 +94,7 @@ fn a_recording_shorter_than_a_turn() {
 }
 
 #[test]
-fn speeds_that_are_none() {
+fn invalid_speeds() {
     let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
     let scene = swap(DEMO_SCENE, keyphasor, "speed = { column = \"keyphasor\", unit = \"rpm\" }");
     reported(&scene, &with_keyphasor("nan"), 0, "the shaft speed is not measured");

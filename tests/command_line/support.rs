@@ -1,4 +1,4 @@
-//! The built program, a desk with scene and recording to run it at, and what it answered.
+//! The built program, a folder with scene and recording to run it in, and its output.
 
 use std::fs;
 use std::io::Read;
@@ -98,7 +98,7 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// What the program `source` prints that uses the kernel, compiled and run.
+    /// Output of the program `source`, which uses the kernel, compiled and run.
     pub fn compiled(&self, source: &str) -> String {
         let kernel = concat!(env!("CARGO_MANIFEST_DIR"), "/../kernel");
         fs::create_dir(self.path("src")).unwrap();
@@ -180,7 +180,7 @@ impl Desk {
         bounded(self.command(args), limit, args)
     }
 
-    /// The same with at most so many KiB of address space.
+    /// The same with a limit of the address space, KiB.
     #[cfg(unix)]
     pub fn run_in_memory(&self, kibibytes: u32, limit: Duration, args: &[&str]) -> Answer {
         let mut command = Command::new("sh");
@@ -248,7 +248,7 @@ fn bounded(mut command: Command, limit: Duration, args: &[&str]) -> Answer {
     })
 }
 
-/// What the program answered.
+/// Output and exit code of the program.
 #[derive(Debug)]
 pub struct Answer {
     #[expect(dead_code, reason = "shown where a test fails")]

@@ -74,7 +74,7 @@ fn bytes(desk: &Desk, name: &str) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn shards_put_together_are_the_whole() {
+fn merged_shards_equal_one_run() {
     let desk = desk("tiwari-balanced");
     sweep(&desk, &["--over", SPEEDS, "-o", "whole"]);
     for shard in ["1/3", "2/3"] {
@@ -90,7 +90,7 @@ fn shards_put_together_are_the_whole() {
 }
 
 #[test]
-fn goes_on_where_it_stopped() {
+fn continues_after_an_interruption() {
     let desk = desk("tiwari-balanced");
     sweep(&desk, &["--over", SPEEDS, "-o", "whole"]);
     sweep(&desk, &["--over", SPEEDS, "-o", "again", "--shard", "1/1"]);
@@ -113,7 +113,7 @@ fn goes_on_where_it_stopped() {
 }
 
 #[test]
-fn there_and_back() {
+fn sweep_up_and_down() {
     let desk = desk("tiwari-balanced");
     sweep(
         &desk,
@@ -129,16 +129,16 @@ fn there_and_back() {
         ],
     );
     let text = desk.read("a.csv");
-    let way = |line: &str| line.split(',').take(2).collect::<Vec<_>>().join(" ");
-    let ways: Vec<String> = text.lines().skip(1).map(way).collect();
+    let direction = |line: &str| line.split(',').take(2).collect::<Vec<_>>().join(" ");
+    let directions: Vec<String> = text.lines().skip(1).map(direction).collect();
     let expected =
         ["0 up", "1 up", "2 up", "2 down", "1 down", "0 down", "3 up", "4 up", "5 up", "5 down", "4 down", "3 down"];
-    assert_eq!(ways, expected);
+    assert_eq!(directions, expected);
 }
 
 /// A motion of period one has neighbours that come closer; one that never repeats has neighbours that part.
 #[test]
-fn lyapunov_exponent_tells_chaos() {
+fn lyapunov_exponent_is_positive_for_chaos() {
     let desk = desk("lioulios-fluctuation");
     let text = desk.read("scene.toml");
     let text = text.replace("{ mean = \"2000 rpm\", fluctuation = 0.02, frequency = \"7 Hz\" }", "\"2000 rpm\"");
@@ -157,7 +157,7 @@ fn lyapunov_exponent_tells_chaos() {
 }
 
 #[test]
-fn what_cannot_be_swept_is_refused() {
+fn keys_that_cannot_be_swept_are_rejected() {
     let desk = desk("tiwari-balanced");
     let refused = |over: &str, code: i32, parts: &[&str]| {
         desk.refused(&["sweep", "scene.toml", "-o", "a", "--over", over], code, parts);

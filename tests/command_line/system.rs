@@ -94,7 +94,7 @@ fn desk() -> Desk {
     desk
 }
 
-/// The same motion as the rigid rotor's, told in other coordinates. Tilt at the bearings is left out here, so the
+/// The same motion as the rigid rotor's in other coordinates. Tilt at the bearings is left out here, so the
 /// bearings of the other rotor are held against tilting forces of their own by looking at one that has none.
 #[test]
 fn a_rotor_from_matrices_moves_as_the_rigid_one() {
@@ -232,7 +232,7 @@ fn bad_matrices_are_refused_by_entry() {
 }
 
 #[test]
-fn what_does_not_go_with_a_system() {
+fn keys_that_a_system_excludes() {
     let refused = |from: &str, to: &str, parts: &[&str]| {
         let desk = desk();
         desk.put("scene.toml", swap(&desk.read("scene.toml"), from, to));

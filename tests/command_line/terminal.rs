@@ -61,7 +61,7 @@ fn a_terminal_that_goes_away_ends_the_monitor() {
 fn a_signal_ends_the_view() {
     ends(|pty, id| {
         terminate(id);
-        // What it shows at its end has to go somewhere.
+        // Its output at the end is read.
         std::thread::spawn(move || { &pty }.read_to_end(&mut vec![]));
     });
 }

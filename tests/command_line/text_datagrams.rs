@@ -67,7 +67,7 @@ fn a_sender_is_read_on_after_a_wrong_cell_and_after_its_restart() {
     let rest: String = short_recording(5_120).split_inclusive('\n').skip(2_561).collect();
     send(&own, to, &rest);
     wait_for_event(&desk, "events.jsonl", "source-silent");
-    // It begins anew with its header, and then another one takes its place.
+    // It begins again with its header, and then another one takes its place.
     send(&own, to, &short_recording(2_560));
     wait_for_event(&desk, "events.jsonl", "source-speaks");
     wait("its silence", || (events(&desk, "source-silent") == 2).then_some(()));

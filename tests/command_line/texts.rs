@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// What was run and what it printed.
+/// Command line and its output.
 #[derive(Default)]
 struct Texts(String);
 
@@ -28,7 +28,7 @@ impl Texts {
 
 /// Names the slip that a line has.
 fn slip(line: &str) -> Option<&'static str> {
-    // A message may speak of NaN as what a cell may hold.
+    // A message may name NaN as an allowed value of a cell.
     if line.starts_with('$') || line.contains("a number, or NaN") {
         return None;
     }
@@ -62,7 +62,7 @@ fn scenes(texts: &mut Texts) -> Vec<String> {
     all.iter().map(|one| one["name"].as_str().unwrap().to_owned()).collect()
 }
 
-/// What goes wrong with scenes, recordings and options.
+/// Messages of wrong scenes, recordings and options.
 fn errors(texts: &mut Texts) {
     let desk = Desk::rig();
     let bad_scenes = [

@@ -1,9 +1,9 @@
-//! `ballrace trade`: its figures are those of `force`, its front is one, what it chooses meets what was asked.
+//! `ballrace trade`: its figures are those of `force`, its front is a Pareto front, the chosen model meets the goal.
 
 use crate::support::{Desk, numbers};
 use serde_json::Value;
 
-/// Two angular-contact bearings under preload at speed; damped so that it settles soon.
+/// Two angular-contact bearings under preload at speed; damped so that its transient is short.
 const SPINDLE: &str = r#"
 name = "spindle"
 [shaft]
@@ -105,7 +105,7 @@ fn the_models_on_a_spindle() {
         );
         assert!(found <= (modelling + rounding) * (1.0 + 1e-9), "{c}");
         assert!(figure(c, &["error", "median"]) <= figure(c, &["error", "most_99"]));
-        // What beats a candidate on the front in both would throw it off.
+        // A candidate on the front is beaten by none in both error and cost.
         let cost = |c: &Value| c["cortex"]["cycles"].as_f64();
         if let (Some(own), Some(true)) = (cost(c), c["front_cortex"].as_bool()) {
             let beaten = candidates.iter().any(|o| {
@@ -128,7 +128,7 @@ fn the_models_on_a_spindle() {
     assert!(tables.windows(2).all(|pair| pair[1] < pair[0]), "{tables:?}");
     // Balls solved one by one without inertia are the closed form.
     assert!((error("angular", "f64") / none - 1.0).abs() < 1e-6);
-    // Of the motion too: the nearer model of the force gives the nearer motion.
+    // The model with the smaller error of force has the smaller error of motion.
     let left = |model: &str| {
         let all = all["responses"].as_array().unwrap();
         let usual = |r: &&Value| r["model"] == model && r["usual"] == true && r["precision"] == "f64";
@@ -144,13 +144,13 @@ fn the_models_on_a_spindle() {
 }
 
 #[test]
-fn what_is_chosen_meets_what_was_asked() {
+fn the_chosen_model_meets_the_goal() {
     let desk = desk(SPINDLE);
     let out = desk.done(&["trade", "scene.toml", "--forces-only", "--error", "0.2%"]).out;
     assert!(out.contains("scene-chosen.toml"), "{out}");
     let chosen = desk.read("scene-chosen.toml");
     assert!(chosen.contains("model = \"tabulated\"") && chosen.contains("[16, 8, 4]"), "{chosen}");
-    // Held by another way: forces of both scenes at one displacement.
+    // Independent check: forces of both scenes at one displacement.
     desk.put("u.csv", "u,v,w,thu,thv\n1e-6,0,1.2e-5,0,0\n0,1e-6,1.1e-5,0,0\n");
     let force = |scene: &str| {
         let args = ["force", scene, "--displacements", "u.csv", "--bearing", "A", "--format", "csv"];
@@ -199,7 +199,7 @@ fn what_is_chosen_meets_what_was_asked() {
 }
 
 #[test]
-fn springs_of_balls_have_no_dearer_truth() {
+fn lumped_model_has_no_costlier_reference() {
     let desk = desk(LUMPED);
     let all = desk.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
     assert_eq!(all["truth"], "lumped");
@@ -217,7 +217,7 @@ fn springs_of_balls_have_no_dearer_truth() {
 }
 
 #[test]
-fn goals_that_say_nothing_are_refused() {
+fn invalid_goals_are_rejected() {
     let desk = desk(LUMPED);
     let refused = |more: &[&str], words: &[&str]| {
         desk.refused(&[&["trade", "scene.toml"], more].concat(), 2, words);

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::support::{DEMO_RECORDING, Desk, number, numbers, recorded};
 
-/// The truth has a row for so many samples.
+/// Samples per row of the truth.
 const EVERY: usize = 16;
 /// FX, FY, FZ, MX, MY of two bearings.
 const ENTRIES: usize = 10;
@@ -29,7 +29,7 @@ fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Forces straight from the displacement: the noise band says what their errors are, neither too narrow nor too wide,
+/// Forces straight from the displacement: the noise band agrees with their errors,
 /// and few are far outside.
 fn assert_within_the_noise(name: &str) {
     let desk = Desk::empty();
@@ -146,7 +146,7 @@ fn the_observer_is_closer_than_the_displacement() {
     assert!(far.is_empty(), "not three times closer: {far:?}");
 }
 
-/// Innovations are what noise and model say.
+/// Innovations agree with noise and model.
 #[test]
 fn innovations_are_consistent() {
     let outcome = Desk::empty().replay(&recorded("healthy.toml"), &[]);

@@ -253,7 +253,7 @@ fn a_language_or_a_core_that_does_not_exist_is_refused() {
 }
 
 #[test]
-fn what_c_has_no_struct_for_is_refused() {
+fn models_without_a_c_struct_are_rejected() {
     let refused = |scene: &str, part: &str| {
         let desk = Desk::empty();
         desk.put("scene.toml", scene);

@@ -35,7 +35,7 @@ fn the_miniature_bearing_has_a_bad_inner_race() {
 
 /// Housing acceleration of an SKF 6205 (Case Western Reserve University Bearing Data Center), where the files are at hand.
 #[test]
-fn the_6205s_are_told_apart() {
+fn bearings_of_type_6205_are_distinguished() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/recordings/real/cwru_6205/");
     let records = [
         ("12k_Drive_End_IR007_0_105.mat", 1797.0, "12 kHz", "X105", Some(("inner-race", 161.7))),

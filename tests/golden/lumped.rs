@@ -15,7 +15,7 @@ struct Evaluated {
     housing: [f64; 3],
 }
 
-/// The case with the cage turned by `cage` and the elements turned back by as much: the answer may not change.
+/// The case with the cage turned by `cage` and the elements turned back by as much: the force may not change.
 fn evaluate<T, L, A, const N: usize>(case: &Case, radial: L, axial: Option<A>, cage: Phase) -> Evaluated
 where
     T: Scalar,

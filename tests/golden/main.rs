@@ -1,4 +1,4 @@
-//! Kernel against golden values that were computed apart from it with 40 digits (see README.md here).
+//! Kernel against golden values of an independent computation with 40 digits (see README.md here).
 
 mod film;
 mod hertz;

@@ -74,7 +74,7 @@ fn any_number_of_elements() {
 
 /// Places that are not in opposite pairs, or in pairs but not in the order of the ring.
 #[test]
-fn any_places() {
+fn any_element_positions() {
     let at = |revolutions: &[f64]| {
         revolutions.iter().map(|&r| ElementPosition::from_azimuth(Phase::from_revolutions(r))).collect::<Vec<_>>()
     };
@@ -113,7 +113,7 @@ fn stops_at_the_shortest_slice() {
     }
 }
 
-/// A bad sample spoils its own answer and no other.
+/// A bad sample affects its own result only.
 #[test]
 fn not_a_number_stays_where_it_is() {
     for play in [5e-6, -5e-6] {

@@ -29,7 +29,7 @@ fn wrench_of(bearing: &dyn Bearing<f64>, u: Displacement<f64>, cage: Phase) -> [
 
 /// The bearing of 14 balls, confirmed by a second program; forces to the printed digits.
 #[test]
-fn angular_contact_bearing_of_f4b() {
+fn angular_contact_bearing_of_the_reference() {
     let geometry = acbb_s_geometry();
     for (found, printed) in [
         (geometry.contact(Race::Inner).stiffness, 2.393_295_7e10),
@@ -71,7 +71,7 @@ fn angular_contact_bearing_of_f4b() {
 
 /// The zero of `facing = "both"` is the centred ring, that of one-sided bearings the touching one (INTERFACE).
 #[test]
-fn both_zeros_describe_one_bearing() {
+fn both_displacement_datums_describe_one_bearing() {
     let geometry = acbb_s_geometry();
     let places: ElementPositions<f64, 14> = evenly_spaced(Phase::ZERO);
     let centred = Angular::<f64, Exact, _>::try_new(geometry, places, DisplacementDatum::Centred).unwrap();
@@ -109,7 +109,7 @@ proptest! {
         let seen_places = Angular::<f64, Exact, _>::try_new(acbb_s_geometry(), seen, DisplacementDatum::Touching).unwrap();
         let here = Wrench::from_array(wrench_of(&seen_places, u, cage)).mirrored().to_array();
         prop_assert_eq!(there, here);
-        // And a thrust bearing turned round carries thrust the other way.
+        // A mirrored thrust bearing carries thrust in the opposite direction.
         let push = Displacement { w: 10e-6, ..Displacement::default() };
         prop_assert!(wrench_of(&plain, push, cage)[2] < -400.0);
         prop_assert!(wrench_of(&mirrored, push, cage)[2] > -1.0);
@@ -170,7 +170,7 @@ proptest! {
 
 /// The first paper's six entries in its axes: X axial, Y and Z radial, the torsion entry always zero.
 #[test]
-fn the_first_papers_axes() {
+fn conversion_from_the_axes_of_hajzman() {
     let q = Displacement::from_hajzman([3e-6, 1e-6, 2e-6, 9.0, 4e-5, 5e-5]);
     assert_eq!(q, Displacement { u: 1e-6, v: 2e-6, w: 3e-6, thu: 4e-5, thv: 5e-5 });
     let wrench = Wrench { fx: 1.0, fy: 2.0, fz: 3.0, mx: 4.0, my: 5.0 };
@@ -178,7 +178,7 @@ fn the_first_papers_axes() {
 }
 
 #[test]
-fn a_spall_takes_deflection_where_it_is() {
+fn spall_reduces_the_deflection_within_its_width() {
     let centre = Phase::from_revolutions(0.75);
     let half_sine = Spall::new(BearingComponent::Outer, centre, 0.05_f64, 3e-6, SpallShape::HalfSine);
     let at = |rad: f64| half_sine.depth_at(centre.wrapping_add(Phase::from_radians(rad)));

@@ -110,7 +110,7 @@ fn a_general_system_without_supports_is_the_rigid_rotor() {
 /// A steady Verlet steps as Verlet: to the bit where the speed changes, and to rounding at a speed that stays; a speed that is
 /// no number is held and forgotten.
 #[test]
-fn a_steady_verlet_steps_as_verlet() {
+fn steady_verlet_equals_verlet() {
     let (machine, verlet) = (on_supports(&[SOFT, SOFT]), Verlet { step: 2e-5 });
     let mut steady = SteadyVerlet::new(verlet, &machine.rotor, 0.0);
     let mut state = RotorState::stationary([0.0; 9], Phase::ZERO, [Phase::ZERO; 2]);
@@ -204,7 +204,7 @@ fn plucked() -> RotorState<f64, 9, 2> {
 }
 
 /// A million steps of the undamped rotor with gyroscopic moments at a tenth of the stability limit: Verlet's energy
-/// swings and does not drift, Newmark's stands still, Runge-Kutta's falls as its theory says.
+/// swings and does not drift, Newmark's stands still, Runge-Kutta's falls at the theoretical rate.
 #[test]
 fn energy_over_a_million_steps() {
     let (machine, matrices) = elastic();
@@ -258,7 +258,7 @@ fn highest(matrices: &SystemMatrices<9>, k: &SMatrix<f64, 9, 9>) -> f64 {
     (root * k * root).symmetric_eigenvalues().max().sqrt()
 }
 
-/// The error of one mode falls with the step as theory says: h^4, h^2, h^2.
+/// The error of one mode falls with the step at the theoretical rates: h^4, h^2, h^2.
 #[test]
 fn observed_orders() {
     let (machine, _) = elastic();
@@ -309,7 +309,7 @@ fn largest_stable_steps() {
     assert!(newmark(1.0) && newmark(100.0));
 }
 
-/// A matrix that is not what it should be is refused with the entry's place.
+/// An invalid matrix is rejected with the position of the entry.
 #[test]
 fn crooked_matrices_are_refused() {
     let good = SystemMatrices::<3>::unit_mass();
@@ -474,7 +474,7 @@ fn tangent_of_moving_balls() {
 
 /// A spinning bearing throws its balls outward: each presses the outer race with its centrifugal force.
 #[test]
-fn moving_balls_are_thrown_outward() {
+fn centrifugal_force_moves_balls_outward() {
     let machine = on_moving_balls(&MOVING);
     let at = BearingKinematicState { inner_speed: 3000.0, ..BearingKinematicState::default() };
     let rest = equilibrium(&machine, &[at], [0.0; 14]);
@@ -496,7 +496,7 @@ fn moving_balls_are_thrown_outward() {
 
 /// A rotor on moving balls comes to rest where the static solution is.
 #[test]
-fn moving_balls_settle() {
+fn moving_balls_reach_static_equilibrium() {
     let machine = on_moving_balls(&MOVING);
     let rest = equilibrium(&machine, &[BearingKinematicState::default()], [0.0; 14]);
     let mut state = RotorState::stationary(rest.q, Phase::ZERO, [Phase::ZERO]);

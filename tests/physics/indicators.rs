@@ -11,7 +11,7 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 #[test]
-fn sums_lose_nothing() {
+fn compensated_sums_keep_their_digits() {
     let mut sum = CompensatedSum::<f32>::new();
     for _ in 0..10_000_000 {
         sum.add(0.1);
@@ -40,7 +40,7 @@ fn statistics_of_a_sine() {
 }
 
 #[test]
-fn statistics_of_nothing() {
+fn statistics_without_samples() {
     let mut statistics = Statistics::<f64>::new(8);
     for _ in 0..7 {
         assert!(statistics.add::<Exact>(2.5).is_none());
@@ -56,7 +56,7 @@ const LINES: [OrderLine; 4] = [
     OrderLine { shaft: 10, cage: -9, ball: 0 },
 ];
 
-/// 1X, 2X, outer ball pass and a side band of the inner one through a run-up from 600 to 6000 rpm, either way round, and
+/// 1X, 2X, outer ball pass and a side band of the inner one through a run-up from 600 to 6000 rpm, in both senses of rotation, and
 /// after the counters have turned a hundred million times.
 #[test]
 fn orders_through_a_run_up() {
@@ -199,7 +199,7 @@ fn a_force_of_fixed_direction_has_lines_in_its_own_frame_only() {
                         let [forward, backward] = [line.forward, line.backward].map(|a| complex(a).norm());
                         let says = format!("{component:?} in {other:?}: {line:?}");
                         if other == component {
-                            // Half of a linear oscillation rotates either way.
+                            // A linear oscillation is the sum of two equal circular motions.
                             assert!((forward - 0.5 * amplitude).abs() < 1e-3, "{says}");
                             assert!((backward - 0.5 * amplitude).abs() < 1e-3, "{says}");
                             assert!(line.polarisation().abs() < 1e-3, "{says}");
@@ -215,7 +215,7 @@ fn a_force_of_fixed_direction_has_lines_in_its_own_frame_only() {
     }
 }
 
-/// A rotating force: one amplitude, whichever way the shaft rotates.
+/// A rotating force: one amplitude, in both senses of rotation.
 #[test]
 fn a_rotating_force_is_circular() {
     for sense in [1.0, -1.0] {
@@ -334,7 +334,7 @@ fn envelope_of_a_swelling_tone() {
     }
 }
 
-/// A deep groove bearing under 1000 N radially, without play; ISO 16281 with ISO's constants says 13162.77 and
+/// A deep groove bearing under 1000 N radially, without play; ISO 16281 with ISO's constants gives 13162.77 and
 /// MASTA 13163.019 million turns.
 #[test]
 fn life_of_the_published_bearing() {

@@ -1,4 +1,4 @@
-//! Opposite pairs, and the cage's frame: the same bearing evaluated in another way.
+//! Opposite pairs, and the cage's frame: the same bearing by another evaluation.
 
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};

@@ -36,7 +36,7 @@ fn force(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &BearingKinemat
 }
 
 #[test]
-fn at_rest_it_is_the_angular_rung() {
+fn without_rotation_it_equals_the_angular_model() {
     let angular = Angular::<f64, Exact, _>::try_new(
         acbb_s_geometry(),
         evenly_spaced::<f64, 14>(Phase::ZERO),
@@ -81,7 +81,7 @@ fn the_usual_choice_as_a_type_is_the_same_as_by_value() {
 }
 
 #[test]
-fn forces_of_model_f4b() {
+fn forces_of_the_reference_with_inertia() {
     let golden = [-371.623234, -294.353050, -541.887840, -2.942087, 3.641872];
     let found = force(&plain(Phase::ZERO), &U, &BearingKinematicState::default());
     assert!(relative_to_largest(&found, &golden) < 2e-9, "{found:?}");
@@ -91,7 +91,7 @@ fn forces_of_model_f4b() {
 }
 
 #[test]
-fn films_of_model_f4b() {
+fn films_of_the_reference() {
     let geometry = acbb_s_geometry();
     let contact = geometry.contact(Race::Inner);
     let along = 0.5 * geometry.ball_diameter * (1.0 - geometry.gamma());
@@ -123,7 +123,7 @@ fn a_film_is_that_of_its_own_load_and_speed() {
 }
 
 #[test]
-fn waviness_pushes_by_the_rule_of_model_f7() {
+fn force_of_waviness_follows_its_rule() {
     let w0 = Displacement { w: 10e-6, ..Displacement::default() };
     let with = |order| {
         let wave = Wave {
@@ -193,7 +193,7 @@ fn waves_turn_with_their_own_surface() {
 }
 
 #[test]
-fn damage_is_met_on_its_own_surface() {
+fn damage_rotates_with_its_own_surface() {
     let with = |part| {
         let spall = Spall::new(part, Phase::ZERO, 0.05, 3e-6, SpallShape::Rectangular);
         plain(Phase::ZERO).with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Spall(spall)]))
@@ -244,7 +244,7 @@ fn forces_on_both_rings_add_up_to_the_centrifugal_forces() {
 }
 
 #[test]
-fn only_the_rings_displacement_against_each_other_counts() {
+fn only_the_relative_displacement_of_the_rings_counts() {
     let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let at = inner_at(9_000.0);
     let common = Displacement { u: 1e-4, v: -2e-4, w: 5e-5, thu: 0.0, thv: 0.0 };
@@ -284,7 +284,7 @@ fn equal_relative_speed_with_the_outer_ring_turning_shares_the_spin_but_not_the_
 }
 
 #[test]
-fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
+fn mirrored_bearing_has_mirrored_forces() {
     let wave = Wave {
         component: BearingComponent::Outer,
         direction: Direction::Axial,
@@ -301,7 +301,7 @@ fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
     let seen = Wave { amplitude: -wave.amplitude, ..wave };
     let backward = Mirrored(backward.with_surface(SurfaceDeviation::<Exact, _>::new([Feature::Wave(seen).mirrored()])));
     let at = BearingKinematicState { cage: Phase::from_revolutions(0.21), outer: Phase(5), ..inner_at(12_000.0) };
-    // Reflected in its plane a bearing faces the other way; rotation about Z looks the same in that mirror.
+    // Reflected in its plane a bearing has the opposite facing; rotation about Z looks the same in that mirror.
     let reflected = Displacement { w: -U.w, thu: -U.thu, thv: -U.thv, ..U };
     let Wrench { fx, fy, fz, mx, my } = forward.reaction(&U, &at).wrench;
     let found = backward.reaction(&reflected, &at).wrench.to_array();
@@ -310,7 +310,7 @@ fn a_mirrored_bearing_is_the_same_one_seen_from_behind() {
 }
 
 #[test]
-fn no_work_around_a_closed_way_at_rest() {
+fn no_work_around_a_closed_path_without_rotation() {
     let bearing = plain(Phase::ZERO).with_film(OIL).unwrap();
     let at = BearingKinematicState::default();
     let steps = 400;
@@ -336,7 +336,7 @@ fn no_work_around_a_closed_way_at_rest() {
     assert!(work.abs() < 1e-6 * size, "{work:e} of {size:e}");
 }
 
-/// Central differences with the balls settled to rounding.
+/// Central differences with the balls converged to rounding.
 fn differences(bearing: &impl Bearing<f64>, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Stiffness<f64> {
     let mut k = Stiffness::zeros();
     for j in 0..5 {
@@ -390,7 +390,7 @@ fn tangents_against_differences() {
 }
 
 #[test]
-fn the_tangent_of_model_f4b() {
+fn tangent_of_the_reference() {
     let (reaction, k) = plain(Phase::ZERO).reaction_and_stiffness(
         &Displacement { w: 10e-6, ..Displacement::default() },
         &BearingKinematicState::default(),
@@ -409,7 +409,7 @@ fn the_tangent_of_model_f4b() {
 }
 
 #[test]
-fn from_where_the_balls_were_few_steps_do() {
+fn few_steps_from_the_last_positions_suffice() {
     let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
     let exact = bearing.with_newton_steps(30);
     let mut balls = [BallPosition::default(); 14];
@@ -434,7 +434,7 @@ fn from_where_the_balls_were_few_steps_do() {
 }
 
 #[test]
-fn harris_218_of_model_f4() {
+fn harris_218_of_the_reference() {
     let geometry = harris_218_geometry();
     let bearing = |params: &InertiaParams| {
         let bearing = QuasiStatic::<f64, Exact, _>::try_new(
@@ -484,7 +484,7 @@ fn harris_218_of_model_f4() {
 }
 
 #[test]
-fn an_effect_without_a_name_is_not_there() {
+fn effect_that_is_not_named_is_absent() {
     assert_eq!(size_of::<Massless>(), 0);
 }
 

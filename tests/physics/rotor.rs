@@ -235,7 +235,7 @@ fn equilibrium_carries_the_load() {
 
 /// A drive that is not a number leaves the motion as it was, flagged and counted.
 #[test]
-fn a_bad_drive_is_held() {
+fn invalid_shaft_motion_holds_the_state() {
     let machine = rig(damped(PARAMS), &[]);
     let start =
         RotorState::stationary(Displacement { w: 7e-5, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);

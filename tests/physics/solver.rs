@@ -48,7 +48,7 @@ struct Flagged {
     /// Inner race control with a ball at the edge of the inner contact: the moment vanishes at once with the contact, and
     /// no state in between is balanced.
     edge: u32,
-    /// Not settled in the steps given.
+    /// Not converged in the steps given.
     slow: u32,
 }
 
@@ -106,7 +106,7 @@ where
     flagged
 }
 
-/// Cold steps that the kernel takes unless told otherwise.
+/// Default number of cold steps of the kernel.
 const STEPS: u8 = ballrace::bearing::quasi_static::DEFAULT_NEWTON_STEPS;
 /// As many as the tests say.
 const STATES: u32 = 1_000_000;
@@ -124,7 +124,7 @@ fn a_million_balls_are_balanced_or_flagged_in_f32() {
 }
 
 #[test]
-fn more_steps_settle_more_balls() {
+fn more_steps_converge_more_balls() {
     let counts = [2, 4, 6, 8, 12, 24].map(|steps| run::<f64>(30_000, steps, 1.1e-9).total());
     assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
 }

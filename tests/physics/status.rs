@@ -1,4 +1,4 @@
-//! Bad samples are flagged, counted and answered with the last good value.
+//! Bad samples are flagged, counted and replaced by the last valid value.
 
 use ballrace::bearing::{Bearing, LastValidWrench};
 use ballrace::{Displacement, Phase, Status};
@@ -39,7 +39,7 @@ fn overflow_is_flagged_as_such() {
 }
 
 #[test]
-fn lost_contact_is_a_result_not_a_fault() {
+fn lost_contact_is_a_status_and_no_error() {
     let bearing = deep_groove::<9>(10e-6);
     let mut held = LastValidWrench::new();
     let (wrench, status) = bearing.sample(&mut held, &Displacement::default(), &Phase::ZERO.into());

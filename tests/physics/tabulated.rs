@@ -107,7 +107,7 @@ fn shown(errors: [f64; 3]) -> String {
 }
 
 #[test]
-fn within_a_ten_thousandth_of_the_largest_load() {
+fn forces_within_a_ten_thousandth_of_the_largest_load() {
     println!("sharing | error in f64: median, 99 %, largest | in f32");
     for friction_sharing in [FrictionSharing::Outer, FrictionSharing::Proportional] {
         let bearing = solved(harris_218_geometry(), &InertiaParams { friction_sharing, ..STEEL_BALLS });
@@ -120,7 +120,7 @@ fn within_a_ten_thousandth_of_the_largest_load() {
 }
 
 #[test]
-fn with_a_film_too() {
+fn equilibrium_with_an_oil_film() {
     let oil = Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 };
     let bearing = solved(harris_218_geometry(), &STEEL_BALLS).with_film(oil).unwrap();
     let domain = domain([32, 16, 32]);
@@ -146,7 +146,7 @@ fn size_against_error() {
 }
 
 #[test]
-fn outside_of_what_it_was_made_for_is_said() {
+fn states_outside_the_table_are_flagged() {
     let bearing = solved(harris_218_geometry(), &STEEL_BALLS);
     let domain = domain([16, 8, 8]);
     let table = looked_up::<f64, _, 2>(&bearing, &domain);
@@ -252,7 +252,7 @@ fn parts(bearing: &Solved<Dry>, domain: &TableDomain) -> LookedUpParts {
 }
 
 #[test]
-fn a_domain_that_cannot_be_is_refused() {
+fn impossible_table_domain_is_rejected() {
     let good = domain([8, 8, 8]);
     for bad in [
         TableDomain { approach: [1e-6, 1e-6], ..good },

@@ -84,7 +84,7 @@ fn lumped() {
     check("combined, mirrored", &Mirrored(Combined(radial, axial)));
 }
 
-/// A bearing whose housing points stand displaced, each its own way.
+/// A bearing with a separate displacement of each housing point.
 struct Displaced<B>(B, [HousingPoint<f64>; 9]);
 
 impl<B: FlexibleRing<f64> + Send + Sync> Bearing<f64> for Displaced<B> {

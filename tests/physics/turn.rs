@@ -4,7 +4,7 @@ use ballrace::Phase;
 use ballrace::phase::{PhaseDelta, SpeedRatio};
 
 #[test]
-fn a_million_turns_forth_and_back_end_where_they_began() {
+fn a_million_revolutions_forward_and_backward_return_to_the_start() {
     let step = PhaseDelta::from_radians(0.1_f64);
     let there = (0..1_000_000).fold(Phase::ZERO, |t, _| t.advanced(step));
     let back = (0..1_000_000).fold(there, |t, _| t.advanced(PhaseDelta(-step.0)));
@@ -27,7 +27,7 @@ fn a_cage_keeps_its_ratio_over_a_month_at_full_speed() {
 }
 
 #[test]
-fn angles_come_back() {
+fn angles_round_trip() {
     for degrees in [0.0, 1.0, 90.0, 179.0, 270.0, 359.9] {
         let turn = Phase::from_radians(f64::to_radians(degrees));
         assert!((turn.radians().to_degrees() - degrees).abs() < 1e-12);
@@ -58,7 +58,7 @@ fn an_hour(shaft: (Phase, PhaseDelta), cage: (Phase, SpeedRatio)) -> (Phase, Pha
 ///
 /// One hour is stepped sample by sample; the counter forms a group, so the 719 others add the same hour again.
 #[test]
-fn thirty_days_at_full_speed_end_on_exactly_the_turn_they_should() {
+fn thirty_days_at_full_speed_end_at_the_exact_angle() {
     let increment = PhaseDelta(5 << 56);
     let ratio = SpeedRatio::new(0.398_273);
     let (shaft, cage) = an_hour((Phase::ZERO, increment), (Phase::ZERO, ratio));

@@ -39,7 +39,7 @@ fn kit() -> RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, Lin
     RotorBearingSystem { rotor: RigidRotor::try_new(&params, &[unbalance]).unwrap(), bearings: [at(-0.1), at(0.1)] }
 }
 
-/// Settled 1X vector at a speed, um, as amplitude times e^(-i lag), from one turn of the integrated motion.
+/// StaticEquilibrium 1X vector at a speed, um, as amplitude times e^(-i lag), from one turn of the integrated motion.
 fn response(
     machine: &RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, Linear<f64>>, 2>,
     speed: f64,

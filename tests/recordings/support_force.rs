@@ -27,7 +27,7 @@ fn envelope_spectrum(signal: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn the_inner_race_line_stands_where_geometry_puts_it() {
+fn the_inner_race_line_has_the_order_of_the_geometry() {
     let samples = super::columns::<2>(include_str!("real/support_force_306rpm_6400Hz.csv"));
     let force: Vec<f64> = samples.iter().map(|row| row[1]).collect();
     let spectrum = envelope_spectrum(&force);

@@ -128,7 +128,7 @@ fn stated(error: f64) -> String {
 }
 
 #[test]
-fn the_table_is_true_and_tight() {
+fn stated_errors_are_upper_bounds_within_a_factor() {
     let claims: Vec<Claim> = functions().into_iter().chain(forces()).filter(|c| c.error > 0.0).collect();
     let text = std::fs::read_to_string(chapter()).unwrap();
     let begin = text.find(BEGIN).expect("a mark where the table begins") + BEGIN.len();

@@ -54,7 +54,7 @@ fn every_exponent_on_every_displacement() {
 }
 
 #[test]
-fn what_is_no_number_is_held() {
+fn samples_that_are_no_number_are_held() {
     for (name, bearing) in &models::all::<f32, Exact>() {
         for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::from_bits(0xff80_0001)] {
             for component in 0..5 {
@@ -257,9 +257,9 @@ fn a_large_common_displacement_of_both_rings() {
     }
 }
 
-/// No ball is lost in silence: what did not settle is flagged, what did has positive loads.
+/// A ball without convergence is flagged, a ball with convergence has positive loads.
 #[test]
-fn balls_say_when_they_do_not_settle() {
+fn balls_without_convergence_are_flagged() {
     let places: ElementPositions<f64, 9> = evenly_spaced(Phase::ZERO);
     let bearing =
         QuasiStatic::<f64, Exact, _>::try_new(acbb_s_geometry(), places, DisplacementDatum::Touching).unwrap();

@@ -26,7 +26,7 @@ struct Case {
     at: BearingKinematicState<f64>,
 }
 
-/// 3 to 64 balls of 0.5 to 100 mm, conformity from 0.501, steel and ceramic, loaded up to yield, dmN up to 4e6 either way
+/// 3 to 64 balls of 0.5 to 100 mm, conformity from 0.501, steel and ceramic, loaded up to yield, dmN up to 4e6 in both senses of rotation
 /// and at rest, six decades of viscosity.
 fn case(random: &mut Random) -> Case {
     let elements = 3 + (random.unit() * 62.0) as usize;
@@ -106,7 +106,7 @@ fn bearings_from_watch_to_wind_turbine() {
         dry.ball_states(&case.u, &case.at, &mut without);
         open_dry += without.iter().filter(|s| !s.converged).count();
         slipping += u32::from(found.status.contains(Status::GYROSCOPIC_SLIP));
-        // The other way round everything is the same, held still nothing is thrown.
+        // With the opposite rotation the results are the same; at standstill there is no centrifugal force.
         let back = BearingKinematicState { inner_speed: -case.at.inner_speed, ..case.at };
         let reversed = full.reaction(&case.u, &back);
         let apart: f64 = (found.wrench.fz - reversed.wrench.fz).abs() + (found.wrench.fx - reversed.wrench.fx).abs();

@@ -20,7 +20,7 @@ const PARAMS: RotorParams = RotorParams {
     gravity: [0.0; 3],
     load: [0.0; 5],
 };
-/// Of both springs together along X, N/m, and the natural frequency, rad/s.
+/// Stiffness of both springs along X, N/m, and the natural frequency, rad/s.
 const SPRING: f64 = 2e8;
 
 fn still() -> ShaftMotion<f64> {
@@ -29,7 +29,7 @@ fn still() -> ShaftMotion<f64> {
 
 type OnSprings = RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, Linear<f64>>, 1>;
 
-/// One spring at the centre of mass, as stiff every way.
+/// One spring at the centre of mass with the same stiffness in every direction.
 fn on_springs(stiffness: f64) -> OnSprings {
     let bearing = Linear::new(Stiffness::from_diagonal_element(stiffness));
     RotorBearingSystem {
@@ -90,7 +90,7 @@ fn a_billion_steps_keep_energy_and_phase() {
 }
 
 /// From a thousandth of the stable step to five times as much: below the limit the swing stays, above it grows until the
-/// numbers end, and the step that would leave them is held and says so. Newmark has no limit.
+/// numbers end, and a step beyond them is held and flagged. Newmark has no limit.
 #[test]
 fn steps_from_far_below_to_above_the_limit() {
     let machine = on_springs(SPRING);
@@ -123,7 +123,7 @@ fn steps_from_far_below_to_above_the_limit() {
     }
 }
 
-/// A rotor a million million times stiffer one way than the other: at rest where the loads put it, each way by itself.
+/// A rotor whose stiffness differs by a factor of 1e12 between two directions: the equilibrium of each direction depends on its own load.
 #[test]
 fn stiffness_ratios_of_a_million_million() {
     let mut params = RotorParams { load: [1.0, 1.0, 1.0, 0.0, 0.0], ..PARAMS };
@@ -143,13 +143,13 @@ fn stiffness_ratios_of_a_million_million() {
     for _ in 0..200_000 {
         assert!(!newmark.step(&machine, &mut state, &still()).is_held());
     }
-    // The stiff way rings on undamped by the step, about where it belongs.
+    // The stiff direction oscillates about its equilibrium without numerical damping.
     assert!(state.q[0].abs() < 3e-12 && (state.q[1] - 1.0).abs() < 1e-3, "{:?}", state.q);
 }
 
 /// A shaft that falls on one ball and leaves it again, thousands of times: the height that it comes back to stays.
 #[test]
-fn a_ball_that_leaves_and_meets_the_race() {
+fn ball_that_loses_and_regains_contact() {
     let places: ElementPositions<f64, 3> = evenly_spaced(Phase::from_revolutions(-0.25));
     let bearing = Radial::<f64, Exact, _, _>::try_new(places, PointContactLaw { stiffness: 8e9 }, 10e-6).unwrap();
     let params = RotorParams { gravity: [0.0, -9.80665, 0.0], ..PARAMS };

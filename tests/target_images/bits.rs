@@ -9,7 +9,7 @@ use std::thread;
 fn samples() -> usize {
     if ballrace_tests::runs_all() { 10_240 } else { 1_024 }
 }
-/// Samples spoilt on purpose: the kernel answers them with the last good value.
+/// Invalid samples: the kernel replaces them by the last valid value.
 const SPOILT: [(usize, usize, f32); 3] = [(100, 0, f32::NAN), (101, 2, f32::INFINITY), (900, 4, f32::NEG_INFINITY)];
 /// The samples of one turn that are changed to see that the checksums depend on them.
 const CHANGED: std::ops::Range<usize> = 640..896;

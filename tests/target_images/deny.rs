@@ -33,10 +33,10 @@ fn no_fused_and_no_estimated_operations() {
     assert_eq!(found("objdump", &host, &X86), none, "with AVX2 and FMA allowed");
 }
 
-/// The C yardstick is compiled with leave to fuse, and the check sees that it does.
+/// The C reference is compiled with contraction allowed, and the check detects its fused operations.
 #[test]
 #[ignore = "needs gcc-arm-none-eabi; tests/run runs it"]
-fn the_check_sees_a_fused_operation() {
+fn the_check_detects_a_fused_operation() {
     let folder = tempfile::tempdir().expect("a folder");
     let image = super::counts::yardstick::compiled_into(folder.path());
     assert_eq!(found("arm-none-eabi-objdump", &image, &ARM)[..1], ["vfma"]);

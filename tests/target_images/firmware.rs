@@ -3,7 +3,7 @@ use ballrace::phase::SpeedRatio;
 use ballrace::{Displacement, Exact, Math, Phase, Status};
 use ballrace_tests::bearings::deep_groove;
 
-/// The example gives the forces that the desktop gives, holds the bad sample, and says so.
+/// The example gives the forces that the desktop gives, holds the bad sample, and reports it.
 #[test]
 #[ignore = "needs qemu-system-arm and the target thumbv7em-none-eabihf; tests/run runs it"]
 fn the_worked_example_runs() {

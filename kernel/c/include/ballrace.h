@@ -499,7 +499,7 @@ typedef struct ballrace_envelope {
 } ballrace_envelope;
 
 /**
- * Last valid force and number of samples answered with it. Opaque: `ballrace_last_valid_init` writes it.
+ * Last valid force and number of samples that it replaced. Opaque: `ballrace_last_valid_init` writes it.
  */
 typedef struct ballrace_last_valid {
     /**
@@ -1534,7 +1534,7 @@ uint32_t ballrace_envelope_add(struct ballrace_envelope *envelope,
 uint32_t ballrace_last_valid_init(struct ballrace_last_valid *last_valid);
 
 /**
- * Returns the number of samples answered with an earlier force (saturating); 0 for a state that is not initialised.
+ * Returns the number of samples replaced by an earlier force (saturating); 0 for a state that is not initialised.
  *
  * Preconditions:
  * `last_valid` points to a struct.
@@ -1544,7 +1544,7 @@ uint32_t ballrace_held_count(const struct ballrace_last_valid *last_valid);
 /**
  * Computes the force for one sample of a stream.
  *
- * As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and answered with the last
+ * As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and replaced by the last
  * valid force. Same number of instructions for every sample. For an interrupt: one state per stream.
  *
  * Preconditions:

@@ -6,7 +6,7 @@ use crate::state::{self, Stored};
 use crate::status;
 use ballrace::bearing::LastValidWrench;
 
-/// Last valid force and number of samples answered with it. Opaque: `ballrace_last_valid_init` writes it.
+/// Last valid force and number of samples that it replaced. Opaque: `ballrace_last_valid_init` writes it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct LastValid {
@@ -30,7 +30,7 @@ pub unsafe extern "C" fn ballrace_last_valid_init(last_valid: *mut LastValid) ->
     status::OK
 }
 
-/// Returns the number of samples answered with an earlier force (saturating); 0 for a state that is not initialised.
+/// Returns the number of samples replaced by an earlier force (saturating); 0 for a state that is not initialised.
 ///
 /// # Safety
 /// `last_valid` points to a struct.
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn ballrace_held_count(last_valid: *const LastValid) -> u3
 
 /// Computes the force for one sample of a stream.
 ///
-/// As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and answered with the last
+/// As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and replaced by the last
 /// valid force. Same number of instructions for every sample. For an interrupt: one state per stream.
 ///
 /// # Safety

@@ -1,6 +1,6 @@
 //! Positions of the elements in the cage: any positions, or opposed pairs.
 
-use crate::lanes::Lanes;
+use crate::math::lanes::Lanes;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 

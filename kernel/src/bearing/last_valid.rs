@@ -5,7 +5,7 @@ use crate::frame::Wrench;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
-/// The last valid wrench, and the number of samples answered with it.
+/// The last valid wrench, and the number of samples that it replaced.
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
@@ -34,7 +34,7 @@ impl<T: Scalar> LastValidWrench<T> {
         Self::default()
     }
 
-    /// Returns the number of samples answered with an earlier wrench (saturating).
+    /// Returns the number of samples replaced by an earlier wrench (saturating).
     #[must_use]
     pub fn held_count(&self) -> u32 {
         self.held_count

@@ -84,7 +84,7 @@ pub trait Bearing<T: Scalar>: Send + Sync {
 
     /// Computes the force for one sample of a stream.
     ///
-    /// As [`Bearing::reaction`], but samples that are NaN, infinite or overflow are flagged, counted and answered with the
+    /// As [`Bearing::reaction`], but samples that are NaN, infinite or overflow are flagged, counted and replaced by the
     /// last valid wrench.
     fn sample(
         &self,

@@ -11,7 +11,7 @@ use super::element_position::{ElementBlock, ElementLayout, ElementPosition};
 use super::surface::{ElementDeviation, Surface};
 use crate::frame::{Displacement, Stiffness, Wrench};
 use crate::kinematic_state::BearingKinematicState;
-use crate::lanes::Lanes;
+use crate::math::lanes::Lanes;
 use crate::scalar::Scalar;
 use crate::status::Status;
 

@@ -3,6 +3,7 @@
 //! Both compute sine and cosine from the wrapping angle with the same polynomials, which are cheaper than a library call
 //! and accurate to the precision.
 
+pub(crate) mod lanes;
 mod ninth_root;
 mod power;
 mod sqrt;

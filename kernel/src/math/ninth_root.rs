@@ -47,7 +47,7 @@ const MANTISSA: [f64; 7] = [
 #[inline]
 pub fn ninth_root_f32(x: f32) -> f32 {
     let bits = x.to_bits();
-    // The bias 127 and 8 more make 135 = 15 * 9, so the division sees a positive number.
+    // The bias 127 and 8 more make 135 = 15 * 9, so the dividend is positive.
     let exponent = (bits >> 23) + 8;
     let (q, r) = (exponent / 9, exponent % 9);
     let m = f32::from_bits((bits & 0x007f_ffff) | 0x3f80_0000) - 1.0;

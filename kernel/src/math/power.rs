@@ -14,7 +14,7 @@ const EXPONENTIAL: [f32; 7] =
     [1.0, core::f32::consts::LN_2, 0.240_226_46, 0.055_503_29, 0.009_618_489, 0.001_339_993_1, 0.000_153_458_17];
 
 /// Bits of the square root of 1/2: mantissas are taken from there to twice that.
-const LEAST_MANTISSA: i32 = 0x3f35_04f3;
+const MIN_MANTISSA: i32 = 0x3f35_04f3;
 
 /// Rounds to the nearest integer, as a float: a float beyond 1.5 * 2^23 has no fraction.
 #[inline(always)]
@@ -27,7 +27,7 @@ fn rounded(x: f32) -> f32 {
 #[inline]
 pub fn pow_f32(x: f32, n: f32) -> f32 {
     let bits = x.to_bits() as i32;
-    let exponent = bits.wrapping_sub(LEAST_MANTISSA) >> 23;
+    let exponent = bits.wrapping_sub(MIN_MANTISSA) >> 23;
     let m = f32::from_bits(bits.wrapping_sub(exponent << 23) as u32);
     let s = (m - 1.0) / (m + 1.0);
     let logarithm = s * polynomial(s * s, LOGARITHM);

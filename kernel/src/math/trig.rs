@@ -4,7 +4,7 @@
 //! exact at the four quarters). `f64`: Taylor series to degrees 17 and 18 (remainder below 1e-19).
 
 use super::{polynomial, polynomial_by_pairs};
-use crate::lanes::Lanes;
+use crate::math::lanes::Lanes;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 

@@ -313,7 +313,7 @@ class Sweep(Table, Page):
                 for i, along in enumerate("xyz")
             }
             scalars = {name: figures[name] for name in ("speed_rpm", "held", "period", "lyapunov")}
-            rows.append({"way": row["way"], **values, **scalars, **vectors})
+            rows.append({"direction": row["direction"], **values, **scalars, **vectors})
         return _columns_of(rows)
 
     def to_html(self) -> str:

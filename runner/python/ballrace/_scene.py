@@ -273,7 +273,7 @@ class Scene:
         baseline : path, optional
             A baseline to judge against.
         learn : bool
-            The machine is sound: learn a baseline (:meth:`Outcome.save_baseline`).
+            The machine is in good order: learn a baseline (:meth:`Outcome.save_baseline`).
         error : float, optional
             Acceptable relative error of the force.
         forces : path, optional

@@ -6,7 +6,7 @@ use crate::interrupt::interruptible;
 use crate::recording::Source;
 use ballrace_report as report;
 use ballrace_twin::campbell::campbell;
-use ballrace_twin::equilibrium::settle;
+use ballrace_twin::equilibrium::static_equilibrium;
 use ballrace_twin::error::Error;
 use ballrace_twin::fit::parameters::{ALL, Group};
 use ballrace_twin::fit::{fit_recording, written};
@@ -153,7 +153,8 @@ impl Scene {
     /// Static equilibrium: JSON and HTML.
     #[pyo3(signature = (bearing=None, load=None))]
     fn equilibrium(&self, py: Python<'_>, bearing: Option<&str>, load: Option<[f64; 5]>) -> PyResult<(String, String)> {
-        let settled = interruptible(py, |_| settle(&self.content, bearing, load))?.map_err(|e| exception(py, e))?;
+        let settled =
+            interruptible(py, |_| static_equilibrium(&self.content, bearing, load))?.map_err(|e| exception(py, e))?;
         Ok((json_of(py, &settled)?, page(py, report::equilibrium::html(&settled))?))
     }
 

@@ -1,4 +1,4 @@
-//! The comparison as CSV: one row per probe, units in the column names, empty cells for missing numbers. Of snapshots: the trend, one
+//! The comparison as CSV: one row per probe, units in the column names, empty cells for missing numbers. For snapshots: the trend, one
 //! row per snapshot and sensor.
 
 use ballrace_twin::output::quoted;
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_stand_under_their_heads() {
+    fn figures_are_in_the_columns_of_their_heads() {
         let outcome = fixture::usual();
         let text = csv(&outcome);
         let mut reader = ::csv::Reader::from_reader(text.as_bytes());

@@ -5,7 +5,7 @@ use super::number::{alone, fixed, with_sign};
 use super::text::broken;
 use super::words;
 use anyhow::Result;
-use ballrace_twin::equilibrium::{BearingSettled, EffectShare, Element, Settled};
+use ballrace_twin::equilibrium::{BearingEquilibrium, EffectShare, Element, StaticEquilibrium};
 use ballrace_twin::plant::PRESSURE_LIMIT;
 use ballrace_twin::replay::outcome::BearingOrders;
 use minijinja::{Environment, context};
@@ -20,7 +20,7 @@ const WIDTH: usize = 80;
 
 /// Returns the equilibrium as text for the terminal, 100 columns wide.
 #[must_use]
-pub fn text(settled: &Settled) -> String {
+pub fn text(settled: &StaticEquilibrium) -> String {
     let mut out = String::new();
     let rpm = settled.speed * 60.0 / std::f64::consts::TAU;
     line(&mut out, &format!("{}: equilibrium at {} rpm", settled.scene, alone(rpm)));
@@ -87,7 +87,7 @@ fn line(out: &mut String, text: &str) {
 }
 
 /// Prints the contact angle used for cage speed and orders, and the mean angle under load.
-fn kinematics(out: &mut String, b: &BearingSettled) {
+fn kinematics(out: &mut String, b: &BearingEquilibrium) {
     let per_turn = |o: &BearingOrders| {
         format!("cage {:.3}, outer race {:.3}, inner race {:.3} per turn", o.cage, o.outer_race, o.inner_race)
     };
@@ -112,11 +112,11 @@ fn kinematics(out: &mut String, b: &BearingSettled) {
     }
 }
 
-fn of<'a>(settled: &'a Settled, name: &str) -> Vec<&'a Element> {
+fn of<'a>(settled: &'a StaticEquilibrium, name: &str) -> Vec<&'a Element> {
     settled.elements.iter().filter(|e| e.bearing == name).collect()
 }
 
-fn element_table(out: &mut String, settled: &Settled, name: &str) {
+fn element_table(out: &mut String, settled: &StaticEquilibrium, name: &str) {
     let elements = of(settled, name);
     let most = elements.iter().map(|e| e.inner_load.max(e.outer_load)).fold(0.0, f64::max);
     let has_film = elements.iter().any(|e| e.outer_film > 0.0);
@@ -176,7 +176,7 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
 ///
 /// # Errors
 /// Returns an error if the template or a figure fails.
-pub fn html(settled: &Settled) -> Result<String> {
+pub fn html(settled: &StaticEquilibrium) -> Result<String> {
     let mut pictures = settled.drawing.iter().map(rotor).collect::<Result<Vec<_>>>()?;
     for b in &settled.bearings {
         pictures.push(balance(&b.name, &of(settled, &b.name))?);

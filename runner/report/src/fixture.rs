@@ -323,7 +323,7 @@ fn element_loads(name: &str) -> ElementLoads {
     let azimuth: Vec<f64> = (0..72).map(|i| (f64::from(i) + 0.5) * TAU / 72.0).collect();
     let zone = |at: f64, size: f64| 4.0 + size * (at + FRAC_PI_2).cos().max(0.0).powf(1.5);
     let loads = |size: f64| azimuth.iter().map(|at| zone(*at, size)).collect::<Vec<f64>>();
-    let way = |i: u32| {
+    let load = |i: u32| {
         let at = 0.398 * TAU * f64::from(i) / 256.0;
         (at, zone(at, 14.0) + 3.0 * (TAU * f64::from(i) / 256.0).cos())
     };
@@ -332,7 +332,7 @@ fn element_loads(name: &str) -> ElementLoads {
         mean: loads(14.0),
         largest: loads(26.0),
         twin_mean: loads(14.8),
-        first_element: (0..256 * 12).map(way).collect(),
+        first_element: (0..256 * 12).map(load).collect(),
         azimuth,
     }
 }
@@ -589,7 +589,7 @@ pub(crate) fn usual() -> Outcome {
             "The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(),
             "Runout was not removed: part of 1X may be runout.".to_owned(),
         ],
-        learned: ballrace_twin::replay::baseline::Baseline::default(),
+        learned: baseline::Baseline::default(),
         pictures: pictures(),
     }
 }
@@ -618,7 +618,7 @@ pub(crate) fn bare() -> Outcome {
         diagnosis: None,
         flaws: Vec::new(),
         notes: Vec::new(),
-        learned: ballrace_twin::replay::baseline::Baseline::default(),
+        learned: baseline::Baseline::default(),
         pictures: Pictures::default(),
     }
 }

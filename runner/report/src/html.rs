@@ -4,7 +4,7 @@ use super::figures::{POINTS, Picture, Section, Shape, sections};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::words;
 use anyhow::{Context, Result};
-use ballrace_twin::plausibility::Implausibility;
+use ballrace_twin::outcome::Implausibility;
 use ballrace_twin::replay::outcome::{
     BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, SimplePredictor, Standing,
     TabularList, Timing,
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn names_everything_and_loads_nothing() {
+    fn page_names_everything_and_has_no_external_resource() {
         for outcome in [fixture::usual(), fixture::crowded(), fixture::run_up()] {
             let page = html(&outcome).unwrap();
             assert!(outcome.probes.iter().all(|probe| page.contains(&escaped(&probe.name))));

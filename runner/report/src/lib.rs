@@ -41,7 +41,7 @@ mod tests {
     use crate::fixture;
 
     #[test]
-    fn json_knows_no_nan() {
+    fn json_has_no_nan() {
         for outcome in [fixture::usual(), fixture::bare(), fixture::broken()] {
             let text = json(&outcome).unwrap();
             let value: serde_json::Value = serde_json::from_str(&text).unwrap();

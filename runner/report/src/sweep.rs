@@ -6,7 +6,7 @@ use anyhow::Result;
 use ballrace_twin::sweep::{Axis, Row};
 
 /// Largest number of curves in a figure.
-const MOST_CURVES: usize = 6;
+const MAX_CURVES: usize = 6;
 
 /// Returns the HTML page, one file without external references.
 ///
@@ -18,24 +18,24 @@ pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
     let mut curves: Vec<Curve<'_>> = Vec::new();
     for row in rows {
         let name = named(axes, row);
-        match curves.iter_mut().find(|curve| curve.name == name && curve.way == row.way) {
+        match curves.iter_mut().find(|curve| curve.name == name && curve.direction == row.direction) {
             Some(curve) => curve.rows.push(row),
-            None => curves.push(Curve { name, way: row.way.clone(), rows: vec![row] }),
+            None => curves.push(Curve { name, direction: row.direction.clone(), rows: vec![row] }),
         }
     }
     for curve in &mut curves {
         curve.rows.sort_by(|a, b| along(a).total_cmp(&along(b)));
     }
     let all = curves.len();
-    curves.truncate(MOST_CURVES);
+    curves.truncate(MAX_CURVES);
     let mut pictures = vec![response(&title, &curves)?, bifurcation(&title, &curves)?];
     if let Some(curve) = curves.first() {
         pictures.push(waterfall(&title, curve)?);
     }
     let mut words =
         format!("{} points over {}.", rows.len(), axes.iter().map(|a| a.key.as_str()).collect::<Vec<_>>().join(", "));
-    if all > MOST_CURVES {
-        words += &format!(" The figures show {MOST_CURVES} of {all} curves; the tables contain all.");
+    if all > MAX_CURVES {
+        words += &format!(" The figures show {MAX_CURVES} of {all} curves; the tables contain all.");
     }
     page(scene, "sweep", &pictures, &words)
 }
@@ -50,7 +50,7 @@ fn named(axes: &[Axis], row: &Row) -> String {
         let key = axis.key.rsplit('.').next().unwrap_or(&axis.key);
         format!("{key} {value} {}", axis.unit).trim_end().to_owned()
     });
-    let way = (row.way != "rest").then(|| row.way.clone());
-    let all: Vec<String> = others.chain(way).collect();
+    let direction = (row.direction != "rest").then(|| row.direction.clone());
+    let all: Vec<String> = others.chain(direction).collect();
     if all.is_empty() { "from equilibrium".to_owned() } else { all.join(", ") }
 }

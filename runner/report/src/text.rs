@@ -368,7 +368,7 @@ mod tests {
     use crate::fixture;
 
     #[test]
-    fn says_everything_within_the_width() {
+    fn summary_is_complete_within_the_width() {
         for (outcome, width) in
             [(fixture::usual(), 80), (fixture::bare(), 80), (fixture::broken(), 100), (fixture::crowded(), 100)]
         {

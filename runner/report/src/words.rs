@@ -118,7 +118,7 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
 }
 
 /// Units of all numbers on the page.
-pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column says; phase in \
+pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column states; phase in \
                                 degrees of lag, 0 to 360; frequency in Hz and orders (X)";
 
 /// Returns the recommended action for a kind of finding.
@@ -133,13 +133,13 @@ pub const fn action(kind: FindingKind) -> &'static str {
             "Look for deposits, lost weights and loose parts, then balance; repeat with the new unbalance in the scene."
         }
         FindingKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
-        FindingKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene anew.",
+        FindingKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene again.",
         FindingKind::Load => {
             "Check mass, load and signs of the probes in the scene first, as each of them shows as a load; then belt, gear or \
              thrust loads and what the machine drives."
         }
         FindingKind::Other => {
-            "If the scene is not fitted to this machine, run ballrace fit on a recording of the sound machine; else look at the \
+            "If the scene is not fitted to this machine, run ballrace fit on a recording of the machine in good order; else look at the \
              residual's spectrum and orbit, and check mounting and probes."
         }
     }
@@ -408,7 +408,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn speed_says_its_range_only_when_there_is_one() {
+    fn range_of_speed_is_printed_where_the_speed_varies() {
         let mut record =
             Record { mean_speed_rpm: 3000.0, min_speed_rpm: 3000.0, max_speed_rpm: 3000.0, ..Record::default() };
         assert_eq!(speed(&record), "3000.0 rpm");

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Check this recording, a file or a folder, instead of the scene's own. Of snapshots, the first readable file is checked.
+    /// Check this recording, a file or a folder, instead of the scene's own. For snapshots, the first readable file is checked.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
     /// Drawing of the rotor with bearings, probes and unbalances.

@@ -4,7 +4,7 @@ use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report as report;
-use ballrace_twin::equilibrium::{Element, settle};
+use ballrace_twin::equilibrium::{Element, static_equilibrium};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::plant::LARGEST_RESIDUAL;
 use ballrace_twin::scene::read::read_file;
@@ -37,7 +37,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         check_distinct_paths(&[("--report", path)], &[&args.scene])?;
     }
     let load = args.load.as_deref().map(parse_load).transpose().map_err(UsageError::new)?;
-    let equilibrium = settle(&scene, args.bearing.as_deref(), load).map_err(UsageError::with_bearing_option)?;
+    let equilibrium =
+        static_equilibrium(&scene, args.bearing.as_deref(), load).map_err(UsageError::with_bearing_option)?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::equilibrium::html(&equilibrium)?)?;
     }

@@ -163,7 +163,7 @@ fn status_text(status: Status) -> String {
         (Status::INPUT_NOT_FINITE, "input-not-finite"),
         (Status::RESULT_NOT_FINITE, "result-not-finite"),
         (Status::CONTACT_LOST, "contact-lost"),
-        (Status::NOT_CONVERGED, "not-settled"),
+        (Status::NOT_CONVERGED, "not-converged"),
         (Status::GYROSCOPIC_SLIP, "gyroscopic-slip"),
         (Status::OUT_OF_TABLE, "out-of-table"),
     ];

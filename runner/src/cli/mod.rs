@@ -61,7 +61,7 @@ fn parse_fraction(text: &str) -> Result<f64, String> {
 /// Prints the significant and the neglected effects of a scene, with a warning for each neglected effect whose predicted
 /// error exceeds `error`.
 fn print_effects(out: &mut impl Write, effects: &[EffectSignificance], error: Option<f64>) -> Result<()> {
-    for line in effect_significance::describe(effects, error.unwrap_or(effect_significance::GOOD_ENOUGH)) {
+    for line in effect_significance::describe(effects, error.unwrap_or(effect_significance::DEFAULT_FORCE_ERROR)) {
         writeln!(out, "{line}")?;
     }
     Ok(())

@@ -17,7 +17,7 @@ pub struct Args {
 }
 
 /// Largest number of differences in text format.
-const MOST_LINES: usize = 20;
+const MAX_LINES: usize = 20;
 
 /// Runs the command.
 ///
@@ -59,13 +59,13 @@ fn print_text(out: &mut impl Write, found: &Verification, args: &Args) -> Result
     if program != this_program {
         writeln!(out, "{file}: written by {program}, compared by {this_program}: bake the scene again")?;
     }
-    for Difference { file, part, name, line, found, expected } in differences.iter().take(MOST_LINES) {
+    for Difference { file, part, name, line, found, expected } in differences.iter().take(MAX_LINES) {
         let line = line.map_or(String::new(), |line| format!(":{line}"));
         let [found, expected] = [found, expected].map(|text| text.as_deref().unwrap_or("nothing"));
         writeln!(out, "{}{line}: {} {name}: {found}, expected {expected}", file.display(), part.name())?;
     }
-    if differences.len() > MOST_LINES {
-        writeln!(out, "and {} more", differences.len() - MOST_LINES)?;
+    if differences.len() > MAX_LINES {
+        writeln!(out, "and {} more", differences.len() - MAX_LINES)?;
     }
     if differences.is_empty() {
         writeln!(out, "{file}: equal to its scene: {fields} fields of the certificate, {constants} constants")?;

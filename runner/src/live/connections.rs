@@ -1,8 +1,7 @@
 //! TCP connections: connections with a valid preamble are read one after the other; the others are refused.
 
-use super::feed::{EventSender, StopFlag};
+use super::feed::{EventSender, StopFlag, lock};
 use super::frames::FrameLayout;
-use super::source::{is_wait, lock};
 use socket2::{SockRef, TcpKeepalive};
 use std::io::{ErrorKind, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -210,6 +209,11 @@ impl Read for SourceStream {
             }
         }
     }
+}
+
+/// Returns `true` for an error after which the read is to be repeated.
+pub(super) fn is_wait(error: &std::io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }
 
 #[cfg(test)]

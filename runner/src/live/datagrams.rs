@@ -1,8 +1,7 @@
 //! UDP datagrams of CSV lines: one sender whose first datagram starts with the header is read; other senders are ignored.
 
-use super::connections::{Preamble, REPLACEMENT_TIMEOUT};
-use super::feed::{EventSender, StopFlag};
-use super::source::{is_wait, lock};
+use super::connections::{Preamble, REPLACEMENT_TIMEOUT, is_wait};
+use super::feed::{EventSender, StopFlag, lock};
 use std::io::Read;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::{Arc, Mutex};

@@ -128,14 +128,15 @@ pub struct EventSender {
 impl EventSender {
     /// Sends an event unless the rate limit omits it.
     pub fn send(&self, kind: &'static str, sentence: String) {
-        if let Some(message) = lock_limiter(&self.limiter).pass(EventMessage { kind, sentence }) {
+        if let Some(message) = lock(&self.limiter).pass(EventMessage { kind, sentence }) {
             // The receiver is dropped at the end of the monitor.
             let _ = self.sender.send(message);
         }
     }
 }
 
-fn lock_limiter(mutex: &Mutex<EventLimiter>) -> MutexGuard<'_, EventLimiter> {
+/// Locks a mutex, also after a panic of a thread that held it: the data of the monitor's mutexes stay consistent.
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -223,7 +224,7 @@ impl FeedSender {
 
     /// Pushes an event into the ring, between the samples before and after it, unless the rate limit omits it.
     pub fn push_event(&mut self, kind: &'static str, sentence: String) {
-        let message = lock_limiter(&self.events.limiter).pass(EventMessage { kind, sentence });
+        let message = lock(&self.events.limiter).pass(EventMessage { kind, sentence });
         if let Some(message) = message {
             self.push(FeedItem::Event(message));
         }
@@ -282,13 +283,13 @@ impl FeedReceiver {
     /// Applies the rate limit to an event of the monitor loop itself; returns `None` if the event is omitted.
     #[must_use]
     pub fn limited(&self, message: EventMessage) -> Option<EventMessage> {
-        lock_limiter(&self.limiter).pass(message)
+        lock(&self.limiter).pass(message)
     }
 
     /// Returns one sentence for each kind with omitted events.
     #[must_use]
     pub fn omitted_events(&self) -> Vec<String> {
-        lock_limiter(&self.limiter).omitted()
+        lock(&self.limiter).omitted()
     }
 
     /// Requests the end of the reader thread.

@@ -5,9 +5,10 @@
 //! with an invalid preamble or another sampling rate is refused.
 
 use super::address::Address;
-use super::connections::{Connections, Preamble, SourceStream};
+use super::connections::{Connections, Preamble, SourceStream, is_wait};
 use super::datagrams::{DatagramStream, Datagrams, MAX_DATAGRAM_LENGTH};
 use super::demonstration;
+pub use super::feed::lock;
 use super::feed::{FeedItem, FeedSender, add};
 use super::frames::{FrameLayout, FramePosition, SequenceTracker};
 use crate::error::UsageError;
@@ -18,7 +19,7 @@ use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::recording::{Reader, Row};
 use ballrace_twin::scene::{Clock, Recording, RotationSource, Scene, Sequence};
 use socket2::SockRef;
-use std::io::{BufReader, ErrorKind, Read};
+use std::io::{BufReader, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -487,14 +488,4 @@ impl SourceReader {
 fn channels(recording: &Recording) -> impl Iterator<Item = &str> {
     let probes = recording.probes.iter().map(|probe| probe.column.as_str());
     probes.chain(recording.sensors.iter().map(|sensor| sensor.column.as_str()))
-}
-
-/// Returns `true` for an error after which the read is to be repeated.
-pub(super) fn is_wait(error: &std::io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
-}
-
-/// Locks a mutex, also after a panic of a thread that held it: the data of the monitor's mutexes stay consistent.
-pub fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

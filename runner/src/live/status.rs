@@ -107,7 +107,7 @@ impl Status {
     fn of_alarms(view: &View) -> Option<Self> {
         let alarms = view.alarms.alarms();
         let active = || alarms.iter().filter(|alarm| alarm.is_active());
-        // A new alarm is more urgent than one that somebody has seen.
+        // A new alarm is more urgent than an acknowledged one.
         let first = active().find(|alarm| alarm.is_unacknowledged()).or_else(|| active().next());
         let (alarm, word, level) = match first {
             Some(alarm) if alarm.is_unacknowledged() => (alarm, "ALARM", Level::Alarm),

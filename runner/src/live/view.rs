@@ -1,7 +1,7 @@
 //! Data of the live displays.
 
 use super::alarms::AlarmList;
-use super::source::lock;
+use super::feed::lock;
 use ballrace_twin::record::{EventRecord, now};
 use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::outcome::{Finding, Quantiles, SourceFigures};

@@ -16,7 +16,7 @@ pub use certificate::{BearingCertificate, Certificate, Field};
 pub use range::Coverage;
 
 use crate::error::{BakeError, Result};
-use crate::scene::build::{self, MadeTable};
+use crate::scene::build::{self, TableData};
 use crate::scene::{Bearing, Facing, Model, Scene};
 use ballrace::Displacement;
 use ballrace::bearing::ElementPosition;
@@ -104,7 +104,7 @@ pub struct BakedFile {
 /// One bearing to write.
 struct Part<'a> {
     of: &'a Bearing,
-    table: Option<MadeTable>,
+    table: Option<TableData>,
     certificate: BearingCertificate,
 }
 
@@ -126,7 +126,7 @@ pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<Bake
     for of in &chosen {
         check_model(scene, of)?;
     }
-    let tables: Vec<Option<MadeTable>> = chosen.iter().map(|of| table(scene, of)).collect::<Result<_>>()?;
+    let tables: Vec<Option<TableData>> = chosen.iter().map(|of| table(scene, of)).collect::<Result<_>>()?;
     let with_tables: Vec<_> = chosen.iter().copied().zip(tables.iter().map(Option::as_ref)).collect();
     let certificate = Certificate::try_new((scene, text), options, &with_tables)?;
     let parts = chosen.iter().zip(tables).zip(&certificate.bearings);
@@ -164,7 +164,7 @@ fn source(scene: &Scene, parts: &[Part<'_>], comments: &Comments<'_>, whole: boo
 }
 
 /// Returns the table of a bearing whose constants have one.
-fn table(scene: &Scene, of: &Bearing) -> Result<Option<MadeTable>> {
+fn table(scene: &Scene, of: &Bearing) -> Result<Option<TableData>> {
     Ok(match baked_model(of.model) {
         Model::Tabulated => Some(build::table(scene, of)?),
         _ => None,
@@ -248,7 +248,7 @@ const GRID_BYTES: usize = 3 * (4 + 4 * 4) + 4;
 const OFFSET_BYTES: usize = size_of::<Displacement<f32>>();
 
 impl ConstantBytes {
-    fn of(of: &Bearing, table: Option<&MadeTable>) -> Self {
+    fn of(of: &Bearing, table: Option<&TableData>) -> Self {
         let table = table.map_or(0, |made| made.nodes.len() * made.fields() * size_of::<f32>());
         Self { table, others: constant_bytes(of) }
     }
@@ -387,7 +387,7 @@ fn feature_constants(out: &mut String, of: &Bearing) -> Result<()> {
     Ok(())
 }
 
-fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &MadeTable) -> Result<()> {
+fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &TableData) -> Result<()> {
     let fields = made.fields();
     let constants = made.constants.rounded::<f32>();
     let grid = made.grid.rounded::<f32>();

@@ -5,8 +5,9 @@ mod mode_shape;
 
 pub use mode_shape::{ModeShape, ModeShapePoint, mode_shapes, nominal_mode_shapes};
 
+use crate::eigenvalues::{eigenvalues, resolution};
 use crate::flexible_rotor::ReducedRotor;
-use crate::plant::{Plant, PlantError, Result, eigenvalues, resolution};
+use crate::plant::{Plant, PlantError, Result};
 use crate::scene::{Scene, Speed};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::Serialize;

@@ -10,8 +10,8 @@
 mod bending;
 
 use crate::plant::{Plant, Result};
-use crate::scene::build::{self, point_contact_approach, point_contact_load};
-use crate::scene::{Bearing as BearingScene, Effects, Facing, Fit, Model, Preload, Scene};
+use crate::scene::build::{self, point_contact_approach, point_contact_load, rolling_speed};
+use crate::scene::{Bearing as BearingScene, Effects, Facing, FreeAngle, Model, Preload, Scene};
 use ballrace::bearing::angular::{Angular, GrooveCentres};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};
@@ -41,7 +41,7 @@ pub struct EffectSignificance {
 }
 
 /// Default of the acceptable error of force.
-pub const GOOD_ENOUGH: f64 = 0.01;
+pub const DEFAULT_FORCE_ERROR: f64 = 0.01;
 /// Number of cage angles over a ball pitch.
 const PITCH_SAMPLES: u32 = 16;
 /// Number of bisections of the equation for `x_t`.
@@ -94,7 +94,7 @@ pub fn of_bearing(
     at: &BearingKinematicState<f64>,
 ) -> Result<Vec<EffectSignificance>> {
     let Some(geometry) = build::geometry(of)? else { return Ok(vec![]) };
-    if matches!(of.geometry, Some(crate::scene::Geometry { fit: Fit::DiametralClearance(s), .. }) if s < 0.0) {
+    if matches!(of.geometry, Some(crate::scene::Geometry { fit: FreeAngle::DiametralClearance(s), .. }) if s < 0.0) {
         return Ok(vec![]);
     }
     let still = BearingScene { model: Model::Angular, effects: Effects::default(), ..of.clone() };
@@ -410,8 +410,7 @@ impl Inertia {
 
     /// rad/s
     fn orbit(&self, ball: &Ball) -> f64 {
-        let gamma = self.gamma(ball);
-        0.5 * (self.inner_speed * (1.0 - gamma) + self.outer_speed * (1.0 + gamma))
+        rolling_speed(self.gamma(ball), self.inner_speed, self.outer_speed)
     }
 
     /// N

@@ -3,10 +3,9 @@
 use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
-use crate::outcome::ClearanceOutcome;
-use crate::outcome::{BearingOrders, RotorDrawing, RotorOutcome};
+use crate::outcome::{BearingOrders, ClearanceOutcome, RotorDrawing, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
-use crate::scene::build::{self, AnyBearing, Kinematics};
+use crate::scene::build::{self, AnyBearing, Kinematics, rolling_speed};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -19,7 +18,7 @@ use std::time::Instant;
 
 /// Result of `equilibrium`, SI units.
 #[derive(Debug, Clone, Serialize)]
-pub struct Settled {
+pub struct StaticEquilibrium {
     /// Name of the scene.
     pub scene: String,
     /// Shaft speed, rad/s.
@@ -44,7 +43,7 @@ pub struct Settled {
     #[serde(skip)]
     pub mode_shapes: Vec<ModeShape>,
     /// Results of each bearing.
-    pub bearings: Vec<BearingSettled>,
+    pub bearings: Vec<BearingEquilibrium>,
     /// Residual of the equilibrium over the load.
     pub residual: f64,
     /// Time of the solution, s.
@@ -56,7 +55,7 @@ pub struct Settled {
     pub significance: Vec<EffectSignificance>,
 }
 
-impl Settled {
+impl StaticEquilibrium {
     /// Returns whether the load is balanced, to [`LARGEST_RESIDUAL`] of it.
     #[must_use]
     pub fn is_in_equilibrium(&self) -> bool {
@@ -66,7 +65,7 @@ impl Settled {
 
 /// Equilibrium of one bearing.
 #[derive(Debug, Clone, Serialize)]
-pub struct BearingSettled {
+pub struct BearingEquilibrium {
     /// Name in the scene.
     pub name: String,
     /// Displacement of the inner ring against the outer ring, with the preload.
@@ -149,15 +148,16 @@ pub struct EffectShare {
 ///
 /// # Errors
 /// Returns an error if there is no load or the scene lacks a value.
-pub fn settle(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
+pub fn static_equilibrium(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<StaticEquilibrium> {
     let alone = (scene.rotor.is_none() && scene.system.is_none()) || bearing.is_some() || load.is_some();
-    let settle = |scene: &Scene| if alone { settle_bearing(scene, bearing, load) } else { settle_rotor(scene) };
-    let mut settled = settle(scene)?;
+    let solve =
+        |scene: &Scene| if alone { bearing_equilibrium(scene, bearing, load) } else { rotor_equilibrium(scene) };
+    let mut settled = solve(scene)?;
     for (effect, off) in EFFECTS {
         let mut without = scene.clone();
         let named = without.bearings.iter_mut().fold(false, |named, b| off(&mut b.effects) | named);
         if named {
-            settled.effects.push(share(effect, &settled, &settle(&without)?));
+            settled.effects.push(share(effect, &settled, &solve(&without)?));
         }
     }
     Ok(settled)
@@ -172,8 +172,8 @@ const EFFECTS: [(&str, Switch); 3] = [
     ("film", |e| e.film.take().is_some()),
 ];
 
-fn share(effect: &str, with: &Settled, without: &Settled) -> EffectShare {
-    let largest = |s: &Settled| s.elements.iter().map(|e| e.inner_load.max(e.outer_load)).fold(0.0, f64::max);
+fn share(effect: &str, with: &StaticEquilibrium, without: &StaticEquilibrium) -> EffectShare {
+    let largest = |s: &StaticEquilibrium| s.elements.iter().map(|e| e.inner_load.max(e.outer_load)).fold(0.0, f64::max);
     EffectShare {
         effect: effect.to_owned(),
         displacement: std::array::from_fn(|i| without.displacement[i] - with.displacement[i]),
@@ -182,7 +182,7 @@ fn share(effect: &str, with: &Settled, without: &Settled) -> EffectShare {
     }
 }
 
-fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> Result<Settled> {
+fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> Result<StaticEquilibrium> {
     let of = build::pick(scene, name)?;
     let built = build::bearing(scene, of, of.model)?;
     let at = resting(scene, of)?;
@@ -199,10 +199,10 @@ fn settle_bearing(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> 
     };
     let solving_seconds = begun.elapsed().as_secs_f64();
     let elements = elements(of, &built, &u, &at)?;
-    let one = bearing_settled(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
+    let one = equilibrium_of_bearing(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
     // The displacement contains the preload.
     let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
-    Ok(Settled {
+    Ok(StaticEquilibrium {
         scene: scene.name.clone(),
         speed: at.inner_speed,
         displacement: one.displacement,
@@ -246,15 +246,15 @@ fn rows<S: nalgebra::RawStorage<f64, R, C>, R: nalgebra::Dim, C: nalgebra::Dim>(
 }
 
 /// Returns the equilibrium of `bearing`, which reacts to the displacement `moved`; `total` contains the preload.
-fn bearing_settled(
+fn equilibrium_of_bearing(
     name: &str,
     bearing: &AnyBearing<f64>,
     moved: &Displacement<f64>,
     total: &Displacement<f64>,
     at: &BearingKinematicState<f64>,
-) -> BearingSettled {
+) -> BearingEquilibrium {
     let (reaction, k) = bearing.reaction_and_stiffness(moved, at);
-    BearingSettled {
+    BearingEquilibrium {
         name: name.to_owned(),
         displacement: total.to_array(),
         force: reaction.wrench.to_array(),
@@ -267,7 +267,7 @@ fn bearing_settled(
     }
 }
 
-impl BearingSettled {
+impl BearingEquilibrium {
     /// Adds contact angles and orders; `elements` are those of this bearing.
     fn with_kinematics(self, scene: &Scene, of: &BearingScene, elements: &[Element]) -> Result<Self> {
         let orders = |kinematics: &Kinematics| {
@@ -305,7 +305,7 @@ fn mean_contact_angle(elements: &[Element]) -> Option<f64> {
     (load > 0.0).then(|| sum / load)
 }
 
-fn settle_rotor(scene: &Scene) -> Result<Settled> {
+fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
     let begun = Instant::now();
     let plant = Plant::try_new(scene)?;
     let solving_seconds = begun.elapsed().as_secs_f64();
@@ -315,7 +315,7 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
     for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
         let at = plant.resting(mounted, Phase::ZERO);
         let (moved, total) = displacements(&plant, i);
-        let one = bearing_settled(&mounted.name, &mounted.bearing, &moved, &total, &at);
+        let one = equilibrium_of_bearing(&mounted.name, &mounted.bearing, &moved, &total, &at);
         let wrench = ballrace::Wrench::from_array(one.force).from_station(mounted.station).to_array();
         for (sum, f) in force.iter_mut().zip(wrench) {
             *sum += f;
@@ -325,14 +325,14 @@ fn settle_rotor(scene: &Scene) -> Result<Settled> {
         bearings.push(one.with_kinematics(scene, of, &elements)?);
         all.extend(elements);
     }
-    Ok(Settled {
+    Ok(StaticEquilibrium {
         scene: scene.name.clone(),
         speed,
         displacement: plant.pose(&plant.rest).to_array(),
         force,
         stiffness: rows(&plant.stiffness),
         elements: all,
-        rotor: RotorOutcome::new(scene, &plant),
+        rotor: plant.rotor_outcome(scene),
         drawing: RotorDrawing::new(scene),
         natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
         mode_shapes: mode_shapes(scene, &plant, speed)?,
@@ -425,7 +425,7 @@ fn film_ratio(
     let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
     let half = 0.5 * g.pitch_diameter;
     // A massless ball has the speed of the ideal cage.
-    let ideal = at.outer_speed + 0.5 * (at.inner_speed - at.outer_speed) * (1.0 - gamma);
+    let ideal = rolling_speed(gamma, at.inner_speed, at.outer_speed);
     let orbital = if s.centrifugal > 0.0 { s.orbital_speed } else { ideal };
     let near = (at.inner_speed - orbital).abs() * half * (1.0 - ratio * s.inner_direction[0]);
     let far = (orbital - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);

@@ -36,7 +36,7 @@ impl BearingForce {
     /// Creates the model `model` of a bearing in one precision and math.
     ///
     /// # Errors
-    /// A scene that lacks what the model needs, values that the kernel refuses.
+    /// A scene that lacks what the model needs, values that the kernel rejects.
     pub fn try_new(
         scene: &Scene,
         bearing: &Bearing,

@@ -77,11 +77,12 @@
 //!
 //! | layer | modules | content |
 //! | --- | --- | --- |
-//! | input | [`scene`], [`catalogue`], [`recording`] | a scene file with units, checked; bearings by designation; recordings in several formats, row by row, with counted flaws |
-//! | model | [`scene::build`], [`handle`], [`simd`], [`plant`] | bearings of the kernel from a scene; rotor and bearings as equations of motion, with their equilibrium |
+//! | input | [`scene`], [`catalogue`], [`recording`], [`draft`] | a scene file with units, checked; bearings by designation; recordings in several formats, row by row, with counted flaws; the draft of a scene from both |
+//! | model | [`scene::build`], [`handle`], [`simd`], [`flexible_rotor`], [`eigenvalues`], [`plant`] | bearings of the kernel from a scene; a rotor that bends in a few coordinates; rotor and bearings as equations of motion, with their equilibrium |
 //! | estimation | [`observer`] | displacement and unmodelled force from noisy probes |
 //! | plausibility | [`plausibility`], [`check`] | whether a recording can be one of the scene's machine |
-//! | evaluation | [`replay`], [`vibration`] | measured against computed motion, forces, indicators, limits, diagnosis: an `Outcome` |
+//! | outcome | [`outcome`], [`outcome::baseline`] | results as plain data; the baseline that later recordings are compared with |
+//! | evaluation | [`options`], [`replay`], [`vibration`], [`diagnosis`], [`verdict`] | measured against computed motion, forces, indicators, limits, diagnosis: an [`Outcome`](outcome::Outcome) |
 //! | publication | [`record`] | events and seconds of a running monitor, as logs and messages have them |
 //! | studies | [`equilibrium`], [`campbell`], [`motion`], [`sweep`], [`force`], [`effect_significance`] | one question about a scene each |
 //! | fleets | [`fleet`] | a table of machines and recordings, evaluated one by one: rows, rank, trends, files |
@@ -107,13 +108,14 @@
 #![forbid(unsafe_code)]
 
 pub mod bake;
-pub mod baseline;
 pub mod campbell;
 pub mod catalogue;
 mod caught;
 pub mod check;
 pub mod diagnosis;
+pub mod draft;
 pub mod effect_significance;
+pub mod eigenvalues;
 pub mod equilibrium;
 pub mod error;
 pub mod fit;
@@ -126,6 +128,7 @@ pub mod least_squares;
 pub mod motion;
 mod npy_header;
 pub mod observer;
+pub mod options;
 pub mod outcome;
 pub mod output;
 pub mod parquet_table;
@@ -141,4 +144,5 @@ pub mod simd;
 pub mod spectrum;
 pub mod sweep;
 pub mod trade;
+pub mod verdict;
 pub mod vibration;

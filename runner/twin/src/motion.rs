@@ -11,11 +11,11 @@ use ballrace::Wrench;
 use ballrace::rotor::ShaftMotion;
 
 /// Largest number of samples of one run, with those of the transient.
-pub const MOST_SAMPLES: f64 = 1e9;
+pub const MAX_SAMPLES: f64 = 1e9;
 
 /// Error returned for a duration, rate and transient with too few or too many samples.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("number of samples out of range: {found}, expected 1 to {MOST_SAMPLES:e}")]
+#[error("number of samples out of range: {found}, expected 1 to {MAX_SAMPLES:e}")]
 pub struct InvalidSpan {
     /// Number of samples, with those of the transient.
     pub found: f64,
@@ -36,11 +36,11 @@ impl Span {
     /// Creates a span of `duration` (s) at `rate` (Hz) after a transient of `settle` (s).
     ///
     /// # Errors
-    /// No sample, a negative transient, more than [`MOST_SAMPLES`].
+    /// No sample, a negative transient, more than [`MAX_SAMPLES`].
     pub fn try_new(duration: f64, rate: f64, settle: f64) -> Result<Self, InvalidSpan> {
         let (samples, settle) = ((duration * rate).round(), (settle * rate).round());
         let found = samples + settle;
-        if rate > 0.0 && samples >= 1.0 && settle >= 0.0 && found <= MOST_SAMPLES {
+        if rate > 0.0 && samples >= 1.0 && settle >= 0.0 && found <= MAX_SAMPLES {
             Ok(Self { rate, settle: settle as u64, samples: samples as u64 })
         } else {
             Err(InvalidSpan { found })

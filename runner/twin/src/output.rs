@@ -41,7 +41,7 @@ pub enum OutputError {
 /// An output file in progress. Dropped before [`AtomicFile::finish`], it leaves nothing behind.
 pub struct AtomicFile {
     writer: BufWriter<Destination>,
-    /// Where it goes, links followed.
+    /// Its path, links followed.
     path: PathBuf,
     /// Permissions of the file that it replaces.
     permissions: Option<Permissions>,

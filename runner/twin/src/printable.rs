@@ -1,4 +1,4 @@
-//! Text from files on its way to a terminal: printable and bounded.
+//! Text of files for a terminal: printable and bounded.
 //!
 //! Names, cells and units of a recording or a scene are data of somebody else. An escape sequence in one of them would
 //! move the cursor, a line break would forge a line of output, a name of a megabyte would bury the message.
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_long_is_cut() {
+    fn long_text_is_cut() {
         let long = "ä".repeat(1 << 20);
         assert_eq!(name(&long).chars().count(), NAME + 3);
         assert_eq!(message(&long).chars().count(), MESSAGE + 3);

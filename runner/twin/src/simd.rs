@@ -1,6 +1,6 @@
 //! Code compiled twice: for every processor of the target, and for one with AVX2 registers, taken where there is one.
 //!
-//! The same operations in the same order, four numbers at a time instead of two: the answers are the same bits.
+//! The same operations in the same order, four numbers at a time instead of two: the results are the same bits.
 
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
@@ -13,7 +13,7 @@ pub struct SimdDispatch {
 }
 
 impl SimdDispatch {
-    /// Asks the processor.
+    /// Detects the instruction sets of the processor.
     #[must_use]
     pub fn detect() -> Self {
         Self {

@@ -2,6 +2,9 @@
 //! by Welch's method with 50 % overlap.
 
 use crate::outcome::SpectraSettings;
+use ballrace::math::Math;
+use ballrace::twin::{OrderSums, OrderVector, RevolutionBlock};
+use ballrace::{Exact, Phase};
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
@@ -58,6 +61,20 @@ pub(crate) fn circular_power<'a>(
 #[must_use]
 pub fn amplitudes(samples: &[f64]) -> Vec<f64> {
     WindowedTransform::new(samples.len()).bins(samples).iter().map(|bin| 2.0 * bin.norm()).collect()
+}
+
+/// Returns the amplitudes of cosine and sine of a line in `samples` about their mean, under a Hann window over all of them, by the
+/// kernel's order tracking; `phases` are the phases of the line at the samples.
+pub(crate) fn line(samples: &[f64], phases: impl Iterator<Item = Phase>) -> OrderVector<f64> {
+    let count = samples.len().max(1) as f64;
+    let mean = samples.iter().sum::<f64>() / count;
+    let share = Phase::from_revolutions(1.0 / count);
+    let (mut block, mut sums) = (RevolutionBlock::<f64, f64>::new(), OrderSums::<f64, f64>::new());
+    for (sample, phase) in samples.iter().zip(phases) {
+        sums.add(block.window::<Exact>() * (sample - mean), Exact::sin_cos(phase));
+        block.advance(share);
+    }
+    sums.close(block.close())
 }
 
 /// Averaged one-sided amplitude spectrum (peak amplitude of a sine) of several signals sampled together.

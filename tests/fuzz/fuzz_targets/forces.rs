@@ -1,4 +1,4 @@
-//! Any bits as displacement and rotation: finite forces or a flag that says why not, in every model.
+//! Any bits as displacement and rotation: finite forces or a status flag, in every model.
 #![no_main]
 
 use ballrace::bearing::angular::{Angular, DisplacementDatum};

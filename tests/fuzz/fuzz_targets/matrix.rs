@@ -1,7 +1,7 @@
 //! Any bytes as a matrix: Matrix Market or NPY, or one error.
 #![no_main]
 
-use ballrace_twin::scene::matrix;
+use ballrace_twin::plant::matrix;
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 use tempfile::TempDir;

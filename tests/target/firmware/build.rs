@@ -1,4 +1,4 @@
-//! The linker script of defmt, where it is asked for.
+//! The linker script of defmt, with its feature.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

@@ -92,7 +92,7 @@ fn section(rows: &[Row], rust: &BTreeMap<(String, String), u32>) -> String {
     text
 }
 
-/// So many instructions, whatever the input, and as many as documented.
+/// The number of instructions is constant and equals the documented one.
 #[test]
 #[ignore = "needs qemu-system-arm, gcc-arm-none-eabi and the target thumbv7em-none-eabihf; tests/run runs it"]
 fn calls_take_a_constant_number_of_instructions() {

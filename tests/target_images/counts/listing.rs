@@ -93,7 +93,7 @@ impl Instruction {
         branch.then(|| u32::from_str_radix(self.operands.split_whitespace().next()?, 16).ok()).flatten()
     }
 
-    /// Of a Cortex-M4 with memory that answers at once: ARM, Cortex-M4 Technical Reference Manual r0p1 (DDI 0439),
+    /// Cycles of a Cortex-M4 without wait states: ARM, Cortex-M4 Technical Reference Manual r0p1 (DDI 0439),
     /// tables 3-1 and 7-1. A pipeline refill counts 2 of its 1 to 3 cycles, an integer division 12 of its 2 to 12.
     fn cycles(&self, jumped: bool) -> u32 {
         const REFILL: u32 = 2;

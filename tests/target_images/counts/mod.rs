@@ -13,7 +13,7 @@ use table::Row;
 /// A figure may rise by this share before the test fails, and fall by it before it asks for a new table.
 const MARGIN: f64 = 0.02;
 
-/// What tells one subject from another.
+/// Identity of a subject.
 #[derive(Clone, PartialEq)]
 struct Name {
     what: String,
@@ -110,7 +110,7 @@ fn compiler() -> String {
     String::from_utf8_lossy(&output.stdout).split(" (").next().unwrap_or_default().trim().to_owned()
 }
 
-/// So many instructions, whatever the input: 700 of them, with NaN, infinities, subnormals, lost contact.
+/// The number of instructions is constant over 700 inputs, with NaN, infinities, subnormals, lost contact.
 #[test]
 #[ignore = "needs qemu-system-arm, gcc-arm-none-eabi and the target thumbv7em-none-eabihf; tests/run runs it"]
 fn figures_do_not_depend_on_the_input_and_match_the_documented_tables() {

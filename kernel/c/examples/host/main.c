@@ -27,7 +27,7 @@ int main(void)
         return 1;
     }
 
-    /* Every sample: invalid input is flagged and answered with the last valid force. */
+    /* Every sample: invalid input is flagged and replaced by the last valid force. */
     ballrace_last_valid last_valid;
     ballrace_last_valid_init(&last_valid);
     for (int i = 0; i < 4; i++) {

@@ -8,8 +8,8 @@
 use super::film::{Film, FilmConstants, film_newton_step};
 use super::inertia::{BallInertia, Inertia, InertiaEffects, InertiaLoads, WithSlopes};
 use crate::kinematic_state::BearingKinematicState;
-use crate::lanes::{Lanes, Plane};
 use crate::math::Math;
+use crate::math::lanes::{Lanes, Plane};
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
@@ -147,7 +147,7 @@ impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
         Self { rr: self.rr * f, rz: self.rz * f, zr: self.zr * f, zz: self.zz * f }
     }
     #[inline(always)]
-    pub fn select(first: crate::lanes::Mask<K>, a: Self, b: Self) -> Self {
+    pub fn select(first: crate::math::lanes::Mask<K>, a: Self, b: Self) -> Self {
         Self {
             rr: Lanes::select(first, a.rr, b.rr),
             rz: Lanes::select(first, a.rz, b.rz),

@@ -11,8 +11,8 @@ use crate::bearing::ring::{Contact, Motion, WrenchSum};
 use crate::bearing::surface::{Smooth, Surface};
 use crate::frame::{Displacement, Wrench};
 use crate::kinematic_state::BearingKinematicState;
-use crate::lanes::{Lanes, Mask, Plane};
 use crate::math::Math;
+use crate::math::lanes::{Lanes, Mask, Plane};
 use crate::scalar::Scalar;
 use crate::status::Status;
 

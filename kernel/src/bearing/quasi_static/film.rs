@@ -6,8 +6,8 @@
 //! [`FLOOR`].
 
 use crate::contact::hertz::PointContact;
-use crate::lanes::Lanes;
 use crate::math::Math;
+use crate::math::lanes::Lanes;
 use crate::scalar::Scalar;
 
 /// Load below which the film thickness is constant, N: the formula has no limit at 0.

@@ -11,7 +11,7 @@
 //! that rotates forward under a positive contact angle.
 
 use crate::kinematic_state::BearingKinematicState;
-use crate::lanes::{Lanes, Plane};
+use crate::math::lanes::{Lanes, Plane};
 use crate::scalar::Scalar;
 
 /// Race at which the ball does not spin (Harris).

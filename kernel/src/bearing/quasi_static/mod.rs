@@ -26,7 +26,7 @@ use super::angular::DisplacementDatum;
 use super::geometry::{BallBearingGeometry, InvalidParameter, check};
 use super::surface::{Smooth, Surface};
 use crate::contact::hertz::{PointContact, Race, in_series};
-use crate::lanes::Plane;
+use crate::math::lanes::Plane;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 

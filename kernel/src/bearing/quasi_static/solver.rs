@@ -9,8 +9,8 @@
 use super::ball::{Balance, Ball, BallInput, Matrix, Position};
 use super::film::{BY_LOAD, FLOOR, Film};
 use super::inertia::Inertia;
-use crate::lanes::{Lanes, Mask, Plane};
 use crate::math::Math;
+use crate::math::lanes::{Lanes, Mask, Plane};
 use crate::scalar::Scalar;
 
 /// Largest number of reductions of one step.

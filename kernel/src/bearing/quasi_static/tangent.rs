@@ -17,8 +17,8 @@ use crate::bearing::ring::{CageRotation, ContactStiffness, ContactTangent, Stiff
 use crate::bearing::surface::Surface;
 use crate::frame::Stiffness;
 use crate::kinematic_state::BearingKinematicState;
-use crate::lanes::{Lanes, Plane};
 use crate::math::Math;
+use crate::math::lanes::{Lanes, Plane};
 use crate::scalar::Scalar;
 
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: Surface<T>>

@@ -7,7 +7,7 @@
 //! centrifugal force moves sideways by the root of the clearance, and the Hertz load is a cubic of the root, smooth also at
 //! the begin of contact.
 
-use crate::lanes::{Lanes, LatticeIndices};
+use crate::math::lanes::{Lanes, LatticeIndices};
 use crate::scalar::{LatticeIndex, Scalar};
 
 /// One node: half the load (N; twice the positive part needs no branch), the sine of the angle to the contact, and with `F

@@ -70,7 +70,7 @@ impl Axis {
         self.low
     }
 
-    /// Where a value lies: 0 at the low end, 1 at the high one; values outside are put on the edge.
+    /// Position of a value: 0 at the low end, 1 at the high end; values outside are moved to the edge.
     pub(super) fn place(&self, value: f64) -> f64 {
         let share = if self.logarithmic {
             (value.max(self.low) / self.low).log10() / (self.high / self.low).log10()

@@ -48,7 +48,7 @@ pub(crate) fn balance(name: &str, elements: &[&Element]) -> Result<Picture> {
                 canvas.ring(px, py, colour)?;
             }
         }
-        frame.say_if_empty(canvas, &[&inner, &outer])
+        frame.note_if_empty(canvas, &[&inner, &outer])
     })?;
     Ok(Picture {
         title: format!("Bearing {name}: load on each element and contact angles"),

@@ -50,7 +50,7 @@ pub(super) fn bode(name: &str, one_x: &OneX) -> Result<Picture> {
             lower.curve(canvas, &points.collect::<Vec<_>>(), stroke)?;
         }
         let all: Vec<Point> = one_x.speed_rpm.iter().zip(&one_x.raw).map(|(rpm, v)| (*rpm, amplitude(v))).collect();
-        lower.say_if_empty(canvas, &[&all])
+        lower.note_if_empty(canvas, &[&all])
     })?;
     Ok(Picture { title: format!("Bode plot of {}: 1X over speed", name), note: one_x.words(), svg })
 }

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Scale of the drawing: the backend has whole pixels only, and the page scales it down.
 const FINE: f64 = 4.0;
-/// plotters divides by this on its way to the SVG's font size.
+/// plotters divides by this for the font size of the SVG.
 const PLOTTERS_FONT: f64 = 1.24;
 /// Width of a character over the font's size: an upper estimate for common sans-serif fonts.
 const CHARACTER: f64 = 0.58;
@@ -40,7 +40,7 @@ pub(super) const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
 pub(super) enum Dashes {
     /// All lines of the twin.
     Twin,
-    /// None: dashes of a jagged line would not be seen as such.
+    /// None: a jagged line hides its dashes.
     None,
 }
 
@@ -232,7 +232,7 @@ fn pixel((x, y): &Point) -> (i32, i32) {
 /// A rectangle with two axes.
 #[derive(Debug, Clone)]
 pub(super) struct Frame {
-    /// Where the room for labels and title of the Y axis begins, pixels.
+    /// Start of the room for labels and title of the Y axis, pixels.
     pub(super) start: f64,
     /// Edges in pixels.
     pub(super) left: f64,
@@ -302,7 +302,7 @@ impl Frame {
     }
 
     /// Writes "no data" in the middle of a frame without data.
-    pub(super) fn say_if_empty(&self, canvas: &mut Canvas, curves: &[&[Point]]) -> Result<()> {
+    pub(super) fn note_if_empty(&self, canvas: &mut Canvas, curves: &[&[Point]]) -> Result<()> {
         if curves.iter().any(|curve| pieces(curve).next().is_some()) {
             return Ok(());
         }

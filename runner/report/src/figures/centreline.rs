@@ -49,12 +49,12 @@ fn positions(outcome: &Outcome, orbit: &Orbit) -> Vec<(Point, f64)> {
 }
 
 /// Draws the shaft centreline in one plane; each point has its speed.
-pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<&Clearance>) -> Result<Picture> {
-    let points: Vec<Point> = way.iter().map(|(point, _)| *point).collect();
+pub(super) fn centreline(orbit: &Orbit, path: &[(Point, f64)], clearance: Option<&Clearance>) -> Result<Picture> {
+    let points: Vec<Point> = path.iter().map(|(point, _)| *point).collect();
     let radius = clearance.map(|c| c.radius_um).filter(|radius| *radius > 0.0 && *radius < 1e6);
     let frame = square(&points, radius);
     let rpm = |at: Option<&(Point, f64)>| fixed(at.map_or(f64::NAN, |(_, rpm)| *rpm), 0);
-    let (start, end) = (format!("start, {} rpm", rpm(way.first())), format!("end, {} rpm", rpm(way.last())));
+    let (start, end) = (format!("start, {} rpm", rpm(path.first())), format!("end, {} rpm", rpm(path.last())));
     let rim = clearance.map_or_else(String::new, |c| format!("clearance of {}", c.bearing));
     let mut legend = vec![(Key::Line(WAY), "mean position"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
     if radius.is_some() {
@@ -75,7 +75,7 @@ pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<
             let (x, y) = frame.at(first);
             canvas.ring(x, y, TWIN)?;
         }
-        frame.say_if_empty(canvas, &[&points])
+        frame.note_if_empty(canvas, &[&points])
     })?;
     let title = format!("Shaft centreline at {}{}", orbit.name, signed(&at_station(orbit.station_mm, 0)));
     Ok(Picture { title, note: words(clearance), svg })

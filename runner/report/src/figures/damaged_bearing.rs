@@ -36,7 +36,7 @@ const LARGEST_ELEMENT: f64 = 0.92;
 /// Step of a drawn arc, rad.
 const ARC_STEP: f64 = 0.02;
 /// Least extent of a drawn spall, pixels.
-const LEAST_SPALL: f64 = 5.0;
+const MIN_SPALL: f64 = 5.0;
 
 /// Draws the damaged bearing of a finding; `forward` is the sense of rotation, +1 from +X towards +Y.
 pub(super) fn damaged_bearing(finding: &Finding, rose: &ForceRose, forward: f64) -> Result<Picture> {
@@ -111,7 +111,7 @@ fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose
     if half.is_finite() {
         canvas.text("extent of the damage", (frame.at(&(0.0, 0.0)).0, frame.top - 9.0), Anchor::Middle, INK)?;
     }
-    frame.say_if_empty(canvas, &[&along])
+    frame.note_if_empty(canvas, &[&along])
 }
 
 /// Geometry of one drawing, pixels.
@@ -235,7 +235,7 @@ impl<'a> Drawing<'a> {
         }
         if self.rose.frame != ReferenceFrame::Cage {
             let half = self.parameters.half_width_deg.map_or(0.0, |e| e.value.to_radians());
-            let half = if half.is_finite() { half.clamp(LEAST_SPALL / race, PI) } else { LEAST_SPALL / race };
+            let half = if half.is_finite() { half.clamp(MIN_SPALL / race, PI) } else { MIN_SPALL / race };
             canvas.line(&arc(value - half, value + half, race), Stroke(TWIN, 5.0))?;
         }
         Ok(())

@@ -65,7 +65,7 @@ pub(super) fn envelope(envelope: &EnvelopeSpectrum, budget: PointBudget) -> Resu
         mark::lines(canvas, &frame, &marks)?;
         mark::names(canvas, &frame, &marks)?;
         frame.curve(canvas, &peaks(&points, budget.spectrum()), Stroke(MEASURED, 1.2))?;
-        frame.say_if_empty(canvas, &[&points])
+        frame.note_if_empty(canvas, &[&points])
     })?;
     let [low, high] = envelope.band_hz;
     Ok(Picture {

@@ -31,8 +31,8 @@ pub(super) fn fault_motion(finding: &Finding, motion: &FaultMotion, budget: Poin
         upper.curve(canvas, &with, WITH)?;
         lower.curve(canvas, &missed, WITHOUT)?;
         lower.curve(canvas, &missed_with, WITH)?;
-        upper.say_if_empty(canvas, &[&measured, &without, &with])?;
-        lower.say_if_empty(canvas, &[&missed, &missed_with])
+        upper.note_if_empty(canvas, &[&measured, &without, &with])?;
+        lower.note_if_empty(canvas, &[&missed, &missed_with])
     })?;
     let [before, after] = left.each_ref().map(|left| rms(left));
     Ok(Picture {

@@ -95,7 +95,7 @@ impl Panel {
         }
         frame.curve(canvas, &self.measured, Stroke(MEASURED, 1.2))?;
         frame.curve(canvas, &self.twin, Stroke(TWIN, 1.2))?;
-        frame.say_if_empty(canvas, &[&self.measured, &self.twin])
+        frame.note_if_empty(canvas, &[&self.measured, &self.twin])
     }
 }
 

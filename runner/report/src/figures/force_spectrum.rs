@@ -32,7 +32,7 @@ pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Result<Pi
                 frame.curve(canvas, &peaks(points, budget.spectrum()), stroke)?;
             }
             canvas.text(name(spectrum), (frame.left, frame.top - 22.0), Anchor::Start, INK)?;
-            frame.say_if_empty(canvas, &[&spectrum.explained, &spectrum.unexplained])?;
+            frame.note_if_empty(canvas, &[&spectrum.explained, &spectrum.unexplained])?;
         }
         frames.last().map_or(Ok(()), |frame| name_sides(canvas, frame))
     })?;

@@ -69,7 +69,7 @@ pub(super) fn stack(marks: &mut [Mark], x_of: impl Fn(f64) -> f64) -> usize {
     marks.iter().map(|mark| mark.row + 1).max().unwrap_or(0)
 }
 
-/// Height of so many rows.
+/// Height of a number of rows.
 pub(super) fn height(rows: usize) -> f64 {
     ROW * rows as f64
 }

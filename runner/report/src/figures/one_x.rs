@@ -4,7 +4,7 @@ use ballrace_twin::replay::outcome::Block;
 
 /// Share of the blocks that determine the slow roll, and their largest number.
 const SLOW_SHARE: usize = 16;
-const MOST_SLOW: usize = 8;
+const MAX_SLOW: usize = 8;
 /// Below this share of the largest amplitude a phase is noise.
 const LEAST: f64 = 0.02;
 
@@ -36,7 +36,7 @@ impl OneX {
         let raw: Vec<Vector> = figures().map(|(_, probe)| probe.one_x_um).collect();
         let mut slowest: Vec<(f64, Vector)> = figures().map(|(rpm, probe)| (rpm, probe.one_x_um)).collect();
         slowest.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-        slowest.truncate((slowest.len() / SLOW_SHARE).clamp(1, MOST_SLOW));
+        slowest.truncate((slowest.len() / SLOW_SHARE).clamp(1, MAX_SLOW));
         let mean = |k: usize| slowest.iter().map(|(_, vector)| vector[k]).sum::<f64>() / slowest.len().max(1) as f64;
         let slow_roll = [mean(0), mean(1)];
         let rpm = |slow: Option<&(f64, Vector)>| slow.map_or(f64::NAN, |(rpm, _)| *rpm);
@@ -85,7 +85,7 @@ mod tests {
 
     /// Runout of 3 um peak on a rotor that swings with the square of its speed: compensated, the runout is gone.
     #[test]
-    fn runout_is_taken_off() {
+    fn run_out_is_subtracted() {
         let block = |rpm: f64| {
             let size = 1e-6 * (rpm - 300.0).powi(2);
             let probe = BlockFigures { one_x_um: [-size, 3.0], ..BlockFigures::default() };

@@ -110,7 +110,7 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<
         draw_path(canvas, &frame, &orbit.measured, &marks, shown, Stroke(MEASURED, 1.3), budget)?;
         draw_path(canvas, &frame, &orbit.twin, &marks, shown, Stroke(TWIN, 1.1), budget)?;
         dots(canvas, &frame, orbit, &marks)?;
-        frame.say_if_empty(canvas, &[&orbit.measured, &orbit.twin])
+        frame.note_if_empty(canvas, &[&orbit.measured, &orbit.twin])
     })?;
     // The 1X orbit beside it, which is free of noise, states the sense of precession.
     let filtered = orbit.one_x.is_some();
@@ -228,7 +228,7 @@ fn draw_path(
     Ok(())
 }
 
-/// The bright dots: the machine's filled, the twin's a ring, so that both can be seen at one place.
+/// Keyphasor dots: filled for the machine, a ring for the twin, so that both are visible at one place.
 fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) -> Result<()> {
     let at = |points: &[Point], mark: &usize| {
         points.get(*mark).filter(|point| point.0.is_finite() && point.1.is_finite()).map(|point| frame.at(point))
@@ -247,7 +247,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sense_is_that_of_the_way() {
+    fn precession_follows_the_path() {
         let circle: Vec<Point> = (0..50).map(|i| f64::from(i).sin_cos()).map(|(s, c)| (3.0 + c, s)).collect();
         assert_eq!(precession(&circle, 1.0), ", forward precession");
         assert_eq!(precession(&circle, -1.0), ", reverse precession");

@@ -16,7 +16,7 @@ const RADIUS: f64 = 146.0;
 const COMPENSATED: Stroke = Stroke(MEASURED, 1.8);
 const RAW: Stroke = Stroke(RESIDUAL, 1.6);
 
-/// Where a lag is drawn.
+/// Position of a lag in the figure.
 struct Dial {
     /// Angle of the probe, rad from +X towards +Y.
     probe: f64,

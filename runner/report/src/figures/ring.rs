@@ -1,4 +1,4 @@
-//! Loads of the rolling elements: around the ring, and of element 1 on its way.
+//! Loads of the rolling elements: by azimuth, and of element 1 along its path.
 
 use super::axis::{Axis, extent};
 use super::canvas::{
@@ -49,8 +49,8 @@ pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Result<Picture
         }
         ring_labels(canvas, loads, &radial)?;
         frame.axes(canvas, true)?;
-        frame.curve(canvas, &way(&loads.first_element, budget.line()), Stroke(MEASURED, 1.0))?;
-        frame.say_if_empty(canvas, &[&loads.first_element])
+        frame.curve(canvas, &path(&loads.first_element, budget.line()), Stroke(MEASURED, 1.0))?;
+        frame.note_if_empty(canvas, &[&loads.first_element])
     })?;
     Ok(Picture {
         title: format!("Load on the elements of bearing {}", loads.name),
@@ -155,8 +155,8 @@ fn way_frame(loads: &ElementLoads) -> Frame {
     Frame { start: 312.0, left: 312.0 + gutter(&[&y]), top: 48.0, right: WIDTH - 18.0, bottom: 292.0, x, y }
 }
 
-/// Azimuth folded into one turn, broken where it starts anew.
-fn way(points: &[Point], limit: usize) -> Vec<Point> {
+/// Azimuth folded into one turn, broken where it passes 0.
+fn path(points: &[Point], limit: usize) -> Vec<Point> {
     let mut folded: Vec<Point> = Vec::with_capacity(points.len() + 16);
     for (azimuth, load) in points.iter().filter(|point| point.0.is_finite()) {
         let degrees = azimuth.rem_euclid(TAU).to_degrees();

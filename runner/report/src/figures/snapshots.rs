@@ -66,7 +66,7 @@ fn sensor(outcome: &Outcome, k: usize, name: &str, budget: PointBudget) -> Resul
             frame.axes(canvas, i + 1 == curves.len())?;
             onset(canvas, frame, curve.trend)?;
             frame.curve(canvas, &decimated(&curve.points, budget.line()), VALUE)?;
-            frame.say_if_empty(canvas, &[&curve.points])?;
+            frame.note_if_empty(canvas, &[&curve.points])?;
         }
         Ok(())
     })?;

@@ -130,7 +130,7 @@ impl Curves {
             let points = peaks(&inside(frame, points), budget.spectrum());
             frame.curve(canvas, &standing_out(frame, points), stroke)?;
         }
-        frame.say_if_empty(canvas, &[&self.measured, &self.twin, &self.residual])
+        frame.note_if_empty(canvas, &[&self.measured, &self.twin, &self.residual])
     }
 }
 
@@ -265,11 +265,11 @@ impl Sides {
         }
         let middle = frame.at(&(0.0, 0.0)).0;
         canvas.line(&[(middle, frame.top), (middle, frame.bottom)], Stroke(MARK, 1.0))?;
-        frame.say_if_empty(canvas, &[&self.measured, &self.twin])
+        frame.note_if_empty(canvas, &[&self.measured, &self.twin])
     }
 }
 
-/// Says which side is which, below the frame.
+/// Labels both sides of the spectrum below the frame.
 fn name_sides(canvas: &mut Canvas, frame: &Frame) -> Result<()> {
     let y = frame.bottom + 26.0;
     canvas.text("\u{2190} reverse precession", (frame.left, y), Anchor::Start, INK)?;

@@ -10,7 +10,7 @@ use plotters::prelude::RGBColor;
 
 const WIDTH: f64 = 760.0;
 /// Spectra of a waterfall at most.
-const MOST_LINES: usize = 60;
+const MAX_LINES: usize = 60;
 /// Sections of one point that the bifurcation diagram shows.
 const SECTIONS: usize = 48;
 /// Strokes of the curves in turn; the second of each is for decreasing values.
@@ -28,7 +28,7 @@ pub(crate) struct Curve<'a> {
     /// Label of the curve.
     pub(crate) name: String,
     /// `rest`, `up` or `down`.
-    pub(crate) way: String,
+    pub(crate) direction: String,
     /// One a value of the first axis.
     pub(crate) rows: Vec<&'a Row>,
 }
@@ -76,12 +76,12 @@ pub(crate) fn response(title: &str, curves: &[Curve<'_>]) -> Result<Picture> {
     })?;
     Ok(Picture {
         title: "Response: peak to peak of the steady-state motion".to_owned(),
-        note: "Of the rotor's centre of mass.".to_owned(),
+        note: "For the rotor's centre of mass.".to_owned(),
         svg,
     })
 }
 
-/// Where the rotor is along X each time the section is taken.
+/// Displacement of the rotor along X at each point of the section.
 pub(crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Result<Picture> {
     let x = horizontal(title, curves);
     let sections = |row: &Row| -> Vec<f64> {
@@ -124,7 +124,7 @@ pub(crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Result<Picture> 
 
 /// The spectrum along X of each point, one behind the other.
 pub(crate) fn waterfall(title: &str, curve: &Curve<'_>) -> Result<Picture> {
-    let every = curve.rows.len().div_ceil(MOST_LINES).max(1);
+    let every = curve.rows.len().div_ceil(MAX_LINES).max(1);
     let rows: Vec<&&Row> = curve.rows.iter().step_by(every).collect();
     let count = rows.iter().map(|row| row.figures.spectrum.len()).max().unwrap_or(0);
     let largest = rows.iter().flat_map(|row| &row.figures.spectrum).fold(0.0_f64, |most, a| most.max(*a));

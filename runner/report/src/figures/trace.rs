@@ -41,8 +41,8 @@ pub(super) fn trace(trace: &Trace, budget: PointBudget) -> Result<Picture> {
         upper.curve(canvas, &curves.measured, Stroke(MEASURED, 1.6))?;
         upper.curve(canvas, &curves.twin, Stroke(TWIN, 1.3))?;
         lower.curve(canvas, &curves.residual, Stroke(MARK, 0.8))?;
-        upper.say_if_empty(canvas, &[&curves.measured, &curves.twin])?;
-        lower.say_if_empty(canvas, &[&curves.residual])
+        upper.note_if_empty(canvas, &[&curves.measured, &curves.twin])?;
+        lower.note_if_empty(canvas, &[&curves.residual])
     })?;
     Ok(Picture { title: format!("Position at {} over time", trace.name), note: String::new(), svg })
 }

@@ -72,7 +72,7 @@ pub(super) fn trend(trend: &Trend, budget: PointBudget) -> Result<Picture> {
             limits(canvas, frame, trend, indicator)?;
             let points = trend.points(indicator, &clock);
             frame.curve(canvas, &decimated(&points, budget.line()), VALUE)?;
-            frame.say_if_empty(canvas, &[&points])?;
+            frame.note_if_empty(canvas, &[&points])?;
         }
         Ok(())
     })?;

@@ -57,7 +57,7 @@ fn parse_file_length(text: &str) -> Result<usize, String> {
         .ok_or_else(|| "expected a time from \"1 s\" to \"24 h\" with its unit".to_owned())
 }
 
-/// Kinds of events with a counter from the start: a monitoring system sees the first one as an increase from 0.
+/// Kinds of events with a counter from the start, so that the first one is an increase from 0 in a monitoring system.
 const COUNTED_FROM_START: [&str; 4] = ["fault-found", "limit-crossed", "output-failing", "source-silent"];
 
 /// Network outputs, bound before any file is changed.

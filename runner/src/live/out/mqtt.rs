@@ -4,7 +4,7 @@
 //! sent again. The client library is given a new session for every connection: it drops its own queue when a broker that
 //! restarted does not know the session.
 
-use super::super::source::lock;
+use super::super::feed::lock;
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::record::EventMessage;

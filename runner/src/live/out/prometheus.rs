@@ -1,8 +1,8 @@
 //! Prometheus endpoint with the indicators of the latest second, on a port of 127.0.0.1.
 
 use super::super::feed::SourceCounters;
+use super::super::feed::lock;
 use super::super::http::{self, Body, Client, Server, Service};
-use super::super::source::lock;
 use anyhow::Result;
 use ballrace_twin::replay::limits::LimitStatus;
 use ballrace_twin::replay::outcome::OutputFigures;

@@ -1,4 +1,4 @@
-//! Who may use the live page: host names against DNS rebinding, origins of other pages, and the token.
+//! Access to the live page: host names against DNS rebinding, origins of other pages, and the token.
 
 use super::HttpOptions;
 use crate::error::UsageError;

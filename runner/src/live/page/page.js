@@ -208,7 +208,7 @@ async function loadFigures() {
   } catch {
     // The next event tries again; the banner reports a lost connection.
   }
-  // The monitor collects samples for figures once somebody asks for them.
+  // The monitor collects samples for figures after the first request for them.
   figuresAt = byId("figures").firstChild ? Date.now() : 0;
 }
 

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Number of events on the page.
 const MAX_EVENTS: usize = 20;
 
-/// What does not change during a run.
+/// Data that do not change during a run.
 #[derive(Serialize)]
 pub struct Description {
     machine: String,

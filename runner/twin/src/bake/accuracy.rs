@@ -5,21 +5,21 @@ use crate::error::Result;
 use crate::force;
 use crate::handle::{AnyBearing, AnyForceModel, ForceModel};
 use crate::plant::Plant;
-use crate::scene::build::{self, MadeTable};
+use crate::scene::build::{self, TableData};
 use crate::scene::{Bearing, Effects, Model, Scene};
 use crate::trade::FidelityLevel;
 use crate::trade::force::{apart, in_precision, rounded};
-use crate::trade::poses::{self, A_TURN, Pose, Poses, TURNS};
+use crate::trade::poses::{self, Pose, Poses, SAMPLES_PER_REVOLUTION, TURNS};
 use ballrace::bearing::checksum::ChecksumRange;
 use ballrace::{BearingKinematicState, Displacement, Exact, Wrench};
 
 /// Largest number of rows of a recording that are read: 80 s at 12.8 kHz.
-const MOST_ROWS: usize = 1 << 20;
+const MAX_ROWS: usize = 1 << 20;
 /// Largest number of samples of the transient of a computed motion: 64 revolutions.
-const MOST_SETTLING: u64 = (4.0 * TURNS * A_TURN) as u64;
+const MAX_SETTLING: u64 = (4.0 * TURNS * SAMPLES_PER_REVOLUTION) as u64;
 
 /// Largest number of steps of the integrator.
-const MOST_STEPS: f64 = 1e5;
+const MAX_STEPS: f64 = 1e5;
 
 /// Origin of the poses at which errors are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -85,16 +85,16 @@ fn recorded(scene: &Scene) -> Result<Option<Poses>> {
     if !plant.layout.is_rigid() {
         return Ok(None);
     }
-    poses::measured(scene, &plant, recording, MOST_ROWS).map(Some)
+    poses::measured(scene, &plant, recording, MAX_ROWS).map(Some)
 }
 
 fn simulated(scene: &Scene) -> Result<Poses> {
     let plant = Plant::try_new(scene)?;
     let mut span = poses::span(scene, &plant);
-    span.settle = span.settle.min(MOST_SETTLING);
+    span.settle = span.settle.min(MAX_SETTLING);
     let steps = f64::from(plant.substeps(1.0 / span.rate)?) * (span.settle + span.samples) as f64;
     // A slow shaft turns through a part of the revolutions.
-    span.rate *= (steps / MOST_STEPS).max(1.0);
+    span.rate *= (steps / MAX_STEPS).max(1.0);
     poses::computed_over(scene, &plant, span)
 }
 
@@ -113,7 +113,7 @@ impl BakedModel {
     ///
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
-    pub fn try_new(scene: &Scene, of: &Bearing, table: Option<&MadeTable>, language: Language) -> Result<Self> {
+    pub fn try_new(scene: &Scene, of: &Bearing, table: Option<&TableData>, language: Language) -> Result<Self> {
         let (model, offset) = (baked_model(of.model), preload_offset(scene, of)?);
         let force = |of: &Bearing| match table {
             Some(made) => Ok(build::of_table::<f32, Exact, AnyForceModel<f32>>(of, made)?),

@@ -5,7 +5,7 @@ use super::observer::ObserverConstants;
 use super::{BakedFile, Comments, Part, embedded, preload_offset, rotor};
 use crate::error::{BakeError, Result};
 use crate::handle::{AnyForceModel, BearingHandle};
-use crate::scene::build::{self, Exponent, MadeTable};
+use crate::scene::build::{self, Exponent, TableData};
 use crate::scene::{Axial, Bearing, Facing, Model, Scene};
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::angular::AngularConstants;
@@ -19,7 +19,7 @@ use ballrace::{Displacement, Exact};
 use std::fmt::Write;
 
 /// Largest number of elements of the library.
-const MOST_ELEMENTS: usize = 32;
+const MAX_ELEMENTS: usize = 32;
 
 /// Rejects what the library has no structs for.
 ///
@@ -34,7 +34,7 @@ pub fn check(scene: &Scene, chosen: &[&Bearing], whole: bool) -> Result<(), Bake
             let expected = "a smooth bearing, or --language rust";
             return Err(refused(place, "waviness or damage".to_owned(), expected));
         }
-        if of.elements > MOST_ELEMENTS {
+        if of.elements > MAX_ELEMENTS {
             let expected = "at most 32, or --language rust";
             return Err(refused(place, format!("{} elements", of.elements), expected));
         }
@@ -287,7 +287,7 @@ impl<'a> Writer<'a> {
         Ok("ballrace_lumped_radial_axial")
     }
 
-    fn write_table(&self, source: &mut String, made: &MadeTable) -> Result<&'static str> {
+    fn write_table(&self, source: &mut String, made: &TableData) -> Result<&'static str> {
         let (name, fields, count) = (self.name, made.fields(), made.nodes.len());
         let flash = self.part.certificate.table_bytes;
         writeln!(source, "// The table: {flash} bytes of flash.")?;
@@ -347,13 +347,13 @@ impl<'a> Writer<'a> {
 }
 
 /// Largest numbers of bearings and probes of an observer of the library.
-const MOST_OBSERVED: [usize; 2] = [4, 8];
+const MAX_OBSERVED: [usize; 2] = [4, 8];
 
 /// Writes the observer of a rigid rotor, where the scene has one: the arguments of `ballrace_observer_init`.
 fn write_observer(scene: &Scene, parts: &[Part<'_>], header: &mut String, source: &mut String) -> Result<()> {
     let Some(constants) = ObserverConstants::try_new(scene)? else { return Ok(()) };
     let (bearings, probes) = (parts.len(), constants.rows.len());
-    let [most_bearings, most_probes] = MOST_OBSERVED;
+    let [most_bearings, most_probes] = MAX_OBSERVED;
     let Some((rotor, unbalances)) =
         constants.rigid_rotor().filter(|_| bearings <= most_bearings && probes <= most_probes)
     else {

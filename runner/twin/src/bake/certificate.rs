@@ -6,7 +6,7 @@ use super::range::{Coverage, range};
 use super::{BakeOptions, Core, Language, identifier};
 use crate::error::Result;
 use crate::handle::ForceModel;
-use crate::scene::build::MadeTable;
+use crate::scene::build::TableData;
 use crate::scene::{Bearing, Facing, Scene};
 use crate::trade::{Cost, cortex};
 use ballrace::bearing::LastValidWrench;
@@ -125,10 +125,10 @@ impl Certificate {
     pub fn try_new(
         (scene, text): (&Scene, &str),
         options: &BakeOptions<'_>,
-        chosen: &[(&Bearing, Option<&MadeTable>)],
+        chosen: &[(&Bearing, Option<&TableData>)],
     ) -> Result<Self> {
         let (pose_source, poses) = poses(scene, options.poses)?;
-        let bearing = |&(of, table): &(&Bearing, Option<&MadeTable>)| -> Result<BearingCertificate> {
+        let bearing = |&(of, table): &(&Bearing, Option<&TableData>)| -> Result<BearingCertificate> {
             let index = scene.bearings.iter().position(|bearing| bearing.name == of.name).unwrap_or_default();
             let baked = BakedModel::try_new(scene, of, table, options.language)?;
             let totals = poses.as_ref().and_then(|poses| poses.get(index)).map(|poses| totals(poses, &baked.offset));

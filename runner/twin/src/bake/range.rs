@@ -13,7 +13,7 @@ const FACTORS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 5.0, 0.5];
 /// Share of the samples that have contact, and share that have none, in a good range.
 const WANTED: u32 = CHECKSUM_SAMPLES as u32 / 32;
 /// Largest number of samples outside the table in a good range.
-const MOST_OUTSIDE: u32 = CHECKSUM_SAMPLES as u32 / 8;
+const MAX_OUTSIDE: u32 = CHECKSUM_SAMPLES as u32 / 8;
 /// Relative speeds about a constant one: inside a table's default range.
 const SPEEDS: [f64; 2] = [0.9, 1.1];
 /// Elastic approach over ball diameter, for a scene without poses.
@@ -59,7 +59,7 @@ pub fn range(
     }
     let candidates: Vec<_> = candidates.map(covered).collect();
     let good = candidates.iter().find(|(_, coverage)| coverage.is_in_table() && coverage.least() >= WANTED);
-    // Elements under preload never lose contact. Of equal candidates the last is the maximum.
+    // Elements under preload never lose contact. The last of equal candidates is the maximum.
     let quality = |(_, coverage): &&(ChecksumRange, Coverage)| {
         (coverage.is_in_table(), coverage.least(), Reverse(coverage.out_of_table))
     };
@@ -75,7 +75,7 @@ impl Coverage {
 
     /// Returns true if few samples are outside the table.
     fn is_in_table(&self) -> bool {
-        self.out_of_table <= MOST_OUTSIDE
+        self.out_of_table <= MAX_OUTSIDE
     }
 }
 

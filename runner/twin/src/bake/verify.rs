@@ -13,7 +13,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest size of a baked file, bytes.
-const MOST_BYTES: u64 = 1 << 28;
+const MAX_BYTES: u64 = 1 << 28;
 
 /// Differences of a baked file from its scene baked again.
 #[derive(Debug, Clone, Serialize)]
@@ -44,7 +44,7 @@ pub struct Checksum {
 /// Part of a baked file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Part {
+pub enum BakedPart {
     /// Field of the certificate.
     Field,
     /// Constant or function.
@@ -53,7 +53,7 @@ pub enum Part {
     Comment,
 }
 
-impl Part {
+impl BakedPart {
     /// Returns the name.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -71,7 +71,7 @@ pub struct Difference {
     /// The file.
     pub file: PathBuf,
     /// Part of the file.
-    pub part: Part,
+    pub part: BakedPart,
     /// Name of the field or constant.
     pub name: String,
     /// Number of the line of the first difference, from 1; none of an absent constant and of a field.
@@ -140,7 +140,7 @@ impl Checksum {
 fn read(file: &Path) -> Result<String, VerifyError> {
     let unreadable = |source| VerifyError::Read { file: file.to_owned(), source };
     let mut bytes = Vec::new();
-    File::open(file).and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes)).map_err(unreadable)?;
+    File::open(file).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes)).map_err(unreadable)?;
     String::from_utf8(bytes).map_err(|_| VerifyError::NoBlock { file: file.to_owned(), what: "certificate" })
 }
 
@@ -193,7 +193,7 @@ fn chosen<T: Copy>(file: &Path, fields: &[Field], name: &'static str, all: &[(&s
 fn field_differences(file: &Path, found: &[Field], expected: &[Field]) -> Vec<Difference> {
     let difference = |name: &str, found: Option<&str>, expected: Option<&str>| Difference {
         file: file.to_owned(),
-        part: Part::Field,
+        part: BakedPart::Field,
         name: name.to_owned(),
         line: None,
         found: found.map(str::to_owned),
@@ -215,7 +215,7 @@ struct Token<'a> {
 
 /// One constant, function or the comments of a source.
 struct Item<'a> {
-    part: Part,
+    part: BakedPart,
     name: String,
     tokens: Vec<Token<'a>>,
 }
@@ -248,13 +248,13 @@ impl<'a> Items<'a> {
                 Some(Declaration::Constant(declared)) => name = format!("{module}::{declared}"),
                 None => {}
             }
-            items.add(Part::Constant, &name, tokens(code, i + 1));
-            items.add(Part::Comment, COMMENTS, tokens(comment, i + 1));
+            items.add(BakedPart::Constant, &name, tokens(code, i + 1));
+            items.add(BakedPart::Comment, COMMENTS, tokens(comment, i + 1));
         }
         items
     }
 
-    fn add(&mut self, part: Part, name: &str, tokens: impl Iterator<Item = Token<'a>>) {
+    fn add(&mut self, part: BakedPart, name: &str, tokens: impl Iterator<Item = Token<'a>>) {
         for token in tokens {
             // The last item is the usual one.
             let index = self.0.iter().rposition(|item| item.part == part && item.name == name);
@@ -271,7 +271,7 @@ impl<'a> Items<'a> {
         }
     }
 
-    fn find(&self, part: Part, name: &str) -> Option<&Item<'a>> {
+    fn find(&self, part: BakedPart, name: &str) -> Option<&Item<'a>> {
         self.0.iter().find(|item| item.part == part && item.name == name)
     }
 

@@ -34,7 +34,7 @@ impl BearingKind {
 
 /// Origin of number, diameter and pitch diameter of the elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
+pub enum Provenance {
     /// Printed by a maker, in a paper or in the documentation of a data set.
     Published,
     /// They reproduce the frequencies that a maker publishes.
@@ -44,7 +44,7 @@ pub enum Status {
     Ratings,
 }
 
-impl Status {
+impl Provenance {
     const NAMED: [(Self, &'static str); 3] =
         [(Self::Published, "published"), (Self::Derived, "derived"), (Self::Ratings, "ratings")];
 
@@ -81,7 +81,7 @@ pub struct Entry {
     /// Nominal contact angle, degrees.
     pub contact_angle: f64,
     /// Origin of the numbers of the elements.
-    pub status: Status,
+    pub status: Provenance,
     /// Source.
     pub source: &'static str,
     /// Frequencies that a maker publishes, for the check of the entry.
@@ -134,7 +134,7 @@ fn entry(line: &'static str) -> Entry {
     let (designation, kind) = (text(), BearingKind::of_name(text()));
     let [bore, outer_diameter, width, elements, element_diameter, pitch_diameter, contact_angle] =
         std::array::from_fn(|_| number(Some(text())));
-    let (status, source) = (Status::of_name(text()), text());
+    let (status, source) = (Provenance::of_name(text()), text());
     let factors: [Option<f64>; 4] = std::array::from_fn(|_| text().trim().parse().ok());
     let maker = text();
     let [cage, outer_race, inner_race, ball_spin] = factors;

@@ -1,7 +1,7 @@
 //! Keys of a scene's `[[bearing]]` for a bearing of the catalogue.
 
 use super::clearance::range;
-use super::{BearingKind, Listed, Status};
+use super::{BearingKind, Listed, Provenance};
 use ballrace::contact::line::roller_stiffness;
 
 /// Conformity of both races: makers use 0.515 to 0.53 and do not publish it.
@@ -30,7 +30,7 @@ pub fn scene_keys(listed: &Listed) -> Vec<SceneKey> {
     let mut add = |key, value: String, origin: &str, is_estimated| {
         keys.push(SceneKey { key, value, origin: origin.to_owned(), is_estimated });
     };
-    let (source, estimated) = (entry.source, entry.status == Status::Ratings);
+    let (source, estimated) = (entry.source, entry.status == Provenance::Ratings);
     let middle = range(entry, *class).map(|[least, most]| 0.5 * (least + most));
     let clearance = |[least, most]: [f64; 2]| {
         format!("class {}, {:.0} to {:.0} um before mounting (ISO 5753-1)", class.name(), least * 1e6, most * 1e6)

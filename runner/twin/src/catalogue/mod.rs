@@ -1,6 +1,6 @@
 //! Catalogue of rolling bearings: designation such as `6309` or `NU205 C3` to geometry, with the source of every entry.
 //!
-//! The numbers of an entry are published, confirmed by published frequencies, or solved from load ratings; [`Status`] tells which. Conformities and
+//! The numbers of an entry are published, confirmed by published frequencies, or solved from load ratings; [`Provenance`] states which. Conformities and
 //! lengths of rollers are estimated for all of them, because makers do not publish these. Makers differ: an entry is one design.
 
 mod clearance;
@@ -11,7 +11,7 @@ mod defaults;
 mod tests;
 
 pub use clearance::ClearanceClass;
-pub use data::{BearingKind, Entry, PublishedFactors, Status, all};
+pub use data::{BearingKind, Entry, Provenance, PublishedFactors, all};
 pub use defaults::{SceneKey, scene_keys};
 
 use crate::printable;

@@ -27,7 +27,7 @@ fn published_frequencies() {
     let mut checked = 0;
     for entry in all() {
         let Some(published) = &entry.published else {
-            assert_ne!(entry.status, Status::Derived, "{}: derived from nothing", entry.designation);
+            assert_ne!(entry.status, Provenance::Derived, "{}: derived from nothing", entry.designation);
             continue;
         };
         let orders = entry.orders();

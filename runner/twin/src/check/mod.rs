@@ -5,7 +5,8 @@
 
 mod unknown;
 
-pub use crate::plausibility::{Implausibility, ReadingSummary, VoltageSummary};
+pub use crate::outcome::Implausibility;
+pub use crate::plausibility::{ReadingSummary, VoltageSummary};
 pub use unknown::{UnknownValue, unknown_values};
 
 use crate::diagnosis::block::Block;

@@ -1,6 +1,6 @@
 //! Values of a draft that are still unknown.
 
-use crate::scene::draft::UNKNOWN;
+use crate::draft::UNKNOWN;
 use serde::Serialize;
 
 /// A value `"?"` of a scene.

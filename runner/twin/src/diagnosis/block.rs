@@ -9,7 +9,7 @@ const SAMPLES: usize = 16_384;
 /// Revolutions of the shaft in a full block.
 const REVOLUTIONS: f64 = 80.0;
 /// Most samples of a block.
-const MOST_SAMPLES: usize = 65_536;
+const MAX_SAMPLES: usize = 65_536;
 
 /// The last samples without an interruption, and the longest such block before.
 #[derive(Clone, Default)]
@@ -48,13 +48,13 @@ impl Block {
 
     fn is_longer_than_full(&self) -> bool {
         let count = self.samples.len();
-        count > MOST_SAMPLES || (count > SAMPLES && self.revolutions() > REVOLUTIONS)
+        count > MAX_SAMPLES || (count > SAMPLES && self.revolutions() > REVOLUTIONS)
     }
 
     /// Returns true once no further sample makes the block longer.
     pub(crate) fn is_full(&self) -> bool {
         let count = self.samples.len();
-        count >= MOST_SAMPLES || (count >= SAMPLES && self.revolutions() >= REVOLUTIONS - 1.0)
+        count >= MAX_SAMPLES || (count >= SAMPLES && self.revolutions() >= REVOLUTIONS - 1.0)
     }
 
     /// Returns the samples: the last block, or the one before where that is longer. Their number is a product of small factors.

@@ -1,7 +1,7 @@
 //! Angle and speed of a cage from the variable compliance of its bearing.
 
 use super::Result;
-use super::fit::{Fitted, LEAST_FALL, changed, evaluate, fit};
+use super::fit::{Fitted, MIN_FALL, changed, evaluate, fit};
 use super::machine::{Cage, Machine, Unknown};
 use super::motion::{C, D};
 use super::residual::Evidence;
@@ -86,7 +86,7 @@ pub fn unknowns(observable: &[bool]) -> Vec<Unknown> {
 }
 
 /// Fits slip and phase of every cage; returns which are observable.
-pub fn settle(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 2]) -> Result<(Fitted, Vec<bool>)> {
+pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 2]) -> Result<(Fitted, Vec<bool>)> {
     let mut now = evaluate(e, machine)?;
     let mut observable = vec![false; machine.bearings.len()];
     for round in 0..ROUNDS {
@@ -114,7 +114,7 @@ pub fn settle(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 2])
         now = fit(e, &now, &unknowns(&observable), 8)?;
         // The second round finds what the other bearings' cages hid in the first, unless the first has found nothing.
         let fall = before - now.chi_square;
-        if fall < LEAST_FALL || (round > 0 && fall < 0.01 * now.chi_square) {
+        if fall < MIN_FALL || (round > 0 && fall < 0.01 * now.chi_square) {
             break;
         }
     }

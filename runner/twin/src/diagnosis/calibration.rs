@@ -1,68 +1,17 @@
 //! The machine in good order: parameters of a scene fitted to a recording of it.
 
-use super::Prepared;
-use super::Result;
-use super::cage;
 use super::fit::{Prior, fit_whole};
 use super::hypothesis::SLIPS;
 use super::machine::{Machine, Unknown};
+use super::{Prepared, Result, cage};
+use crate::outcome::{CalibratedParameter, Calibration, ParameterName};
 use crate::scene::Scene;
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
 
 /// Rounds of fit, weighing and search of the cages.
 const ROUNDS: usize = 4;
 
-/// Parameters of a machine in good order, which a recording of it determined.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Calibration {
-    /// Parameters with their standard deviations.
-    pub parameters: Vec<CalibratedParameter>,
-    /// Correlation of each pair of parameters, row by row.
-    pub correlation: Vec<Vec<f64>>,
-    /// Sum of squares of the residual per value, in units of the noise: about 1 where the calibrated scene describes the recording.
-    pub chi_square_per_value: f64,
-}
-
-/// One parameter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CalibratedParameter {
-    /// Which one.
-    pub name: Parameter,
-    /// Bearing, where it is one of a bearing.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bearing: Option<String>,
-    /// Value, SI.
-    pub value: f64,
-    /// Standard deviation, SI.
-    pub deviation: f64,
-}
-
-/// A parameter that a calibration determines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Parameter {
-    /// Diametral clearance, m.
-    DiametralClearance,
-    /// Young's modulus of a bearing, Pa.
-    YoungsModulus,
-    /// Damping of translations, N s/m.
-    TranslationDamping,
-    /// Damping of rotations, N m s/rad.
-    RotationDamping,
-    /// Static unbalance along the keyphasor mark, kg m.
-    UnbalanceX,
-    /// Static unbalance a quarter of a revolution ahead, kg m.
-    UnbalanceY,
-    /// Couple unbalance along the keyphasor mark, kg m^2.
-    CoupleX,
-    /// Couple unbalance a quarter of a revolution ahead, kg m^2.
-    CoupleY,
-}
-
-impl Parameter {
+impl ParameterName {
     const OF_ROTOR: [(Self, Unknown); 6] = [
         (Self::TranslationDamping, Unknown::Damping(0)),
         (Self::RotationDamping, Unknown::Damping(1)),
@@ -72,10 +21,10 @@ impl Parameter {
         (Self::CoupleY, Unknown::Unbalance(3)),
     ];
 
-    /// Relative standard deviation of a scene's value; none where a scene says nothing about a machine.
+    /// Relative standard deviation of a scene's value; none where the scene's value has no relation to the machine.
     ///
     /// Bearing steels differ by 2 % and catalogue dimensions make it 5 % of stiffness; a clearance class spans a factor of two;
-    /// damping is seldom measured; a rotor is balanced anew.
+    /// damping is seldom measured; a rotor is rebalanced.
     fn deviation(self) -> Option<f64> {
         match self {
             Self::YoungsModulus => Some(0.05),
@@ -91,12 +40,12 @@ impl Parameter {
 }
 
 /// Returns all parameters of a machine, with the bearing of each.
-fn parameters(machine: &Machine) -> Vec<(Parameter, Option<usize>, Unknown)> {
+fn parameters(machine: &Machine) -> Vec<(ParameterName, Option<usize>, Unknown)> {
     let of_bearings =
         machine.bearings.iter().enumerate().filter(|(_, b)| b.scene.geometry.is_some()).flat_map(|(b, _)| {
-            Parameter::of_bearing(b).into_iter().map(move |(parameter, unknown)| (parameter, Some(b), unknown))
+            ParameterName::of_bearing(b).into_iter().map(move |(parameter, unknown)| (parameter, Some(b), unknown))
         });
-    let of_rotor = Parameter::OF_ROTOR.into_iter().map(|(parameter, unknown)| (parameter, None, unknown));
+    let of_rotor = ParameterName::OF_ROTOR.into_iter().map(|(parameter, unknown)| (parameter, None, unknown));
     // Damping that the scene does not have stays 0.
     let exists = |unknown: &Unknown| !matches!(unknown, Unknown::Damping(_)) || unknown.get(machine) > 0.0;
     of_bearings.chain(of_rotor).filter(|(.., unknown)| exists(unknown)).collect()
@@ -113,7 +62,7 @@ impl Calibration {
 
     /// Returns the parameters that a machine has, with their place in the calibration.
     fn present(&self, machine: &Machine) -> Vec<(usize, Unknown)> {
-        let place = |(parameter, b, unknown): (Parameter, Option<usize>, Unknown)| {
+        let place = |(parameter, b, unknown): (ParameterName, Option<usize>, Unknown)| {
             let name = b.map(|b| machine.bearings[b].scene.name.as_str());
             let at = self.parameters.iter().position(|p| p.name == parameter && p.bearing.as_deref() == name)?;
             Some((at, unknown))
@@ -187,7 +136,7 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Res
         let unknowns = [all.clone(), cage::unknowns(&of.observable)].concat();
         now = fit_whole(&of.evidence, &now, &unknowns, &prior, 20)?;
         of.evidence.weight_for(&now.machine)?;
-        let (settled, seen) = cage::settle(&of.evidence, &of.band, &now.machine, SLIPS)?;
+        let (settled, seen) = cage::fit_cages(&of.evidence, &of.band, &now.machine, SLIPS)?;
         of.observable = seen;
         now = settled;
     }

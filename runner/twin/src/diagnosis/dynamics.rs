@@ -40,7 +40,7 @@ pub struct Dynamics {
     /// Displacement of each bearing by the pose.
     by_pose: Vec<ByLine>,
     inertia: Inertia,
-    /// What only a rotor has that bends or has supports.
+    /// Terms of a rotor that bends or has supports.
     elastic: Option<Elastic>,
 }
 
@@ -497,7 +497,7 @@ impl Lines {
                 ((after - before) / C::from(2.0 * step), (after - z * C::from(2.0) + before) / C::from(step * step));
             required.push([z, slope * C::i(), bend * C::from(-0.5)]);
             let z = DMatrix::from_fn(D, D, |i, j| z[(i, j)]);
-            // Of a force on the coordinates: the equivalent wrench, and the motion that is left at a steady pose.
+            // Effect of a force on the coordinates: the equivalent wrench, and the remaining motion at a steady pose.
             let equivalent = &z * &self.pose * &alpha;
             let left = &alpha - &alpha * &self.through_bearings * &equivalent;
             let by_motion = &alpha * &self.through_bearings * &z;

@@ -10,7 +10,7 @@ use super::machine::Machine;
 use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};
 use super::surface::Component;
-use super::{Material, Result};
+use super::{DiagnosisInput, Result};
 use crate::outcome::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 use crate::probes;
 use crate::scene::Direction;
@@ -39,7 +39,7 @@ const USUAL_BALL: f64 = 0.2;
 
 /// A fault with the machines that have it and lack it.
 struct Contrast<'a, 'b> {
-    material: &'a Material<'b>,
+    material: &'a DiagnosisInput<'b>,
     e: &'a Evidence<'b>,
     machine: &'a Machine,
     cause: Cause,
@@ -53,7 +53,7 @@ struct Contrast<'a, 'b> {
 
 /// Returns the data of the figures of a fault of `last`; `at` is the index of its spall or first wave.
 pub(super) fn fault_figures(
-    material: &Material,
+    material: &DiagnosisInput,
     e: &Evidence,
     healthy: &Machine,
     last: &Fitted,
@@ -241,7 +241,7 @@ impl Contrast<'_, '_> {
         turns[turns.len() / 2].round()
     }
 
-    /// Motion over two revolutions at the radial probe nearest to the bearing at which the fault is seen best.
+    /// Motion over two revolutions at the radial probe with the largest response to the fault.
     fn motion(&self) -> Option<FaultMotion> {
         let motion = &self.e.motion;
         let middle = self.middle_turn();

@@ -3,11 +3,11 @@
 use super::cage::unknowns;
 use super::fault_figures::fault_figures;
 use super::fit::{Fitted, fit};
-use super::hypothesis::{Cause, Fault, LEAST_GAIN};
+use super::hypothesis::{Cause, Fault, MIN_GAIN};
 use super::machine::{Machine, Unknown, clearance};
 use super::residual::Evidence;
 use super::surface::Component;
-use super::{Material, Prepared, Result};
+use super::{DiagnosisInput, Prepared, Result};
 use crate::outcome::{
     CageOutcome, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultForm, FaultParameters, Finding,
     FindingKind,
@@ -50,7 +50,7 @@ pub struct CageEstimate {
     pub cage_ratio: f64,
     /// Azimuth of the first element at shaft angle 0, rad.
     pub first_element_azimuth: f64,
-    /// The passing of the elements can be seen.
+    /// The passing of the elements is observable.
     pub observable: bool,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
 }
 
 /// Returns the findings and figures of a diagnosis.
-pub(super) fn diagnosis(material: &Material, of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
+pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
     let last = joint(of, faults)?;
     let e = &of.evidence;
@@ -220,7 +220,7 @@ impl Reported<'_, '_> {
         within_turn(if component == Component::Inner { self.with_pulse_error(angle) } else { angle })
     }
 
-    /// Widens an angle from the keyphasor mark: its pulse is seen at the first sample after it, up to one sample late.
+    /// Widens an angle from the keyphasor mark: its pulse is detected at the first sample after it, up to one sample late.
     fn with_pulse_error(&self, angle: Estimate) -> Estimate {
         let rotation = self.e.scene.recording.as_ref().map(|recording| &recording.rotation);
         if !matches!(rotation, Some(RotationSource::Keyphasor { .. })) {
@@ -376,7 +376,7 @@ impl Reported<'_, '_> {
             bearing,
             line_hz: order * self.e.motion.mean_speed().abs() / TAU,
             order,
-            level_db: 10.0 * (fault.gain / LEAST_GAIN).log10(),
+            level_db: 10.0 * (fault.gain / MIN_GAIN).log10(),
             confidence: explained.clamp(0.0, 1.0) * odds.map_or(1.0, |odds| odds / (1.0 + odds)),
             evidence: vec![EvidenceSource::ShaftMotion],
             vibration: None,

@@ -1,8 +1,8 @@
 //! Maximum-likelihood fit of a few unknowns of a machine: Levenberg-Marquardt on the residual at the probes.
 
 use super::Result;
-use super::machine::{Machine, Part, Unknown};
-use super::residual::{Evidence, Spectra};
+use super::machine::{ForceSource, Machine, Unknown};
+use super::residual::{Evidence, Spectra, dot};
 use nalgebra::{DMatrix, DVector};
 
 /// A machine with its unknowns fitted.
@@ -20,19 +20,6 @@ pub struct Fitted {
 
 pub fn square(r: &[f64]) -> f64 {
     dot(r, r)
-}
-
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Eight sums side by side.
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; 8];
-    for (a, b) in a8.zip(b8) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    rest + sums.iter().sum::<f64>()
 }
 
 /// Returns the machine as it is.
@@ -55,13 +42,13 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
     let mut spectra = before.spectra.clone();
     for (i, (old, new)) in before.machine.bearings.iter().zip(&machine.bearings).enumerate() {
         if old != new {
-            spectra = e.changed(&spectra, machine, Part::Bearing(i))?;
+            spectra = e.changed(&spectra, machine, ForceSource::Bearing(i))?;
         }
     }
     let of_rotor = |m: &Machine| (m.load, m.damping, m.unbalance);
     if of_rotor(&before.machine) != of_rotor(machine) {
         // It may move the bearings.
-        spectra = e.changed(&spectra, machine, Part::Rotor)?;
+        spectra = e.changed(&spectra, machine, ForceSource::Rotor)?;
     }
     let residual = e.residual(&spectra);
     let chi_square = square(&residual);
@@ -69,9 +56,9 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
 }
 
 /// Fall of chi-squared in a step below which a fit ends.
-pub const LEAST_FALL: f64 = 0.5;
+pub const MIN_FALL: f64 = 0.5;
 /// The same, over the excess of chi-squared.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 /// Dampings tried in a step.
 const DAMPINGS: usize = 6;
 
@@ -218,7 +205,7 @@ fn levenberg_marquardt(
         let fall = objective(&now) - objective(&next);
         now = Fitted { unknowns: unknowns.to_vec(), ..next };
         // Far from the recording, a small share of what is left decides nothing.
-        if fall < LEAST_FALL + LEAST_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0) {
+        if fall < MIN_FALL + MIN_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0) {
             break;
         }
     }

@@ -1,12 +1,10 @@
-//! Hypotheses: faults added to the machine, one after the other, as long as the recording asks for them.
+//! Hypotheses: faults added to the machine, one after the other, as long as the recording supports them.
 
-use super::Prepared;
-use super::Result;
-use super::cage;
-use super::fit::{Fitted, LEAST_FALL, dot, evaluate, fit};
+use super::fit::{Fitted, MIN_FALL, evaluate, fit};
 use super::machine::{Machine, MachineBearing, Unknown, clearance, waves};
-use super::residual::Evidence;
+use super::residual::{Evidence, dot};
 use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
+use super::{Prepared, Result, cage};
 use crate::scene::Surface;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -77,7 +75,7 @@ fn best_of(
 ) -> Result<(f64, Machine)> {
     let mut best = (f64::NEG_INFINITY, now.machine.clone());
     for machine in machines {
-        let spectra = e.changed(&now.spectra, &machine, super::machine::Part::Bearing(bearing))?;
+        let spectra = e.changed(&now.spectra, &machine, super::machine::ForceSource::Bearing(bearing))?;
         let gain = now.chi_square - super::fit::square(&e.residual(&spectra));
         if gain > best.0 {
             best = (gain, machine);
@@ -93,7 +91,7 @@ const CLOSER: usize = 3;
 /// Tilts that are tried, rad, and their number of axes.
 const TILTS: ([f64; 3], u32) = ([0.15e-3, 0.4e-3, 0.8e-3], 8);
 
-/// Where the search for candidates stands.
+/// State of the search for candidates.
 struct Search<'a, 'b> {
     e: &'a Evidence<'b>,
     band: &'a Baseband,
@@ -266,7 +264,7 @@ fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fi
 /// Fits a candidate with all cages searched again: the machine in good order explained as much of the fault as it could by
 /// false angles of its cages.
 fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(Fitted, Vec<bool>)> {
-    let (settled, observable) = cage::settle(&of.evidence, &of.band, &first.machine, SLIPS)?;
+    let (settled, observable) = cage::fit_cages(&of.evidence, &of.band, &first.machine, SLIPS)?;
     let mut unknowns = cage::unknowns(&observable);
     unknowns.extend(own(candidate));
     let again = fit(&of.evidence, &settled, &unknowns, 10)?;
@@ -334,18 +332,18 @@ fn is_material(before: &Fitted, cause: Cause, after: &Fitted) -> bool {
 /// Depth of a spall over its standard deviation from which it is one: of 40 without depth, one seems to have it.
 const SIGNIFICANT: f64 = 2.0;
 /// Most faults in one diagnosis.
-const MOST_FAULTS: usize = 3;
+const MAX_FAULTS: usize = 3;
 /// Candidates that are fitted, at most, and least share of the gain of the first.
 const FITTED: (usize, f64) = (6, 0.2);
 /// Fitted candidates for which the cages are searched again.
 const SEARCHED: usize = 2;
 /// Fall of chi-squared from which a fault counts: odds of e^50 against chance, with thousands of alternatives tried.
-pub const LEAST_GAIN: f64 = 100.0;
+pub const MIN_GAIN: f64 = 100.0;
 /// Part of chi-squared by which the residual of a true machine may exceed the number of its values: the force is evaluated at
 /// samples and between them by interpolation.
 const MODEL_ERROR: f64 = 0.03;
 /// A further fault explains at least this share of what the faults before it leave unexplained.
-const LEAST_SHARE: f64 = 0.3;
+const MIN_SHARE: f64 = 0.3;
 
 /// Cage slip as it is in practice, mean and standard deviation: 0 to 3 %, to 6 % under light load (NASA TN D-7870). It decides only
 /// between lines that coincide for different slips.
@@ -357,9 +355,9 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
     let mut now = of.healthy.clone();
     let mut faults: Vec<Fault> = vec![];
     let values = now.residual.len() as f64;
-    while faults.len() < MOST_FAULTS {
+    while faults.len() < MAX_FAULTS {
         let excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
-        let least = (LEAST_SHARE * excess).max(LEAST_GAIN);
+        let least = (MIN_SHARE * excess).max(MIN_GAIN);
         let cages = cage::unknowns(&of.observable);
         let list = Search { e: &of.evidence, band: &of.band, now: &now, cages }.candidates(&locked)?;
         progress(0.3 + 0.2 * faults.len() as f64);
@@ -403,7 +401,7 @@ fn changes_stiffness(cause: Cause, e: &Evidence) -> bool {
         || (cause == Cause::Unbalance && e.is_elastic())
 }
 
-/// Judges a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
+/// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
 fn judged<'a>(
     of: &Prepared<'a>,
     now: &Fitted,
@@ -456,7 +454,7 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
         }
         let start = evaluate(&of.evidence, &without(&now.machine, cause, 0, &of.healthy.machine))?;
         let fitted = fit(&of.evidence, &start, &unknowns, 20)?;
-        if fitted.chi_square - now.chi_square < LEAST_GAIN {
+        if fitted.chi_square - now.chi_square < MIN_GAIN {
             now = fitted;
             faults.remove(i);
             if let Some(last) = faults.last_mut() {
@@ -478,7 +476,7 @@ fn weighted<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Res
     let (found, _) = with_cages(of, candidate, first)?;
     let best = weighted_from(of, candidate, &found.machine)?;
     let is_explained = best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64;
-    if is_explained || first.chi_square - found.chi_square < LEAST_FALL {
+    if is_explained || first.chi_square - found.chi_square < MIN_FALL {
         return Ok(best);
     }
     let other = weighted_from(of, candidate, &first.machine)?;
@@ -492,7 +490,7 @@ fn weighted_from<'a>(
 ) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     let mut evidence = of.evidence.clone();
     evidence.weight_for(start)?;
-    let (settled, observable) = cage::settle(&evidence, &of.band, start, SLIPS)?;
+    let (settled, observable) = cage::fit_cages(&evidence, &of.band, start, SLIPS)?;
     let mut unknowns = cage::unknowns(&observable);
     unknowns.extend(own(candidate));
     let closer = fit(&evidence, &settled, &unknowns, 12)?;

@@ -2,10 +2,12 @@
 
 use super::Result;
 use super::dynamics::Tangent;
-use super::motion::{D, Motion};
+use super::motion::{D, Motion, PARTS};
 use crate::plant::{Plant, unbalance_planes};
 use crate::scene::build::{self, AnyBearing};
-use crate::scene::{Bearing as BearingScene, Defect, DefectShape, Fit, Linear, Model, Scene, Surface, Unbalance, Wave};
+use crate::scene::{
+    Bearing as BearingScene, Defect, DefectShape, FreeAngle, Linear, Model, Scene, Surface, Unbalance, Wave,
+};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use std::f64::consts::TAU;
@@ -105,7 +107,7 @@ fn is_rigid(scene: &Scene) -> bool {
 
 /// Square of the radial part of the loads over that of their sum, from which the contact angle follows from the radial force; below, from
 /// the axial one.
-const LEAST_RADIAL: f64 = 0.01;
+const MIN_RADIAL: f64 = 0.01;
 
 /// A bearing ready to be evaluated along a motion.
 pub struct Evaluated {
@@ -125,9 +127,6 @@ pub struct Evaluated {
     cage_ratio: f64,
     ball_ratio: f64,
 }
-
-/// Instants per sample period at which a pulse of a spall is evaluated.
-pub const PARTS: usize = 4;
 
 /// Model by which a bearing is evaluated: that of the scene; of a linearised one the model that it stands for.
 fn model(of: &BearingScene) -> Model {
@@ -286,7 +285,7 @@ impl Evaluated {
             radial += x * x + y * y;
             axial += force.fz;
         }
-        if radial > LEAST_RADIAL * total * total / 500.0 {
+        if radial > MIN_RADIAL * total * total / 500.0 {
             (projected / radial).clamp(0.0, 1.0)
         } else {
             (1.0 - (axial / total.max(f64::MIN_POSITIVE)).powi(2)).max(0.0).sqrt()
@@ -313,7 +312,7 @@ pub enum Unknown {
     /// Factor of the damping of the translations (0) or rotations (1).
     Damping(usize),
     Unbalance(usize),
-    /// Of defect `.1` of bearing `.0`.
+    /// Parameter of defect `.1` of bearing `.0`.
     SpallAzimuth(usize, usize),
     SpallWidth(usize, usize),
     SpallDepth(usize, usize),
@@ -324,13 +323,13 @@ pub enum Unknown {
 
 /// Part of the machine whose force a parameter changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Part {
+pub enum ForceSource {
     Bearing(usize),
     Rotor,
 }
 
 impl Unknown {
-    pub fn part(self) -> Part {
+    pub fn part(self) -> ForceSource {
         match self {
             Self::CagePhase(b)
             | Self::CageSlip(b)
@@ -341,8 +340,8 @@ impl Unknown {
             | Self::SpallWidth(b, _)
             | Self::SpallDepth(b, _)
             | Self::SpinSlip(b)
-            | Self::Wave(b, _) => Part::Bearing(b),
-            Self::Load(_) | Self::Damping(_) | Self::Unbalance(_) => Part::Rotor,
+            | Self::Wave(b, _) => ForceSource::Bearing(b),
+            Self::Load(_) | Self::Damping(_) | Self::Unbalance(_) => ForceSource::Rotor,
         }
     }
 
@@ -409,7 +408,7 @@ impl Unknown {
             machine.damping[range].iter_mut().for_each(|c| *c *= factor);
             return;
         }
-        let Part::Bearing(b) = self.part() else { return };
+        let ForceSource::Bearing(b) = self.part() else { return };
         let bearing = &mut machine.bearings[b];
         match self {
             Self::CagePhase(_) => bearing.cage.phase = x - x.round(),
@@ -417,7 +416,7 @@ impl Unknown {
             Self::SpinSlip(_) => bearing.cage.spin_slip = x.clamp(-0.05, 0.05),
             Self::Clearance(_) => {
                 if let Some(g) = &mut bearing.scene.geometry {
-                    g.fit = Fit::DiametralClearance(x.max(0.0));
+                    g.fit = FreeAngle::DiametralClearance(x.max(0.0));
                 }
             }
             Self::Modulus(_) => {
@@ -447,8 +446,8 @@ impl Unknown {
 pub fn clearance(of: &BearingScene) -> f64 {
     let Some(g) = &of.geometry else { return 0.0 };
     match g.fit {
-        Fit::DiametralClearance(s) => s,
-        Fit::ContactAngle(a) => {
+        FreeAngle::DiametralClearance(s) => s,
+        FreeAngle::ContactAngle(a) => {
             2.0 * (g.inner_conformity + g.outer_conformity - 1.0) * g.ball_diameter * (1.0 - a.cos())
         }
     }

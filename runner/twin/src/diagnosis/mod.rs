@@ -26,9 +26,9 @@ mod motion;
 mod residual;
 mod surface;
 
-pub use calibration::Calibration;
 pub use finding::{CageEstimate, Diagnosis};
 
+use crate::outcome::Calibration;
 use crate::plant::Plant;
 use crate::probes::PoseSolver;
 use crate::recording::Sample;
@@ -45,7 +45,7 @@ use surface::Baseband;
 type Result<T> = std::result::Result<T, BuildError>;
 
 /// Fewest revolutions of the shaft in a block.
-pub const FEWEST_REVOLUTIONS: f64 = 16.0;
+pub const MIN_REVOLUTIONS: f64 = 16.0;
 /// Highest line over the highest natural frequency: above it the rotor's inertia leaves less of a force than noise.
 const HIGHEST_OVER_NATURAL: f64 = 3.0;
 /// Highest line over the sampling rate: the force is evaluated at the samples, so its spectrum repeats at the rate.
@@ -55,7 +55,7 @@ const BAND_ORDERS: f64 = 3.5;
 
 /// Scene, plant and samples of a diagnosis.
 #[derive(Clone, Copy)]
-pub struct Material<'a> {
+pub struct DiagnosisInput<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// Its plant.
@@ -101,15 +101,15 @@ pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
         [first, .., last] => (last.total_revolutions() - first.total_revolutions()).abs(),
         _ => 0.0,
     };
-    (revolutions < FEWEST_REVOLUTIONS).then(|| {
+    (revolutions < MIN_REVOLUTIONS).then(|| {
         format!(
-            "{revolutions:.1} revolutions in a row have a reading of every probe, expected {FEWEST_REVOLUTIONS:.0} or more"
+            "{revolutions:.1} revolutions in a row have a reading of every probe, expected {MIN_REVOLUTIONS:.0} or more"
         )
     })
 }
 
 impl<'a> Prepared<'a> {
-    fn new(of: &Material<'a>, machine: &Machine) -> Result<Option<Self>> {
+    fn new(of: &DiagnosisInput<'a>, machine: &Machine) -> Result<Option<Self>> {
         let stations: Vec<f64> = of.plant.bearings.iter().map(|b| b.station).collect();
         let Ok(solver) = PoseSolver::try_new(of.probes, &stations) else { return Ok(None) };
         let noise: Vec<f64> =
@@ -132,7 +132,7 @@ impl<'a> Prepared<'a> {
         }
         evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
-        let (healthy, observable) = cage::settle(&evidence, &band, machine, hypothesis::SLIPS)?;
+        let (healthy, observable) = cage::fit_cages(&evidence, &band, machine, hypothesis::SLIPS)?;
         Ok(Some(Self { evidence, band, healthy, observable }))
     }
 }
@@ -141,7 +141,7 @@ impl<'a> Prepared<'a> {
 ///
 /// # Errors
 /// A bearing that cannot be built.
-pub fn diagnose(of: &Material, progress: &dyn Fn(f64)) -> std::result::Result<Option<Diagnosis>, BuildError> {
+pub fn diagnose(of: &DiagnosisInput, progress: &dyn Fn(f64)) -> std::result::Result<Option<Diagnosis>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
     progress(0.1);
@@ -153,7 +153,7 @@ pub fn diagnose(of: &Material, progress: &dyn Fn(f64)) -> std::result::Result<Op
 ///
 /// # Errors
 /// A bearing that cannot be built.
-pub fn cages(of: &Material) -> std::result::Result<Option<Vec<CageEstimate>>, BuildError> {
+pub fn cages(of: &DiagnosisInput) -> std::result::Result<Option<Vec<CageEstimate>>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let Some(prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
     Ok(Some(finding::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
@@ -171,9 +171,9 @@ pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate]) {
 ///
 /// # Errors
 /// A bearing that cannot be built.
-pub fn calibrate(of: &Material) -> std::result::Result<Option<Calibration>, BuildError> {
+pub fn calibrate(of: &DiagnosisInput) -> std::result::Result<Option<Calibration>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
-    let alone = Material { calibration: None, ..*of };
+    let alone = DiagnosisInput { calibration: None, ..*of };
     let Some(mut prepared) = Prepared::new(&alone, &machine)? else { return Ok(None) };
     Ok(Some(calibration::calibrate(&mut prepared, of.calibration)?))
 }

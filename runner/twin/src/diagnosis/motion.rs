@@ -1,6 +1,5 @@
 //! The measured motion of the rotor over a stretch of a recording, and its spectra under a window.
 
-use super::machine::PARTS;
 use crate::probes::PoseSolver;
 use crate::recording::Sample;
 use ballrace::{Displacement, Phase};
@@ -9,6 +8,8 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+/// Instants per sample period at which a pulse of a spall is evaluated.
+pub const PARTS: usize = 4;
 /// Number of coordinates of a rigid rotor.
 pub const D: usize = 5;
 /// Complex amplitude.

@@ -5,8 +5,7 @@ mod weights;
 use super::Result;
 use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
 use super::filter::LineFilter;
-use super::fit::dot;
-use super::machine::{Evaluated, Machine, MachineBearing, Part, Unknown};
+use super::machine::{Evaluated, ForceSource, Machine, MachineBearing, Unknown};
 use super::motion::{C, D, Motion, Transform};
 use crate::plant::Plant;
 use crate::probes::PoseSolver;
@@ -27,6 +26,7 @@ pub const MEAN_LINES: usize = 5;
 const ELASTICITY_ERROR: f64 = 0.02;
 /// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
 const MOMENT_ROUNDS: usize = 2;
+
 /// How residuals are weighted: probes with their noise.
 pub(super) struct Weighting {
     pub probes: Vec<Probe>,
@@ -117,7 +117,7 @@ impl Shaft {
         (motion, pose): (&Motion, &[[f64; D]]),
     ) -> Option<Self> {
         let of_probes = (weighting.probes.as_slice(), &weighting.solver);
-        // A rotor that the plant is made of can be reduced.
+        // The plant is built from this rotor, so that it can be reduced.
         let dynamics = Dynamics::new(scene, plant, of_probes, &transform.lines, motion.mean_speed()).ok()??;
         Some(Self {
             by_pose: Arc::new(dynamics.displacements(pose)),
@@ -388,11 +388,11 @@ impl<'a> Evidence<'a> {
     }
 
     /// Returns the spectra of `machine`, which differs from that of `from` in one part only.
-    pub fn changed(&self, from: &Spectra, machine: &Machine, part: Part) -> Result<Spectra> {
+    pub fn changed(&self, from: &Spectra, machine: &Machine, part: ForceSource) -> Result<Spectra> {
         let mut spectra = from.clone();
         match part {
-            Part::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
-            Part::Rotor => {
+            ForceSource::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
+            ForceSource::Rotor => {
                 spectra.rotor = self.rotor(machine);
                 if self.shaft.dynamics.is_elastic() {
                     for i in 0..machine.bearings.len() {
@@ -482,11 +482,11 @@ impl<'a> Evidence<'a> {
         let mut difference: [Vec<C>; D] = Default::default();
         let pairs = changed.bearings.iter().zip(&spectra.bearings);
         let all = match unknown.part() {
-            Part::Bearing(i) => vec![(&changed.bearings[i], &spectra.bearings[i])],
-            Part::Rotor if self.shaft.dynamics.is_elastic() => {
+            ForceSource::Bearing(i) => vec![(&changed.bearings[i], &spectra.bearings[i])],
+            ForceSource::Rotor if self.shaft.dynamics.is_elastic() => {
                 pairs.chain(std::iter::once((&changed.rotor, &spectra.rotor))).collect()
             }
-            Part::Rotor => vec![(&changed.rotor, &spectra.rotor)],
+            ForceSource::Rotor => vec![(&changed.rotor, &spectra.rotor)],
         };
         for (i, difference) in difference.iter_mut().enumerate() {
             *difference = vec![C::new(0.0, 0.0); self.transform.lines.len()];
@@ -511,4 +511,18 @@ fn whitened(whitening: &[Vec<[C; D]>], force: &[Vec<C>; D]) -> Vec<f64> {
         }
     }
     out
+}
+
+/// Returns the scalar product of two series of equal length.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Eight sums side by side.
+    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 8];
+    for (a, b) in a8.zip(b8) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    rest + sums.iter().sum::<f64>()
 }

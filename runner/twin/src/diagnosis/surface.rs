@@ -425,7 +425,7 @@ impl Family {
     }
 }
 
-/// A first guess of a spall.
+/// Initial estimate of a spall.
 #[derive(Debug, Clone, Copy)]
 pub struct SpallGuess {
     /// Angle of the spall on its component, rad.

@@ -51,7 +51,7 @@ fn scene(i: u64) -> String {
     )
 }
 
-/// Where the rotor pushes the bearing besides.
+/// Further displacement of the bearing by the rotor.
 fn pushed(i: u64, of: &BearingScene) -> Displacement<f64> {
     let part = |stride: f64| 2.0 * unit(i, stride) - 1.0;
     let radial = 3e-6 * unit(i, 0.732_051);
@@ -147,7 +147,7 @@ fn predictions_are_within_a_factor_of_two() {
     }
 }
 
-/// Force with every ball's contact angle held where it was before anything moved, from the groove centres' way alone.
+/// Force with every ball's contact angle held where it was before anything moved, from the path of the groove centres alone.
 fn held(of: &BearingScene, u: &Displacement<f64>) -> [f64; 3] {
     let g = build::geometry(of).unwrap().unwrap();
     let sign = if of.facing == Facing::MinusZ { -1.0 } else { 1.0 };

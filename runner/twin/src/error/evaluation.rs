@@ -47,7 +47,7 @@ pub enum ReplayError {
         /// Column of the temperature.
         column: String,
     },
-    /// A sample is processed before the twin has settled.
+    /// A sample is processed before the end of the run-in of the twin.
     #[error("the twin is not run in")]
     NotRunIn,
     /// A sample is processed before the twin has started.

@@ -10,14 +10,14 @@ pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
 pub use fleet::{FleetError, TablePosition};
 pub use study::{BakeError, FitError, NoLoad, SweepError, TradeError, VerifyError};
 
-use crate::baseline::BaselineError;
+use crate::outcome::baseline::BaselineError;
 use crate::output::OutputError;
 use crate::plant::PlantError;
 use crate::probes::UnobservableError;
 use crate::recording::clock::RateError;
 use crate::recording::error::RecordingError;
 use crate::recording::rotation::RotationError;
-use crate::recording::run_out::RunOutError;
+use crate::recording::slow_roll::RunOutError;
 use crate::scene::build::BuildError;
 use crate::scene::read::SceneError;
 use std::path::PathBuf;

@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn a_residual_without_memory_widens_nothing() {
+    fn white_residual_does_not_widen_intervals() {
         let mut state = 1_u64;
         let mut noise = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -105,7 +105,7 @@ pub struct Estimate {
 
 /// Data of the fit.
 #[derive(Clone, Copy)]
-pub struct Material<'a> {
+pub struct FitInput<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// Name of its recording.
@@ -140,7 +140,7 @@ pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<RecordingSa
     let mut block = Block::default();
     let mut row = tracker.blank();
     let long = |all: &[Sample]| match all {
-        [first, .., last] => (turns_of(last) - turns_of(first)).abs() >= turns || all.len() >= MOST_SAMPLES,
+        [first, .., last] => (turns_of(last) - turns_of(first)).abs() >= turns || all.len() >= MAX_SAMPLES,
         _ => false,
     };
     let mut take = |tracker: &mut Tracker, samples: &mut Vec<Sample>| {
@@ -155,7 +155,7 @@ pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<RecordingSa
         block.is_full() && long(samples)
     };
     let (mut is_done, mut count) = (false, 0);
-    while !is_done && count < MOST_SAMPLES * recording.average as usize && reader.next_row(&mut row)? {
+    while !is_done && count < MAX_SAMPLES * recording.average as usize && reader.next_row(&mut row)? {
         tracker.push(row)?;
         is_done = take(&mut tracker, &mut samples);
         row = tracker.blank();
@@ -168,7 +168,7 @@ pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<RecordingSa
     Ok(RecordingSamples { samples, cage_samples: block.into_samples() })
 }
 
-const MOST_SAMPLES: usize = 1 << 17;
+const MAX_SAMPLES: usize = 1 << 17;
 /// Turns of the first search.
 const FIRST_TURNS: f64 = 0.5;
 /// Turns from which all unknowns are free.
@@ -202,7 +202,7 @@ pub fn fit_recording(
     let rate = reader.rate() / f64::from(average);
     let RecordingSamples { samples, cage_samples } = read(scene, reader, turns)?;
     fit(
-        &Material { scene, recording, samples: &samples, cage_samples: &cage_samples, period: 1.0 / rate },
+        &FitInput { scene, recording, samples: &samples, cage_samples: &cage_samples, period: 1.0 / rate },
         groups,
         progress,
     )
@@ -212,7 +212,7 @@ pub fn fit_recording(
 ///
 /// # Errors
 /// A scene without rotor or parameters, a parameter that the kernel rejects.
-pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
+pub fn fit(of: &FitInput, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
     only_rotor(of.scene, "fit")?;
     only_observable(of.scene, "fit")?;
     let plant = Plant::try_new(of.scene)?;
@@ -229,7 +229,7 @@ pub fn fit(of: &Material, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let Cages { parameters: of_cages, scene, notes } = cages(of, &plant)?;
     unknown.extend(of_cages);
     let plant = Plant::try_new(&scene)?;
-    let of = &Material { scene: &scene, ..*of };
+    let of = &FitInput { scene: &scene, ..*of };
     let rows: Vec<Vec<f64>> = recording.probes.iter().map(|probe| plant.layout.probe_row(probe)).collect();
     let sigma: Vec<f64> = (0..rows.len()).map(|p| noise(of.samples, p, recording.probes[p].noise)).collect();
     let total = turns_of(first);
@@ -301,7 +301,7 @@ struct Cages {
 }
 
 /// Estimates the cages by the method of the diagnosis.
-fn cages(of: &Material, plant: &Plant) -> Result<Cages> {
+fn cages(of: &FitInput, plant: &Plant) -> Result<Cages> {
     let (scene, samples) = (of.scene, of.cage_samples);
     let mut found = Cages { parameters: vec![], scene: scene.clone(), notes: vec![] };
     let kept = "The scene's first_element_azimuth and cage_ratio are kept.";
@@ -310,7 +310,7 @@ fn cages(of: &Material, plant: &Plant) -> Result<Cages> {
         return Ok(found);
     }
     let probes = scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
-    let material = diagnosis::Material { scene, plant, probes, samples, period: of.period, calibration: None };
+    let material = diagnosis::DiagnosisInput { scene, plant, probes, samples, period: of.period, calibration: None };
     let Some(estimates) = diagnosis::cages(&material)? else {
         found.notes.push(format!("The cages are not estimated: the probes do not determine the motion. {kept}"));
         return Ok(found);
@@ -328,7 +328,7 @@ fn cages(of: &Material, plant: &Plant) -> Result<Cages> {
 }
 
 /// Returns the residuals at the probes, without the priors.
-fn probe_residuals<'s>(solution: &'s Solution, probes: usize, of: &Material) -> &'s [f64] {
+fn probe_residuals<'s>(solution: &'s Solution, probes: usize, of: &FitInput) -> &'s [f64] {
     solution.residuals.as_slice().get(..probes * of.samples.len()).unwrap_or_default()
 }
 
@@ -338,7 +338,7 @@ fn turns_of(sample: &Sample) -> f64 {
 
 #[derive(Clone, Copy)]
 struct Model<'a> {
-    of: &'a Material<'a>,
+    of: &'a FitInput<'a>,
     rows: &'a [Vec<f64>],
     sigma: &'a [f64],
     unknown: &'a [Parameter],
@@ -365,7 +365,7 @@ impl Model<'_> {
             if count == self.of.samples.len() {
                 return self.stage(&at, &all, THERE, progress);
             }
-            let short = Material { samples: self.of.samples.get(..count).unwrap_or_default(), ..*self.of };
+            let short = FitInput { samples: self.of.samples.get(..count).unwrap_or_default(), ..*self.of };
             let free = if turns < EARLY_TURNS { &early } else { &all };
             at = Model { of: &short, ..*self }.stage(&at, free, NEAR, progress)?.x;
             turns *= 2.0;

@@ -3,7 +3,7 @@
 use crate::diagnosis::CageEstimate;
 use crate::least_squares::Bounds;
 use crate::plant::Plant;
-use crate::scene::{Fit, Linear, Model, Preload, Scene, Unbalance};
+use crate::scene::{FreeAngle, Linear, Model, Preload, Scene, Unbalance};
 use std::f64::consts::TAU;
 
 /// Groups of parameters.
@@ -142,7 +142,7 @@ pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Paramet
                 (Some(Preload::Force(force)), ..) => add(ParameterKind::Preload(i), force, 0.5 * force),
                 (Some(Preload::Displacement(length)), ..) => add(ParameterKind::Preload(i), length, 5e-6),
                 (None, _, Some(play)) => add(ParameterKind::Play(i), play, 5e-6),
-                (None, Some(Fit::DiametralClearance(clearance)), None) => {
+                (None, Some(FreeAngle::DiametralClearance(clearance)), None) => {
                     add(ParameterKind::Clearance(i), clearance, 5e-6)
                 }
                 _ => {}
@@ -267,7 +267,7 @@ pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
             }
             ParameterKind::Clearance(b) => {
                 if let Some(geometry) = &mut scene.bearings[b].geometry {
-                    geometry.fit = Fit::DiametralClearance(value);
+                    geometry.fit = FreeAngle::DiametralClearance(value);
                 }
             }
             ParameterKind::Modulus(b) => {

@@ -202,7 +202,7 @@ fn values(probe: &ProbeOutcome) -> [(&'static str, &'static str, f64); 7] {
 /// Modulation of the envelope at each sensor by the lines of each bearing, where there is one.
 fn modulations(outcome: &Outcome) -> Vec<IndicatorValue> {
     const COMPONENTS: [&str; 4] = ["outer-race", "inner-race", "element", "cage"];
-    let of_sensor = |sensor: &crate::baseline::BaselineSensor| {
+    let of_sensor = |sensor: &crate::outcome::baseline::BaselineSensor| {
         let lines = outcome.bearings.iter().flat_map(|bearing| COMPONENTS.map(|name| (bearing.name.clone(), name)));
         let value = |((bearing, name), modulation): ((String, &str), &f64)| {
             let (value, name) = (finite(*modulation).filter(|value| *value > 0.0)?, format!("{name}-modulation"));

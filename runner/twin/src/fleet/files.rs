@@ -5,6 +5,7 @@ use super::trend::Trend;
 use crate::caught::caught;
 use crate::error::FleetError;
 use crate::parquet_table::{self, Column, Values};
+use crate::recording::Time;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde::Serialize;
@@ -104,7 +105,7 @@ fn row_of(row: &parquet::record::Row) -> Result<Row, Box<dyn std::error::Error>>
     Ok(Row {
         machine: text("machine")?,
         recording: text("recording")?,
-        time: some(text("time")?).map(super::Time::try_from).transpose()?,
+        time: some(text("time")?).map(Time::try_from).transpose()?,
         state: known.ok_or_else(|| format!("unknown state {state:?}"))?,
         verdict: text("verdict")?,
         diagnoses: parsed(&text("diagnoses_json")?)?,
@@ -163,7 +164,7 @@ pub fn trends_csv(out: impl Write, trends: &[Trend]) -> Result<(), FleetError> {
     ];
     writer.write_record(header).map_err(failed)?;
     for trend in trends {
-        let text = |time: Option<super::Time>| time.map(|time| time.to_string()).unwrap_or_default();
+        let text = |time: Option<Time>| time.map(|time| time.to_string()).unwrap_or_default();
         let (first, last) = (trend.snapshots.first(), trend.snapshots.last());
         let quantity = &trend.quantity;
         let crossing = trend.crosses_on;
@@ -206,7 +207,7 @@ mod tests {
         broken.error = Some("no file\nof this name".to_owned());
         broken.duration_s = None;
         broken.tags.insert("hall".to_owned(), "Ä".to_owned());
-        broken.time = super::super::Time::parse("2026-01-02T03:04:05Z");
+        broken.time = Time::parse("2026-01-02T03:04:05Z");
         let rows = vec![limited("a", 0.123_456_789), with_diagnosis("b", 17.0), broken];
         parquet(File::create(&file).unwrap(), &rows).unwrap();
         assert_eq!(read_parquet(&file).unwrap(), rows);

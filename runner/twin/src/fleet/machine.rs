@@ -1,7 +1,7 @@
 //! One row of the table of machines.
 
 use super::row::Key;
-use super::time::Time;
+use crate::recording::Time;
 use crate::scene::Scene;
 use crate::scene::read::{SceneError, read_file, read_str};
 use serde::{Deserialize, Serialize};

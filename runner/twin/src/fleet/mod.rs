@@ -23,7 +23,6 @@ mod row;
 mod run;
 mod store;
 mod table;
-mod time;
 mod trend;
 
 pub use evaluation::{Evaluation, evaluate, evaluate_with, failed};
@@ -34,5 +33,4 @@ pub use row::{Diagnosis, IndicatorValue, Key, Row, State};
 pub use run::{Settings, run};
 pub use store::{Store, lock};
 pub use table::{Cells, machines, read_table};
-pub use time::Time;
 pub use trend::{Crossing, Quantity, Snapshot, Trend, trends};

@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn the_latest_row_stands_for_a_machine() {
         let at = |mut row: Row, day: &str| {
-            row.time = crate::fleet::Time::parse(day);
+            row.time = crate::recording::Time::parse(day);
             row.recording = day.to_owned();
             row
         };

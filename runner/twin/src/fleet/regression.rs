@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_line_has_no_width() {
+    fn exact_line_has_no_interval() {
         let points: Vec<(f64, f64)> = (0..5).map(|i| (f64::from(i), 3.0 + 0.5 * f64::from(i))).collect();
         let line = Line::fit(&points).unwrap();
         assert!((line.slope - 0.5).abs() < 1e-14 && line.slope_half_width < 1e-13);

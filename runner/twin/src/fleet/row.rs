@@ -1,7 +1,7 @@
 //! One row of the table of outcomes.
 
-use super::time::Time;
 use crate::outcome::{FaultForm, FindingKind};
+use crate::recording::Time;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::{Display, Formatter};

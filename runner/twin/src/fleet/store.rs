@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Number of rows at which a part is written.
-const MOST_ROWS: usize = 64;
+const MAX_ROWS: usize = 64;
 /// Time after which the rows that are not on disk are written as a part.
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
 
@@ -75,7 +75,7 @@ impl Store {
         self.waiting.push(row.key());
         self.rows.insert(row.key(), row);
         self.since.get_or_insert_with(Instant::now);
-        if self.waiting.len() >= MOST_ROWS { self.flush() } else { self.flush_if_due().map(drop) }
+        if self.waiting.len() >= MAX_ROWS { self.flush() } else { self.flush_if_due().map(drop) }
     }
 
     /// Writes the waiting rows as a part where the first of them was added two seconds ago; returns the time until then.
@@ -167,14 +167,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("outcomes");
         let mut store = Store::open(&path).unwrap();
-        for i in 0..MOST_ROWS + 1 {
+        for i in 0..MAX_ROWS + 1 {
             store.add(row(&format!("m{i:03}"), State::Normal)).unwrap();
         }
         assert_eq!(parts(&path), ["part-000001.parquet"]);
         store.flush().unwrap();
         std::fs::write(path.join("part-000003.parquet.new"), "half a part").unwrap();
         let mut store = Store::open(&path).unwrap();
-        assert_eq!(store.rows.len(), MOST_ROWS + 1);
+        assert_eq!(store.rows.len(), MAX_ROWS + 1);
         let new = limited("m001", 2.0);
         store.add(new.clone()).unwrap();
         store.flush().unwrap();
@@ -183,7 +183,7 @@ mod tests {
         Store::open(&path).unwrap().compact(&order).unwrap();
         assert_eq!(parts(&path), ["part-000004.parquet"]);
         let store = Store::open(&path).unwrap();
-        assert_eq!((store.rows.len(), store.get(&new.key())), (MOST_ROWS + 1, Some(&new)));
+        assert_eq!((store.rows.len(), store.get(&new.key())), (MAX_ROWS + 1, Some(&new)));
         assert_eq!(files::read_parquet(&path.join("part-000004.parquet")).unwrap()[0], new);
     }
 

@@ -2,9 +2,9 @@
 
 use super::machine::{Machine, SceneSource};
 use super::row::Key;
-use super::time::Time;
 use crate::caught::caught;
 use crate::error::{FleetError, TablePosition};
+use crate::recording::Time;
 use chrono::{DateTime, NaiveDate};
 use parquet::basic::{LogicalType, TimeUnit};
 use parquet::file::reader::{FileReader, SerializedFileReader};

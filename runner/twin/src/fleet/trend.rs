@@ -2,7 +2,7 @@
 
 use super::regression::Line;
 use super::row::Row;
-use super::time::Time;
+use crate::recording::Time;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

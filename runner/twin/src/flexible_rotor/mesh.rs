@@ -1,7 +1,7 @@
 //! Finite-element model of a rotor from its drawing, in one plane and along the axis.
 
 use super::element::{Element, Material};
-use crate::scene::{FlexibleRotor, Section};
+use super::{FlexibleRotor, Section};
 use nalgebra::DMatrix;
 
 /// Distance below which two stations are one, m.

@@ -3,6 +3,7 @@
 //! `element` has the matrices of a Timoshenko element, `mesh` assembles the rotor, `modes` solves for its natural modes, and
 //! [`ReducedRotor`] keeps a few coordinates: the rigid motion of the centre of mass, and the elastic shapes that matter at the bearings.
 
+mod drawing;
 mod element;
 mod mesh;
 mod modes;
@@ -10,11 +11,11 @@ mod modes;
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 
+pub use drawing::{Disk, FlexibleRotor, Section};
 pub use mesh::{Mesh, rigid_body};
 pub use modes::Modes;
 
-use crate::plant::EigenvalueError;
-use crate::scene::FlexibleRotor;
+use crate::eigenvalues::EigenvalueError;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 

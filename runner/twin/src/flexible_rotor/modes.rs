@@ -1,6 +1,6 @@
 //! Vibration modes of a free rotor in one plane, and along the axis.
 
-use crate::plant::EigenvalueError;
+use crate::eigenvalues::EigenvalueError;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Iterations of the eigenvalue solver per coordinate.

@@ -1,7 +1,8 @@
 //! Free and supported rotors against ROSS 2.3.0 (`tests/golden/rotor_fe.json`).
 
 use super::{FreeRotor, ReducedRotor, rigid_body};
-use crate::plant::{eigenvalues, response};
+use crate::eigenvalues::eigenvalues;
+use crate::plant::response;
 use crate::scene::{Disk, FlexibleRotor, Section};
 use nalgebra::DMatrix;
 use serde_json::Value;
@@ -9,7 +10,7 @@ use std::f64::consts::TAU;
 
 const GOLDEN: &str = include_str!("../../../../tests/golden/rotor_fe.json");
 
-/// Elastic coordinates in each plane: so many that the mesh decides.
+/// Elastic coordinates in each plane: enough that only the mesh limits the accuracy.
 const MODES: usize = 14;
 
 fn number(of: &Value) -> f64 {

@@ -21,7 +21,7 @@ pub enum InstrumentError {
         /// File of the scene.
         file: PathBuf,
     },
-    /// The files of the scene state rate or shaft angle in a way that simulated ones cannot.
+    /// The files of the scene state rate or shaft angle in a form that simulated files do not have.
     #[error("{}: rate or keyphasor from the header of a file, expected rate = \"... Hz\" or time, and a keyphasor or speed column", .file.display())]
     FromHeader {
         /// File of the scene.

@@ -44,7 +44,7 @@ pub fn gate(probes: usize) -> f64 {
 
 /// Result of the consistency test at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ConsistencyState {
     /// The observer is consistent with the machine.
     Trusted,
     /// The observer is not consistent: forces come from the displacement.
@@ -94,20 +94,20 @@ impl Consistency {
 
     /// Tests one sample with a reading of every probe: `nis` is its normalised innovation squared, `is_possible` is false where
     /// the bearings do not allow the estimated displacement.
-    pub fn test(&mut self, nis: f64, is_possible: bool) -> Verdict {
+    pub fn test(&mut self, nis: f64, is_possible: bool) -> ConsistencyState {
         self.mean += (self.bounded(nis) - self.mean) / WINDOW;
         self.rejected = if nis <= self.gate || self.settling > 0 { 0 } else { self.rejected + 1 };
         self.settling = self.settling.saturating_sub(1);
         if !is_possible || self.rejected >= REJECTED_IN_A_ROW {
             (self.rejected, self.settling, self.trusted) = (0, SETTLING, false);
-            return Verdict::Restart;
+            return ConsistencyState::Restart;
         }
         let ratio = self.ratio();
         self.trusted = match self.trusted {
             true => ratio <= LARGEST_RATIO,
             false => self.settling == 0 && ratio < SETTLED_RATIO,
         };
-        if self.trusted { Verdict::Trusted } else { Verdict::Distrusted }
+        if self.trusted { ConsistencyState::Trusted } else { ConsistencyState::Distrusted }
     }
 
     /// Returns the mean of the normalised innovation squared over the number of probes; 1 where model and noise are true.
@@ -142,19 +142,19 @@ mod tests {
     #[test]
     fn one_outlier_changes_nothing() {
         let mut test = Consistency::new(5);
-        assert!((0..1000).all(|_| test.test(5.0, true) == Verdict::Trusted));
-        assert_eq!(test.test(1e300, true), Verdict::Trusted);
-        assert_eq!(test.test(f64::NAN, true), Verdict::Trusted);
-        assert!((0..1000).all(|_| test.test(5.0, true) == Verdict::Trusted));
+        assert!((0..1000).all(|_| test.test(5.0, true) == ConsistencyState::Trusted));
+        assert_eq!(test.test(1e300, true), ConsistencyState::Trusted);
+        assert_eq!(test.test(f64::NAN, true), ConsistencyState::Trusted);
+        assert!((0..1000).all(|_| test.test(5.0, true) == ConsistencyState::Trusted));
     }
 
     #[test]
     fn repeated_rejection_restarts_and_is_trusted_again_after_settling() {
         let mut test = Consistency::new(5);
-        let verdicts: Vec<Verdict> = (0..8).map(|_| test.test(1e6, true)).collect();
-        assert_eq!(verdicts.last(), Some(&Verdict::Restart));
+        let verdicts: Vec<ConsistencyState> = (0..8).map(|_| test.test(1e6, true)).collect();
+        assert_eq!(verdicts.last(), Some(&ConsistencyState::Restart));
         assert!(test.gate().is_infinite());
-        let settled = (1..2000).find(|_| test.test(5.0, true) == Verdict::Trusted);
+        let settled = (1..2000).find(|_| test.test(5.0, true) == ConsistencyState::Trusted);
         assert!(settled.is_some_and(|n| n >= SETTLING), "{settled:?}");
         assert!(test.gate().is_finite());
     }
@@ -162,8 +162,8 @@ mod tests {
     #[test]
     fn a_steady_excess_is_distrusted_without_a_restart() {
         let mut test = Consistency::new(5);
-        assert!((0..2000).all(|_| test.test(30.0, true) != Verdict::Restart));
+        assert!((0..2000).all(|_| test.test(30.0, true) != ConsistencyState::Restart));
         assert!(!test.is_trusted());
-        assert_eq!(test.test(5.0, false), Verdict::Restart);
+        assert_eq!(test.test(5.0, false), ConsistencyState::Restart);
     }
 }

@@ -8,13 +8,14 @@ mod running;
 mod start;
 mod tune;
 
-pub use consistency::{Consistency, Verdict, gate};
+pub use consistency::{Consistency, ConsistencyState, gate};
 pub use model::{Uncertainty, memory, weight};
 pub use running::{Correction, RunningObserver};
-pub use tune::{IdentificationData, TunedObserver, estimator, identify, noise};
+pub use tune::{IdentificationData, TunedObserver, identify, noise};
 
 use crate::error::Result;
-use crate::plant::{Fit, Plant, Step, SystemTask, array};
+use crate::plant::{MountedBearing, Plant, ReactingElement, Step, SystemTask, array};
+use crate::recording::Sample;
 use crate::scene::Speed;
 use ballrace::rotor::{ComponentAngles, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion};
 use ballrace::twin::{Observer, ObserverState, SpeedGain};
@@ -22,7 +23,7 @@ use ballrace::{Exact, Phase, Status};
 use nalgebra::DMatrix;
 
 /// Largest number of probes of an observer.
-pub const MOST_PROBES: usize = 16;
+pub const MAX_PROBES: usize = 16;
 /// Number of speeds with gains, for a shaft speed that changes.
 const SPEEDS: usize = 5;
 
@@ -88,7 +89,7 @@ impl Gain {
     }
 
     /// Returns the gains in the form of the kernel, with zeros for coordinates and probes beyond the scene's.
-    fn of_kernel<const D: usize>(&self) -> SpeedGain<f64, D, MOST_PROBES> {
+    fn of_kernel<const D: usize>(&self) -> SpeedGain<f64, D, MAX_PROBES> {
         let entry = |of: &DMatrix<f64>, i: usize, j: usize| of.get((i, j)).copied().unwrap_or(0.0);
         let part = |of: &DMatrix<f64>| std::array::from_fn(|p| std::array::from_fn(|i| entry(of, i, p)));
         SpeedGain {
@@ -158,6 +159,26 @@ pub trait StateEstimator {
     fn load(&self) -> [f64; 5];
 }
 
+/// Starts an estimator at `sample`.
+///
+/// # Errors
+/// A plant that the kernel rejects.
+pub fn estimator(
+    plant: &Plant,
+    rows: &[Vec<f64>],
+    gains: &Gains,
+    start: InitialState,
+    sample: &Sample,
+    period: f64,
+) -> Result<Box<dyn StateEstimator>> {
+    let revolutions = sample.total_revolutions();
+    let parts =
+        plant.bearings.iter().map(|bearing: &MountedBearing| bearing.kinematics.parts_at(revolutions)).collect();
+    let step = plant.step(period)?;
+    let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period, step };
+    Ok(plant.observed(task)?)
+}
+
 /// Task that starts an estimator.
 pub struct EstimatorTask<'a> {
     /// Reading of each probe per unit of each coordinate.
@@ -177,12 +198,12 @@ pub struct EstimatorTask<'a> {
 }
 
 type KernelObserver<S, C, const D: usize, const N: usize> =
-    Observer<f64, S, C, Step, Vec<SpeedGain<f64, D, MOST_PROBES>>, D, N, MOST_PROBES>;
+    Observer<f64, S, C, Step, Vec<SpeedGain<f64, D, MAX_PROBES>>, D, N, MAX_PROBES>;
 
 struct Estimator<S, C, const D: usize, const N: usize> {
     observer: KernelObserver<S, C, D, N>,
     state: ObserverState<f64, D, N>,
-    readings: [f64; MOST_PROBES],
+    readings: [f64; MAX_PROBES],
     /// Number of probes in use.
     probes: usize,
     /// Number of coordinates in use.
@@ -193,7 +214,7 @@ impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Box<dyn StateEstimator>
     where
         S: SecondOrderSystem<f64, D> + 'static,
-        C: Fit<D> + 'static,
+        C: ReactingElement<D> + 'static,
     {
         let probes = std::array::from_fn(|p| self.rows.get(p).map_or([0.0; D], |row| array(row)));
         let parts: [ComponentAngles; N] = array(&self.parts);
@@ -216,7 +237,7 @@ impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
         Box::new(Estimator {
             observer,
             state: ObserverState { motion, load: array(&self.start.load), rotating_load: array(&self.start.turning) },
-            readings: [0.0; MOST_PROBES],
+            readings: [0.0; MAX_PROBES],
             probes: self.rows.len(),
             order: self.start.q.len(),
         })
@@ -226,7 +247,7 @@ impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
 impl<S, C, const D: usize, const N: usize> StateEstimator for Estimator<S, C, D, N>
 where
     S: SecondOrderSystem<f64, D>,
-    C: Fit<D>,
+    C: ReactingElement<D>,
 {
     fn step(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status) {
         for (to, &reading) in self.readings.iter_mut().zip(readings).take(self.probes) {

@@ -109,7 +109,7 @@ mod tests {
         let again = &a * &p * a.transpose() - &a * &p * c.transpose() * innovation * &c * &p * a.transpose() + q;
         assert!((again - &p).norm() < 1e-12 * p.norm());
         let closed = (DMatrix::identity(3, 3) - &gain * &c) * &a;
-        assert!(crate::plant::eigenvalues(&closed).unwrap().iter().all(|e| e.norm() < 1.0));
+        assert!(crate::eigenvalues::eigenvalues(&closed).unwrap().iter().all(|e| e.norm() < 1.0));
     }
 
     #[test]

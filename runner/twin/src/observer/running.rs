@@ -1,6 +1,6 @@
 //! An observer in operation: its step from sample to sample, the consistency test, and the restart.
 
-use super::{Consistency, MOST_PROBES, StateEstimator, Verdict};
+use super::{Consistency, ConsistencyState, MAX_PROBES, StateEstimator};
 use ballrace::Status;
 use ballrace::rotor::ShaftMotion;
 
@@ -18,8 +18,8 @@ pub struct Correction {
     /// Flags of the correction.
     pub status: Status,
     /// Result of the consistency test.
-    pub verdict: Verdict,
-    /// Mean normalised innovation squared over its expected value, where the observer lost trust at this sample.
+    pub verdict: ConsistencyState,
+    /// Mean normalised innovation squared over its expected value, where the observer became inconsistent at this sample.
     pub lost_trust: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ impl RunningObserver {
         is_possible: impl Fn(&[f64]) -> bool,
         restart_state: impl FnOnce() -> (Vec<f64>, Vec<f64>),
     ) -> (Status, Option<Correction>) {
-        let missing = [f64::NAN; MOST_PROBES];
+        let missing = [f64::NAN; MAX_PROBES];
         let mut motion = motion.peekable();
         let (mut all, mut last) = (Status::OK, None);
         while let Some(now) = motion.next() {
@@ -56,11 +56,11 @@ impl RunningObserver {
         let is_possible = !status.contains(Status::INPUT_NOT_FINITE) && is_possible(self.estimator.coordinates());
         let was_trusted = self.consistency.is_trusted();
         let verdict = self.consistency.test(nis, is_possible);
-        if verdict == Verdict::Restart {
+        if verdict == ConsistencyState::Restart {
             let (position, rate) = restart_state();
             self.estimator.restart(&position, &rate);
         }
-        let lost_trust = (was_trusted && verdict != Verdict::Trusted).then(|| self.consistency.ratio());
+        let lost_trust = (was_trusted && verdict != ConsistencyState::Trusted).then(|| self.consistency.ratio());
         (all, Some(Correction { nis: self.consistency.bounded(nis), status, verdict, lost_trust }))
     }
 

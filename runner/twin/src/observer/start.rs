@@ -1,7 +1,7 @@
 //! Initial state of the observer: the state from which the model follows the first revolutions best.
 
 use super::model::{self, Levers};
-use super::{Gains, IdentificationData, InitialState, tune};
+use super::{Gains, IdentificationData, InitialState, estimator};
 use crate::error::Result;
 use crate::least_squares;
 use crate::plant::Plant;
@@ -13,7 +13,7 @@ const SAMPLES: usize = 1024;
 /// Prior standard deviations of the first state: m, m/s, and unknown loads over the weight of the rotor.
 const PRIOR: [f64; 4] = [50e-6, 50e-3, 1.0, 1.0];
 /// Share of the sum of squares by which an iteration reduces it at least: about 0.5 of the few thousand that noise alone leaves, which decides nothing.
-const LEAST_FALL: f64 = 1e-4;
+const MIN_FALL: f64 = 1e-4;
 
 /// Finds the state at the first sample, starting from `guess`.
 ///
@@ -47,7 +47,7 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
     let none = Gains::none(n);
     let residuals = |x: &[f64]| -> Result<Vec<f64>> {
         data.check_cancelled()?;
-        let mut estimator = tune::estimator(plant, rows, &none, at(x), first, period)?;
+        let mut estimator = estimator(plant, rows, &none, at(x), first, period)?;
         let mut left = Vec::with_capacity(samples.len() * rows.len() + x.len());
         for (i, sample) in samples.iter().enumerate() {
             let position = estimator.coordinates();
@@ -64,5 +64,5 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
         left.extend_from_slice(x);
         Ok(left)
     };
-    Ok(at(&least_squares::solve(vec![0.0; units.len()], &residuals, LEAST_FALL)?))
+    Ok(at(&least_squares::solve(vec![0.0; units.len()], &residuals, MIN_FALL)?))
 }

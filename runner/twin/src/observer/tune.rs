@@ -1,9 +1,9 @@
 //! Identification of the observer: the process noise of the unknown force under which the first revolutions are most likely.
 
 use super::model::{self, Uncertainty};
-use super::{EstimatorTask, Gains, InitialState, MOST_PROBES, StateEstimator, start};
+use super::{Gains, InitialState, MAX_PROBES, estimator, start};
 use crate::error::{ObserverError, Result};
-use crate::plant::{MountedBearing, Plant};
+use crate::plant::Plant;
 use crate::recording::Sample;
 use crate::scene::Speed;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,7 +56,7 @@ const STRIDE: f64 = 3.162_277_660_168_379_5;
 /// Noise by third differences over the given noise from which the former is used.
 const LARGER_NOISE: f64 = 1.2;
 /// Lower bound of the noise of a probe, m: a tenth of the resolution of the finest.
-const LEAST_NOISE: f64 = 1e-10;
+const MIN_NOISE: f64 = 1e-10;
 
 /// Observer with one process noise.
 struct Candidate {
@@ -80,8 +80,8 @@ pub fn identify(
     data: &IdentificationData,
     guess: InitialState,
 ) -> Result<Option<TunedObserver>> {
-    if data.rows.len() > MOST_PROBES {
-        return Err(ObserverError::Probes { found: data.rows.len(), most: MOST_PROBES }.into());
+    if data.rows.len() > MAX_PROBES {
+        return Err(ObserverError::Probes { found: data.rows.len(), most: MAX_PROBES }.into());
     }
     let noise: Vec<f64> =
         (0..data.rows.len()).map(|p| noise(data.samples, p, data.given_noise.get(p).copied().flatten())).collect();
@@ -129,33 +129,13 @@ fn negative_log_likelihood(
         let steps = sample.row.index - last.row.index;
         let drive = last.shaft_motion();
         for k in 0..steps {
-            let missing = [f64::NAN; MOST_PROBES];
+            let missing = [f64::NAN; MAX_PROBES];
             let readings = if k + 1 == steps { sample.row.probes.as_slice() } else { &missing };
             sum += estimator.step(&drive.after(k as f64 * data.period), readings).0 + gains.log_determinant;
         }
         last = sample;
     }
     Ok(if sum.is_finite() { sum } else { f64::INFINITY })
-}
-
-/// Starts an estimator at `sample`.
-///
-/// # Errors
-/// A plant that the kernel rejects.
-pub fn estimator(
-    plant: &Plant,
-    rows: &[Vec<f64>],
-    gains: &Gains,
-    start: InitialState,
-    sample: &Sample,
-    period: f64,
-) -> Result<Box<dyn StateEstimator>> {
-    let revolutions = sample.total_revolutions();
-    let parts =
-        plant.bearings.iter().map(|bearing: &MountedBearing| bearing.kinematics.parts_at(revolutions)).collect();
-    let step = plant.step(period)?;
-    let task = EstimatorTask { rows, gains, start, shaft: sample.angle, parts, period, step };
-    Ok(plant.observed(task)?)
 }
 
 /// Returns the rms noise of a probe: the given one, or that of the third differences where it is clearly larger.
@@ -170,5 +150,5 @@ pub fn noise(samples: &[Sample], probe: usize, given: Option<f64>) -> f64 {
     let given = given.unwrap_or(0.0);
     // A small excess over the given noise is motion.
     let noise = if shown > LARGER_NOISE * given { shown } else { given };
-    noise.max(LEAST_NOISE)
+    noise.max(MIN_NOISE)
 }

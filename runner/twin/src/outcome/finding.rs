@@ -170,7 +170,7 @@ pub struct Finding {
     pub line_hz: f64,
     /// Per turn of the shaft.
     pub order: f64,
-    /// Of shaft motion: fall of chi-squared by the fault over the least that counts. Of vibration: the line over its
+    /// Shaft motion: fall of chi-squared by the fault over the least significant one. Vibration: the line over its
     /// surroundings or over the baseline. dB.
     pub level_db: f64,
     /// 0 to 1.

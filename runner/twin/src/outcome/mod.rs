@@ -2,16 +2,21 @@
 //!
 //! `--format json` prints [`Outcome`] with these field names. The types are plain data.
 
+pub mod baseline;
+mod calibration;
 mod fault_figures;
 mod finding;
+mod implausibility;
 mod pictures;
 mod rotor;
 mod rotor_drawing;
 mod snapshots;
 mod timing;
 
+pub use calibration::{CalibratedParameter, Calibration, ParameterName};
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 pub use finding::{Estimate, EvidenceSource, FaultForm, FaultParameters, Finding, FindingKind, VibrationLine};
+pub use implausibility::Implausibility;
 pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, FilteredOrbit, ForceTrace,
     FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Trace,
@@ -21,8 +26,6 @@ pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, Rot
 pub use snapshots::{LineLevel, SnapshotFigures, SnapshotOutcome, SnapshotTrend};
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
 
-use crate::baseline;
-use crate::plausibility::Implausibility;
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{OperatingClearance, Scene};
 use serde::Serialize;
@@ -128,7 +131,7 @@ pub struct Record {
     pub min_speed_rpm: f64,
     /// Fastest.
     pub max_speed_rpm: f64,
-    /// Where the shaft angle comes from, in words.
+    /// Source of the shaft angle, in words.
     pub angle_source: String,
     /// A run-out measured at slow roll is subtracted from the readings.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -165,13 +168,13 @@ pub struct SpectraSettings {
 pub struct Observation {
     /// Condition number of the probe matrix, tilts scaled by the probe span; 1 is perfect, above 100 the probes are badly placed.
     pub condition_number: f64,
-    /// Largest factor by which probe noise grows on its way to a bearing's plane.
+    /// Largest ratio of the noise of a displacement at a bearing to the noise of a probe.
     pub noise_gain: f64,
-    /// Coordinates that no probe sees and the twin supplies (`w` without an axial probe).
+    /// Coordinates that no probe measures and the twin supplies (`w` without an axial probe).
     pub supplied_by_twin: Vec<String>,
 }
 
-/// Motion at one probe. Amplitudes are peak (not peak-to-peak) unless the name says so.
+/// Motion at one probe. Amplitudes are peak (not peak-to-peak) unless the name states otherwise.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Motion {
@@ -300,7 +303,7 @@ pub struct ProbeOutcome {
     pub ball_pass: Vec<BallPassLine>,
     /// Mean of measured - twin.
     pub residual_bias_um: f64,
-    /// Of measured - twin, bias included.
+    /// Rms of measured - twin, bias included.
     pub residual_rms_um: f64,
     /// residual_rms over the normaliser.
     pub nrmse_percent: f64,
@@ -322,7 +325,7 @@ impl ProbeOutcome {
     }
 }
 
-/// One row of the tabular list: means over blocks of four turns. A length says in its name what it is.
+/// One row of the tabular list: means over blocks of four turns. The name of a length states whether it is a peak or a peak-to-peak value.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TabularList {
@@ -532,7 +535,7 @@ pub struct DiagnosisOutcome {
 pub struct CageOutcome {
     /// Bearing.
     pub bearing: String,
-    /// Whether the passing of the elements can be seen. Where it cannot, no figure depends on the angle of the cage.
+    /// True where the passing of the elements is observable. Otherwise no figure depends on the angle of the cage.
     pub observable: bool,
     /// Cage speed below that of pure rolling.
     #[serde(skip_serializing_if = "Option::is_none")]

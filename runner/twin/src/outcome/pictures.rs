@@ -50,7 +50,7 @@ pub struct Block {
     pub smax_um: Vec<f64>,
 }
 
-/// One probe in a block. Amplitudes are peak unless the name says pp.
+/// One probe in a block. Amplitudes are peak unless the name ends in pp.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BlockFigures {
     /// Mean position.
@@ -67,7 +67,7 @@ pub struct BlockFigures {
     pub crest_factor: f64,
     /// 1.5 of a sine, 3 of noise.
     pub kurtosis: f64,
-    /// Of measured - twin, bias included.
+    /// Rms of measured - twin, bias included.
     pub residual_rms_um: f64,
     /// Cosine and sine of 1X.
     pub one_x_um: [f64; 2],
@@ -267,10 +267,10 @@ pub struct ElementLoads {
     pub azimuth: Vec<f64>,
     /// Mean load of the element passing there, N, from the measured displacement.
     pub mean: Vec<f64>,
-    /// Largest load seen there, N.
+    /// Largest load there, N.
     pub largest: Vec<f64>,
     /// Mean load there of the twin, N.
     pub twin_mean: Vec<f64>,
-    /// Load on element 1 against its turning azimuth over the first cage turns: (azimuth rad, N).
+    /// Load on element 1 against its azimuth over the first revolutions of the cage: (azimuth rad, N).
     pub first_element: Vec<(f64, f64)>,
 }

@@ -1,10 +1,6 @@
 //! Figures of a flexible rotor. Stations are those of its drawing.
 
-use crate::plant::Plant;
-use crate::scene::Scene;
 use serde::Serialize;
-
-const MM: f64 = 1e3;
 
 /// Mass and inertia of a flexible rotor, and the error of its reduced model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -30,26 +26,6 @@ pub struct RotorOutcome {
     pub deflection_error_percent: f64,
     /// The same of the 1X response at the nominal speed.
     pub response_error_percent: f64,
-}
-
-impl RotorOutcome {
-    /// Returns the figures of a flexible rotor; none of another one.
-    #[must_use]
-    pub fn new(scene: &Scene, plant: &Plant) -> Option<Self> {
-        let (rotor, reduction) = (scene.rotor.as_ref()?, plant.reduction?);
-        Some(Self {
-            mass_kg: rotor.mass,
-            centre_of_mass_mm: rotor.centre_of_mass * MM,
-            diametral_inertia_kg_m2: rotor.diametral_inertia,
-            polar_inertia_kg_m2: rotor.polar_inertia,
-            coordinates: plant.layout.rotor_order(),
-            finite_element_coordinates: reduction.full_coordinates,
-            highest_line_hz: reduction.highest_line,
-            frequency_error_percent: 100.0 * reduction.frequency,
-            deflection_error_percent: 100.0 * reduction.deflection,
-            response_error_percent: 100.0 * reduction.response,
-        })
-    }
 }
 
 #[cfg(test)]

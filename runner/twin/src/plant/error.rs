@@ -1,10 +1,10 @@
 //! Errors of assembling a rotor on its bearings.
 
-use super::eigen::EigenvalueError;
-use super::{MOST_BEARINGS, MOST_SUBSTEPS};
+use super::matrix::MatrixError;
+use super::{MAX_BEARINGS, MAX_SUBSTEPS};
+use crate::eigenvalues::EigenvalueError;
 use crate::scene::Coordinates;
 use crate::scene::build::BuildError;
-use crate::scene::matrix::MatrixError;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::rotor::InvalidMatrix;
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ pub enum PlantError {
         file: PathBuf,
     },
     /// The scene has too many bearings.
-    #[error("{}: bearing: too many bearings: {found}, expected at most {MOST_BEARINGS}", file.display())]
+    #[error("{}: bearing: too many bearings: {found}, expected at most {MAX_BEARINGS}", file.display())]
     Bearings {
         /// Scene file.
         file: PathBuf,
@@ -165,8 +165,8 @@ pub enum PlantError {
     },
     /// A sample period takes too many integration steps.
     #[error(
-        "too many integration steps per sample: {found:.0} of {step:.3e} s, expected at most {MOST_SUBSTEPS}: a sampling \
-         rate of {:.3e} Hz or more{}", 1.0 / (step * f64::from(MOST_SUBSTEPS)),
+        "too many integration steps per sample: {found:.0} of {step:.3e} s, expected at most {MAX_SUBSTEPS}: a sampling \
+         rate of {:.3e} Hz or more{}", 1.0 / (step * f64::from(MAX_SUBSTEPS)),
         if *is_given { " or a longer [integration] step" } else { "" }
     )]
     Substeps {

@@ -1,14 +1,15 @@
 //! A system given by its matrices.
 
 use super::error::{PlantError, Result};
+use super::matrix;
 use super::{Rows, Scales};
-use crate::scene::{Coordinates, Scene, System, matrix};
+use crate::scene::{Coordinates, Scene, System};
 use ballrace::rotor::SystemMatrices;
 use nalgebra::DMatrix;
 use std::path::PathBuf;
 
 /// Reading of a probe per unit of a coordinate, below which it is the rounding of an angle.
-const LEAST_READING: f64 = 1e-9;
+const MIN_READING: f64 = 1e-9;
 
 /// The matrices of a scene's `[system]`, and how its bearings are attached.
 #[derive(Clone)]
@@ -80,7 +81,7 @@ impl Given {
         for probe in scene.recording.iter().flat_map(|recording| &recording.probes) {
             let found = probe.coordinates.unwrap_or_default();
             check(&found, "probe", &probe.column)?;
-            if probe.row(&rows(&found, n)).iter().all(|x| x.abs() < LEAST_READING) {
+            if probe.row(&rows(&found, n)).iter().all(|x| x.abs() < MIN_READING) {
                 return Err(PlantError::BlindProbe { file: scene.path.clone(), probe: probe.column.clone(), found });
             }
         }

@@ -14,14 +14,14 @@ use nalgebra::SMatrix;
 use std::sync::Arc;
 
 /// Largest number of bearings on one rotor.
-pub const MOST_BEARINGS: usize = 8;
+pub const MAX_BEARINGS: usize = 8;
 /// Largest number of coordinates of a system.
 pub const LARGEST: usize = 128;
 /// Largest number of coordinates that an observer follows.
-pub const MOST_OBSERVED: usize = 32;
+pub const MAX_OBSERVED: usize = 32;
 
 /// A force element that also returns the reaction of its bearing.
-pub trait Fit<const D: usize>: ForceElement<f64, D> {
+pub trait ReactingElement<const D: usize>: ForceElement<f64, D> {
     /// Returns the reaction of the bearing at the coordinates `q`.
     fn reaction(&self, q: &[f64; D], at: &BearingKinematicState<f64>) -> Reaction<f64>;
 }
@@ -32,7 +32,7 @@ pub trait SystemTask<R> {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> R
     where
         S: SecondOrderSystem<f64, D> + 'static,
-        C: Fit<D> + 'static;
+        C: ReactingElement<D> + 'static;
 }
 
 /// A rigid rotor on bearings.
@@ -59,21 +59,21 @@ impl Bearing<f64> for Nothing {
     fn element_loads(&self, _u: &Displacement<f64>, _at: &BearingKinematicState<f64>, _loads: &mut [f64]) {}
 }
 
-impl Fit<5> for BearingAtStation<f64, AnyBearing<f64>> {
+impl ReactingElement<5> for BearingAtStation<f64, AnyBearing<f64>> {
     fn reaction(&self, q: &[f64; 5], at: &BearingKinematicState<f64>) -> Reaction<f64> {
         self.bearing.reaction(&Displacement::from_array(*q).at_station(self.station), at)
     }
 }
 
 /// A bearing on any coordinates, or one whose balls are coordinates.
-pub enum Fitted<const D: usize> {
+pub enum MountedElement<const D: usize> {
     /// Bearing on coordinates of the system.
     Bearing(AttachedBearing<f64, AnyBearing<f64>, D>),
     /// Balls with coordinates of their own.
     Balls(Box<MovingBalls<f64, Exact, Vec<ElementPosition<f64>>, D>>),
 }
 
-impl<const D: usize> HasSpeedRatios<f64> for Fitted<D> {
+impl<const D: usize> HasSpeedRatios<f64> for MountedElement<D> {
     fn speed_ratios(&self) -> &SpeedRatios<f64> {
         match self {
             Self::Bearing(bearing) => bearing.speed_ratios(),
@@ -82,7 +82,7 @@ impl<const D: usize> HasSpeedRatios<f64> for Fitted<D> {
     }
 }
 
-impl<const D: usize> ForceElement<f64, D> for Fitted<D> {
+impl<const D: usize> ForceElement<f64, D> for MountedElement<D> {
     fn add_force(&self, q: &[f64; D], at: &BearingKinematicState<f64>, f: &mut [f64; D]) -> (f64, Status) {
         match self {
             Self::Bearing(bearing) => bearing.add_force(q, at, f),
@@ -103,7 +103,7 @@ impl<const D: usize> ForceElement<f64, D> for Fitted<D> {
     }
 }
 
-impl<const D: usize> Fit<D> for Fitted<D> {
+impl<const D: usize> ReactingElement<D> for MountedElement<D> {
     fn reaction(&self, q: &[f64; D], at: &BearingKinematicState<f64>) -> Reaction<f64> {
         match self {
             Self::Bearing(bearing) => bearing.bearing.reaction(&bearing.attachment.displacement(q), at),
@@ -117,24 +117,24 @@ impl Plant {
     /// of counts is compiled separately.
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         match self.layout.order {
-            small if small <= MOST_OBSERVED => self.with_observed_machine(hold, task),
-            medium if medium <= 64 => self.general::<R, 64, MOST_BEARINGS>(hold, task),
-            large if large <= LARGEST => self.general::<R, LARGEST, MOST_BEARINGS>(hold, task),
+            small if small <= MAX_OBSERVED => self.with_observed_machine(hold, task),
+            medium if medium <= 64 => self.general::<R, 64, MAX_BEARINGS>(hold, task),
+            large if large <= LARGEST => self.general::<R, LARGEST, MAX_BEARINGS>(hold, task),
             found => Err(PlantError::Coordinates { found, most: LARGEST }),
         }
     }
 
-    /// Runs `task` as [`Plant::with_machine`], with at most [`MOST_OBSERVED`] coordinates.
+    /// Runs `task` as [`Plant::with_machine`], with at most [`MAX_OBSERVED`] coordinates.
     pub(super) fn with_observed_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
         match (self.layout.order, self.bearings.len()) {
             (_, 1) if self.layout.is_rigid() => self.rigid::<R, 1>(hold, task),
             (_, 2) if self.layout.is_rigid() => self.rigid::<R, 2>(hold, task),
-            _ if self.layout.is_rigid() => self.rigid::<R, MOST_BEARINGS>(hold, task),
+            _ if self.layout.is_rigid() => self.rigid::<R, MAX_BEARINGS>(hold, task),
             (..=12, ..=2) => self.general::<R, 12, 2>(hold, task),
             (..=16, ..=2) => self.general::<R, 16, 2>(hold, task),
-            (..=MOST_OBSERVED, _) => self.general::<R, MOST_OBSERVED, MOST_BEARINGS>(hold, task),
-            (found, _) => Err(PlantError::Coordinates { found, most: MOST_OBSERVED }),
+            (..=MAX_OBSERVED, _) => self.general::<R, MAX_OBSERVED, MAX_BEARINGS>(hold, task),
+            (found, _) => Err(PlantError::Coordinates { found, most: MAX_OBSERVED }),
         }
     }
 
@@ -170,21 +170,26 @@ impl Plant {
         let rotor =
             LinearSystem::<f64, Exact, D, OnHeap<D>>::try_with_storage(&matrices).map_err(PlantError::System)?;
         let fitted = |i: usize| match self.bearings.get(i) {
-            Some(mounted) => self.fitted(i, mounted, hold),
-            None => Ok(Fitted::Bearing(AttachedBearing {
+            Some(mounted) => self.mounted_element(i, mounted, hold),
+            None => Ok(MountedElement::Bearing(AttachedBearing {
                 bearing: nothing(),
                 attachment: Attachment::on_rigid_rotor(0.0, None),
                 speed_ratios: SpeedRatios::new(0.0),
             })),
         };
         let all = (0..N).map(fitted).collect::<Result<Vec<_>>>()?;
-        let Ok(bearings) = <[Fitted<D>; N]>::try_from(all) else {
+        let Ok(bearings) = <[MountedElement<D>; N]>::try_from(all) else {
             return Err(PlantError::NoSystem);
         };
         Ok(task.run::<_, _, D, N>(RotorBearingSystem { rotor, bearings }))
     }
 
-    fn fitted<const D: usize>(&self, i: usize, mounted: &MountedBearing, hold: Hold) -> Result<Fitted<D>> {
+    fn mounted_element<const D: usize>(
+        &self,
+        i: usize,
+        mounted: &MountedBearing,
+        hold: Hold,
+    ) -> Result<MountedElement<D>> {
         let (attachment, speed_ratios) = (self.layout.attachment::<D>(i), mounted.kinematics.speed_ratios());
         let first = self.layout.balls.get(i).copied().flatten();
         Ok(match (&mounted.balls, first) {
@@ -192,9 +197,9 @@ impl Plant {
                 let places = (balls.places.clone(), first);
                 let moving = MovingBalls::try_new(&balls.params, (attachment, speed_ratios), places)
                     .map_err(rejected(&format!("bearing {}", mounted.name)))?;
-                Fitted::Balls(Box::new(moving))
+                MountedElement::Balls(Box::new(moving))
             }
-            _ => Fitted::Bearing(AttachedBearing { bearing: hold(mounted), attachment, speed_ratios }),
+            _ => MountedElement::Bearing(AttachedBearing { bearing: hold(mounted), attachment, speed_ratios }),
         })
     }
 }

@@ -1,9 +1,9 @@
 //! The plant: the scene's rotor on its bearings, with its static equilibrium and its natural frequencies.
 
-mod eigen;
 mod error;
 mod given;
 mod machine;
+pub mod matrix;
 mod mounted;
 mod reduction;
 mod run_in;
@@ -12,10 +12,9 @@ mod twin;
 mod warm;
 
 pub use crate::scene::build::PRESSURE_LIMIT;
-pub use eigen::{EigenvalueError, eigenvalues, resolution};
 pub use given::Given;
-pub use machine::Fit;
-pub use machine::{LARGEST, MOST_BEARINGS, MOST_OBSERVED, SystemTask};
+pub use machine::ReactingElement;
+pub use machine::{LARGEST, MAX_BEARINGS, MAX_OBSERVED, SystemTask};
 pub use mounted::{Balls, MountedBearing};
 pub use reduction::{ReductionError, response};
 pub use run_in::RunIn;
@@ -23,7 +22,8 @@ use system::Body;
 pub use system::{Layout, Rows, Scales, only_observable, only_rotor, unbalance_note, unbalance_planes};
 pub use twin::{Step, Twin, first_five};
 
-use crate::outcome::ClearanceOutcome;
+use crate::eigenvalues::eigenvalues;
+use crate::outcome::{ClearanceOutcome, RotorOutcome};
 use crate::scene::build;
 use crate::scene::{Bearing, FromCatalogue, Integration, Linear, Method, Model, Rotor, Scene, Speed};
 use ballrace::bearing::Bearing as _;
@@ -38,7 +38,8 @@ use twin::StartTask;
 /// Largest residual of a static equilibrium over the load.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Largest number of integration steps in one sample period.
-pub const MOST_SUBSTEPS: u32 = 10_000;
+pub const MAX_SUBSTEPS: u32 = 10_000;
+const MM: f64 = 1e3;
 /// Coordinate of the centre of mass along the axis.
 pub const AXIAL: usize = 2;
 /// Frequency that holds a coordinate without stiffness, over the highest natural frequency.
@@ -83,7 +84,7 @@ impl Plant {
         if scene.rotor.is_none() && scene.system.is_none() {
             return Err(PlantError::NoRotor { file: scene.path.clone() });
         }
-        if scene.bearings.len() > MOST_BEARINGS {
+        if scene.bearings.len() > MAX_BEARINGS {
             return Err(PlantError::Bearings { file: scene.path.clone(), found: scene.bearings.len() });
         }
         let mounted = scene
@@ -297,6 +298,24 @@ impl Plant {
         if self.layout.is_given() { self.displacement(0, coordinates) } else { first_five(coordinates) }
     }
 
+    /// Returns mass and inertia of a flexible rotor, and the error of its reduced model; none of another rotor.
+    #[must_use]
+    pub fn rotor_outcome(&self, scene: &Scene) -> Option<RotorOutcome> {
+        let (rotor, reduction) = (scene.rotor.as_ref()?, self.reduction?);
+        Some(RotorOutcome {
+            mass_kg: rotor.mass,
+            centre_of_mass_mm: rotor.centre_of_mass * MM,
+            diametral_inertia_kg_m2: rotor.diametral_inertia,
+            polar_inertia_kg_m2: rotor.polar_inertia,
+            coordinates: self.layout.rotor_order(),
+            finite_element_coordinates: reduction.full_coordinates,
+            highest_line_hz: reduction.highest_line,
+            frequency_error_percent: 100.0 * reduction.frequency,
+            deflection_error_percent: 100.0 * reduction.deflection,
+            response_error_percent: 100.0 * reduction.response,
+        })
+    }
+
     /// Returns the scene's rotor, where it has one.
     #[must_use]
     pub fn rotor(&self) -> Option<&Rotor> {
@@ -385,11 +404,11 @@ impl Plant {
     /// Returns the number of integration steps in one sample period.
     ///
     /// # Errors
-    /// More than [`MOST_SUBSTEPS`]: longer steps would not be stable.
+    /// More than [`MAX_SUBSTEPS`]: longer steps would not be stable.
     pub fn substeps(&self, sample_period: f64) -> Result<u32> {
         let step = self.integration.step.unwrap_or_else(|| self.own_step());
         let steps = (sample_period / step * (1.0 - 1e-9)).ceil().max(1.0);
-        if steps > f64::from(MOST_SUBSTEPS) {
+        if steps > f64::from(MAX_SUBSTEPS) {
             return Err(PlantError::Substeps { found: steps, step, is_given: self.integration.step.is_some() });
         }
         Ok(steps as u32)
@@ -398,7 +417,7 @@ impl Plant {
     /// Runs `task` with the system on moving bearings.
     ///
     /// # Errors
-    /// More than [`MOST_OBSERVED`] coordinates, a parameter that the kernel rejects.
+    /// More than [`MAX_OBSERVED`] coordinates, a parameter that the kernel rejects.
     pub fn observed<R>(&self, task: impl SystemTask<R>) -> Result<R> {
         self.with_observed_machine(MountedBearing::moving, task)
     }
@@ -482,7 +501,7 @@ impl SystemTask<Rest> for RestTask {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Rest
     where
         S: SecondOrderSystem<f64, D> + 'static,
-        C: Fit<D> + 'static,
+        C: ReactingElement<D> + 'static,
     {
         let n = self.start.len();
         let found: Equilibrium<f64, D> = equilibrium(&machine, &array::<_, N>(&self.at), array::<_, D>(&self.start));

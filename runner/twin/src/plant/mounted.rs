@@ -103,7 +103,7 @@ fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
     Ok(ColdAndFew { cold, few: build::solved_in(bearing, WARM_STEPS)? })
 }
 
-/// The bearing with its preload: displaced as given, or until it answers with the force given.
+/// The bearing with its preload: displaced as given, or until it reacts with the force given.
 fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
     let plain = build::bearing(scene, bearing, model)?;
     match build::preload_offset(scene, bearing, &plain)? {

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Elastic coordinates in each plane, at most.
-const MOST_ELASTIC: usize = 5;
+const MAX_ELASTIC: usize = 5;
 /// Largest relative errors of frequencies, static deflection and response.
 const ALLOWED: [f64; 3] = [5e-3, 1e-2, 1e-2];
 /// Highest line of interest: harmonics of the shaft speed, and of the balls' pass over the inner race.
@@ -100,7 +100,7 @@ impl Plant {
             let error = self.reduction_error(scene, rotor)?;
             self.reduction = Some(error);
             let count = rotor.elastic();
-            if drawn.coordinates.is_some() || error.is_allowed() || count >= MOST_ELASTIC {
+            if drawn.coordinates.is_some() || error.is_allowed() || count >= MAX_ELASTIC {
                 return Ok(());
             }
             let free = rotor.free.clone();

@@ -1,4 +1,4 @@
-//! The run-in of a twin: it starts at rest and settles at a steady speed before the sample at which it is needed.
+//! Run-in of a twin: it starts in static equilibrium and runs at a constant speed until its transient has decayed.
 
 use super::error::Result;
 use super::{Plant, Twin};
@@ -6,7 +6,7 @@ use ballrace::Phase;
 use ballrace::rotor::ShaftMotion;
 use std::f64::consts::TAU;
 
-/// A twin that settles at a steady speed, sample by sample.
+/// A twin at a constant speed whose transient decays, sample by sample.
 pub struct RunIn {
     twin: Box<dyn Twin>,
     /// Shaft motion at the end.
@@ -31,7 +31,7 @@ impl RunIn {
         Ok(Self { twin, drive: ShaftMotion { acceleration: 0.0, ..*drive }, sample_period, samples, passed: 0 })
     }
 
-    /// Advances the twin by one sample; returns false where it has settled.
+    /// Advances the twin by one sample; returns false at the end of the run-in.
     pub fn advance(&mut self) -> bool {
         if self.passed >= self.samples as u64 {
             return false;

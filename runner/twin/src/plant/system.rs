@@ -1,7 +1,7 @@
 //! Coordinates and matrices of a scene's system.
 
 use super::error::{PlantError, Result, rejected};
-use super::{Given, MOST_BEARINGS, MountedBearing};
+use super::{Given, MAX_BEARINGS, MountedBearing};
 use crate::flexible_rotor::ReducedRotor;
 use crate::scene::{Bearing as BearingScene, Probe, Rotor, Scene, Support, Unbalance, build};
 use ballrace::rotor::{Attachment, RotorParams, SystemMatrices, supported_rotor};
@@ -145,7 +145,7 @@ impl Layout {
         names
     }
 
-    /// Returns the displacement of the rotor at `station` per unit of each coordinate. Of a system of matrices, that of its first
+    /// Returns the displacement of the rotor at `station` per unit of each coordinate. For a system of matrices, that of its first
     /// bearing.
     #[must_use]
     pub fn rows(&self, station: f64) -> Rows {
@@ -274,7 +274,7 @@ impl Layout {
 
     fn rigid_rotor_in_supports(&self, rotor: &Rotor) -> Result<Scales> {
         /// Coordinates of a rigid rotor with a support under each of its bearings.
-        const MOST: usize = RIGID + 2 * MOST_BEARINGS;
+        const MOST: usize = RIGID + 2 * MAX_BEARINGS;
         let supports: Vec<ballrace::rotor::Support> = self.supports.iter().map(build::support).collect();
         let params: RotorParams = build::rotor_params(rotor);
         let all: SystemMatrices<MOST> =

@@ -1,6 +1,6 @@
 //! The digital twin: the motion of a plant driven by the shaft angle.
 
-use super::machine::{Fit, SystemTask};
+use super::machine::{ReactingElement, SystemTask};
 use super::system::{OnHeap, array};
 use crate::scene::Method;
 use crate::simd::SimdDispatch;
@@ -73,7 +73,7 @@ impl SystemTask<Box<dyn Twin>> for StartTask {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Box<dyn Twin>
     where
         S: SecondOrderSystem<f64, D> + 'static,
-        C: Fit<D> + 'static,
+        C: ReactingElement<D> + 'static,
     {
         let steady = SteadyVerlet::with_storage(Verlet { step: self.step.length }, &machine.rotor, 0.0);
         Box::new(Moving {
@@ -99,7 +99,7 @@ struct Moving<S, C, const D: usize, const N: usize> {
     registers: SimdDispatch,
 }
 
-impl<S: SecondOrderSystem<f64, D>, C: Fit<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
+impl<S: SecondOrderSystem<f64, D>, C: ReactingElement<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status {
         let (step, substeps, machine) = (self.step, self.substeps, &self.machine);
         let (steady, state) = (&mut self.steady, &mut self.state);

@@ -10,11 +10,11 @@ use std::f64::consts::TAU;
 /// Ratio of measured and given speed beyond which they differ.
 pub(super) const SPEED_FACTOR: f64 = 1.5;
 /// Least share of the samples at a speed within that factor: a recording may hold a start or a stop.
-const LEAST_AT_SPEED: f64 = 0.1;
+const MIN_AT_SPEED: f64 = 0.1;
 /// Largest relative distance of a speed ratio from a known mistake.
 const NEAR: f64 = 0.05;
 /// Largest share of readings out of range: spikes of a sound probe are rarer.
-const MOST_OUT_OF_RANGE: f64 = 0.1;
+const MAX_OUT_OF_RANGE: f64 = 0.1;
 /// Radial readings smaller than this share of the range that the bearings allow have another unit.
 const TOO_SMALL: f64 = 1e-4;
 /// Ratio of the motion at two probes beyond which one of them has another unit or sensitivity.
@@ -110,7 +110,7 @@ fn speed(checked: &Checked) -> Option<Implausibility> {
     let (low, high) = scene.shaft.speed.range();
     let is_measured = !matches!(checked.recording.rotation, RotationSource::Scene);
     let [_, mean, _] = speeds.rpm().filter(|_| is_measured && (low != 0.0 || high != 0.0))?;
-    if speeds.share_at_speed() >= LEAST_AT_SPEED {
+    if speeds.share_at_speed() >= MIN_AT_SPEED {
         return None;
     }
     let [low, high] = [low, high].map(|speed| speed * 60.0 / TAU);
@@ -142,7 +142,7 @@ fn speed(checked: &Checked) -> Option<Implausibility> {
     })
 }
 
-/// A rate at which the ball pass of a bearing cannot be seen.
+/// A rate too low for the ball pass of a bearing.
 fn rate(checked: &Checked) -> Option<Implausibility> {
     let [_, mean, _] = checked.evidence.collected.speeds().rpm()?;
     let bearings = checked.scene.bearings.iter().filter_map(|bearing| {
@@ -171,7 +171,7 @@ fn monotonic(checked: &Checked) -> Option<Implausibility> {
     })
 }
 
-/// Returns the remedy for readings of an improbable size; `is_possible` tells whether a unit in metres brings them into range.
+/// Returns the remedy for readings of an improbable size; `is_possible` returns true for a unit in metres that brings them into range.
 fn unit_remedy(reading: &ReadingSummary, probe: &Probe, range: f64, is_possible: impl Fn(f64) -> bool) -> String {
     if let Some(voltage) = reading.voltage {
         return format!("check unit, offset and sensitivity of the probe, {:.4} mV/um", voltage.sensitivity_mv_per_um);
@@ -193,7 +193,7 @@ fn unit_remedy(reading: &ReadingSummary, probe: &Probe, range: f64, is_possible:
 fn out_of_range(checked: &Checked) -> Vec<Implausibility> {
     let Some(limits) = &checked.evidence.limits else { return vec![] };
     let each = checked.readings.iter().zip(&checked.recording.probes).zip(limits.largest.iter().zip(&limits.outside));
-    let mostly = each.filter(|(_, (_, outside))| **outside > MOST_OUT_OF_RANGE);
+    let mostly = each.filter(|(_, (_, outside))| **outside > MAX_OUT_OF_RANGE);
     let describe = |((reading, probe), (largest, outside)): ((&ReadingSummary, &Probe), (&f64, &f64))| {
         let [largest_um, mean] = [largest * 1e6, reading.mean];
         // An offset is much larger than the motion; readings in another unit are larger by one factor.

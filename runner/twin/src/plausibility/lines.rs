@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 /// Fewest revolutions of an order spectrum that separates the ball passes of neighbouring numbers of elements.
-const LEAST_REVOLUTIONS: f64 = 16.0;
+const MIN_REVOLUTIONS: f64 = 16.0;
 /// Largest order of the spectrum.
 const LARGEST_ORDER: f64 = 24.0;
 /// Half of the width over which the local noise floor is taken, orders.
@@ -60,7 +60,7 @@ impl OrderSpectrum {
     fn new(samples: &[Sample], probes: &[usize]) -> Option<Self> {
         let (first, last) = (samples.first()?.total_revolutions(), samples.last()?.total_revolutions());
         let revolutions = (last - first).abs().floor();
-        if revolutions < LEAST_REVOLUTIONS || probes.is_empty() {
+        if revolutions < MIN_REVOLUTIONS || probes.is_empty() {
             return None;
         }
         let per_revolution = (samples.len() as f64 / revolutions).floor().max(1.0);
@@ -128,7 +128,7 @@ fn floor(power: &[f64], bin: usize, revolutions: f64) -> f64 {
 
 /// Lines that the machine of the scene may have.
 struct Lines {
-    /// Of each bearing: name, number of elements, order of the cage relative to the outer ring, and its lines.
+    /// For each bearing: name, number of elements, order of the cage relative to the outer ring, and its lines.
     bearings: Vec<BearingLines>,
 }
 

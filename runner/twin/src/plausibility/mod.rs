@@ -12,32 +12,10 @@ pub use readings::{ReadingSummary, VoltageSummary};
 pub(crate) use checks::ReadingLimits;
 pub(crate) use readings::Collector;
 
+use crate::outcome::Implausibility;
 use crate::recording::Sample;
 use crate::recording::rotation::RotationError;
 use crate::scene::Scene;
-use serde::Serialize;
-use std::fmt::{Display, Formatter, Result};
-
-/// Something that is not plausible.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Implausibility {
-    /// Key or column that it concerns.
-    pub subject: String,
-    /// Observation, with numbers.
-    pub found: String,
-    /// Probable cause.
-    pub cause: String,
-    /// Change that would remove it.
-    pub remedy: String,
-}
-
-impl Display for Implausibility {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { subject, found, cause, remedy } = self;
-        write!(f, "{subject}: {found} (probable cause: {cause}; remedy: {remedy})")
-    }
-}
 
 /// Data that the checks compare with the scene.
 pub(crate) struct Evidence<'a> {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Fewest readings of a column that only rises or falls: noise does so once in 64! times.
-const LEAST_MONOTONIC: u64 = 64;
+const MIN_MONOTONIC: u64 = 64;
 
 /// Readings of one column: in um for a probe, in the unit of the column for a sensor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -178,7 +178,7 @@ impl Collector {
         self.columns
             .iter()
             .take(self.signals)
-            .position(|sums| sums.count >= LEAST_MONOTONIC && (sums.rises || sums.falls))
+            .position(|sums| sums.count >= MIN_MONOTONIC && (sums.rises || sums.falls))
     }
 
     /// Returns the root of the mean square about the mean of the readings in range, in SI; none for a column that has readings in

@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn means_stand_in_the_middle() {
+    fn means_have_the_time_of_their_middle() {
         for size in [2, 3, 4, 7] {
             let all = averaged(size, 0..7000);
             assert_eq!(all.len(), 7000_usize.div_ceil(size as usize));
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_group_with_a_hole_has_no_reading() {
+    fn average_over_a_gap_has_no_reading() {
         let all = averaged(4, (0..12).filter(|i| *i != 5));
         assert!(all[1].row.probes.iter().all(|y| y.is_nan()));
         assert!(all[0].row.probes[0].is_finite() && all[2].row.probes[0].is_finite());

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 use super::error::{RecordingError, listed};
 use super::files::{Files, shown};
-use super::table::{self, Cells, Table, TimeOrigin};
+use super::format;
+use super::table::{Cells, Table, TimeOrigin};
 use crate::scene::FileLayout;
 
 /// Largest relative difference between the sampling rates of two files.
@@ -74,7 +75,7 @@ fn open_table(path: &Path, layout: FileLayout) -> Result<(Box<dyn Table>, Option
         let cause = std::io::ErrorKind::IsADirectory.into();
         return Err(RecordingError::Open { file: path.into(), cause });
     }
-    table::open(file, path, layout)
+    format::open(file, path, layout)
 }
 
 impl Chain {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 /// Fewest samples in a revolution at the scene's shaft speed: 1X and a keyphasor pulse need more than two.
-const FEWEST_PER_TURN: f64 = 4.0;
+const MIN_PER_TURN: f64 = 4.0;
 /// Highest sampling rate, Hz: ten times that of the fastest displacement probes.
 const HIGHEST_RATE: f64 = 1e7;
 
@@ -61,7 +61,7 @@ pub enum RateError {
 /// Fewer than 4 samples in a revolution after averaging, or more than 10 MHz.
 pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), ImplausibleRate> {
     let turns_per_second = speed.nominal().abs() / TAU;
-    let least = FEWEST_PER_TURN * turns_per_second * f64::from(recording.average);
+    let least = MIN_PER_TURN * turns_per_second * f64::from(recording.average);
     if rate >= least && rate <= HIGHEST_RATE {
         return Ok(());
     }

@@ -62,7 +62,7 @@ pub enum RecordingError {
     },
     /// The time stamps of a continuous recording go back from one file to the next.
     #[error(
-        "{file}: time stamps begin at {found} s, before the end of {before} at {end} s, expected files in the order of their time; where the time of each file begins anew, `rate` instead of `time`"
+        "{file}: time stamps begin at {found} s, before the end of {before} at {end} s, expected files in the order of their time; where the time of each file begins again, `rate` instead of `time`"
     )]
     Order {
         /// The file.
@@ -179,7 +179,7 @@ pub enum RecordingError {
         file: PathBuf,
         /// Name of the number in the scene.
         number: String,
-        /// Names of the single numbers in the file, or another way to state it.
+        /// Names of the single numbers in the file, or another form of the value.
         found: String,
     },
     /// The rate in the file is no sampling rate.

@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::Time;
 use super::error::RecordingError;
-use super::table;
-use crate::fleet::Time;
+use super::format;
 use crate::printable::name as printable;
 use crate::scene::{Recording, Sequence};
 
@@ -132,7 +132,7 @@ fn kind(path: &Path) -> Option<String> {
         Some((_, ending)) if !ending.bytes().all(|byte| byte.is_ascii_digit()) => ending,
         _ => return Some(String::new()),
     };
-    (TEXTS.contains(&ending) || table::is_ending(ending)).then(|| ending.to_owned())
+    (TEXTS.contains(&ending) || format::is_ending(ending)).then(|| ending.to_owned())
 }
 
 /// Part of a name in natural order.

@@ -32,7 +32,7 @@ pub enum Flaw {
     SpuriousPulse,
     /// A pulse of a toothed wheel is where its gap is expected. The next gap is angle 0 again.
     ToothInGap,
-    /// There is no keyphasor pulse up to the end. The angle is extrapolated and nothing is judged there.
+    /// There is no keyphasor pulse up to the end. The angle is extrapolated and nothing is compared there.
     DeadKeyphasor,
     /// A speed is too high for the scene's machine. The speed before it is held.
     ImplausibleSpeed,
@@ -239,7 +239,7 @@ impl Entry {
             Flaw::SpuriousPulse => format!("{} too many and left out, {place}", counted(count, "pulse")),
             Flaw::ToothInGap => {
                 format!(
-                    "a pulse in the gap of the toothed wheel{}, {place}: the angle begins anew at the next gap",
+                    "a pulse in the gap of the toothed wheel{}, {place}: the angle is 0 again at the next gap",
                     places(count)
                 )
             }

@@ -10,7 +10,7 @@ use super::{Reader, Row};
 use crate::scene::{Clock, Direction, FileLayout, Probe, Recording, RotationSource};
 
 /// Bytes of memory beyond which the tests never come, damaged files and all.
-const MOST_MEMORY: u64 = 1 << 30;
+const MAX_MEMORY: u64 = 1 << 30;
 
 pub(super) fn probe(column: &str, metres_per_unit: f64) -> Probe {
     let direction = Direction::Radial(0.0);
@@ -125,7 +125,7 @@ pub(super) fn damaged(bytes: &[u8], columns: &[&str]) {
     }
     let most = most_memory();
     println!("{refused} of 2000 refused, at most {most} bytes of memory");
-    assert!(most < MOST_MEMORY, "{most} bytes");
+    assert!(most < MAX_MEMORY, "{most} bytes");
 }
 
 /// Peak memory of the process, where the system reports it.

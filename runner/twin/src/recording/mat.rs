@@ -23,7 +23,7 @@ const EXPECTED: &str = "a MATLAB file of version 5 with vectors of equal length"
 /// Largest number of bytes of all vectors, which are held in memory.
 const LARGEST: u64 = 1 << 30;
 /// Largest number of columns, or rows where those are longer, of a matrix that are listed.
-const MOST_COLUMNS: u64 = 4096;
+const MAX_COLUMNS: u64 = 4096;
 
 /// The vectors of a file.
 struct Vectors {
@@ -187,7 +187,7 @@ impl Vector {
         if rows == 1 || columns == 1 {
             return vec![(name.to_owned(), self)];
         }
-        if rows.min(columns) > MOST_COLUMNS {
+        if rows.min(columns) > MAX_COLUMNS {
             return vec![];
         }
         let column = |j: u64| Self { first: j * rows, stride: 1, count: rows, ..self };

@@ -9,6 +9,7 @@ mod csv;
 pub mod error;
 pub mod files;
 pub mod flaws;
+mod format;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod harness;
@@ -24,14 +25,17 @@ pub mod probe;
 mod reader;
 pub mod rotation;
 pub mod run_out;
+pub mod slow_roll;
 pub mod status;
 mod table;
 mod tdms;
+mod time;
 mod uff;
 mod wav;
 pub mod write;
 
 pub use reader::Reader;
+pub use time::Time;
 
 use ballrace::Phase;
 use ballrace::rotor::ShaftMotion;

@@ -20,8 +20,8 @@ const EXPECTED: &str = "an NPY file of one row for each sample, of integers or o
 const MOST: u64 = 1 << 16;
 
 /// Fewest samples of an array whose rows are taken for channels, and number of rows that no longer are.
-const FEWEST_SAMPLES: u64 = 1001;
-const MOST_CHANNELS: u64 = 64;
+const MIN_SAMPLES: u64 = 1001;
+const MAX_CHANNELS: u64 = 64;
 
 /// Opens a file.
 pub(super) fn open(mut file: File, path: &Path, layout: FileLayout) -> Result<Box<dyn Table>, RecordingError> {
@@ -74,7 +74,7 @@ impl Array {
             other => return Err(io::Error::other(format!("an array of {} dimensions", other.len()))),
         };
         let [rows, columns] = shape;
-        let is_assumed = dimensions == 2 && orientation.is_none() && rows < MOST_CHANNELS && columns >= FEWEST_SAMPLES;
+        let is_assumed = dimensions == 2 && orientation.is_none() && rows < MAX_CHANNELS && columns >= MIN_SAMPLES;
         let is_channels_first = dimensions == 2 && (is_assumed || orientation == Some(Orientation::ChannelsFirst));
         let (element, is_fortran) = (header.element, header.is_fortran);
         Ok(Self { element, start, shape, dimensions, is_fortran, is_channels_first, is_assumed })
@@ -85,9 +85,9 @@ impl Array {
         let [rows, columns] = self.shape;
         self.is_assumed.then(|| {
             format!(
-                "{name} of {rows} x {columns} is read as {rows} channels, as it has fewer than {MOST_CHANNELS} rows and more \
+                "{name} of {rows} x {columns} is read as {rows} channels, as it has fewer than {MAX_CHANNELS} rows and more \
                  than {} columns; `orientation` in [recording] states it.",
-                FEWEST_SAMPLES - 1
+                MIN_SAMPLES - 1
             )
         })
     }

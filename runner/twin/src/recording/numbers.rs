@@ -79,7 +79,7 @@ impl Run {
         self.count.checked_mul(self.repeats)
     }
 
-    /// Where its last number ends.
+    /// End of its last number.
     fn end(&self) -> Option<u64> {
         let inner = self.count.checked_sub(1)?.checked_mul(self.stride)?;
         let outer = self.repeats.checked_sub(1)?.checked_mul(self.every)?;

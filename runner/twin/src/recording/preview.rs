@@ -1,7 +1,8 @@
 //! First look at a recording without a scene: its columns, their units and their probable meaning.
 
 use super::error::RecordingError;
-use super::table::{self, Cells, Table};
+use super::format;
+use super::table::{Cells, Table};
 use crate::scene::{FileLayout, units};
 use std::fs::File;
 use std::path::Path;
@@ -94,7 +95,7 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
         return Err(RecordingError::NoFile { file: path.into() });
     }
     drop(file);
-    let open = |layout| Ok::<_, RecordingError>(table::open(File::open(path).map_err(unopened)?, path, layout)?.0);
+    let open = |layout| Ok::<_, RecordingError>(format::open(File::open(path).map_err(unopened)?, path, layout)?.0);
     let mut layout = FileLayout::default();
     let mut table = match open(layout) {
         Err(RecordingError::NoHeader { .. }) => {

@@ -5,7 +5,7 @@ use super::flaws::Position;
 /// A probe is stuck when it repeats one reading exactly for at least this many samples ...
 const STUCK_SAMPLES: u64 = 64;
 
-/// ... and for at least this long, s: a slow machine seen by a fast recorder with coarse steps may rest that long.
+/// Shortest duration of that, s: the coarse readings of a slow machine in a fast recorder stay constant for shorter times.
 const STUCK_TIME: f64 = 0.01;
 
 /// A probe is clipped when at least this many samples lie exactly at its highest (or lowest) reading ...
@@ -16,7 +16,7 @@ const CLIPPED_RATIO: u64 = 8;
 
 /// Classification of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Verdict {
+pub enum ReadingState {
     /// The reading is valid.
     Good,
     /// The probe is stuck from this reading on; the run began earlier.
@@ -78,7 +78,7 @@ impl ProbeWatch {
     }
 
     /// Adds a reading. It is not NaN: a missing reading does not end a run.
-    pub fn see(&mut self, reading: f64, at: Position) -> Verdict {
+    pub fn see(&mut self, reading: f64, at: Position) -> ReadingState {
         if reading == self.reading {
             self.run += 1;
         } else {
@@ -87,20 +87,20 @@ impl ProbeWatch {
             self.since = at;
         }
         if self.run > self.limit {
-            return Verdict::StillStuck;
+            return ReadingState::StillStuck;
         }
         if self.run == self.limit {
             // A stuck probe is not a clipped one as well.
             self.highest.forget(reading, self.run - 1);
             self.lowest.forget(reading, self.run - 1);
-            return Verdict::Stuck { since: self.since, samples: self.run };
+            return ReadingState::Stuck { since: self.since, samples: self.run };
         }
         self.highest.see(reading, at);
         self.lowest.see(reading, at);
-        Verdict::Good
+        ReadingState::Good
     }
 
-    /// The levels at which the probe clips, judged over all readings so far.
+    /// The levels at which the probe clips, from all readings so far.
     pub fn clipped(&self) -> impl Iterator<Item = Clipped> {
         let highest = self.highest.clipped(-self.lowest.level);
         let lowest = self.lowest.clipped(-self.highest.level);
@@ -156,12 +156,12 @@ mod tests {
         Position { index, line: index + 2, time: 0.0 }
     }
 
-    fn watch(readings: impl Iterator<Item = f64>) -> (ProbeWatch, Vec<(u64, Verdict)>) {
+    fn watch(readings: impl Iterator<Item = f64>) -> (ProbeWatch, Vec<(u64, ReadingState)>) {
         let mut watch = ProbeWatch::new(12_800.0);
         let mut verdicts = Vec::new();
         for (index, reading) in readings.enumerate() {
             let verdict = watch.see(reading, at(index as u64));
-            if verdict != Verdict::Good {
+            if verdict != ReadingState::Good {
                 verdicts.push((index as u64, verdict));
             }
         }
@@ -172,8 +172,8 @@ mod tests {
     fn stuck_after_ten_milliseconds() {
         let (watch, verdicts) = watch((0..1000).map(|i| if (100..400).contains(&i) { 9.0 } else { f64::from(i % 7) }));
         assert_eq!(verdicts.len(), 300 - 127);
-        assert_eq!(verdicts[0], (227, Verdict::Stuck { since: at(100), samples: 128 }));
-        assert_eq!(verdicts[1], (228, Verdict::StillStuck));
+        assert_eq!(verdicts[0], (227, ReadingState::Stuck { since: at(100), samples: 128 }));
+        assert_eq!(verdicts[1], (228, ReadingState::StillStuck));
         assert_eq!(watch.clipped().count(), 0);
     }
 

@@ -17,9 +17,10 @@ use super::csv;
 use super::error::{RecordingError, listed, nearest};
 use super::files::Files;
 use super::flaws::{Flaw, FlawLedger, Position};
+use super::format;
 use super::memory::Memory;
-use super::probe::{ProbeWatch, Verdict};
-use super::table::{self, Cells, EXPECTED, Table};
+use super::probe::{ProbeWatch, ReadingState};
+use super::table::{Cells, EXPECTED, Table};
 use crate::scene::units;
 use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
 
@@ -127,7 +128,7 @@ impl<'a> Reader<'a> {
         // A pipe has no size and cannot be rewound.
         let size = about.is_file().then_some(about.len());
         if size.is_some() {
-            let (table, size) = table::open(file, path, recording.layout)?;
+            let (table, size) = format::open(file, path, recording.layout)?;
             return Self::new(table, path, size, recording);
         }
         Self::from_reader(Box::new(file), path, size, recording)
@@ -401,11 +402,11 @@ impl<'a> Reader<'a> {
                 continue;
             }
             match watch.see(*reading, at) {
-                Verdict::Good => continue,
-                Verdict::Stuck { since, samples } => {
+                ReadingState::Good => continue,
+                ReadingState::Stuck { since, samples } => {
                     ledger.record_reading(Flaw::StuckProbe, name(cell), since, samples, *reading);
                 }
-                Verdict::StillStuck => ledger.lengthen(Flaw::StuckProbe, Some(name(cell))),
+                ReadingState::StillStuck => ledger.lengthen(Flaw::StuckProbe, Some(name(cell))),
             }
             *reading = f64::NAN;
         }

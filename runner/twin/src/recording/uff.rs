@@ -23,7 +23,7 @@ const EXPECTED: &str = "a universal file with time responses in data sets 58: re
 pub(super) const SEPARATOR: &[u8] = b"    -1";
 /// Longest line, and largest number of data sets.
 const LONGEST_LINE: u64 = 1 << 12;
-const MOST_SETS: usize = 1 << 16;
+const MAX_SETS: usize = 1 << 16;
 /// Largest number of values of all selected columns, which are held in memory.
 const LARGEST: u64 = 1 << 27;
 /// Lines of the head of data set 58.
@@ -38,7 +38,7 @@ const DIRECTIONS: [&str; 7] = ["", "X", "Y", "Z", "RX", "RY", "RZ"];
 /// Form of the values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Form {
-    /// Text with so many characters for a value.
+    /// Text with a fixed number of characters for each value.
     Text(usize),
     Binary(Number),
 }
@@ -132,8 +132,8 @@ impl Lines {
                 return Err(refuse(format!("`{}` between data sets", shown(&self.text))));
             }
             sets += 1;
-            if sets > MOST_SETS {
-                return Err(refuse(format!("more than {MOST_SETS} data sets")));
+            if sets > MAX_SETS {
+                return Err(refuse(format!("more than {MAX_SETS} data sets")));
             }
             let kind = self.next_or_end()?.to_owned();
             if field(&kind, 0, 6) == "58" {

@@ -1,14 +1,15 @@
 //! Look ahead: the first rows of a recording are read and diagnosed before the twin starts, so that twin, observer and residual
-//! have the angle and slip of every cage, which no scene knows.
+//! have the angle and slip of every cage, which no scene contains.
 
 use super::notices::Notices;
 use super::range::ReadingRange;
-use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, Calibration, Diagnosis, Material};
+use crate::diagnosis::{self, Diagnosis, DiagnosisInput};
 use crate::error::Result;
+use crate::outcome::baseline::Baseline;
+use crate::outcome::{Calibration, Implausibility};
 use crate::plant::Plant;
-use crate::plausibility::{Implausibility, implausible_samples};
+use crate::plausibility::implausible_samples;
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
 use crate::recording::{Reader, Row, Sample};
@@ -17,7 +18,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Most rows that are read before the shaft is found to turn.
-const MOST_ROWS: usize = 1 << 18;
+const MAX_ROWS: usize = 1 << 18;
 
 /// The beginning of a recording.
 pub(super) struct Ahead {
@@ -47,7 +48,7 @@ impl Ahead {
         let mut rows = VecDeque::new();
         let mut is_whole = false;
         let mut has_angle = true;
-        while !block.is_full() && rows.len() < MOST_ROWS * recording.average as usize {
+        while !block.is_full() && rows.len() < MAX_ROWS * recording.average as usize {
             let row = match first_rows.pop_front() {
                 Some(row) => row,
                 None => {
@@ -119,9 +120,9 @@ impl Ahead {
         plant: &'a Plant,
         recording: &'a Recording,
         calibration: Option<&'a Calibration>,
-    ) -> Material<'a> {
+    ) -> DiagnosisInput<'a> {
         let (probes, samples) = (&recording.probes, &self.samples);
-        Material { scene, plant, probes, samples, period: self.period, calibration }
+        DiagnosisInput { scene, plant, probes, samples, period: self.period, calibration }
     }
 }
 

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Revolutions of the recording from which the lag is computed.
 pub const TURNS: f64 = 8.0;
 /// Largest number of samples from which the lag is computed.
-pub const MOST_SAMPLES: usize = 1 << 16;
+pub const MAX_SAMPLES: usize = 1 << 16;
 /// Smallest lag that is removed, in standard errors.
 const SIGNIFICANCE: f64 = 5.0;
 

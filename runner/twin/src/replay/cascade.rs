@@ -12,8 +12,8 @@ const UM: f64 = 1e6;
 /// Largest number of spectra.
 const MOST: usize = 48;
 /// Shortest length of a spectrum: time (s), and revolutions at the highest speed of the scene.
-const LEAST_TIME: f64 = 0.16;
-const LEAST_TURNS: f64 = 4.0;
+const MIN_TIME: f64 = 0.16;
+const MIN_TURNS: f64 = 4.0;
 /// Number of bins kept on either side of 0 Hz.
 const KEPT: usize = 400;
 /// Smallest and largest number of samples in a spectrum.
@@ -161,8 +161,8 @@ fn length(rate: f64, speed: Speed) -> usize {
         Speed::Ramp { from, to, .. } => from.abs().max(to.abs()),
         Speed::Fluctuating { mean, .. } => mean,
     };
-    let turns = LEAST_TURNS * TAU / fastest.abs().max(1e-9);
-    let samples = (rate * LEAST_TIME.max(turns)).clamp(LENGTHS.0, LENGTHS.1);
+    let turns = MIN_TURNS * TAU / fastest.abs().max(1e-9);
+    let samples = (rate * MIN_TIME.max(turns)).clamp(LENGTHS.0, LENGTHS.1);
     1 << samples.log2().round() as u32
 }
 

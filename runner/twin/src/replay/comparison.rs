@@ -2,7 +2,7 @@
 
 use super::lines::{Angles, Demodulator, followed, followed_orders, outer_line};
 use super::statistics::Sums;
-use crate::baseline::{Baseline, BaselineProbe};
+use crate::outcome::baseline::{Baseline, BaselineProbe};
 use crate::outcome::{BallPassLine, Motion, ProbeOutcome, SimplePredictor, SimplePredictors};
 use crate::plant::MountedBearing;
 use crate::probes::{Plane, reading};
@@ -27,7 +27,7 @@ pub struct SampleReadings {
 }
 
 impl SampleReadings {
-    /// Computes the readings of a sample from the coordinates of the twins. `measured` is absent where the sample is not judged.
+    /// Computes the readings of a sample from the coordinates of the twins. `measured` is absent where the sample is not compared.
     pub fn evaluate(
         &mut self,
         measured: Option<&[f64]>,

@@ -5,10 +5,10 @@ use super::running_diagnosis::RunningDiagnosis;
 use super::running_vibration::RunningVibration;
 use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
-use crate::diagnosis::{self, Material};
+use crate::diagnosis::{self, DiagnosisInput};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
-use crate::plausibility::{Evidence, Implausibility, implausible};
+use crate::outcome::{Finding, FindingKind, Implausibility, Outcome, Pictures, Record, RotorDrawing};
+use crate::plausibility::{Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::Scene;
 use crate::vibration::join::join;
@@ -68,7 +68,7 @@ impl Pipeline<'_> {
         self.notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
         let mut not_judged = self.counts.not_judged(self.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
-        let material = Material {
+        let material = DiagnosisInput {
             scene,
             plant: &self.plant,
             probes: self.probes,
@@ -81,7 +81,7 @@ impl Pipeline<'_> {
         let diagnosed = match self.diagnosed.take() {
             Some(known) => Some(known),
             None if !is_judged || undiagnosed.is_some() => None,
-            // A monitor that was told to stop ends with its last diagnosis.
+            // A monitor that is stopped ends with its last diagnosis.
             None if self.startup.is_cancelled() => {
                 match self.running_diagnosis.as_mut().and_then(RunningDiagnosis::take) {
                     Some((diagnosis, time)) => {
@@ -110,7 +110,7 @@ impl Pipeline<'_> {
         learned.calibration.clone_from(&self.calibration);
         learned.set_faults(&findings);
         if let Some(baseline) = &self.baseline {
-            let (known, new) = findings.into_iter().partition(|finding| baseline.knows(finding));
+            let (known, new) = findings.into_iter().partition(|finding| baseline.contains_fault(finding));
             findings = new;
             let known: Vec<Finding> = known;
             diagnosis_notes.extend(known.iter().map(|finding| format!("As in the baseline: {}", finding.sentence)));
@@ -180,7 +180,7 @@ impl Pipeline<'_> {
             planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
             observation: self.location.observation().clone(),
             probes,
-            rotor: RotorOutcome::new(scene, &self.plant),
+            rotor: self.plant.rotor_outcome(scene),
             bearings: self.force.outcomes(bearings),
             timing: self.timing.finish(),
             observer,
@@ -242,7 +242,7 @@ impl Pipeline<'_> {
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            rotor: RotorOutcome::new(scene, &self.plant),
+            rotor: self.plant.rotor_outcome(scene),
             pictures: Pictures { rotor: RotorDrawing::new(scene), ..outcome.pictures },
             verdict: verdict::verdict(&[], &[], implausible, not_judged, None, 0),
             events,
@@ -286,7 +286,7 @@ fn load(scene: &Scene) -> [f64; 5] {
     scene.rotor.as_ref().map_or([none; 5], |rotor| rotor.load)
 }
 
-/// Returns why the position of the shaft tells nothing of load and clearance: the scene has the clearance of the catalogue.
+/// Returns the reason why the position of the shaft does not determine load and clearance: the scene has the clearance of the catalogue.
 fn clearance_is_estimated(scene: &Scene) -> Option<String> {
     let estimated = scene.bearings.iter().filter(|bearing| {
         bearing.catalogue.as_ref().is_some_and(|used| used.estimated.iter().any(|value| value.contains("clearance")))
@@ -295,7 +295,7 @@ fn clearance_is_estimated(scene: &Scene) -> Option<String> {
     (!names.is_empty()).then(|| {
         format!(
             "the clearance of {} is that of the catalogue, and another one or another load would move the shaft as much; run \
-             `ballrace fit` on a recording of the sound machine, or give a --baseline",
+             `ballrace fit` on a recording of the machine in good order, or give a --baseline",
             names.join(" and ")
         )
     })

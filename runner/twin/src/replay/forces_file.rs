@@ -1,7 +1,7 @@
 //! Output of the bearing forces of every sample as a CSV file.
 
 use super::force::EvaluatedForce;
-use super::options::Source;
+use crate::options::Source;
 use crate::output::{AtomicFile, OutputError, quoted};
 use crate::plant::MountedBearing;
 use crate::recording::status::SampleStatus;

@@ -77,7 +77,7 @@ mod tests {
         }
     }
 
-    /// Means of equal shares in order, whatever the count; the greatest survives.
+    /// Means of equal shares in order, whatever the count; the greatest is kept.
     #[test]
     fn neighbours_are_joined_evenly() {
         for (most, parts) in [(8, 5), (8, 8), (8, 9), (7, 100), (48, 10_000), (2, 33)] {

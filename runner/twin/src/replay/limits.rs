@@ -4,8 +4,8 @@
 //! ends with the block that falls below it by the hysteresis. A crossing shorter than the duration of the limit is no event.
 
 use super::lines::{followed, inner_line, outer_line};
-use crate::baseline::Baseline;
 use crate::error::LimitError;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{Event, LimitLine};
 use crate::plant::MountedBearing;
 use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};

@@ -7,8 +7,8 @@
 use crate::plant::MountedBearing;
 use ballrace::math::Math;
 use ballrace::rotor::ComponentAngles;
-use ballrace::twin::{OrderSums, OrderVector, RevolutionBlock};
-use ballrace::{Exact, Phase};
+use ballrace::twin::{Accumulator, OrderSums, OrderVector, RevolutionBlock};
+use ballrace::{Exact, Phase, Scalar};
 
 /// Revolutions of one block: lines 3/16 of an order apart are resolved.
 pub const BLOCK_TURNS: f64 = 16.0;
@@ -113,17 +113,20 @@ pub fn inner_line(bearing: usize, k: i32) -> usize {
 
 /// Demodulator of several signals at several lines: the kernel's [`OrderTracker`](ballrace::twin::OrderTracker) for any number
 /// of both.
+///
+/// `T` is the precision and `S` the accumulator of the sums. In `f32` with compensated sums the amplitudes are those of firmware to
+/// the bit; in `f64` a plain sum has digits to spare.
 #[derive(Debug, Clone)]
-pub struct Demodulator {
+pub struct Demodulator<T: Scalar = f64, S: Accumulator<T> = f64> {
     lines: Vec<Line>,
     signals: usize,
-    block: RevolutionBlock<f64, f64>,
+    block: RevolutionBlock<T, S>,
     /// Sums over the current block, line-major.
-    sums: Vec<OrderSums<f64, f64>>,
-    /// Signals of the current sample about their means.
-    centred: Vec<f64>,
+    sums: Vec<OrderSums<T, S>>,
+    /// Signals of the current sample about their means, times the window.
+    windowed: Vec<T>,
     /// Amplitudes of cosine and sine in the last finished block.
-    last: Vec<OrderVector<f64>>,
+    last: Vec<OrderVector<T>>,
     /// Squared amplitudes summed over finished blocks.
     power: Vec<f64>,
     blocks: f64,
@@ -132,7 +135,10 @@ pub struct Demodulator {
     samples: f64,
 }
 
-impl Demodulator {
+impl<T: Scalar, S: Accumulator<T>> Demodulator<T, S>
+where
+    Exact: Math<T>,
+{
     /// Creates a demodulator of `signals` signals.
     #[must_use]
     pub fn new(lines: Vec<Line>, signals: usize) -> Self {
@@ -142,8 +148,8 @@ impl Demodulator {
             signals,
             block: RevolutionBlock::new(),
             sums: vec![OrderSums::new(); cells],
-            centred: vec![0.0; signals],
-            last: vec![[0.0; 2]; cells],
+            windowed: vec![T::ZERO; signals],
+            last: vec![[T::ZERO; 2]; cells],
             power: vec![0.0; cells],
             blocks: 0.0,
             means: vec![0.0; signals],
@@ -156,16 +162,16 @@ impl Demodulator {
         self.samples += 1.0;
         // A slow average: fixed within rounding over a block, whatever the recording's length.
         let rate = 1.0 / self.samples.min(20_000.0);
-        for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.centred) {
+        for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.windowed) {
             *mean += (value - *mean) * rate;
-            *to = value - *mean;
+            *to = T::from_f64(value - *mean);
         }
         // The first sample begins a block.
         let revolutions = if self.samples > 1.0 { angles.revolutions.abs() } else { 0.0 };
         self.demodulate(angles, revolutions)
     }
 
-    /// Adds the centred signals, after `revolutions` since the last sample.
+    /// Adds the centred signals in `windowed`, after `revolutions` since the last sample.
     fn demodulate(&mut self, angles: Angles, revolutions: f64) -> bool {
         let share = revolutions / BLOCK_TURNS;
         let is_complete = self.block.advance(Phase::from_revolutions(share)) || share >= 1.0;
@@ -173,10 +179,10 @@ impl Demodulator {
             self.close();
         }
         let window = self.block.window::<Exact>();
-        self.centred.iter_mut().for_each(|signal| *signal *= window);
+        self.windowed.iter_mut().for_each(|signal| *signal = window * *signal);
         for (line, sums) in self.lines.iter().zip(self.sums.chunks_exact_mut(self.signals.max(1))) {
-            let basis: (f64, f64) = Exact::sin_cos(line.phase(&angles));
-            for (sums, &y) in sums.iter_mut().zip(&self.centred) {
+            let basis = Exact::sin_cos(line.phase(&angles));
+            for (sums, &y) in sums.iter_mut().zip(&self.windowed) {
                 sums.add(y, basis);
             }
         }
@@ -185,12 +191,13 @@ impl Demodulator {
 
     fn close(&mut self) {
         let scale = self.block.close();
-        let is_weighted = scale > 0.0;
+        let is_weighted = scale > T::ZERO;
         for ((power, last), sums) in self.power.iter_mut().zip(&mut self.last).zip(&mut self.sums) {
             let vector = sums.close(scale);
             if is_weighted {
                 *last = vector;
-                *power += vector[0] * vector[0] + vector[1] * vector[1];
+                let [cosine, sine] = vector.map(T::to_f64);
+                *power += cosine * cosine + sine * sine;
             }
         }
         self.blocks += f64::from(u8::from(is_weighted));
@@ -211,7 +218,7 @@ impl Demodulator {
 
     /// Returns the amplitudes of cosine and sine of a line in every signal of the last finished block.
     #[must_use]
-    pub fn block(&self, line: usize) -> &[[f64; 2]] {
+    pub fn block(&self, line: usize) -> &[[T; 2]] {
         self.last.get(line * self.signals..(line + 1) * self.signals).unwrap_or_default()
     }
 
@@ -232,41 +239,72 @@ impl Demodulator {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ballrace::phase::{PhaseDelta, SpeedRatio};
     use ballrace::rotor::SpeedRatios;
-    use ballrace::twin::{OrderLine, OrderTracker};
-    use std::f64::consts::TAU;
+    use ballrace::twin::{CompensatedSum, OrderLine, OrderTracker};
+    /// Counts of a phase in one revolution.
+    const COUNTS: f64 = 18_446_744_073_709_551_616.0;
 
-    /// The demodulator and the kernel's tracker report the same amplitudes of a signal.
-    #[test]
-    fn amplitudes_are_those_of_the_kernel() {
-        let lines = [
-            OrderLine { shaft: 1, ..OrderLine::default() },
-            OrderLine { cage: 9, ..OrderLine::default() },
-            OrderLine { shaft: 9, cage: -9, ..OrderLine::default() },
-        ];
-        let same = vec![Line::shaft(1), Line::outer_race(0, 9, 1), Line::inner_race(0, 9, 1)];
+    const LINES: [OrderLine; 3] = [
+        OrderLine { shaft: 1, cage: 0, ball: 0 },
+        OrderLine { shaft: 0, cage: 9, ball: 0 },
+        OrderLine { shaft: 9, cage: -9, ball: 0 },
+    ];
+
+    fn same_lines() -> Vec<Line> {
+        vec![Line::shaft(1), Line::outer_race(0, 9, 1), Line::inner_race(0, 9, 1)]
+    }
+
+    /// Feeds a run-up to the kernel's tracker and to the demodulator of the desktop, and calls `compare` at the end of each block.
+    /// `increment` is the rotation between two samples, in revolutions.
+    fn run<T: Scalar, S: Accumulator<T>>(
+        increment: impl Fn(i32) -> f64,
+        compare: impl Fn(OrderVector<T>, OrderVector<T>),
+    ) where
+        Exact: Math<T>,
+    {
         let speed_ratios = SpeedRatios::<f64>::new(0.398_31);
         let (mut shaft, mut parts) = (Phase::from_revolutions(0.3), ComponentAngles::default());
-        let mut kernel = OrderTracker::<f64, 3>::new(lines, BLOCK_TURNS as u32, shaft);
-        let mut desktop = Demodulator::new(same, 1);
+        let mut kernel = OrderTracker::<T, 3>::new(LINES, BLOCK_TURNS as u32, shaft);
+        let mut desktop = Demodulator::<T, S>::new(same_lines(), 1);
         let (mut revolutions, mut blocks) = (0.0, 0);
         for i in 0..20_000 {
-            let signal = lines.iter().map(|line| line.angle(shaft, &parts).radians().cos()).sum::<f64>();
-            let is_complete = kernel.add::<Exact>(signal, shaft, &parts);
-            desktop.centred.fill(signal);
+            let signal = LINES.iter().map(|line| line.angle(shaft, &parts).radians().cos()).sum::<f64>();
+            let is_complete = kernel.add::<Exact>(T::from_f64(signal), shaft, &parts);
+            desktop.windowed.fill(T::from_f64(signal));
             let angles = Angles { shaft, parts: &[parts], revolutions };
             assert_eq!(desktop.demodulate(angles, revolutions), is_complete, "{i}");
             if is_complete {
                 blocks += 1;
-                for (line, [c, s]) in kernel.vectors().iter().enumerate() {
-                    let [[x, y]] = desktop.block(line) else { unreachable!("one signal") };
-                    assert!((c - x).abs() < 1e-9 && (s - y).abs() < 1e-9, "{line}: {c} {s}, {x} {y}");
+                for (line, of_kernel) in kernel.vectors().iter().enumerate() {
+                    let [of_desktop] = desktop.block(line) else { unreachable!("one signal") };
+                    compare(*of_kernel, *of_desktop);
                 }
             }
-            revolutions = 0.004 + 1e-7 * f64::from(i);
-            let arc = ballrace::phase::PhaseDelta::from_radians(TAU * revolutions);
+            revolutions = increment(i);
+            let arc = PhaseDelta((revolutions * COUNTS) as i64);
             (shaft, parts) = (shaft.advanced(arc), speed_ratios.advance(parts, arc));
         }
         assert!(blocks >= 5, "{blocks}");
+    }
+
+    /// The demodulator and the kernel's tracker report the same amplitudes of a signal.
+    #[test]
+    fn amplitudes_are_those_of_the_kernel() {
+        run::<f64, f64>(
+            |i| 0.004 + 1e-7 * f64::from(i),
+            |[c, s], [x, y]| assert!((c - x).abs() < 1e-9 && (s - y).abs() < 1e-9, "{c} {s}, {x} {y}"),
+        );
+    }
+
+    /// In single precision the demodulator reports the amplitudes of firmware to the bit.
+    #[test]
+    fn amplitudes_in_single_precision_are_those_of_firmware_to_the_bit() {
+        // Increments that the angle and the share of a block represent exactly: rounding of the angles does not count here.
+        let exact = |i: i32| f64::from(512 + i % 64) / 131_072.0;
+        assert_eq!(SpeedRatio::new(1.0 / BLOCK_TURNS).apply(PhaseDelta(1 << 40)), PhaseDelta(1 << 36));
+        run::<f32, CompensatedSum<f32>>(exact, |of_kernel, of_desktop| {
+            assert_eq!(of_kernel.map(f32::to_bits), of_desktop.map(f32::to_bits), "{of_kernel:?} {of_desktop:?}");
+        });
     }
 }

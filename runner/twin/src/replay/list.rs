@@ -4,7 +4,7 @@ use super::pictures::filtered;
 use super::trend::merged;
 use crate::outcome::{Block, BlockFigures, Clearance, Pictures, PlaneOutcome, ProbeOutcome, TabularList};
 use crate::probes::Plane;
-use crate::scene::{Bearing, Fit, Scene};
+use crate::scene::{Bearing, FreeAngle, Scene};
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;
@@ -70,7 +70,7 @@ fn clearance(bearings: &[Bearing], station: f64) -> Option<Clearance> {
     let bearing = bearings.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?;
     let play = match (bearing.law.and_then(|law| law.radial_play), bearing.geometry.map(|g| g.fit)) {
         (Some(play), _) => play,
-        (None, Some(Fit::DiametralClearance(clearance))) => 0.5 * clearance,
+        (None, Some(FreeAngle::DiametralClearance(clearance))) => 0.5 * clearance,
         _ => return None,
     };
     let radius_um = play * UM;

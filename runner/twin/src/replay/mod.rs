@@ -4,7 +4,6 @@
 //! location and force, because location takes the axial coordinate from the twin where there is no axial probe, and the force
 //! is evaluated at the observer's displacement.
 
-mod options;
 // The beginning of a recording is diagnosed first: angle and slip of the cages.
 mod ahead;
 
@@ -57,18 +56,18 @@ mod plausibility;
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 mod totals;
-pub mod verdict;
 
-pub use crate::{baseline, outcome};
-pub use options::{Options, Progress, Source};
+pub use crate::options::{Options, Progress, Source};
+pub use crate::outcome::baseline;
+pub use crate::{outcome, verdict};
 pub use running_diagnosis::{DiagnosisState, FaultState};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 
-use crate::baseline::Baseline;
 use crate::diagnosis::set_cages;
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::Outcome;
+use crate::outcome::baseline::Baseline;
 use crate::plant::{Plant, only_observable, unbalance_note};
 use crate::recording::Reader;
 use crate::recording::clock::check_rate;

@@ -6,7 +6,7 @@ use super::range::ReadingRange;
 use super::statistics::Running;
 use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
-use crate::observer::{Consistency, InitialState, RunningObserver, TunedObserver, Verdict, estimator, gate};
+use crate::observer::{Consistency, ConsistencyState, InitialState, RunningObserver, TunedObserver, estimator, gate};
 use crate::outcome::ObserverOutcome;
 use crate::plant::{AXIAL, Plant};
 use crate::probes::reading;
@@ -89,7 +89,7 @@ impl ObserverStage {
         let mut status = SampleStatus::from(flags);
         if let Some(correction) = correction {
             self.innovations.add(correction.nis, correction.status, correction.verdict);
-            status = status.and(SampleStatus::RESTARTED.when(correction.verdict == Verdict::Restart));
+            status = status.and(SampleStatus::RESTARTED.when(correction.verdict == ConsistencyState::Restart));
             if let Some(ratio) = correction.lost_trust {
                 let restarts = self.innovations.restarts;
                 notices.add("observer-not-consistent", sample.row.time, || {
@@ -126,10 +126,10 @@ struct Innovations {
 }
 
 impl Innovations {
-    fn add(&mut self, nis: f64, status: Status, verdict: Verdict) {
+    fn add(&mut self, nis: f64, status: Status, verdict: ConsistencyState) {
         self.rejected += u64::from(status.contains(Status::INNOVATION_REJECTED));
-        self.restarts += u64::from(verdict == Verdict::Restart);
-        self.distrusted += u64::from(verdict != Verdict::Trusted);
+        self.restarts += u64::from(verdict == ConsistencyState::Restart);
+        self.distrusted += u64::from(verdict != ConsistencyState::Trusted);
         self.squares.add(nis);
     }
 
@@ -172,7 +172,7 @@ pub(super) fn sentence(observer: &ObserverOutcome) -> String {
     let judged = if observer.consistent {
         "the measured motion departs from its prediction as far as the noise of the probes explains"
     } else if observer.nis_mean < observer.nis_expected {
-        "the measured motion departs less from its prediction than the noise of the probes explains, so the noise is less than the scene says"
+        "the measured motion departs less from its prediction than the noise of the probes explains, so the noise is less than the scene states"
     } else {
         "the measured motion departs further from its prediction than the noise of the probes explains"
     };

@@ -10,7 +10,6 @@ use super::lines::{Angles, followed_orders};
 use super::locate::LocationStage;
 use super::notices::Notices;
 use super::observe::ObserverStage;
-use super::options::Options;
 use super::pictures::{FigureCollector, marked_lines, passes_keyphasor};
 use super::plausibility::Counts;
 use super::range::ReadingRange;
@@ -24,14 +23,15 @@ use super::startup::{Queued, RunInProgress, Search, SearchResult, Startup};
 use super::timing::Ledger;
 use super::totals::Totals;
 use super::twin::TwinStage;
-use crate::baseline::Baseline;
+use crate::diagnosis::Diagnosis;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{Calibration, Diagnosis};
 use crate::effect_significance;
 use crate::error::Result;
-use crate::outcome::Finding;
-use crate::plant::{AXIAL, MOST_OBSERVED, Plant, only_observable, unbalance_note};
-use crate::plausibility::{Collector, Implausibility};
+use crate::options::Options;
+use crate::outcome::baseline::Baseline;
+use crate::outcome::{Calibration, Finding, Implausibility};
+use crate::plant::{AXIAL, MAX_OBSERVED, Plant, only_observable, unbalance_note};
+use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
@@ -71,7 +71,7 @@ pub(super) struct Pipeline<'a> {
     pub(super) running_diagnosis: Option<RunningDiagnosis>,
     /// Calibration of the scene by this recording.
     pub(super) calibration: Option<Calibration>,
-    /// The baseline to judge against.
+    /// Baseline for comparison.
     pub(super) baseline: Option<Baseline>,
     /// Signals of the vibration sensors; none without sensors, and in live operation.
     pub(super) signals: Option<Signals>,
@@ -122,7 +122,7 @@ impl<'a> Pipeline<'a> {
         notes.extend(unbalance_note(scene));
         notes.extend(effect_significance::describe(
             &effect_significance::at_rest(scene, &plant)?,
-            options.error.unwrap_or(effect_significance::GOOD_ENOUGH),
+            options.error.unwrap_or(effect_significance::DEFAULT_FORCE_ERROR),
         ));
         let linear = Arc::new(plant.linearised(&vec![true; plant.bearings.len()])?);
         let plant = Arc::new(plant);
@@ -236,7 +236,7 @@ impl<'a> Pipeline<'a> {
         self.range.check(row);
         self.standstill.add(row);
         if !self.live {
-            // A monitored shaft may stand still for hours; in a file, the keyphasor may as well be dead.
+            // A monitored shaft may stand still for hours; in a file, the keyphasor may have failed instead.
             self.counts.add_without_angle();
         }
     }
@@ -297,9 +297,9 @@ impl<'a> Pipeline<'a> {
             let note = if self.startup.is_cancelled() {
                 "Stopped before the observer was found: forces at the observer's position are those at the twin's."
                     .to_owned()
-            } else if order > MOST_OBSERVED {
+            } else if order > MAX_OBSERVED {
                 format!(
-                    "No observer: the system has {order} coordinates, more than {MOST_OBSERVED}. Forces come from the displacement that the probes show."
+                    "No observer: the system has {order} coordinates, more than {MAX_OBSERVED}. Forces come from the displacement that the probes show."
                 )
             } else {
                 "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter (an axial probe or an axial stiffness is missing). Forces come from the displacement that the probes show.".to_owned()
@@ -358,7 +358,7 @@ impl<'a> Pipeline<'a> {
         if let (Some(seconds), Some(nis)) = (&mut self.seconds, observed.nis) {
             seconds.add_innovation(nis);
         }
-        // An extrapolated angle is not judged, except in live operation, where limits stay in force.
+        // Samples with an extrapolated angle are not compared, except in live operation, where limits stay in force.
         let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let readings = is_judged.then_some(sample.row.probes.as_slice());
         let twins = [self.twin.coordinates(), self.twin.linear_coordinates()];
@@ -368,9 +368,8 @@ impl<'a> Pipeline<'a> {
         self.record(&processed)?;
         self.displacements = processed.displacements;
         if self.twin.stop_if_stuck(time) {
-            self.notes.push(format!("The twin's motion overflowed; it started anew after line {}.", sample.row.line));
-            self.notices
-                .add("twin-restarted", time, || "The motion of the twin overflowed; it started anew.".to_owned());
+            self.notes.push(format!("The twin's motion overflowed; it restarted after line {}.", sample.row.line));
+            self.notices.add("twin-restarted", time, || "The motion of the twin overflowed; it restarted.".to_owned());
         }
         Ok(())
     }

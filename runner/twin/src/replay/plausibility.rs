@@ -1,17 +1,16 @@
 //! Whether the readings can be those of the twin's machine, and whether enough is measured for a verdict.
 
 use super::force::BearingForces;
-use crate::outcome::{Motion, ProbeOutcome};
+use crate::outcome::{Implausibility, Motion, ProbeOutcome};
 use crate::plant::MountedBearing;
-use crate::plausibility::Implausibility;
 use crate::recording::status::SampleStatus;
 
 /// Readings smaller than this multiple of the twin's at every probe have another unit.
 const TOO_SMALL: f64 = 0.01;
 /// Largest share of samples without load on any element of a bearing that is loaded in the twin.
-const MOST_UNLOADED: f64 = 1.0 / 3.0;
+const MAX_UNLOADED: f64 = 1.0 / 3.0;
 /// Largest share of samples that lack a quantity needed for the verdict.
-const MOST_NOT_MEASURED: f64 = 0.1;
+const MAX_NOT_MEASURED: f64 = 0.1;
 
 /// Counts of samples over a recording.
 #[derive(Default)]
@@ -54,7 +53,7 @@ impl Counts {
     pub fn not_judged(&self, compared: u64) -> Vec<String> {
         let mut reasons = Vec::new();
         let mut beyond = |count: u64, what: &str| {
-            if self.share(count) > MOST_NOT_MEASURED {
+            if self.share(count) > MAX_NOT_MEASURED {
                 reasons.push(format!("{what} in {:.0} % of the samples", 100.0 * self.share(count)));
             }
         };
@@ -101,7 +100,7 @@ fn too_small(probes: &[ProbeOutcome]) -> Option<Implausibility> {
 
 fn unloaded((sums, bearing): (&BearingForces, &MountedBearing)) -> Option<Implausibility> {
     let [measured, twin] = sums.unloaded_shares();
-    (measured > MOST_UNLOADED && twin < 0.5 * measured).then(|| Implausibility {
+    (measured > MAX_UNLOADED && twin < 0.5 * measured).then(|| Implausibility {
         subject: format!("bearing {}", bearing.name),
         found: format!(
             "no element carries load in {:.0} % of the samples, in the scene's motion in {:.0} %",

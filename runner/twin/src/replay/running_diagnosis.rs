@@ -1,12 +1,12 @@
 //! Diagnosis while a recording runs: the last block of samples on a thread of its own, with a bounded share of one core.
 
 use super::notices::Notices;
-use crate::baseline::Baseline;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, Calibration, Diagnosis, Material};
-use crate::outcome::{FaultFigures, Finding, FindingKind};
+use crate::diagnosis::{self, Diagnosis, DiagnosisInput};
+use crate::outcome::baseline::Baseline;
+use crate::outcome::{Calibration, FaultFigures, Finding, FindingKind, Implausibility};
 use crate::plant::Plant;
-use crate::plausibility::{Implausibility, implausible_samples};
+use crate::plausibility::implausible_samples;
 use crate::recording::Sample;
 use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};
@@ -38,7 +38,7 @@ impl Machine {
         if !implausible.is_empty() && !self.force_diagnosis {
             return Ok(Judged::Implausible(implausible));
         }
-        let material = Material {
+        let material = DiagnosisInput {
             scene: &self.scene,
             plant: &self.plant,
             probes: &self.probes,
@@ -173,7 +173,8 @@ impl RunningDiagnosis {
                 Ok(Ok(Judged::Diagnosed(diagnosis))) => {
                     self.state = DiagnosisState::Made { time_s: running.time };
                     let is_new = |finding: &Finding| {
-                        finding.kind != FindingKind::Other && !self.baseline.as_ref().is_some_and(|b| b.knows(finding))
+                        finding.kind != FindingKind::Other
+                            && !self.baseline.as_ref().is_some_and(|b| b.contains_fault(finding))
                     };
                     let new = diagnosis.findings.iter().filter(|finding| is_new(finding)).cloned();
                     let new = new.map(|finding| finding.with_station_as_drawn(&self.machine.scene)).collect();
@@ -237,7 +238,7 @@ impl OpenFaults {
         self.open.iter().map(|open| open.finding.clone()).collect()
     }
 
-    /// Compares the findings of a diagnosis, made of samples up to `time` (s), with those before.
+    /// Compares the findings of a diagnosis, whose samples end at `time` (s), with those before.
     pub(super) fn report(&mut self, findings: Vec<Finding>, time: f64, notices: &mut Notices) {
         self.open.iter_mut().for_each(|open| open.missed += 1);
         for finding in findings {

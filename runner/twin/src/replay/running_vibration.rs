@@ -4,8 +4,8 @@
 use super::notices::Notices;
 use super::running_diagnosis::{OpenFaults, SHARE};
 use super::second::{SensorSecond, StatisticsOfSensors};
-use crate::baseline::Baseline;
 use crate::error::Result;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{Finding, FindingKind};
 use crate::recording::{Row, Sample};
 use crate::scene::{Recording, Scene};
@@ -17,7 +17,7 @@ use std::time::Instant;
 /// Revolutions of a block: 39 spectra of 16 revolutions, half overlapping.
 const BLOCK_TURNS: f64 = 320.0;
 /// Largest number of readings in a block of all sensors together, which need 32 MiB.
-const MOST_READINGS: u64 = 1 << 22;
+const MAX_READINGS: u64 = 1 << 22;
 
 /// Work of the thread.
 enum Work {
@@ -76,7 +76,7 @@ impl RunningVibration {
                 }
             }
             Work::Resting(until) if Instant::now() >= *until => {
-                let block = Signals::of_block(&self.recording, self.rate, row.index, MOST_READINGS);
+                let block = Signals::of_block(&self.recording, self.rate, row.index, MAX_READINGS);
                 self.work = block.map_or(Work::Ended, |mut block| {
                     block.add(row);
                     Work::Filling(block)
@@ -165,7 +165,7 @@ impl RunningVibration {
     }
 }
 
-/// Reports that the sensors are judged no more; their statistics continue.
+/// Reports that the diagnosis of the sensors has ended; their statistics continue.
 fn ended(reason: &str, time: f64, notices: &mut Notices) {
     let sentence = format!("The monitor evaluates no envelope spectra any more: {reason}.");
     notices.add_always("sensors-ended", time, sentence);

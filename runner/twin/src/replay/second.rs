@@ -177,7 +177,7 @@ impl BearingSecond {
 }
 
 /// Largest number of seconds that wait for the twin.
-const MOST_WAITING: usize = 3600;
+const MAX_WAITING: usize = 3600;
 
 /// Statistics of vibration sensors by the second. The twin is behind the readings, so that several seconds wait.
 pub struct StatisticsOfSensors {
@@ -204,7 +204,7 @@ impl StatisticsOfSensors {
         if let Some(before) = self.number.replace(number).filter(|before| *before != number) {
             let all = self.sensors.iter().zip(&mut self.current).map(sensor_second).collect();
             self.seconds.push_back((before, all));
-            if self.seconds.len() > MOST_WAITING {
+            if self.seconds.len() > MAX_WAITING {
                 self.seconds.pop_front();
             }
         }

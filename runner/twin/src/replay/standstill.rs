@@ -4,10 +4,9 @@
 
 use super::statistics::Running;
 use crate::outcome::{
-    BearingOutcome, ForceFigures, Motion, Observation, Outcome, ProbeOutcome, Record, SimplePredictor,
+    BearingOutcome, ForceFigures, Implausibility, Motion, Observation, Outcome, ProbeOutcome, Record, SimplePredictor,
     SimplePredictors, TabularList, Timing,
 };
-use crate::plausibility::Implausibility;
 use crate::recording::Row;
 use crate::recording::rotation::RotationError;
 use crate::scene::{Direction, Probe};

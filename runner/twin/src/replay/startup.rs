@@ -8,7 +8,7 @@ use super::align::{self, AlignmentStage};
 use super::range::ReadingRange;
 use crate::error::{Error, ObserverError, ReplayError, Result};
 use crate::observer::{IdentificationData, InitialState, TunedObserver, identify};
-use crate::plant::{MOST_OBSERVED, Plant, RunIn, Twin};
+use crate::plant::{MAX_OBSERVED, Plant, RunIn, Twin};
 use crate::recording::Sample;
 use crate::scene::Speed;
 use std::collections::VecDeque;
@@ -27,7 +27,7 @@ pub(super) struct Startup {
     period: f64,
     /// Run-in that is not finished.
     run_in: Option<RunInPair>,
-    /// Twins that have settled for the next sample.
+    /// Twins that have completed their run-in for the next sample.
     settled: Option<[Box<dyn Twin>; 2]>,
     /// Set to end the search without an observer and the run-in at rest.
     cancelled: Arc<AtomicBool>,
@@ -57,7 +57,7 @@ pub(super) enum RunInProgress {
     Ready,
     /// The run-in was cancelled: the twin starts at rest.
     Cancelled,
-    /// The deadline has passed before the twin settled.
+    /// The deadline has passed before the end of the run-in.
     Unfinished,
 }
 
@@ -101,7 +101,7 @@ impl Startup {
             }
             Queued::Restart => None,
         };
-        let samples: Vec<Sample> = self.queue.iter().take(align::MOST_SAMPLES).map_while(sample).collect();
+        let samples: Vec<Sample> = self.queue.iter().take(align::MAX_SAMPLES).map_while(sample).collect();
         match std::mem::replace(&mut self.state, State::Done) {
             State::Collecting(search) if self.live => {
                 self.state = State::Searching(search.spawn(samples)?);
@@ -160,7 +160,7 @@ impl Startup {
         Ok(RunInProgress::Ready)
     }
 
-    /// Returns the twins that have settled.
+    /// Returns the twins that have completed their run-in.
     pub(super) fn take_settled(&mut self) -> Result<[Box<dyn Twin>; 2]> {
         Ok(self.settled.take().ok_or(ReplayError::NotRunIn)?)
     }
@@ -238,7 +238,7 @@ pub(super) struct Search {
 /// Returns true where the samples from `first` to `last` are enough for the search.
 fn is_enough(first: &Sample, last: &Sample) -> bool {
     let turns = last.total_revolutions() - first.total_revolutions();
-    turns.abs() >= align::TURNS || last.row.index - first.row.index + 1 >= align::MOST_SAMPLES as u64
+    turns.abs() >= align::TURNS || last.row.index - first.row.index + 1 >= align::MAX_SAMPLES as u64
 }
 
 impl Search {
@@ -256,7 +256,7 @@ impl Search {
 
     fn find(&self, samples: &[Sample], lag: &mut f64) -> Result<Option<TunedObserver>> {
         // A gap leaves fewer samples, never a longer time to integrate.
-        let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MOST_SAMPLES as u64;
+        let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MAX_SAMPLES as u64;
         let shifted =
             |lag| samples.iter().take_while(within).map(|s| align::shifted(s.clone(), lag)).collect::<Vec<_>>();
         let passes = if self.is_synchronous { 0 } else { 2 };
@@ -273,7 +273,7 @@ impl Search {
 
     /// Finds the observer under which the first samples are the most likely.
     fn tune(&self, samples: &[Sample]) -> Result<Option<TunedObserver>> {
-        let Some(first) = samples.first().filter(|_| self.plant.layout.order <= MOST_OBSERVED) else { return Ok(None) };
+        let Some(first) = samples.first().filter(|_| self.plant.layout.order <= MAX_OBSERVED) else { return Ok(None) };
         let twin = self.run_in(first)?;
         let data = IdentificationData {
             samples,
@@ -339,7 +339,7 @@ impl RunInPair {
         Ok(Self { twins: [plant?, linear?], plants, period, revolutions })
     }
 
-    /// Advances the twins until they have settled or `deadline` has passed; returns true where they have settled.
+    /// Advances the twins until the end of their run-in or until `deadline`; returns true at the end of the run-in.
     fn advance(&mut self, deadline: Option<Instant>) -> bool {
         loop {
             let [twin, linear] = &mut self.twins;
@@ -352,12 +352,12 @@ impl RunInPair {
         }
     }
 
-    /// Returns the settled twins.
+    /// Returns the twins after their run-in.
     fn settled(self) -> [Box<dyn Twin>; 2] {
         self.twins.map(RunIn::into_twin)
     }
 
-    /// Returns twins at rest in the place of those that have not settled.
+    /// Returns twins in static equilibrium instead of those that have not completed their run-in.
     ///
     /// # Errors
     /// A machine that cannot be started.

@@ -8,18 +8,18 @@ use crate::outcome::{Block, BlockFigures};
 use crate::probes::Plane;
 use crate::recording::Sample;
 use ballrace::Exact;
-use ballrace::twin::{BlockStatistics, Statistics};
+use ballrace::twin::{BlockStatistics, OrderSums, OrderVector, Statistics};
 use std::f64::consts::TAU;
 
 const UM: f64 = 1e6;
 /// Revolutions of one block.
 pub const TURNS: i64 = 4;
 /// Largest number of points in a trend.
-const MOST_POINTS: usize = 512;
+const MAX_POINTS: usize = 512;
 /// Largest number of samples in a block; a block of a very slow shaft is dropped.
-const MOST_SAMPLES: usize = 1 << 18;
+const MAX_SAMPLES: usize = 1 << 18;
 /// Smallest share of its revolutions in which a block has readings.
-const LEAST_COVERED: f64 = 0.98;
+const MIN_COVERED: f64 = 0.98;
 /// Steps longer than this many revolutions are gaps.
 const GAP: f64 = 0.25;
 
@@ -54,7 +54,7 @@ impl Trend {
             start: 0.0,
             end: 0.0,
             speed: 0.0,
-            history: History::new(MOST_POINTS),
+            history: History::new(MAX_POINTS),
         }
     }
 
@@ -62,7 +62,7 @@ impl Trend {
     pub fn add(&mut self, sample: &Sample, twin: &[f64], revolutions: f64) {
         let index = sample.revolution.div_euclid(TURNS);
         let gap = revolutions.abs() > GAP;
-        if self.index != Some(index) || gap || self.bases.len() >= MOST_SAMPLES {
+        if self.index != Some(index) || gap || self.bases.len() >= MAX_SAMPLES {
             if !gap {
                 self.close();
             }
@@ -72,8 +72,7 @@ impl Trend {
             return;
         }
         let turns = sample.revolution.rem_euclid(TURNS) as f64 + sample.angle.revolutions();
-        let (sin, cos) = (TAU * turns / TURNS as f64).sin_cos();
-        self.bases.push(Basis::new((cos, sin)));
+        self.bases.push(Basis::new((TAU * turns / TURNS as f64).sin_cos()));
         for (column, value) in self.columns.iter_mut().zip(sample.row.probes.iter().chain(twin)) {
             column.push(*value);
         }
@@ -91,7 +90,7 @@ impl Trend {
 
     /// Evaluates the current block, where it is complete.
     fn close(&mut self) {
-        if self.covered < LEAST_COVERED * TURNS as f64 {
+        if self.covered < MIN_COVERED * TURNS as f64 {
             return;
         }
         let count = self.bases.len() as f64;
@@ -116,14 +115,14 @@ impl Trend {
             residuals += (y - x) * (y - x);
             sums.add(basis, y - mean, x - mean);
         }
-        sums.scale();
+        let lines = sums.close();
         let residual_rms = (residuals / count).sqrt();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (basis, y) in self.bases.iter().zip(measured) {
-            let left = y - sums.one[0] * basis.one.0 - sums.one[1] * basis.one.1;
+            let left = y - lines.one[0] * basis.one.1 - lines.one[1] * basis.one.0;
             (low, high) = (low.min(left), high.max(left));
         }
-        Some(sums.figures(&readings.close::<Exact>(), (high - low) * UM, residual_rms * UM))
+        Some(lines.figures(&readings.close::<Exact>(), (high - low) * UM, residual_rms * UM))
     }
 
     /// Returns the largest distance from the mean position in a plane, um.
@@ -146,7 +145,7 @@ impl Trend {
     }
 }
 
-/// Window, and (cosine, sine) of 0.5X, 1X and 2X at one sample.
+/// Window, and (sine, cosine) of 0.5X, 1X and 2X at one sample.
 struct Basis {
     window: f64,
     half: (f64, f64),
@@ -155,48 +154,53 @@ struct Basis {
 }
 
 impl Basis {
-    /// Creates the functions from (cosine, sine) of a quarter of the shaft angle.
+    /// Creates the functions from (sine, cosine) of a quarter of the shaft angle.
     fn new(quarter: (f64, f64)) -> Self {
-        let doubled = |(cos, sin): (f64, f64)| (cos * cos - sin * sin, 2.0 * sin * cos);
+        let doubled = |(sin, cos): (f64, f64)| (2.0 * sin * cos, cos * cos - sin * sin);
         let half = doubled(quarter);
         let one = doubled(half);
-        Self { window: 0.5 * (1.0 - quarter.0), half, one, two: doubled(one) }
+        Self { window: 0.5 * (1.0 - quarter.1), half, one, two: doubled(one) }
     }
 }
 
-/// Sums of one probe over one block, about its mean, under the window. The orders are fixed and one of them is not whole, so
-/// that the kernel's order tracker, which follows whole multiples of angles, does not serve.
+/// Sums of one probe over one block, about its mean, under the window. The kernel's [`OrderSums`] without its `OrderTracker`, whose
+/// lines are whole multiples of angles: 0.5X is not.
 #[derive(Debug, Clone, Default)]
 struct BlockSums {
     weight: f64,
-    half: [f64; 2],
-    one: [f64; 2],
-    two: [f64; 2],
-    twin: [f64; 2],
+    half: OrderSums<f64, f64>,
+    one: OrderSums<f64, f64>,
+    two: OrderSums<f64, f64>,
+    twin: OrderSums<f64, f64>,
+}
+
+/// Amplitudes of cosine and sine of one probe in one block, m.
+struct BlockLines {
+    half: OrderVector<f64>,
+    one: OrderVector<f64>,
+    two: OrderVector<f64>,
+    twin: OrderVector<f64>,
 }
 
 impl BlockSums {
     fn add(&mut self, basis: &Basis, d: f64, twin: f64) {
-        let against = |sum: &mut [f64; 2], value: f64, (cos, sin): (f64, f64)| {
-            sum[0] += value * cos;
-            sum[1] += value * sin;
-        };
         let w = basis.window;
         self.weight += w;
-        against(&mut self.half, w * d, basis.half);
-        against(&mut self.one, w * d, basis.one);
-        against(&mut self.two, w * d, basis.two);
-        against(&mut self.twin, w * twin, basis.one);
+        self.half.add(w * d, basis.half);
+        self.one.add(w * d, basis.one);
+        self.two.add(w * d, basis.two);
+        self.twin.add(w * twin, basis.one);
     }
 
-    /// Converts the sums to amplitudes.
-    fn scale(&mut self) {
+    fn close(&mut self) -> BlockLines {
         let scale = 2.0 / self.weight.max(f64::MIN_POSITIVE);
-        for sum in [&mut self.half, &mut self.one, &mut self.two, &mut self.twin] {
-            *sum = sum.map(|x| scale * x);
-        }
+        let [half, one, two, twin] =
+            [&mut self.half, &mut self.one, &mut self.two, &mut self.twin].map(|sums| sums.close(scale));
+        BlockLines { half, one, two, twin }
     }
+}
 
+impl BlockLines {
     fn figures(&self, readings: &BlockStatistics<f64>, not_one_x: f64, residual_rms: f64) -> BlockFigures {
         let size = |[cos, sin]: [f64; 2]| cos.hypot(sin) * UM;
         BlockFigures {

@@ -67,8 +67,8 @@ impl Bearing {
     pub fn set_clearance(&mut self, clearance: f64) {
         if let Some(geometry) = &mut self.geometry {
             geometry.fit = match geometry.fit {
-                Fit::DiametralClearance(_) => Fit::DiametralClearance(clearance),
-                Fit::ContactAngle(_) => Fit::ContactAngle(geometry.contact_angle_of(clearance)),
+                FreeAngle::DiametralClearance(_) => FreeAngle::DiametralClearance(clearance),
+                FreeAngle::ContactAngle(_) => FreeAngle::ContactAngle(geometry.contact_angle_of(clearance)),
             };
         }
         if let Some(play) = self.law.as_mut().and_then(|law| law.radial_play.as_mut()) {
@@ -245,7 +245,7 @@ pub struct Geometry {
     /// groove radius / ball diameter, above 0.5
     pub outer_conformity: f64,
     /// How the free contact angle is given.
-    pub fit: Fit,
+    pub fit: FreeAngle,
     /// Pa
     pub youngs_modulus: f64,
     /// 0 or more, below 0.5
@@ -264,8 +264,8 @@ impl Geometry {
     #[must_use]
     pub fn clearance(&self) -> f64 {
         match self.fit {
-            Fit::ContactAngle(angle) => 2.0 * self.groove_centres() * (1.0 - angle.cos()),
-            Fit::DiametralClearance(clearance) => clearance,
+            FreeAngle::ContactAngle(angle) => 2.0 * self.groove_centres() * (1.0 - angle.cos()),
+            FreeAngle::DiametralClearance(clearance) => clearance,
         }
     }
 
@@ -275,9 +275,9 @@ impl Geometry {
     }
 }
 
-/// Free contact angle, given one way or the other.
+/// Free contact angle, or the clearance that determines it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fit {
+pub enum FreeAngle {
     /// rad, 0 to pi/3
     ContactAngle(f64),
     /// m; negative is an interference fit (only for the lumped model)

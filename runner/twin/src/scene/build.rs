@@ -7,16 +7,16 @@ mod lumped;
 mod preload;
 
 pub use balls::{
-    MadeTable, PRESSURE_LIMIT, Solved, inertia_params, of_table, point_contact_approach, point_contact_load,
+    PRESSURE_LIMIT, Solved, TableData, inertia_params, of_table, point_contact_approach, point_contact_load,
     quasi_static, solved_in, table,
 };
 pub use error::BuildError;
 use kinematics::outer_ratio;
-pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rotation_at};
+pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rolling_speed, rotation_at};
 pub use lumped::{Exponent, law};
 pub use preload::{loaded, preload_offset, preloaded};
 
-use super::{Bearing as BearingScene, DefectShape, Facing, Fit, Linear, Model, Rotor, Scene, Surface};
+use super::{Bearing as BearingScene, DefectShape, Facing, FreeAngle, Linear, Model, Rotor, Scene, Surface};
 use crate::handle::BearingHandle;
 pub use crate::handle::{AnyBearing, AnyForceModel, Shared};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
@@ -45,10 +45,10 @@ pub fn geometry(bearing: &BearingScene) -> Result<Option<BallBearingGeometry>, B
         race: steel,
     };
     let built = match g.fit {
-        Fit::ContactAngle(contact_angle) => BallBearingGeometry { contact_angle, ..built },
-        Fit::DiametralClearance(s) if s >= 0.0 => built.with_clearance(s).map_err(|e| named(bearing, e))?,
+        FreeAngle::ContactAngle(contact_angle) => BallBearingGeometry { contact_angle, ..built },
+        FreeAngle::DiametralClearance(s) if s >= 0.0 => built.with_clearance(s).map_err(|e| named(bearing, e))?,
         // An interference fit: the balls sit at the bottom of the grooves.
-        Fit::DiametralClearance(_) => built,
+        FreeAngle::DiametralClearance(_) => built,
     };
     Ok(Some(built.checked().map_err(|e| named(bearing, e))?))
 }
@@ -68,7 +68,7 @@ fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<Stri
 }
 
 /// Builds the model `model` of one bearing. A linear model derived from another one requires the rotor's equilibrium
-/// (see [`crate::plant`]) and is refused here.
+/// (see [`crate::plant`]) and is rejected here.
 ///
 /// # Errors
 /// Returns an error if the scene lacks a value of this model or the kernel rejects one.
@@ -178,7 +178,7 @@ pub(crate) fn contact_geometry(
         let keys = "ball_diameter, pitch_diameter, the conformities and contact_angle or diametral_clearance";
         return Err(invalid(scene, format!("model {model}"), "no geometry", keys));
     };
-    if let Some(super::Geometry { fit: Fit::DiametralClearance(s), .. }) = scene.geometry
+    if let Some(super::Geometry { fit: FreeAngle::DiametralClearance(s), .. }) = scene.geometry
         && s < 0.0
     {
         let expected = format!("0 or more with model {model}");

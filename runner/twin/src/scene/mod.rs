@@ -6,21 +6,18 @@
 mod bearing;
 pub mod bounded;
 pub mod build;
-pub mod draft;
 pub mod edit;
-mod flexible_rotor;
-pub mod matrix;
 mod mounting;
 pub mod read;
 mod recording;
 mod table;
 pub mod units;
 
+pub use crate::flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use bearing::{
-    Axial, Bearing, CageRunout, Defect, DefectShape, Effects, Facing, Fit, FrictionSharing, FromCatalogue, Geometry,
-    Law, Linear, Lubricant, Model, Preload, RaceControl, Support, Surface, TableRange, Wave,
+    Axial, Bearing, CageRunout, Defect, DefectShape, Effects, Facing, FreeAngle, FrictionSharing, FromCatalogue,
+    Geometry, Law, Linear, Lubricant, Model, Preload, RaceControl, Support, Surface, TableRange, Wave,
 };
-pub use flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};
 pub use recording::{
     Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,

@@ -215,7 +215,7 @@ fn observer(node: &Node<'_>) -> Read<Observer> {
     let table = node.table(&["process_noise", FORMER])?;
     let key = if table.has(FORMER) { FORMER } else { "process_noise" };
     if let Some(both) = table.optional("process_noise").filter(|_| key == FORMER) {
-        return Err(both.misplaced("either process_noise or its former name wander"));
+        return Err(both.misplaced("either process_noise or its former name `wander`"));
     }
     let process_noise = table.read(key, |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
     Ok(Observer { process_noise })
@@ -271,18 +271,18 @@ fn system(node: &Node<'_>, root: &Table<'_>, scene: &Path) -> Read<System> {
     }
     let table =
         node.table(&["mass", "damping", "gyroscopic", "stiffness", "load", "proportional_damping", "unbalance"])?;
-    let wants = "the name of a Matrix Market or NPY file, relative to the scene's folder";
-    let file = |n: &Node<'_>| Ok(scene.parent().unwrap_or(Path::new("")).join(n.text(wants)?));
+    let expected = "the name of a Matrix Market or NPY file, relative to the scene's folder";
+    let file = |n: &Node<'_>| Ok(scene.parent().unwrap_or(Path::new("")).join(n.text(expected)?));
     let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
     let unbalances = |n: &Node<'_>| {
         let list = n.list("a list of tables { moment, angle, x, y }")?;
         list.iter().map(system_unbalance).collect::<Read<Vec<_>>>()
     };
     Ok(System {
-        mass: file(&table.required("mass", wants)?)?,
+        mass: file(&table.required("mass", expected)?)?,
         damping: table.read("damping", file)?,
         gyroscopic: table.read("gyroscopic", file)?,
-        stiffness: file(&table.required("stiffness", wants)?)?,
+        stiffness: file(&table.required("stiffness", expected)?)?,
         load: table.read("load", file)?,
         proportional_damping: table.read("proportional_damping", time)?.unwrap_or(0.0),
         unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
@@ -291,10 +291,10 @@ fn system(node: &Node<'_>, root: &Table<'_>, scene: &Path) -> Read<System> {
 
 fn system_unbalance(node: &Node<'_>) -> Read<SystemUnbalance> {
     let table = node.table(&["moment", "angle", "x", "y"])?;
-    let wants = "the number of a coordinate, 1 for the first";
+    let expected = "the number of a coordinate, 1 for the first";
     let coordinate = |key: &str| -> Read<usize> {
-        let node = table.required(key, wants)?;
-        usize::try_from(node.integer(1, 128, wants)? - 1).map_err(|_| node.refuse(wants))
+        let node = table.required(key, expected)?;
+        usize::try_from(node.integer(1, 128, expected)? - 1).map_err(|_| node.refuse(expected))
     };
     Ok(SystemUnbalance {
         moment: table.not_negative("moment", Dimension::Unbalance)?,
@@ -304,10 +304,10 @@ fn system_unbalance(node: &Node<'_>) -> Read<SystemUnbalance> {
 }
 
 fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Vec<Bearing>> {
-    let wants = "at least one table [[bearing]], in double brackets";
-    let node = root.required("bearing", wants)?;
+    let expected = "at least one table [[bearing]], in double brackets";
+    let node = root.required("bearing", expected)?;
     let mut bearings: Vec<Bearing> = Vec::new();
-    for (node, expansion) in node.list(wants)?.iter().zip(catalogue) {
+    for (node, expansion) in node.list(expected)?.iter().zip(catalogue) {
         let table = bearing::table(node)?;
         let table = match (expansion, table.optional(catalogue::KEY)) {
             (Some(expansion), Some(key)) => table.with_defaults(&expansion.defaults, &key),
@@ -323,7 +323,7 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
         bearings.push(bearing);
     }
     if bearings.is_empty() {
-        return Err(node.refuse(wants));
+        return Err(node.refuse(expected));
     }
     Ok(bearings)
 }

@@ -239,7 +239,7 @@ impl<'a> Node<'a> {
         self.within(dimension, "of 0 or more", |x| x >= 0.0)
     }
 
-    /// The value, and for a bare number the unit it has been taken in.
+    /// The value, and the assumed unit of a bare number.
     pub fn shown_quantity(&self, dimension: Dimension) -> String {
         match self.bare_number() {
             Some(_) => format!("{} (a bare number is in {})", self.shown(), dimension.si_unit()),
@@ -390,14 +390,14 @@ impl<'a> Table<'a> {
         Node::of_item(self.source, self.path_of(key), span.clone(), content.get(key)?)
     }
 
-    /// Returns the value of a required key; `wants` describes the values expected.
-    pub fn required(&self, key: &str, wants: &str) -> Read<Node<'a>> {
-        self.optional(key).ok_or_else(|| self.missing(key, wants))
+    /// Returns the value of a required key; `expected` describes the values expected.
+    pub fn required(&self, key: &str, expected: &str) -> Read<Node<'a>> {
+        self.optional(key).ok_or_else(|| self.missing(key, expected))
     }
 
     /// Returns the error of a missing key.
-    pub fn missing(&self, key: &str, wants: &str) -> SceneError {
-        self.source.error(self.span.start, &self.path_of(key), "", wants)
+    pub fn missing(&self, key: &str, expected: &str) -> SceneError {
+        self.source.error(self.span.start, &self.path_of(key), "", expected)
     }
 
     /// Returns an error about the table as a whole whose problem `found` describes.

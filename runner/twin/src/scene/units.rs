@@ -1,7 +1,7 @@
 //! Quantities with units, as scenes and recordings name them.
 //!
 //! A unit is a product of names with optional powers and at most one `/`; everything after the `/` divides:
-//! `N s/m`, `1/Pa`, `kg m^2`, `N/mm^1.5`, `g·mm`. What is checked is the dimension, with the angle and the voltage as
+//! `N s/m`, `1/Pa`, `kg m^2`, `N/mm^1.5`, `g·mm`. The dimension is checked, with the angle and the voltage as
 //! dimensions of their own: `Hz` cannot pass for a speed of rotation.
 
 use std::f64::consts::{PI, TAU};

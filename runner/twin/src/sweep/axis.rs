@@ -5,7 +5,7 @@ use crate::scene::units::{self, Dimension, Mismatch};
 use toml_edit::Value;
 
 /// Most values of one key.
-const MOST_VALUES: usize = 100_000;
+const MAX_VALUES: usize = 100_000;
 
 /// Forms of `--over`.
 const FORM: &str = "KEY=FROM..TO:COUNT (such as shaft.speed=500rpm..10000rpm:200), a step with its unit in place of the count, or KEY=A,B,C";
@@ -94,8 +94,8 @@ fn quantity(text: &str) -> Option<(f64, String)> {
 }
 
 fn by_count(from: f64, to: f64, count: f64) -> Result<Vec<f64>, String> {
-    if !(2.0..=MOST_VALUES as f64).contains(&count) {
-        return Err(format!("a count of 2 to {MOST_VALUES}"));
+    if !(2.0..=MAX_VALUES as f64).contains(&count) {
+        return Err(format!("a count of 2 to {MAX_VALUES}"));
     }
     let last = count - 1.0;
     // The ends exactly, whatever the step rounds to.
@@ -104,8 +104,8 @@ fn by_count(from: f64, to: f64, count: f64) -> Result<Vec<f64>, String> {
 
 fn by_step(from: f64, to: f64, step: f64) -> Result<Vec<f64>, String> {
     let count = ((to - from) / step * (1.0 + 1e-12)).floor() + 1.0;
-    if !(1.0..=MOST_VALUES as f64).contains(&count) {
-        return Err(format!("a step that leads from the one end to the other in at most {MOST_VALUES}"));
+    if !(1.0..=MAX_VALUES as f64).contains(&count) {
+        return Err(format!("a step that leads from the one end to the other in at most {MAX_VALUES}"));
     }
     Ok((0..count as usize).map(|i| from + step * i as f64).collect())
 }

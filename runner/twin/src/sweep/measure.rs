@@ -2,10 +2,11 @@
 
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{Result, SweepError};
-use crate::motion::{self, MOST_SAMPLES, ResponseSample, Span};
+use crate::motion::{self, MAX_SAMPLES, ResponseSample, Span};
 use crate::plant::{Plant, Twin};
 use crate::scene::Scene;
-use crate::spectrum::amplitudes;
+use crate::spectrum::{amplitudes, line};
+use ballrace::Phase;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -106,8 +107,8 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
     let settle = options.settle.unwrap_or_else(|| plant.settling_time());
     // Whole periods, so that the section is taken at the same place at every point.
     let settle = (settle * section).ceil() * A_PERIOD as f64;
-    if settle > MOST_SAMPLES {
-        return Err(SweepError::Samples { found: settle, rate, most: MOST_SAMPLES }.into());
+    if settle > MAX_SAMPLES {
+        return Err(SweepError::Samples { found: settle, rate, most: MAX_SAMPLES }.into());
     }
     let span = Span { rate, settle: settle as u64, samples: (options.periods * A_PERIOD) as u64 };
     let mut path = Path::default();
@@ -157,17 +158,10 @@ impl Path {
 
     /// Amplitude along X and Y at a frequency in cycles a sample, under a Hann window.
     fn line(&self, frequency: f64) -> [f64; 2] {
+        let phases = || (0..).map(|i| Phase::from_revolutions(frequency * f64::from(i)));
         let amplitude = |x: &[f64]| {
-            let n = x.len() as f64;
-            let mean = x.iter().sum::<f64>() / n;
-            let (mut re, mut im) = (0.0, 0.0);
-            for (i, x) in x.iter().enumerate() {
-                let window = 1.0 - (TAU * i as f64 / n).cos();
-                let (sin, cos) = (TAU * frequency * i as f64).sin_cos();
-                re += window * (x - mean) * cos;
-                im += window * (x - mean) * sin;
-            }
-            2.0 / n * re.hypot(im)
+            let [cosine, sine] = line(x, phases());
+            cosine.hypot(sine)
         };
         if frequency > 0.0 { [amplitude(&self.along[0]), amplitude(&self.along[1])] } else { [0.0; 2] }
     }

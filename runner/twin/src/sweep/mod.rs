@@ -62,10 +62,11 @@ pub struct Chain {
 /// Results at one point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Number of the point, from 0; the same on the way up and down.
+    /// Number of the point, from 0; the same upwards and downwards.
     pub point: usize,
     /// `rest`, `up` or `down`.
-    pub way: String,
+    #[serde(alias = "way")]
+    pub direction: String,
     /// Value of each axis in its unit.
     pub values: Vec<f64>,
     /// Measures of the motion.
@@ -73,7 +74,7 @@ pub struct Row {
 }
 
 /// Largest number of numbers in the results of a sweep: 1 GiB in memory at the end.
-const MOST_NUMBERS: usize = 1 << 27;
+const MAX_NUMBERS: usize = 1 << 27;
 /// Number of numbers of one point besides its sections.
 const NUMBERS_OF_POINT: usize = 256;
 
@@ -84,7 +85,7 @@ impl Plan {
     /// Results of more than 2^27 numbers.
     pub fn checked(self) -> Result<Self> {
         let both_ways = if self.follow == Follow::Both { 2 } else { 1 };
-        let most = MOST_NUMBERS / (both_ways * (NUMBERS_OF_POINT + 2 * self.measure.periods));
+        let most = MAX_NUMBERS / (both_ways * (NUMBERS_OF_POINT + 2 * self.measure.periods));
         let points = self.axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.values.len()));
         if points.is_some_and(|points| points <= most) {
             return Ok(self);
@@ -170,7 +171,7 @@ impl Plan {
     /// # Errors
     /// As [`measure`], with the point named.
     pub fn compute(&self, number: usize) -> Result<Chain> {
-        let (points, way) = self.chain(number);
+        let (points, direction) = self.chain(number);
         let (mut rows, mut state) = (Vec::new(), None);
         for point in points {
             let values = self.values(point);
@@ -179,7 +180,7 @@ impl Plan {
                     .and_then(|scene| measure(&scene, &self.measure, state.as_ref()))
                     .map_err(|error| Error::Point { point: self.named(&values), source: Box::new(error) })?;
             state = (self.follow != Follow::None).then_some(end);
-            rows.push(Row { point, way: way.to_owned(), values, figures });
+            rows.push(Row { point, direction: direction.to_owned(), values, figures });
         }
         Ok(Chain { number, rows })
     }

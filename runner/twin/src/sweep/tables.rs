@@ -14,7 +14,7 @@ fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
     };
     let mut all = vec![
         count("point", &|r| i64::try_from(r.point).ok()),
-        Column::new("way", Values::Word(rows.iter().map(|r| r.way.clone()).collect())),
+        Column::new("direction", Values::Word(rows.iter().map(|r| r.direction.clone()).collect())),
     ];
     for (i, axis) in axes.iter().enumerate() {
         let unit = if axis.unit.is_empty() { String::new() } else { format!("_{}", axis.unit.replace(' ', "_")) };
@@ -67,10 +67,10 @@ pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> std::io::Resul
 /// # Errors
 /// Returns the writer's error.
 pub fn sections(out: &mut impl Write, rows: &[&Row]) -> std::io::Result<()> {
-    writeln!(out, "point,way,section,u_um,v_um")?;
+    writeln!(out, "point,direction,section,u_um,v_um")?;
     for row in rows {
         for (k, [u, v]) in row.figures.section.iter().enumerate() {
-            writeln!(out, "{},{},{k},{u:.16e},{v:.16e}", row.point, row.way)?;
+            writeln!(out, "{},{},{k},{u:.16e},{v:.16e}", row.point, row.direction)?;
         }
     }
     Ok(())

@@ -12,11 +12,11 @@ use ballrace::{BearingKinematicState, Displacement};
 use std::f64::consts::TAU;
 
 /// Number of samples per revolution of a computed motion.
-pub const A_TURN: f64 = 128.0;
+pub const SAMPLES_PER_REVOLUTION: f64 = 128.0;
 /// Number of revolutions of a computed motion.
 pub const TURNS: f64 = 16.0;
 /// Largest number of poses of a bearing.
-const MOST_POSES: usize = 512;
+const MAX_POSES: usize = 512;
 /// Samples per second at standstill.
 const STILL_RATE: f64 = 10e3;
 
@@ -29,7 +29,7 @@ pub struct Pose {
     pub at: BearingKinematicState<f64>,
 }
 
-/// Poses of every bearing in the scene's order, at most [`MOST_POSES`] of each.
+/// Poses of every bearing in the scene's order, at most [`MAX_POSES`] of each.
 pub type Poses = Vec<Vec<Pose>>;
 
 /// Returns rate and length of a computed motion.
@@ -37,14 +37,14 @@ pub type Poses = Vec<Vec<Pose>>;
 pub fn span(scene: &Scene, plant: &Plant) -> Span {
     let turning = [scene.shaft.speed.at(0.0), scene.shaft.speed.nominal(), scene.shaft.speed.at(f64::MAX)];
     let fastest = turning.into_iter().map(f64::abs).filter(|w| w.is_finite()).fold(0.0, f64::max) / TAU;
-    let rate = if fastest > 0.0 { fastest * A_TURN } else { STILL_RATE };
+    let rate = if fastest > 0.0 { fastest * SAMPLES_PER_REVOLUTION } else { STILL_RATE };
     // The transient after a change of model has then decayed to a thousandth.
     let settle = 0.6 * plant.settling_time() * rate;
     let ramp = match scene.shaft.speed {
         crate::scene::Speed::Ramp { over, .. } => over.min(TURNS / fastest.max(1e-9) * 8.0) * rate,
         _ => 0.0,
     };
-    Span { rate, settle: settle.ceil() as u64, samples: (TURNS * A_TURN).max(ramp.ceil()) as u64 }
+    Span { rate, settle: settle.ceil() as u64, samples: (TURNS * SAMPLES_PER_REVOLUTION).max(ramp.ceil()) as u64 }
 }
 
 /// Returns the poses of the motion that the plant computes.
@@ -60,7 +60,7 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
 /// # Errors
 /// As [`computed`].
 pub fn computed_over(scene: &Scene, plant: &Plant, span: Span) -> Result<Poses> {
-    let stride = span.samples.div_ceil(MOST_POSES as u64).max(1);
+    let stride = span.samples.div_ceil(MAX_POSES as u64).max(1);
     let mut poses = vec![Vec::new(); plant.bearings.len()];
     let mut count = 0;
     motion::run(
@@ -121,7 +121,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording, most_rows: 
     take(&mut tracker);
     let thinned: Poses = all
         .iter()
-        .map(|poses: &Vec<Pose>| poses.iter().step_by(poses.len().div_ceil(MOST_POSES).max(1)).copied().collect())
+        .map(|poses: &Vec<Pose>| poses.iter().step_by(poses.len().div_ceil(MAX_POSES).max(1)).copied().collect())
         .collect();
     if thinned.iter().any(Vec::is_empty) {
         return Err(TradeError::NoSample { file: path.clone() }.into());

@@ -4,8 +4,10 @@ use crate::error::{Error, Result};
 use crate::motion;
 use crate::plant::Plant;
 use crate::scene::{Method, Scene};
+use crate::spectrum::line;
+use ballrace::Phase;
+use ballrace::twin::OrderVector;
 use serde::Serialize;
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 /// Errors of a computed motion.
@@ -81,13 +83,13 @@ impl Motion {
         let size = |v: [f64; 2]| v[0].hypot(v[1]);
         let (moved, swung) = (most(&spread), most(&|x| rms(x, sum(x))));
         // Without 1X in the reference, the denominator is a share of its peak to peak.
-        let once = most(&|x| size(line(x, &truth.turned, 1.0))).max(0.01 * moved);
+        let once = most(&|x| size(line_at(x, &truth.turned, 1.0))).max(0.01 * moved);
         let mut errors =
             MotionErrors { one_per_turn: 0.0, ball_pass: 0.0, peak_to_peak: 0.0, residual: 0.0, mean: 0.0 };
         for (i, (x, right)) in self.series.iter().zip(&truth.series).enumerate() {
             let order = truth.orders.get(i / 2).copied().unwrap_or(0.0);
             let off = |order: f64| {
-                let (a, b) = (line(x, &truth.turned, order), line(right, &truth.turned, order));
+                let (a, b) = (line_at(x, &truth.turned, order), line_at(right, &truth.turned, order));
                 size([a[0] - b[0], a[1] - b[1]])
             };
             let apart: Vec<f64> = x.iter().zip(right).map(|(a, b)| a - b).collect();
@@ -106,16 +108,7 @@ impl Motion {
     }
 }
 
-/// Returns the amplitude vector at an order of the shaft, under a Hann window.
-fn line(x: &[f64], turned: &[f64], order: f64) -> [f64; 2] {
-    let n = x.len().max(1) as f64;
-    let mean = x.iter().sum::<f64>() / n;
-    let mut vector = [0.0; 2];
-    for (i, (x, turned)) in x.iter().zip(turned).enumerate() {
-        let window = 1.0 - (TAU * i as f64 / n).cos();
-        let (sin, cos) = (TAU * order * turned).sin_cos();
-        vector[0] += 2.0 / n * window * (x - mean) * cos;
-        vector[1] += 2.0 / n * window * (x - mean) * sin;
-    }
-    vector
+/// Returns the amplitude vector at an order of the shaft.
+fn line_at(x: &[f64], turned: &[f64], order: f64) -> OrderVector<f64> {
+    line(x, turned.iter().map(|turned| Phase::from_revolutions(order * turned)))
 }

@@ -27,11 +27,11 @@ const BLOCK_TURNS: f64 = 16.0;
 /// Range of the background on either side of a line, orders.
 const BACKGROUND_TURNS: f64 = 1.0;
 /// Smallest range of the background, bins: a line under the Hann window has four bins, which shall not be its own background.
-const LEAST_BACKGROUND: usize = 8;
+const MIN_BACKGROUND: usize = 8;
 
 /// The envelope spectrum of one band.
 #[derive(Clone)]
-pub struct Envelope {
+pub struct BandEnvelope {
     /// Lower and upper limit of the band, Hz.
     pub band: [f64; 2],
     /// Squared amplitudes, averaged over the blocks.
@@ -81,7 +81,7 @@ pub fn envelopes(
     rotation: Rotation<'_>,
     [lowest, highest]: [f64; 2],
     transforms: &mut Transforms,
-) -> Vec<Envelope> {
+) -> Vec<BandEnvelope> {
     let n = signal.len();
     let Transforms { planner, windowed } = transforms;
     let planner = planner.get_or_insert_with(FftPlanner::new);
@@ -107,7 +107,7 @@ fn envelope(
     rotation: Rotation<'_>,
     band: [f64; 2],
     (planner, windowed): (&mut FftPlanner<f64>, &mut HashMap<usize, WindowedTransform>),
-) -> Option<Envelope> {
+) -> Option<BandEnvelope> {
     let n = spectrum.len();
     let bin_of = |f: f64| (f * n as f64 / rate).ceil() as usize;
     let inside = spectrum.get(bin_of(band[0])..bin_of(band[1]).min(n / 2))?;
@@ -142,7 +142,7 @@ fn envelope(
     }
     let weight = 4.0 / (blocks * mean * mean);
     power.iter_mut().for_each(|p| *p *= weight);
-    Some(Envelope { band, power, bin: own_rate / length as f64, turn_hz, signals: 1.0 })
+    Some(BandEnvelope { band, power, bin: own_rate / length as f64, turn_hz, signals: 1.0 })
 }
 
 /// Returns a squared envelope at steps of `step` revolutions; it spans a signal of `samples` samples.
@@ -165,13 +165,13 @@ fn interpolated(values: &[f64], at: f64) -> f64 {
 
 /// Averages the spectra of a further signal of the same length and rotation into `averaged`, band by band. Powers are averaged, so the
 /// signals need no common time.
-pub fn average(averaged: &mut Vec<Envelope>, further: &[Envelope]) {
+pub fn average(averaged: &mut Vec<BandEnvelope>, further: &[BandEnvelope]) {
     if averaged.is_empty() {
         averaged.extend_from_slice(further);
         return;
     }
     for one in further {
-        let same = |mean: &&mut Envelope| mean.band == one.band && mean.power.len() == one.power.len();
+        let same = |mean: &&mut BandEnvelope| mean.band == one.band && mean.power.len() == one.power.len();
         let Some(mean) = averaged.iter_mut().find(same) else { continue };
         mean.signals += 1.0;
         for (mean_power, power) in mean.power.iter_mut().zip(&one.power) {
@@ -180,7 +180,7 @@ pub fn average(averaged: &mut Vec<Envelope>, further: &[Envelope]) {
     }
 }
 
-impl Envelope {
+impl BandEnvelope {
     /// Returns the variance of the squared envelope over the square of its mean: 1 for noise.
     #[must_use]
     pub fn total_modulation(&self) -> f64 {
@@ -207,7 +207,7 @@ impl Envelope {
         if (order - order.round()).abs() < 0.6 * self.bin / self.turn_hz {
             return Some(Line::default());
         }
-        let reach = ((BACKGROUND_TURNS * self.turn_hz / self.bin) as usize).max(LEAST_BACKGROUND);
+        let reach = ((BACKGROUND_TURNS * self.turn_hz / self.bin) as usize).max(MIN_BACKGROUND);
         let mut around =
             self.power.get(at.saturating_sub(reach).max(2)..(at + reach + 1).min(self.power.len()))?.to_vec();
         around.sort_by(f64::total_cmp);
@@ -238,7 +238,7 @@ mod tests {
         let signal: Vec<f64> = (0..40_000).map(wave).collect();
         let rotation = Rotation { turn_hz: 4.7, fastest_hz: 4.7, revolutions: None };
         let all = envelopes(&signal, rate, rotation, [100.0, 100.0], &mut Transforms::default());
-        let holding: Vec<&Envelope> = all.iter().filter(|e| e.band[0] < 1300.0 && e.band[1] > 1374.0).collect();
+        let holding: Vec<&BandEnvelope> = all.iter().filter(|e| e.band[0] < 1300.0 && e.band[1] > 1374.0).collect();
         assert!(holding.len() >= 4);
         for envelope in holding {
             let line = envelope.line(20.0).unwrap();

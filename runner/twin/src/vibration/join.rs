@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn a_fault_that_both_show_is_one_finding() {
         let motion = vec![finding(FindingKind::OuterRace, Some("DE"), None)];
-        // The strongest bearing with these lines, and each that the sensor cannot tell from it.
+        // The strongest bearing with these lines, and each that the sensor cannot distinguish from it.
         for of in ["DE", "NDE"] {
             let seen = vec![
                 finding(FindingKind::OuterRace, Some(of), Some(&["DE"])),

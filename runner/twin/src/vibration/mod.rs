@@ -1,9 +1,9 @@
 //! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by the lines of envelope
 //! spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the findings of both are joined.
 
+mod detector;
 mod envelope;
 pub mod join;
-mod judge;
 mod onset;
 mod picture;
 mod shaft;
@@ -14,17 +14,17 @@ mod suspect;
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 mod tests;
 
-use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
+use crate::options::Options;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{Outcome, Pictures, Record, RotorDrawing, Timing};
 use crate::plausibility::{Collector, Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
 use crate::recording::{Reader, Row};
-use crate::replay::Options;
-use crate::replay::verdict::verdict;
 use crate::scene::{Recording, RotationSource, Scene, Sensor, Sequence, build};
-use signals::{LEAST_TURNS, Signals};
+use crate::verdict::verdict;
+use signals::{MIN_TURNS, Signals};
 use std::time::Instant;
 use suspect::Suspect;
 
@@ -68,7 +68,7 @@ pub fn replay(
     let rate = reader.rate();
     let begun = Instant::now();
     let Some(mut signals) = Signals::new(recording, rate) else {
-        return Err(VibrationError::TooShort { recording: name.to_owned(), found: 0.0, least: LEAST_TURNS }.into());
+        return Err(VibrationError::TooShort { recording: name.to_owned(), found: 0.0, least: MIN_TURNS }.into());
     };
     let mut angle = Angle::new(scene, recording, rate);
     let mut row = angle.tracker.blank();
@@ -91,9 +91,9 @@ pub fn replay(
     let suspects = suspects(scene)?;
     let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
     let found = signals.evaluate(scene, baseline.as_ref())?;
-    if found.turns < LEAST_TURNS {
+    if found.turns < MIN_TURNS {
         return Err(
-            VibrationError::TooShort { recording: name.to_owned(), found: found.turns, least: LEAST_TURNS }.into()
+            VibrationError::TooShort { recording: name.to_owned(), found: found.turns, least: MIN_TURNS }.into()
         );
     }
     let collected = &collected;

@@ -1,6 +1,6 @@
 //! Envelope spectrum of a sensor for the report: the band of the strongest finding, or the band with the largest modulation.
 
-use super::envelope::Envelope;
+use super::envelope::BandEnvelope;
 use super::suspect::Suspect;
 use crate::outcome::{EnvelopeSpectrum, MarkedLine};
 use crate::scene::Sensor;
@@ -11,7 +11,7 @@ pub fn envelope(
     sensor: &Sensor,
     suspects: &[&Suspect],
     [turn_hz, highest]: [f64; 2],
-    bands: &[Envelope],
+    bands: &[BandEnvelope],
     found: Option<[f64; 2]>,
 ) -> Option<EnvelopeSpectrum> {
     let most = || bands.iter().max_by(|a, b| a.total_modulation().total_cmp(&b.total_modulation()));

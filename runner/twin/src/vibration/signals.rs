@@ -1,11 +1,11 @@
 //! Signals of the vibration sensors of a recording, with the shaft angle, and their evaluation.
 
+use super::detector::FaultDetector;
 use super::envelope::Rotation;
-use super::judge::Judge;
 use super::shaft::ShaftAngle;
 use super::suspects;
-use crate::baseline::{Baseline, BaselineSensor};
 use crate::error::Result;
+use crate::outcome::baseline::{Baseline, BaselineSensor};
 use crate::outcome::{EnvelopeSpectrum, Finding};
 use crate::recording::{Row, Sample};
 use crate::scene::{Recording, Scene, Sensor};
@@ -14,12 +14,12 @@ use ballrace::twin::{BlockStatistics, Statistics};
 use std::f64::consts::TAU;
 
 /// Smallest number of revolutions for a verdict.
-pub const LEAST_TURNS: f64 = 16.0;
+pub const MIN_TURNS: f64 = 16.0;
 /// Largest number of readings of all sensors together, which need half a gigabyte of memory.
-const MOST_READINGS: u64 = 1 << 26;
+const MAX_READINGS: u64 = 1 << 26;
 /// Largest ratio of the fastest to the slowest shaft speed for a verdict: amplitudes of impacts rise with the speed, and the bands
 /// are those of the fastest.
-const MOST_SPEED_RATIO: f64 = 1.5;
+const MAX_SPEED_RATIO: f64 = 1.5;
 
 /// Signals of all sensors of a recording.
 pub struct Signals {
@@ -60,7 +60,7 @@ pub struct Evaluation {
 impl Signals {
     /// Creates the signals of a recording at `rate`, Hz; none without sensors.
     pub fn new(recording: &Recording, rate: f64) -> Option<Self> {
-        Self::of_block(recording, rate, 0, MOST_READINGS)
+        Self::of_block(recording, rate, 0, MAX_READINGS)
     }
 
     /// Creates the signals of a block that begins at sample `first_index` and holds at most `most_readings` of all sensors together.
@@ -144,13 +144,13 @@ impl Signals {
             return Ok(evaluation);
         }
         let suspects = suspects(scene)?;
-        let mut judge = Judge {
+        let mut detector = FaultDetector {
             suspects: &suspects,
             rotation: Rotation { turn_hz: mean, fastest_hz: fastest.max(mean), revolutions: None },
             rate: self.rate,
             baseline: baseline.filter(|baseline| !baseline.sensors.is_empty()),
         };
-        let least_rate = judge.least_rate();
+        let least_rate = detector.least_rate();
         if self.rate < least_rate {
             evaluation.not_judged = Some(format!(
                 "the rate of {:.0} Hz has no band with the lines of the bearings, expected {least_rate:.0} Hz or more",
@@ -158,8 +158,8 @@ impl Signals {
             ));
             return Ok(evaluation);
         }
-        let revolutions = stretch.varying(judge.highest_line());
-        judge.rotation.revolutions = revolutions.as_ref();
+        let revolutions = stretch.varying(detector.highest_line());
+        detector.rotation.revolutions = revolutions.as_ref();
         let samples = stretch.samples();
         if is_interrupted {
             evaluation.notes.push(format!(
@@ -178,19 +178,19 @@ impl Signals {
         let part = |signal: &'_ Vec<f64>| samples.start.min(signal.len())..samples.end.min(signal.len());
         let signals =
             self.sensors.iter().map(|(sensor, signal)| (sensor, signal.get(part(signal)).unwrap_or_default()));
-        (evaluation.findings, evaluation.learned, evaluation.envelopes) = judge.all(signals);
+        (evaluation.findings, evaluation.learned, evaluation.envelopes) = detector.all(signals);
         Ok(evaluation)
     }
 }
 
-/// Returns the reason why a stretch of so many revolutions at these speeds, rev/s, has no verdict.
+/// Returns the reason why a stretch with this number of revolutions and these speeds, rev/s, has no verdict.
 fn not_judged(turns: f64, [slowest, fastest]: [f64; 2]) -> Option<String> {
-    if turns < LEAST_TURNS {
-        return Some(format!("{turns:.1} revolutions of the shaft, expected {LEAST_TURNS} or more"));
+    if turns < MIN_TURNS {
+        return Some(format!("{turns:.1} revolutions of the shaft, expected {MIN_TURNS} or more"));
     }
-    (fastest > MOST_SPEED_RATIO * slowest).then(|| {
+    (fastest > MAX_SPEED_RATIO * slowest).then(|| {
         format!(
-            "the shaft speed varies from {:.0} to {:.0} rpm, expected a ratio of {MOST_SPEED_RATIO} or less",
+            "the shaft speed varies from {:.0} to {:.0} rpm, expected a ratio of {MAX_SPEED_RATIO} or less",
             60.0 * slowest,
             60.0 * fastest
         )

@@ -8,14 +8,15 @@
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 
-use super::envelope::{Envelope, Rotation, Transforms, average};
-use super::judge::Judge;
+use super::detector::FaultDetector;
+use super::envelope::{BandEnvelope, Rotation, Transforms, average};
 use super::onset::{growth, tenth};
-use super::signals::{LEAST_TURNS, Signals, statistics};
+use super::signals::{MIN_TURNS, Signals, statistics};
 use super::suspect::Suspect;
 use super::suspects;
-use crate::baseline::Baseline;
 use crate::error::{Result, VibrationError};
+use crate::options::Options;
+use crate::outcome::baseline::Baseline;
 use crate::outcome::{
     Finding, FindingKind, LineLevel, Outcome, Pictures, Record, RotorDrawing, SnapshotFigures, SnapshotOutcome,
     SnapshotTrend, Timing,
@@ -23,7 +24,6 @@ use crate::outcome::{
 use crate::recording::error::RecordingError;
 use crate::recording::files::{listed, shown, time_in_name};
 use crate::recording::{Reader, Row};
-use crate::replay::Options;
 use crate::scene::{Clock, Recording, Scene, Sensor, Speed};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -53,8 +53,8 @@ pub fn replay(
     let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
     let rotation = Rotation { turn_hz, fastest_hz: turn_hz, revolutions: None };
     let baseline = baseline.as_ref().filter(|baseline| !baseline.sensors.is_empty());
-    let judge = Judge { suspects: &suspects, rotation, rate, baseline };
-    let mut evaluation = Evaluation::new(&judge, recording, first.files().paths.len());
+    let detector = FaultDetector { suspects: &suspects, rotation, rate, baseline };
+    let mut evaluation = Evaluation::new(&detector, recording, first.files().paths.len());
     // Files of another layout may be the last of the folder: the tenths are those of the readable files.
     let mut readable = vec![];
     for (i, path) in first.files().paths.iter().enumerate() {
@@ -92,7 +92,7 @@ const STATISTICS: [Indicator; 4] =
 
 /// Evaluation of the snapshots so far. Signals are held for one snapshot only.
 struct Evaluation<'a> {
-    judge: &'a Judge<'a>,
+    detector: &'a FaultDetector<'a>,
     recording: &'a Recording,
     /// Number of files.
     files: usize,
@@ -107,20 +107,20 @@ struct Evaluation<'a> {
     flaws: Option<(String, String, usize)>,
     /// Snapshots of the open group.
     group: usize,
-    group_envelopes: Vec<Vec<Envelope>>,
+    group_envelopes: Vec<Vec<BandEnvelope>>,
     /// First snapshot and levels of each complete group, by sensor.
     groups: Vec<(usize, Vec<Vec<LineLevel>>)>,
     /// Snapshots of the verdict.
     judged: usize,
-    judged_envelopes: Vec<Vec<Envelope>>,
+    judged_envelopes: Vec<Vec<BandEnvelope>>,
     transforms: Transforms,
 }
 
 impl<'a> Evaluation<'a> {
-    fn new(judge: &'a Judge<'a>, recording: &'a Recording, files: usize) -> Self {
+    fn new(detector: &'a FaultDetector<'a>, recording: &'a Recording, files: usize) -> Self {
         let empty = || recording.sensors.iter().map(|_| vec![]).collect();
         Self {
-            judge,
+            detector,
             recording,
             files,
             readable: files,
@@ -139,12 +139,12 @@ impl<'a> Evaluation<'a> {
 
     /// Revolutions of the shaft in a snapshot.
     fn turns(&self) -> f64 {
-        self.samples.map_or(0.0, |samples| samples as f64 / self.judge.rate * self.judge.rotation.turn_hz)
+        self.samples.map_or(0.0, |samples| samples as f64 / self.detector.rate * self.detector.rotation.turn_hz)
     }
 
     /// Number of snapshots that have the revolutions of a verdict together.
     fn group_size(&self) -> usize {
-        (LEAST_TURNS / self.turns()).ceil().clamp(1.0, 1e9) as usize
+        (MIN_TURNS / self.turns()).ceil().clamp(1.0, 1e9) as usize
     }
 
     /// Adds the snapshot of file `i`, readable file `position`; the error is the reason why it is left out.
@@ -176,7 +176,7 @@ impl<'a> Evaluation<'a> {
         }
         let is_judged = position + tenth(self.readable).max(self.group_size()) >= self.readable;
         for (k, signal) in parts.into_iter().enumerate() {
-            let envelopes = self.judge.bands(signal, &mut self.transforms);
+            let envelopes = self.detector.bands(signal, &mut self.transforms);
             average(&mut self.group_envelopes[k], &envelopes);
             if is_judged {
                 average(&mut self.judged_envelopes[k], &envelopes);
@@ -214,7 +214,7 @@ impl<'a> Evaluation<'a> {
     /// Computes the levels of the lines from the snapshots of the group.
     fn close_group(&mut self) {
         let first = self.snapshots.len() - self.group;
-        let of = |(sensor, envelopes): (&Sensor, &Vec<Envelope>)| self.judge.levels(sensor, envelopes);
+        let of = |(sensor, envelopes): (&Sensor, &Vec<BandEnvelope>)| self.detector.levels(sensor, envelopes);
         let levels: Vec<Vec<LineLevel>> = self.recording.sensors.iter().zip(&self.group_envelopes).map(of).collect();
         for snapshot in self.snapshots.iter_mut().skip(first) {
             for (figures, lines) in snapshot.sensors.iter_mut().zip(&levels) {
@@ -267,7 +267,7 @@ impl<'a> Evaluation<'a> {
     }
 
     fn conclude(self, suspects: &[Suspect]) -> Outcome {
-        let (turns, rate, turn_hz) = (self.turns(), self.judge.rate, self.judge.rotation.turn_hz);
+        let (turns, rate, turn_hz) = (self.turns(), self.detector.rate, self.detector.rotation.turn_hz);
         let trends = self.trends();
         let mut notes = vec![
             "Snapshots of vibration without a twin: damage is diagnosed from envelope spectra, averaged over the last snapshots."
@@ -284,10 +284,10 @@ impl<'a> Evaluation<'a> {
             notes.push(format!("{count} snapshots have flaws; the first is {file}: {sentence}"));
         }
         notes.extend(self.note_resolution(suspects));
-        let least_rate = self.judge.least_rate();
-        let not_judged = if self.judged as f64 * turns < LEAST_TURNS {
+        let least_rate = self.detector.least_rate();
+        let not_judged = if self.judged as f64 * turns < MIN_TURNS {
             let found = self.judged as f64 * turns;
-            Some(format!("{found:.1} revolutions of the shaft in the last snapshots, expected {LEAST_TURNS} or more"))
+            Some(format!("{found:.1} revolutions of the shaft in the last snapshots, expected {MIN_TURNS} or more"))
         } else if rate < least_rate {
             Some(format!(
                 "the rate of {rate:.0} Hz has no band with the lines of the bearings, expected {least_rate:.0} Hz or more"
@@ -296,7 +296,7 @@ impl<'a> Evaluation<'a> {
             None
         };
         let sensors = self.recording.sensors.iter().zip(self.judged_envelopes);
-        let (mut findings, learned, envelopes) = self.judge.of_bands(sensors);
+        let (mut findings, learned, envelopes) = self.detector.of_bands(sensors);
         if not_judged.is_some() {
             findings.clear();
         }
@@ -354,7 +354,7 @@ impl<'a> Evaluation<'a> {
     /// States the lines that short snapshots do not separate from each other or from multiples of the shaft speed.
     fn note_resolution(&self, suspects: &[Suspect]) -> Option<String> {
         let bin = 1.0 / self.turns();
-        if bin <= 1.0 / LEAST_TURNS || !bin.is_finite() {
+        if bin <= 1.0 / MIN_TURNS || !bin.is_finite() {
             return None;
         }
         let kinds = [FindingKind::OuterRace, FindingKind::InnerRace, FindingKind::Element, FindingKind::Cage];

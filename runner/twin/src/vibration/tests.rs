@@ -1,7 +1,7 @@
 //! Blows of known origin in noise, and what is no blow.
 
+use super::detector::FaultDetector;
 use super::envelope::Rotation;
-use super::judge::Judge;
 use super::signals::{Evaluation, Signals};
 use super::suspect::Suspect;
 use crate::outcome::{EnvelopeSpectrum, EvidenceSource, FindingKind};
@@ -53,8 +53,8 @@ fn judged(signal: &[f64]) -> (Vec<(FindingKind, f64)>, Vec<EnvelopeSpectrum>) {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
     let suspects = [suspect()];
     let rotation = Rotation { turn_hz: TURN_HZ, fastest_hz: TURN_HZ, revolutions: None };
-    let judge = Judge { suspects: &suspects, rotation, rate: RATE, baseline: None };
-    let (findings, _, drawn) = judge.all(std::iter::once((&sensor, signal)));
+    let detector = FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline: None };
+    let (findings, _, drawn) = detector.all(std::iter::once((&sensor, signal)));
     (findings.iter().map(|f| (f.kind, f.order)).collect(), drawn)
 }
 
@@ -63,7 +63,7 @@ fn found(signal: &[f64]) -> Vec<(FindingKind, f64)> {
 }
 
 #[test]
-fn each_part_is_told_by_its_blows() {
+fn each_component_is_identified_by_its_impacts() {
     let Orders { outer_race, inner_race, ball_spin, .. } = suspect().orders;
     let parts = [
         (FindingKind::OuterRace, outer_race, 0.0),

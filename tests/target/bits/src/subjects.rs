@@ -152,7 +152,7 @@ impl Subjects {
     /// Nothing taken yet.
     ///
     /// # Errors
-    /// None with the parameters above; set-up can always say so.
+    /// None with the parameters above; constructors can always fail.
     pub fn try_new() -> Result<Self, InvalidParameter> {
         let bearings = Bearings::try_new()?;
         let start =
@@ -252,7 +252,7 @@ impl Subjects {
         sum.add_bits(u32::from(status.bits()));
     }
 
-    /// Tells each subject's name and checksum.
+    /// Returns each subject's name and checksum.
     pub fn tell(&self, mut line: impl FnMut(&str, u64)) {
         let combined = self.bearings.flexible();
         for ((name, _), sum) in self.bearings.named(&combined).into_iter().zip(self.forces) {

@@ -1,11 +1,11 @@
-//! One subject: counted over the inputs, its stack painted, its place in flash told.
+//! Measurement of one subject: instructions over the inputs, stack by painting, address in flash.
 
 use crate::counter::Counter;
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use cortex_m_stack::{current_stack_in_use, repaint_stack, stack_painted, stack_size};
 
-/// What tells one subject from another in the table.
+/// Identity of a subject in the table.
 #[derive(Clone, Copy)]
 pub struct Name {
     /// The model.

@@ -1,4 +1,4 @@
-//! What the example says: a line of text over semihosting, or a frame of defmt.
+//! Output of the example: a line of text over semihosting, or a frame of defmt.
 
 use ballrace::{Status, Wrench};
 
@@ -9,7 +9,7 @@ pub fn sample(number: u32, wrench: &Wrench<f32>, status: Status) {
     cortex_m_semihosting::hprintln!("{},{:.3},{:.3},{:.3},{}", number, fx, fy, fz, status.bits());
 }
 
-/// How many samples were answered with an older value.
+/// Number of samples that were replaced by an older value.
 #[cfg(not(feature = "defmt"))]
 pub fn held(count: u32) {
     cortex_m_semihosting::hprintln!("held,{}", count);
@@ -21,7 +21,7 @@ pub fn sample(number: u32, wrench: &Wrench<f32>, status: Status) {
     defmt::info!("{} {} {}", number, wrench, status);
 }
 
-/// How many samples were answered with an older value.
+/// Number of samples that were replaced by an older value.
 #[cfg(feature = "defmt")]
 pub fn held(count: u32) {
     defmt::info!("held {}", count);

@@ -18,7 +18,7 @@ pub const CAGE_RATIO: f64 = 0.398_3;
 /// 6205 with 10 um of clearance.
 ///
 /// # Errors
-/// None with these numbers; set-up can always say so.
+/// None with these numbers; constructors can always fail.
 pub fn geometry() -> Result<BallBearingGeometry, InvalidParameter> {
     BallBearingGeometry {
         ball_diameter: 7.94e-3,

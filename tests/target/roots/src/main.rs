@@ -10,7 +10,7 @@ fn same(bits: u32) -> bool {
     machine.to_bits() == pure.to_bits() || machine.is_nan() && pure.is_nan()
 }
 
-/// Roots of two and four go another way through the machine; each has to give what one alone gives.
+/// Roots of two and four numbers use other instructions; each equals the root of one number.
 fn same_in_groups(bits: u32) -> bool {
     let x = [0, 1, 2, 3].map(|i| f32::from_bits(bits.wrapping_add(i)));
     let pairs = <Exact as Math<f32>>::sqrt_each(x);
@@ -26,7 +26,7 @@ fn same_in_groups(bits: u32) -> bool {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    // Every pattern, or one of so many as the first argument says.
+    // Every pattern, or one in a number that the first argument states.
     let step: usize = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(1);
     // Two halves of the bit patterns, each with its own sign; the progress is that of the first.
     let half = |sign: u32| {

@@ -2,9 +2,9 @@
 
 use super::super::Result;
 use super::super::dynamics::{Square, Tangent};
-use super::super::fit::dot;
 use super::super::machine::{Evaluated, Machine, Unknown};
 use super::super::motion::{C, D};
+use super::dot;
 use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Spectra, Weighting};
 use crate::probes;
 use ballrace::Displacement;
@@ -15,7 +15,7 @@ const NEIGHBOURS: usize = 6;
 /// Sets of made-up noise from which the noise of the residual is estimated.
 const DRAWS: usize = 3;
 /// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
-const LEAST_TOLERANCE: f64 = 1e-3;
+const MIN_TOLERANCE: f64 = 1e-3;
 
 impl Evidence<'_> {
     /// Weights residuals by the noise that they have with this machine.
@@ -87,7 +87,7 @@ impl Evidence<'_> {
             }
             Direction { unit, share: 1.0 - 1.0 / (1.0 + square).sqrt() }
         };
-        self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > LEAST_TOLERANCE).map(direction).collect();
+        self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > MIN_TOLERANCE).map(direction).collect();
         Ok(())
     }
 

@@ -84,7 +84,7 @@ fn files_that_do_not_agree() {
     assert_eq!(
         error(&[("1.csv", timed_rows), ("2.csv", timed_rows)], &timed()),
         "2.csv: time stamps begin at 0.001 s, before the end of 1.csv at 0.003 s, expected files in the order of their time; where \
-         the time of each file begins anew, `rate` instead of `time`"
+         the time of each file begins again, `rate` instead of `time`"
     );
     let dated = "t,x\n2026-11-22T10:11:12.100,1\n";
     assert_eq!(

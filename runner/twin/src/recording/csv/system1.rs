@@ -24,9 +24,9 @@ const ABOVE_SAMPLES: &str = "X-Axis Value";
 pub(super) const BEGIN: u64 = 64;
 /// Longest line, and largest number of samples of all records.
 const LONGEST_LINE: u64 = 1 << 16;
-const MOST_SAMPLES: usize = 1 << 26;
+const MAX_SAMPLES: usize = 1 << 26;
 /// Largest number of records.
-const MOST_RECORDS: usize = 1 << 16;
+const MAX_RECORDS: usize = 1 << 16;
 /// Largest relative difference between the speeds of records that belong together.
 const SPEED_TOLERANCE: f64 = 1e-3;
 
@@ -78,11 +78,11 @@ pub(super) struct System1 {
 pub(super) fn open(reader: impl BufRead, path: &Path) -> Result<System1, RecordingError> {
     let mut lines = Lines { reader, path, line: 0, bytes: 0, text: String::new(), is_whole: true };
     let mut records = Vec::new();
-    let mut left = MOST_SAMPLES;
+    let mut left = MAX_SAMPLES;
     let mut has_line = lines.next()?;
     while has_line {
-        if records.len() == MOST_RECORDS {
-            return Err(lines.wrong(format!("more than {MOST_RECORDS} records")));
+        if records.len() == MAX_RECORDS {
+            return Err(lines.wrong(format!("more than {MAX_RECORDS} records")));
         }
         let mut record = lines.head()?;
         has_line = lines.samples(&mut record, &mut left)?;
@@ -230,7 +230,7 @@ impl<R: BufRead> Lines<'_, R> {
                 return Ok(false);
             };
             if *left == 0 {
-                return Err(self.wrong(format!("more than {MOST_SAMPLES} samples")));
+                return Err(self.wrong(format!("more than {MAX_SAMPLES} samples")));
             }
             *left -= 1;
             record.span = Some([record.span.map_or(x_value, |[first, _]| first), x_value]);

@@ -11,7 +11,7 @@ use super::{LARGEST, Source, TIGHTEST, UNDEFINED, Vector, little, refuse};
 /// Bytes of a contiguous dataset that are read at once.
 const BLOCK: u64 = 1 << 20;
 /// Largest number of chunks of a dataset.
-const MOST_CHUNKS: u64 = 1 << 22;
+const MAX_CHUNKS: u64 = 1 << 22;
 
 /// A part of a dataset in memory: all elements from `offset` on, over `lengths`.
 struct Part<'a> {
@@ -138,7 +138,7 @@ fn chunked(
     let unpacked = unpacked.filter(|bytes| *bytes <= most).ok_or_else(|| refuse("a chunk beyond all bounds"))?;
     let dimensions = chunk.len();
     let tiles = dataset.lengths.iter().zip(chunk).map(|(length, chunk)| length.div_ceil(*chunk));
-    let expected = tiles.fold(1_u64, u64::saturating_mul).min(MOST_CHUNKS);
+    let expected = tiles.fold(1_u64, u64::saturating_mul).min(MAX_CHUNKS);
     let (mut nodes, mut next, mut count) = (vec![address], 0, 0);
     while let Some(&address) = nodes.get(next) {
         next += 1;
@@ -153,7 +153,7 @@ fn chunked(
             } else {
                 count += 1;
             }
-            if count > expected || nodes.len() as u64 > MOST_CHUNKS {
+            if count > expected || nodes.len() as u64 > MAX_CHUNKS {
                 return Err(refuse(format!("more chunks than {expected}")));
             }
             if node.level > 0 {

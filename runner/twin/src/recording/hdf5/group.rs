@@ -6,8 +6,8 @@ use super::object::{Object, link};
 use super::{Source, UNDEFINED, little, refuse};
 
 /// Largest number of members of a group, and of nodes of a tree.
-const MOST_MEMBERS: usize = 1 << 16;
-const MOST_NODES: usize = 1 << 16;
+const MAX_MEMBERS: usize = 1 << 16;
+const MAX_NODES: usize = 1 << 16;
 /// Largest level of a node.
 const HIGHEST: u8 = 16;
 /// Largest size of a local heap, bytes.
@@ -35,7 +35,7 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// Reads a node whose keys have so many bytes.
+    /// Reads a node whose keys have `size` bytes.
     pub(super) fn read(source: &mut Source, address: u64, kind: u8, key: u64) -> io::Result<Self> {
         let head = source.structure(address, b"TREE", 24)?;
         let mut head = little(&head);
@@ -67,8 +67,8 @@ fn symbols(source: &mut Source, tree: u64, heap: u64) -> io::Result<Vec<(String,
             let (_key, child) = (body.u64()?, body.u64()?);
             if node.level == 0 { leaves.push(child) } else { nodes.push(child) }
         }
-        if nodes.len() + leaves.len() > MOST_NODES {
-            return Err(refuse(format!("a group of more than {MOST_NODES} nodes")));
+        if nodes.len() + leaves.len() > MAX_NODES {
+            return Err(refuse(format!("a group of more than {MAX_NODES} nodes")));
         }
     }
     let mut all = Vec::new();
@@ -83,8 +83,8 @@ fn symbols(source: &mut Source, tree: u64, heap: u64) -> io::Result<Vec<(String,
             let name = name.split(|byte| *byte == 0).next().unwrap_or_default();
             all.push((String::from_utf8_lossy(name).into_owned(), address));
         }
-        if all.len() > MOST_MEMBERS {
-            return Err(refuse(format!("a group of more than {MOST_MEMBERS} members")));
+        if all.len() > MAX_MEMBERS {
+            return Err(refuse(format!("a group of more than {MAX_MEMBERS} members")));
         }
     }
     Ok(all)
@@ -138,7 +138,7 @@ impl Heap {
         let (node, record, depth) = (u64::from(head.u32()?), u64::from(head.u16()?), head.u16()?);
         head.take(2)?;
         let (root, count, total) = (head.u64()?, head.u16()?, head.u64()?);
-        if record != 4 + self.id_length || node < 10 + record || depth > 1 || total > MOST_MEMBERS as u64 {
+        if record != 4 + self.id_length || node < 10 + record || depth > 1 || total > MAX_MEMBERS as u64 {
             return Err(refuse(format!("a group of {total} members in an index of depth {depth}")));
         }
         let mut records = Vec::new();
@@ -153,8 +153,8 @@ impl Heap {
             for _ in 0..=count {
                 let (leaf, own) = (children.u64()?, children.little(width)?);
                 records.extend(self.records(source, leaf, b"BTLF", own, record)?);
-                if records.len() > MOST_MEMBERS {
-                    return Err(refuse(format!("a group of more than {MOST_MEMBERS} members")));
+                if records.len() > MAX_MEMBERS {
+                    return Err(refuse(format!("a group of more than {MAX_MEMBERS} members")));
                 }
             }
         }

@@ -7,10 +7,10 @@ use crate::recording::bytes::Bytes;
 use crate::recording::numbers::{Kind, Number};
 
 /// Largest number of blocks and of bytes of an object header.
-const MOST_BLOCKS: usize = 1024;
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BLOCKS: usize = 1024;
+const MAX_BYTES: u64 = 1 << 20;
 /// Largest number of dimensions.
-const MOST_DIMENSIONS: u8 = 32;
+const MAX_DIMENSIONS: u8 = 32;
 
 /// Types of messages.
 const DATASPACE: u16 = 0x01;
@@ -130,8 +130,8 @@ impl Object {
         while let Some(&(start, length)) = blocks.get(next) {
             next += 1;
             total = total.saturating_add(length);
-            if next > MOST_BLOCKS || total > MOST_BYTES {
-                return Err(refuse(format!("an object header of more than {MOST_BYTES} bytes")));
+            if next > MAX_BLOCKS || total > MAX_BYTES {
+                return Err(refuse(format!("an object header of more than {MAX_BYTES} bytes")));
             }
             let bytes = source.read(start, length)?;
             object.block(&bytes, modern.then_some(has_order), &mut blocks)?;
@@ -259,7 +259,7 @@ fn dataspace(mut bytes: Bytes<'_>) -> io::Result<Option<Vec<u64>>> {
     let (_flags, kind) = (bytes.u8()?, bytes.u8()?);
     bytes.take(if version == 1 { 4 } else { 0 })?;
     const NULL: u8 = 2;
-    if dimensions > MOST_DIMENSIONS || (version != 1 && kind == NULL) {
+    if dimensions > MAX_DIMENSIONS || (version != 1 && kind == NULL) {
         return Ok(None);
     }
     (0..dimensions).map(|_| bytes.u64()).collect::<io::Result<Vec<_>>>().map(Some)
@@ -296,7 +296,7 @@ fn layout(mut bytes: Bytes<'_>) -> io::Result<Result<Layout, String>> {
         }
         (3 | 4, 1) => Ok(Layout::Contiguous { address: bytes.u64()? }),
         (3, 2) => {
-            let dimensions = bytes.u8()?.saturating_sub(1).min(MOST_DIMENSIONS);
+            let dimensions = bytes.u8()?.saturating_sub(1).min(MAX_DIMENSIONS);
             let address = bytes.u64()?;
             let chunk = (0..dimensions).map(|_| bytes.u32().map(u64::from)).collect::<io::Result<_>>()?;
             Ok(Layout::Chunked { address, chunk })

@@ -8,13 +8,13 @@ use super::{Source, Vector, data, group, refuse};
 /// Groups within each other.
 const DEEPEST: usize = 16;
 /// Largest number of objects that are visited.
-const MOST_OBJECTS: usize = 1 << 16;
+const MAX_OBJECTS: usize = 1 << 16;
 /// Longest path, bytes.
 const LONGEST_PATH: usize = 1024;
 /// Largest number of columns of a matrix that are listed.
-const MOST_COLUMNS: u64 = 4096;
+const MAX_COLUMNS: u64 = 4096;
 /// Largest number of vectors.
-const MOST_VECTORS: usize = 1 << 16;
+const MAX_VECTORS: usize = 1 << 16;
 
 /// A single number: an attribute, or a dataset of one element.
 #[derive(Debug, Clone, Copy)]
@@ -46,8 +46,8 @@ pub(super) fn content(source: &mut Source, root: u64, is_matlab: bool) -> io::Re
 impl Content {
     fn visit(&mut self, source: &mut Source, address: u64, path: String, above: &mut Vec<u64>) -> io::Result<()> {
         self.objects += 1;
-        if self.objects > MOST_OBJECTS {
-            return Err(refuse(format!("more than {MOST_OBJECTS} objects")));
+        if self.objects > MAX_OBJECTS {
+            return Err(refuse(format!("more than {MAX_OBJECTS} objects")));
         }
         // A link may lead back to a group above.
         if above.contains(&address) {
@@ -119,7 +119,7 @@ impl Content {
         }
         let is_cell = object.texts.iter().any(|(name, text)| name == "MATLAB_class" && text == "cell");
         let count = dataset.lengths.iter().fold(1_u64, |count, length| count.saturating_mul(*length));
-        if count > MOST_OBJECTS as u64 {
+        if count > MAX_OBJECTS as u64 {
             return Err(refuse(format!("{count} references in `{path}`")));
         }
         let flat = Dataset { lengths: vec![count], ..dataset };
@@ -156,7 +156,7 @@ impl Content {
                 // The matrices of MATLAB are stored with their dimensions exchanged.
                 let along = if rows > columns || (rows == columns && !self.is_matlab) { first } else { second };
                 let across = if along == first { second } else { first };
-                for index in 0..dataset.length(across).min(MOST_COLUMNS) {
+                for index in 0..dataset.length(across).min(MAX_COLUMNS) {
                     let is_column = (along == first) != self.is_matlab;
                     let name = match (self.is_matlab, is_column) {
                         (true, true) => format!("{path}(:,{})", index + 1),
@@ -169,8 +169,8 @@ impl Content {
             }
             _ => return Ok(()),
         }
-        if self.vectors.len() > MOST_VECTORS || last > 32 {
-            return Err(refuse(format!("more than {MOST_VECTORS} vectors")));
+        if self.vectors.len() > MAX_VECTORS || last > 32 {
+            return Err(refuse(format!("more than {MAX_VECTORS} vectors")));
         }
         self.datasets.push(dataset);
         Ok(())

@@ -57,7 +57,7 @@ fn vectors_are_exact() {
 }
 
 #[test]
-fn what_the_scene_names_has_to_be_there() {
+fn columns_that_the_scene_names_are_required() {
     assert_eq!(
         error(&file(), &recording(&["X"])),
         ": no such column: `X` (did you mean `x`?), expected one of `x`, `y`, `square(:,1)`, `square(:,2)`, `few`"

@@ -17,15 +17,15 @@ const HEADER: u64 = 128;
 /// Largest compression ratio of deflate.
 const TIGHTEST: u64 = 1032;
 /// Largest number of dimensions of an array.
-const MOST_DIMENSIONS: u64 = 32;
+const MAX_DIMENSIONS: u64 = 32;
 /// Longest path of an array, and longest list of field names, bytes.
 const LONGEST_PATH: usize = 1024;
 const LONGEST_FIELDS: u64 = 1 << 20;
 /// Structures within each other.
 const DEEPEST: usize = 16;
 /// Largest number of arrays of numbers, and of arrays of any class, in a file.
-const MOST_FOUND: usize = 1 << 16;
-const MOST_ARRAYS: u64 = 1 << 20;
+const MAX_FOUND: usize = 1 << 16;
+const MAX_ARRAYS: u64 = 1 << 20;
 
 /// Classes of arrays.
 const CELL: u32 = 1;
@@ -144,7 +144,7 @@ impl Walk<'_> {
     fn nested(&mut self, path: String, depth: usize) -> io::Result<()> {
         let (kind, length) = (self.u32()?, u64::from(self.u32()?));
         self.arrays += 1;
-        if kind != MATRIX || depth > DEEPEST || path.len() > LONGEST_PATH || self.arrays > MOST_ARRAYS {
+        if kind != MATRIX || depth > DEEPEST || path.len() > LONGEST_PATH || self.arrays > MAX_ARRAYS {
             let path: String = path.chars().take(80).collect();
             return Err(refuse(format!("no readable array at `{path}`")));
         }
@@ -223,8 +223,8 @@ impl Walk<'_> {
     }
 
     fn add(&mut self, path: String, matrix: Matrix) -> io::Result<()> {
-        if self.found.len() == MOST_FOUND {
-            return Err(refuse(format!("more than {MOST_FOUND} arrays")));
+        if self.found.len() == MAX_FOUND {
+            return Err(refuse(format!("more than {MAX_FOUND} arrays")));
         }
         self.found.push((path, matrix));
         Ok(())
@@ -238,7 +238,7 @@ impl Walk<'_> {
         if ![CELL, STRUCTURE, SPARSE].contains(&class) && !NUMBERS.contains(&class) {
             return Ok(None);
         }
-        let dimensions = self.part(4 * MOST_DIMENSIONS)?;
+        let dimensions = self.part(4 * MAX_DIMENSIONS)?;
         let mut dimensions = Bytes { rest: &dimensions, big_endian: self.big_endian };
         let mut lengths = Vec::new();
         while !dimensions.rest.is_empty() {

@@ -57,7 +57,7 @@ fn structures_give_names() {
 }
 
 #[test]
-fn what_is_no_table_is_refused() {
+fn files_that_are_no_table_are_rejected() {
     let refused =
         |description: &str, shape: &str| error(&npy(description, "False", shape, &[0; 64]), &recording(&["c0"]));
     assert!(refused("'<c16'", "(4,)").contains("numbers of type <c16"));

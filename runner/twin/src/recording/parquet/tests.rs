@@ -79,7 +79,7 @@ fn nulls_are_missing_readings() {
 }
 
 #[test]
-fn what_is_no_number_is_refused_when_named() {
+fn named_text_that_is_no_number_is_rejected() {
     let refused = |column: &str| error(&file(Compression::SNAPPY), &recording(&[column]));
     assert!(
         refused("note")

@@ -11,7 +11,7 @@ const BITS: [u32; 2] = [16, 32];
 const PER_TURN: u64 = 16;
 
 /// Longest time in samples in which the last pulse may have come for its instant to be used.
-const MOST_UNCERTAIN: f64 = 2.0;
+const MAX_UNCERTAIN: f64 = 2.0;
 
 /// A count of pulses.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +66,7 @@ impl Counter {
         self.pending = self.pending.saturating_add(step as u64);
         // The last of several pulses came in the last part of the time between the readings.
         let uncertain = at.index.saturating_sub(last_index) as f64 / step;
-        if uncertain > MOST_UNCERTAIN || (self.has_begun && self.pending < self.spacing) {
+        if uncertain > MAX_UNCERTAIN || (self.has_begun && self.pending < self.spacing) {
             return Ok(None);
         }
         self.has_begun = true;

@@ -24,7 +24,7 @@ const FOLLOW: (f64, f64) = (0.5, 0.05);
 /// Heights of a pulse in parts of that between the levels which they follow.
 const HEIGHTS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
-/// Beginnings of pulses that the levels are judged by while more may come.
+/// Beginnings of pulses from which the levels are checked before the signal ends.
 const ENOUGH: usize = 10;
 
 /// The same at the end of a recording.
@@ -186,7 +186,7 @@ impl Levels {
         }
     }
 
-    /// There are at least so many pulses, and they come evenly: the flicker of a signal's last digit does not.
+    /// Returns true for enough pulses at even intervals: the flicker of a signal's last digit does not.
     fn show(self, readings: impl Iterator<Item = f64>, least: usize, gap: f64) -> bool {
         let mut edges = Edges::new(self);
         let readings = readings.map(|reading| if self.is_spike(reading) { f64::NAN } else { reading });
@@ -268,7 +268,7 @@ pub(super) struct Edges {
     /// Last sample that has a reading, and its reading.
     last: Option<(u64, f64)>,
     in_pulse: bool,
-    /// Where the signal came up to the threshold, until it is clear that it goes on up.
+    /// Crossing of the threshold that is not confirmed yet.
     crossing: Option<Instant>,
     /// Samples within the hysteresis on the way up.
     slope: SlopeSums,

@@ -11,7 +11,7 @@ const TURNS_WITHOUT: u64 = 2;
 /// Number of intervals as far as the wheel determines it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Interval {
-    /// So many intervals between teeth, over the gap.
+    /// Number of intervals between teeth over the gap.
     Gap(u64),
     /// An interval between teeth, or over missed pulses.
     Plain,
@@ -64,7 +64,7 @@ impl Gap {
         self.last_end = self.intervals();
     }
 
-    /// Judges an interval after pulse `last` that takes the time of `passed` intervals between teeth.
+    /// Classifies an interval after pulse `last` that takes the time of `passed` intervals between teeth.
     ///
     /// # Errors
     /// Turns without a gap, gaps at another distance than the wheel of the scene has.
@@ -114,7 +114,7 @@ impl Gap {
         }
     }
 
-    /// Returns the error of a wheel whose gap is not found in so many pulses.
+    /// Returns the error of a wheel whose gap is not found in `pulses` pulses.
     pub(super) fn absent(&self, column: &str, pulses: u64) -> RotationError {
         let (gap, other) = (self.intervals(), self.other);
         RotationError::NoGap { column: column.to_owned(), pulses, gap, other }

@@ -24,14 +24,14 @@ const STANDSTILL: f64 = 20.0;
 /// looked for again each time that number has grown by a half.
 const LEFT: f64 = 6.0;
 
-/// Number of intervals after the last pulse of a recording beyond which the keyphasor is dead.
+/// Number of intervals after the last pulse of a recording beyond which the keyphasor counts as failed.
 const DEAD: f64 = 2.5;
 
 /// An interval this much shorter than expected ends in a pulse too many: after two pulses, when a shaft that
 /// starts from rest may be at 0.41, and when the trend is known.
 const TOO_SHORT: (f64, f64) = (0.4, 0.6);
 
-/// After so many intervals with a pulse left out in the middle the shaft does turn twice as fast, as it may after
+/// After this many intervals with a pulse left out in the middle the shaft does turn twice as fast, as it may after
 /// a standstill.
 const TWICE_AS_FAST: u32 = 2;
 
@@ -244,7 +244,7 @@ impl Keyphasor {
         Some(first)
     }
 
-    /// Sees the samples in `waiting` from `place` on.
+    /// Processes the samples in `waiting` from `place` on.
     fn see_from(&mut self, mut place: usize, output: &mut Output) -> Result<(), RotationError> {
         // A restart is an interval after a pulse that was found since the restart before, so this ends.
         while let Some(row) = self.waiting.get(place) {
@@ -254,7 +254,7 @@ impl Keyphasor {
         Ok(())
     }
 
-    /// Sees a sample; returns the place in `waiting` from which samples are to be seen again, if other levels were found.
+    /// Processes a sample; returns the place in `waiting` from which samples are processed again, if other levels were found.
     fn see(&mut self, at: Position, reading: f64, output: &mut Output) -> Result<Option<usize>, RotationError> {
         if reading.is_nan() {
             return Ok(None);

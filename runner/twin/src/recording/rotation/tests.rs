@@ -258,7 +258,7 @@ fn voltage(count: u64, speed: f64, before: f64, rest: f64, pulse: f64) -> Vec<Ro
 }
 
 #[test]
-fn voltages_either_way_up() {
+fn voltages_of_either_sign() {
     for (rest, pulse) in [(-24.0, 0.0), (0.0, -24.0), (-10.0, -14.0)] {
         // The last one begins in a pulse: where that began is unknown, so angle 0 is where the next one begins.
         for before in [0.3, 0.9, -0.02] {

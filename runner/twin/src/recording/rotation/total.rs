@@ -15,7 +15,7 @@ impl Total {
         Self((revolutions * COUNTS_PER_TURN) as i128)
     }
 
-    /// `revolutions` beyond so many whole ones.
+    /// `revolutions` beyond a number of whole ones.
     pub(super) fn beyond(whole: i64, revolutions: f64) -> Self {
         Self(i128::from(whole) << 64).plus(Self::of(revolutions))
     }

@@ -56,7 +56,7 @@ impl Scales {
         Some((self.all.entry(number.parse().ok()?).or_default(), what))
     }
 
-    /// Slope and intercept from the raw values, of which `raw` is the number; or what stands in the way.
+    /// Slope and intercept from the raw values, whose number is `raw`; or the reason why there is no linear scale.
     pub(super) fn line(&self, raw: Option<u32>) -> Result<[f64; 2], String> {
         let (mut slope, mut intercept) = (1.0, 0.0);
         let mut at = self.count.checked_sub(1).filter(|_| !self.scaled);

@@ -79,7 +79,7 @@ fn file() -> (Vec<u8>, Vec<usize>) {
 }
 
 #[test]
-fn segments_hold_on_from_each_other() {
+fn segments_continue_each_other() {
     let rows = values(&file().0, &["y'", "G/x"]);
     assert_eq!(rows.len(), 20);
     assert!(rows.iter().zip(0_u16..).all(|(row, i)| *row == [f64::from(i), f64::from(i) * 0.1]));
@@ -132,7 +132,7 @@ fn a_segment_still_being_written() {
 }
 
 #[test]
-fn what_contradicts_the_scene_is_refused() {
+fn contradictions_of_the_scene_are_rejected() {
     let (file, _) = file();
     let mut other = recording(&["G/x"]);
     other.probes[0] = probe("G/x", 1e-6);
@@ -147,7 +147,7 @@ fn what_contradicts_the_scene_is_refused() {
 }
 
 #[test]
-fn what_is_no_number_is_refused_when_named() {
+fn named_text_that_is_no_number_is_rejected() {
     let text = [index(0x20, 2), 6_u64.to_le_bytes().into()].concat();
     let objects = about(&[
         object("/'G'/'x'", &index(10, 2), &[]),

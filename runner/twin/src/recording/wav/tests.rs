@@ -42,7 +42,7 @@ fn integers_are_parts_of_full_scale() {
 }
 
 #[test]
-fn what_contradicts_the_scene_is_refused() {
+fn contradictions_of_the_scene_are_rejected() {
     assert_eq!(error(&floats(9), &recording(&["x"])), ": no such column: `x`, expected one of `c0`, `c1`");
     let mut other = recording(&["c0"]);
     other.clock = Clock::Rate(1002.0);

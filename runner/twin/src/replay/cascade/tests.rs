@@ -20,7 +20,7 @@ fn probe(column: &str, angle: f64) -> Probe {
     }
 }
 
-/// Forward 5 um at 50 Hz, reverse 2 um at 120 Hz, for so many seconds.
+/// Forward 5 um at 50 Hz, reverse 2 um at 120 Hz, for `seconds`.
 fn spectra(probes: &[Probe], seconds: f64) -> Vec<Cascade> {
     let rate = 12_800.0;
     let planes = planes(probes);
@@ -49,7 +49,7 @@ fn at(cascade: &Cascade, slice: &Slice, hz: f64) -> f64 {
 }
 
 #[test]
-fn sides_and_sizes_are_told() {
+fn sides_and_sizes_are_distinguished() {
     let plane = [probe("X", 0.0), probe("Y", 0.5 * std::f64::consts::PI)];
     for seconds in [2.0, 30.0] {
         let all = spectra(&plane, seconds);

@@ -51,7 +51,7 @@ fn an_interruption_ends_a_crossing() {
 
 /// Stopped at any sample and restored from its state at that moment, the limits report what they would have reported.
 #[test]
-fn a_restored_monitor_reports_what_is_left() {
+fn restored_monitor_reports_the_remaining_events() {
     for duration in [0.0, 2.0] {
         let expected = run(&mut monitor(duration), 0..100, 3..7);
         assert_eq!(expected.len(), 2, "{expected:?}");

@@ -153,7 +153,7 @@ fn lubricant(scene: &BearingScene) -> Option<Lubricant> {
 }
 
 /// Table of a bearing.
-pub struct MadeTable {
+pub struct TableData {
     /// True where the speed axis is that of the outer ring.
     pub by_outer: bool,
     /// Grid of the nodes.
@@ -166,7 +166,7 @@ pub struct MadeTable {
     pub friction: bool,
 }
 
-impl MadeTable {
+impl TableData {
     /// Returns the numbers of each node that are used.
     #[must_use]
     pub const fn fields(&self) -> usize {
@@ -178,7 +178,7 @@ impl MadeTable {
 ///
 /// # Errors
 /// As [`quasi_static`], and a table with states without equilibrium.
-pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable, BuildError> {
+pub fn table(scene: &Scene, of: &BearingScene) -> Result<TableData, BuildError> {
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry)?;
     let one = [ElementPosition::from_azimuth(Phase::ZERO)];
@@ -200,7 +200,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<MadeTable, BuildError> 
         });
     }
     let friction = of.effects.gyroscopic && of.effects.sharing != crate::scene::FrictionSharing::Outer;
-    Ok(MadeTable { by_outer, grid, nodes, constants, friction })
+    Ok(TableData { by_outer, grid, nodes, constants, friction })
 }
 
 /// Returns the load of a Hertzian point contact, N: `Q = K delta^1.5`, 0 without contact.
@@ -273,7 +273,7 @@ pub(super) fn tabulated<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
 /// None with a table of this bearing.
 pub fn of_table<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
     of: &BearingScene,
-    made: &MadeTable,
+    made: &TableData,
 ) -> Result<H, BuildError> {
     // Four numbers per node, the last of them 0: one 256-bit register.
     if made.friction { looked_up::<T, M, H, 4>(of, made) } else { looked_up::<T, M, H, 2>(of, made) }
@@ -281,7 +281,7 @@ pub fn of_table<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
 
 fn looked_up<T: Scalar, M: Math<T>, H: BearingHandle<T>, const F: usize>(
     of: &BearingScene,
-    made: &MadeTable,
+    made: &TableData,
 ) -> Result<H, BuildError> {
     let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();

@@ -69,6 +69,13 @@ impl CageSpeed {
     }
 }
 
+/// Returns the speed of an element about the axis by pure rolling, in the unit of the ring speeds: `w_o + (w_i - w_o)(1 - gamma)/2` with
+/// `gamma = D cos(alpha)/d_m`.
+#[must_use]
+pub fn rolling_speed(gamma: f64, inner_speed: f64, outer_speed: f64) -> f64 {
+    outer_speed + 0.5 * (inner_speed - outer_speed) * (1.0 - gamma)
+}
+
 /// Returns the orders of pure rolling with the outer ring at rest.
 fn rolling(bearing: &BearingScene, geometry: Option<BallBearingGeometry>) -> Option<Orders> {
     geometry.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter))

@@ -2,7 +2,7 @@
 
 use super::{BuildError, facing, geometry, invalid, named, places, uneven};
 use crate::handle::BearingHandle;
-use crate::scene::{Bearing as BearingScene, Facing, Fit};
+use crate::scene::{Bearing as BearingScene, Facing, FreeAngle};
 use ballrace::bearing::flexible::HousingPoint;
 use ballrace::bearing::lumped::{Axial, Radial};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
@@ -56,8 +56,8 @@ pub fn law(scene: &BearingScene) -> Result<(f64, f64, f64), BuildError> {
         return Err(invalid(scene, "model lumped", "no stiffness", expected));
     };
     let from_clearance = scene.geometry.and_then(|g| match g.fit {
-        Fit::DiametralClearance(s) => Some(0.5 * s),
-        Fit::ContactAngle(_) => None,
+        FreeAngle::DiametralClearance(s) => Some(0.5 * s),
+        FreeAngle::ContactAngle(_) => None,
     });
     let Some(play) = law.and_then(|l| l.radial_play).or(from_clearance) else {
         let expected = "radial_play or diametral_clearance";

@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_3, PI};
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
-    Axial, Bearing, CageRunout, Coordinates, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Support,
-    Surface, Wave,
+    Axial, Bearing, CageRunout, Coordinates, Defect, DefectShape, Facing, FreeAngle, Geometry, Law, Linear, Model,
+    Support, Surface, Wave,
 };
 
 const KEYS: [&str; 44] = [
@@ -107,7 +107,7 @@ enum RequiredInput {
 
 /// Reads and checks one bearing.
 pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
-    let wants = "a name, such as \"DE\"";
+    let expected = "a name, such as \"DE\"";
     let model = model(table)?;
     let linear = linear(table, model)?;
     let required = required_input(model, linear.as_ref());
@@ -117,7 +117,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
     check_fit_on_pitch_circle(table, elements, geometry.as_ref())?;
     check_dynamic(table, model, geometry.as_ref())?;
     Ok(Bearing {
-        name: table.required("name", wants)?.text(wants)?.to_owned(),
+        name: table.required("name", expected)?.text(expected)?.to_owned(),
         station: station(table, on_system)?,
         facing: table.read("facing", facing)?.unwrap_or(Facing::Both),
         model,
@@ -148,8 +148,8 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
 }
 
 fn model(table: &Table<'_>) -> Read<Model> {
-    let wants = "\"linear\", \"lumped\", \"angular\", \"quasi-static\", \"tabulated\" or \"dynamic\"";
-    table.required("model", wants)?.choice(&Model::ALL)
+    let expected = "\"linear\", \"lumped\", \"angular\", \"quasi-static\", \"tabulated\" or \"dynamic\"";
+    table.required("model", expected)?.choice(&Model::ALL)
 }
 
 fn facing(node: &Node<'_>) -> Read<Facing> {
@@ -157,10 +157,10 @@ fn facing(node: &Node<'_>) -> Read<Facing> {
 }
 
 fn elements(table: &Table<'_>) -> Read<usize> {
-    let wants = "a whole number from 3 to 64 (rolling elements)";
-    let node = table.required("elements", wants)?;
-    let number = node.integer(*ELEMENTS.start(), *ELEMENTS.end(), wants)?;
-    usize::try_from(number).map_err(|_| node.refuse(wants))
+    let expected = "a whole number from 3 to 64 (rolling elements)";
+    let node = table.required("elements", expected)?;
+    let number = node.integer(*ELEMENTS.start(), *ELEMENTS.end(), expected)?;
+    usize::try_from(number).map_err(|_| node.refuse(expected))
 }
 
 fn required_input(model: Model, linear: Option<&Linear>) -> RequiredInput {
@@ -174,7 +174,7 @@ fn required_input(model: Model, linear: Option<&Linear>) -> RequiredInput {
     }
 }
 
-/// Refuses each of `keys` that is there, as it does not go together with others.
+/// Rejects each of `keys` that is present, because it excludes others.
 fn refuse(table: &Table<'_>, keys: &[&str], why: &str) -> Read<()> {
     match keys.iter().find_map(|key| table.optional(key)) {
         Some(node) => Err(node.misplaced(why)),
@@ -219,15 +219,15 @@ fn check_one_source(table: &Table<'_>) -> Read<()> {
 }
 
 fn stiffness_matrix(node: &Node<'_>) -> Read<[[f64; 5]; 5]> {
-    let wants = "5 rows of 5: force along X, Y, Z and moment about X, Y per displacement along X, Y, Z and rotation \
+    let expected = "5 rows of 5: force along X, Y, Z and moment about X, Y per displacement along X, Y, Z and rotation \
                  about X, Y, in N/m, N, N/rad and N m/rad";
-    let rows = node.list(wants)?;
+    let rows = node.list(expected)?;
     if rows.len() != 5 {
-        return Err(node.fail(format!("a list of {}", rows.len()), wants));
+        return Err(node.fail(format!("a list of {}", rows.len()), expected));
     }
     let mut matrix = [[0.0; 5]; 5];
     for (i, (slot, row)) in matrix.iter_mut().zip(&rows).enumerate() {
-        *slot = row.array(wants, |j, entry| entry.quantity(stiffness_term(i, j)))?;
+        *slot = row.array(expected, |j, entry| entry.quantity(stiffness_term(i, j)))?;
     }
     Ok(matrix)
 }
@@ -249,8 +249,8 @@ fn check_two_spring(table: &Table<'_>, elements: usize, linear: Option<&Linear>)
     if !matches!(linear, Some(Linear::TwoSpring { .. })) || TWO_SPRING_ELEMENTS.contains(&elements) {
         return Ok(());
     }
-    let wants = "8 to 16 with two_spring, where its formula has its ratios";
-    Err(table.required("elements", wants)?.refuse(wants))
+    let expected = "8 to 16 with two_spring, where its formula has its ratios";
+    Err(table.required("elements", expected)?.refuse(expected))
 }
 
 fn geometry(table: &Table<'_>, required: RequiredInput) -> Read<Option<Geometry>> {
@@ -284,18 +284,18 @@ fn check_complete(table: &Table<'_>) -> Read<()> {
     let Some(first) = missing.first() else {
         return Ok(());
     };
-    let wants = format!(
+    let expected = format!(
         "a complete geometry: all of {} and one of contact_angle and diametral_clearance (missing here: {})",
         always.join(", "),
         missing.join(", ")
     );
-    Err(table.missing(first, &wants))
+    Err(table.missing(first, &expected))
 }
 
 fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
     let range = format!("above ball_diameter ({} mm)", (ball * 1e9).round() / 1e6);
-    let wants = Dimension::Length.expected(&range);
-    let node = table.required("pitch_diameter", &wants)?;
+    let expected = Dimension::Length.expected(&range);
+    let node = table.required("pitch_diameter", &expected)?;
     node.within(Dimension::Length, &range, |x| x > ball)
 }
 
@@ -305,13 +305,13 @@ fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
 }
 
 /// `groove_centres` is the distance A of the groove centres at first contact.
-fn fit(table: &Table<'_>, required: RequiredInput, groove_centres: f64) -> Read<Fit> {
+fn fit(table: &Table<'_>, required: RequiredInput, groove_centres: f64) -> Read<FreeAngle> {
     let choice = "exactly one of contact_angle (such as \"40 deg\") \
                   and diametral_clearance (such as \"10 um\")";
     match (table.optional("contact_angle"), table.optional("diametral_clearance")) {
-        (Some(angle), None) => contact_angle(&angle).map(Fit::ContactAngle),
+        (Some(angle), None) => contact_angle(&angle).map(FreeAngle::ContactAngle),
         (None, Some(clearance)) => {
-            diametral_clearance(&clearance, required, groove_centres).map(Fit::DiametralClearance)
+            diametral_clearance(&clearance, required, groove_centres).map(FreeAngle::DiametralClearance)
         }
         (Some(_), Some(clearance)) => Err(clearance.fail("both contact_angle and diametral_clearance", choice)),
         (None, None) => Err(table.fail("neither contact_angle nor diametral_clearance", choice)),
@@ -375,11 +375,11 @@ fn check_law(table: &Table<'_>, required: RequiredInput, geometry: Option<&Geome
     if law.and_then(|l| l.stiffness).is_none() {
         check_stiffness_from_geometry(table, geometry, law)?;
     }
-    let from_clearance = geometry.is_some_and(|g| matches!(g.fit, Fit::DiametralClearance(_)));
+    let from_clearance = geometry.is_some_and(|g| matches!(g.fit, FreeAngle::DiametralClearance(_)));
     if law.and_then(|l| l.radial_play).is_none() && !from_clearance {
-        let wants = "half the diametral clearance, such as \"5 um\" (negative is preload); or the geometry of the \
+        let expected = "half the diametral clearance, such as \"5 um\" (negative is preload); or the geometry of the \
                      bearing with diametral_clearance";
-        return Err(table.missing("radial_play", wants));
+        return Err(table.missing("radial_play", expected));
     }
     Ok(())
 }
@@ -388,14 +388,14 @@ fn check_stiffness_from_geometry(table: &Table<'_>, geometry: Option<&Geometry>,
     let exponent = law.map_or(HERTZ_EXPONENT, |l| l.exponent);
     let stiffness = Dimension::ContactStiffness(exponent).expected("above 0");
     if geometry.is_none() {
-        let wants = format!("{stiffness}; or the geometry of the bearing: ball_diameter and so on");
-        return Err(table.missing("stiffness", &wants));
+        let expected = format!("{stiffness}; or the geometry of the bearing: ball_diameter and so on");
+        return Err(table.missing("stiffness", &expected));
     }
     if exponent == HERTZ_EXPONENT {
         return Ok(());
     }
-    let wants = "1.5, as the stiffness comes from the geometry by Hertz; or give stiffness as well";
-    Err(table.required("exponent", wants)?.refuse(wants))
+    let expected = "1.5, as the stiffness comes from the geometry by Hertz; or give stiffness as well";
+    Err(table.required("exponent", expected)?.refuse(expected))
 }
 
 fn axial(node: &Node<'_>) -> Read<Axial> {
@@ -410,13 +410,13 @@ fn axial(node: &Node<'_>) -> Read<Axial> {
 }
 
 fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
-    let wants = format!(
+    let expected = format!(
         "a list of {elements} entries [x, y, z], the displacement of the outer ring at each rolling element, \
          such as [\"1 um\", 0, 0]"
     );
-    let list = node.list(&wants)?;
+    let list = node.list(&expected)?;
     if list.len() != elements {
-        return Err(node.fail(format!("a list of {}", list.len()), wants));
+        return Err(node.fail(format!("a list of {}", list.len()), expected));
     }
     let metres = |_: usize, entry: &Node<'_>| entry.quantity(Dimension::Length);
     list.iter().map(|entry| entry.array("a list of 3 lengths: along X, Y, Z", metres)).collect()
@@ -433,12 +433,12 @@ fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Optio
     if usize::try_from(most).is_ok_and(|most| elements <= most) {
         return Ok(());
     }
-    let wants = if most == 0 {
+    let expected = if most == 0 {
         "a larger pitch_diameter or smaller balls: not even 3 of this ball_diameter fit on the pitch circle".to_owned()
     } else {
         format!("3 to {most}: more balls of this ball_diameter do not fit on the pitch circle")
     };
-    Err(table.required("elements", &wants)?.refuse(wants))
+    Err(table.required("elements", &expected)?.refuse(expected))
 }
 
 fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Option<f64>> {
@@ -447,8 +447,8 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Optio
     if given.is_some() || has_geometry || model == Model::Linear {
         return Ok(given);
     }
-    let wants = format!("{range}; without geometry it must be given (0 for elements at rest)");
-    Err(table.missing("cage_ratio", &wants))
+    let expected = format!("{range}; without geometry it must be given (0 for elements at rest)");
+    Err(table.missing("cage_ratio", &expected))
 }
 
 /// Reads the station along a rigid rotor; on a system the coordinates define the position.
@@ -493,10 +493,10 @@ fn support(node: &Node<'_>) -> Read<Support> {
 }
 
 fn azimuths(node: &Node<'_>, elements: usize) -> Read<Vec<f64>> {
-    let wants = format!("a list of {elements} angles, the azimuth of each rolling element at shaft angle 0");
-    let list = node.list(&wants)?;
+    let expected = format!("a list of {elements} angles, the azimuth of each rolling element at shaft angle 0");
+    let list = node.list(&expected)?;
     if list.len() != elements {
-        return Err(node.fail(format!("a list of {}", list.len()), wants));
+        return Err(node.fail(format!("a list of {}", list.len()), expected));
     }
     list.iter().map(|entry| entry.quantity(Dimension::Angle)).collect()
 }
@@ -508,10 +508,10 @@ fn cage_runout(node: &Node<'_>, geometry: Option<&Geometry>) -> Read<CageRunout>
         return Err(table.missing("radius", "the radius of the elements' circle, or the bearing's geometry"));
     };
     let range = format!("0 or more and below a tenth of the elements' circle ({radius} m)");
-    let wants = Dimension::Length.expected(&range);
+    let expected = Dimension::Length.expected(&range);
     Ok(CageRunout {
         offset: table
-            .required("offset", &wants)?
+            .required("offset", &expected)?
             .within(Dimension::Length, &range, |e| (0.0..0.1 * radius).contains(&e))?,
         angle: table.read("angle", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
         radius,
@@ -539,9 +539,9 @@ fn check_dynamic(table: &Table<'_>, model: Model, geometry: Option<&Geometry>) -
         return Ok(());
     }
     if geometry.is_none() {
-        let wants =
+        let expected =
             "the geometry of the bearing, from which model = \"dynamic\" has mass and contact stiffness of a ball";
-        return Err(table.missing("ball_diameter", wants));
+        return Err(table.missing("ball_diameter", expected));
     }
     let keys = ["stiffness", "exponent", "axial", "housing_displacement", "defect", "waviness", "preload"];
     refuse(table, &keys, "none with model = \"dynamic\", whose balls move in one plane on round races; remove it")
@@ -580,10 +580,10 @@ fn defect(node: &Node<'_>, elements: usize) -> Read<Defect> {
 
 /// `surface`, and for a ball which one is damaged: `element`, 1 for the first.
 fn surface(table: &Table<'_>, elements: usize) -> Read<Surface> {
-    let wants = "\"inner\", \"outer\" or \"ball\"";
+    let expected = "\"inner\", \"outer\" or \"ball\"";
     let ball = Surface::Ball(0);
     let here = [("inner", Surface::Inner), ("outer", Surface::Outer), ("ball", ball), ("element", ball)];
-    let surface = table.required("surface", wants)?.choice(&here)?;
+    let surface = table.required("surface", expected)?.choice(&here)?;
     let Some(node) = table.optional("element") else {
         return Ok(surface);
     };
@@ -609,8 +609,8 @@ fn wave(node: &Node<'_>, elements: usize) -> Read<Wave> {
     let surface = surface(&table, elements)?;
     let axial = table.read("direction", |n| n.choice(&[("radial", false), ("axial", true)]))?.unwrap_or(false);
     if axial && matches!(surface, Surface::Ball(_)) {
-        let wants = "\"radial\" (a ball's waviness is along its contacts); or leave it out";
-        return Err(table.required("direction", wants)?.refuse(wants));
+        let expected = "\"radial\" (a ball's waviness is along its contacts); or leave it out";
+        return Err(table.required("direction", expected)?.refuse(expected));
     }
     let range = "a whole number from 1 to 10000 (waves around the surface)";
     let order = table.required("order", range)?;

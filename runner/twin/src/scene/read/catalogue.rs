@@ -19,9 +19,9 @@ pub(super) struct Expansion {
 
 /// Returns the entry of each `[[bearing]]`, or none where it has no key `bearing`.
 pub(super) fn of_bearings(root: &Table<'_>) -> Read<Vec<Option<Expansion>>> {
-    let wants = "at least one table [[bearing]], in double brackets";
+    let expected = "at least one table [[bearing]], in double brackets";
     let Some(node) = root.optional(KEY) else { return Ok(vec![]) };
-    node.list(wants)?.iter().map(|node| expansion(&bearing::table(node)?)).collect()
+    node.list(expected)?.iter().map(|node| expansion(&bearing::table(node)?)).collect()
 }
 
 fn expansion(table: &Table<'_>) -> Read<Option<Expansion>> {

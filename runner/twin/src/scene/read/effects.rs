@@ -40,10 +40,10 @@ pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
 }
 
 fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
-    let wants = "a list of \"centrifugal\", \"gyroscopic\" and \"film\"";
+    let expected = "a list of \"centrifugal\", \"gyroscopic\" and \"film\"";
     let here = [("centrifugal", Effect::Centrifugal), ("gyroscopic", Effect::Gyroscopic), ("film", Effect::Film)];
     let mut effects = Vec::new();
-    for entry in node.list(wants)? {
+    for entry in node.list(expected)? {
         let effect = entry.choice(&here)?;
         if effects.contains(&effect) {
             return Err(entry.repeated("each effect once"));
@@ -56,9 +56,9 @@ fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
 /// The oil is checked wherever it is given, and needed where the film is named.
 fn film(table: &Table<'_>, named: bool) -> Read<Option<Lubricant>> {
     let oil = lubricant(table)?;
-    let wants = "{ viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }, the oil of the film";
+    let expected = "{ viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }, the oil of the film";
     match (named, oil) {
-        (true, None) => Err(table.missing("lubricant", wants)),
+        (true, None) => Err(table.missing("lubricant", expected)),
         (true, oil) => Ok(oil),
         (false, _) => Ok(None),
     }
@@ -82,8 +82,8 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
         return Ok(None);
     };
     if matches!(model, Model::Linear | Model::Lumped) {
-        let wants = "only with model = \"angular\", \"quasi-static\" or \"tabulated\" (lumped: a negative radial_play); remove it";
-        return Err(node.misplaced(wants));
+        let expected = "only with model = \"angular\", \"quasi-static\" or \"tabulated\" (lumped: a negative radial_play); remove it";
+        return Err(node.misplaced(expected));
     }
     let inner = node.table(&["force", "displacement"])?;
     match (inner.optional("force"), inner.optional("displacement")) {
@@ -109,12 +109,12 @@ pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableR
         })
     };
     let intervals = inner.read("intervals", |n| {
-        let wants = "a list of three whole numbers from 1 to 1000: along approach, angle and speed";
-        let list = n.list(wants)?;
-        let count = |n: &Node<'_>| n.integer(1, 1000, wants).map(|i| usize::try_from(i).unwrap_or(1));
+        let expected = "a list of three whole numbers from 1 to 1000: along approach, angle and speed";
+        let list = n.list(expected)?;
+        let count = |n: &Node<'_>| n.integer(1, 1000, expected).map(|i| usize::try_from(i).unwrap_or(1));
         match list.as_slice() {
             [a, b, c] => Ok([count(a)?, count(b)?, count(c)?]),
-            _ => Err(n.refuse(wants)),
+            _ => Err(n.refuse(expected)),
         }
     })?;
     Ok(Some(TableRange {

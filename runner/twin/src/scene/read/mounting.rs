@@ -23,9 +23,9 @@ pub(super) fn read(table: &Table<'_>, bearing: &mut Bearing) -> Read<()> {
         };
     };
     let Some(unmounted_clearance) = bearing.clearance().filter(|_| bearing.model != Model::Linear) else {
-        let wants =
+        let expected =
             "a bearing with a clearance: diametral_clearance, contact_angle or radial_play, and not model = \"linear\"";
-        return Err(node.misplaced(wants));
+        return Err(node.misplaced(expected));
     };
     let (temperatures, expansion) = match &temperatures {
         Some(node) => read_temperatures(node).map(|(t, expansion)| (Some(t), expansion))?,
@@ -73,9 +73,11 @@ fn raceways(table: &Table<'_>, bearing: &Bearing) -> Read<[f64; 2]> {
     let [inner, outer] = [diameter("inner_raceway_diameter", -1.0)?, diameter("outer_raceway_diameter", 1.0)?];
     if outer <= inner {
         let given = ["outer_raceway_diameter", "inner_raceway_diameter"].iter().find_map(|key| table.optional(key));
-        let wants =
+        let expected =
             format!("an outer raceway ({:.2} mm) larger than the inner one ({:.2} mm)", outer * 1e3, inner * 1e3);
-        return Err(given.map_or_else(|| table.fail("raceways", wants.clone()), |node| node.refuse(wants.clone())));
+        return Err(
+            given.map_or_else(|| table.fail("raceways", expected.clone()), |node| node.refuse(expected.clone()))
+        );
     }
     Ok([inner, outer])
 }
@@ -165,7 +167,7 @@ fn read_temperatures(node: &Node<'_>) -> Read<(Temperatures, f64)> {
 /// Values expected of a temperature.
 const TEMPERATURE: &str = "a temperature with its unit, such as \"60 degC\", \"333 K\" or \"140 degF\"";
 
-/// Reads a temperature in K. A bare number has no unit and is refused.
+/// Reads a temperature in K. A bare number has no unit and is rejected.
 fn temperature(node: &Node<'_>) -> Read<f64> {
     let parsed = node.text(TEMPERATURE)?.trim().rsplit_once(' ').and_then(|(number, unit)| {
         let (scale, zero) = temperature_unit(unit)?;
@@ -186,10 +188,10 @@ pub(super) fn temperature_unit(name: &str) -> Option<(f64, f64)> {
 
 /// Reads a coefficient of linear expansion, 1/K.
 fn thermal_expansion(node: &Node<'_>) -> Read<f64> {
-    let wants = "a linear expansion from 0 to 1e-4 1/K, such as \"23e-6 1/K\"";
-    let number = match node.text(wants) {
+    let expected = "a linear expansion from 0 to 1e-4 1/K, such as \"23e-6 1/K\"";
+    let number = match node.text(expected) {
         Ok(text) => text.trim().strip_suffix("1/K").and_then(|number| number.trim().parse().ok()),
-        Err(_) => node.number(wants, |_| true).ok(),
+        Err(_) => node.number(expected, |_| true).ok(),
     };
-    number.filter(|x| (0.0..=1e-4).contains(x)).ok_or_else(|| node.refuse(wants))
+    number.filter(|x| (0.0..=1e-4).contains(x)).ok_or_else(|| node.refuse(expected))
 }

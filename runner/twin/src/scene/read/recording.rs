@@ -49,19 +49,19 @@ pub(super) fn read(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[B
 
 /// Reads the path of the recording, or those of a list: the first and the others.
 fn files(table: &Table<'_>, folder: &Path) -> Read<(PathBuf, Vec<PathBuf>)> {
-    let wants = "the name of a file or a folder relative to the scene's folder, or a list of names of files";
-    let node = table.required("file", wants)?;
-    if let Ok(file) = node.text(wants) {
+    let expected = "the name of a file or a folder relative to the scene's folder, or a list of names of files";
+    let node = table.required("file", expected)?;
+    if let Ok(file) = node.text(expected) {
         return Ok((folder.join(file), vec![]));
     }
-    let names = node.list(wants)?.iter().map(|n| n.text(wants)).collect::<Read<Vec<_>>>()?;
+    let names = node.list(expected)?.iter().map(|n| n.text(expected)).collect::<Read<Vec<_>>>()?;
     for (i, name) in names.iter().enumerate() {
         if names[..i].contains(name) {
             return Err(node.fail(format!("\"{name}\" twice"), "each file once"));
         }
     }
     let mut paths = names.into_iter().map(|name| folder.join(name));
-    let first = paths.next().ok_or_else(|| node.refuse(wants))?;
+    let first = paths.next().ok_or_else(|| node.refuse(expected))?;
     Ok((first, paths.collect()))
 }
 
@@ -136,15 +136,15 @@ fn sampling_rate(node: &Node<'_>, taken: &mut Taken) -> Read<Clock> {
 }
 
 fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -> Read<Vec<Probe>> {
-    let wants = "a list of at least one probe, such as \
+    let expected = "a list of at least one probe, such as \
                  { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }";
     if !table.has("probes") && table.has("sensors") {
         return Ok(vec![]);
     }
-    let node = table.required("probes", wants)?;
-    let list = node.list(wants)?;
+    let node = table.required("probes", expected)?;
+    let list = node.list(expected)?;
     if list.is_empty() {
-        return Err(node.refuse(wants));
+        return Err(node.refuse(expected));
     }
     let mut probes: Vec<Probe> = list.iter().map(|node| probe(node, on_system, taken)).collect::<Read<_>>()?;
     // The scene gives the noise of one reading; the means of several have less.
@@ -155,10 +155,10 @@ fn probes(table: &Table<'_>, average: u32, on_system: bool, taken: &mut Taken) -
 }
 
 fn sensors(node: &Node<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {
-    let wants = "a list of at least one sensor, such as { column = \"DE\", unit = \"m/s^2\" }";
-    let list = node.list(wants)?;
+    let expected = "a list of at least one sensor, such as { column = \"DE\", unit = \"m/s^2\" }";
+    let list = node.list(expected)?;
     if list.is_empty() {
-        return Err(node.refuse(wants));
+        return Err(node.refuse(expected));
     }
     list.iter().map(|node| sensor(node, taken)).collect()
 }
@@ -170,11 +170,11 @@ fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
     let table = node.table(&["column", "unit", "bearing"])?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a sensor", taken)?;
-    let wants = format!("the unit of the column: {}", VIBRATION.join(", "));
-    let node = table.required("unit", &wants)?;
-    let unit = node.text(&wants)?;
+    let expected = format!("the unit of the column: {}", VIBRATION.join(", "));
+    let node = table.required("unit", &expected)?;
+    let unit = node.text(&expected)?;
     if !VIBRATION.contains(&unit) {
-        return Err(node.refuse(wants));
+        return Err(node.refuse(expected));
     }
     let bearing = table.read("bearing", |n| Ok(n.text("the name of a bearing")?.to_owned()))?;
     Ok(Sensor { column, unit: unit.to_owned(), bearing })
@@ -189,11 +189,11 @@ fn temperatures(
     if !table.has("probes") {
         return Err(node.misplaced("only with probes, whose twin has a clearance; remove it"));
     }
-    let wants = "a list of at least one temperature, such as \
+    let expected = "a list of at least one temperature, such as \
                  { column = \"T_DE\", unit = \"degC\", bearing = \"DE\", ring = \"outer\" }";
-    let list = node.list(wants)?;
+    let list = node.list(expected)?;
     if list.is_empty() {
-        return Err(node.refuse(wants));
+        return Err(node.refuse(expected));
     }
     let mut channels: Vec<TemperatureChannel> = vec![];
     for node in &list {
@@ -210,15 +210,15 @@ fn temperature(node: &Node<'_>, bearings: &[Bearing], taken: &mut Taken) -> Read
     let table = node.table(&["column", "unit", "bearing", "ring"])?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a temperature", taken)?;
-    let wants = "the unit of the column: degC, K or degF";
-    let unit = table.required("unit", wants)?;
-    let Some((kelvins_per_unit, zero)) = mounting::temperature_unit(unit.text(wants)?) else {
-        return Err(unit.refuse(wants));
+    let expected = "the unit of the column: degC, K or degF";
+    let unit = table.required("unit", expected)?;
+    let Some((kelvins_per_unit, zero)) = mounting::temperature_unit(unit.text(expected)?) else {
+        return Err(unit.refuse(expected));
     };
-    let wants = "the name of a [[bearing]]";
-    let node = table.required("bearing", wants)?;
-    let name = node.text(wants)?;
-    let Some(bearing) = bearings.iter().find(|bearing| bearing.name == name) else { return Err(node.refuse(wants)) };
+    let expected = "the name of a [[bearing]]";
+    let node = table.required("bearing", expected)?;
+    let name = node.text(expected)?;
+    let Some(bearing) = bearings.iter().find(|bearing| bearing.name == name) else { return Err(node.refuse(expected)) };
     if bearing.mounting.is_none_or(|mounting| mounting.temperatures.is_none()) {
         return Err(
             node.refuse("a bearing with temperatures = { inner, outer }, whose difference the other ring keeps")
@@ -245,9 +245,9 @@ fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {
 
 /// Returns the metres per unit of a probe's column, and the sensitivity (V/m) of one in volts.
 fn conversion(table: &Table<'_>) -> Read<(f64, Option<f64>)> {
-    let wants = "the unit of the column: um, mil, mm or m, or V or mV with a sensitivity";
-    let node = table.required("unit", wants)?;
-    let text = node.text(wants)?;
+    let expected = "the unit of the column: um, mil, mm or m, or V or mV with a sensitivity";
+    let node = table.required("unit", expected)?;
+    let text = node.text(expected)?;
     let Ok(volts) = units::voltage_column(text) else {
         let metres =
             units::length_column(text).map_err(|e| node.invalid(e.found, format!("{}; or V or mV", e.expected)))?;
@@ -258,9 +258,9 @@ fn conversion(table: &Table<'_>) -> Read<(f64, Option<f64>)> {
             None => Ok((metres, None)),
         };
     };
-    let wants = "a voltage per length of a column in volts, such as \"7.87 mV/um\" or \"200 mV/mil\"";
+    let expected = "a voltage per length of a column in volts, such as \"7.87 mV/um\" or \"200 mV/mil\"";
     let range = "that is not 0; negative where the voltage falls as the shaft moves along the angle of the probe";
-    let node = table.required("sensitivity", wants)?;
+    let node = table.required("sensitivity", expected)?;
     let sensitivity = node.within(Dimension::Sensitivity, range, |s| s != 0.0 && (volts / s).is_finite())?;
     Ok((volts / sensitivity, Some(sensitivity)))
 }
@@ -268,12 +268,12 @@ fn conversion(table: &Table<'_>) -> Read<(f64, Option<f64>)> {
 /// Reads the reading of a probe with the shaft in the middle, in m; of a probe in volts also as a voltage.
 fn offset(node: &Node<'_>, sensitivity: Option<f64>) -> Read<f64> {
     let Some(sensitivity) = sensitivity else { return node.quantity(Dimension::Length) };
-    let wants = "a voltage or a length with its unit, such as \"-9.5 V\" or \"3.2 um\"";
-    let text = node.text(wants)?;
+    let expected = "a voltage or a length with its unit, such as \"-9.5 V\" or \"3.2 um\"";
+    let text = node.text(expected)?;
     match units::parse(text, Dimension::Voltage) {
         Ok(volts) if (volts / sensitivity).is_finite() => Ok(volts / sensitivity),
-        Ok(_) => Err(node.refuse(wants)),
-        Err(_) => units::parse(text, Dimension::Length).map_err(|e| node.invalid(e.found, wants)),
+        Ok(_) => Err(node.refuse(expected)),
+        Err(_) => units::parse(text, Dimension::Length).map_err(|e| node.invalid(e.found, expected)),
     }
 }
 
@@ -284,8 +284,9 @@ fn direction(table: &Table<'_>) -> Read<Direction> {
             None => Ok(Direction::Axial),
         };
     }
-    let wants = format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.expected(""));
-    Ok(Direction::Radial(table.required("angle", &wants)?.quantity(Dimension::Angle)?))
+    let expected =
+        format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.expected(""));
+    Ok(Direction::Radial(table.required("angle", &expected)?.quantity(Dimension::Angle)?))
 }
 
 fn probe_station(table: &Table<'_>, direction: Direction, on_system: bool) -> Read<f64> {
@@ -328,10 +329,10 @@ fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
         node.table(&["column", "pulses_per_turn", "missing", "kind", "unit", "threshold", "hysteresis", "slope"])?;
     let column = table.required("column", "the name of the column with the pulses")?;
     let column = column_name(&column, "the keyphasor", taken)?;
-    let wants = "a whole number, 1 or more";
-    let pulses = table.required("pulses_per_turn", wants)?;
+    let expected = "a whole number, 1 or more";
+    let pulses = table.required("pulses_per_turn", expected)?;
     let pulses_per_turn =
-        u32::try_from(pulses.integer(1, u32::MAX.into(), wants)?).map_err(|_| pulses.refuse(wants))?;
+        u32::try_from(pulses.integer(1, u32::MAX.into(), expected)?).map_err(|_| pulses.refuse(expected))?;
     let is_count = table.read("kind", |n| n.choice(&[("pulses", false), ("count", true)]))?.unwrap_or(false);
     if is_count {
         for key in ["missing", "unit", "threshold", "hysteresis", "slope"] {
@@ -349,18 +350,18 @@ fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
 /// Reads the number of absent teeth. More than half of them would be a wheel without teeth for the most part.
 fn missing_teeth(node: &Node<'_>, pulses_per_turn: u32) -> Read<u32> {
     let most = pulses_per_turn / 2;
-    let wants =
+    let expected =
         format!("a whole number from 1 to {most}, half of pulses_per_turn, in which the absent teeth are counted");
     if pulses_per_turn < 3 {
         return Err(node.misplaced("only with pulses_per_turn of 3 or more; remove it"));
     }
-    node.integer(1, most.into(), &wants).map(|missing| missing as u32)
+    node.integer(1, most.into(), &expected).map(|missing| missing as u32)
 }
 
 fn pulse_detection(table: &Table<'_>) -> Read<PulseDetection> {
     let voltage = |n: &Node<'_>| {
-        let wants = "the unit of the column: V or mV";
-        units::voltage_column(n.text(wants)?).map_err(|e| n.invalid(e.found, e.expected))
+        let expected = "the unit of the column: V or mV";
+        units::voltage_column(n.text(expected)?).map_err(|e| n.invalid(e.found, e.expected))
     };
     let volts_per_unit = table.read("unit", voltage)?;
     let level = |node: &Node<'_>, range: &str, ok: fn(f64) -> bool| match volts_per_unit {
@@ -392,9 +393,9 @@ fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
 
 /// The `unit` of a column. It has no default: units are never assumed.
 fn unit(table: &Table<'_>, factor: impl Fn(&str) -> Result<f64, units::Mismatch>, names: &str) -> Read<f64> {
-    let wants = format!("the unit of the column: {names}");
-    let node = table.required("unit", &wants)?;
-    factor(node.text(&wants)?).map_err(|e| node.invalid(e.found, e.expected))
+    let expected = format!("the unit of the column: {names}");
+    let node = table.required("unit", &expected)?;
+    factor(node.text(&expected)?).map_err(|e| node.invalid(e.found, e.expected))
 }
 
 /// Reads the name of a column that has no other use; `user` is its use.

@@ -57,8 +57,8 @@ pub fn read(node: &Node<'_>) -> Read<Rotor> {
 
 /// Reads a drawing and moves its stations to the centre of mass.
 fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> Read<()> {
-    let wants = "a list of tables { from, to, outer_diameter }";
-    let sections = sections(&table.required("sections", wants)?, wants)?;
+    let expected = "a list of tables { from, to, outer_diameter }";
+    let sections = sections(&table.required("sections", expected)?, expected)?;
     let ratio = "0 or more and below 0.5";
     let density = table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(DENSITY);
     let damping = table.read("proportional_damping", proportional_damping)?.unwrap_or_default();
@@ -89,8 +89,8 @@ fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> 
     Ok(())
 }
 
-fn sections(node: &Node<'_>, wants: &str) -> Read<Vec<Section>> {
-    let list = node.list(wants)?;
+fn sections(node: &Node<'_>, expected: &str) -> Read<Vec<Section>> {
+    let list = node.list(expected)?;
     let mut sections: Vec<Section> = Vec::new();
     for node in &list {
         let table = node.table(&["from", "to", "outer_diameter", "outer_diameter_to", "inner_diameter"])?;
@@ -116,7 +116,7 @@ fn sections(node: &Node<'_>, wants: &str) -> Read<Vec<Section>> {
         sections.push(Section { from, to, outer_diameter: outer, outer_diameter_to: end, inner_diameter: bore });
     }
     if sections.is_empty() {
-        return Err(node.refuse(wants));
+        return Err(node.refuse(expected));
     }
     Ok(sections)
 }

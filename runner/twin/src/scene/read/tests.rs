@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
-use super::super::{Axial, Defect, DefectShape, Facing, Fit, Geometry, Law, Linear, Model, Support};
+use super::super::{Axial, Defect, DefectShape, Facing, FreeAngle, Geometry, Law, Linear, Model, Support};
 use super::*;
 use crate::scene::{Clock, KeyphasorSignal, Orientation, PulseDetection, RotationSource, Slope};
 
@@ -179,7 +179,7 @@ fn the_whole_example_reads() {
 fn assert_angular_bearing(de: &Bearing) {
     assert_eq!((de.name.as_str(), de.facing, de.model), ("DE", Facing::PlusZ, Model::Angular));
     assert_eq!((de.elements, de.cage_ratio), (16, Some(0.4)));
-    let Some(Geometry { ball_diameter, fit: Fit::ContactAngle(angle), youngs_modulus, .. }) = de.geometry else {
+    let Some(Geometry { ball_diameter, fit: FreeAngle::ContactAngle(angle), youngs_modulus, .. }) = de.geometry else {
         unreachable!("a contact angle")
     };
     assert!(near(ball_diameter, 22.23e-3) && near(angle, 40.0 * PI / 180.0));
@@ -327,7 +327,7 @@ fn top_of_the_file() {
 
 /// A bare number is in SI units; one that no machine has is most likely in the unit that people write.
 #[test]
-fn a_bare_number_in_another_unit() {
+fn plain_number_in_another_unit() {
     for value in ["250", "-100.5"] {
         let error = refusal(&LEAST.replace("station = 0", &format!("station = {value}")));
         assert!(error.contains("(a bare number is in m), expected a length"), "{error}");
@@ -476,7 +476,7 @@ fn keys_of_a_keyphasor() {
     let text = format!("{LEAST}{RECORDING}keyphasor = {{ column = \"k\", pulses_per_turn = 60 }}\n");
     let keys = "pulses_per_turn = 60";
     let more = |key: &str| format!("{keys}, {key}");
-    let refused = |key: &str, wants: &[&str]| assert_refused(&text, &[(keys, &more(key), wants)]);
+    let refused = |key: &str, expected: &[&str]| assert_refused(&text, &[(keys, &more(key), expected)]);
     refused("missing = 0", &["recording.keyphasor.missing: invalid value: 0, expected a whole number from 1 to 30"]);
     refused("missing = 31", &["half of pulses_per_turn"]);
     refused("missing = 1.5", &["keyphasor.missing: invalid value: 1.5"]);
@@ -489,7 +489,7 @@ fn keys_of_a_keyphasor() {
     refused("unit = \"V\", hysteresis = \"-1 V\"", &["keyphasor.hysteresis: invalid value: \"-1 V\", expected a voltage above 0"]);
     refused("hysteresis = 0", &["keyphasor.hysteresis: invalid value: 0, expected a number above 0 as in the column"]);
     refused("slope = \"down\"", &["keyphasor.slope: invalid value: \"down\", expected \"rising\" or \"falling\""]);
-    let run_out = |line: &str, wants: &[&str]| assert_refused(&format!("{LEAST}{RECORDING}"), &[("rate = 1000", line, wants)]);
+    let run_out = |line: &str, expected: &[&str]| assert_refused(&format!("{LEAST}{RECORDING}"), &[("rate = 1000", line, expected)]);
     let with_keyphasor = "keyphasor = { column = \"k\", pulses_per_turn = 1 }";
     run_out("rate = 1\nrun_out = \"slow.csv\"", &["recording.run_out: misplaced key: \"slow.csv\"", "only with a keyphasor"]);
     run_out("rate = 1\nrun_out = \"slow.csv\"\nspeed = { column = \"n\", unit = \"rpm\" }", &["only with a keyphasor"]);

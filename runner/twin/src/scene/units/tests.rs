@@ -99,7 +99,7 @@ fn wrong_dimension_reports_the_value_found_and_the_values_expected() {
 }
 
 #[test]
-fn contact_stiffness_needs_the_exponent_of_its_law() {
+fn contact_stiffness_requires_the_exponent_of_its_law() {
     assert_eq!(
         refusal("1 N/m^1.111", Dimension::ContactStiffness(1.5)),
         "invalid value: \"1 N/m^1.111\" (a contact stiffness in N/m^1.111), expected a contact stiffness in N/m^1.5 \

@@ -3,7 +3,7 @@
 
 use bits::{BYTES, Sample, Subjects};
 
-/// Goes through the recording: `read` fills a record, or says that there is none.
+/// Goes through the recording: `read` fills a record, or returns false at the end.
 fn run(mut read: impl FnMut(&mut [u8; BYTES]) -> bool, line: impl FnMut(&str, u64)) {
     let Ok(mut subjects) = Subjects::try_new() else { return };
     let mut record = [0; BYTES];

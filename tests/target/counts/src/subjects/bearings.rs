@@ -36,7 +36,7 @@ fn in_cage<T: Scalar, B: CageFrame<T>>(bearing: &B, u: &Displacement<T>, cage: P
     bearing.reaction_in_cage_frame(u, &cage.into()).wrench
 }
 
-/// What a radial bearing has to say: two forces.
+/// Result of a radial bearing: two forces.
 #[inline(never)]
 fn radial_in_cage<T: Scalar, B: CageFrame<T>>(bearing: &B, u: T, v: T, cage: Phase) -> (T, T) {
     let wrench = bearing.reaction_in_cage_frame(&Displacement { u, v, ..Displacement::default() }, &cage.into()).wrench;

@@ -1,4 +1,4 @@
-//! Every hot-path function of the kernel, with inputs that the compiler knows nothing of.
+//! Every hot-path function of the kernel, with inputs that are opaque to the compiler.
 #![no_std]
 #![no_main]
 

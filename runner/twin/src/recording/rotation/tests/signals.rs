@@ -83,7 +83,7 @@ fn proximity_keyphasor_with_noise() {
 #[test]
 fn levels_that_drift_are_followed() {
     let turns = |t: f64| 20.0 * t - 0.4;
-    // A gap that opens by 9 V, twice the height of the pulse, and a signal coupled by alternating current that settles.
+    // A gap that opens by 9 V, twice the height of the pulse, and a signal coupled by alternating current after its transient.
     let drifts: [fn(f64) -> f64; 2] = [|t| -1.5 * t, |t| 4.0 * (-t / 1.5).exp()];
     for drift in drifts {
         let rows = sampled(76_800, turns, |turns, t| notch(turns) + drift(t), 0.05);
@@ -97,7 +97,7 @@ fn levels_that_drift_are_followed() {
 }
 
 #[test]
-fn a_step_of_the_gap_is_survived() {
+fn step_of_the_gap_voltage_loses_few_pulses() {
     let turns = |t: f64| 20.0 * t - 0.4;
     for step in [-12.0, 12.0, 6.0] {
         let rows = sampled(60_000, turns, |turns, t| notch(turns) + if t > 2.01 { step } else { 0.0 }, 0.05);
@@ -248,7 +248,7 @@ fn counts_of_pulses() {
         let rows = (0..60_000).map(|index| row(index, count(index as f64 / RATE))).collect();
         let (samples, tracker) = run(rows, &source(KeyphasorSignal::Count, (per_turn, 0)));
         assert!(tracker.flaws().is_empty());
-        // The first pulse that is seen is angle 0.
+        // The first detected pulse is angle 0.
         let seen = |t: f64| turns(t) - f64::from(u8::from(per_turn == 1));
         let (mean, largest, deviation) = angle_errors(&samples, seen, 0.5);
         println!("{per_turn} a turn, 2^{bits}: mean {mean:.3} largest {largest:.3} rms {deviation:.4} deg");

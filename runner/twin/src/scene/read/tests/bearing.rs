@@ -1,4 +1,4 @@
-//! What one `[[bearing]]` may say, and what is refused.
+//! Accepted and rejected keys of one `[[bearing]]`.
 
 use super::*;
 
@@ -49,7 +49,7 @@ fn angular_bearing_out_of_range() {
     ));
     let steepest = read(&with(LEAST, angle, "contact_angle = \"60 deg\"")).unwrap();
     let fit = steepest.bearings.first().unwrap().geometry.unwrap().fit;
-    assert!(matches!(fit, Fit::ContactAngle(angle) if angle <= FRAC_PI_3 && near(angle, FRAC_PI_3)));
+    assert!(matches!(fit, FreeAngle::ContactAngle(angle) if angle <= FRAC_PI_3 && near(angle, FRAC_PI_3)));
     assert!(read(&with(LEAST, angle, "diametral_clearance = 0")).is_ok());
     assert!(read(&with(LEAST, "elements = 8", "elements = 15")).is_ok());
 }

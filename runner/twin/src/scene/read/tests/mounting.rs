@@ -35,7 +35,7 @@ fn a_fit_changes_the_contact_angle() {
     let free = read(LEAST).unwrap().bearings[0].geometry.unwrap();
     let tight = read(&LEAST.replace("15 deg\"", &format!("15 deg\"\n{STEEL}"))).unwrap().bearings[0].geometry.unwrap();
     assert!((free.clearance() - tight.clearance() - 7.5e-6).abs() < 1e-12);
-    assert!(matches!(tight.fit, Fit::ContactAngle(angle) if (angle.to_degrees() - 13.237).abs() < 0.01));
+    assert!(matches!(tight.fit, FreeAngle::ContactAngle(angle) if (angle.to_degrees() - 13.237).abs() < 0.01));
 }
 
 /// Bore and outside diameter of a bearing of the catalogue.

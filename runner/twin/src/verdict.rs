@@ -1,7 +1,6 @@
 //! The verdict as a sentence.
 
-use crate::outcome::{EvidenceSource, Finding, ProbeOutcome, Standing};
-use crate::plausibility::Implausibility;
+use crate::outcome::{EvidenceSource, Finding, Implausibility, ProbeOutcome, Standing};
 
 /// Returns the root mean square of a figure over the probes; none where a probe lacks it.
 fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {

@@ -1,6 +1,7 @@
 use super::*;
 use crate::recording::harness::probe;
 use crate::scene::{Clock, FileLayout, RotationSource};
+use ballrace::Phase;
 use std::path::Path;
 
 const RATE: f64 = 6400.0;

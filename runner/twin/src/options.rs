@@ -11,12 +11,12 @@ pub struct Options<'a> {
     pub source: Source,
     /// Tolerated error of the force: the effect significance reports neglected effects beyond it.
     pub error: Option<f64>,
-    /// File with a baseline to judge against.
+    /// File with a baseline for comparison.
     pub baseline: Option<&'a Path>,
-    /// Live operation: indicators of every second are kept for [`Replay::take_update`](super::Replay::take_update), the start of the twin does not block, and
+    /// Live operation: indicators of every second are kept for [`Replay::take_update`](crate::replay::Replay::take_update), the start of the twin does not block, and
     /// forces that are not written to a file are computed for a limited number of samples per second.
     pub live: bool,
-    /// A display is in use: [`Replay::snapshot`](super::Replay::snapshot) returns the last samples.
+    /// A display is in use: [`Replay::snapshot`](crate::replay::Replay::snapshot) returns the last samples.
     pub viewed: bool,
     /// The machine is in good order: its parameters are calibrated for the baseline of the outcome.
     pub learn: bool,

@@ -1,7 +1,6 @@
-//! Baseline: the residual of a sound machine, written by `--learn` and compared with by `--baseline`.
+//! Baseline: the residual of a machine in good order, written by `--learn` and compared with by `--baseline`.
 
-use crate::diagnosis::Calibration;
-use crate::outcome::{FaultForm, Finding, FindingKind};
+use super::{Calibration, FaultForm, Finding, FindingKind};
 use crate::scene::{Probe, Sensor};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -150,7 +149,7 @@ impl Baseline {
 
     /// Returns true for a fault that the machine had when the baseline was learned, and that has not grown.
     #[must_use]
-    pub fn knows(&self, finding: &Finding) -> bool {
+    pub fn contains_fault(&self, finding: &Finding) -> bool {
         let same = |known: &KnownFault| {
             let is_larger = finding.parameters.size().is_none_or(|size| size > GROWTH * known.size);
             known.kind == finding.kind
@@ -183,7 +182,7 @@ impl Baseline {
     }
 
     /// Reads the baseline of a scene with these probes and sensors, whose followed lines have these orders. A baseline without
-    /// sensors is accepted: the sensors are then judged without one.
+    /// sensors is accepted: the sensors are then evaluated without one.
     ///
     /// # Errors
     /// A file that cannot be read, is no baseline, or was learned with other probes, sensors or bearings.

@@ -1,11 +1,11 @@
-//! Draft of a scene: every value that the catalogue and a recording give, and `"?"` for those that only the user knows.
+//! Draft of a scene: every value that the catalogue and a recording give, and `"?"` for those that the user has to fill in.
 
 use crate::catalogue::{BearingKind, Listed, scene_keys};
 use crate::recording::preview::{ColumnRole, NamedDirection, Preview, PreviewColumn};
 use std::fmt::Write;
 use toml_edit::Value;
 
-/// Value of a key that only the user knows.
+/// Value of a key that the user has to fill in.
 pub const UNKNOWN: &str = "?";
 /// Column at which comments begin.
 const COMMENT: usize = 38;
@@ -30,7 +30,7 @@ pub struct Draft<'a> {
 ///
 /// ```
 /// use ballrace_twin::catalogue::find;
-/// use ballrace_twin::scene::draft::{Draft, draft};
+/// use ballrace_twin::draft::{Draft, draft};
 ///
 /// let bearings = vec![find("6205")?, find("6205")?];
 /// let text = draft(&Draft { name: "pump".to_owned(), speed: Some("3000 rpm".to_owned()), bearings, recording: None });
@@ -135,7 +135,7 @@ fn rotor(page: &mut Page, of: &Draft) {
     page.by_default(
         "load",
         "[0, 0, 0, 0, 0]",
-        "the default; constant force and moment on the rotor, N and N m, such as an axial load",
+        "the default; constant force and moment on the rotor, N and N m, such as an axial load, which `ballrace fit` does not estimate",
     );
     let unbalance = "[{ moment = \"60 g mm\", angle = \"0 deg\", station = \"0 mm\" }]";
     page.by_default("unbalance", unbalance, "none by default: `ballrace fit` estimates it");

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Largest file that is read; a system of 128 coordinates in text takes less than a megabyte.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// Rows or columns that are taken in: many more than a system may have.
+/// Largest number of rows or columns that are read; a system has far fewer.
 const MOST: usize = 4096;
 
 /// Error returned when a file is no matrix of finite numbers.

@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_an_error() {
+    fn text_that_is_no_number_is_an_error() {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut matrix = DMatrix::identity(4, 4);
             matrix[(2, 1)] = value;
@@ -223,7 +223,7 @@ mod tests {
 
     /// Entries over the whole range of numbers: values or an error, within the iteration limit.
     #[test]
-    fn entries_of_any_size_end() {
+    fn eigenvalues_of_any_entries_end_in_values_or_an_error() {
         let mut state = 1_u64;
         let mut next = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -1,9 +1,9 @@
 //! Diagnosis from envelope spectra: the component of the bearing to which the lines belong.
 
-use super::envelope::{Envelope, Line, Rotation, Transforms, envelopes};
+use super::envelope::{BandEnvelope, Line, Rotation, Transforms, envelopes};
 use super::picture;
 use super::suspect::Suspect;
-use crate::baseline::{Baseline, BaselineSensor};
+use crate::outcome::baseline::{Baseline, BaselineSensor};
 use crate::outcome::{
     EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultParameters, Finding, FindingKind, LineLevel, VibrationLine,
 };
@@ -15,18 +15,18 @@ const SLIP_STEPS: i32 = 6;
 /// Number of harmonics of a line that are evaluated.
 const HARMONICS: usize = 3;
 /// Smallest level of a line, and of all its harmonics together, dB.
-const LEAST_DB: f64 = 12.0;
-const LEAST_TOGETHER_DB: f64 = 28.0;
+const MIN_DB: f64 = 12.0;
+const MIN_TOGETHER_DB: f64 = 28.0;
 /// Level to which each harmonic is limited in the sum, dB.
-const MOST_DB: f64 = 30.0;
+const MAX_DB: f64 = 30.0;
 /// Smallest modulation of a band.
-const LEAST_MODULATION: f64 = 0.25;
+const MIN_MODULATION: f64 = 0.25;
 /// Smallest growth of a line against the baseline, dB.
-const LEAST_GROWTH_DB: f64 = 6.0;
+const MIN_GROWTH_DB: f64 = 6.0;
 /// Lower limit of the bands over the highest line: below it the lines are motion and not impacts.
 const LOWEST: f64 = 3.0;
 /// Smallest score of a family over that of the strongest.
-const LEAST_OF_STRONGEST: f64 = 0.7;
+const MIN_OF_STRONGEST: f64 = 0.7;
 
 /// Components whose lines are looked for.
 const KINDS: [FindingKind; 4] =
@@ -52,24 +52,24 @@ struct Found {
 impl Found {
     /// Returns the frequency of the line, Hz, from its highest significant harmonic, which resolves it best.
     fn frequency(&self) -> f64 {
-        let mut significant = self.lines.iter().enumerate().filter(|(_, l)| l.level_db > LEAST_DB);
+        let mut significant = self.lines.iter().enumerate().filter(|(_, l)| l.level_db > MIN_DB);
         significant.next_back().map_or(self.lines[0].frequency, |(k, l)| l.frequency / (k + 1) as f64)
     }
 }
 
-/// Data for the diagnosis.
-pub struct Judge<'a> {
+/// Detector of bearing faults in the envelope spectra of sensors.
+pub struct FaultDetector<'a> {
     /// All bearings.
     pub suspects: &'a [Suspect],
     /// Rotation of the shaft.
     pub rotation: Rotation<'a>,
     /// Samples per second.
     pub rate: f64,
-    /// Baseline of the sound machine, where it is known.
+    /// Baseline of the machine in good order, where it is known.
     pub baseline: Option<&'a Baseline>,
 }
 
-impl Judge<'_> {
+impl FaultDetector<'_> {
     /// Returns the findings of all sensors, strongest first, and the baseline and the figure of each sensor.
     pub fn all<'s>(
         &self,
@@ -82,18 +82,18 @@ impl Judge<'_> {
     /// Returns the findings from the envelopes of all bands of each sensor, as [`all`](Self::all).
     pub fn of_bands<'s>(
         &self,
-        sensors: impl Iterator<Item = (&'s Sensor, Vec<Envelope>)>,
+        sensors: impl Iterator<Item = (&'s Sensor, Vec<BandEnvelope>)>,
     ) -> (Vec<Finding>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
         let (mut findings, mut learned, mut drawn): (Vec<(f64, Finding)>, _, _) = (vec![], vec![], vec![]);
         for (i, (sensor, bands)) in sensors.enumerate() {
             let found = self.sensor(sensor, &bands);
             let modulations = found.iter().map(|f| f.as_ref().map_or(0.0, |f| f.lines[0].modulation)).collect();
             learned.push(BaselineSensor { name: sensor.column.clone(), modulations });
-            let judge = |(k, f): (usize, &Option<Found>)| {
+            let evaluated = |(k, f): (usize, &Option<Found>)| {
                 let found = f.as_ref()?;
-                self.judge(found, sensor, (i, k)).map(|(score, finding)| (score, finding, found.band))
+                self.finding(found, sensor, (i, k)).map(|(score, finding)| (score, finding, found.band))
             };
-            let judged: Vec<(f64, Finding, [f64; 2])> = found.iter().enumerate().filter_map(judge).collect();
+            let judged: Vec<(f64, Finding, [f64; 2])> = found.iter().enumerate().filter_map(evaluated).collect();
             let strongest = judged.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, _, band)| *band);
             let measured: Vec<&Suspect> = self.measured_by(sensor).collect();
             drawn.extend(picture::envelope(
@@ -107,7 +107,7 @@ impl Judge<'_> {
         }
         findings.sort_by(|a, b| b.0.total_cmp(&a.0));
         let strongest = findings.first().map_or(0.0, |f| f.0);
-        findings.retain(|(score, _)| *score >= LEAST_OF_STRONGEST * strongest);
+        findings.retain(|(score, _)| *score >= MIN_OF_STRONGEST * strongest);
         let mut distinct: Vec<Finding> = vec![];
         for (_, finding) in findings {
             if !distinct.iter().any(|f| f.kind == finding.kind && f.bearing == finding.bearing) {
@@ -123,14 +123,14 @@ impl Judge<'_> {
     }
 
     /// Envelopes of all bands that are high and wide enough.
-    pub fn bands(&self, signal: &[f64], transforms: &mut Transforms) -> Vec<Envelope> {
+    pub fn bands(&self, signal: &[f64], transforms: &mut Transforms) -> Vec<BandEnvelope> {
         let fastest = self.rotation.fastest_hz;
         let (lowest, highest) = (LOWEST * self.highest_order(), self.highest_line());
         envelopes(signal, self.rate, self.rotation, [lowest * fastest, highest * fastest], transforms)
     }
 
     /// Returns the level of each line that the sensor measures, in the band where that is the greatest.
-    pub fn levels(&self, sensor: &Sensor, bands: &[Envelope]) -> Vec<LineLevel> {
+    pub fn levels(&self, sensor: &Sensor, bands: &[BandEnvelope]) -> Vec<LineLevel> {
         let level = |found: Found| LineLevel {
             bearing: self.suspects[found.family.bearing].name.clone(),
             component: found.family.kind,
@@ -168,13 +168,13 @@ impl Judge<'_> {
     }
 
     /// The best band of each family.
-    fn sensor(&self, sensor: &Sensor, all: &[Envelope]) -> Vec<Option<Found>> {
+    fn sensor(&self, sensor: &Sensor, all: &[BandEnvelope]) -> Vec<Option<Found>> {
         let families = self.families();
         let own = |f: &Family| sensor.bearing.as_ref().is_none_or(|name| *name == self.suspects[f.bearing].name);
         families.iter().map(|family| if own(family) { self.best(all, *family) } else { None }).collect()
     }
 
-    fn best(&self, all: &[Envelope], family: Family) -> Option<Found> {
+    fn best(&self, all: &[BandEnvelope], family: Family) -> Option<Found> {
         let found = all.iter().flat_map(|envelope| {
             (-SLIP_STEPS..=SLIP_STEPS).filter_map(move |i| {
                 let slip = SLIP * f64::from(i) / f64::from(SLIP_STEPS);
@@ -183,20 +183,19 @@ impl Judge<'_> {
                 for (k, line) in lines.iter_mut().enumerate() {
                     *line = envelope.line((k + 1) as f64 * frequency)?;
                 }
-                let score = lines.iter().map(|l| l.level_db.clamp(0.0, MOST_DB)).sum();
+                let score = lines.iter().map(|l| l.level_db.clamp(0.0, MAX_DB)).sum();
                 Some(Found { family, lines, band: envelope.band, score })
             })
         });
         found.max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
-    fn judge(&self, found: &Found, sensor: &Sensor, (i, k): (usize, usize)) -> Option<(f64, Finding)> {
+    fn finding(&self, found: &Found, sensor: &Sensor, (i, k): (usize, usize)) -> Option<(f64, Finding)> {
         let line = found.lines[0];
         let usual = self.baseline.map(|b| b.modulation(i, k).max(1e-6));
         let growth = usual.map(|usual| 20.0 * (line.modulation / usual).log10());
-        let stands_out =
-            line.level_db >= LEAST_DB && found.score >= LEAST_TOGETHER_DB && line.modulation >= LEAST_MODULATION;
-        if !stands_out || growth.is_some_and(|g| g < LEAST_GROWTH_DB) {
+        let stands_out = line.level_db >= MIN_DB && found.score >= MIN_TOGETHER_DB && line.modulation >= MIN_MODULATION;
+        if !stands_out || growth.is_some_and(|g| g < MIN_GROWTH_DB) {
             return None;
         }
         let order = found.frequency() / self.rotation.turn_hz;
@@ -224,7 +223,7 @@ impl Judge<'_> {
                 format!(" The sensors do not exclude {}.", others.join(" or "))
             }
         );
-        let confidence = (found.score / (HARMONICS as f64 * MOST_DB)).min(1.0).sqrt();
+        let confidence = (found.score / (HARMONICS as f64 * MAX_DB)).min(1.0).sqrt();
         let finding = Finding {
             kind: found.family.kind,
             bearing: Some(bearing),
