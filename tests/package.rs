@@ -60,3 +60,45 @@ fn the_declared_rust_version_is_enough_for_every_dependency() {
     }
     assert!(seen.len() > 5, "{} packages looked at", seen.len());
 }
+
+/// Crates on which a package depends, with the sets of features that it takes them with.
+fn features_of_dependencies(package: &str) -> HashMap<String, HashSet<String>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let output = Command::new(env!("CARGO"))
+        .args([
+            "tree",
+            "--locked",
+            "--prefix",
+            "none",
+            "--edges",
+            "normal,build",
+            "--format",
+            "{p} [{f}]",
+            "-p",
+            package,
+        ])
+        .current_dir(root)
+        .output()
+        .expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut found: HashMap<String, HashSet<String>> = HashMap::new();
+    for line in String::from_utf8_lossy(&output.stdout).lines() {
+        let line = line.trim_end_matches(" (*)");
+        if let Some((name, features)) = line.split_once(" [").filter(|(name, _)| !name.contains("(/")) {
+            found.entry(name.to_owned()).or_default().insert(features.trim_end_matches(']').to_owned());
+        }
+    }
+    found
+}
+
+/// Program and Python package take their common dependencies with the same features, so that these are compiled once.
+#[test]
+fn common_dependencies_have_one_set_of_features() {
+    let (program, python) = (features_of_dependencies("ballrace-runner"), features_of_dependencies("ballrace-python"));
+    let common: Vec<&String> = program.keys().filter(|name| python.contains_key(*name)).collect();
+    assert!(common.len() > 50, "{} common dependencies", common.len());
+    for name in common {
+        let (one, other) = (&program[name], &python[name]);
+        assert_eq!(one, other, "{name}: add the features to runner/features/Cargo.toml");
+    }
+}

@@ -98,23 +98,34 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Output of the program `source`, which uses the kernel, compiled and run.
+    /// Output of the program `source`, which uses the kernel, compiled and run. All such programs share the compiled kernel.
     pub fn compiled(&self, source: &str) -> String {
         let kernel = concat!(env!("CARGO_MANIFEST_DIR"), "/../kernel");
+        // A name of its own, since the programs of several tests stand in one folder.
+        let folder_name = self.folder.path().file_name().unwrap().to_string_lossy().into_owned();
+        let name: String = "baked".chars().chain(folder_name.chars().filter(char::is_ascii_alphanumeric)).collect();
+        let target = own_target_folder().map_or_else(|| self.path("target"), |folder| folder.join("baked"));
         fs::create_dir(self.path("src")).unwrap();
         self.put(
             "Cargo.toml",
             format!(
-                "[package]\nname = \"baked\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[dependencies]\nballrace = {{ path = {kernel:?} }}\n[workspace]\n"
+                "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[dependencies]\nballrace = {{ path = {kernel:?} }}\n[workspace]\n"
             ),
         );
         self.put("src/main.rs", source);
         let cargo = Command::new(env!("CARGO"))
             .args(["run", "-q", "--offline"])
-            .env("CARGO_TARGET_DIR", self.path("target"))
+            .env("CARGO_TARGET_DIR", &target)
+            .env("CARGO_INCREMENTAL", "0")
             .current_dir(self.path(""))
             .output()
             .unwrap();
+        for folder in ["debug", "debug/deps"].map(|folder| target.join(folder)) {
+            let own = fs::read_dir(folder).into_iter().flatten().flatten();
+            own.filter(|file| file.file_name().to_string_lossy().starts_with(&name)).for_each(|file| {
+                let _ = fs::remove_file(file.path());
+            });
+        }
         assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
         String::from_utf8(cargo.stdout).unwrap()
     }

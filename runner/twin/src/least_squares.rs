@@ -1,5 +1,5 @@
-//! Nonlinear least squares within bounds: Levenberg-Marquardt steps projected onto the bounds, Jacobian by central
-//! differences.
+//! Nonlinear least squares within bounds: Levenberg-Marquardt steps projected onto the bounds. The Jacobian of a step is by
+//! one-sided differences, that of the solution by central ones at twice the cost.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -51,7 +51,7 @@ pub fn solve<E: From<std::io::Error> + Send>(
     least_fall: f64,
 ) -> Result<Vec<f64>, E> {
     let limits = Limits::none(start.len());
-    Ok(minimise(start, &limits, residuals, least_fall, &mut |_| {})?.x)
+    Ok(minimise(start, &limits, residuals, least_fall, &mut |_| {})?.0)
 }
 
 /// Minimises the sum of squares as [`solve`], with `residuals` evaluated only within `limits`; calls `progress` before each
@@ -67,38 +67,28 @@ pub fn solve_within<E: From<std::io::Error> + Send>(
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Solution, E> {
-    let Minimum { x, residuals: r, jacobian } = minimise(start, limits, residuals, least_fall, progress)?;
-    let jacobian = match jacobian {
-        Some(jacobian) => jacobian,
-        None => slopes(&x, &limits.bounds, residuals)?,
-    };
+    let (x, r) = minimise(start, limits, residuals, least_fall, progress)?;
+    let jacobian = slopes(&x, None, &limits.bounds, residuals)?;
     Ok(Solution { x, residuals: r, jacobian })
 }
 
-/// End of a search.
-struct Minimum {
-    x: Vec<f64>,
-    residuals: DVector<f64>,
-    /// Jacobian at `x`, where it was needed.
-    jacobian: Option<DMatrix<f64>>,
-}
-
+/// Returns the unknowns of the minimum and the residuals there.
 fn minimise<E: From<std::io::Error> + Send>(
     start: Vec<f64>,
     limits: &Limits,
     residuals: Residuals<E>,
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
-) -> Result<Minimum, E> {
+) -> Result<(Vec<f64>, DVector<f64>), E> {
     let mut x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
     let mut r = DVector::from_vec(residuals(&x)?);
     let mut damping = 1e-3;
     for iteration in 0..ITERATIONS {
         progress(iteration);
-        let jacobian = slopes(&x, &limits.bounds, residuals)?;
+        let jacobian = slopes(&x, Some(&r), &limits.bounds, residuals)?;
         let (normal, gradient) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &r);
         let Some((next, reduced)) = step((&x, &r), limits, (&normal, &gradient), &mut damping, residuals) else {
-            return Ok(Minimum { x, residuals: r, jacobian: Some(jacobian) });
+            break;
         };
         let fall = 1.0 - reduced.norm_squared() / r.norm_squared();
         (x, r) = (next, reduced);
@@ -106,7 +96,7 @@ fn minimise<E: From<std::io::Error> + Send>(
             break;
         }
     }
-    Ok(Minimum { x, residuals: r, jacobian: None })
+    Ok((x, r))
 }
 
 /// Returns the next unknowns; none where no step reduces the residuals. An unknown at a bound that the step would cross is
@@ -154,8 +144,14 @@ fn step<E>(
     None
 }
 
-/// Computes the Jacobian by central differences, one-sided at a bound, the unknowns in parallel.
-fn slopes<E>(x: &[f64], bounds: &[Bounds], residuals: Residuals<E>) -> Result<DMatrix<f64>, E>
+/// Computes the Jacobian, the unknowns in parallel: by one-sided differences from the residuals `here`, or by central ones,
+/// one-sided at a bound.
+fn slopes<E>(
+    x: &[f64],
+    here: Option<&DVector<f64>>,
+    bounds: &[Bounds],
+    residuals: Residuals<E>,
+) -> Result<DMatrix<f64>, E>
 where
     E: From<std::io::Error> + Send,
 {
@@ -167,8 +163,13 @@ where
             residuals(&there)
         };
         let (above, below) = ((x[i] + DIFFERENCE).min(high), (x[i] - DIFFERENCE).max(low));
-        let (up, down) = (at(above)?, at(below)?);
-        Ok(up.iter().zip(&down).map(|(a, b)| (a - b) / (above - below)).collect())
+        let quotients =
+            |up: &[f64], down: &[f64], step: f64| up.iter().zip(down).map(|(a, b)| (a - b) / step).collect();
+        Ok(match here {
+            Some(here) if above > x[i] => quotients(&at(above)?, here.as_slice(), above - x[i]),
+            Some(here) => quotients(here.as_slice(), &at(below)?, x[i] - below),
+            None => quotients(&at(above)?, &at(below)?, above - below),
+        })
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(x.len().max(1));
     let share = |t: usize| (t..x.len()).step_by(threads).map(|i| Ok((i, column(i)?))).collect::<Result<Vec<_>, E>>();
