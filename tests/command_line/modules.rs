@@ -174,6 +174,33 @@ fn a_circle_of_two_imports_is_found() {
     assert_eq!(circle(folder.path()), ["a", "b", "c"]);
 }
 
+/// The table of layers at the root of the twin library: each module uses those of its own row and of the rows above it.
+#[test]
+fn layers_of_the_library_use_those_above_them() {
+    let package = root().join("runner/twin/src");
+    let text = fs::read_to_string(package.join("lib.rs")).unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("//! | ") && line.contains("[`"));
+    let layers: Vec<Vec<String>> = rows
+        .map(|row| {
+            let modules = row.split('|').nth(2).unwrap();
+            modules.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+        })
+        .collect();
+    assert!(layers.len() > 5, "{layers:?}");
+    let layer = |module: &str| layers.iter().position(|modules| modules.iter().any(|name| name == module));
+    for name in text.lines().filter_map(|line| line.strip_prefix("pub mod ")) {
+        assert!(layer(name.trim_end_matches(';')).is_some(), "no layer has {name}");
+    }
+    for (module, uses) in &edges(&package)[&vec![]] {
+        for other in uses {
+            // Private modules belong to no layer.
+            if let (Some(own), Some(used)) = (layer(&module[0]), layer(&other[0])) {
+                assert!(used <= own, "{} uses {} of a lower layer", module[0], other[0]);
+            }
+        }
+    }
+}
+
 /// Neither library prints, and the twin has no dependency of the command line and no untyped error.
 #[test]
 fn libraries_have_no_terminal() {

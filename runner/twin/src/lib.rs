@@ -73,21 +73,20 @@
 //!
 //! # Layers
 //!
-//! Each layer uses those above it only.
+//! Each layer uses modules of its own and of the layers above it only.
 //!
 //! | layer | modules | content |
 //! | --- | --- | --- |
-//! | input | [`scene`], [`catalogue`], [`recording`], [`draft`] | a scene file with units, checked; bearings by designation; recordings in several formats, row by row, with counted flaws; the draft of a scene from both |
-//! | model | [`scene::build`], [`handle`], [`simd`], [`flexible_rotor`], [`eigenvalues`], [`plant`] | bearings of the kernel from a scene; a rotor that bends in a few coordinates; rotor and bearings as equations of motion, with their equilibrium |
-//! | estimation | [`observer`] | displacement and unmodelled force from noisy probes |
-//! | plausibility | [`plausibility`], [`check`] | whether a recording can be one of the scene's machine |
-//! | outcome | [`outcome`], [`outcome::baseline`] | results as plain data; the baseline that later recordings are compared with |
-//! | evaluation | [`options`], [`replay`], [`vibration`], [`diagnosis`], [`verdict`] | measured against computed motion, forces, indicators, limits, diagnosis: an [`Outcome`](outcome::Outcome) |
-//! | publication | [`record`] | events and seconds of a running monitor, as logs and messages have them |
-//! | studies | [`equilibrium`], [`campbell`], [`motion`], [`sweep`], [`force`], [`effect_significance`] | one question about a scene each |
-//! | fleets | [`fleet`] | a table of machines and recordings, evaluated one by one: rows, rank, trends, files |
-//! | inverse problems | [`fit`], [`trade`], [`bake`] | parameters from a recording; the cheapest adequate model; constants for firmware |
-//! | output | [`output`], [`parquet_table`], [`printable`] | complete or absent files, tables, safe text |
+//! | basis | [`printable`], [`output`], [`folder_lock`], [`parquet_table`], [`least_squares`], [`eigenvalues`] | safe text, complete or absent files, tables; numerical methods |
+//! | kernel | [`simd`], [`handle`], [`flexible_rotor`] | bearings of the kernel chosen at run time; a rotor that bends in a few coordinates |
+//! | input | [`catalogue`], [`scene`], [`recording`], [`draft`] | bearings by designation; a scene file with units, checked; recordings in several formats, row by row, with counted flaws; the draft of a scene |
+//! | outcome | [`outcome`], [`verdict`], [`options`] | results as plain data, the baseline for later recordings, the verdict as a sentence; options of a replay |
+//! | model | [`plant`], [`probes`], [`spectrum`], [`error`] | rotor and bearings as equations of motion, with their equilibrium; readings of probes; amplitudes of lines |
+//! | studies | [`campbell`], [`effect_significance`], [`equilibrium`], [`force`], [`motion`], [`sweep`], [`trade`] | one question about a scene each |
+//! | estimation | [`observer`], [`plausibility`] | displacement and unmodelled force from noisy probes; whether a recording can be one of the scene's machine |
+//! | evaluation | [`vibration`], [`diagnosis`], [`replay`] | measured against computed motion, forces, indicators, limits, diagnosis: an [`Outcome`](outcome::Outcome) |
+//! | inverse problems | [`fit`], [`bake`] | parameters from a recording; constants for firmware |
+//! | use | [`check`], [`fleet`], [`record`] | check of a scene with its recording; a table of machines; events and seconds of a running monitor |
 //!
 //! Data flows one way: scene and recording, displacement at each bearing, force, twin, residual, outcome.
 //!
