@@ -57,13 +57,14 @@ enum Destination {
 impl Write for Destination {
     fn write(&mut self, buffer: &[u8]) -> std::io::Result<usize> {
         match self {
-            Self::Replacement(temporary) => temporary.file.write(buffer),
+            // The file itself: an error of the library has the temporary name in it.
+            Self::Replacement(temporary) => temporary.file.as_file_mut().write(buffer),
             Self::Direct(file) => file.write(buffer),
         }
     }
     fn flush(&mut self) -> std::io::Result<()> {
         match self {
-            Self::Replacement(temporary) => temporary.file.flush(),
+            Self::Replacement(temporary) => temporary.file.as_file_mut().flush(),
             Self::Direct(file) => file.flush(),
         }
     }
@@ -190,7 +191,8 @@ impl Write for AtomicFile {
     }
 }
 
-/// Replaces the file `path`, which no other process writes, by `contents`; durable when this returns.
+/// Replaces the file `path`, which no other process writes, by `contents`, with the same permissions; durable when this
+/// returns.
 ///
 /// The temporary file has a fixed name, `PATH.new`: a process that is killed leaves at most one of them, which the next
 /// call overwrites.
@@ -203,6 +205,9 @@ pub fn replace(path: &Path, contents: &[u8]) -> std::io::Result<File> {
     let temporary = PathBuf::from(name);
     let mut file = OpenOptions::new().write(true).create(true).truncate(true).open(&temporary)?;
     file.write_all(contents)?;
+    if let Ok(existing) = std::fs::metadata(path) {
+        file.set_permissions(existing.permissions())?;
+    }
     file.sync_all()?;
     std::fs::rename(&temporary, path)?;
     sync_folder(path);
