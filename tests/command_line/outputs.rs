@@ -175,9 +175,11 @@ fn a_pipe_for_events_without_a_reader_does_not_block_the_monitor() {
     let rig = Rig::new(&["--events", "pipe"]);
     assert!(std::process::Command::new("mkfifo").arg(rig.desk.path("pipe")).status().unwrap().success());
     let child = rig.start();
-    rig.feed(4 * RATE, |_| rig.desk.path("pipe").exists() && {
-        std::thread::sleep(std::time::Duration::from_secs(2));
-        true
+    rig.feed(4 * RATE, |_| {
+        rig.desk.path("pipe").exists() && {
+            std::thread::sleep(std::time::Duration::from_secs(2));
+            true
+        }
     });
     let outcome = end(child);
     assert!(!outcome["events"].as_array().unwrap().is_empty());

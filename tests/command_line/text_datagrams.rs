@@ -96,7 +96,9 @@ fn lines_without_room_are_dropped_and_counted() {
     own.send_to(lines[0].as_bytes(), to).unwrap();
     let datagrams: Vec<String> = lines[1..].chunks(512).map(|lines| lines.concat()).collect();
     wait("dropped samples", || {
-        datagrams.iter().for_each(|datagram| drop(own.send_to(datagram.as_bytes(), to).unwrap()));
+        for datagram in &datagrams {
+            own.send_to(datagram.as_bytes(), to).unwrap();
+        }
         let log = std::fs::read_to_string(desk.path("events.jsonl")).ok()?;
         log.contains("\"kind\":\"samples-dropped\"").then_some(())
     });

@@ -49,9 +49,7 @@ fn slip(line: &str) -> Option<&'static str> {
     }
     let is_minus_zero = |word: &str| word.strip_prefix("-0.").is_some_and(|rest| rest.chars().all(|c| c == '0'));
     let is_zero_in_tens = |word: &str| word.split_once("e0").is_some_and(|(zero, _)| zero.parse() == Ok(0.0));
-    if words
-        .iter()
-        .any(|word| matches!(*word, "NaN" | "inf" | "-inf") || is_minus_zero(word) || is_zero_in_tens(word))
+    if words.iter().any(|word| matches!(*word, "NaN" | "inf" | "-inf") || is_minus_zero(word) || is_zero_in_tens(word))
     {
         return Some("no number for people");
     }

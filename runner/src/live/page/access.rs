@@ -32,8 +32,8 @@ impl Access {
     pub fn try_new(options: &HttpOptions) -> Result<Self> {
         let token = match &options.token_file {
             Some(file) => {
-                let text =
-                    read_text(file, MAX_TOKEN_LENGTH).with_context(|| format!("--http-token-file: {}", file.display()))?;
+                let text = read_text(file, MAX_TOKEN_LENGTH)
+                    .with_context(|| format!("--http-token-file: {}", file.display()))?;
                 let token = text.trim().to_owned();
                 if token.len() < MIN_TOKEN_LENGTH || !token.bytes().all(|byte| byte.is_ascii_graphic()) {
                     bail!(UsageError(format!(
