@@ -135,7 +135,7 @@ impl AtomicFile {
             return Err(OutputError::Folder { file: path.to_owned() });
         }
         // A link is followed, not replaced.
-        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let path = path.canonicalize().unwrap_or_else(|_| link_target(path));
         let existing = path.metadata().ok();
         let special = existing.as_ref().is_some_and(|m| !m.is_file());
         let permissions = existing.filter(|m| m.is_file()).map(|m| m.permissions());
@@ -217,6 +217,11 @@ pub fn replace(path: &Path, contents: &[u8]) -> std::io::Result<File> {
 /// Makes a rename durable where the system can do so.
 fn sync_folder(path: &Path) {
     let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
+}
+
+/// Returns the file to which a link leads that does not exist yet; `path` itself where it is no link.
+fn link_target(path: &Path) -> PathBuf {
+    std::fs::read_link(path).map_or_else(|_| path.to_owned(), |target| folder_of(path).join(target))
 }
 
 fn folder_of(path: &Path) -> &Path {
