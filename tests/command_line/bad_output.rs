@@ -117,6 +117,18 @@ fn output_follows_a_symbolic_link() {
     assert!(desk.read("real.html").contains("<html"));
 }
 
+/// A link to a file that does not exist yet: the file is created, the link stays.
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_new_file_stays_a_link() {
+    let desk = Desk::rig();
+    fs::create_dir(desk.path("reports")).unwrap();
+    std::os::unix::fs::symlink("reports/new.html", desk.path("link.html")).unwrap();
+    desk.done(&["replay", "scene.toml", "--report", "link.html"]);
+    assert!(desk.path("link.html").is_symlink());
+    assert!(desk.read("reports/new.html").contains("<html"));
+}
+
 /// Output goes through a named pipe, which is not replaced by a file.
 #[cfg(unix)]
 #[test]

@@ -75,6 +75,24 @@ fn an_endless_matrix_file_is_refused() {
 }
 
 #[test]
+#[cfg(unix)]
+fn other_endless_files_are_refused() {
+    let desk = Desk::rig();
+    refused_in_bounds(&desk, &["replay", "scene.toml", "--baseline", "/dev/zero"], 2, &["/dev/zero", "more than"]);
+    let page = ["replay", "scene.toml", "--paced", "--http", "0", "--http-token-file", "/dev/zero"];
+    refused_in_bounds(&desk, &page, 1, &["/dev/zero", "more than"]);
+    std::fs::create_dir(desk.path("state")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", desk.path("state/state.json")).unwrap();
+    let state = ["replay", "scene.toml", "--paced", "--state", "state"];
+    refused_in_bounds(&desk, &state, 1, &["state.json", "more than"]);
+    std::fs::create_dir(desk.path("trend")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", desk.path("trend/indicators.journal")).unwrap();
+    let indicators = ["replay", "scene.toml", "--paced", "--indicators", "trend"];
+    refused_in_bounds(&desk, &indicators, 1, &["indicators.journal", "no regular file"]);
+    refused_in_bounds(&desk, &["fleet", "/dev/zero", "-o", "fleet"], 2, &["/dev/zero", "more than"]);
+}
+
+#[test]
 fn two_columns_of_one_name_are_refused() {
     let desk = Desk::empty();
     desk.put("scene.toml", DEMO_SCENE);

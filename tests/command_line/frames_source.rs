@@ -83,7 +83,7 @@ impl Frames {
 pub struct Rig {
     pub desk: Desk,
     pub frames: Frames,
-    port: u16,
+    pub port: u16,
     options: Vec<String>,
     /// Samples that were acknowledged.
     pub acknowledged: Arc<AtomicU64>,

@@ -100,6 +100,30 @@ fn a_source_behind_a_dead_link_is_given_up() {
     assert!((10.0..40.0).contains(&longest), "{longest}");
 }
 
+/// A source that leaves its acknowledgements unread, with the least room for them, stays connected.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_source_that_reads_no_acknowledgements_stays_connected() {
+    use crate::frames_source::{RATE, Rig};
+    let rig = Rig::new(&["--state", "state", "--events", "events.jsonl"]);
+    let child = rig.start();
+    drop(rig.connect());
+    let stream = socket2::Socket::new(socket2::Domain::IPV4, socket2::Type::STREAM, None).unwrap();
+    stream.set_recv_buffer_size(1).unwrap();
+    stream.connect(&SocketAddr::from(([127, 0, 0, 1], rig.port)).into()).unwrap();
+    let mut stream = TcpStream::from(stream);
+    let since = Instant::now();
+    let mut index = 0;
+    // Until its buffer is full, and for longer than a vanished source stays connected, at ten times real time.
+    while since.elapsed() < Duration::from_secs(45) {
+        (index..index + RATE / 10).for_each(|sample| stream.write_all(&rig.frames.bytes(sample)).unwrap());
+        index += RATE / 10;
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    terminate(child.id());
+    assert_eq!(source(&outcome(child), "connections"), 1.0);
+}
+
 /// Datagrams at many times the rate of the scene, while the twin is started.
 #[test]
 fn a_monitor_slower_than_its_source_reports_what_it_skips() {

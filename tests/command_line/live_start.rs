@@ -111,6 +111,32 @@ fn a_signal_while_the_twin_is_started_loses_no_event() {
     assert_eq!(kinds.iter().filter(|kind| kind.starts_with("limit-")).count(), 2, "{kinds:?}");
 }
 
+/// A twin slower than real time is far behind its source: the monitor ends long before the system would kill it.
+#[test]
+fn a_signal_ends_a_monitor_that_is_behind() {
+    let limit = "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"3 um\"\n";
+    let step = swap(DEMO_SCENE, "[recording]", "[integration]\nstep = \"0.5 us\"\n\n[recording]");
+    let desk = Desk::with(&(step + limit), "");
+    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let count = 20 * 12_800;
+    let frame_of = displaced(count - 20_000..count - 19_998);
+    let mut stream = connected(port);
+    (0..count).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
+    drop(stream);
+    wait_for_event(&desk, "events.jsonl", "source-gone");
+    let since = Instant::now();
+    terminate(child.id());
+    let outcome = outcome(child);
+    println!("ended after {:?}", since.elapsed());
+    assert!(since.elapsed() < Duration::from_secs(45));
+    // Limits of readings do not wait for the twin.
+    assert_eq!(number(&outcome, "/record/samples"), f64::from(count));
+    assert_eq!(list(&outcome, "events").len(), 1);
+    let (compared, notes) = (number(&outcome, "/record/compared"), outcome["notes"].to_string());
+    assert!(compared > 0.0 && compared < f64::from(count) - 12_800.0, "{compared}");
+    assert!(notes.contains("Stopped before the twin had processed the last"), "{notes}");
+}
+
 /// The indicators of a second from readings are shown before the twin has passed through it.
 #[test]
 fn metrics_are_shown_while_the_twin_is_started() {

@@ -1,7 +1,7 @@
 //! Files that a monitor writes: who owns them, what a start that fails leaves, what a disk that fails costs.
 
 use crate::frames_source::{PATIENCE, RATE, Rig, port, signal, wait_until};
-use crate::support::{DEMO_SCENE, Desk, number, short_recording};
+use crate::support::{DEMO_SCENE, Desk, SHORT, number, short_recording};
 use serde_json::Value;
 use std::fs;
 use std::net::TcpListener;
@@ -166,4 +166,54 @@ fn a_signal_leaves_no_temporary_file() {
         assert_eq!(status.code(), Some(130), "{name}: {status:?}");
         assert_eq!(desk.files(), before, "{name}");
     }
+}
+
+/// A pipe holds the events until its reader comes; one that is full does not stop the monitor.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_pipe_for_events_without_a_reader_does_not_block_the_monitor() {
+    let rig = Rig::new(&["--events", "pipe"]);
+    assert!(std::process::Command::new("mkfifo").arg(rig.desk.path("pipe")).status().unwrap().success());
+    let child = rig.start();
+    let since = Instant::now();
+    rig.feed(4 * RATE, |_| since.elapsed() > std::time::Duration::from_secs(6));
+    let outcome = end(child);
+    assert!(!outcome["events"].as_array().unwrap().is_empty());
+}
+
+/// What a monitor cannot write of the forces or of the report costs neither its run nor its outcome.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_under_forces_or_report_leaves_the_outcome() {
+    let desk = Desk::with(DEMO_SCENE, &short_recording(12_800));
+    let args = ["replay", "scene.toml", "--paced", "--format", "json"];
+    let options = ["--forces", "/dev/full", "--events", "events.jsonl", "--report", "report.html"];
+    let answer = desk.run(&[&args[..], &options].concat());
+    assert_eq!((answer.code, answer.err.as_str()), (Some(0), ""), "{answer:?}");
+    let outcome: Value = answer.json();
+    assert!(number(&outcome, "/record/compared") > 12_000.0);
+    let notes = outcome["notes"].to_string();
+    assert!(notes.contains("/dev/full: this file cannot be written"), "{notes}");
+    assert!(kinds(&desk, "events.jsonl").contains(&"output-failing".to_owned()));
+    assert!(desk.read("report.html").contains("</html>"));
+    // Outside real time a file of forces that is not whole is an error.
+    let answer = desk.run(&["replay", "scene.toml", "--forces", "/dev/full"]);
+    assert!(answer.code == Some(1) && answer.err.contains("/dev/full"), "{answer:?}");
+    let answer = desk.run(&["replay", "scene.toml", "--report", "/dev/full", "--format", "json"]);
+    assert!(answer.code == Some(1) && answer.err.contains("/dev/full"), "{answer:?}");
+    let outcome: Value = answer.json();
+    assert_eq!(number(&outcome, "/record/samples"), 12_800.0);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_state_keeps_its_permissions() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::with(DEMO_SCENE, &short_recording(SHORT));
+    let args = ["replay", "scene.toml", "--paced", "--no-report", "--state", "state"];
+    desk.done(&args);
+    let path = desk.path("state/state.json");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
+    desk.done(&args);
+    assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
 }

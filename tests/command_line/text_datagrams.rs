@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use crate::live::{desk, kinds, listening, outcome, source};
 use crate::live_start::{terminate, wait, wait_for_event};
-use crate::support::{Desk, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, Desk, number, short_recording, swap};
 
 /// A sender to a monitor that listens.
 fn sender(to: SocketAddr) -> UdpSocket {
@@ -81,4 +81,27 @@ fn a_sender_is_read_on_after_a_wrong_cell_and_after_its_restart() {
     assert!((number(&outcome, "/record/duration_s") - (4.0 * 2_560.0 - 1.0) / 12_800.0).abs() < 1e-6);
     assert_eq!((events(&desk, "source-failed"), events(&desk, "source-replaced")), (1, 2));
     assert_eq!(events(&desk, "source-connected"), 4);
+}
+
+/// Lines at many times the rate of the scene, while the twin is started.
+#[test]
+fn lines_without_room_are_dropped_and_counted() {
+    let step = swap(DEMO_SCENE, "[recording]", "[integration]\nstep = \"5 us\"\n\n[recording]");
+    let desk = Desk::with(&step, "");
+    let (child, port) = listening(&desk, "udp", &["--events", "events.jsonl"]);
+    let to: SocketAddr = ([127, 0, 0, 1], port).into();
+    let own = sender(to);
+    let text = short_recording(12_800);
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    own.send_to(lines[0].as_bytes(), to).unwrap();
+    let datagrams: Vec<String> = lines[1..].chunks(512).map(|lines| lines.concat()).collect();
+    wait("dropped samples", || {
+        for datagram in &datagrams {
+            own.send_to(datagram.as_bytes(), to).unwrap();
+        }
+        let log = std::fs::read_to_string(desk.path("events.jsonl")).ok()?;
+        log.contains("\"kind\":\"samples-dropped\"").then_some(())
+    });
+    terminate(child.id());
+    assert!(source(&outcome(child), "dropped_rows") > 0.0);
 }

@@ -1,6 +1,8 @@
 //! Every text that the program prints, in one file to be read by people, and slips that a machine can find in it.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, edited_recording, recorded, short_recording, swap};
+use crate::support::{
+    DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, changed, edited_recording, recorded, short_recording, swap,
+};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -46,9 +48,8 @@ fn slip(line: &str) -> Option<&'static str> {
         return Some("one of many");
     }
     let is_minus_zero = |word: &str| word.strip_prefix("-0.").is_some_and(|rest| rest.chars().all(|c| c == '0'));
-    if words
-        .iter()
-        .any(|word| matches!(*word, "NaN" | "inf" | "-inf") || is_minus_zero(word) || word.starts_with("0.0e0"))
+    let is_zero_in_tens = |word: &str| word.split_once("e0").is_some_and(|(zero, _)| zero.parse() == Ok(0.0));
+    if words.iter().any(|word| matches!(*word, "NaN" | "inf" | "-inf") || is_minus_zero(word) || is_zero_in_tens(word))
     {
         return Some("no number for people");
     }
@@ -84,6 +85,9 @@ fn errors(texts: &mut Texts) {
         edited_recording(|line, row| vec![if line == 9 { row.replace('.', "x") } else { row.to_owned() }]),
         edited_recording(|line, row| if (50..60).contains(&line) { vec![] } else { vec![row.to_owned()] }),
         edited_recording(|line, row| if line < 20 { vec![row.to_owned()] } else { vec![] }),
+        changed(SHORT, |_, k, x| if (1..6).contains(&k) { 0.0 } else { x }),
+        changed(SHORT, |_, k, x| if (1..6).contains(&k) { f64::NAN } else { x }),
+        changed(SHORT, |_, k, x| if k == 2 { 0.0 } else { x }),
     ];
     for text in bad_recordings {
         desk.put("bad.csv", text);
@@ -171,5 +175,6 @@ fn slips_are_found() {
     assert_eq!(slip("keyphasor keyphasor, 50 pulses"), Some("a word twice"));
     assert_eq!(slip("1 steps a sample"), Some("one of many"));
     assert_eq!(slip("film 0.0e0 %"), Some("no number for people"));
+    assert_eq!(slip("DE_X_um: 0.00e0 um peak to peak"), Some("no number for people"));
     assert_eq!(slip("1 sample at 1000 Hz, 100 integration steps per sample"), None);
 }

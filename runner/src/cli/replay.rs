@@ -123,6 +123,15 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
 /// Writes the report and the baseline, and prints the outcome. A recording that is not plausible for the scene is not stored
 /// as a baseline.
 fn write_results(args: &Args, outcome: &Outcome, report_path: Option<&Path>, format: Format) -> Result<ReplayStatus> {
+    let written = write_files(args, outcome, report_path);
+    // The outcome is printed even if a file cannot be written.
+    print(outcome, report_path.filter(|_| written.is_ok()), format)?;
+    written?;
+    Ok(ReplayStatus::from(outcome))
+}
+
+/// Writes the report and the baseline.
+fn write_files(args: &Args, outcome: &Outcome, report_path: Option<&Path>) -> Result<()> {
     if let Some(path) = report_path {
         AtomicFile::write(path, &report::html(outcome)?)?;
     }
@@ -130,8 +139,7 @@ fn write_results(args: &Args, outcome: &Outcome, report_path: Option<&Path>, for
     if let Some(path) = args.learn.as_ref().filter(|_| is_plausible) {
         AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
     }
-    print(outcome, report_path, format)?;
-    Ok(ReplayStatus::from(outcome))
+    Ok(())
 }
 
 /// Returns the path of the report; none with `--no-report`. Without `--report` the name has the scene, and the recording or the

@@ -75,15 +75,23 @@ fn has_name(line: &str, name: &str) -> bool {
     })
 }
 
-/// Configures the connection to end when the peer no longer answers, with or without unacknowledged data.
+/// Configures the connection to end when the peer no longer answers.
 fn detect_vanished_peer(stream: &TcpStream) -> std::io::Result<()> {
-    let socket = SockRef::from(stream);
     let keepalive = TcpKeepalive::new().with_time(PROBE_INTERVAL).with_interval(PROBE_INTERVAL).with_retries(PROBES);
-    socket.set_tcp_keepalive(&keepalive)?;
-    // Keepalive probes pause while sent data are unacknowledged; the user timeout covers that case.
+    SockRef::from(stream).set_tcp_keepalive(&keepalive)
+}
+
+/// Ends the connection of a silent peer that does not take the data sent to it: keepalive probes pause meanwhile. A source that
+/// sends samples stays connected, even if it reads nothing.
+fn limit_unacknowledged_time(stream: &TcpStream, is_silent: bool) {
     #[cfg(target_os = "linux")]
-    socket.set_tcp_user_timeout(Some(PROBE_INTERVAL * (PROBES + 1)))?;
-    Ok(())
+    {
+        // Without this limit the system ends the connection, only later.
+        let limit = is_silent.then_some(PROBE_INTERVAL * (PROBES + 1));
+        let _ = SockRef::from(stream).set_tcp_user_timeout(limit);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = (stream, is_silent);
 }
 
 /// Connection that waits to be read.
@@ -184,6 +192,16 @@ pub struct SourceStream {
     pub stop: StopFlag,
     /// Time at which the last data arrived.
     pub last_arrival: Instant,
+    /// No data have arrived for the interval of the keepalive probes.
+    pub is_silent: bool,
+}
+
+impl SourceStream {
+    fn set_silent(&mut self, is_silent: bool) {
+        if std::mem::replace(&mut self.is_silent, is_silent) != is_silent {
+            limit_unacknowledged_time(&self.stream, is_silent);
+        }
+    }
 }
 
 impl Read for SourceStream {
@@ -198,11 +216,13 @@ impl Read for SourceStream {
                         self.is_replaced.store(true, Ordering::Relaxed);
                         return Ok(0);
                     }
+                    self.set_silent(self.last_arrival.elapsed() >= PROBE_INTERVAL);
                 }
                 // A reset by the peer is an end of the connection, not an error.
                 Err(error) if error.kind() == ErrorKind::ConnectionReset => return Ok(0),
                 Ok(read) => {
                     self.last_arrival = Instant::now();
+                    self.set_silent(false);
                     return Ok(read);
                 }
                 other => return other,
@@ -228,6 +248,8 @@ mod tests {
         let stream = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
         detect_vanished_peer(&stream).unwrap();
         let socket = SockRef::from(&stream);
+        assert_eq!(socket.tcp_user_timeout().unwrap(), None, "a source may leave acknowledgements unread");
+        limit_unacknowledged_time(&stream, true);
         assert!(socket.keepalive().unwrap());
         let idle = socket.tcp_keepalive_time().unwrap();
         let probes = socket.tcp_keepalive_interval().unwrap() * socket.tcp_keepalive_retries().unwrap();

@@ -55,6 +55,8 @@ use view::{MonitorState, SharedView};
 const SILENCE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Time limit for the end of the reader thread, which may be blocked by standard input.
 const READER_TIMEOUT: Duration = Duration::from_millis(500);
+/// Longest time for which the twin processes queued samples after a signal.
+const STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// Longest time for which the twin processes samples in one block.
 const WORK_LIMIT: Duration = Duration::from_millis(50);
 
@@ -324,11 +326,16 @@ impl Monitor<'_, '_> {
         self.publish()
     }
 
-    /// Processes the samples that are queued for the twin.
+    /// Processes the samples that are queued for the twin; after a signal until a time limit, because the system kills a
+    /// process that does not end.
     fn process_queue(&mut self, stop: &AtomicBool) -> Result<()> {
+        let mut stopped_at = None;
         loop {
             if stop.load(Ordering::Relaxed) {
                 self.replay.cancel_search();
+                if stopped_at.get_or_insert_with(Instant::now).elapsed() >= STOP_TIMEOUT {
+                    self.replay.discard_waiting();
+                }
             }
             if self.replay.is_searching() {
                 std::thread::sleep(BLOCK_PERIOD);
@@ -499,10 +506,13 @@ impl Monitor<'_, '_> {
             return;
         }
         self.receiver.counters.acknowledged.store(file.state.resume.index, Ordering::Relaxed);
-        if let Some(stream) = lock(self.ack_channel).as_mut() {
+        let mut channel = lock(self.ack_channel);
+        if let Some(stream) = channel.as_mut() {
             self.acknowledged = Some(last);
-            // Sources may ignore acknowledgements.
-            let _ = writeln!(stream, "acknowledged {last}");
+            // A source that leaves acknowledgements unread until its buffer is full gets no more of them.
+            if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
+                *channel = None;
+            }
         }
     }
 

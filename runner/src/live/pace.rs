@@ -13,7 +13,7 @@ pub struct BlockSchedule {
     created: Instant,
     start: Instant,
     /// Number of the current block, counted from `start`; skipped blocks are included.
-    number: u32,
+    number: u64,
     /// Time from creation until the twin has started and caught up.
     starting_time: Option<Duration>,
     lateness: Histogram<u64>,
@@ -50,12 +50,13 @@ impl BlockSchedule {
     /// Sleeps until the start of the next block and returns its time since the start of the schedule.
     pub fn wait(&mut self) -> Duration {
         self.number += 1;
-        let due = self.start + BLOCK_PERIOD * self.number;
+        let time = block_time(self.number);
+        let due = self.start + time;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
         if self.starting_time.is_some() {
             self.lateness.saturating_record(nanoseconds(Instant::now().saturating_duration_since(due)));
         }
-        BLOCK_PERIOD * self.number
+        time
     }
 
     /// Records the end of a block that started at `block_start`; `caught_up` is `true` if no due sample is left.
@@ -63,7 +64,7 @@ impl BlockSchedule {
     /// Deadlines are not counted until the twin has started and caught up.
     pub fn finish_block(&mut self, block_start: Instant, caught_up: bool) {
         let now = Instant::now();
-        let current = (now.saturating_duration_since(self.start).as_nanos() / BLOCK_PERIOD.as_nanos()) as u32;
+        let current = (now.saturating_duration_since(self.start).as_nanos() / BLOCK_PERIOD.as_nanos()) as u64;
         let missed = current.saturating_sub(self.number);
         if self.starting_time.is_none() {
             if caught_up && missed == 0 {
@@ -72,7 +73,7 @@ impl BlockSchedule {
             }
         } else {
             self.compute.saturating_record(nanoseconds(now.saturating_duration_since(block_start)));
-            self.misses += u64::from(missed);
+            self.misses += missed;
         }
         // Skipped blocks are not repeated: the next block processes their samples.
         self.number = self.number.max(current);
@@ -109,6 +110,11 @@ impl BlockSchedule {
     }
 }
 
+/// Returns the time of block `number` since the start of the schedule.
+const fn block_time(number: u64) -> Duration {
+    Duration::from_millis(BLOCK_PERIOD.as_millis() as u64 * number)
+}
+
 /// Returns the processor time used by all threads of this program.
 #[cfg(unix)]
 fn processor_time() -> Option<Duration> {
@@ -125,6 +131,21 @@ const fn processor_time() -> Option<Duration> {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_schedule_goes_on_after_497_days() {
+        let mut schedule = BlockSchedule::try_new().unwrap();
+        let blocks = u64::from(u32::MAX);
+        schedule.start = Instant::now().checked_sub(block_time(blocks)).unwrap();
+        schedule.number = blocks;
+        let (since, mut time) = (Instant::now(), Duration::ZERO);
+        for _ in 0..5 {
+            time = schedule.wait();
+            schedule.finish_block(Instant::now(), true);
+        }
+        let passed = time.checked_sub(block_time(blocks)).unwrap();
+        assert!(passed >= 5 * BLOCK_PERIOD && since.elapsed() + BLOCK_PERIOD >= passed, "{passed:?}");
+    }
 
     #[test]
     fn a_long_block_misses_deadlines_without_shifting_later_blocks() {

@@ -105,6 +105,7 @@ pub fn start(
         next_index: resume.index,
         next_time: None,
         rate: None,
+        may_drop: socket.is_some(),
         sender,
         rate_sender: Some(rate_sender),
         ledger: FlawLedger::default(),
@@ -136,6 +137,8 @@ struct SourceReader {
     next_time: Option<f64>,
     /// Sampling rate of the first connection, Hz.
     rate: Option<f64>,
+    /// The source has no flow control: samples are dropped while the ring is full.
+    may_drop: bool,
     sender: FeedSender,
     /// `None` after the sampling rate was sent.
     rate_sender: Option<mpsc::Sender<Result<f64>>>,
@@ -253,7 +256,7 @@ impl SourceReader {
             }
             (self.next_index, self.next_time) = (row.index + 1, Some(row.time + 1.0 / rate));
             let filled = std::mem::replace(&mut row, self.sender.spare_row());
-            self.sender.push(FeedItem::Row(filled));
+            self.push_row(filled);
         }
         self.flaws.extend(reader.flaws().summary());
         Ok(())
@@ -277,7 +280,7 @@ impl SourceReader {
             }
             if self.layout.is_valid(&frame) {
                 (length, is_aligned) = (0, true);
-                self.process_frame(&frame, false);
+                self.process_frame(&frame);
                 continue;
             }
             // Frames have no start marker: the next one is searched byte by byte.
@@ -293,8 +296,13 @@ impl SourceReader {
         Ok(())
     }
 
-    /// Pushes the samples of a frame. `may_drop` is `true` for a source without flow control.
-    fn process_frame(&mut self, frame: &[u8], may_drop: bool) {
+    /// Pushes a row; drops and counts it if the ring is full and the source cannot wait.
+    fn push_row(&mut self, row: Row) {
+        if self.may_drop { self.sender.push_or_drop(row) } else { self.sender.push(FeedItem::Row(row)) }
+    }
+
+    /// Pushes the samples of a frame.
+    fn process_frame(&mut self, frame: &[u8]) {
         let mut row = self.sender.spare_row();
         let Some(number) = self.layout.read(frame, &mut row) else {
             add(&self.sender.counters.malformed, 1);
@@ -310,17 +318,17 @@ impl SourceReader {
         match position {
             FramePosition::Repeated => add(&self.sender.counters.repeated, 1),
             FramePosition::Suspect => self.suspect = Some(row),
-            FramePosition::Sample { index, lost } => self.push_sample(row, number, index, lost, may_drop),
+            FramePosition::Sample { index, lost } => self.push_sample(row, number, index, lost),
             FramePosition::Restarted { index } => {
                 self.report_restart(number);
-                self.push_sample(row, number, index, 0, may_drop);
+                self.push_sample(row, number, index, 0);
             }
             FramePosition::RestartedAtSuspect { index } => {
                 self.report_restart(number.wrapping_sub(1));
                 if let Some(suspect) = suspect {
-                    self.push_sample(suspect, number.wrapping_sub(1), index, 0, may_drop);
+                    self.push_sample(suspect, number.wrapping_sub(1), index, 0);
                 }
-                self.push_sample(row, number, index + 1, 0, may_drop);
+                self.push_sample(row, number, index + 1, 0);
             }
         }
     }
@@ -332,7 +340,7 @@ impl SourceReader {
     }
 
     /// Pushes the readings of frame `number` as sample `index`, with `lost` samples missing before it.
-    fn push_sample(&mut self, mut row: Row, number: u32, index: u64, lost: u64, may_drop: bool) {
+    fn push_sample(&mut self, mut row: Row, number: u32, index: u64, lost: u64) {
         let offset = u64::from(number.wrapping_sub(index as u32)) | 1 << 32;
         self.sender.counters.offset_since.store(self.sequence.restarted_at(), Ordering::Release);
         self.sender.counters.sequence_offset.store(offset, Ordering::Relaxed);
@@ -350,7 +358,7 @@ impl SourceReader {
                 self.ledger.record(Flaw::MissingValue, Some(column), position, 1);
             }
         }
-        if may_drop { self.sender.push_or_drop(row) } else { self.sender.push(FeedItem::Row(row)) }
+        self.push_row(row);
     }
 
     /// Returns the preamble of a source for this scene.
@@ -411,6 +419,7 @@ impl SourceReader {
             is_replaced: is_replaced.clone(),
             stop: self.sender.stop_flag(),
             last_arrival: Instant::now(),
+            is_silent: false,
         };
         let result = self.read_stream(Box::new(source), &format!("tcp {peer}"));
         *lock(&self.ack_channel) = None;
@@ -473,7 +482,7 @@ impl SourceReader {
                 Ok(length) if length == 0 || length % size != 0 => add(&self.sender.counters.malformed, 1),
                 Ok(length) => {
                     for frame in datagram.get(..length).unwrap_or_default().chunks_exact(size) {
-                        self.process_frame(frame, true);
+                        self.process_frame(frame);
                     }
                 }
                 Err(error) if is_wait(&error) => {}

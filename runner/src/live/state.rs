@@ -10,11 +10,14 @@ use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output;
 use ballrace_twin::replay::FaultState;
 use ballrace_twin::replay::limits::LimitState;
+use ballrace_twin::scene::bounded::read_text;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Version of the file format.
 const FORMAT_VERSION: u32 = 2;
+/// Largest length of the file, bytes: it holds at most 10 000 events.
+const MAX_LENGTH: u64 = 64 << 20;
 /// Version without limits and events.
 const VERSION_WITHOUT_LIMITS: u32 = 1;
 
@@ -86,7 +89,7 @@ impl StateFile {
     pub fn open(folder: &Path, scene: &str) -> Result<Self> {
         let lock = FolderLock::acquire(folder, "state.lock")?;
         let path = folder.join("state.json");
-        let mut state = match std::fs::read_to_string(&path) {
+        let mut state = match read_text(&path, MAX_LENGTH) {
             Ok(text) => serde_json::from_str::<State>(&text)
                 .with_context(|| format!("{}: not the state of a monitor, expected another folder", path.display()))?,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {

@@ -57,13 +57,14 @@ enum Destination {
 impl Write for Destination {
     fn write(&mut self, buffer: &[u8]) -> std::io::Result<usize> {
         match self {
-            Self::Replacement(temporary) => temporary.file.write(buffer),
+            // The file itself: an error of the library has the temporary name in it.
+            Self::Replacement(temporary) => temporary.file.as_file_mut().write(buffer),
             Self::Direct(file) => file.write(buffer),
         }
     }
     fn flush(&mut self) -> std::io::Result<()> {
         match self {
-            Self::Replacement(temporary) => temporary.file.flush(),
+            Self::Replacement(temporary) => temporary.file.as_file_mut().flush(),
             Self::Direct(file) => file.flush(),
         }
     }
@@ -134,7 +135,7 @@ impl AtomicFile {
             return Err(OutputError::Folder { file: path.to_owned() });
         }
         // A link is followed, not replaced.
-        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let path = path.canonicalize().unwrap_or_else(|_| link_target(path));
         let existing = path.metadata().ok();
         let special = existing.as_ref().is_some_and(|m| !m.is_file());
         let permissions = existing.filter(|m| m.is_file()).map(|m| m.permissions());
@@ -190,7 +191,8 @@ impl Write for AtomicFile {
     }
 }
 
-/// Replaces the file `path`, which no other process writes, by `contents`; durable when this returns.
+/// Replaces the file `path`, which no other process writes, by `contents`, with the same permissions; durable when this
+/// returns.
 ///
 /// The temporary file has a fixed name, `PATH.new`: a process that is killed leaves at most one of them, which the next
 /// call overwrites.
@@ -203,6 +205,9 @@ pub fn replace(path: &Path, contents: &[u8]) -> std::io::Result<File> {
     let temporary = PathBuf::from(name);
     let mut file = OpenOptions::new().write(true).create(true).truncate(true).open(&temporary)?;
     file.write_all(contents)?;
+    if let Ok(existing) = std::fs::metadata(path) {
+        file.set_permissions(existing.permissions())?;
+    }
     file.sync_all()?;
     std::fs::rename(&temporary, path)?;
     sync_folder(path);
@@ -212,6 +217,11 @@ pub fn replace(path: &Path, contents: &[u8]) -> std::io::Result<File> {
 /// Makes a rename durable where the system can do so.
 fn sync_folder(path: &Path) {
     let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
+}
+
+/// Returns the file to which a link leads that does not exist yet; `path` itself where it is no link.
+fn link_target(path: &Path) -> PathBuf {
+    std::fs::read_link(path).map_or_else(|_| path.to_owned(), |target| folder_of(path).join(target))
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -42,6 +42,17 @@ impl<W: Write> Write for Printable<W> {
     }
 }
 
+/// Returns a number for a message: at most six decimals, in powers of ten where it is very large or small.
+#[must_use]
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || (1e-3..1e13).contains(&size) {
+        format!("{}", (value * 1e6).round() / 1e6)
+    } else {
+        format!("{value:e}")
+    }
+}
+
 fn bounded(text: &str, limit: usize) -> Cow<'_, str> {
     match text.char_indices().nth(limit) {
         None => text.into(),
@@ -89,6 +100,20 @@ mod tests {
         assert_eq!(name(&long).chars().count(), NAME + 3);
         assert_eq!(message(&long).chars().count(), MESSAGE + 3);
         assert_eq!(name(&"x".repeat(NAME)), "x".repeat(NAME));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (200.0 + 1e-13, "200"),
+            (0.0, "0"),
+            (12.8, "12.8"),
+            (1e12, "1000000000000"),
+            (-1e308, "-1e308"),
+            (1e-300, "1e-300"),
+        ] {
+            assert_eq!(number(value), text);
+        }
     }
 
     #[test]

@@ -44,7 +44,7 @@ impl EventLog {
         let mut missing: Vec<&String> = unconfirmed.iter().collect();
         if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
             // The content of a pipe or a device cannot be read for comparison.
-            let file = OpenOptions::new().append(true).open(path).with_context(name)?;
+            let file = open_special(path).with_context(name)?;
             return Ok(Self::new(file, path, &missing));
         }
         let mut file = OpenOptions::new().create(true).read(true).append(true).open(path).with_context(name)?;
@@ -147,6 +147,22 @@ impl EventLog {
         self.appended = 0;
         Ok(())
     }
+}
+
+/// Opens a pipe or a device. A pipe without a reader, or with one that does not read, never blocks the monitor.
+#[cfg(unix)]
+fn open_special(path: &Path) -> std::io::Result<File> {
+    use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+    let is_pipe = std::fs::metadata(path)?.file_type().is_fifo();
+    let flags = rustix::fs::OFlags::NONBLOCK.bits();
+    // A pipe that is open for reading as well holds the events until its reader comes.
+    OpenOptions::new().append(true).read(is_pipe).custom_flags(flags.cast_signed()).open(path)
+}
+
+/// Opens a device.
+#[cfg(not(unix))]
+fn open_special(path: &Path) -> std::io::Result<File> {
+    OpenOptions::new().append(true).open(path)
 }
 
 /// Starts of the lines of a log, with and without the version of the schema.

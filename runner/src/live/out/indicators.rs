@@ -4,7 +4,7 @@
 //! new journal, so that a killed process loses nothing. A second is identified by the number of the first sample after it; a
 //! second that is already on disk is ignored.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output::{self, AtomicFile};
 use ballrace_twin::parquet_table::{self, Column, Values};
@@ -89,9 +89,10 @@ impl Indicators {
         let lock = FolderLock::acquire(folder, "indicators.lock")?;
         let path = folder.join(JOURNAL);
         let name = || path.display().to_string();
-        let text = match std::fs::read(&path) {
+        let text = match std::fs::metadata(&path) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-            text => text.with_context(name)?,
+            Ok(metadata) if !metadata.is_file() => bail!("{}: no regular file, expected a journal or no file", name()),
+            _ => std::fs::read(&path).with_context(name)?,
         };
         let previous = parse_journal(&text);
         let is_own = |header: &Header| !owner.is_empty() && header.owner == owner;

@@ -4,6 +4,7 @@ use super::HttpOptions;
 use crate::error::UsageError;
 use crate::live::address::parse_local;
 use anyhow::{Context, Result, bail};
+use ballrace_twin::scene::bounded::read_text;
 use hyper::Request;
 use hyper::header::{AUTHORIZATION, HOST, HeaderValue};
 use hyper::http::Uri;
@@ -13,6 +14,8 @@ use subtle::ConstantTimeEq;
 
 /// Least length of a token.
 const MIN_TOKEN_LENGTH: usize = 8;
+/// Largest length of the file of a token, bytes.
+const MAX_TOKEN_LENGTH: u64 = 4096;
 
 /// Access rules of the page.
 pub struct Access {
@@ -29,8 +32,8 @@ impl Access {
     pub fn try_new(options: &HttpOptions) -> Result<Self> {
         let token = match &options.token_file {
             Some(file) => {
-                let text =
-                    std::fs::read_to_string(file).with_context(|| format!("--http-token-file: {}", file.display()))?;
+                let text = read_text(file, MAX_TOKEN_LENGTH)
+                    .with_context(|| format!("--http-token-file: {}", file.display()))?;
                 let token = text.trim().to_owned();
                 if token.len() < MIN_TOKEN_LENGTH || !token.bytes().all(|byte| byte.is_ascii_graphic()) {
                     bail!(UsageError(format!(

@@ -5,14 +5,17 @@ use super::row::Key;
 use crate::caught::caught;
 use crate::error::{FleetError, TablePosition};
 use crate::recording::Time;
+use crate::scene::bounded::read_bytes;
 use chrono::{DateTime, NaiveDate};
 use parquet::basic::{LogicalType, TimeUnit};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs::File;
-use std::io::Read;
 use std::path::Path;
+
+/// Largest length of the file, bytes.
+const LARGEST_FILE: u64 = 256 << 20;
 
 /// One row of a table as text.
 #[derive(Debug, Clone)]
@@ -32,8 +35,7 @@ pub struct Cells {
 /// A file that cannot be read, and the first error in the table.
 pub fn read_table(file: &Path) -> Result<Vec<Machine>, FleetError> {
     let failed = |source| FleetError::Read { file: file.to_owned(), source };
-    let mut bytes = Vec::new();
-    File::open(file).and_then(|mut open| open.read_to_end(&mut bytes)).map_err(failed)?;
+    let bytes = read_bytes(file, LARGEST_FILE).map_err(failed)?;
     let (header, columns, rows) = if bytes.starts_with(b"PAR1") { parquet(file)? } else { csv(file, &bytes)? };
     machines(file, header, &columns, rows)
 }

@@ -1,6 +1,7 @@
 //! Baseline: the residual of a machine in good order, written by `--learn` and compared with by `--baseline`.
 
 use super::{Calibration, FaultForm, Finding, FindingKind};
+use crate::scene::bounded::read_text;
 use crate::scene::{Probe, Sensor};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -8,6 +9,8 @@ use std::path::{Path, PathBuf};
 const UM: f64 = 1e6;
 /// Version of the file format.
 const FORMAT: u32 = 1;
+/// Largest length of the file, bytes.
+const LARGEST_FILE: u64 = 64 << 20;
 
 /// Error returned when a baseline cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -172,7 +175,7 @@ impl Baseline {
     /// A file that cannot be read or is no baseline.
     pub fn parse(path: &Path) -> Result<Self, BaselineError> {
         let file = || path.to_owned();
-        let text = std::fs::read_to_string(path).map_err(|source| BaselineError::Read { file: file(), source })?;
+        let text = read_text(path, LARGEST_FILE).map_err(|source| BaselineError::Read { file: file(), source })?;
         let found: Self = serde_json::from_str(&text).map_err(|error| BaselineError::Format { file: file(), error })?;
         if found.ballrace_baseline == FORMAT { Ok(found) } else { Err(found.of_others(path)) }
     }

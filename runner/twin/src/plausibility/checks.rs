@@ -241,13 +241,23 @@ fn too_small(checked: &Checked) -> Option<Implausibility> {
     radial().all(|((reading, _), largest)| is_small(reading, *largest)).then(|| Implausibility {
         subject: first.column.clone(),
         found: format!(
-            "{:.2e} um peak to peak, and likewise at every radial probe; the bearings allow {:.0} um",
-            first.peak_to_peak,
+            "{} um peak to peak, and likewise at every radial probe; the bearings allow {:.0} um",
+            micrometres(first.peak_to_peak),
             range * 1e6
         ),
-        cause: "another unit or sensitivity".to_owned(),
-        remedy: unit_remedy(first, probe, *range, |_| true),
+        cause: if first.peak_to_peak > 0.0 { "another unit or sensitivity" } else { "dead probes or other columns" }
+            .to_owned(),
+        remedy: if first.peak_to_peak > 0.0 {
+            unit_remedy(first, probe, *range, |_| true)
+        } else {
+            "check columns and cables of the probes".to_owned()
+        },
     })
+}
+
+/// Formats a length, um.
+fn micrometres(length: f64) -> String {
+    if length == 0.0 { "0".to_owned() } else { format!("{length:.2e}") }
 }
 
 /// 1X of the two probes of one plane.
@@ -343,8 +353,10 @@ fn odd_one(mut group: Vec<ProbeMotion>) -> Option<Implausibility> {
         Implausibility {
             subject: odd.column.to_owned(),
             found: format!(
-                "{:.2e} um rms about the mean, while {} has {:.2e} um; expected within a factor of {PROBE_RATIO}",
-                odd.rms, other.column, other.rms
+                "{} um rms about the mean, while {} has {} um; expected within a factor of {PROBE_RATIO}",
+                micrometres(odd.rms),
+                other.column,
+                micrometres(other.rms)
             ),
             cause: "another unit or sensitivity, a dead probe or another column".to_owned(),
             remedy: "check column, unit and cable of the probe".to_owned(),

@@ -1,5 +1,6 @@
 //! Conversion of time stamps to sample numbers, by a grid that follows the clock of the recording.
 
+use crate::printable::number;
 use crate::scene::{Clock, Recording, Scene, Speed};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -11,7 +12,7 @@ const HIGHEST_RATE: f64 = 1e7;
 
 /// Error returned for a sampling rate at which the scene's shaft cannot have been recorded.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("implausible rate at a shaft speed of {speed_rpm:.0} rpm: {rate} Hz, expected {least:.6} Hz to 10 MHz")]
+#[error("implausible rate at a shaft speed of {speed_rpm:.0} rpm: {} Hz, expected {} Hz to 10 MHz", number(*rate), number(*least))]
 pub struct ImplausibleRate {
     /// Samples a second, averaged ones counted once, Hz.
     rate: f64,

@@ -32,6 +32,7 @@ use super::flaws::FlawLedger;
 use super::run_out::RunOut;
 use super::status::SampleStatus;
 use super::{Row, Sample};
+use crate::printable::number;
 use crate::scene::{Recording, RotationSource, Speed};
 
 /// Largest number of samples that wait for a pulse or a speed.
@@ -180,7 +181,11 @@ pub enum RotationError {
 }
 
 fn stays(low: f64, high: f64) -> String {
-    if low <= high { format!("it stays between {low} and {high}") } else { String::from("it has no value") }
+    if low <= high {
+        format!("it stays between {} and {}", number(low), number(high))
+    } else {
+        String::from("it has no value")
+    }
 }
 
 fn other_gap(intervals: Option<u64>) -> String {

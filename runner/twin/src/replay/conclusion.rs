@@ -35,8 +35,10 @@ impl Pipeline<'_> {
     /// A recording without a sample, an output that cannot be written.
     pub(super) fn conclude(mut self, scene: &Scene, mut facts: RecordingFacts) -> Result<Outcome> {
         facts.flaws.extend(self.range.flaws().summary());
-        if let Some(file) = self.forces_file.take() {
-            file.finish()?;
+        if let Some(file) = self.forces_file.take()
+            && let Err(error) = file.finish()
+        {
+            self.drop_forces_file(error, self.totals.last_time)?;
         }
         if self.totals.speed().count() == 0.0 {
             return self.conclude_at_standstill(scene, facts);
@@ -140,6 +142,7 @@ impl Pipeline<'_> {
         notes.extend(undiagnosed.as_ref().map(|reason| format!("The shaft motion is not diagnosed: {reason}.")));
         notes.extend(observer.as_ref().map(observe::sentence));
         let limits = self.limits.lines();
+        notes.extend(self.limits.note());
         let events = self.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
@@ -232,11 +235,13 @@ impl Pipeline<'_> {
             load: load(scene),
             timing: self.timing.finish(),
         });
+        let limits_note = self.limits.note();
         let events = self.limits.finish();
         let (implausible, not_judged) = (&outcome.implausible, &outcome.not_judged);
         let mut notes = outcome.notes;
         notes.extend(vibration.notes);
         notes.extend(self.notes);
+        notes.extend(limits_note);
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         Ok(Outcome {
             scene: scene.name.clone(),

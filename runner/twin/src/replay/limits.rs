@@ -12,8 +12,11 @@ use crate::scene::{Allowed, Direction, Indicator, Limit, Probe};
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 const UM: f64 = 1e6;
+/// Largest number of events that are kept for the report.
+const MOST_EVENTS: usize = 10_000;
 
 /// State of the limits at the end of their last blocks, from which another process can continue.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -114,9 +117,27 @@ pub struct LimitMonitor {
     readings: Block,
     /// The current block of residuals, which starts with the twin.
     residuals: Block,
-    events: Vec<Event>,
+    events: EndedEvents,
     /// Events since the last call of [`Self::take_events`].
     new_events: Vec<Event>,
+}
+
+/// The latest events that have ended, in bounded memory: a monitor runs for months.
+#[derive(Default)]
+struct EndedEvents {
+    latest: VecDeque<Event>,
+    /// Number of events before them.
+    earlier: u64,
+}
+
+impl EndedEvents {
+    fn add(&mut self, event: Event) {
+        if self.latest.len() >= MOST_EVENTS {
+            self.latest.pop_front();
+            self.earlier += 1;
+        }
+        self.latest.push_back(event);
+    }
 }
 
 /// Statistics of every probe over the current block.
@@ -199,7 +220,7 @@ impl LimitMonitor {
         }
         let names = probes.iter().map(|p| p.column.clone()).collect();
         let (readings, residuals) = (Block::new(probes.len()), Block::new(probes.len()));
-        Ok(Self { limits: monitored, names, readings, residuals, events: vec![], new_events: vec![] })
+        Ok(Self { limits: monitored, names, readings, residuals, events: EndedEvents::default(), new_events: vec![] })
     }
 
     /// Returns true where the scene has no limit.
@@ -370,7 +391,7 @@ impl LimitMonitor {
             let Some(open) = monitored.crossing.take() else { continue };
             if let Some(event) = monitored.event(&open, Some(end), end, &self.names[monitored.probe]) {
                 self.new_events.push(event.clone());
-                self.events.push(event);
+                self.events.add(event);
             }
         }
     }
@@ -381,7 +402,7 @@ impl LimitMonitor {
             let (Some(value), Some(name)) = (value(monitored), self.names.get(monitored.probe)) else { continue };
             if let Some(event) = monitored.add(value, start, end, name) {
                 self.new_events.push(event.clone());
-                self.events.push(event);
+                self.events.add(event);
             }
             self.new_events.extend(monitored.report(end, name));
         }
@@ -392,16 +413,26 @@ impl LimitMonitor {
         std::mem::take(&mut self.new_events)
     }
 
-    /// Returns all events, those without an end last.
-    pub fn finish(mut self) -> Vec<Event> {
-        for monitored in &mut self.limits {
+    /// Returns a note on the number of events that [`Self::finish`] does not return.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let EndedEvents { latest, earlier } = &self.events;
+        let count = latest.len();
+        (*earlier > 0).then(|| format!("{earlier} exceedances of limits before the last {count} are not listed."))
+    }
+
+    /// Returns the latest events, those without an end last.
+    pub fn finish(self) -> Vec<Event> {
+        let Self { mut limits, names, readings, residuals, events, .. } = self;
+        let mut events = Vec::from(events.latest);
+        for monitored in &mut limits {
             if let Some(open) = monitored.crossing.take() {
-                let block = if is_of_residuals(monitored.limit.indicator) { &self.residuals } else { &self.readings };
+                let block = if is_of_residuals(monitored.limit.indicator) { &residuals } else { &readings };
                 let last = block.start.unwrap_or(open.start);
-                self.events.extend(monitored.event(&open, None, last, &self.names[monitored.probe]));
+                events.extend(monitored.event(&open, None, last, &names[monitored.probe]));
             }
         }
-        self.events
+        events
     }
 }
 

@@ -30,6 +30,7 @@ use crate::error::Result;
 use crate::options::Options;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Finding, Implausibility};
+use crate::output::OutputError;
 use crate::plant::{AXIAL, MAX_OBSERVED, Plant, only_observable, unbalance_note};
 use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
@@ -38,6 +39,7 @@ use crate::recording::{Row, Sample};
 use crate::scene::{Probe, Recording, RotationSource, Scene};
 use crate::vibration::join::join;
 use crate::vibration::signals::Signals;
+use std::error::Error as _;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -261,6 +263,17 @@ impl<'a> Pipeline<'a> {
         Ok(())
     }
 
+    /// Discards the samples that wait for the twin.
+    pub(super) fn discard_waiting(&mut self) {
+        let count = self.startup.discard();
+        if count > 0 {
+            let seconds = count as f64 / self.rate;
+            self.notes.push(format!(
+                "Stopped before the twin had processed the last {count} samples ({seconds:.1} s): they are not compared."
+            ));
+        }
+    }
+
     /// Processes queued samples until `deadline`, or all of them; `recycle` takes back their rows.
     pub(super) fn work(&mut self, deadline: Option<Instant>, mut recycle: impl FnMut(Row)) -> Result<()> {
         if let Some(found) = self.startup.poll(deadline)? {
@@ -446,10 +459,28 @@ impl<'a> Pipeline<'a> {
                 }
             }
         }
-        if let Some(file) = &mut self.forces_file {
-            file.add(time, self.force.evaluated(), processed.status)?;
+        if let Some(file) = &mut self.forces_file
+            && let Err(error) = file.add(time, self.force.evaluated(), processed.status)
+        {
+            self.drop_forces_file(error, time)?;
         }
         self.totals.add(time, sample.speed, processed.revolutions);
+        Ok(())
+    }
+
+    /// Continues without the file of forces, which cannot be written, in live operation.
+    ///
+    /// # Errors
+    /// `error` outside live operation.
+    pub(super) fn drop_forces_file(&mut self, error: OutputError, time: f64) -> Result<()> {
+        if !self.live {
+            return Err(error.into());
+        }
+        self.forces_file = None;
+        let reason = error.source().map_or_else(String::new, |source| format!(" ({source})"));
+        let sentence = format!("{error}{reason}; the monitor continues without it.");
+        self.notes.push(sentence.clone());
+        self.notices.add_always("output-failing", time, sentence);
         Ok(())
     }
 

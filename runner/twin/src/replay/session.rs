@@ -164,6 +164,11 @@ impl<'a> Replay<'a> {
         self.pipeline.startup.cancel();
     }
 
+    /// Discards the samples that wait for the twin; their readings have been evaluated.
+    pub fn discard_waiting(&mut self) {
+        self.pipeline.discard_waiting();
+    }
+
     /// Ends the recording: the samples that wait for the shaft angle are evaluated and queued.
     ///
     /// # Errors

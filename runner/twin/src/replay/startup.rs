@@ -170,6 +170,14 @@ impl Startup {
         self.queue.pop_front()
     }
 
+    /// Removes all items of the queue and returns their number.
+    pub(super) fn discard(&mut self) -> usize {
+        self.run_in = None;
+        let count = self.queue.len();
+        self.queue.clear();
+        count
+    }
+
     /// Restarts the twin with the next sample.
     pub(super) fn restart(&mut self) {
         match self.state {

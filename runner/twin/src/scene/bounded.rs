@@ -1,6 +1,29 @@
 //! Reading from files and devices of unbounded length.
 
+use std::fs::File;
 use std::io::{self, Read};
+use std::path::Path;
+
+/// Returns the content of a file of at most `limit` bytes; a device without an end does not fill the memory.
+///
+/// # Errors
+/// A file that cannot be read or is larger.
+pub fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        return Err(io::Error::other(format!("more than {limit} bytes, expected a smaller file")));
+    }
+    Ok(bytes)
+}
+
+/// Returns the content of such a file as text.
+///
+/// # Errors
+/// As [`read_bytes`], and a file that is not UTF-8 text.
+pub fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, limit)?).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+}
 
 /// A reader that fails once a line is longer than a limit, so that no line has to fit into memory whatever its length.
 pub struct BoundedLines<R> {
@@ -42,6 +65,14 @@ mod tests {
     fn read(text: &[u8], limit: usize) -> io::Result<Vec<u8>> {
         let mut all = Vec::new();
         BoundedLines::new(text, limit).read_to_end(&mut all).map(|_| all)
+    }
+
+    #[test]
+    fn a_text_up_to_the_limit() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "12345").unwrap();
+        assert_eq!(read_text(file.path(), 5).unwrap(), "12345");
+        assert!(read_text(file.path(), 4).unwrap_err().to_string().contains("more than 4 bytes"));
     }
 
     #[test]

@@ -3,9 +3,10 @@
 
 use super::Chain;
 use crate::error::SweepError;
+use crate::output;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -64,9 +65,8 @@ impl Journal {
             text += &serde_json::to_string(chain)?;
             text.push('\n');
         }
-        // An incomplete line at the end is removed.
-        std::fs::write(path, text).map_err(failed)?;
-        let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
+        // Without an incomplete line at the end; stopped at any moment, the finished chains stay on disk.
+        let file = output::replace(path, text.as_bytes()).map_err(failed)?;
         Ok(Self { file, path: path.to_owned(), done })
     }
 
